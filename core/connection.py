@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Connections: what an edge asks of the two nodes that it joins (paper, Def. 3.1 and Eqs. 2, 6).
+
+An edge e = (i, j) asks for ``phi_j = g_e phi_i``. On the circle g_e multiplies by ``exp(1j * angle)``
+after an optional complex conjugation (``flip``).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Connection:
+    """A weighted graph with one transport per edge.
+
+    Attributes
+    ----------
+    node_count : int
+    edges : (e, 2) int array, from i to j
+    weights : (e,) float array, positive
+    transports : (e,) complex array of unit modulus for U(1), or (e, d, d) orthogonal matrices for
+        any other subgroup of O(d); d = 1 is Z_2, d = 2 the circle with flips, d = 4 quaternions
+    """
+
+    node_count: int
+    edges: np.ndarray
+    weights: np.ndarray
+    transports: np.ndarray
+
+    @property
+    def block(self):
+        """Rows per node in coordinates: 1 complex row for U(1), d real rows otherwise."""
+        return 1 if self.transports.ndim == 1 else self.transports.shape[1]
+
+    def energy(self, phases):
+        """sum of w_e |phi_j - g_e phi_i|^2 (Eq. 17) for (n,) complex or (n, d) real values."""
+        i, j = self.edges.T
+        if self.transports.ndim == 1:
+            moved = self.transports * phases[i]
+        elif np.iscomplexobj(phases):
+            return self.energy(np.column_stack([phases.real, phases.imag]))
+        else:
+            moved = np.einsum("eab,eb->ea", self.transports, phases[i])
+        difference = phases[j] - moved
+        squares = (difference * difference.conj()).real.reshape(len(i), -1).sum(axis=1)
+        return float(self.weights @ squares)
+
+
+def circle_transports(angles, flips=None):
+    """Transports on the circle: complex where nothing flips, otherwise 2 x 2 matrices.
+
+    Parameters
+    ----------
+    angles : (e,) radians
+    flips : (e,) bool, conjugate before turning; optional
+    """
+    angles = np.asarray(angles, float)
+    if flips is None or not np.any(flips):
+        return np.exp(1j * angles)
+    cosine, sine = np.cos(angles), np.sin(angles)
+    sign = np.where(flips, -1.0, 1.0)
+    return np.stack([np.stack([cosine, -sine * sign], -1), np.stack([sine, cosine * sign], -1)], -2)
+
+
+def levi_civita(mesh, symmetry):
+    """Transport of the symmetry-th power of tangent vectors along the edges (Knöppel et al. 2013).
+
+    A vector at angle ``a`` in the plane of i points at ``a + theta_ij`` in the plane of j, where
+    theta_ij = direction(j -> i) + pi - direction(i -> j); its power turns ``symmetry`` times as far.
+
+    Returns
+    -------
+    (e,) radians, for the edges of ``mesh`` from the lower to the higher vertex
+    """
+    directions = mesh.edge_directions
+    return symmetry * (directions[:, 1] + np.pi - directions[:, 0])
+
+
+def line_flips(mesh, angles):
+    """Edges along which a line field, given by one unit vector at each vertex, changes its sign.
+
+    Parameters
+    ----------
+    angles : (n,) radians in the vertices' tangent planes
+
+    Returns
+    -------
+    (e,) bool: the vectors at the two ends disagree after transport (Knöppel et al. 2015, Section 3.2)
+    """
+    i, j = mesh.edges.T
+    return np.cos(angles[i] + levi_civita(mesh, 1) - angles[j]) < 0
+
+
+def stripe_rotations(mesh, angles, rates, flips):
+    """Phase change that a direction field asks for along each edge (Eq. 6).
+
+    The integral of v / hbar along the edge by the trapezoidal rule over its two ends; the edge lies
+    at known angles in both tangent planes, so that neighbouring faces agree by construction.
+
+    Parameters
+    ----------
+    angles : (n,) radians, direction in which the phase grows
+    rates : (n,) phase per unit length, |v| / hbar = 2 pi / spacing
+    flips : (e,) bool, from :func:`line_flips`, or all False for vectors
+
+    Returns
+    -------
+    (e,) angle of the transport ``phi_j = exp(1j * angle) * (conj if flip)(phi_i)``
+    """
+    i, j = mesh.edges.T
+    directions = mesh.edge_directions
+    sign = np.where(flips, -1.0, 1.0)
+    at_tail = rates[i] * np.cos(angles[i] - directions[:, 0])
+    at_head = -rates[j] * np.cos(angles[j] - directions[:, 1])
+    # In the sheet of i the head's vector counts with the sign; the result is in the sheet of j.
+    return sign * 0.5 * mesh.edge_lengths * (at_tail + sign * at_head)

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What can go wrong, in one line that names the element and the remedy."""
+
+import numpy as np
+
+
+class SynchError(Exception):
+    """Base of every error that a user can act on; its text is one line."""
+
+
+class MeshError(SynchError):
+    """The mesh cannot carry a field as it is."""
+
+
+class SettingError(SynchError):
+    """A setting is out of range or contradicts another."""
+
+
+class Cancelled(SynchError):
+    """The user stopped the computation; nothing may be written."""
+
+
+def name_elements(kind, indices):
+    """Name elements for a message: ``"vertex 7"``, ``"vertices 7, 9, 12 and 40 more"``."""
+    indices = np.atleast_1d(indices)
+    plural = {"vertex": "vertices"}.get(kind, kind + "s")
+    shown = ", ".join(str(i) for i in indices[:3])
+    if len(indices) == 1:
+        return f"{kind} {shown}"
+    return f"{plural} {shown}" + (f" and {len(indices) - 3} more" if len(indices) > 3 else "")

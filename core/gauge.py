@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Remove the flips of a graph that a choice of sheet at every node removes."""
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+
+def balance(node_count, edges, flips):
+    """Choose for every node whether to turn it over, so that as few components as possible keep flips.
+
+    An edge flips after the choice when ``flip ^ turned[i] ^ turned[j]``. A component whose loops all
+    carry an even number of flips is balanced: its flips vanish. Found on the double cover, where a
+    balanced component falls into two.
+
+    Parameters
+    ----------
+    node_count : int
+    edges : (e, 2) int array
+    flips : (e,) bool array
+
+    Returns
+    -------
+    turned : (node_count,) bool array, False throughout unbalanced components and at the first node
+        of each balanced one
+    balanced : (node_count,) bool array
+    """
+    i, j = np.asarray(edges).T
+    flips = np.asarray(flips, bool)
+    shift = np.where(flips, node_count, 0)
+    rows = np.concatenate([i, i + node_count])
+    columns = np.concatenate([j + shift, j + node_count - shift])
+    graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(2 * node_count, 2 * node_count))
+    _, sheets = connected_components(graph, directed=False)
+    front, back = sheets[:node_count], sheets[node_count:]
+    balanced = front != back
+    # The first node of a component has its front in the sheet with the lower label.
+    first_label = np.minimum(front, back)
+    turned = balanced & (front != first_label)
+    return turned, balanced

@@ -1,0 +1,6 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Domains on which fields live: connectivity, lengths, angles, areas and weights."""
+
+from .triangle_mesh import TriangleMesh
+
+__all__ = ["TriangleMesh"]

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Refuse meshes that cannot carry a field, naming the element and the remedy."""
+
+import numpy as np
+
+from ..errors import MeshError, name_elements
+from ..gauge import balance
+
+# A face whose area is below this share of its longest edge squared has no usable plane.
+FLAT_FACE = 1e-12
+
+
+def check_mesh(mesh, faces=None):
+    """Raise :class:`MeshError` with one line for the first defect found.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+    faces : (m,) int array, optional
+        The user's face of each triangle (a polygon of a Blender mesh); messages name these.
+    """
+    faces = np.arange(mesh.triangle_count) if faces is None else np.asarray(faces)
+    if mesh.vertex_count == 0:
+        raise MeshError("the mesh is empty: add some geometry first")
+    if mesh.triangle_count == 0:
+        raise MeshError("the mesh has no faces: a field lives on faces, so fill the outline (F) first")
+    _refuse_vertices(
+        mesh, ~np.isfinite(mesh.vertices).all(axis=1), "no finite position", "delete it or set its coordinates"
+    )
+    used = np.zeros(mesh.vertex_count, bool)
+    used[mesh.triangles] = True
+    _refuse_vertices(mesh, ~used, "no face", "remove it with Mesh > Clean Up > Delete Loose")
+    _refuse_faces(mesh, faces)
+    _refuse_edges(mesh, faces)
+    corners = np.bincount(mesh.triangles.ravel(), minlength=mesh.vertex_count)
+    _refuse_vertices(
+        mesh,
+        mesh.fan_corner_counts != corners,
+        "faces that touch only at this point",
+        "separate them with Mesh > Split > Faces & Edges by Vertices, or rip the vertex (V)",
+    )
+
+
+def _piece(mesh, vertex):
+    count = mesh.pieces.max() + 1
+    return f" (piece {mesh.pieces[vertex] + 1} of {count})" if count > 1 else ""
+
+
+def _refuse_vertices(mesh, bad, what, remedy):
+    bad = np.flatnonzero(bad)
+    if len(bad):
+        verb = "has" if len(bad) == 1 else "have"
+        raise MeshError(f"{name_elements('vertex', bad)} {verb} {what}{_piece(mesh, bad[0])}: {remedy}")
+
+
+def _refuse_faces(mesh, faces):
+    sorted_corners = np.sort(mesh.triangles, axis=1)
+    repeated = (np.diff(sorted_corners, axis=1) == 0).any(axis=1)
+    lengths = mesh.edge_lengths[mesh.triangle_edges].max(axis=1)
+    flat = np.zeros(faces.max() + 1)
+    np.add.at(flat, faces, mesh.areas)
+    reach = np.zeros(faces.max() + 1)
+    np.maximum.at(reach, faces, lengths**2)
+    flat = (flat <= FLAT_FACE * reach)[faces]
+    first = np.unique(sorted_corners, axis=0, return_index=True)[1]
+    duplicate = np.ones(len(faces), bool)
+    duplicate[first] = False
+    for bad, what, remedy in (
+        (repeated | flat, "no area", "Mesh > Clean Up > Degenerate Dissolve"),
+        (duplicate, "the same corners as another face", "Mesh > Clean Up > Merge by Distance"),
+    ):
+        if bad.any():
+            names = np.unique(faces[bad])
+            verb = "has" if len(names) == 1 else "have"
+            where = _piece(mesh, mesh.triangles[bad][0, 0])
+            raise MeshError(f"{name_elements('face', names)} {verb} {what}{where}: use {remedy}")
+
+
+def _refuse_edges(mesh, faces):
+    crowded = np.flatnonzero(mesh.edge_face_counts > 2)
+    if len(crowded):
+        i, j = mesh.edges[crowded[0]]
+        more = f" and {len(crowded) - 1} more" if len(crowded) > 1 else ""
+        raise MeshError(
+            f"the edge between vertices {i} and {j}{more} has {mesh.edge_face_counts[crowded[0]]} faces"
+            f"{_piece(mesh, i)}: keep two, see Select > All by Trait > Non Manifold"
+        )
+    inside = mesh.twins > np.arange(len(mesh.twins))
+    here, there = np.flatnonzero(inside), mesh.twins[inside]
+    signs = mesh.triangle_edge_signs.ravel()
+    clash = signs[here] == signs[there]
+    if not clash.any():
+        return
+    triangles = np.column_stack([here, there]) // 3
+    _, balanced = balance(mesh.triangle_count, triangles, clash)
+    i, j = mesh.edges[mesh.triangle_edges.ravel()[here[clash][0]]]
+    first, second = faces[triangles[clash][0]]
+    where = f"faces {first} and {second} at the edge between vertices {i} and {j}{_piece(mesh, i)}"
+    if balanced.all():
+        raise MeshError(f"{where} face opposite ways: use Mesh > Normals > Recalculate Outside")
+    raise MeshError(f"the surface is one-sided at {where}: cut it open along a loop of edges (Mesh > Split)")

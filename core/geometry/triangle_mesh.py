@@ -1,0 +1,258 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""An oriented triangle surface as arrays: any number of pieces, boundaries and handles.
+
+Half-edge ``h = 3 t + k`` runs in triangle ``t`` from its corner ``k`` to corner ``k + 1``. An edge
+``e = (i, j)`` is stored once with ``i < j``, and every quantity on edges (transport, flip, phase
+change) is meant in that direction.
+"""
+
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+# Cotangent weights are kept in this range: Eq. (2) needs them positive, and slivers would
+# otherwise outweigh the rest of the mesh by ten orders of magnitude.
+WEIGHT_RANGE = (1e-4, 1e4)
+
+
+class TriangleMesh:
+    """Vertices and triangles with everything derived from them, computed when first asked for.
+
+    Parameters
+    ----------
+    vertices : (n, 3) float array, in scene units
+    triangles : (m, 3) int array, wound consistently (see :func:`check_mesh`)
+    """
+
+    def __init__(self, vertices, triangles):
+        self.vertices = np.ascontiguousarray(vertices, dtype=np.float64).reshape(-1, 3)
+        self.triangles = np.ascontiguousarray(triangles, dtype=np.int64).reshape(-1, 3)
+
+    @property
+    def vertex_count(self):
+        return len(self.vertices)
+
+    @property
+    def triangle_count(self):
+        return len(self.triangles)
+
+    # Connectivity
+
+    @cached_property
+    def _edge_data(self):
+        tails = self.triangles.ravel()
+        heads = self.triangles[:, [1, 2, 0]].ravel()
+        low, high = np.minimum(tails, heads), np.maximum(tails, heads)
+        keys, inverse = np.unique(low * self.vertex_count + high, return_inverse=True)
+        edges = np.column_stack(np.divmod(keys, max(self.vertex_count, 1)))
+        return edges, inverse.reshape(-1), tails == low
+
+    @property
+    def edges(self):
+        """(e, 2) vertex indices, the lower one first, sorted."""
+        return self._edge_data[0]
+
+    @property
+    def triangle_edges(self):
+        """(m, 3) edge from corner k to corner k + 1."""
+        return self._edge_data[1].reshape(-1, 3)
+
+    @property
+    def triangle_edge_signs(self):
+        """(m, 3) +1 where the triangle runs along the edge's stored direction, else -1."""
+        return np.where(self._edge_data[2], 1, -1).reshape(-1, 3)
+
+    @cached_property
+    def edge_face_counts(self):
+        """(e,) number of triangles at each edge: 1 on the boundary, 2 inside."""
+        return np.bincount(self._edge_data[1], minlength=len(self.edges))
+
+    @property
+    def boundary_edges(self):
+        """Indices of the edges that have one triangle only."""
+        return np.flatnonzero(self.edge_face_counts == 1)
+
+    @cached_property
+    def boundary_vertices(self):
+        """(n,) bool."""
+        mask = np.zeros(self.vertex_count, bool)
+        mask[self.edges[self.boundary_edges]] = True
+        return mask
+
+    @cached_property
+    def twins(self):
+        """(3 m,) the opposite half-edge, -1 on the boundary; needs a manifold mesh."""
+        halves = np.argsort(self._edge_data[1], kind="stable")
+        twins = np.full(3 * self.triangle_count, -1)
+        first = np.concatenate([[0], np.cumsum(self.edge_face_counts)[:-1]])[self.edge_face_counts == 2]
+        twins[halves[first]], twins[halves[first + 1]] = halves[first + 1], halves[first]
+        return twins
+
+    @cached_property
+    def pieces(self):
+        """(n,) label of the connected piece of each vertex."""
+        i, j = self.edges.T
+        graph = coo_matrix((np.ones(len(i)), (i, j)), shape=(self.vertex_count, self.vertex_count))
+        return connected_components(graph, directed=False)[1]
+
+    @property
+    def euler_characteristic(self):
+        """V - E + F over all pieces."""
+        return self.vertex_count - len(self.edges) + self.triangle_count
+
+    # Lengths, angles and areas
+
+    @cached_property
+    def edge_vectors(self):
+        """(e, 3) from the lower to the higher vertex."""
+        return self.vertices[self.edges[:, 1]] - self.vertices[self.edges[:, 0]]
+
+    @cached_property
+    def edge_lengths(self):
+        """(e,)"""
+        return np.linalg.norm(self.edge_vectors, axis=1)
+
+    @cached_property
+    def _corner_products(self):
+        """Per corner: dot product of its two edge vectors, and twice the triangle's area."""
+        corners = self.vertices[self.triangles]
+        forward = np.roll(corners, -1, axis=1) - corners
+        backward = np.roll(corners, 1, axis=1) - corners
+        dots = np.einsum("tkx,tkx->tk", forward, backward)
+        return dots, np.linalg.norm(np.cross(forward[:, 0], backward[:, 0]), axis=1)[:, None]
+
+    @cached_property
+    def corner_angles(self):
+        """(m, 3) interior angles, radians."""
+        dots, double_areas = self._corner_products
+        return np.arctan2(double_areas, dots)
+
+    @cached_property
+    def areas(self):
+        """(m,)"""
+        return 0.5 * self._corner_products[1][:, 0]
+
+    @cached_property
+    def face_normals(self):
+        """(m, 3) unit normals; zero for a triangle without area."""
+        a, b, c = np.moveaxis(self.vertices[self.triangles], 1, 0)
+        return _normalized(np.cross(b - a, c - a))
+
+    @cached_property
+    def vertex_normals(self):
+        """(n, 3) unit normals, averaged by corner angle."""
+        weighted = (self.corner_angles[:, :, None] * self.face_normals[:, None]).reshape(-1, 3)
+        return _normalized(self._sum_at_vertices(weighted))
+
+    @cached_property
+    def vertex_masses(self):
+        """(n,) a third of the area around each vertex, positive."""
+        masses = self._sum_at_vertices(np.repeat(self.areas / 3, 3))
+        return np.maximum(masses, 1e-9 * masses.mean())
+
+    @cached_property
+    def weights(self):
+        """(e,) cotangent weights (cot a + cot b) / 2, kept within ``WEIGHT_RANGE``."""
+        dots, double_areas = self._corner_products
+        cotangents = dots / np.maximum(double_areas, np.finfo(float).tiny)
+        opposite = cotangents[:, [2, 0, 1]].ravel()
+        sums = np.bincount(self._edge_data[1], weights=0.5 * opposite, minlength=len(self.edges))
+        return np.clip(sums, *WEIGHT_RANGE)
+
+    # Rescaled tangent planes (Knöppel et al. 2013, Section 3.1)
+
+    @cached_property
+    def angle_scales(self):
+        """(n,) factor that makes the angles around an interior vertex sum to 2 pi.
+
+        Boundary vertices keep their angles, so that a flat domain stays flat up to its rim.
+        """
+        sums = self._sum_at_vertices(self.corner_angles.ravel())
+        return np.where(self.boundary_vertices, 1.0, 2 * np.pi / np.where(sums > 0, sums, 1))
+
+    @cached_property
+    def scaled_angles(self):
+        """(m, 3) corner angles after rescaling; they define the discrete connection's curvature."""
+        return self.corner_angles * self.angle_scales[self.triangles]
+
+    @cached_property
+    def _fans(self):
+        """Walk all vertex fans at once: half-edge angles, first half-edges, corners met."""
+        tails = self.triangles.ravel()
+        angles = self.scaled_angles.ravel()
+        halves = np.arange(len(tails))
+        previous = halves - halves % 3 + (halves + 2) % 3
+        starts = np.full(self.vertex_count, -1)
+        starts[tails[::-1]] = halves[::-1]
+        open_starts = halves[self.twins < 0]
+        starts[tails[open_starts]] = open_starts
+
+        directions = np.zeros(len(tails))
+        met = np.zeros(self.vertex_count, int)
+        current = starts[starts >= 0]
+        total = np.zeros(len(current))
+        first = current.copy()
+        while len(current):
+            met[tails[current]] += 1
+            total = total + angles[current]
+            following = self.twins[previous[current]]
+            going = (following >= 0) & (following != first)
+            current, total, first = following[going], total[going], first[going]
+            directions[current] = total
+        return directions, starts, met
+
+    @property
+    def fan_corner_counts(self):
+        """(n,) corners met on one walk around each vertex: fewer than its corners at a bow-tie."""
+        return self._fans[2]
+
+    @cached_property
+    def edge_directions(self):
+        """(e, 2) angle of the edge in the tangent plane of its lower vertex, and of the reversed
+        edge in that of its higher vertex; counterclockwise from each vertex's reference edge."""
+        at_tail = self._fans[0]
+        halves = np.arange(len(at_tail))
+        following = halves - halves % 3 + (halves + 1) % 3
+        at_head = at_tail[following] + self.scaled_angles.ravel()[following]
+        directions = np.zeros((len(self.edges), 2))
+        edge, forward = self._edge_data[1], self._edge_data[2]
+        directions[edge[forward]] = np.column_stack([at_tail, at_head])[forward]
+        backward = ~forward & (self.edge_face_counts[edge] == 1)
+        directions[edge[backward]] = np.column_stack([at_head, at_tail])[backward]
+        return directions
+
+    @cached_property
+    def tangent_frames(self):
+        """Two (n, 3) arrays: the reference direction of each vertex (its reference edge, projected)
+        and the direction a quarter turn counterclockwise from it."""
+        starts = self._fans[1]
+        used = starts >= 0
+        references = np.zeros((self.vertex_count, 3))
+        tails = self.triangles.ravel()
+        heads = self.triangles[:, [1, 2, 0]].ravel()
+        references[used] = self.vertices[heads[starts[used]]] - self.vertices[tails[starts[used]]]
+        normals = self.vertex_normals
+        references -= np.einsum("ij,ij->i", references, normals)[:, None] * normals
+        x = _normalized(references)
+        return x, np.cross(normals, x)
+
+    @cached_property
+    def face_curvatures(self):
+        """(m,) curvature that the rescaled tangent planes assign to each triangle; sums to 2 pi chi
+        on a closed mesh."""
+        return self.scaled_angles.sum(axis=1) - np.pi
+
+    def _sum_at_vertices(self, corner_values):
+        """Sum (3 m,) or (3 m, k) corner values at their vertices."""
+        corners = self.triangles.ravel()
+        if corner_values.ndim == 1:
+            return np.bincount(corners, weights=corner_values, minlength=self.vertex_count)
+        columns = [np.bincount(corners, weights=c, minlength=self.vertex_count) for c in corner_values.T]
+        return np.column_stack(columns)
+
+
+def _normalized(vectors):
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0)

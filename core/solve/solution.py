@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a solve is asked and what it answers."""
+
+import time
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from enum import Enum
+
+import numpy as np
+
+METHODS = ("sdp", "spectral", "diffusion")
+ROUNDINGS = ("continuation", "polish", "random", "svd")
+
+
+class Status(Enum):
+    """How far a solve came."""
+
+    CERTIFIED = "certified"
+    TARGET_GAP_NOT_REACHED = "target gap not reached"
+    MAX_RANK = "largest rank reached"
+    TIME_LIMIT = "time limit"
+    UNCERTIFIED = "no bound asked"
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to solve.
+
+    Attributes
+    ----------
+    method : "sdp", "spectral" or "diffusion"
+    rounding : how the lifted field of "sdp" becomes phases: "svd"; "random", the best of ``samples``
+        projections (Eq. 29); "polish", those followed by descent; "continuation", the default,
+        with a seeded continuation between
+    target_gap : relative gap between the relaxation's value and its lower bound
+    samples : random projections tried
+    kept : candidates carried on from the best projections
+    seed : of every random choice
+    time_limit : seconds, or None
+    """
+
+    method: str = "sdp"
+    rounding: str = "continuation"
+    target_gap: float = 1e-3
+    samples: int = 64
+    kept: int = 8
+    seed: int = 0
+    time_limit: float | None = None
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Phases with their quality.
+
+    Attributes
+    ----------
+    phases : (n,) complex on the circle, else (n, d)
+    energy : of the phases, by Eq. (17)
+    lower_bound : no phases have less energy; 0 when no bound was asked
+    sdp_value : of the relaxation (22); None for other methods
+    certificate : "proved", "estimated" or "none"
+    status : Status
+    rank : columns of the lifted field
+    singular_values : of the lifted field, descending, of the largest piece
+    lifted : (N, rank) lifted field in the coordinates of ``problem.factor``, or None
+    spectral_bound : the weaker bound of Eq. (23), when the spectral relaxation was solved
+    iterations, products : descent steps, and columns multiplied by L
+    times : seconds by phase of the work
+    """
+
+    phases: np.ndarray
+    energy: float
+    lower_bound: float
+    sdp_value: float | None
+    certificate: str
+    status: Status
+    rank: int
+    singular_values: np.ndarray
+    lifted: np.ndarray | None
+    spectral_bound: float | None
+    iterations: int
+    products: int
+    times: dict = field(default_factory=dict)
+
+    @property
+    def gap(self):
+        """(energy - lower bound) / energy: at most this share of the energy could be saved."""
+        return relative_gap(self.energy, self.lower_bound)
+
+    @property
+    def sdp_gap(self):
+        """(sdp value - lower bound) / sdp value, None without a relaxation."""
+        return None if self.sdp_value is None else relative_gap(self.sdp_value, self.lower_bound)
+
+
+def relative_gap(value, bound):
+    """Share of ``value`` above ``bound``; 0 for a perfect fit, whose energy is rounding noise."""
+    return 0.0 if value <= 1e-12 else (value - bound) / value
+
+
+class Clock:
+    """Seconds spent by named phase: ``with clock("relax"): ...``."""
+
+    def __init__(self):
+        self.seconds = {}
+
+    @contextmanager
+    def __call__(self, phase):
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[phase] = self.seconds.get(phase, 0.0) + time.perf_counter() - start
