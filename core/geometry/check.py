@@ -13,6 +13,8 @@ FLAT_FACE = 1e-12
 def check_mesh(mesh, faces=None):
     """Raise :class:`MeshError` with one line for the first defect found.
 
+    Loose vertices are harmless: they carry no field (see :attr:`TriangleMesh.loose_vertices`).
+
     Parameters
     ----------
     mesh : TriangleMesh
@@ -27,9 +29,6 @@ def check_mesh(mesh, faces=None):
     _refuse_vertices(
         mesh, ~np.isfinite(mesh.vertices).all(axis=1), "no finite position", "delete it or set its coordinates"
     )
-    used = np.zeros(mesh.vertex_count, bool)
-    used[mesh.triangles] = True
-    _refuse_vertices(mesh, ~used, "no face", "remove it with Mesh > Clean Up > Delete Loose")
     _refuse_faces(mesh, faces)
     _refuse_edges(mesh, faces)
     corners = np.bincount(mesh.triangles.ravel(), minlength=mesh.vertex_count)
@@ -42,8 +41,8 @@ def check_mesh(mesh, faces=None):
 
 
 def _piece(mesh, vertex):
-    count = mesh.pieces.max() + 1
-    return f" (piece {mesh.pieces[vertex] + 1} of {count})" if count > 1 else ""
+    count = len(np.unique(mesh.pieces[mesh.triangles[:, 0]]))
+    return f" (in the piece of vertex {np.flatnonzero(mesh.pieces == mesh.pieces[vertex])[0]}, one of {count})" if count > 1 else ""
 
 
 def _refuse_vertices(mesh, bad, what, remedy):

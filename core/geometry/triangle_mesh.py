@@ -97,10 +97,15 @@ class TriangleMesh:
         graph = coo_matrix((np.ones(len(i)), (i, j)), shape=(self.vertex_count, self.vertex_count))
         return connected_components(graph, directed=False)[1]
 
+    @cached_property
+    def loose_vertices(self):
+        """Indices of the vertices without a face; they carry no field."""
+        return np.flatnonzero(np.bincount(self.triangles.ravel(), minlength=self.vertex_count) == 0)
+
     @property
     def euler_characteristic(self):
-        """V - E + F over all pieces."""
-        return self.vertex_count - len(self.edges) + self.triangle_count
+        """V - E + F over all pieces, loose vertices left out."""
+        return self.vertex_count - len(self.loose_vertices) - len(self.edges) + self.triangle_count
 
     # Lengths, angles and areas
 

@@ -1,0 +1,61 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test test-slow lint extension environment clean
+
+# The Pythons that a bpy wheel exists for, in order of preference.
+VERSIONS ?= 3.13 3.11
+VENV ?= .venv
+
+# A candidate counts when it runs (a pyenv shim may exist and fail), is a wanted version and can make environments.
+pyenv_folder = $(or $(PYENV_ROOT),$(HOME)/.pyenv)/versions
+pyenv_pythons = $(foreach v,$(VERSIONS),$(wildcard $(pyenv_folder)/$(v).*/bin/python))
+PYTHON ?= $(VERSIONS:%=python%) python3 $(pyenv_pythons)
+check_python = import ensurepip, sys, venv; "%d.%d" % sys.version_info[:2] in sys.argv or sys.exit(1); print(sys.executable)
+find_python = $(shell for p in $(PYTHON); do "$$p" -c '$(check_python)' $(VERSIONS) 2>/dev/null && break; done)
+
+environment = $(VENV)/.up-to-date
+python = $(VENV)/bin/python
+
+help:
+	@echo 'make demo         stripes on a sample mesh: out/demo.blend, out/demo.png, out/demo.json'
+	@echo 'make test         the tests that take seconds'
+	@echo 'make test-slow    the other tests'
+	@echo 'make lint         ruff (rules and format) and mypy'
+	@echo 'make extension    the zip for Blender in out/; WHEELS=1 bundles SciPy, one zip for each platform'
+	@echo 'make environment  $(VENV) with Blender as a Python module; the other targets make it on demand'
+	@echo 'make clean        remove outputs and caches, keep the environment'
+	@echo 'Settings: PYTHON=path/to/python3.13, VENV=folder'
+
+demo: $(environment)
+	mkdir -p out
+	$(python) -m synch_fields demo
+
+test: $(environment)
+	$(python) -m pytest -m 'not slow'
+
+test-slow: $(environment)
+	$(python) -m pytest -m slow
+
+lint: $(environment)
+	$(python) -m ruff check
+	$(python) -m ruff format --check
+	$(python) -m mypy core
+
+extension: $(environment)
+	$(python) tools/extension.py $(if $(WHEELS),--wheels)
+
+environment: $(environment)
+
+$(environment): pyproject.toml
+	$(eval found := $(find_python))
+	$(if $(found),,$(error no working Python $(subst $() , or ,$(strip $(VERSIONS))) found: install one or name it with PYTHON=path))
+	test -x $(python) || "$(found)" -m venv $(VENV)
+	$(python) -m pip install --quiet --disable-pip-version-check --editable '.[blender,test,lint]'
+	touch $@
+
+clean:
+	rm -rf out build *.egg-info .pytest_cache .ruff_cache .mypy_cache
+	find core synch_addon tests tools -name __pycache__ -prune -exec rm -rf {} +
+	rm -rf __pycache__

@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Principal curvature directions at vertices, from the dihedral angles around them."""
+
+import numpy as np
+
+
+def principal_directions(mesh, symmetry, largest=True):
+    """Powers of a principal direction and how strongly each vertex should follow it.
+
+    The traceless part of the curvature tensor, the sum of dihedral angle times edge length over the
+    edges around a vertex (Knöppel et al. 2013, Section 5; Cohen-Steiner and Morvan 2003), is
+    averaged once over the neighbours. Curvature is positive where the surface bends away from its normal,
+    and "largest" means largest with its sign.
+
+    Returns
+    -------
+    values : (n,) complex, the direction's ``symmetry``-th power, unit modulus
+    weights : (n,) mass * (k1 - k2)^2: free of units, zero on flat and umbilic parts
+    """
+    edge_angles = _dihedral_angles(mesh) * mesh.edge_lengths
+    i, j = mesh.edges.T
+    turn = np.exp(2j * mesh.edge_directions)
+    # A bent edge has no curvature along itself: its tensor's traceless part points across it.
+    at_vertices = np.zeros(mesh.vertex_count, complex)
+    np.add.at(at_vertices, i, -0.5 * edge_angles * turn[:, 0])
+    np.add.at(at_vertices, j, -0.5 * edge_angles * turn[:, 1])
+    transport = np.exp(2j * (mesh.edge_directions[:, 1] + np.pi - mesh.edge_directions[:, 0]))
+    totals, masses = at_vertices.copy(), mesh.vertex_masses.copy()
+    np.add.at(totals, j, transport * at_vertices[i])
+    np.add.at(totals, i, transport.conj() * at_vertices[j])
+    np.add.at(masses, j, mesh.vertex_masses[i])
+    np.add.at(masses, i, mesh.vertex_masses[j])
+    difference = totals / masses  # (k1 - k2) exp(2 i angle of k1)
+    angles = np.angle(difference) / 2 + (0 if largest else np.pi / 2)
+    weights = mesh.vertex_masses * np.abs(difference) ** 2
+    # What rounding of the coordinates bends is not curvature.
+    weights[np.abs(difference) < 1e-5 / np.sqrt(mesh.areas.sum())] = 0
+    return np.exp(1j * symmetry * angles), weights
+
+
+def _dihedral_angles(mesh):
+    """(e,) signed angle between the two faces of an edge, positive at ridges; 0 on the boundary."""
+    halves = np.flatnonzero((mesh.twins >= 0) & (mesh.triangle_edge_signs.ravel() > 0))
+    left, right = mesh.face_normals[halves // 3], mesh.face_normals[mesh.twins[halves] // 3]
+    edge = mesh.triangle_edges.ravel()[halves]
+    along = mesh.edge_vectors[edge] / mesh.edge_lengths[edge, None]
+    sine = np.einsum("ij,ij->i", np.cross(left, right), along)
+    angles = np.zeros(len(mesh.edges))
+    # Seen along the edge the left face's normal turns clockwise into the right one's at a ridge.
+    angles[edge] = -np.arctan2(sine, np.einsum("ij,ij->i", left, right))
+    return angles

@@ -1,0 +1,38 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tests inside Blender: the extension registered once from the source tree, a clean scene before each test."""
+
+import importlib.util
+
+import pytest
+
+
+class _SkippedModule(pytest.Module):
+    def collect(self):
+        pytest.skip("bpy is not installed", allow_module_level=True)
+
+
+def pytest_pycollect_makemodule(module_path, parent):
+    """Skip every module here where there is no bpy, so that they may import it at their top."""
+    if importlib.util.find_spec("bpy") is None:
+        return _SkippedModule.from_parent(parent, path=module_path)
+    return None
+
+
+@pytest.fixture(scope="session")
+def extension():
+    """The package `synch_fields`, registered in this Blender from the source tree."""
+    import synch_fields
+
+    synch_fields.register()
+    yield synch_fields
+    synch_fields.unregister()
+
+
+@pytest.fixture(autouse=True)
+def blender(extension):
+    """bpy with an empty scene and the extension's operators registered."""
+    import bpy
+
+    bpy.ops.wm.read_homefile(use_empty=True)
+    return bpy
