@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The Python API: ``directions`` and ``stripes`` on a mesh object, shared by operators and command line.
+
+Each gathers arrays, calls the core, and only then writes; an error or a cancellation leaves the
+scene as it was. Both return the report that the command line writes as JSON.
+"""
+
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ..core.errors import SettingError, SynchError
+from ..core.fields import DirectionWishes, direction_field, given_directions, stripe_pattern
+from ..core.fields.directions import SYMMETRIES
+from ..core.fields.stripes import check_spacing, coarse_edge_share
+from . import scene_io, write
+from .report import Report
+from .settings import Settings, from_names
+
+# Automatic spacing: this many stripes across the object, and at least this many edges to a stripe.
+STRIPES_ACROSS = 40
+EDGES_PER_STRIPE = 4
+# Warn when more than this share of the edges turn the phase by more than half a period.
+COARSE_SHARE = 0.01
+
+
+def directions(obj, callback=None, **settings):
+    """Solve a direction field on a mesh object and write it as attributes and empties.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+    callback : callable(stage, fraction) -> bool, optional; False cancels
+    settings : see :class:`Settings`; spacing does not count
+
+    Returns
+    -------
+    dict, the report
+
+    Raises
+    ------
+    SynchError
+        with one line that names the element and the remedy; nothing is written
+    """
+    return run("directions", obj, from_names(settings), callback)
+
+
+def stripes(obj, callback=None, **settings):
+    """Solve a stripe pattern along a direction field and write attributes, material and empties.
+
+    Parameters, result and errors as :func:`directions`.
+    """
+    return run("stripes", obj, from_names(settings), callback)
+
+
+def run(command, obj, settings, callback=None):
+    """Run "directions" or "stripes" with ready :class:`Settings`."""
+    reason = scene_io.refusal(obj)
+    if reason:
+        raise SynchError(reason)
+    with _object_mode(obj):
+        report = Report(command, obj, settings)
+        with report.clock("read"):
+            task = gather(obj, settings)
+            report.warn_about(obj, task)
+        field = solve_directions(task, callback if command == "directions" else _portion(callback, 0.0, 0.4))
+        pattern = None
+        if command == "stripes":
+            pattern = solve_stripes(task, field, report, _portion(callback, 0.4, 0.6))
+        with report.clock("write"):
+            defects = write.results(obj, task, field, pattern, report)
+        return report.finish(field, pattern, defects)
+
+
+@dataclass(frozen=True)
+class Task:
+    """All that is read from the scene before solving."""
+
+    given: scene_io.MeshInput
+    settings: Settings
+    guide: np.ndarray | None
+    boundary_vertices: np.ndarray | None
+    spacing: float
+
+
+def gather(obj, settings):
+    """Read what the settings ask for; refuse what cannot be."""
+    given = scene_io.read_mesh(obj)
+    spacing = automatic_spacing(given.mesh) if settings.spacing is None else settings.spacing
+    check_spacing(given.mesh, spacing)
+    by_attribute = settings.guidance == "attribute"
+    guide = scene_io.read_vectors(obj, settings.attribute, given) if by_attribute else None
+    has_group = settings.boundary != "free" and settings.vertex_group
+    group = scene_io.read_group(obj, settings.vertex_group) if has_group else None
+    return Task(given, settings, guide, group, spacing)
+
+
+def solve_directions(task, callback):
+    """The :class:`DirectionField` of a task, turned by its angle."""
+    mesh, settings = task.given.mesh, task.settings
+    symmetry = SYMMETRIES[settings.symmetry]
+    if task.guide is not None:
+        return given_directions(mesh, symmetry, task.guide).turned(settings.angle)
+    wishes = DirectionWishes(settings.guidance, settings.boundary, task.boundary_vertices)
+    return direction_field(mesh, symmetry, wishes, settings.options, callback).turned(settings.angle)
+
+
+def solve_stripes(task, field, report, callback):
+    """The :class:`StripePattern` of a task along a field."""
+    mesh, settings = task.given.mesh, task.settings
+    if field.symmetry > 2:
+        raise SettingError("stripes need a vector or line field: set the symmetry to vector or line")
+    share = coarse_edge_share(mesh, field, task.spacing)
+    if share > COARSE_SHARE:
+        report.warn(
+            f"the spacing {task.spacing:g} is finer than the mesh can carry on {share:.0%} of its edges: "
+            f"it needs edges shorter than {task.spacing / 2:.3g}, subdivide or remesh"
+        )
+    return stripe_pattern(
+        mesh, field, task.spacing, settings.boundary == "phase", task.boundary_vertices, settings.options, callback
+    )
+
+
+def automatic_spacing(mesh):
+    """About forty stripes across the object, or as many as its edges can carry."""
+    size = np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max()
+    return float(max(size / STRIPES_ACROSS, EDGES_PER_STRIPE * np.median(mesh.edge_lengths)))
+
+
+def _portion(callback, start, share):
+    """A callback for a part of the whole work."""
+    if callback is None:
+        return None
+    return lambda stage, fraction: callback(stage, start + share * fraction)
+
+
+@contextmanager
+def _object_mode(obj):
+    """Leave edit mode while attributes are read and written, and come back to it."""
+    editing = obj.mode == "EDIT"
+    if editing:
+        bpy.ops.object.mode_set(mode="OBJECT")
+    try:
+        yield
+    finally:
+        if editing:
+            bpy.ops.object.mode_set(mode="EDIT")

@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line, inside Blender and from the bpy wheel.
+
+    blender -b file.blend --command synch stripes --object Body --spacing 0.05 --output out.blend
+    python -m synch_fields stripes mesh.obj --spacing 0.05 --output out.blend --render out.png --report out.json
+
+Progress goes to stderr, nothing but the result to stdout. The exit status is 0 only when everything that
+was asked for has been written; every failure is one line.
+"""
+
+import argparse
+import json
+import math
+import sys
+from pathlib import Path
+
+import bpy
+
+from ..core.errors import SettingError, SynchError
+from . import api, files
+from .demo import add_demo_object
+from .info import describe
+from .quiet import quiet_stdout
+from .report import failure, summary
+from .settings import BOUNDARIES, METHODS, SYMMETRIES, Settings
+
+_command = None
+
+
+def main(arguments, loaded=False):
+    """Run a command line; ``loaded`` tells that Blender has opened the file already. Exit status."""
+    parser = _parser(loaded)
+    try:
+        options = parser.parse_args(arguments)
+    except SystemExit as stop:
+        return stop.code or 0
+    with quiet_stdout() as out:
+        try:
+            report, lines = _COMMANDS[options.command](options, loaded)
+        except SynchError as error:
+            return _fail(options, str(error))
+        except OSError as error:
+            return _fail(options, f"{error.filename or 'a file'}: {error.strerror or error}")
+        except RuntimeError as error:  # what an importer or exporter of Blender reports
+            return _fail(options, " ".join(str(error).split()))
+        if getattr(options, "report", None):
+            _write_json(options.report, report)
+        print("\n".join(lines), file=out)
+    return 0
+
+
+def _fail(options, line):
+    print(f"synch {options.command}: {line}", file=sys.stderr)
+    if getattr(options, "report", None):
+        settings = {k: v for k, v in vars(options).items() if isinstance(v, str | int | float | None)}
+        try:
+            _write_json(options.report, failure(options.command, settings, line))
+        except OSError as error:
+            print(f"synch {options.command}: {options.report}: {error.strerror}", file=sys.stderr)
+    return 1
+
+
+# Commands
+
+
+def _run_field(options, loaded):
+    settings = _settings(options)
+    files.check_outputs(options.output, options.render, options.report)
+    if not (loaded or options.input):
+        raise SettingError("no input: name a .blend, .obj, .ply, .stl or .glb file")
+    obj = _open(options, loaded)
+    report = api.run(options.command, obj, settings, None if options.quiet else _show_progress)
+    return _deliver(obj, report, options)
+
+
+def _run_demo(options, loaded):
+    folder = Path(options.folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, suffix in (("output", ".blend"), ("render", ".png"), ("report", ".json")):
+        setattr(options, name, str(folder / f"demo{suffix}"))
+    bpy.ops.wm.read_homefile(use_empty=True)
+    obj = add_demo_object()
+    report = api.run("stripes", obj, Settings(symmetry="line"), None if options.quiet else _show_progress)
+    return _deliver(obj, report, options)
+
+
+def _run_info(options, loaded):
+    if not (loaded or options.input):
+        raise SettingError("no input: name a .blend, .obj, .ply, .stl or .glb file")
+    return describe(_open(options, loaded))
+
+
+_COMMANDS = {"directions": _run_field, "stripes": _run_field, "demo": _run_demo, "info": _run_info}
+
+
+def _open(options, loaded):
+    if options.input:
+        files.open_input(options.input)
+    elif not loaded:
+        raise SettingError("no input file: name one")
+    return files.choose_object(options.object)
+
+
+def _deliver(obj, report, options):
+    written = []
+    if options.output:
+        written.append(files.save_blend(options.output))
+    if options.render:
+        from .render import render_picture
+
+        written.append(str(render_picture(obj, options.render)))
+    if options.report:
+        written.append(options.report)
+    warnings = [f"warning: {line}" for line in report["warnings"]]
+    return report, summary(report) + warnings + [f"wrote {path}" for path in written]
+
+
+def _settings(options):
+    guidance, _, attribute = options.guidance.partition(":")
+    return Settings(
+        symmetry=options.symmetry,
+        guidance=guidance,
+        attribute=attribute,
+        angle=math.radians(options.angle),
+        boundary=options.boundary,
+        vertex_group=options.vertex_group,
+        spacing=getattr(options, "spacing", None),
+        method=options.method,
+        seed=options.seed,
+        target_gap=options.target_gap,
+        time_limit=options.time_limit,
+        assign_material=True,
+    )
+
+
+def _show_progress(stage, fraction):
+    line = f"{stage} {fraction:.0%}"
+    if sys.stderr.isatty():
+        print(f"\r{line:<40}", end="", file=sys.stderr, flush=True)
+    elif line != _show_progress.last:
+        print(line, file=sys.stderr)
+    _show_progress.last = line
+    return True
+
+
+_show_progress.last = ""
+
+
+def _write_json(path, report):
+    Path(path).write_text(json.dumps(report, indent=2) + "\n")
+
+
+# Parser
+
+
+def _parser(loaded):
+    parser = argparse.ArgumentParser(
+        prog="blender --command synch" if loaded else "python -m synch_fields",
+        description="Stripes and direction fields with a proved optimality gap.",
+    )
+    commands = parser.add_subparsers(dest="command", required=True, metavar="command")
+    for name, tip in (
+        ("stripes", "evenly spaced stripes along a direction field"),
+        ("directions", "a direction field"),
+    ):
+        command = commands.add_parser(name, help=tip, description=f"Solve {tip} on a mesh.")
+        _add_input(command)
+        _add_settings(command, spacing=name == "stripes")
+        command.add_argument("--output", metavar="FILE.blend", help="save the scene with the result")
+        command.add_argument("--render", metavar="FILE.png", help="render a picture of the result")
+        command.add_argument("--report", metavar="FILE.json", help="write energies, bounds, defects and times")
+        command.add_argument("--quiet", action="store_true", help="no progress on stderr")
+    command = commands.add_parser("info", help="what a mesh can carry", description="Describe a mesh.")
+    _add_input(command)
+    command.add_argument("--report", metavar="FILE.json", help="write the same as JSON")
+    command = commands.add_parser("demo", help="stripes on Suzanne", description="Stripes on a remeshed Suzanne.")
+    command.add_argument("--folder", default="out", help="where demo.blend, demo.png and demo.json go (%(default)s)")
+    command.add_argument("--quiet", action="store_true", help="no progress on stderr")
+    return parser
+
+
+def _add_input(command):
+    command.add_argument("input", nargs="?", help=".blend, .obj, .ply, .stl or .glb; default: the file that is open")
+    command.add_argument("--object", metavar="NAME", help="which mesh object, where the file has several")
+
+
+def _add_settings(command, spacing):
+    default = Settings()
+    if spacing:
+        command.add_argument("--spacing", type=float, metavar="LENGTH", help="between stripes; default: automatic")
+    command.add_argument("--symmetry", choices=tuple(SYMMETRIES), default=default.symmetry)
+    command.add_argument(
+        "--guidance", default=default.guidance, help="smooth, curvature-max, curvature-min or attribute:NAME"
+    )
+    command.add_argument("--angle", type=float, default=0.0, metavar="DEG", help="turn the directions")
+    command.add_argument("--boundary", choices=BOUNDARIES, default=default.boundary)
+    command.add_argument("--vertex-group", default="", metavar="NAME", help="restrict the boundary to this group")
+    command.add_argument("--method", choices=METHODS, default=default.method)
+    command.add_argument("--seed", type=int, default=default.seed)
+    command.add_argument("--target-gap", type=float, default=default.target_gap, metavar="X")
+    command.add_argument("--time-limit", type=float, metavar="SECONDS", help="for each solve")
+
+
+def register():
+    global _command
+    _command = bpy.utils.register_cli_command("synch", lambda arguments: main(arguments, loaded=True))
+
+
+def unregister():
+    bpy.utils.unregister_cli_command(_command)

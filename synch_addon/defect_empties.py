@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Defects of a field as empties: one for each, parented to the object, coloured by its sign."""
+
+from collections.abc import Iterable
+from fractions import Fraction
+from typing import NamedTuple
+
+import bpy
+from mathutils import Matrix, Vector
+
+KINDS = ("disclination", "dislocation")
+COLLECTION_NAME = "Synch Defects"
+
+_KIND, _INDEX, _FACE = "synch_kind", "synch_index", "synch_face"
+# On our collections: "scene" for the one that holds all, "object" for the one of an object.
+_MARK = "synch_defects"
+# (positive, negative): warm and cool, the dislocations further apart in hue from the stripes.
+_COLORS = {
+    "disclination": ((1.0, 0.19, 0.05, 1.0), (0.02, 0.32, 1.0, 1.0)),
+    "dislocation": ((1.0, 0.55, 0.0, 1.0), (0.0, 0.65, 0.55, 1.0)),
+}
+_DISPLAY = {"disclination": ("SPHERE", 0.3), "dislocation": ("SINGLE_ARROW", 0.5)}
+
+
+class Defect(NamedTuple):
+    """One defect: any record with these names will do for `write_defects`."""
+
+    kind: str
+    face: int
+    index: float
+    position: tuple[float, float, float]
+    normal: tuple[float, float, float]
+
+
+def write_defects(obj, defects: Iterable[Defect], *, kinds=KINDS, length=1.0) -> list[bpy.types.Object]:
+    """Replace the empties of `obj` of these `kinds` by one for each of `defects`.
+
+    Positions and normals are in object space; an empty's Z axis is the normal. `length`, in scene
+    units, sets the display size: the distance between stripes is a good one. The empties lie in
+    "Synch Defects: <object>", a collection inside "Synch Defects" of the object's scene, which
+    keeps its visibility settings. Returns the new empties, in the order of `defects`.
+    """
+    collection = _collection_of(obj)
+    _remove_empties(obj, kinds)
+    scale = _mean_scale(obj)
+    counts = {}
+    empties = [_new_empty(obj, defect, collection, length / scale, counts) for defect in defects]
+    _remove_if_empty(collection)
+    return empties
+
+
+def clear_defects(obj, kinds=KINDS) -> None:
+    """Remove the empties of `obj` of these `kinds`, and their collection with the last one."""
+    for collection in _remove_empties(obj, kinds):
+        _remove_if_empty(collection)
+
+
+def defect_empties(obj) -> list[bpy.types.Object]:
+    """The empties of `obj` that mark defects, wherever the user may have put them."""
+    return [child for child in obj.children if child.type == "EMPTY" and _KIND in child]
+
+
+def _remove_empties(obj, kinds):
+    """Remove empties from the file; returns the collections of ours that they were in."""
+    old = [empty for empty in defect_empties(obj) if empty[_KIND] in kinds]
+    collections = {c for empty in old for c in empty.users_collection if _MARK in c}
+    bpy.data.batch_remove(old)
+    return collections
+
+
+def _new_empty(obj, defect, collection, size, counts):
+    label = f"{defect.kind} {_fraction(defect.index)}"
+    counts[label] = counts.get(label, 0) + 1
+    empty = bpy.data.objects.new(f"{label}.{counts[label]:03d}", None)
+    empty.parent = obj
+    empty.matrix_parent_inverse = Matrix.Identity(4)
+    empty.rotation_mode = "QUATERNION"
+    empty.rotation_quaternion = Vector(defect.normal).to_track_quat("Z", "Y")
+    empty.location = defect.position
+    empty.color = _COLORS[defect.kind][0 if defect.index > 0 else 1]
+    empty.empty_display_type, part = _DISPLAY[defect.kind]
+    empty.empty_display_size = part * size
+    empty[_KIND], empty[_INDEX], empty[_FACE] = defect.kind, float(defect.index), int(defect.face)
+    collection.objects.link(empty)
+    return empty
+
+
+def _fraction(index):
+    """+1/2, -1, +3/4 ..."""
+    value = Fraction(float(index)).limit_denominator(12)
+    return f"{'-' if value < 0 else '+'}{abs(value)}"
+
+
+def _mean_scale(obj):
+    scale = obj.matrix_world.to_scale()
+    return max(sum(abs(factor) for factor in scale) / 3.0, 1e-12)
+
+
+def _collection_of(obj):
+    """The collection for the defects of `obj`: where they lie now, or a new one."""
+    name = f"{COLLECTION_NAME}: {obj.name}"
+    for empty in defect_empties(obj):
+        for collection in empty.users_collection:
+            # A duplicated hierarchy shares its collection with the original: it gets its own.
+            if collection.get(_MARK) == "object" and all(other.parent == obj for other in collection.objects):
+                collection.name = name
+                return collection
+    collection = _new_collection(name, "object")
+    _scene_collection(obj).children.link(collection)
+    return collection
+
+
+def _scene_collection(obj):
+    """The collection "Synch Defects" of the object's scene."""
+    scenes = obj.users_scene
+    scene = bpy.context.scene if bpy.context.scene in scenes or not scenes else scenes[0]
+    for collection in scene.collection.children_recursive:
+        if collection.get(_MARK) == "scene":
+            return collection
+    collection = _new_collection(COLLECTION_NAME, "scene")
+    scene.collection.children.link(collection)
+    return collection
+
+
+def _new_collection(name, role):
+    collection = bpy.data.collections.new(name)
+    collection[_MARK] = role
+    collection.color_tag = "COLOR_01"
+    return collection
+
+
+def _remove_if_empty(collection):
+    """Remove a collection without content, and then the one around it."""
+    if len(collection.objects) or len(collection.children):
+        return
+    parents = [other for other in bpy.data.collections if _MARK in other and collection in other.children.values()]
+    bpy.data.collections.remove(collection)
+    for parent in parents:
+        _remove_if_empty(parent)

@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The demo's input: Blender's own Suzanne as one smooth, evenly meshed surface of some 10k vertices."""
+
+import bpy
+
+_VOXEL = 0.0335
+_SMOOTHING = 12
+
+
+def add_demo_object():
+    """Add the remeshed Suzanne to the scene and return it."""
+    bpy.ops.mesh.primitive_monkey_add(size=2.0)
+    obj = bpy.context.active_object
+    obj.name = obj.data.name = "Suzanne"
+    subdivision = obj.modifiers.new("Subdivision", "SUBSURF")
+    subdivision.levels = subdivision.render_levels = 2
+    remesh = obj.modifiers.new("Remesh", "REMESH")
+    remesh.mode, remesh.voxel_size = "VOXEL", _VOXEL
+    smooth = obj.modifiers.new("Smooth", "SMOOTH")
+    smooth.factor, smooth.iterations = 0.5, _SMOOTHING
+    obj.modifiers.new("Triangulate", "TRIANGULATE")
+    for name in [modifier.name for modifier in obj.modifiers]:
+        bpy.ops.object.modifier_apply(modifier=name)
+    bpy.ops.object.shade_smooth()
+    return obj

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Files in and out for the command line, by Blender's own importers."""
+
+from pathlib import Path
+
+import bpy
+
+from ..core.errors import SettingError
+
+_IMPORTERS = {
+    ".obj": lambda path: bpy.ops.wm.obj_import(filepath=path),
+    ".ply": lambda path: bpy.ops.wm.ply_import(filepath=path),
+    ".stl": lambda path: bpy.ops.wm.stl_import(filepath=path),
+    ".glb": lambda path: bpy.ops.import_scene.gltf(filepath=path),
+}
+
+
+def open_input(path):
+    """Open a .blend, or import a mesh into an empty scene.
+
+    Raises
+    ------
+    SettingError
+        for a missing file or a kind that is not supported
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix != ".blend" and suffix not in _IMPORTERS:
+        raise SettingError(f"{path}: files of the kind {suffix or 'without suffix'} cannot be read: "
+                           f"use .blend, {', '.join(_IMPORTERS)}")
+    if not Path(path).is_file():
+        raise SettingError(f"{path}: no such file")
+    if suffix == ".blend":
+        bpy.ops.wm.open_mainfile(filepath=str(Path(path).resolve()))
+        return
+    bpy.ops.wm.read_homefile(use_empty=True)
+    if suffix == ".glb":
+        import addon_utils
+
+        addon_utils.enable("io_scene_gltf2")
+    _IMPORTERS[suffix](str(Path(path).resolve()))
+
+
+def choose_object(name=None):
+    """The mesh object to work on: by name, the only one, or the active one."""
+    meshes = {obj.name: obj for obj in bpy.context.scene.objects if obj.type == "MESH"}
+    if name is not None:
+        if name not in meshes:
+            raise SettingError(f"there is no mesh object {name!r}: choose one of {', '.join(meshes) or 'none'}")
+        chosen = meshes[name]
+    elif not meshes:
+        raise SettingError("the file has no mesh object: a field needs the faces of a mesh")
+    elif len(meshes) == 1:
+        chosen = next(iter(meshes.values()))
+    elif bpy.context.view_layer.objects.active in meshes.values():
+        chosen = bpy.context.view_layer.objects.active
+    else:
+        raise SettingError(f"the file has {len(meshes)} mesh objects: choose with --object ({', '.join(meshes)})")
+    bpy.context.view_layer.objects.active = chosen
+    return chosen
+
+
+def check_outputs(*paths):
+    """Refuse, before any work, outputs whose folder does not exist or whose suffix is wrong."""
+    for path, suffix in zip(paths, (".blend", ".png", ".json"), strict=True):
+        if not path:
+            continue
+        if Path(path).suffix.lower() != suffix:
+            raise SettingError(f"{path}: the name of this output must end in {suffix}")
+        if not Path(path).resolve().parent.is_dir():
+            raise SettingError(f"{path}: its folder does not exist, create it first")
+
+
+def save_blend(path):
+    """Save the scene as a .blend file; returns its path."""
+    bpy.ops.wm.save_as_mainfile(filepath=str(Path(path).resolve()), check_existing=False)
+    return str(path)

@@ -1,0 +1,19 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operator: a smooth direction field on the active mesh."""
+
+import bpy
+
+from ..panels import draw_directions
+from ..settings import SettingProperties
+from .field_operator import FieldOperator
+
+
+class SYNCH_OT_directions(FieldOperator, SettingProperties, bpy.types.Operator):
+    """Find a direction at every vertex and mark the points where it cannot be continuous"""
+
+    bl_idname = "synch.directions"
+    bl_label = "Directions"
+    command = "directions"
+
+    def draw(self, context):
+        draw_directions(self.layout, self, context.active_object)

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The sidebar tab "Synch" of the 3D View."""
+
+import bpy
+
+from .scene_io import refusal
+
+
+def draw_directions(layout, settings, obj):
+    """Settings of the direction field; ``settings`` are the object's or an operator's."""
+    column = layout.column()
+    column.use_property_split = True
+    column.use_property_decorate = False
+    column.prop(settings, "symmetry")
+    column.prop(settings, "guidance")
+    if settings.guidance == "ATTRIBUTE":
+        column.prop_search(settings, "attribute", obj.data, "attributes")
+    column.prop(settings, "angle")
+    if settings.guidance != "ATTRIBUTE" or settings.boundary == "PHASE":
+        column.prop(settings, "boundary")
+    if settings.boundary != "FREE":
+        column.prop_search(settings, "vertex_group", obj, "vertex_groups")
+
+
+def draw_stripes(layout, settings):
+    """Settings of the stripes, below those of the directions."""
+    column = layout.column()
+    column.use_property_split = True
+    column.use_property_decorate = False
+    if hasattr(settings, "automatic_spacing"):
+        column.prop(settings, "automatic_spacing")
+        row = column.row()
+        row.enabled = not settings.automatic_spacing
+        row.prop(settings, "spacing")
+    else:
+        column.prop(settings, "spacing")
+    column.prop(settings, "assign_material")
+
+
+def draw_solver(layout, settings):
+    """Settings of the solver."""
+    column = layout.column()
+    column.use_property_split = True
+    column.use_property_decorate = False
+    column.prop(settings, "method")
+    column.prop(settings, "seed")
+    if settings.method == "SDP":
+        column.prop(settings, "target_gap")
+
+
+class _SidebarPanel:
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Synch"
+
+
+class SYNCH_PT_fields(_SidebarPanel, bpy.types.Panel):
+    """Direction fields and stripes"""
+
+    bl_label = "Synch Fields"
+
+    def draw(self, context):
+        obj = context.active_object
+        reason = refusal(obj)
+        if reason:
+            self.layout.label(text=reason[0].upper() + reason[1:], icon="INFO")
+            return
+        draw_directions(self.layout, obj.synch, obj)
+        draw_stripes(self.layout, obj.synch)
+        column = self.layout.column(align=True)
+        column.scale_y = 1.3
+        column.operator("synch.stripes", icon="MOD_WAVE")
+        column.operator("synch.directions", icon="ORIENTATION_NORMAL")
+
+
+class SYNCH_PT_solver(_SidebarPanel, bpy.types.Panel):
+    """How the fields are optimized"""
+
+    bl_label = "Solver"
+    bl_parent_id = "SYNCH_PT_fields"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return refusal(context.active_object) is None
+
+    def draw(self, context):
+        draw_solver(self.layout, context.active_object.synch)
+
+
+_CLASSES = (SYNCH_PT_fields, SYNCH_PT_solver)
+
+
+def register():
+    for panel in _CLASSES:
+        bpy.utils.register_class(panel)
+
+
+def unregister():
+    for panel in reversed(_CLASSES):
+        bpy.utils.unregister_class(panel)

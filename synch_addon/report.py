@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The report of a run: what was asked, found and written, ready for JSON."""
+
+import platform
+import sys
+import time
+from dataclasses import asdict
+
+import bpy
+import numpy
+import scipy
+
+from ..core.errors import name_elements
+from ..core.solve.solution import Clock
+
+VERSION = "0.1.0"
+# Modifiers after which the mesh that is seen has other faces than the one that is solved.
+_CHANGES_FACES = (
+    {"ARRAY", "BEVEL", "BOOLEAN", "BUILD", "DECIMATE", "EDGE_SPLIT", "EXPLODE", "MASK", "MIRROR", "MULTIRES"}
+    | {"OCEAN", "REMESH", "SCREW", "SKIN", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WELD", "WIREFRAME"}
+)  # fmt: skip
+
+
+class Report:
+    """Collects warnings and times during a run and becomes a dict at its end."""
+
+    def __init__(self, command, obj, settings):
+        self.command, self.object_name, self.settings = command, obj.name, settings
+        self.clock = Clock()
+        self.warnings = []
+        self._start = time.perf_counter()
+        self._task = None
+
+    def warn(self, line):
+        """Add a line that the user should read although the run succeeds."""
+        self.warnings.append(line)
+
+    def warn_about(self, obj, task):
+        """Warn about what the object has that the result cannot follow."""
+        self._task = task
+        loose = task.given.mesh.loose_vertices
+        if len(loose):
+            self.warn(
+                f"{name_elements('vertex', loose)} without a face get no field: "
+                "remove loose geometry with Mesh > Clean Up > Delete Loose"
+            )
+        changing = [m.name for m in obj.modifiers if m.show_viewport and m.type in _CHANGES_FACES]
+        if changing:
+            self.warn(
+                f"the pattern is solved on the mesh before its modifiers ({', '.join(changing)}): "
+                "apply them first if stripes should follow the result"
+            )
+        if obj.data.users > 1:
+            self.warn(f"the mesh {obj.data.name} is shared by {obj.data.users} users, which all get the pattern")
+
+    def finish(self, field, pattern, defects):
+        """The report as a dict of plain values."""
+        solution = field.solution if pattern is None else pattern.solution
+        mesh = self._task.given.mesh
+        times = dict(self.clock.seconds)
+        for part in (field, pattern):
+            for phase, seconds in (part.solution.times if part is not None and part.solution else {}).items():
+                times[phase] = times.get(phase, 0.0) + seconds
+        times["total"] = time.perf_counter() - self._start
+        settings = asdict(self.settings) | {"spacing": self._task.spacing}
+        report = {
+            "status": solution.status.value if solution else "given",
+            "command": self.command,
+            "object": self.object_name,
+            "nodes": mesh.vertex_count - len(mesh.loose_vertices),
+            "edges": len(mesh.edges),
+            **quality(solution),
+        }
+        if pattern is not None:
+            report["directions"] = quality(field.solution)
+        return report | {
+            "euler_characteristic": mesh.euler_characteristic,
+            "disclinations": [d for d in defects if d["kind"] == "disclination"],
+            "dislocations": [d for d in defects if d["kind"] == "dislocation"],
+            "times": times,
+            "peak_memory_mb": peak_memory(),
+            "seed": self.settings.seed,
+            "settings": settings,
+            "warnings": self.warnings,
+            "versions": versions(),
+        }
+
+
+def failure(command, settings, error):
+    """The report of a run that was refused."""
+    return {"status": "failed", "command": command, "error": str(error), "settings": settings, "versions": versions()}
+
+
+def quality(solution):
+    """Energy, bounds and certificate of a solution; nulls for directions that were given."""
+    names = ("energy", "lower_bound", "gap", "sdp_value", "sdp_gap", "certificate", "rank", "iterations")
+    values = {name: getattr(solution, name, None) for name in names}
+    values["spectral_bound"] = getattr(solution, "spectral_bound", None)
+    return values
+
+
+def versions():
+    """Versions of everything that a result may depend on."""
+    return {
+        "synch_fields": VERSION,
+        "blender": bpy.app.version_string,
+        "python": platform.python_version(),
+        "numpy": numpy.__version__,
+        "scipy": scipy.__version__,
+    }
+
+
+def peak_memory():
+    """Peak memory of the process in MB, None where the system does not tell."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return None
+    unit = 2**20 if sys.platform == "darwin" else 2**10
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
+
+
+def summary(report):
+    """The lines that a person wants to read."""
+    lines = [f"{report['command']} on {report['object']}: {report['nodes']} vertices, {report['edges']} edges"]
+    if report["energy"] is not None:
+        kind = report["certificate"]
+        lines.append(f"energy {report['energy']:.6g}, lower bound {report['lower_bound']:.6g} ({kind}), "
+                     f"gap {report['gap']:.1%}")
+    if report["sdp_value"] is not None:
+        lines.append(f"relaxation {report['sdp_value']:.6g}, certified gap {report['sdp_gap']:.2e}, "
+                     f"status {report['status']}")
+    total = sum(d["index"] for d in report["disclinations"])
+    lines.append(
+        f"{len(report['disclinations'])} disclinations (indices sum to {total:g}, Euler characteristic "
+        f"{report['euler_characteristic']}), {len(report['dislocations'])} dislocations"
+    )
+    lines.append(f"{report['times']['total']:.2f} s")
+    return lines

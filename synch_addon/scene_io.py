@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The only door between Blender's data and the core's arrays."""
+
+from dataclasses import dataclass
+
+import bmesh
+import numpy as np
+
+from ..core.errors import MeshError, SettingError
+from ..core.geometry import TriangleMesh
+from ..core.geometry.check import check_mesh
+from ..core.geometry.polygons import Polygons
+
+# Blender's names for an attribute type: numpy type, width, name in foreach_set.
+_LAYOUTS = {
+    "FLOAT": (np.float32, 1, "value"),
+    "INT": (np.int32, 1, "value"),
+    "FLOAT_VECTOR": (np.float32, 3, "vector"),
+    "FLOAT_COLOR": (np.float32, 4, "color"),
+}
+
+
+@dataclass(frozen=True)
+class MeshInput:
+    """A mesh as the core sees it: ``stretch`` is the (3, 3) scale that lengths were measured with."""
+
+    mesh: TriangleMesh
+    polygons: Polygons
+    stretch: np.ndarray
+
+    def to_object(self, vectors):
+        """Unit vectors in object space for (n, 3) vectors of the measured mesh."""
+        turned = vectors @ np.linalg.inv(self.stretch).T
+        lengths = np.linalg.norm(turned, axis=1, keepdims=True)
+        return np.divide(turned, lengths, out=np.zeros_like(turned), where=lengths > 0)
+
+
+def refusal(obj):
+    """Why an object cannot be given a field, in one line, or None."""
+    if obj is None:
+        return "no active object: select a mesh object"
+    if obj.type != "MESH":
+        return f"{obj.name} is not a mesh: select a mesh object, or convert it with Object > Convert"
+    for owner, kind in ((obj, "object"), (obj.data, "mesh")):
+        if not owner.is_editable:
+            return f"the {kind} {owner.name} is linked: make it local with Object > Relations > Make Local"
+    return None
+
+
+def read_mesh(obj):
+    """Read the object's own mesh (before modifiers) in object mode, measured with the object's scale.
+
+    Raises
+    ------
+    MeshError
+        naming the first element that cannot carry a field
+    """
+    stretch = _stretch(obj)
+    vertices = _read(obj.data.attributes["position"]) if len(obj.data.vertices) else np.empty((0, 3))
+    polygons = read_polygons(obj)
+    mesh = TriangleMesh(vertices.astype(float) @ stretch.T, polygons.triangles)
+    check_mesh(mesh, polygons.triangle_faces)
+    return MeshInput(mesh, polygons, stretch)
+
+
+def read_polygons(obj):
+    """The faces of the object's mesh and the triangles that Blender draws them with."""
+    data = obj.data
+    data.calc_loop_triangles()
+    corner_vertices = np.empty(len(data.loops), np.int32)
+    data.loops.foreach_get("vertex_index", corner_vertices)
+    starts, sizes = np.empty((2, len(data.polygons)), np.int32)
+    data.polygons.foreach_get("loop_start", starts)
+    data.polygons.foreach_get("loop_total", sizes)
+    triangle_corners = np.empty(3 * len(data.loop_triangles), np.int32)
+    data.loop_triangles.foreach_get("loops", triangle_corners)
+    triangle_faces = np.empty(len(data.loop_triangles), np.int32)
+    data.loop_triangle_polygons.foreach_get("value", triangle_faces)
+    arrays = (corner_vertices, starts, sizes, triangle_corners.reshape(-1, 3), triangle_faces)
+    return Polygons(*(a.astype(np.int64) for a in arrays))
+
+
+def _stretch(obj):
+    """Symmetric positive part of the object's transform: its scale without rotation and mirroring."""
+    linear = np.array(obj.matrix_world.to_3x3())
+    values, axes = np.linalg.eigh(linear.T @ linear)
+    if values[0] <= 1e-12 * values[2] or not np.isfinite(values).all():
+        raise MeshError(f"the scale of {obj.name} is zero along an axis: give it a scale in every direction")
+    return (axes * np.sqrt(values)) @ axes.T
+
+
+def read_vectors(obj, name, given):
+    """(n, 3) vectors of a POINT attribute, in the measured space of a :class:`MeshInput`.
+
+    Raises
+    ------
+    SettingError
+        when the attribute is missing or of another kind
+    """
+    attribute = obj.data.attributes.get(name)
+    if attribute is None:
+        vectors = [a.name for a in obj.data.attributes if a.data_type == "FLOAT_VECTOR" and a.name != "position"]
+        have = f"it has {', '.join(vectors)}" if vectors else "it has none"
+        raise SettingError(f"the mesh {obj.data.name} has no attribute {name!r}: choose a vector attribute ({have})")
+    if attribute.data_type != "FLOAT_VECTOR" or attribute.domain != "POINT":
+        raise SettingError(
+            f"the attribute {name!r} is {attribute.data_type} on {attribute.domain}: it must be a vector on points"
+        )
+    return _read(attribute).astype(float) @ given.stretch.T
+
+
+def read_group(obj, name):
+    """(n,) bool: vertices of a vertex group."""
+    group = obj.vertex_groups.get(name)
+    if group is None:
+        names = ", ".join(g.name for g in obj.vertex_groups) or "none yet"
+        raise SettingError(f"{obj.name} has no vertex group {name!r}: choose one of its groups ({names})")
+    members = np.zeros(len(obj.data.vertices), bool)
+    for vertex in obj.data.vertices:
+        members[vertex.index] = any(g.group == group.index and g.weight > 0 for g in vertex.groups)
+    if not members.any():
+        raise SettingError(f"the vertex group {name!r} is empty: assign vertices to it")
+    return members
+
+
+def _read(attribute):
+    dtype, width, name = _LAYOUTS[attribute.data_type]
+    values = np.empty(len(attribute.data) * width, dtype)
+    attribute.data.foreach_get(name, values)
+    return values.reshape(-1, width) if width > 1 else values
+
+
+def write_attribute(obj, name, domain, data_type, values):
+    """Write an attribute, replacing one of the same name that has another domain or type."""
+    attributes = obj.data.attributes
+    attribute = attributes.get(name)
+    if attribute is not None and (attribute.domain, attribute.data_type) != (domain, data_type):
+        attributes.remove(attribute)
+        attribute = None
+    if attribute is None:
+        attribute = attributes.new(name, data_type, domain)
+    dtype, _, value_name = _LAYOUTS[data_type]
+    attribute.data.foreach_set(value_name, np.ascontiguousarray(values, dtype).ravel())
+
+
+def remove_attribute(obj, name):
+    """Remove an attribute if it is there."""
+    attribute = obj.data.attributes.get(name)
+    if attribute is not None:
+        obj.data.attributes.remove(attribute)
+
+
+def split_faces(obj, polygons, faces):
+    """Replace faces by the triangles that draw them, keeping all their corner and face data."""
+    edited = bmesh.new()
+    edited.from_mesh(obj.data)
+    edited.faces.ensure_lookup_table()
+    edited.verts.ensure_lookup_table()
+    old = [edited.faces[face] for face in faces]
+    for face, index in zip(old, faces, strict=True):
+        source = {loop.vert: loop for loop in face.loops}
+        for corners in polygons.triangles[polygons.triangle_faces == index]:
+            triangle = edited.faces.new([edited.verts[v] for v in corners], face)
+            for loop in triangle.loops:
+                loop.copy_from(source[loop.vert])
+    bmesh.ops.delete(edited, geom=old, context="FACES_ONLY")
+    edited.to_mesh(obj.data)
+    edited.free()
+
+
+def faces_of_triangles(polygons, triangles):
+    """(k,) face that draws each of (k, 3) triangles given by their vertices."""
+    wanted = np.asarray(triangles).reshape(-1, 3)
+    both = np.sort(np.concatenate([polygons.triangles, wanted]), axis=1)
+    labels = np.unique(both, axis=0, return_inverse=True)[1].reshape(-1)
+    face_of = np.empty(labels.max(initial=0) + 1, int)
+    face_of[labels[: len(polygons.triangle_faces)]] = polygons.triangle_faces
+    return face_of[labels[len(polygons.triangle_faces) :]]
+
+
+def update(obj):
+    """Tell Blender that the mesh's data changed."""
+    obj.data.update()

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an artist can set: once as plain data for the Python API, once as Blender properties."""
+
+import math
+from dataclasses import dataclass, fields
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+
+from ..core.errors import SettingError
+from ..core.fields.directions import BOUNDARIES, SYMMETRIES
+from ..core.solve import METHODS, Options
+
+GUIDANCES = ("smooth", "curvature-max", "curvature-min", "attribute")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Settings of the operators, the command line and the API alike.
+
+    Attributes
+    ----------
+    symmetry : "vector", "line" or "cross"
+    guidance : "smooth", "curvature-max", "curvature-min" or "attribute"
+    attribute : name of a vector attribute on the vertices, for the guidance "attribute"
+    angle : radians by which the guidance is turned
+    boundary : "free", "along", "across" or "phase" (stripes lie on the boundary)
+    vertex_group : restricts the boundary to the edges in a vertex group; "" for all of it
+    spacing : distance between two stripes in scene units; None for about forty across the object
+    method : "sdp", "spectral" or "diffusion"
+    seed : of every random choice
+    target_gap : relative gap of the relaxation to prove
+    time_limit : seconds for each solve, None for no limit
+    assign_material : show the pattern on all faces, whatever materials they have
+    """
+
+    symmetry: str = "line"
+    guidance: str = "smooth"
+    attribute: str = ""
+    angle: float = 0.0
+    boundary: str = "free"
+    vertex_group: str = ""
+    spacing: float | None = None
+    method: str = "sdp"
+    seed: int = 0
+    target_gap: float = 1e-3
+    time_limit: float | None = None
+    assign_material: bool = False
+
+    def __post_init__(self):
+        for name, choices in (
+            ("symmetry", tuple(SYMMETRIES)),
+            ("guidance", GUIDANCES),
+            ("boundary", BOUNDARIES),
+            ("method", METHODS),
+        ):
+            if getattr(self, name) not in choices:
+                raise SettingError(f"{name} {getattr(self, name)!r} is unknown: use one of {', '.join(choices)}")
+        if self.guidance == "attribute" and not self.attribute:
+            raise SettingError("the guidance attribute has no name: choose a vector attribute of the mesh")
+
+    @property
+    def options(self):
+        """Options of the core's solver."""
+        return Options(
+            method=self.method, seed=self.seed, target_gap=self.target_gap, time_limit=self.time_limit
+        )
+
+
+def _items(*entries):
+    return [(name.upper().replace("-", "_"), label, tip) for name, label, tip in entries]
+
+
+class SettingProperties:
+    """The settings as Blender properties, shared by the panel's storage and the operators."""
+
+    symmetry: EnumProperty(
+        name="Symmetry",
+        description="What is the same at a point: one direction, a line or a cross",
+        items=_items(
+            ("vector", "Vector", "One direction at each point"),
+            ("line", "Line", "A direction and its opposite count as the same, as for stripes and hatching"),
+            ("cross", "Cross", "Four directions at right angles, as for quads"),
+        ),
+        default="LINE",
+    )
+    guidance: EnumProperty(
+        name="Guidance",
+        description="What the directions follow",
+        items=_items(
+            ("smooth", "Smoothest", "The field that turns least over the surface"),
+            ("curvature-max", "Largest Curvature", "Across ridges: where the surface bends most"),
+            ("curvature-min", "Smallest Curvature", "Along ridges: where the surface bends least"),
+            ("attribute", "Attribute", "A vector attribute on the vertices, projected to the surface"),
+        ),
+        default="SMOOTH",
+    )
+    attribute: StringProperty(name="Attribute", description="Vector attribute on the vertices to follow")
+    angle: FloatProperty(
+        name="Angle",
+        description="Turn the directions by this angle, counterclockwise seen from outside",
+        subtype="ANGLE",
+        soft_min=-math.pi,
+        soft_max=math.pi,
+    )
+    boundary: EnumProperty(
+        name="Boundary",
+        description="What happens at open edges",
+        items=_items(
+            ("free", "Free", "Nothing is asked of the boundary"),
+            ("along", "Along", "Directions run along the boundary"),
+            ("across", "Across", "Directions meet the boundary at a right angle"),
+            ("phase", "Stripe on It", "Directions run along the boundary and a stripe lies exactly on it"),
+        ),
+        default="FREE",
+    )
+    vertex_group: StringProperty(
+        name="Vertex Group", description="Restrict the boundary to open edges with both ends in this group"
+    )
+    spacing: FloatProperty(
+        name="Spacing",
+        description="Distance from one stripe to the next; the object's scale counts",
+        subtype="DISTANCE",
+        default=0.1,
+        soft_min=1e-4,
+        precision=4,
+    )
+    method: EnumProperty(
+        name="Method",
+        description="How the field is optimized",
+        items=_items(
+            ("sdp", "Semidefinite", "Best patterns, with a proved bound on what could still be gained"),
+            ("spectral", "Spectral", "Fast and rough: one eigenvector"),
+            ("diffusion", "Diffusion", "Repeated smoothing and normalizing, without a useful bound"),
+        ),
+        default="SDP",
+    )
+    seed: IntProperty(name="Seed", description="Another seed gives another pattern of about the same quality", min=0)
+    target_gap: FloatProperty(
+        name="Target Gap",
+        description="How closely the relaxation's optimum is bracketed, as a share of its energy",
+        default=1e-3,
+        min=1e-6,
+        max=0.5,
+        precision=4,
+    )
+    assign_material: BoolProperty(
+        name="Assign to All Faces",
+        description="Show the pattern on all faces, also on an object with several materials",
+    )
+
+
+class SynchSettings(SettingProperties, bpy.types.PropertyGroup):
+    """Settings of an object, kept in the file."""
+
+    automatic_spacing: BoolProperty(
+        name="Automatic Spacing",
+        description="About forty stripes across the object, or as many as the mesh can carry",
+        default=True,
+    )
+
+
+PROPERTY_NAMES = tuple(SettingProperties.__annotations__)
+
+
+def plain(properties, spacing):
+    """:class:`Settings` from Blender properties, with the spacing given apart (None: automatic)."""
+    values = {name: getattr(properties, name) for name in PROPERTY_NAMES}
+    for name in ("symmetry", "guidance", "boundary", "method"):
+        values[name] = values[name].lower().replace("_", "-")
+    values["spacing"] = spacing
+    return Settings(**values)
+
+
+def from_names(values):
+    """:class:`Settings` from keyword arguments, refusing names that do not exist."""
+    known = [f.name for f in fields(Settings)]
+    for name in values:
+        if name not in known:
+            raise SettingError(f"the setting {name!r} is unknown: use one of {', '.join(known)}")
+    return Settings(**values)
+
+
+def register():
+    bpy.utils.register_class(SynchSettings)
+    bpy.types.Object.synch = PointerProperty(type=SynchSettings)
+
+
+def unregister():
+    del bpy.types.Object.synch
+    bpy.utils.unregister_class(SynchSettings)
