@@ -57,7 +57,8 @@ def descend(matrix, spheres, start, metric, tolerance, max_steps, monitor):
         direction = -spheres.project(point, _two_loop(spheres, memory, gradient, metric))
         slopes = spheres.inner(gradient, direction)
         decrements = -slopes / np.maximum(values, noise)
-        active = decrements > tolerance
+        # The first predictions, made without a memory of the curvature, are too small.
+        active = decrements > (tolerance if step > MEMORY else 0)
         if not active.any():
             break
         moved = _line_search(matrix, spheres, point, direction, values, slopes, active, noise)

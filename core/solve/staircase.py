@@ -11,17 +11,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .certificate import lower_bound, measure_slack, multipliers, prove
+from .certificate import depth_for_bound, lower_bound, measure_slack, multipliers, prove
 from .descent import descend
 from .metric import Metric
 from .monitor import OutOfTime
 from .spheres import Spheres, random_columns
 
-START_RANK = 4
-MAX_RANK = 16
+START_RANK = 6
+MAX_RANK = 24
+LEVELS = 12
 # Metric shift as a share of the mean energy per mass: small enough to leave the metric alone.
 SHIFT = 0.1
-LEVEL_STEPS = 200
+LEVEL_STEPS = 300
+# Predicted relative decrease at which a level's descent ends, as a share of the target gap.
+FIRST_TOLERANCE = 1e-2
+TIGHTENING = 0.1
 
 
 @dataclass(frozen=True)
@@ -60,22 +64,22 @@ def relax(piece, target_gap, seed, monitor, clock, start=None):
     with clock("relax"):
         metric, point = _start(piece, spheres, random, start)
         noise = 1e-13 * np.abs(piece.matrix.diagonal()).sum()
-    tolerance, best_bound, certificate = target_gap, -np.inf, "estimated"
+    tolerance, best_bound, certificate = FIRST_TOLERANCE * target_gap, 0.0, "proved"
     steps = products = 0
     reached = out_of_time = False
     value = np.inf
     try:
-        for _ in range(MAX_RANK):
+        for _ in range(LEVELS):
             with clock("relax"):
                 descent = descend(piece.matrix, spheres, point, metric, tolerance, LEVEL_STEPS, monitor)
-            point, image, value = descent.point, descent.image, float(descent.values[0])
+            point, value = descent.point, float(descent.values[0])
             steps, products = steps + descent.steps, products + descent.products
             if value <= noise:
-                best_bound, certificate, reached = 0.0, "proved", True  # L is positive semidefinite
+                reached = True  # zero is a bound: L is positive semidefinite
                 break
             with clock("certify"):
-                duals = multipliers(spheres, point, image)
-                slack = measure_slack(piece, metric, duals, 0.1 * target_gap, random)
+                duals = multipliers(spheres, point, descent.image)
+                slack = measure_slack(piece, metric, duals, random)
                 monitor.check()
                 bound, kind = _certify(piece, metric, duals, slack, value, target_gap)
             if bound > best_bound:
@@ -83,15 +87,11 @@ def relax(piece, target_gap, seed, monitor, clock, start=None):
             if value - best_bound <= target_gap * value:
                 reached = True
                 break
-            if point.shape[1] >= MAX_RANK:
-                break
             with clock("relax"):
-                point = _climb(piece, spheres, point, slack.direction)
-            tolerance = max(0.3 * tolerance, 1e-3 * target_gap)
+                point = _climb(piece, spheres, point, slack.directions)
+            tolerance *= TIGHTENING
     except OutOfTime:
         out_of_time = True
-    if best_bound <= 0:
-        best_bound, certificate = 0.0, "proved"  # L is positive semidefinite
     lifted, singular_values = _principal(point)
     if not np.isfinite(value):
         value = float(piece.energy(point).sum())
@@ -125,26 +125,27 @@ def _smooth(metric, spheres, point):
 
 
 def _certify(piece, metric, duals, slack, value, target_gap):
-    """Best bound and its kind: a factorization proves it, or it rests on the Lanczos estimate."""
-    estimated_depth = max(slack.depth, 0.0)
-    for depth in (max(1.1 * (estimated_depth + slack.error), 0.25 * target_gap), 2 * estimated_depth + target_gap):
-        bound = lower_bound(piece, metric, duals, depth)
-        if not np.isfinite(depth) or value - bound > 0.9 * value:
-            break
-        if prove(piece, metric, duals, depth):
-            return bound, "proved"
-    return lower_bound(piece, metric, duals, estimated_depth + slack.error), "estimated"
+    """Best bound and its kind.
+
+    "proved" when a factorization shows the slack to be no deeper than the target gap allows; one is
+    tried when the estimate says that it may succeed. Otherwise the bound rests on the estimate.
+    """
+    depth = max(slack.depth, 0.0)
+    allowed = depth_for_bound(piece, metric, duals, value * (1 - 0.95 * target_gap))
+    if depth <= 0.8 * allowed and prove(piece, metric, duals, allowed):
+        return lower_bound(piece, metric, duals, allowed), "proved"
+    return lower_bound(piece, metric, duals, depth + slack.error), "estimated"
 
 
-def _climb(piece, spheres, point, direction):
-    """Add the negative direction as a column, as far as it lowers the energy most."""
-    column = direction[:, None] / np.abs(direction).max()
-    wider = np.hstack([point, np.zeros_like(column)])
-    best, best_value = wider, np.inf
-    for length in 2.0 ** -np.arange(0, 10):
-        trial = wider.copy()
-        trial[:, -1:] = length * column
-        trial = spheres.normalize(trial)
+def _climb(piece, spheres, point, directions):
+    """Add the negative directions as columns, as far as they lower the energy most."""
+    directions = directions[:, : max(MAX_RANK - point.shape[1], 0)]
+    if directions.shape[1] == 0:
+        return point
+    directions = directions / np.abs(directions).max(axis=0)
+    best, best_value = point, np.inf
+    for length in 2.0 ** -np.arange(10):
+        trial = spheres.normalize(np.hstack([point, length * directions]))
         trial_value = spheres.inner(trial, piece.matrix @ trial)[0]
         if trial_value >= best_value:
             break
