@@ -12,10 +12,19 @@ from .descent import descend
 from .diffusion import diffuse
 from .spheres import Spheres, random_columns
 
-CONTINUATION_TIMES = 0.1 * 0.4 ** np.arange(6)
+# Rounds of continuation: how many of the best fields are carried, and through which diffusion times, in
+# units of 1 / (energy per mass). The first only polishes: where few defects fit, their
+# arrangement is drawn once, in the projection, and diffusion would lead all fields to the same one.
+ROUNDS = (
+    (16, ()),
+    (8, 0.2 * 0.4 ** np.arange(6)),
+    (4, 0.4 ** np.arange(7)),
+    (4, 0.4 ** np.arange(7)),
+)
 CONTINUATION_STEPS = 4
-POLISH_STEPS = 60
-POLISH_TOLERANCE = 1e-5
+SAME_ENERGY = 1e-6
+POLISH_STEPS = 40
+POLISH_TOLERANCE = 3e-5
 
 
 def project(piece, lifted, directions):
@@ -39,12 +48,28 @@ def best_columns(piece, columns, count):
     return columns[:, np.argsort(piece.energy(columns), kind="stable")[:count]]
 
 
-def continuation(piece, columns, energy_density, monitor):
-    """Seeded continuation: short diffusion steps with times falling from a tenth of 1 / energy_density."""
-    if energy_density <= 0:
-        return columns
-    times = CONTINUATION_TIMES / energy_density
-    return diffuse(piece, Spheres(piece.block, lifted=False), columns, times, CONTINUATION_STEPS, monitor)
+def continuation(piece, columns, energy_density, metric, monitor):
+    """Seeded continuation: rounds of diffusion with falling times, each polished; all fields, best first.
+
+    Each round starts from the best distinct fields so far, which lets the defects of a good field
+    settle once more.
+    """
+    spheres = Spheres(piece.block, lifted=False)
+    found = np.empty((len(columns), 0), columns.dtype)
+    for count, times in ROUNDS if energy_density > 0 else ():
+        times = np.asarray(times) / energy_density
+        carried = diffuse(piece, spheres, columns[:, :count], times, CONTINUATION_STEPS, monitor)
+        found = np.hstack([found, polish(piece, carried, metric, monitor)])
+        columns = found = distinct_columns(piece, found)
+    return columns
+
+
+def distinct_columns(piece, columns):
+    """Columns sorted by energy, best first, without those that share theirs with the one before."""
+    energies = piece.energy(columns)
+    order = np.argsort(energies, kind="stable")
+    apart = np.diff(energies[order], prepend=-np.inf) > SAME_ENERGY * np.abs(energies[order])
+    return columns[:, order[apart]]
 
 
 def polish(piece, columns, metric, monitor, steps=POLISH_STEPS, tolerance=POLISH_TOLERANCE):

@@ -31,10 +31,9 @@ class Options:
     method : "sdp", "spectral" or "diffusion"
     rounding : how the lifted field of "sdp" becomes phases: "svd"; "random", the best of ``samples``
         projections (Eq. 29); "polish", those followed by descent; "continuation", the default,
-        with a seeded continuation between
+        with rounds of a seeded continuation before
     target_gap : relative gap between the relaxation's value and its lower bound
     samples : random projections tried
-    kept : candidates carried on from the best projections
     seed : of every random choice
     time_limit : seconds, or None
     """
@@ -43,7 +42,6 @@ class Options:
     rounding: str = "continuation"
     target_gap: float = 1e-3
     samples: int = 64
-    kept: int = 8
     seed: int = 0
     time_limit: float | None = None
 

@@ -80,8 +80,8 @@ def _check(options):
         raise SettingError(f"rounding {options.rounding!r} is unknown: use one of {', '.join(ROUNDINGS)}")
     if not 0 < options.target_gap < 1:
         raise SettingError(f"the target gap is {options.target_gap:g}: give a share between 0 and 1, such as 0.001")
-    if options.samples < 1 or options.kept < 1:
-        raise SettingError("samples and kept candidates must be at least 1")
+    if options.samples < 1:
+        raise SettingError(f"{options.samples} random projections were asked for: at least 1 is needed")
     if options.time_limit is not None and not options.time_limit > 0:
         raise SettingError(f"the time limit is {options.time_limit:g} s: give a positive number of seconds")
 
@@ -145,18 +145,17 @@ def _solve_diffusion(piece, options, monitor, clock):
             columns = diffuse(piece, spheres, columns, times, DIFFUSION_STEPS, monitor, tolerance=1e-2)
     with clock("round"):
         monitor.at("polish", 0.8)
-        columns = _polish(piece, columns, eigenvalue, monitor)
+        metric = Metric(piece, SHIFT * max(eigenvalue, 1e-12))
+        columns = rounding.polish(piece, columns, metric, monitor)
+        columns = _polish_best(piece, columns, metric, monitor)
     return _finished(
         piece, columns, bound=bound, spectral_bound=bound, certificate="estimated", status=Status.UNCERTIFIED
     )
 
 
-def _polish(piece, columns, energy_density, monitor):
-    """Descend from all columns, then from the best one to the last digit that matters."""
-    metric = Metric(piece, SHIFT * max(energy_density, 1e-12))
-    columns = rounding.polish(piece, columns, metric, monitor)
-    best = rounding.polish(piece, columns[:, :1], metric, monitor, FINAL_STEPS, FINAL_TOLERANCE)
-    return np.hstack([best, columns[:, 1:]])
+def _polish_best(piece, columns, metric, monitor):
+    """Descend from the best column to the last digit that matters."""
+    return rounding.polish(piece, columns[:, :1], metric, monitor, FINAL_STEPS, FINAL_TOLERANCE)
 
 
 def _solve_sdp(piece, options, monitor, clock):
@@ -194,17 +193,17 @@ def _round(piece, relaxation, options, monitor, out_of_time):
     random = np.random.default_rng(options.seed + 1)
     directions = rounding.random_directions(piece, lifted.shape[1], options.samples, random)
     columns = np.hstack([by_svd, rounding.project(piece, lifted, directions)])
-    columns = rounding.best_columns(piece, columns, options.kept)
+    columns = rounding.best_columns(piece, columns, columns.shape[1])
     if options.rounding == "random":
         return columns, False
     energy_density = relaxation.value / piece.mass.sum()
+    metric = Metric(piece, SHIFT * max(energy_density, 1e-12))
     try:
         if options.rounding == "continuation":
             monitor.at("continuation", 0.6)
-            carried = rounding.continuation(piece, columns, energy_density, monitor)
-            columns = rounding.best_columns(piece, np.hstack([carried, columns[:, :1]]), options.kept)
+            columns = rounding.continuation(piece, columns, energy_density, metric, monitor)
         monitor.at("polish", 0.8)
-        columns = _polish(piece, columns, energy_density, monitor)
+        columns = _polish_best(piece, columns, metric, monitor)
     except OutOfTime:
         return columns, True
     return columns, False

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .certificate import depth_for_bound, lower_bound, measure_slack, multipliers, prove
+from .certificate import LARGEST_PROOF, depth_for_bound, lower_bound, measure_slack, multipliers, prove
 from .descent import descend
 from .metric import Metric
 from .monitor import OutOfTime
@@ -82,9 +82,10 @@ def relax(piece, target_gap, seed, monitor, clock, start=None):
                 slack = measure_slack(piece, metric, duals, random)
                 monitor.check()
                 bound, kind = _certify(piece, metric, duals, slack, value, target_gap)
-            if bound > best_bound:
+            if bound > best_bound or kind == "proved":
                 best_bound, certificate = bound, kind
-            if value - best_bound <= target_gap * value:
+            provable = piece.matrix.shape[0] <= LARGEST_PROOF
+            if value - best_bound <= target_gap * value and (certificate == "proved" or not provable):
                 reached = True
                 break
             with clock("relax"):
@@ -132,7 +133,7 @@ def _certify(piece, metric, duals, slack, value, target_gap):
     """
     depth = max(slack.depth, 0.0)
     allowed = depth_for_bound(piece, metric, duals, value * (1 - 0.95 * target_gap))
-    if depth <= 0.8 * allowed and prove(piece, metric, duals, allowed):
+    if depth <= 0.9 * allowed and prove(piece, metric, duals, allowed):
         return lower_bound(piece, metric, duals, allowed), "proved"
     return lower_bound(piece, metric, duals, depth + slack.error), "estimated"
 
