@@ -57,7 +57,5 @@ def list_defects(mesh, kind, numbers, symmetry=1):
     indices = numbers[triangles] / symmetry if symmetry > 1 else numbers[triangles]
     return [
         Defect(kind, int(t), index.item(), position, normal)
-        for t, index, position, normal in zip(
-            triangles, indices, centres, mesh.face_normals[triangles], strict=True
-        )
+        for t, index, position, normal in zip(triangles, indices, centres, mesh.face_normals[triangles], strict=True)
     ]

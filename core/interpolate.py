@@ -23,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .defects import wrap
+from .geometry import TriangleMesh
 
 TURN = 2 * np.pi
 
@@ -35,7 +36,7 @@ class EdgePhases:
     are -1 where the sheet turns over along the edge.
     """
 
-    mesh: object
+    mesh: TriangleMesh
     arguments: np.ndarray
     changes: np.ndarray
     signs: np.ndarray
@@ -140,9 +141,7 @@ def _walked_phases(edge_phases, polygons):
     for step in range(1, polygons.sizes.max(initial=0)):
         going = polygons.sizes > step
         corner = polygons.starts[going] + step
-        change, sign = edge_phases.between(
-            polygons.corner_vertices[corner - 1], polygons.corner_vertices[corner]
-        )
+        change, sign = edge_phases.between(polygons.corner_vertices[corner - 1], polygons.corner_vertices[corner])
         phases[corner] = phases[corner - 1] + sheet[going] * change
         sheet[going] *= sign
     return phases

@@ -13,7 +13,6 @@ import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix, diags_array
 from scipy.sparse.csgraph import connected_components
 
-from .connection import Connection
 from .errors import SettingError
 from .gauge import balance
 
@@ -216,16 +215,18 @@ class SynchronizationProblem:
         i, j = self.connection.edges.T
         moved = _multiply(self._transports(self.connection.transports, i, j), units[i])
         scale = np.sqrt(self.connection.weights)
-        columns = [column[j], column[i]]
-        values = [_scaled(units[j], scale), _scaled(moved, -scale)]
-        rows = [np.arange(len(i))] * 2
+        parts = [
+            (np.arange(len(i)), column[j], _scaled(units[j], scale)),
+            (np.arange(len(i)), column[i], _scaled(moved, -scale)),
+        ]
         if self.drawn is not None:
             nodes = self.drawn.nodes
             scale = np.sqrt(self.drawn.weights)
-            columns += [column[nodes], ground_of[self._links[2][nodes]]]
-            values += [_scaled(units[nodes], scale), _scaled(_ground_blocks(self._values(self.drawn)), -scale)]
-            rows += [len(i) + np.arange(len(nodes))] * 2
-        rows, columns, values = np.concatenate(rows), np.concatenate(columns), np.concatenate(values)
+            ground = ground_of[self._links[2][nodes]]
+            wished = len(i) + np.arange(len(nodes))
+            parts.append((wished, column[nodes], _scaled(units[nodes], scale)))
+            parts.append((wished, ground, _scaled(_ground_blocks(self._values(self.drawn)), -scale)))
+        rows, columns, values = (np.concatenate(part) for part in zip(*parts, strict=True))
         return _block_matrix(rows, columns, values, (rows.max(initial=-1) + 1, len(mass)))
 
     @cached_property

@@ -82,9 +82,7 @@ def direction_problem(mesh, symmetry, wishes=None):
         raise SettingError(f"boundary {wishes.boundary!r} is unknown: use one of {', '.join(BOUNDARIES)}")
     if wishes.guidance not in GUIDANCES:
         raise SettingError(f"guidance {wishes.guidance!r} is unknown: use one of {', '.join(GUIDANCES)}")
-    connection = Connection(
-        mesh.vertex_count, mesh.edges, mesh.weights, circle_transports(levi_civita(mesh, symmetry))
-    )
+    connection = Connection(mesh.vertex_count, mesh.edges, mesh.weights, circle_transports(levi_civita(mesh, symmetry)))
     fixed = None
     if wishes.boundary != "free":
         edges = chosen_boundary_edges(mesh, wishes.boundary_vertices)

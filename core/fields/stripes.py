@@ -89,9 +89,7 @@ def stripe_problem(mesh, field, spacing, on_boundary=False, boundary_vertices=No
     return SynchronizationProblem(connection, mesh.vertex_masses, fixed=fixed)
 
 
-def stripe_pattern(
-    mesh, field, spacing, on_boundary=False, boundary_vertices=None, options=None, callback=None
-):
+def stripe_pattern(mesh, field, spacing, on_boundary=False, boundary_vertices=None, options=None, callback=None):
     """Solve a stripe pattern; arguments as :func:`stripe_problem` and :func:`core.solve.solve`."""
     solution = solve(stripe_problem(mesh, field, spacing, on_boundary, boundary_vertices), options, callback)
     angles, flips = stripe_transports(mesh, field, spacing)

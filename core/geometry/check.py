@@ -42,7 +42,8 @@ def check_mesh(mesh, faces=None):
 
 def _piece(mesh, vertex):
     count = len(np.unique(mesh.pieces[mesh.triangles[:, 0]]))
-    return f" (in the piece of vertex {np.flatnonzero(mesh.pieces == mesh.pieces[vertex])[0]}, one of {count})" if count > 1 else ""
+    first = np.flatnonzero(mesh.pieces == mesh.pieces[vertex])[0]
+    return f" (in the piece of vertex {first}, one of {count})" if count > 1 else ""
 
 
 def _refuse_vertices(mesh, bad, what, remedy):

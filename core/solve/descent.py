@@ -49,7 +49,7 @@ def descend(matrix, spheres, start, metric, tolerance, max_steps, monitor):
     gradient = spheres.project(point, image)
     # Below this, values of Re<X, L X> are rounding noise.
     noise = 1e-15 * np.abs(matrix.diagonal()).sum()
-    memory = []
+    memory: list[tuple] = []
     products, step = point.shape[1], 0
     decrements = np.full(len(values), np.inf)
     for step in range(1, max_steps + 1):

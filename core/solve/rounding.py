@@ -74,9 +74,7 @@ def distinct_columns(piece, columns):
 
 def polish(piece, columns, metric, monitor, steps=POLISH_STEPS, tolerance=POLISH_TOLERANCE):
     """Descend on the unrelaxed problem from each column; returns columns sorted by energy, best first."""
-    descent = descend(
-        piece.matrix, Spheres(piece.block, lifted=False), columns, metric, tolerance, steps, monitor
-    )
+    descent = descend(piece.matrix, Spheres(piece.block, lifted=False), columns, metric, tolerance, steps, monitor)
     return best_columns(piece, descent.point, descent.point.shape[1])
 
 

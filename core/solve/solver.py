@@ -213,13 +213,11 @@ def _combine(problem, pieces, results, options, times):
     """Put the pieces' results together: energies and bounds add up."""
     coordinates = problem.unit_coordinates()
     rank = max([r.lifted.shape[1] for r in results if r.lifted is not None], default=0)
-    lifted = None
-    if rank:
-        lifted = np.zeros((len(coordinates), rank), coordinates.dtype)
-        lifted[:, 0] = coordinates
+    lifted = np.zeros((len(coordinates), rank), coordinates.dtype)
+    lifted[:, :1] = coordinates[:, None]
     for piece, result in zip(pieces, results, strict=True):
         coordinates[piece.rows] = result.field
-        if rank:
+        if result.lifted is not None:
             lifted[piece.rows] = 0
             lifted[piece.rows, : result.lifted.shape[1]] = result.lifted
     phases = problem.expand(coordinates)
@@ -237,7 +235,7 @@ def _combine(problem, pieces, results, options, times):
         status=max((r.status for r in results), key=order.index, default=default_status),
         rank=rank,
         singular_values=np.empty(0) if largest is None else results[largest].singular_values,
-        lifted=lifted,
+        lifted=lifted if rank else None,
         spectral_bound=None if is_sdp else sum(r.spectral_bound for r in results),
         iterations=sum(r.iterations for r in results),
         products=sum(r.products for r in results),

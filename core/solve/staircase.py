@@ -96,9 +96,7 @@ def relax(piece, target_gap, seed, monitor, clock, start=None):
     lifted, singular_values = _principal(point)
     if not np.isfinite(value):
         value = float(piece.energy(point).sum())
-    return Relaxation(
-        lifted, singular_values, value, best_bound, certificate, reached, out_of_time, steps, products
-    )
+    return Relaxation(lifted, singular_values, value, best_bound, certificate, reached, out_of_time, steps, products)
 
 
 def _start(piece, spheres, random, start):
