@@ -94,10 +94,11 @@ def download_wheel(wheel: Path) -> None:
         return
     package, version, python, abi, platforms = wheel.stem.split("-")
     command = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--only-binary=:all:"]
-    command += ["--dest", str(wheel.parent), "--implementation", "cp", "--abi", abi]
-    command += ["--python-version", python.removeprefix("cp")]
-    for platform in platforms.split("."):
-        command += ["--platform", platform]
+    command += ["--dest", str(wheel.parent)]
+    if abi != "none":
+        command += ["--implementation", "cp", "--abi", abi, "--python-version", python.removeprefix("cp")]
+        for platform in platforms.split("."):
+            command += ["--platform", platform]
     print(f"extension: downloading {wheel.name}", file=sys.stderr)
     result = subprocess.run([*command, f"{package}=={version}"], capture_output=True, text=True)
     if result.returncode or not wheel.exists():

@@ -14,6 +14,7 @@ from .solution import METHODS, ROUNDINGS, Clock, Options, Solution, Status
 from .spectral import smallest_eigenpair
 from .spheres import Spheres
 from .staircase import MAX_RANK, SHIFT, relax
+from .threads import one_blas_thread
 
 DIFFUSION_STARTS = 8
 DIFFUSION_TIMES = 0.5 ** np.arange(11)
@@ -60,6 +61,11 @@ def solve(problem, options=None, callback=None):
     """
     options = Options() if options is None else options
     _check(options)
+    with one_blas_thread():
+        return _solve(problem, options, callback)
+
+
+def _solve(problem, options, callback):
     clock = Clock()
     monitor = Monitor(callback, options.time_limit)
     with clock("build"):
