@@ -14,7 +14,7 @@ COLLECTION_NAME = "Synch Defects"
 _KIND, _INDEX, _FACE = "synch_kind", "synch_index", "synch_face"
 # On our collections: "scene" for the one that holds all, "object" for the one of an object.
 _MARK = "synch_defects"
-# (positive, negative): warm and cool, the dislocations further apart in hue from the stripes.
+# (positive, negative): warm and cool, in hues that tell the kinds apart too.
 _COLORS = {
     "disclination": ((1.0, 0.19, 0.05, 1.0), (0.02, 0.32, 1.0, 1.0)),
     "dislocation": ((1.0, 0.55, 0.0, 1.0), (0.0, 0.65, 0.55, 1.0)),
@@ -99,12 +99,11 @@ def _mean_scale(obj):
 def _collection_of(obj):
     """The collection for the defects of `obj`: where they lie now, or a new one."""
     name = f"{COLLECTION_NAME}: {obj.name}"
-    for empty in defect_empties(obj):
-        for collection in empty.users_collection:
-            # A duplicated hierarchy shares its collection with the original: it gets its own.
-            if collection.get(_MARK) == "object" and all(other.parent == obj for other in collection.objects):
-                collection.name = name
-                return collection
+    for collection in {c for empty in defect_empties(obj) for c in empty.users_collection}:
+        # A duplicated hierarchy shares its collection with the original: it gets its own.
+        if collection.get(_MARK) == "object" and all(other.parent == obj for other in collection.objects):
+            collection.name = name
+            return collection
     collection = _new_collection(name, "object")
     _scene_collection(obj).children.link(collection)
     return collection

@@ -39,7 +39,7 @@ def stripes_material(obj, *, spacing=None, assign_faces=False) -> bpy.types.Mate
 def _store_spacing(obj, spacing):
     if spacing is not None:
         obj[_SPACING] = float(spacing)
-    elif _SPACING not in obj:
+    elif _SPACING not in obj and any(obj.dimensions):
         obj[_SPACING] = max(obj.dimensions) / 30.0
 
 
@@ -76,6 +76,8 @@ def _new_material():
     bump = _add_bump(tree)
     tree.links.new(stripes.outputs["Height"], bump.inputs["Height"])
     tree.links.new(bump.outputs["Normal"], surface.inputs["Normal"])
+    for node in tree.nodes:
+        node.select = node == stripes
     tree.nodes.active = stripes
     return material
 
@@ -84,12 +86,12 @@ def _add_bump(tree):
     """A Bump node whose distance is a part of the spacing of the object that it is seen on."""
     spacing = tree.nodes.new("ShaderNodeAttribute")
     spacing.attribute_type, spacing.attribute_name = "OBJECT", _SPACING
-    spacing.label, spacing.location = "Spacing", (-520, -260)
+    spacing.label, spacing.location = "Spacing", (-520, -320)
     relief = tree.nodes.new("ShaderNodeMath")
-    relief.operation, relief.label, relief.location = "MULTIPLY", "Relief", (-340, -260)
+    relief.operation, relief.label, relief.location = "MULTIPLY", "Relief", (-340, -320)
     relief.inputs[1].default_value = _RELIEF
     bump = tree.nodes.new("ShaderNodeBump")
-    bump.location = (-170, -180)
+    bump.location = (-170, -200)
     bump.inputs["Strength"].default_value = 0.6
     tree.links.new(spacing.outputs["Fac"], relief.inputs[0])
     tree.links.new(relief.outputs[0], bump.inputs["Distance"])

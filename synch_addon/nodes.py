@@ -110,7 +110,7 @@ class Canvas:
     def band(self, label):
         """Nodes that are added inside stand in a frame, below everything that is there."""
         self._frame = self.tree.nodes.new("NodeFrame")
-        self._frame.label = label
+        self._frame.label, self._frame.select = label, False
         yield
         self._top += max(self._rows.values()) + 2
         self._frame, self._rows = None, Counter()
@@ -120,7 +120,7 @@ class Canvas:
         node = self.tree.nodes.new(type_name)
         node.parent = self._frame
         node.location = (_COLUMN_WIDTH * depth, -_ROW_HEIGHT * (self._top + self._rows[depth]))
-        node.label = label
+        node.label, node.select = label, False
         self._rows[depth] += rows
         self._last_column = max(self._last_column, depth)
         return node
@@ -136,7 +136,10 @@ class Canvas:
         """Read the mesh attribute `name`; one expression for each output asked for."""
         node = self.place("ShaderNodeAttribute", 0, name, rows=4)
         node.attribute_name = name
-        return [Expression(self, node.outputs[output], 0) for output in outputs]
+        wanted = [node.outputs[output] for output in outputs]
+        for output in node.outputs:
+            output.hide = output not in wanted
+        return [Expression(self, output, 0) for output in wanted]
 
     def separate(self, vector):
         """The three components of a vector or colour."""

@@ -12,12 +12,16 @@ import bpy
 import numpy as np
 from mathutils import Euler, Matrix, Vector
 
+from ..core.errors import MeshError, SettingError
 from .defect_empties import KINDS, defect_empties
 
-# Vertical edge of the picture that stays free around the object, as a part of the picture.
+# Part of the picture that stays free at each edge.
 _MARGIN = 0.07
 _LENS, _SENSOR = 70.0, 36.0
 _FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".exr": "OPEN_EXR", ".tif": "TIFF", ".webp": "WEBP"}
+_WITH_FACES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+# Radius of a marker by the size of its empty: small enough to leave the branching stripes in view.
+_MARKER_SIZE = {"disclination": 0.75, "dislocation": 0.45}
 _BACKDROP_COLOR = (0.72, 0.71, 0.695, 1.0)
 # Direction from the object (right, up, towards the camera), size and distance in radii of the
 # object, watts for a radius of 1, colour.
@@ -35,22 +39,27 @@ def render_picture(obj, path, *, resolution=(1200, 900), samples=48, markers=Tru
     `resolution` is in pixels, `samples` per pixel (denoised where Blender can); `markers` puts a
     small coloured shape at every defect empty of the object. `view` is the direction to look from,
     in degrees: azimuth 0 is Blender's front view and grows to the right, elevation 90 the top view.
-    Returns the path. Raises ValueError for a file type that is no image or an object without faces.
+    Returns the path. Raises SettingError where the file cannot be written, MeshError for an object
+    without faces.
     """
     path = Path(path).absolute()
     if path.suffix.lower() not in _FORMATS:
-        raise ValueError(f"cannot write a picture to {path.name}: use one of {', '.join(_FORMATS)}")
+        raise SettingError(f"cannot write a picture to {path.name}: use one of {', '.join(_FORMATS)}")
     with _only_for_now():
         scene = bpy.data.scenes.new("Synch Picture")
-        points = _world_vertices(_stand_in(obj, scene), scene)
-        extent = _add_markers(obj, points, scene) if markers else points
+        scene.frame_set(bpy.context.scene.frame_current)
+        matrix, points = _evaluate(_stand_in(obj, scene), scene)
+        extent = _add_markers(defect_empties(obj), matrix, points, scene) if markers else points
         orientation = _orientation(view)
         camera = _add_camera(scene, orientation, extent, resolution)
         stage = _stage(orientation)
         _add_backdrop(scene, stage, points, camera.matrix_world.translation)
         _add_lights(scene, stage, points)
         _set_up_render(scene, path, resolution, samples)
-        bpy.ops.render.render(write_still=True, scene=scene.name)
+        try:
+            bpy.ops.render.render(write_still=True, scene=scene.name)
+        except RuntimeError as error:
+            raise SettingError(f"cannot write the picture {path}: {str(error).splitlines()[0]}") from error
     return path
 
 
@@ -71,28 +80,25 @@ def _all_data():
 
 
 def _stand_in(obj, scene):
-    """A copy of the object in `scene`, free of parents, constraints and animation."""
     copy = obj.copy()
-    copy.animation_data_clear()
-    copy.constraints.clear()
-    copy.parent = None
-    copy.matrix_world = obj.matrix_world
     copy.hide_render = copy.hide_viewport = False
     scene.collection.objects.link(copy)
     return copy
 
 
-def _world_vertices(obj, scene):
+def _evaluate(obj, scene):
+    """Matrix and vertices, in world space, of an object as its modifiers, parents ... make it."""
     with bpy.context.temp_override(scene=scene, view_layer=scene.view_layers[0]):
         evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    mesh = evaluated.to_mesh()
+    mesh = evaluated.to_mesh() if obj.type in _WITH_FACES else None
     if mesh is None or not mesh.polygons:
-        raise ValueError(f"{obj.name} has no faces to render")
+        raise MeshError(f"{obj.name} has no faces to render")
     points = np.empty(len(mesh.vertices) * 3, np.float32)
     mesh.attributes["position"].data.foreach_get("vector", points)
     evaluated.to_mesh_clear()
-    matrix = np.array(obj.matrix_world)
-    return points.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]
+    matrix = evaluated.matrix_world.copy()
+    linear, offset = np.array(matrix)[:3, :3], np.array(matrix)[:3, 3]
+    return matrix, points.reshape(-1, 3) @ linear.T + offset
 
 
 def _centre_and_radius(points):
@@ -214,16 +220,17 @@ def _add_lights(scene, stage, points):
     scene.world = world
 
 
-def _add_markers(obj, points, scene):
-    """A small shape at every defect empty; returns the points that it must keep in the picture."""
+def _add_markers(empties, parent_matrix, points, scene):
+    """A small shape at each of the empties; returns `points` and those that the shapes reach to."""
     _, radius = _centre_and_radius(points)
     meshes = {kind: _marker_mesh(kind) for kind in KINDS}
-    scale = sum(abs(factor) for factor in obj.matrix_world.to_scale()) / 3.0
+    scale = sum(abs(factor) for factor in parent_matrix.to_scale()) / 3.0
     ends = [points]
-    for empty in defect_empties(obj):
+    for empty in empties:
         # Its own matrix_world is stale until the next update of the scene that it is in.
-        matrix = obj.matrix_world @ empty.matrix_parent_inverse @ empty.matrix_basis
-        size = min(max(empty.empty_display_size * scale, 0.012 * radius), 0.028 * radius)
+        matrix = parent_matrix @ empty.matrix_parent_inverse @ empty.matrix_basis
+        size = _MARKER_SIZE[empty["synch_kind"]] * empty.empty_display_size * scale
+        size = min(max(size, 0.01 * radius), 0.024 * radius)
         rotation = matrix.to_quaternion().to_matrix().to_4x4()
         place = Matrix.Translation(matrix.translation) @ rotation @ Matrix.Scale(size, 4)
         marker = _add(scene, empty.name, meshes[empty["synch_kind"]], place)

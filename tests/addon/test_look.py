@@ -7,6 +7,7 @@ import pytest
 from bpy_extras.object_utils import world_to_camera_view
 from mathutils import Vector
 
+from synch_fields.core.errors import MeshError, SettingError
 from synch_fields.synch_addon import nodes, render
 from synch_fields.synch_addon.defect_empties import Defect, clear_defects, defect_empties, write_defects
 from synch_fields.synch_addon.materials import stripes_material
@@ -120,7 +121,8 @@ class Face:
 def show_socket(obj, socket_name):
     """Make the object glow with (1 + value) / 2 of one output of the stripes group."""
     material = bpy.data.materials.new("probe")
-    material.use_nodes = True
+    if material.node_tree is None:
+        material.use_nodes = True
     tree = material.node_tree
     tree.nodes.clear()
     group = tree.nodes.new("ShaderNodeGroup")
@@ -368,11 +370,31 @@ def test_picture_of_nothing_is_refused_and_leaves_the_file_as_it_was(tmp_path):
     obj = bpy.data.objects.new("empty", bpy.data.meshes.new("empty"))
     bpy.context.scene.collection.objects.link(obj)
     before = contents()
-    with pytest.raises(ValueError, match="no faces"):
+    with pytest.raises(MeshError, match="no faces"):
         render_picture(obj, tmp_path / "picture.png")
-    with pytest.raises(ValueError, match=r"picture\.obj"):
+    with pytest.raises(SettingError, match=r"picture\.obj"):
         render_picture(obj, tmp_path / "picture.obj")
     assert contents() == before
+
+
+def test_picture_that_cannot_be_written_is_an_error(tmp_path):
+    (tmp_path / "a_file").touch()
+    with pytest.raises(SettingError, match="cannot write"):
+        render_picture(FACES["regular quad"].build(), tmp_path / "a_file" / "p.png", resolution=(8, 8), samples=1)
+
+
+def test_subject_stands_where_its_parents_and_modifiers_put_it():
+    obj, parent = FACES["regular quad"].build(), bpy.data.objects.new("parent", None)
+    parent.location, parent.scale, obj.parent = (5, 0, 1), (3, 1, 1), parent
+    obj.rotation_euler.z = 0.5
+    obj.modifiers.new("thick", "SOLIDIFY").thickness = 0.25
+    scene = bpy.data.scenes.new("other")
+    matrix, points = render._evaluate(render._stand_in(obj, scene), scene)
+    turn = np.array([[np.cos(0.5), -np.sin(0.5)], [np.sin(0.5), np.cos(0.5)]])
+    expected = CONVEX_QUAD @ turn.T * (3, 1) + (5, 0)
+    assert np.allclose(np.array(matrix)[:3, 3], (5, 0, 1))
+    assert all(np.isclose(points[:, :2], corner, atol=1e-5).all(axis=1).sum() == 2 for corner in expected)
+    assert np.ptp(points[:, 2]) == pytest.approx(0.25, abs=1e-6)
 
 
 @pytest.mark.parametrize("size", [(1, 1, 1), (0.01, 0.01, 4), (30, 20, 0), (1e-3, 2e-3, 1e-3)])
