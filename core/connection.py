@@ -43,7 +43,7 @@ class Connection:
         else:
             moved = np.einsum("eab,eb->ea", self.transports, phases[i])
         difference = phases[j] - moved
-        squares = (difference * difference.conj()).real.reshape(len(i), -1).sum(axis=1)
+        squares = (difference * difference.conj()).real.sum(axis=tuple(range(1, difference.ndim)))
         return float(self.weights @ squares)
 
 

@@ -6,7 +6,7 @@ blocks and the matrix that is solved is P^H L P. Fixed phases merge into a *grou
 value is then turned to 1 (Eqs. 25-27); soft wishes are weighted edges to it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -70,6 +70,11 @@ class Piece:
         """(N,) the mass of each row's node."""
         return np.repeat(self.mass, self.block)
 
+    @cached_property
+    def stiffness(self):
+        """Mean diagonal of the matrix per mass: an upper scale for eigenvalues, times and shifts."""
+        return float(np.abs(self.matrix.diagonal()).sum() / self.row_mass.sum())
+
     @property
     def unused_rows(self):
         """Rows of the ground's block beyond its first: zero at every feasible start and optimum."""
@@ -101,6 +106,9 @@ class SynchronizationProblem:
     """
 
     def __init__(self, connection, mass=None, merged=None, fixed=None, drawn=None):
+        if merged is not None and merged.transports.ndim != connection.transports.ndim:
+            connection = replace(connection, transports=as_matrices(connection.transports))
+            merged = replace(merged, transports=as_matrices(merged.transports))
         self.connection = connection
         count = connection.node_count
         self.mass = np.ones(count) if mass is None else np.asarray(mass, float)
@@ -293,9 +301,17 @@ class SynchronizationProblem:
         total = self.connection.energy(phases)
         if self.drawn is not None:
             difference = phases[self.drawn.nodes] - self.drawn.values
-            squares = (difference * np.conj(difference)).real.reshape(len(difference), -1).sum(axis=1)
+            squares = (difference * np.conj(difference)).real.sum(axis=tuple(range(1, difference.ndim)))
             total += float(self.drawn.weights @ squares)
         return total
+
+
+def as_matrices(transports):
+    """Turns as 2 x 2 matrices; matrices as they are."""
+    if transports.ndim == 3:
+        return transports
+    cosine, sine = transports.real, transports.imag
+    return np.stack([np.stack([cosine, -sine], -1), np.stack([sine, cosine], -1)], -2)
 
 
 def _graph(count, pairs):

@@ -46,6 +46,5 @@ def _dihedral_angles(mesh):
     along = mesh.edge_vectors[edge] / mesh.edge_lengths[edge, None]
     sine = np.einsum("ij,ij->i", np.cross(left, right), along)
     angles = np.zeros(len(mesh.edges))
-    # Seen along the edge the left face's normal turns clockwise into the right one's at a ridge.
-    angles[edge] = -np.arctan2(sine, np.einsum("ij,ij->i", left, right))
+    angles[edge] = np.arctan2(sine, np.einsum("ij,ij->i", left, right))
     return angles

@@ -230,16 +230,18 @@ class TriangleMesh:
 
     @cached_property
     def tangent_frames(self):
-        """Two (n, 3) arrays: the reference direction of each vertex (its reference edge, projected)
-        and the direction a quarter turn counterclockwise from it."""
-        starts = self._fans[1]
-        used = starts >= 0
-        references = np.zeros((self.vertex_count, 3))
-        tails = self.triangles.ravel()
-        heads = self.triangles[:, [1, 2, 0]].ravel()
-        references[used] = self.vertices[heads[starts[used]]] - self.vertices[tails[starts[used]]]
+        """Two (n, 3) arrays: the direction of angle 0 at each vertex, the mean of its edges turned back by
+        their angles, so that it does not depend on the numbering; and a quarter turn counterclockwise."""
         normals = self.vertex_normals
-        references -= np.einsum("ij,ij->i", references, normals)[:, None] * normals
+        references = np.zeros((self.vertex_count, 3))
+        for end, sign in ((0, 1), (1, -1)):
+            at = self.edges[:, end]
+            n = normals[at]
+            towards = sign * self.edge_vectors
+            towards = _normalized(towards - np.einsum("ij,ij->i", towards, n)[:, None] * n)
+            angles = self.edge_directions[:, end, None]
+            back = np.cos(angles) * towards - np.sin(angles) * np.cross(n, towards)
+            np.add.at(references, at, back)
         x = _normalized(references)
         return x, np.cross(normals, x)
 

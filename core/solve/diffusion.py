@@ -4,7 +4,7 @@
 import numpy as np
 from scipy.sparse import diags_array
 
-from .metric import Factorization
+from .metric import SMALLEST_SHIFT, Factorization
 
 
 def diffuse(piece, spheres, columns, times, steps, monitor, tolerance=0.0):
@@ -22,7 +22,7 @@ def diffuse(piece, spheres, columns, times, steps, monitor, tolerance=0.0):
     """
     row_mass = piece.row_mass
     columns = spheres.normalize(columns)
-    for tau in times:
+    for tau in np.minimum(times, 1 / (SMALLEST_SHIFT * piece.stiffness)):
         factorization = Factorization(diags_array(row_mass) + tau * piece.matrix)
         for _ in range(steps):
             monitor.check()

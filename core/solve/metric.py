@@ -5,6 +5,9 @@ import numpy as np
 from scipy.sparse import diags_array
 from scipy.sparse.linalg import splu
 
+# Share of the stiffness below which a shift drowns in single precision.
+SMALLEST_SHIFT = 1e-6
+
 
 def factorize(matrix, single=True):
     """Sparse factorization of a positive definite matrix without row exchanges.
@@ -41,6 +44,7 @@ class Metric(Factorization):
     """
 
     def __init__(self, piece, shift):
+        shift = max(shift, SMALLEST_SHIFT * piece.stiffness)
         self.shift = shift
         self.matrix = (piece.matrix + diags_array(shift * piece.row_mass)).tocsr()
         super().__init__(self.matrix)

@@ -8,7 +8,7 @@ import numpy as np
 from ..errors import SettingError
 from . import rounding
 from .diffusion import diffuse
-from .metric import Metric
+from .metric import SMALLEST_SHIFT, Metric
 from .monitor import Monitor, OutOfTime
 from .solution import METHODS, ROUNDINGS, Clock, Options, Solution, Status
 from .spectral import smallest_eigenpair
@@ -106,6 +106,23 @@ class _Portion:
 
 
 def _solve_piece(piece, options, monitor, clock):
+    try:
+        return _solve_by_method(piece, options, monitor, clock)
+    except OutOfTime:
+        # Not even begun, or a method without a result on the way: equal phases, and zero is a bound.
+        column = _fill_zeros(piece, np.zeros((piece.matrix.shape[0], 1), piece.matrix.dtype))
+        return _finished(
+            piece,
+            column,
+            sdp_value=float(piece.energy(column)[0]),
+            certificate="proved",
+            status=Status.TIME_LIMIT,
+            lifted=column if options.method == "sdp" else None,
+            singular_values=np.linalg.norm(column, axis=0),
+        )
+
+
+def _solve_by_method(piece, options, monitor, clock):
     if options.method == "spectral":
         return _solve_spectral(piece, options, monitor, clock)
     if options.method == "diffusion":
@@ -146,12 +163,11 @@ def _solve_diffusion(piece, options, monitor, clock):
         bound = eigenvalue * piece.mass.sum()
         columns = rounding.random_fields(piece, DIFFUSION_STARTS, random)
         spheres = Spheres(piece.block, lifted=False)
-        if eigenvalue > 0:
-            times = DIFFUSION_TIMES / eigenvalue
-            columns = diffuse(piece, spheres, columns, times, DIFFUSION_STEPS, monitor, tolerance=1e-2)
+        times = DIFFUSION_TIMES / max(eigenvalue, SMALLEST_SHIFT * piece.stiffness)
+        columns = diffuse(piece, spheres, columns, times, DIFFUSION_STEPS, monitor, tolerance=1e-2)
     with clock("round"):
         monitor.at("polish", 0.8)
-        metric = Metric(piece, SHIFT * max(eigenvalue, 1e-12))
+        metric = Metric(piece, SHIFT * eigenvalue)
         columns = rounding.polish(piece, columns, metric, monitor)
         columns = _polish_best(piece, columns, metric, monitor)
     return _finished(
@@ -203,7 +219,7 @@ def _round(piece, relaxation, options, monitor, out_of_time):
     if options.rounding == "random":
         return columns, False
     energy_density = relaxation.value / piece.mass.sum()
-    metric = Metric(piece, SHIFT * max(energy_density, 1e-12))
+    metric = Metric(piece, SHIFT * energy_density)
     try:
         if options.rounding == "continuation":
             monitor.at("continuation", 0.6)

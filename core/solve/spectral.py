@@ -5,7 +5,7 @@ import numpy as np
 from scipy.sparse import diags_array
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from .metric import factorize
+from .metric import SMALLEST_SHIFT, factorize
 
 
 def smallest_eigenpair(piece, seed):
@@ -17,7 +17,7 @@ def smallest_eigenpair(piece, seed):
     mass = diags_array(piece.row_mass).tocsr()
     if size < 16:
         return _dense_eigenpair(piece)
-    shift = 1e-6 * np.abs(piece.matrix.diagonal()).sum() / piece.row_mass.sum()
+    shift = SMALLEST_SHIFT * piece.stiffness
     lu = factorize(piece.matrix + shift * mass, single=False)
     dtype = piece.matrix.dtype
     inverse = LinearOperator((size, size), matvec=lambda x: lu.solve(x.astype(dtype)), dtype=dtype)

@@ -22,6 +22,8 @@ MAX_RANK = 24
 LEVELS = 12
 # Metric shift as a share of the mean energy per mass: small enough to leave the metric alone.
 SHIFT = 0.1
+# The shift of the metric that finds the first smooth point, as a share of the stiffness.
+FIRST_SHIFT = 1e-3
 LEVEL_STEPS = 300
 # Predicted relative decrease at which a level's descent ends, as a share of the target gap.
 FIRST_TOLERANCE = 1e-2
@@ -105,15 +107,14 @@ def _start(piece, spheres, random, start):
     The shift has to be small against the energy per mass, which only the smooth point tells: a
     first metric with a guessed shift finds it.
     """
-    guess = np.abs(piece.matrix.diagonal()).sum() / piece.row_mass.sum() * 1e-3
     if start is None:
-        metric = Metric(piece, guess)
+        metric = Metric(piece, FIRST_SHIFT * piece.stiffness)
         point = random_columns(piece, min(START_RANK, piece.matrix.shape[0]), random)
         point = _smooth(metric, spheres, point)
     else:
         point = spheres.normalize(start)
     energy = spheres.inner(point, piece.matrix @ point)[0]
-    metric = Metric(piece, SHIFT * max(energy, 1e-12) / piece.mass.sum())
+    metric = Metric(piece, SHIFT * energy / piece.mass.sum())
     return metric, point if start is not None else _smooth(metric, spheres, point)
 
 

@@ -123,7 +123,7 @@ def brute_force(connection, starts=40, sweeps=60, seed=0, **constraints):
     random = np.random.default_rng(seed)
     x = random.standard_normal((starts, n, d))
     x /= np.linalg.norm(x, axis=2)[:, :, None]
-    for sweep in range(sweeps):
+    for sweep in range(sweeps if d == 2 else 5 * sweeps):
         for i in range(n):
             own = slice(i * d, i * d + d)
             outer = b[own] + x.reshape(starts, -1) @ a[:, own] - x[:, i] @ a[own, own]

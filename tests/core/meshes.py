@@ -92,17 +92,13 @@ def disk(rings=6, segments=24):
 
 def cylinder(radius=1.0, height=2.0, segments=24, rows=8, split="alternate"):
     """An open tube around the z axis, normals outwards."""
-    angle, z = np.meshgrid(
-        np.arange(segments) * 2 * np.pi / segments, np.linspace(0, height, rows + 1), indexing="ij"
-    )
+    angle, z = np.meshgrid(np.arange(segments) * 2 * np.pi / segments, np.linspace(0, height, rows + 1), indexing="ij")
     points = np.column_stack([(radius * np.cos(angle)).ravel(), (radius * np.sin(angle)).ravel(), z.ravel()])
     return TriangleMesh(points, split_quads(grid_quads(segments, rows, wrap_columns=True), split))
 
 
 def torus_points(large, small, around, across):
-    u, v = np.meshgrid(
-        np.arange(around) * 2 * np.pi / around, np.arange(across) * 2 * np.pi / across, indexing="ij"
-    )
+    u, v = np.meshgrid(np.arange(around) * 2 * np.pi / around, np.arange(across) * 2 * np.pi / across, indexing="ij")
     reach = large + small * np.cos(v)
     return np.column_stack([(reach * np.cos(u)).ravel(), (reach * np.sin(u)).ravel(), small * np.sin(v).ravel()])
 
@@ -249,7 +245,7 @@ def honeycomb_sphere(subdivisions=2):
 
 
 def shared_mesh(name):
-    """A real mesh of the workplace, fanned into triangles; the test is skipped where there is none."""
+    """A real mesh beside the repository, fanned into triangles; the test is skipped where it is missing."""
     path = SHARED / f"{name}.obj"
     if not path.exists():
         pytest.skip(f"{path.name} is not here")

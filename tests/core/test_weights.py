@@ -23,7 +23,9 @@ def stiffness(mesh):
 
 
 def heron(mesh):
-    a, b, c = np.moveaxis(np.linalg.norm(mesh.vertices[mesh.triangles] - mesh.vertices[np.roll(mesh.triangles, 1, 1)], axis=2), 1, 0)
+    a, b, c = np.moveaxis(
+        np.linalg.norm(mesh.vertices[mesh.triangles] - mesh.vertices[np.roll(mesh.triangles, 1, 1)], axis=2), 1, 0
+    )
     half = (a + b + c) / 2
     return np.sqrt(half * (half - a) * (half - b) * (half - c))
 

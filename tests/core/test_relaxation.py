@@ -1,0 +1,145 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The value of the semidefinite relaxation against closed forms, dense eigenvalues and pymanopt."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from synch_fields.core.connection import Connection
+from synch_fields.core.fields.directions import direction_problem
+from synch_fields.core.problem import SynchronizationProblem
+from synch_fields.core.solve import Options, Status, solve
+
+from .meshes import bent_square, icosphere, torus
+
+TIGHT = Options(target_gap=1e-5)
+
+
+def max_cut(edges):
+    """Edges that want their ends to differ: the energy is four times the number of uncut edges."""
+    edges = np.array(edges)
+    return Connection(edges.max() + 1, edges, np.ones(len(edges)), -np.ones((len(edges), 1, 1)))
+
+
+def cycle(n):
+    return [(k, (k + 1) % n) for k in range(n)]
+
+
+def grid_torus(n):
+    nodes = np.arange(n * n).reshape(n, n)
+    right, up = np.roll(nodes, -1, axis=0), np.roll(nodes, -1, axis=1)
+    return np.vstack([np.column_stack([nodes.ravel(), a.ravel()]) for a in (right, up)])
+
+
+PETERSEN = cycle(5) + [(k, k + 5) for k in range(5)] + [(5 + k, 5 + (k + 2) % 5) for k in range(5)]
+
+# On a vertex-transitive graph of degree k the relaxation is n (k + smallest eigenvalue of the adjacency
+# matrix): the uniform dual is optimal. For a cycle of 5 that is sum of 2 + 2 cos(4 pi / 5).
+MAX_CUTS = [
+    pytest.param(cycle(5), 10 * (1 - np.cos(np.pi / 5)), 4, id="5-cycle"),
+    pytest.param(cycle(7), 14 * (1 - np.cos(np.pi / 7)), 4, id="7-cycle"),
+    pytest.param(PETERSEN, 10 * (3 - 2), 12, id="petersen"),
+    pytest.param(grid_torus(5), 25 * (4 - 4 * np.cos(np.pi / 5)), 40, id="torus-5x5"),
+    pytest.param(grid_torus(4), 0, 0, id="torus-4x4"),
+    pytest.param([(i, j) for j in range(6) for i in range(j)], 6 * (5 - 1), 24, id="complete-6"),
+]
+
+
+@pytest.mark.parametrize(("edges", "relaxed", "exact"), MAX_CUTS)
+def test_max_cut_of_symmetric_graphs(edges, relaxed, exact):
+    connection = max_cut(edges)
+    solution = solve(SynchronizationProblem(connection), TIGHT)
+    assert solution.sdp_value == pytest.approx(relaxed, rel=1e-5, abs=1e-10)
+    assert solution.lower_bound == pytest.approx(relaxed, rel=2e-5, abs=1e-10)
+    assert solution.lower_bound <= relaxed * (1 + 1e-9) + 1e-10
+    assert solution.energy == pytest.approx(exact, rel=1e-9, abs=1e-10)
+    np.testing.assert_allclose(np.abs(solution.phases), 1, rtol=1e-9)
+    assert solution.status is Status.CERTIFIED
+
+
+def test_the_exact_max_cuts_by_counting():
+    for parameters in MAX_CUTS:
+        edges, _, exact = parameters.values
+        edges = np.array(edges)
+        if edges.max() < 12:
+            signs = np.array(list(product((-1, 1), repeat=edges.max() + 1)))
+            uncut = (signs[:, edges[:, 0]] == signs[:, edges[:, 1]]).sum(axis=1)
+            assert 4 * uncut.min() == exact
+
+
+@pytest.mark.parametrize("flux", [0.3, 1.7, np.pi - 0.1])
+@pytest.mark.parametrize("n", [3, 10, 60])
+def test_a_loop_shares_out_its_flux(flux, n):
+    random = np.random.default_rng(n)
+    angles = random.uniform(-np.pi, np.pi, n)
+    angles[-1] = flux - angles[:-1].sum()
+    connection = Connection(n, np.array(cycle(n)), np.ones(n), np.exp(1j * angles))
+    solution = solve(SynchronizationProblem(connection), Options(target_gap=1e-4))
+    exact = n * 4 * np.sin(flux / (2 * n)) ** 2
+    assert solution.energy == pytest.approx(exact, rel=1e-6)
+    assert exact * (1 - 1.1e-4) <= solution.lower_bound <= exact * (1 + 1e-9)
+    assert solution.certificate == "proved"
+
+
+@pytest.mark.parametrize(("n", "quanta"), [(6, 6), (8, 24), (9, 18)])
+def test_a_torus_in_a_uniform_magnetic_field(n, quanta):
+    """A field that turns by whole periods along each row makes all nodes alike up to a gauge change, so that the
+    relaxation is the number of nodes times the lowest eigenvalue."""
+    x, y = (a.ravel() for a in np.mgrid[:n, :n])
+    flux = 2 * np.pi * quanta / n**2
+    along_x = np.where(x == n - 1, flux * n * y, 0)  # closes up the potential (0, flux x)
+    edges = grid_torus(n)
+    angles = np.concatenate([-along_x, flux * x])
+    connection = Connection(n * n, edges, np.ones(2 * n * n), np.exp(1j * angles))
+    (piece,) = SynchronizationProblem(connection).pieces
+    lowest = np.linalg.eigvalsh(piece.matrix.toarray())[0]
+    solution = solve(SynchronizationProblem(connection), TIGHT)
+    assert solution.sdp_value == pytest.approx(n * n * lowest, rel=1e-5)
+    assert solution.lower_bound == pytest.approx(n * n * lowest, rel=1.1e-5)
+    assert solution.energy > solution.sdp_value * 1.001
+
+
+def by_trust_regions(piece, rank, seed):
+    """Value of the lifted problem (24) with pymanopt on real coordinates (2 rank x nodes, unit columns)."""
+    pymanopt = pytest.importorskip("pymanopt")
+    matrix = piece.matrix
+    manifold = pymanopt.manifolds.Oblique(2 * rank, piece.node_count)
+
+    def product_with(x):
+        image = matrix @ (x[:rank] + 1j * x[rank:]).T
+        return 2 * np.vstack([image.real.T, image.imag.T])
+
+    cost = pymanopt.function.numpy(manifold)(lambda x: 0.5 * float((x * product_with(x)).sum()))
+    gradient = pymanopt.function.numpy(manifold)(product_with)
+    hessian = pymanopt.function.numpy(manifold)(lambda x, v: product_with(v))
+    problem = pymanopt.Problem(manifold, cost, euclidean_gradient=gradient, euclidean_hessian=hessian)
+    optimizer = pymanopt.optimizers.TrustRegions(max_iterations=100, min_gradient_norm=1e-5, verbosity=0)
+    start = np.random.default_rng(seed).standard_normal((2 * rank, piece.node_count))
+    return optimizer.run(problem, initial_point=start / np.linalg.norm(start, axis=0)).cost
+
+
+@pytest.mark.parametrize(
+    ("build", "symmetry"), [(lambda: icosphere(2), 1), (lambda: torus(around=16, across=10), 4), (bent_square, 2)]
+)
+def test_the_value_is_that_of_trust_regions(build, symmetry):
+    problem = direction_problem(build(), symmetry)
+    (piece,) = problem.pieces
+    peer = by_trust_regions(piece, rank=6, seed=0)
+    solution = solve(problem, TIGHT)
+    assert solution.sdp_value == pytest.approx(peer, rel=1e-4, abs=1e-9)
+    assert solution.lower_bound <= peer * (1 + 1e-7) + 1e-9
+
+
+@pytest.mark.parametrize("symmetry", [1, 2, 4])
+def test_the_lifted_field_is_unit_and_has_the_value(symmetry):
+    problem = direction_problem(icosphere(2), symmetry)
+    solution = solve(problem, TIGHT)
+    lifted = solution.lifted
+    assert lifted.shape == (162, solution.rank) == (162, len(solution.singular_values))
+    np.testing.assert_allclose(np.linalg.norm(lifted, axis=1), 1, rtol=1e-6)
+    (piece,) = problem.pieces
+    assert np.vdot(lifted, piece.matrix @ lifted).real == pytest.approx(solution.sdp_value, rel=1e-5)
+    np.testing.assert_allclose(np.linalg.svd(lifted, compute_uv=False), solution.singular_values, rtol=1e-6)
+    assert (np.diff(solution.singular_values) <= 0).all()
