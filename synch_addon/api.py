@@ -6,7 +6,7 @@ scene as it was. Both return the report that the command line writes as JSON.
 """
 
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
@@ -19,9 +19,11 @@ from . import scene_io, write
 from .report import Report
 from .settings import Settings, from_names
 
-# Automatic spacing: this many stripes across the object, and at least this many edges to a stripe.
+# Automatic spacing: this many stripes across the object, and at least this many edges to a stripe;
+# an object of few edges gets these stripes all the same, with a warning.
 STRIPES_ACROSS = 40
 EDGES_PER_STRIPE = 4
+FEWEST_STRIPES = 2
 # Warn when more than this share of the edges turn the phase by more than half a period.
 COARSE_SHARE = 0.01
 
@@ -60,6 +62,11 @@ def run(command, obj, settings, callback=None):
     reason = scene_io.refusal(obj)
     if reason:
         raise SynchError(reason)
+    if command == "directions":
+        settings = replace(settings, spacing=None)
+    elif settings.symmetry == "cross":
+        raise SettingError("stripes need a vector or line field: set the symmetry to vector or line")
+    bpy.context.view_layer.update()  # a script may have scaled the object just now
     with _object_mode(obj):
         report = Report(command, obj, settings)
         with report.clock("read"):
@@ -110,8 +117,6 @@ def solve_directions(task, callback):
 def solve_stripes(task, field, report, callback):
     """The :class:`StripePattern` of a task along a field."""
     mesh, settings = task.given.mesh, task.settings
-    if field.symmetry > 2:
-        raise SettingError("stripes need a vector or line field: set the symmetry to vector or line")
     share = coarse_edge_share(mesh, field, task.spacing)
     if share > COARSE_SHARE:
         report.warn(
@@ -124,9 +129,10 @@ def solve_stripes(task, field, report, callback):
 
 
 def automatic_spacing(mesh):
-    """About forty stripes across the object, or as many as its edges can carry."""
+    """About forty stripes across the object, or as many as its edges can carry, but two at least."""
     size = np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max()
-    return float(max(size / STRIPES_ACROSS, EDGES_PER_STRIPE * np.median(mesh.edge_lengths)))
+    spacing = max(size / STRIPES_ACROSS, EDGES_PER_STRIPE * np.median(mesh.edge_lengths))
+    return float(min(spacing, size / FEWEST_STRIPES))
 
 
 def _portion(callback, start, share):

@@ -37,26 +37,27 @@ def main(arguments, loaded=False):
     with quiet_stdout() as out:
         try:
             report, lines = _COMMANDS[options.command](options, loaded)
+            if getattr(options, "report", None):
+                _write_json(options.report, report)
         except SynchError as error:
             return _fail(options, str(error))
         except OSError as error:
             return _fail(options, f"{error.filename or 'a file'}: {error.strerror or error}")
         except RuntimeError as error:  # what an importer or exporter of Blender reports
             return _fail(options, " ".join(str(error).split()))
-        if getattr(options, "report", None):
-            _write_json(options.report, report)
         print("\n".join(lines), file=out)
     return 0
 
 
 def _fail(options, line):
-    print(f"synch {options.command}: {line}", file=sys.stderr)
-    if getattr(options, "report", None):
+    path = getattr(options, "report", None)
+    if path and files.is_report(path):
         settings = {k: v for k, v in vars(options).items() if isinstance(v, str | int | float | None)}
         try:
-            _write_json(options.report, failure(options.command, settings, line))
+            _write_json(path, failure(options.command, settings, line))
         except OSError as error:
-            print(f"synch {options.command}: {options.report}: {error.strerror}", file=sys.stderr)
+            line += "" if path in line else f" (and no report: {path}: {error.strerror})"
+    print(f"synch {options.command}: {line}", file=sys.stderr)
     return 1
 
 
@@ -66,8 +67,6 @@ def _fail(options, line):
 def _run_field(options, loaded):
     settings = _settings(options)
     files.check_outputs(options.output, options.render, options.report)
-    if not (loaded or options.input):
-        raise SettingError("no input: name a .blend, .obj, .ply, .stl or .glb file")
     obj = _open(options, loaded)
     report = api.run(options.command, obj, settings, None if options.quiet else _show_progress)
     return _deliver(obj, report, options)
@@ -85,8 +84,7 @@ def _run_demo(options, loaded):
 
 
 def _run_info(options, loaded):
-    if not (loaded or options.input):
-        raise SettingError("no input: name a .blend, .obj, .ply, .stl or .glb file")
+    files.check_outputs(None, None, options.report)
     return describe(_open(options, loaded))
 
 
@@ -97,7 +95,7 @@ def _open(options, loaded):
     if options.input:
         files.open_input(options.input)
     elif not loaded:
-        raise SettingError("no input file: name one")
+        raise SettingError("no input: name a .blend, .obj, .ply, .stl or .glb file")
     return files.choose_object(options.object)
 
 
@@ -153,8 +151,13 @@ def _write_json(path, report):
 # Parser
 
 
+class _Parser(argparse.ArgumentParser):
+    def error(self, message):
+        self.exit(2, f"{self.prog}: {message} (see --help)\n")
+
+
 def _parser(loaded):
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="blender --command synch" if loaded else "python -m synch_fields",
         description="Stripes and direction fields with a proved optimality gap.",
     )

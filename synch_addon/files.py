@@ -3,7 +3,9 @@
 
 from pathlib import Path
 
+import bmesh
 import bpy
+import numpy as np
 
 from ..core.errors import SettingError
 
@@ -13,6 +15,8 @@ _IMPORTERS = {
     ".stl": lambda path: bpy.ops.wm.stl_import(filepath=path),
     ".glb": lambda path: bpy.ops.import_scene.gltf(filepath=path),
 }
+# Formats that keep one normal and one UV for each vertex, and so tear a surface at every seam and sharp edge.
+_TORN = (".glb", ".ply")
 
 
 def open_input(path):
@@ -38,6 +42,30 @@ def open_input(path):
 
         addon_utils.enable("io_scene_gltf2")
     _IMPORTERS[suffix](str(Path(path).resolve()))
+    if suffix in _TORN:
+        for mesh in bpy.data.meshes:
+            _weld(mesh)
+
+
+def _weld(mesh):
+    """Join boundary vertices at the very same place, as Blender's importer of .stl does by itself."""
+    edited = bmesh.new()
+    edited.from_mesh(mesh)
+    first, targets = {}, {}
+    for vertex in edited.verts:
+        if vertex.is_boundary:
+            target = first.setdefault(vertex.co.to_tuple(), vertex)
+            if target is not vertex:
+                targets[vertex] = target
+    if targets:
+        normals = np.empty((len(mesh.loops), 3), np.float32)
+        mesh.corner_normals.foreach_get("vector", normals.ravel())
+        bmesh.ops.weld_verts(edited, targetmap=targets)
+        edited.to_mesh(mesh)
+        # Custom normals are stored relative to the faces around a vertex, which have changed.
+        if mesh.has_custom_normals and len(mesh.loops) == len(normals):
+            mesh.normals_split_custom_set(normals)
+    edited.free()
 
 
 def choose_object(name=None):
@@ -68,6 +96,11 @@ def check_outputs(*paths):
             raise SettingError(f"{path}: the name of this output must end in {suffix}")
         if not Path(path).resolve().parent.is_dir():
             raise SettingError(f"{path}: its folder does not exist, create it first")
+
+
+def is_report(path):
+    """Whether a path may be written as a report: nothing else is ever overwritten with one."""
+    return Path(path).suffix.lower() == ".json"
 
 
 def save_blend(path):

@@ -17,7 +17,7 @@ VERSION = "0.1.0"
 # Modifiers after which the mesh that is seen has other faces than the one that is solved.
 _CHANGES_FACES = (
     {"ARRAY", "BEVEL", "BOOLEAN", "BUILD", "DECIMATE", "EDGE_SPLIT", "EXPLODE", "MASK", "MIRROR", "MULTIRES"}
-    | {"OCEAN", "REMESH", "SCREW", "SKIN", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WELD", "WIREFRAME"}
+    | {"NODES", "OCEAN", "REMESH", "SCREW", "SKIN", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WELD", "WIREFRAME"}
 )  # fmt: skip
 
 
@@ -50,8 +50,9 @@ class Report:
                 f"the pattern is solved on the mesh before its modifiers ({', '.join(changing)}): "
                 "apply them first if stripes should follow the result"
             )
-        if obj.data.users > 1:
-            self.warn(f"the mesh {obj.data.name} is shared by {obj.data.users} users, which all get the pattern")
+        users = obj.data.users - obj.data.use_fake_user
+        if users > 1:
+            self.warn(f"the mesh {obj.data.name} is shared by {users} users, which all get the pattern")
 
     def finish(self, field, pattern, defects):
         """The report as a dict of plain values."""

@@ -56,6 +56,10 @@ class Settings:
         ):
             if getattr(self, name) not in choices:
                 raise SettingError(f"{name} {getattr(self, name)!r} is unknown: use one of {', '.join(choices)}")
+        if self.seed < 0:
+            raise SettingError(f"the seed is {self.seed}: give a whole number from 0 on")
+        if not math.isfinite(self.angle):
+            raise SettingError(f"the angle is {self.angle}: give a finite one")
         if self.guidance == "attribute" and not self.attribute:
             raise SettingError("the guidance attribute has no name: choose a vector attribute of the mesh")
 

@@ -1,0 +1,179 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Objects for the tests, and what a file holds as plain values that can be compared."""
+
+from itertools import product
+
+import bpy
+import numpy as np
+
+# foreach_get's name, type and width of every kind of attribute that Blender's meshes have.
+_LAYOUTS = {
+    "FLOAT": ("value", np.float32, 1),
+    "INT": ("value", np.int32, 1),
+    "INT8": ("value", np.int32, 1),
+    "BOOLEAN": ("value", bool, 1),
+    "FLOAT_VECTOR": ("vector", np.float32, 3),
+    "FLOAT2": ("vector", np.float32, 2),
+    "FLOAT_COLOR": ("color", np.float32, 4),
+    "BYTE_COLOR": ("color", np.float32, 4),
+    "INT32_2D": ("value", np.int32, 2),
+    "INT16_2D": ("value", np.int32, 2),
+}
+
+
+def add_object(vertices, faces, name="Object"):
+    """A mesh object, active and alone selected."""
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata([tuple(v) for v in vertices], [], [tuple(f) for f in faces])
+    obj = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    return make_active(obj)
+
+
+def make_active(obj):
+    bpy.context.view_layer.update()
+    for other in bpy.context.view_layer.objects:
+        other.select_set(other == obj)
+    bpy.context.view_layer.objects.active = obj
+    return obj
+
+
+def sphere(subdivisions=3):
+    """A unit sphere of triangles: 162 vertices, about four times as many with each subdivision more."""
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=subdivisions, radius=1)
+    return bpy.context.active_object
+
+
+def torus():
+    """A torus of 24 x 12 quads."""
+    bpy.ops.mesh.primitive_torus_add(major_segments=24, minor_segments=12, major_radius=1, minor_radius=0.4)
+    return bpy.context.active_object
+
+
+def grid(subdivisions=12, size=2.0):
+    """A flat square of quads around the origin."""
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=subdivisions, y_subdivisions=subdivisions, size=size)
+    return bpy.context.active_object
+
+
+def tube(segments=24, rings=9, height=2.0):
+    """A cylinder of unit radius around Z, open at both ends; vertices ring by ring from below."""
+    turn = np.arange(segments) * 2 * np.pi / segments
+    vertices = [(np.cos(a), np.sin(a), z) for z in np.linspace(0, height, rings) for a in turn]
+    faces = []
+    for ring, k in product(range(rings - 1), range(segments)):
+        here, there = ring * segments + k, ring * segments + (k + 1) % segments
+        faces.append((here, there, there + segments, here + segments))
+    return add_object(vertices, faces, "Tube")
+
+
+def quad_sphere(cuts=5):
+    """A sphere of quads: a cube, subdivided and blown up."""
+    bpy.ops.mesh.primitive_cube_add(size=2)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.subdivide(number_cuts=cuts)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    obj = bpy.context.active_object
+    places = attribute(obj, "position")
+    obj.data.vertices.foreach_set("co", (places / np.linalg.norm(places, axis=1)[:, None]).ravel())
+    obj.data.update()
+    return obj
+
+
+def hexagon_sphere(subdivisions=3):
+    """A sphere of hexagons and twelve pentagons: each vertex of a triangle sphere becomes a face."""
+    source = sphere(subdivisions)
+    places = attribute(source, "position").astype(float)
+    triangles = np.array([p.vertices[:] for p in source.data.polygons])
+    centres = places[triangles].mean(axis=1)
+    faces = []
+    for vertex, normal in enumerate(places):
+        around = np.flatnonzero((triangles == vertex).any(axis=1))
+        first = centres[around[0]] - normal
+        x = first - normal * (first @ normal)
+        y = np.cross(normal, x)
+        offsets = centres[around] - normal
+        faces.append(around[np.argsort(np.arctan2(offsets @ y, offsets @ x))])
+    bpy.data.objects.remove(source)
+    return add_object(centres, faces, "Hexagons")
+
+
+def attribute(obj, name):
+    """An attribute's values, (n,) or (n, width)."""
+    return _values(obj.data.attributes[name])
+
+
+def _values(found):
+    value_name, dtype, width = _LAYOUTS[found.data_type]
+    values = np.empty(len(found.data) * width, dtype)
+    found.data.foreach_get(value_name, values)
+    return values.reshape(-1, width) if width > 1 else values
+
+
+def set_vectors(obj, name, vectors, domain="POINT"):
+    """Add a vector attribute."""
+    found = obj.data.attributes.new(name, "FLOAT_VECTOR", domain)
+    found.data.foreach_set("vector", np.float32(vectors).ravel())
+
+
+def add_group(obj, name, vertices):
+    """Add a vertex group of these vertices."""
+    obj.vertex_groups.new(name=name).add([int(v) for v in vertices], 1.0, "REPLACE")
+
+
+def empties(obj, kind=None):
+    """The defect empties of an object."""
+    children = [child for child in obj.children if "synch_kind" in child]
+    return [child for child in children if kind in (None, child["synch_kind"])]
+
+
+def snapshot():
+    """Everything in the file that an operator could touch, as plain values."""
+    return {
+        "meshes": {mesh.name: _mesh(mesh) for mesh in bpy.data.meshes},
+        "objects": {obj.name: _object(obj) for obj in bpy.data.objects},
+        "collections": {c.name: _collection(c) for c in bpy.data.collections},
+        "scene": _collection(bpy.context.scene.collection),
+        "materials": sorted(m.name for m in bpy.data.materials),
+        "node groups": sorted(g.name for g in bpy.data.node_groups),
+        "active": getattr(bpy.context.view_layer.objects.active, "name", None),
+        "mode": bpy.context.mode,
+    }
+
+
+def _mesh(mesh):
+    attributes = {a.name: (a.domain, a.data_type, _values(a).tobytes()) for a in mesh.attributes}
+    corners = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    sizes = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_total", sizes)
+    materials = [m and m.name for m in mesh.materials]
+    return {**attributes, "corners": corners.tobytes(), "sizes": sizes.tobytes(), "materials": materials}
+
+
+def _object(obj):
+    return {
+        "matrix": np.array(obj.matrix_world).round(6).tolist(),
+        "parent": obj.parent and obj.parent.name,
+        "data": obj.data and obj.data.name,
+        "mode": obj.mode,
+        "selected": obj.select_get(),
+        "slots": [(slot.link, slot.material and slot.material.name) for slot in obj.material_slots],
+        "active slot": obj.active_material_index,
+        "modifiers": [modifier.name for modifier in obj.modifiers],
+        "groups": [group.name for group in obj.vertex_groups],
+        "properties": {key: str(value) for key, value in obj.items() if key != "synch"},
+    }
+
+
+def _collection(collection):
+    return sorted(o.name for o in collection.objects), sorted(c.name for c in collection.children)
+
+
+def save_and_reopen(path, name):
+    """Write the file, open it again and return the object of this name."""
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    return bpy.data.objects[name]
