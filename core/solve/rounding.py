@@ -12,16 +12,20 @@ from .descent import descend
 from .diffusion import diffuse
 from .spheres import Spheres, random_columns
 
-# Rounds of continuation: how many of the best fields are carried, and through which diffusion times, in
-# units of 1 / (energy per mass). The first only polishes: where few defects fit, their
-# arrangement is drawn once, in the projection, and diffusion would lead all fields to the same one.
+# Rounds of continuation: where the fields that are carried come from, how many they are, and through
+# which diffusion times they go, in units of 1 / (energy per mass). The first round only polishes: where
+# few defects fit, their arrangement is drawn once, in the projection, and diffusion would lead all
+# fields to the same one. Later rounds join the good parts of different fields.
 ROUNDS = (
-    (16, ()),
-    (8, 0.2 * 0.4 ** np.arange(6)),
-    (4, 0.4 ** np.arange(7)),
-    (4, 0.4 ** np.arange(7)),
+    ("best", 16, ()),
+    ("best", 8, 0.2 * 0.4 ** np.arange(6)),
+    ("pairs", 6, 0.4 * 0.4 ** np.arange(6)),
+    ("lifted", 6, 0.4 ** np.arange(7)),
 )
 CONTINUATION_STEPS = 4
+# Fields that are joined in pairs, and with how much of fresh projections the two best are mixed.
+PAIRED = 6
+MIXTURE = 0.8
 SAME_ENERGY = 1e-6
 POLISH_STEPS = 40
 POLISH_TOLERANCE = 3e-5
@@ -48,20 +52,59 @@ def best_columns(piece, columns, count):
     return columns[:, np.argsort(piece.energy(columns), kind="stable")[:count]]
 
 
-def continuation(piece, columns, energy_density, metric, monitor):
+def continuation(piece, lifted, columns, metric, energy_density, random, monitor):
     """Seeded continuation: rounds of diffusion with falling times, each polished; all fields, best first.
 
-    Each round starts from the best distinct fields so far, which lets the defects of a good field
-    settle once more.
+    Parameters
+    ----------
+    piece : Piece
+    lifted : (N, r) solution of the relaxation
+    columns : (N, k) its roundings, best first
+    metric : Metric for the descent
+    energy_density : energy per mass of the relaxation
+    random : numpy Generator
+    monitor : Monitor
     """
     spheres = Spheres(piece.block, lifted=False)
     found = np.empty((len(columns), 0), columns.dtype)
-    for count, times in ROUNDS if energy_density > 0 else ():
+    for origin, count, times in ROUNDS if energy_density > 0 else ():
+        if origin == "pairs":
+            seeds = best_columns(piece, joined_pairs(spheres, columns[:, :PAIRED]), count)
+        elif origin == "lifted":
+            seeds = _mixed_with_lifted(piece, spheres, lifted, columns, count, random)
+        else:
+            seeds = columns[:, :count]
         times = np.asarray(times) / energy_density
-        carried = diffuse(piece, spheres, columns[:, :count], times, CONTINUATION_STEPS, monitor)
+        carried = diffuse(piece, spheres, seeds, times, CONTINUATION_STEPS, monitor)
         found = np.hstack([found, polish(piece, carried, metric, monitor)])
         columns = found = distinct_columns(piece, found)
     return columns
+
+
+def joined_pairs(spheres, columns):
+    """Normalized sums of all pairs of columns, each pair turned to agree as well as it can."""
+    first, second = np.triu_indices(columns.shape[1], 1)
+    if len(first) == 0:
+        return columns
+    return spheres.normalize(columns[:, first] + _aligned(columns[:, second], columns[:, first]))
+
+
+def _mixed_with_lifted(piece, spheres, lifted, columns, count, random):
+    """The best two columns, each mixed with the projections that go best with it."""
+    parents = columns[:, :2]
+    share = -(-count // parents.shape[1])
+    mixed = []
+    for parent in np.split(parents, parents.shape[1], axis=1):
+        fresh = project(piece, lifted, random_directions(piece, lifted.shape[1], 16 * share, random))
+        mixed.append(best_columns(piece, spheres.normalize(parent + MIXTURE * _aligned(fresh, parent)), share))
+    return np.hstack(mixed)
+
+
+def _aligned(columns, targets):
+    """Columns times the global phase (a sign in real coordinates) that brings each nearest its target."""
+    products = (targets * columns.conj()).sum(axis=0)
+    sizes = np.abs(products)
+    return columns * np.where(sizes > 0, products / np.where(sizes > 0, sizes, 1), 1)
 
 
 def distinct_columns(piece, columns):

@@ -196,7 +196,8 @@ def _solve_sdp(piece, options, monitor, clock):
         piece,
         columns,
         bound=relaxation.lower_bound,
-        sdp_value=relaxation.value,
+        # Phases of less energy, which a tight relaxation may round to, are a better point of it.
+        sdp_value=min(relaxation.value, float(piece.energy(columns[:, :1])[0])),
         certificate=relaxation.certificate,
         status=status,
         lifted=relaxation.lifted,
@@ -223,7 +224,7 @@ def _round(piece, relaxation, options, monitor, out_of_time):
     try:
         if options.rounding == "continuation":
             monitor.at("continuation", 0.6)
-            columns = rounding.continuation(piece, columns, energy_density, metric, monitor)
+            columns = rounding.continuation(piece, lifted, columns, metric, energy_density, random, monitor)
         monitor.at("polish", 0.8)
         columns = _polish_best(piece, columns, metric, monitor)
     except OutOfTime:
