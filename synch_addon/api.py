@@ -59,26 +59,49 @@ def stripes(obj, callback=None, **settings):
 
 def run(command, obj, settings, callback=None):
     """Run "directions" or "stripes" with ready :class:`Settings`."""
-    reason = scene_io.refusal(obj)
-    if reason:
-        raise SynchError(reason)
-    if command == "directions":
-        settings = replace(settings, spacing=None)
-    elif settings.symmetry == "cross":
-        raise SettingError("stripes need a vector or line field: set the symmetry to vector or line")
-    bpy.context.view_layer.update()  # a script may have scaled the object just now
-    with _object_mode(obj):
-        report = Report(command, obj, settings)
-        with report.clock("read"):
-            task = gather(obj, settings)
-            report.warn_about(obj, task)
-        field = solve_directions(task, callback if command == "directions" else _portion(callback, 0.0, 0.4))
-        pattern = None
-        if command == "stripes":
-            pattern = solve_stripes(task, field, report, _portion(callback, 0.4, 0.6))
-        with report.clock("write"):
-            defects = write.results(obj, task, field, pattern, report)
-        return report.finish(field, pattern, defects)
+    job = FieldJob(command, obj, settings)
+    job.solve(callback)
+    return job.write(obj)
+
+
+class FieldJob:
+    """One run in three steps, of which only the middle one takes long and touches no Blender data.
+
+    Making it reads the object and refuses what cannot be; :meth:`solve` may run in another thread;
+    :meth:`write` puts the result into the scene. Before that nothing has changed.
+    """
+
+    def __init__(self, command, obj, settings):
+        reason = scene_io.refusal(obj)
+        if reason:
+            raise SynchError(reason)
+        if command == "directions":
+            settings = replace(settings, spacing=None)
+        elif settings.symmetry == "cross":
+            raise SettingError("stripes need a vector or line field: set the symmetry to vector or line")
+        bpy.context.view_layer.update()  # a script may have scaled the object just now
+        self.command = command
+        self._report = Report(command, obj, settings)
+        with _object_mode(obj), self._report.clock("read"):
+            self._task = gather(obj, settings)
+            self._report.warn_about(obj, self._task)
+
+    def solve(self, callback=None):
+        """Solve on the arrays alone; raises :class:`Cancelled` when the callback returns False."""
+        alone = self.command == "directions"
+        self._field = solve_directions(self._task, callback if alone else _portion(callback, 0.0, 0.4))
+        self._pattern = None
+        if not alone:
+            self._pattern = solve_stripes(self._task, self._field, self._report, _portion(callback, 0.4, 0.6))
+
+    def write(self, obj):
+        """Write the result to the object at once; returns the report."""
+        if len(obj.data.vertices) != self._task.given.mesh.vertex_count:
+            raise SynchError(f"the mesh {obj.data.name} changed while it was solved: run again")
+        with _object_mode(obj):
+            with self._report.clock("write"):
+                defects = write.results(obj, self._task, self._field, self._pattern, self._report)
+            return self._report.finish(self._field, self._pattern, defects)
 
 
 @dataclass(frozen=True)
@@ -131,7 +154,8 @@ def solve_stripes(task, field, report, callback):
 def automatic_spacing(mesh):
     """About forty stripes across the object, or as many as its edges can carry, but two at least."""
     size = np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max()
-    spacing = max(size / STRIPES_ACROSS, EDGES_PER_STRIPE * np.median(mesh.edge_lengths))
+    median, long = np.quantile(mesh.edge_lengths, [0.5, 1 - COARSE_SHARE])
+    spacing = max(size / STRIPES_ACROSS, EDGES_PER_STRIPE * median, 2 * long)
     return float(min(spacing, size / FEWEST_STRIPES))
 
 

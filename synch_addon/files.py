@@ -29,8 +29,10 @@ def open_input(path):
     """
     suffix = Path(path).suffix.lower()
     if suffix != ".blend" and suffix not in _IMPORTERS:
-        raise SettingError(f"{path}: files of the kind {suffix or 'without suffix'} cannot be read: "
-                           f"use .blend, {', '.join(_IMPORTERS)}")
+        raise SettingError(
+            f"{path}: files of the kind {suffix or 'without suffix'} cannot be read: "
+            f"use .blend, {', '.join(_IMPORTERS)}"
+        )
     if not Path(path).is_file():
         raise SettingError(f"{path}: no such file")
     if suffix == ".blend":

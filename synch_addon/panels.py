@@ -3,6 +3,7 @@
 
 import bpy
 
+from . import jobs
 from .scene_io import refusal
 
 
@@ -48,6 +49,12 @@ def draw_solver(layout, settings):
         column.prop(settings, "target_gap")
 
 
+def draw_progress(layout, work):
+    """A bar for the job that runs."""
+    layout.progress(factor=work.fraction, text=f"{work.stage or 'starting'} {work.fraction:.0%}")
+    layout.label(text="Esc cancels", icon="EVENT_ESC")
+
+
 class _SidebarPanel:
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
@@ -64,6 +71,9 @@ class SYNCH_PT_fields(_SidebarPanel, bpy.types.Panel):
         reason = refusal(obj)
         if reason:
             self.layout.label(text=reason[0].upper() + reason[1:], icon="INFO")
+            return
+        if jobs.running is not None:
+            draw_progress(self.layout, jobs.running)
             return
         draw_directions(self.layout, obj.synch, obj)
         draw_stripes(self.layout, obj.synch)
@@ -82,7 +92,7 @@ class SYNCH_PT_solver(_SidebarPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return refusal(context.active_object) is None
+        return refusal(context.active_object) is None and jobs.running is None
 
     def draw(self, context):
         draw_solver(self.layout, context.active_object.synch)

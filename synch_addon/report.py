@@ -126,11 +126,13 @@ def summary(report):
     lines = [f"{report['command']} on {report['object']}: {report['nodes']} vertices, {report['edges']} edges"]
     if report["energy"] is not None:
         kind = report["certificate"]
-        lines.append(f"energy {report['energy']:.6g}, lower bound {report['lower_bound']:.6g} ({kind}), "
-                     f"gap {report['gap']:.1%}")
+        lines.append(
+            f"energy {report['energy']:.6g}, lower bound {report['lower_bound']:.6g} ({kind}), gap {report['gap']:.1%}"
+        )
     if report["sdp_value"] is not None:
-        lines.append(f"relaxation {report['sdp_value']:.6g}, certified gap {report['sdp_gap']:.2e}, "
-                     f"status {report['status']}")
+        lines.append(
+            f"relaxation {report['sdp_value']:.6g}, certified gap {report['sdp_gap']:.2e}, status {report['status']}"
+        )
     total = sum(d["index"] for d in report["disclinations"])
     lines.append(
         f"{len(report['disclinations'])} disclinations (indices sum to {total:g}, Euler characteristic "

@@ -66,9 +66,7 @@ class Settings:
     @property
     def options(self):
         """Options of the core's solver."""
-        return Options(
-            method=self.method, seed=self.seed, target_gap=self.target_gap, time_limit=self.time_limit
-        )
+        return Options(method=self.method, seed=self.seed, target_gap=self.target_gap, time_limit=self.time_limit)
 
 
 def _items(*entries):

@@ -1,10 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the field operators share: poll, settings from the panel, progress, errors as one line."""
+"""What the field operators share: poll, settings from the panel, progress, errors as one line.
+
+From a script the operator runs to its end. From the window it solves in a thread: the view can be
+turned meanwhile, Esc cancels, and the result is written when it is there.
+"""
+
+import bpy
 
 from ...core.errors import Cancelled, SynchError
-from .. import api
+from .. import api, jobs
 from ..scene_io import refusal
 from ..settings import PROPERTY_NAMES, plain
+
+# What reaches the window while a job runs: navigation, but nothing that could change the mesh.
+_NAVIGATION = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE"}
 
 
 class FieldOperator:
@@ -18,47 +27,117 @@ class FieldOperator:
         reason = refusal(context.active_object)
         if reason is None and context.mode not in {"OBJECT", "EDIT_MESH"}:
             reason = "leave the present mode: fields are solved in object or edit mode"
+        if reason is None and jobs.running is not None:
+            reason = "a field is being solved: wait for it, or cancel it with Esc"
         if reason:
             cls.poll_message_set(reason)
         return reason is None
 
     def invoke(self, context, event):
-        """From the panel: take the object's settings."""
+        """From the window: take the object's settings and solve in the background."""
         stored = context.active_object.synch
         for name in PROPERTY_NAMES:
             if name != "spacing" or not stored.automatic_spacing:
                 setattr(self, name, getattr(stored, name))
         if stored.automatic_spacing:
             self.properties.property_unset("spacing")
-        return self.execute(context)
+        if bpy.app.background:
+            return self.execute(context)
+        self._object_name = context.active_object.name
+        return self._reporting(self._start, context)
 
     def execute(self, context):
+        """From a script, or again from the redo panel: solve and write before returning."""
+        return self._reporting(self._run, context)
+
+    def modal(self, context, event):
+        work = jobs.running
+        if event.type == "ESC" and event.value == "PRESS":
+            work.cancel()
+        elif event.type == "TIMER" and work.finished:
+            return self._reporting(self._finish, context)
+        elif event.type == "TIMER":
+            _show(context, f"{self.bl_label}: {work.stage or 'starting'} {work.fraction:.0%}   Esc: cancel")
+            context.window_manager.progress_update(work.fraction)
+        return {"PASS_THROUGH"} if event.type in _NAVIGATION else {"RUNNING_MODAL"}
+
+    def cancel(self, context):
+        """The window or the file is being closed."""
+        self._leave(context)
+
+    def _reporting(self, step, context):
+        """Run a step; an error becomes one line and CANCELLED."""
+        try:
+            return step(context)
+        except Cancelled as stop:
+            self.report({"INFO"}, str(stop))
+        except SynchError as error:
+            self.report({"ERROR"}, str(error))
+        return {"CANCELLED"}
+
+    def _settings(self):
+        return plain(self, self.spacing if self.properties.is_property_set("spacing") else None)
+
+    def _run(self, context):
         manager = context.window_manager
         manager.progress_begin(0, 1)
         try:
-            spacing = self.spacing if self.properties.is_property_set("spacing") else None
-            report = api.run(self.command, context.active_object, plain(self, spacing), self._progress(manager))
-        except Cancelled as stop:
-            self.report({"INFO"}, str(stop))
-            return {"CANCELLED"}
-        except SynchError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            report = api.run(self.command, context.active_object, self._settings(), _progress_of(manager))
         finally:
             manager.progress_end()
+        return self._announce(report)
+
+    def _start(self, context):
+        jobs.running = jobs.BackgroundSolve(api.FieldJob(self.command, context.active_object, self._settings()))
+        manager = context.window_manager
+        manager.progress_begin(0, 1)
+        self._timer = manager.event_timer_add(0.1, window=context.window)
+        manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def _finish(self, context):
+        work = self._leave(context)
+        if work.error is not None:
+            raise work.error
+        obj = bpy.data.objects.get(self._object_name)
+        if obj is None:
+            raise SynchError(f"the object {self._object_name} is gone: nothing was written")
+        return self._announce(work.job.write(obj))
+
+    def _leave(self, context):
+        """Give the window back; returns the job, whose thread has ended."""
+        work, jobs.running = jobs.running, None
+        work.cancel()
+        work.wait()
+        context.window_manager.event_timer_remove(self._timer)
+        context.window_manager.progress_end()
+        _show(context, None)
+        return work
+
+    def _announce(self, report):
         self.spacing = report["settings"]["spacing"]
         for warning in report["warnings"]:
             self.report({"WARNING"}, warning)
         self.report({"INFO"}, _headline(report))
         return {"FINISHED"}
 
-    @staticmethod
-    def _progress(manager):
-        def update(stage, fraction):
-            manager.progress_update(fraction)
-            return True
 
-        return update
+def _progress_of(manager):
+    def update(stage, fraction):
+        manager.progress_update(fraction)
+        return True
+
+    return update
+
+
+def _show(context, text):
+    """Put a line into the status bar, or give it back, and redraw the panels."""
+    if context.workspace is not None:
+        context.workspace.status_text_set(text)
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
 
 
 def _headline(report):

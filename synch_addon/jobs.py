@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A solve in a thread of its own, so that the window stays alive."""
+
+import threading
+
+from ..core.errors import Cancelled
+
+# The job that the window is waiting for, or None: the panel shows its progress.
+running = None
+
+
+class BackgroundSolve:
+    """Solves a :class:`FieldJob` in a thread, which touches no Blender data.
+
+    Attributes
+    ----------
+    stage, fraction : how far it is
+    error : what stopped it, or None
+    """
+
+    def __init__(self, job):
+        self.job = job
+        self.stage, self.fraction, self.error = "", 0.0, None
+        self._cancelled = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="synch", daemon=True)
+        self._thread.start()
+
+    def _run(self):
+        try:
+            self.job.solve(self._callback)
+        except BaseException as error:  # handed to the window's thread
+            self.error = error
+        if self._cancelled.is_set() and self.error is None:
+            self.error = Cancelled("cancelled: nothing was changed")
+
+    def _callback(self, stage, fraction):
+        self.stage, self.fraction = stage, fraction
+        return not self._cancelled.is_set()
+
+    def cancel(self):
+        """Ask the solve to stop; it does so at its next iteration."""
+        self._cancelled.set()
+
+    @property
+    def finished(self):
+        """Whether the thread has ended."""
+        return not self._thread.is_alive()
+
+    def wait(self):
+        """Until the thread has ended."""
+        self._thread.join()
