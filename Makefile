@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-slow lint extension environment clean
+.PHONY: help demo test test-slow lint extension bench pictures environment clean
 
 # The Pythons that a bpy wheel exists for, in order of preference.
 VERSIONS ?= 3.13 3.11
 VENV ?= .venv
+# Where the real meshes lie (spot, fertility, stanford-bunny ... from public collections); tests do without.
+MESHES ?= ../shared/meshes
 
 # A candidate counts when it runs (a pyenv shim may exist and fail), is a wanted version and can make environments.
 pyenv_folder = $(or $(PYENV_ROOT),$(HOME)/.pyenv)/versions
@@ -24,6 +26,8 @@ help:
 	@echo 'make test-slow    the other tests'
 	@echo 'make lint         ruff (rules and format) and mypy'
 	@echo 'make extension    the zip for Blender in out/; WHEELS=1 bundles SciPy, one zip for each platform'
+	@echo 'make bench        bounds and energies of three meshes beside other methods; MESHES=folder holds them'
+	@echo 'make pictures     the pictures of the README'
 	@echo 'make environment  $(VENV) with Blender as a Python module; the other targets make it on demand'
 	@echo 'make clean        remove outputs and caches, keep the environment'
 	@echo 'Settings: PYTHON=path/to/python3.13, VENV=folder'
@@ -45,6 +49,14 @@ lint: $(environment)
 
 extension: $(environment)
 	$(python) tools/extension.py $(if $(WHEELS),--wheels)
+
+bench: $(environment)
+	$(python) bench/bounds.py $(MESHES)/spot.obj $(MESHES)/fertility.obj $(MESHES)/stanford-bunny.obj
+
+pictures: demo
+	cp out/demo.png docs/suzanne.png
+	$(python) -m synch_fields stripes $(MESHES)/spot.obj --view 205 12 --render docs/spot.png
+	$(python) -m synch_fields stripes $(MESHES)/stanford-bunny.obj --view -20 12 --render docs/bunny.png
 
 environment: $(environment)
 

@@ -25,7 +25,7 @@ STRIPES_ACROSS = 40
 EDGES_PER_STRIPE = 4
 FEWEST_STRIPES = 2
 # Warn when more than this share of the edges turn the phase by more than half a period.
-COARSE_SHARE = 0.01
+COARSE_SHARE = 0.05
 
 
 def directions(obj, callback=None, **settings):

@@ -106,7 +106,7 @@ def _deliver(obj, report, options):
     if options.render:
         from .render import render_picture
 
-        written.append(str(render_picture(obj, options.render)))
+        written.append(str(render_picture(obj, options.render, view=options.view)))
     if options.report:
         written.append(options.report)
     warnings = [f"warning: {line}" for line in report["warnings"]]
@@ -115,6 +115,11 @@ def _deliver(obj, report, options):
 
 def _settings(options):
     guidance, _, attribute = options.guidance.partition(":")
+    if options.vertex_group and options.boundary == "free":
+        raise SettingError(
+            f"the vertex group {options.vertex_group!r} restricts the boundary, which is free: "
+            "add --boundary along, across or phase"
+        )
     return Settings(
         symmetry=options.symmetry,
         guidance=guidance,
@@ -171,12 +176,14 @@ def _parser(loaded):
         _add_settings(command, spacing=name == "stripes")
         command.add_argument("--output", metavar="FILE.blend", help="save the scene with the result")
         command.add_argument("--render", metavar="FILE.png", help="render a picture of the result")
+        _add_view(command)
         command.add_argument("--report", metavar="FILE.json", help="write energies, bounds, defects and times")
         command.add_argument("--quiet", action="store_true", help="no progress on stderr")
     command = commands.add_parser("info", help="what a mesh can carry", description="Describe a mesh.")
     _add_input(command)
     command.add_argument("--report", metavar="FILE.json", help="write the same as JSON")
     command = commands.add_parser("demo", help="stripes on Suzanne", description="Stripes on a remeshed Suzanne.")
+    _add_view(command)
     command.add_argument("--folder", default="out", help="where demo.blend, demo.png and demo.json go (%(default)s)")
     command.add_argument("--quiet", action="store_true", help="no progress on stderr")
     return parser
@@ -185,6 +192,17 @@ def _parser(loaded):
 def _add_input(command):
     command.add_argument("input", nargs="?", help=".blend, .obj, .ply, .stl or .glb; default: the file that is open")
     command.add_argument("--object", metavar="NAME", help="which mesh object, where the file has several")
+
+
+def _add_view(command):
+    command.add_argument(
+        "--view",
+        nargs=2,
+        type=float,
+        default=(-25.0, 14.0),
+        metavar=("AZIMUTH", "ELEVATION"),
+        help="where the picture is taken from, degrees from the front view (%(default)s)",
+    )
 
 
 def _add_settings(command, spacing):

@@ -4,7 +4,7 @@
 import bpy
 
 _VOXEL = 0.0335
-_SMOOTHING = 12
+_SMOOTHING = 4
 
 
 def add_demo_object():

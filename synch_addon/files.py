@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Files in and out for the command line, by Blender's own importers."""
 
+import math
 from pathlib import Path
 
 import bmesh
@@ -17,6 +18,8 @@ _IMPORTERS = {
 }
 # Formats that keep one normal and one UV for each vertex, and so tear a surface at every seam and sharp edge.
 _TORN = (".glb", ".ply")
+# Files without normals are shown smooth, apart from edges bent by more than this.
+_SHARP = math.radians(40)
 
 
 def open_input(path):
@@ -44,9 +47,12 @@ def open_input(path):
 
         addon_utils.enable("io_scene_gltf2")
     _IMPORTERS[suffix](str(Path(path).resolve()))
-    if suffix in _TORN:
-        for mesh in bpy.data.meshes:
+    for mesh in bpy.data.meshes:
+        if suffix in _TORN:
             _weld(mesh)
+        if not mesh.has_custom_normals:
+            mesh.shade_smooth()
+            mesh.set_sharp_from_angle(angle=_SHARP)
 
 
 def _weld(mesh):

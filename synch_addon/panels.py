@@ -52,7 +52,7 @@ def draw_solver(layout, settings):
 def draw_progress(layout, work):
     """A bar for the job that runs."""
     layout.progress(factor=work.fraction, text=f"{work.stage or 'starting'} {work.fraction:.0%}")
-    layout.label(text="Esc cancels", icon="EVENT_ESC")
+    layout.label(text="cancels", icon="EVENT_ESC")
 
 
 class _SidebarPanel:

@@ -33,7 +33,7 @@ _LIGHTS = {
 _WORLD_STRENGTH = 0.22
 
 
-def render_picture(obj, path, *, resolution=(1200, 900), samples=48, markers=True, view=(25.0, 18.0)) -> Path:
+def render_picture(obj, path, *, resolution=(1200, 900), samples=32, markers=True, view=(-25.0, 14.0)) -> Path:
     """Render `obj`, as its modifiers and materials show it, to the image file `path`.
 
     `resolution` is in pixels, `samples` per pixel (denoised where Blender can); `markers` puts a
