@@ -85,13 +85,13 @@ def test_stripes_from_obj_to_blend_and_report(files, tmp_path):
 def test_picture_is_asked_of_the_renderer(files, tmp_path, capfd, monkeypatch):
     """What the picture looks like is tested where it is made."""
 
-    def render_picture(obj, path):
-        assert "synch_phase" in obj.data.attributes
+    def render_picture(obj, path, *, view):
+        assert "synch_phase" in obj.data.attributes and view == [40.0, -5.0]
         (tmp_path / "asked").write_text(str(path))
         return path
 
     monkeypatch.setattr(render, "render_picture", render_picture)
-    status, out, _ = run(capfd, "stripes", files[".blend"], "--render", tmp_path / "out.png")
+    status, out, _ = run(capfd, "stripes", files[".blend"], "--render", tmp_path / "out.png", "--view", 40, -5)
     assert status == 0
     assert (tmp_path / "asked").read_text() == str(tmp_path / "out.png")
     assert f"wrote {tmp_path / 'out.png'}" in out
