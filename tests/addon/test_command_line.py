@@ -2,12 +2,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command line: every kind of input, outputs, exit status, and what goes to which stream."""
 
+import importlib
 import json
 import os
 import subprocess
 import sys
 
-import addon_utils
 import bpy
 import numpy as np
 import pytest
@@ -15,6 +15,8 @@ import pytest
 from synch_fields.synch_addon import cli, render
 
 from .scenes import attribute, empties, sphere
+
+addon_utils = importlib.import_module("addon_utils")  # on the path once bpy is loaded, as isort cannot know
 
 REPORT_KEYS = set(
     "status command object nodes edges energy lower_bound gap sdp_value sdp_gap certificate rank disclinations "
