@@ -10,7 +10,7 @@ from . import rounding
 from .diffusion import diffuse
 from .metric import SMALLEST_SHIFT, Metric
 from .monitor import Monitor, OutOfTime
-from .solution import METHODS, ROUNDINGS, Clock, Options, Solution, Status
+from .solution import METHODS, ROUNDINGS, Clock, Options, Solution, Status, relative_gap
 from .spectral import smallest_eigenpair
 from .spheres import Spheres
 from .staircase import MAX_RANK, SHIFT, relax
@@ -223,6 +223,9 @@ def _round(piece, relaxation, options, monitor, out_of_time):
     metric = Metric(piece, SHIFT * energy_density)
     try:
         if options.rounding == "continuation":
+            polished = _polish_best(piece, by_svd, metric, monitor)
+            if relative_gap(float(piece.energy(polished)[0]), relaxation.lower_bound) <= options.target_gap:
+                return polished, False  # exact recovery: the relaxation is tight
             monitor.at("continuation", 0.6)
             columns = rounding.continuation(piece, lifted, columns, metric, energy_density, random, monitor)
         monitor.at("polish", 0.8)
