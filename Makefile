@@ -22,7 +22,7 @@ python = $(VENV)/bin/python
 
 help:
 	@echo 'make demo         stripes on a sample mesh: out/demo.blend, out/demo.png, out/demo.json'
-	@echo 'make test         the tests that take seconds'
+	@echo 'make test         the tests, in some minutes'
 	@echo 'make test-slow    the other tests'
 	@echo 'make lint         ruff (rules and format) and mypy'
 	@echo 'make extension    the zip for Blender in out/; WHEELS=1 bundles SciPy, one zip for each platform'

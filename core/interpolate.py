@@ -89,7 +89,7 @@ class FacePhases:
 
     Attributes
     ----------
-    corner_phase : (c,) radians, the first corner of a regular face in [-pi, pi)
+    corner_phase : (c,) radians, the first corner of a face without disclination in [-pi, pi]
     corner_place : (c, 3) zero in regular faces; in a singular triangle the corner weights; in a
         singular quad ABCD split along AC (s, t, -1) with s = (0, 1, 0, -1) and t = (0, 0, 1, 0)
     index, index_2 : (p,) dislocation numbers of a face's first and second triangle

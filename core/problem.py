@@ -76,6 +76,11 @@ class Piece:
         return float(np.abs(self.matrix.diagonal()).sum() / self.row_mass.sum())
 
     @property
+    def noise(self):
+        """Energy that rounding alone can cause: what lies below it counts as a perfect fit."""
+        return 1e-13 * float(np.abs(self.matrix.diagonal()).sum())
+
+    @property
     def unused_rows(self):
         """Rows of the ground's block beyond its first: zero at every feasible start and optimum."""
         if self.ground is None:

@@ -96,9 +96,9 @@ class FieldJob:
 
     def write(self, obj):
         """Write the result to the object at once; returns the report."""
-        if len(obj.data.vertices) != self._task.given.mesh.vertex_count:
-            raise SynchError(f"the mesh {obj.data.name} changed while it was solved: run again")
         with _object_mode(obj):
+            if not scene_io.is_unchanged(obj, self._task.given):
+                raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
             with self._report.clock("write"):
                 defects = write.results(obj, self._task, self._field, self._pattern, self._report)
             return self._report.finish(self._field, self._pattern, defects)
@@ -171,6 +171,10 @@ def _object_mode(obj):
     """Leave edit mode while attributes are read and written, and come back to it."""
     editing = obj.mode == "EDIT"
     if editing:
+        if bpy.context.view_layer.objects.active != obj:
+            raise SynchError(
+                f"{obj.name} is in edit mode and not active: make it the active object, or leave edit mode"
+            )
         bpy.ops.object.mode_set(mode="OBJECT")
     try:
         yield

@@ -49,12 +49,6 @@ def write_defects(obj, defects: Iterable[Defect], *, kinds=KINDS, length=1.0) ->
     return empties
 
 
-def clear_defects(obj, kinds=KINDS) -> None:
-    """Remove the empties of `obj` of these `kinds`, and their collection with the last one."""
-    for collection in _remove_empties(obj, kinds):
-        _remove_if_empty(collection)
-
-
 def defect_empties(obj) -> list[bpy.types.Object]:
     """The empties of `obj` that mark defects, wherever the user may have put them."""
     return [child for child in obj.children if child.type == "EMPTY" and _KIND in child]

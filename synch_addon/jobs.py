@@ -9,6 +9,15 @@ from ..core.errors import Cancelled
 running = None
 
 
+def stop():
+    """End the running job, if there is one, without writing: the add-on is being taken out."""
+    global running
+    work, running = running, None
+    if work is not None:
+        work.cancel()
+        work.wait()
+
+
 class BackgroundSolve:
     """Solves a :class:`FieldJob` in a thread, which touches no Blender data.
 

@@ -4,7 +4,9 @@
 import platform
 import sys
 import time
+import tomllib
 from dataclasses import asdict
+from pathlib import Path
 
 import bpy
 import numpy
@@ -13,7 +15,8 @@ import scipy
 from ..core.errors import name_elements
 from ..core.solve.solution import Clock
 
-VERSION = "0.1.0"
+_MANIFEST = Path(__file__).parent.parent / "blender_manifest.toml"
+VERSION = tomllib.loads(_MANIFEST.read_text(encoding="utf-8"))["version"]
 # Modifiers after which the mesh that is seen has other faces than the one that is solved.
 _CHANGES_FACES = (
     {"ARRAY", "BEVEL", "BOOLEAN", "BUILD", "DECIMATE", "EDGE_SPLIT", "EXPLODE", "MASK", "MIRROR", "MULTIRES"}
@@ -50,6 +53,10 @@ class Report:
                 f"the pattern is solved on the mesh before its modifiers ({', '.join(changing)}): "
                 "apply them first if stripes should follow the result"
             )
+        if self.settings.guidance == "attribute" and self.settings.boundary in ("along", "across"):
+            self.warn("the boundary is not asked for: directions that an attribute gives are taken as they are")
+        if self.settings.boundary == "phase" and self.settings.angle:
+            self.warn("the angle turns the directions away from the boundary on which a stripe lies: set it to 0")
         users = obj.data.users - obj.data.use_fake_user
         if users > 1:
             self.warn(f"the mesh {obj.data.name} is shared by {users} users, which all get the pattern")

@@ -55,12 +55,30 @@ def read_mesh(obj):
     MeshError
         naming the first element that cannot carry a field
     """
+    for group in obj.vertex_groups:
+        if group.name.startswith("synch_"):  # Blender would number an attribute of the same name
+            raise MeshError(f"the vertex group {group.name!r} of {obj.name} has a name of our attributes: rename it")
     stretch = _stretch(obj)
     vertices = _read(obj.data.attributes["position"]) if len(obj.data.vertices) else np.empty((0, 3))
     polygons = read_polygons(obj)
     mesh = TriangleMesh(vertices.astype(float) @ stretch.T, polygons.triangles)
     check_mesh(mesh, polygons.triangle_faces)
     return MeshInput(mesh, polygons, stretch)
+
+
+def is_unchanged(obj, given):
+    """Whether the object still has the positions, faces and scale of a :class:`MeshInput`."""
+    if len(obj.data.vertices) != given.mesh.vertex_count:
+        return False
+    vertices = _read(obj.data.attributes["position"]).astype(float) @ given.stretch.T
+    now, then = read_polygons(obj), given.polygons
+    return (
+        np.array_equal(vertices, given.mesh.vertices)
+        and np.array_equal(now.corner_vertices, then.corner_vertices)
+        and np.array_equal(now.starts, then.starts)
+        and np.array_equal(now.triangle_corners, then.triangle_corners)
+        and np.array_equal(_stretch(obj), given.stretch)
+    )
 
 
 def read_polygons(obj):
@@ -83,8 +101,10 @@ def read_polygons(obj):
 def _stretch(obj):
     """Symmetric positive part of the object's transform: its scale without rotation and mirroring."""
     linear = np.array(obj.matrix_world.to_3x3())
+    if not np.isfinite(linear).all():
+        raise MeshError(f"the transform of {obj.name} is not finite: clear it with Object > Clear")
     values, axes = np.linalg.eigh(linear.T @ linear)
-    if values[0] <= 1e-12 * values[2] or not np.isfinite(values).all():
+    if values[0] <= 1e-12 * values[2]:
         raise MeshError(f"the scale of {obj.name} is zero along an axis: give it a scale in every direction")
     return (axes * np.sqrt(values)) @ axes.T
 

@@ -49,7 +49,7 @@ def _write_pattern(obj, given, pattern, report):
     if len(phases.unfit):
         report.warn(
             f"{len(phases.unfit)} faces with a defect were split into triangles, first face "
-            f"{phases.unfit[0]}: a pattern is singular there and needs at most four corners"
+            f"{phases.unfit[0]}: corner values carry one disclination, or two dislocations, in at most four corners"
         )
         scene_io.split_faces(obj, polygons, phases.unfit)
         polygons = scene_io.read_polygons(obj)

@@ -5,6 +5,8 @@ import numpy as np
 from scipy.sparse import diags_array
 from scipy.sparse.linalg import splu
 
+from ..errors import SynchError
+
 # Share of the stiffness below which a shift drowns in single precision.
 SMALLEST_SHIFT = 1e-6
 
@@ -16,12 +18,17 @@ def factorize(matrix, single=True):
     """
     precision = {True: (np.complex64, np.float32), False: (np.complex128, np.float64)}[single]
     dtype = precision[0] if np.iscomplexobj(matrix.data) else precision[1]
-    return splu(
-        matrix.astype(dtype).tocsc(),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
+    try:
+        return splu(
+            matrix.astype(dtype).tocsc(),
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+    except MemoryError as error:
+        raise SynchError(
+            f"no memory for a factorization of {matrix.shape[0]} unknowns: solve a coarser mesh, or its parts"
+        ) from error
 
 
 class Factorization:

@@ -16,6 +16,7 @@ class Status(Enum):
     """How far a solve came."""
 
     CERTIFIED = "certified"
+    ESTIMATED = "target gap reached by estimate"
     TARGET_GAP_NOT_REACHED = "target gap not reached"
     MAX_RANK = "largest rank reached"
     TIME_LIMIT = "time limit"
@@ -56,6 +57,7 @@ class Solution:
     energy : of the phases, by Eq. (17)
     lower_bound : no phases have less energy; 0 when no bound was asked
     sdp_value : of the relaxation (22); None for other methods
+    noise : energy that rounding alone can cause; a fit below it counts as perfect, with a gap of 0
     certificate : "proved", "estimated" or "none"
     status : Status
     rank : columns of the lifted field
@@ -70,6 +72,7 @@ class Solution:
     energy: float
     lower_bound: float
     sdp_value: float | None
+    noise: float
     certificate: str
     status: Status
     rank: int
@@ -83,17 +86,17 @@ class Solution:
     @property
     def gap(self):
         """(energy - lower bound) / energy: at most this share of the energy could be saved."""
-        return relative_gap(self.energy, self.lower_bound)
+        return relative_gap(self.energy, self.lower_bound, self.noise)
 
     @property
     def sdp_gap(self):
         """(sdp value - lower bound) / sdp value, None without a relaxation."""
-        return None if self.sdp_value is None else relative_gap(self.sdp_value, self.lower_bound)
+        return None if self.sdp_value is None else relative_gap(self.sdp_value, self.lower_bound, self.noise)
 
 
-def relative_gap(value, bound):
+def relative_gap(value, bound, noise):
     """Share of ``value`` above ``bound``; 0 for a perfect fit, whose energy is rounding noise."""
-    return 0.0 if value <= 1e-12 else (value - bound) / value
+    return 0.0 if value <= noise else (value - bound) / value
 
 
 class Clock:

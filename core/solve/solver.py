@@ -26,7 +26,6 @@ FINAL_STEPS = 200
 @dataclass(frozen=True)
 class _PieceResult:
     field: np.ndarray
-    energy: float
     bound: float = 0.0
     sdp_value: float = 0.0
     certificate: str = "none"
@@ -132,7 +131,7 @@ def _solve_by_method(piece, options, monitor, clock):
 
 def _finished(piece, columns, **quality):
     field = rounding.ground_to_one(piece, columns[:, :1])
-    return _PieceResult(field[:, 0], float(piece.energy(field)[0]), **quality)
+    return _PieceResult(field[:, 0], **quality)
 
 
 def _solve_spectral(piece, options, monitor, clock):
@@ -189,7 +188,7 @@ def _solve_sdp(piece, options, monitor, clock):
     if out_of_time or timed_out:
         status = Status.TIME_LIMIT
     elif relaxation.reached:
-        status = Status.CERTIFIED
+        status = Status.CERTIFIED if relaxation.certificate == "proved" else Status.ESTIMATED
     else:
         status = Status.MAX_RANK if relaxation.lifted.shape[1] >= MAX_RANK else Status.TARGET_GAP_NOT_REACHED
     return _finished(
@@ -224,7 +223,8 @@ def _round(piece, relaxation, options, monitor, out_of_time):
     try:
         if options.rounding == "continuation":
             polished = _polish_best(piece, by_svd, metric, monitor)
-            if relative_gap(float(piece.energy(polished)[0]), relaxation.lower_bound) <= options.target_gap:
+            energy = float(piece.energy(polished)[0])
+            if relative_gap(energy, relaxation.lower_bound, piece.noise) <= options.target_gap:
                 return polished, False  # exact recovery: the relaxation is tight
             monitor.at("continuation", 0.6)
             columns = rounding.continuation(piece, lifted, columns, metric, energy_density, random, monitor)
@@ -257,6 +257,7 @@ def _combine(problem, pieces, results, options, times):
         energy=problem.energy(phases),
         lower_bound=sum(r.bound for r in results),
         sdp_value=sum(r.sdp_value for r in results) if is_sdp else None,
+        noise=sum(piece.noise for piece in pieces),
         certificate=next(kind for kind in ("none", "estimated", "proved") if kind in kinds),
         status=max((r.status for r in results), key=order.index, default=default_status),
         rank=rank,

@@ -49,7 +49,7 @@ class Relaxation:
     products: int
 
 
-def relax(piece, target_gap, seed, monitor, clock, start=None):
+def relax(piece, target_gap, seed, monitor, clock):
     """Solve the relaxation of a piece to a certified relative gap.
 
     Parameters
@@ -59,13 +59,11 @@ def relax(piece, target_gap, seed, monitor, clock, start=None):
     seed : int
     monitor : Monitor
     clock : Clock, gets the seconds under "relax" and "certify"
-    start : (N, r) array, optional warm start
     """
     random = np.random.default_rng(seed)
     spheres = Spheres(piece.block, lifted=True)
     with clock("relax"):
-        metric, point = _start(piece, spheres, random, start)
-        noise = 1e-13 * np.abs(piece.matrix.diagonal()).sum()
+        metric, point = _start(piece, spheres, random)
     tolerance, best_bound, certificate = FIRST_TOLERANCE * target_gap, 0.0, "proved"
     steps = products = 0
     reached = out_of_time = False
@@ -74,9 +72,10 @@ def relax(piece, target_gap, seed, monitor, clock, start=None):
         for _ in range(LEVELS):
             with clock("relax"):
                 descent = descend(piece.matrix, spheres, point, metric, tolerance, LEVEL_STEPS, monitor)
-            point, value = descent.point, float(descent.values[0])
+            # A sum of squares: <Y, L Y> may fall below zero where the fit is perfect.
+            point, value = descent.point, float(piece.energy(descent.point).sum())
             steps, products = steps + descent.steps, products + descent.products
-            if value <= noise:
+            if value <= piece.noise:
                 reached = True  # zero is a bound: L is positive semidefinite
                 break
             with clock("certify"):
@@ -101,21 +100,17 @@ def relax(piece, target_gap, seed, monitor, clock, start=None):
     return Relaxation(lifted, singular_values, value, best_bound, certificate, reached, out_of_time, steps, products)
 
 
-def _start(piece, spheres, random, start):
+def _start(piece, spheres, random):
     """The metric, and a smooth first point: the inverse metric applied to random columns.
 
     The shift has to be small against the energy per mass, which only the smooth point tells: a
     first metric with a guessed shift finds it.
     """
-    if start is None:
-        metric = Metric(piece, FIRST_SHIFT * piece.stiffness)
-        point = random_columns(piece, min(START_RANK, piece.matrix.shape[0]), random)
-        point = _smooth(metric, spheres, point)
-    else:
-        point = spheres.normalize(start)
+    point = random_columns(piece, min(START_RANK, piece.matrix.shape[0]), random)
+    point = _smooth(Metric(piece, FIRST_SHIFT * piece.stiffness), spheres, point)
     energy = spheres.inner(point, piece.matrix @ point)[0]
     metric = Metric(piece, SHIFT * energy / piece.mass.sum())
-    return metric, point if start is not None else _smooth(metric, spheres, point)
+    return metric, _smooth(metric, spheres, point)
 
 
 def _smooth(metric, spheres, point):

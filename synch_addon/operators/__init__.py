@@ -3,6 +3,7 @@
 
 import bpy
 
+from .. import jobs
 from . import directions, stripes
 
 _CLASSES = (directions.SYNCH_OT_directions, stripes.SYNCH_OT_stripes)
@@ -14,5 +15,6 @@ def register():
 
 
 def unregister():
+    jobs.stop()
     for operator in reversed(_CLASSES):
         bpy.utils.unregister_class(operator)

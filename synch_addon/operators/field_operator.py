@@ -88,11 +88,12 @@ class FieldOperator:
         return self._announce(report)
 
     def _start(self, context):
-        jobs.running = jobs.BackgroundSolve(api.FieldJob(self.command, context.active_object, self._settings()))
+        job = api.FieldJob(self.command, context.active_object, self._settings())
         manager = context.window_manager
         manager.progress_begin(0, 1)
         self._timer = manager.event_timer_add(0.1, window=context.window)
         manager.modal_handler_add(self)
+        jobs.running = jobs.BackgroundSolve(job)
         return {"RUNNING_MODAL"}
 
     def _finish(self, context):
@@ -145,5 +146,5 @@ def _headline(report):
     counts = f"{len(report['disclinations'])} disclinations, {len(report['dislocations'])} dislocations"
     if report["energy"] is None:
         return counts
-    proof = f", proved within {report['gap']:.0%} of the best" if report["certificate"] == "proved" else ""
+    proof = f", proved: no field saves more than {report['gap']:.0%}" if report["certificate"] == "proved" else ""
     return f"energy {report['energy']:.4g}{proof}; {counts}"

@@ -9,7 +9,7 @@ from mathutils import Vector
 
 from synch_fields.core.errors import MeshError, SettingError
 from synch_fields.synch_addon import nodes, render
-from synch_fields.synch_addon.defect_empties import Defect, clear_defects, defect_empties, write_defects
+from synch_fields.synch_addon.defect_empties import Defect, defect_empties, write_defects
 from synch_fields.synch_addon.materials import stripes_material
 from synch_fields.synch_addon.render import render_picture
 
@@ -330,9 +330,9 @@ def test_a_second_run_replaces_the_empties_of_the_kinds_that_it_is_given():
     write_defects(obj, some_defects()[:1], kinds=("disclination",))
     assert sorted(bpy.data.objects.keys()) == sorted([EMPTY_NAMES[0], EMPTY_NAMES[2], "face"])
     assert len(bpy.data.collections) == 2
-    clear_defects(obj, ("dislocation",))
+    write_defects(obj, [], kinds=("dislocation",))
     assert sorted(bpy.data.objects.keys()) == sorted([EMPTY_NAMES[0], "face"])
-    clear_defects(obj)
+    write_defects(obj, [])
     assert bpy.data.objects.keys() == ["face"] and not bpy.data.collections
 
 
