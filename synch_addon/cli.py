@@ -106,7 +106,8 @@ def _deliver(obj, report, options):
     if options.render:
         from .render import render_picture
 
-        written.append(str(render_picture(obj, options.render, view=options.view)))
+        render_picture(obj, options.render, view=options.view)
+        written.append(options.render)
     if options.report:
         written.append(options.report)
     warnings = [f"warning: {line}" for line in report["warnings"]]
@@ -201,7 +202,7 @@ def _add_view(command):
         type=float,
         default=(-25.0, 14.0),
         metavar=("AZIMUTH", "ELEVATION"),
-        help="where the picture is taken from, degrees from the front view (%(default)s)",
+        help="where the picture is taken from, degrees from the front view (default: -25 14)",
     )
 
 
@@ -209,16 +210,36 @@ def _add_settings(command, spacing):
     default = Settings()
     if spacing:
         command.add_argument("--spacing", type=float, metavar="LENGTH", help="between stripes; default: automatic")
-    command.add_argument("--symmetry", choices=tuple(SYMMETRIES), default=default.symmetry)
+    command.add_argument(
+        "--symmetry",
+        choices=tuple(SYMMETRIES),
+        default=default.symmetry,
+        help="what is the same at a point; cross for directions only (%(default)s)",
+    )
     command.add_argument(
         "--guidance", default=default.guidance, help="smooth, curvature-max, curvature-min or attribute:NAME"
     )
-    command.add_argument("--angle", type=float, default=0.0, metavar="DEG", help="turn the directions")
-    command.add_argument("--boundary", choices=BOUNDARIES, default=default.boundary)
+    command.add_argument(
+        "--angle", type=float, default=0.0, metavar="DEG", help="turn the directions, counterclockwise"
+    )
+    command.add_argument(
+        "--boundary",
+        choices=BOUNDARIES,
+        default=default.boundary,
+        help="what directions do at open edges; phase: a stripe lies exactly on them (%(default)s)",
+    )
     command.add_argument("--vertex-group", default="", metavar="NAME", help="restrict the boundary to this group")
-    command.add_argument("--method", choices=METHODS, default=default.method)
-    command.add_argument("--seed", type=int, default=default.seed)
-    command.add_argument("--target-gap", type=float, default=default.target_gap, metavar="X")
+    command.add_argument(
+        "--method", choices=METHODS, default=default.method, help="sdp proves a bound, spectral is fast (%(default)s)"
+    )
+    command.add_argument("--seed", type=int, default=default.seed, help="of every random choice (%(default)s)")
+    command.add_argument(
+        "--target-gap",
+        type=float,
+        default=default.target_gap,
+        metavar="X",
+        help="how closely the relaxation's optimum is bracketed (%(default)s)",
+    )
     command.add_argument("--time-limit", type=float, metavar="SECONDS", help="for each solve")
 
 

@@ -6,7 +6,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from ..core.errors import MeshError
-from .api import EDGES_PER_STRIPE, automatic_spacing
+from .api import COARSE_SHARE, EDGES_PER_STRIPE, automatic_spacing
 from .report import versions
 from .scene_io import read_mesh
 
@@ -39,7 +39,7 @@ def describe(obj):
             "longest": float(mesh.edge_lengths.max()),
         },
         "automatic_spacing": automatic_spacing(mesh),
-        "finest_spacing": 2 * float(np.quantile(mesh.edge_lengths, 0.99)),
+        "finest_spacing": 2 * float(np.quantile(mesh.edge_lengths, 1 - COARSE_SHARE)),
         "versions": versions(),
     }
     return facts, _lines(facts)

@@ -83,6 +83,7 @@ class Report:
             report["directions"] = quality(field.solution)
         return report | {
             "euler_characteristic": mesh.euler_characteristic,
+            "closed": len(mesh.boundary_edges) == 0,
             "disclinations": [d for d in defects if d["kind"] == "disclination"],
             "dislocations": [d for d in defects if d["kind"] == "dislocation"],
             "times": times,
@@ -132,18 +133,20 @@ def summary(report):
     """The lines that a person wants to read."""
     lines = [f"{report['command']} on {report['object']}: {report['nodes']} vertices, {report['edges']} edges"]
     if report["energy"] is not None:
-        kind = report["certificate"]
-        lines.append(
-            f"energy {report['energy']:.6g}, lower bound {report['lower_bound']:.6g} ({kind}), gap {report['gap']:.1%}"
-        )
+        bound = f"lower bound {report['lower_bound']:.6g} ({report['certificate']})"
+        lines.append(f"energy {report['energy']:.6g}, {bound}: no field saves more than {report['gap']:.1%}")
     if report["sdp_value"] is not None:
-        lines.append(
-            f"relaxation {report['sdp_value']:.6g}, certified gap {report['sdp_gap']:.2e}, status {report['status']}"
-        )
-    total = sum(d["index"] for d in report["disclinations"])
-    lines.append(
-        f"{len(report['disclinations'])} disclinations (indices sum to {total:g}, Euler characteristic "
-        f"{report['euler_characteristic']}), {len(report['dislocations'])} dislocations"
-    )
+        width = f"the bound is {report['sdp_gap']:.2%} below it"
+        lines.append(f"relaxation {report['sdp_value']:.6g}, {width}: {report['status']}")
+    disclinations = counted(len(report["disclinations"]), "disclination")
+    if report["closed"]:
+        total = sum(d["index"] for d in report["disclinations"])
+        disclinations += f" (indices sum to {total:g}, the Euler characteristic is {report['euler_characteristic']})"
+    lines.append(f"{disclinations}, {counted(len(report['dislocations']), 'dislocation')}")
     lines.append(f"{report['times']['total']:.2f} s")
     return lines
+
+
+def counted(count, noun):
+    """ "1 dislocation", "2 dislocations" """
+    return f"{count} {noun}" + ("" if count == 1 else "s")

@@ -56,6 +56,10 @@ class Settings:
         ):
             if getattr(self, name) not in choices:
                 raise SettingError(f"{name} {getattr(self, name)!r} is unknown: use one of {', '.join(choices)}")
+        for name in ("angle", "spacing", "target_gap", "time_limit"):
+            value = getattr(self, name)
+            if value is not None and not isinstance(value, int | float):
+                raise SettingError(f"the {name.replace('_', ' ')} is {value!r}: give a number")
         if self.seed < 0:
             raise SettingError(f"the seed is {self.seed}: give a whole number from 0 on")
         if not math.isfinite(self.angle):

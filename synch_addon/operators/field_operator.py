@@ -9,6 +9,7 @@ import bpy
 
 from ...core.errors import Cancelled, SynchError
 from .. import api, jobs
+from ..report import counted
 from ..scene_io import refusal
 from ..settings import PROPERTY_NAMES, plain
 
@@ -143,7 +144,7 @@ def _show(context, text):
 
 def _headline(report):
     """What the status bar says after a run."""
-    counts = f"{len(report['disclinations'])} disclinations, {len(report['dislocations'])} dislocations"
+    counts = ", ".join(counted(len(report[kind + "s"]), kind) for kind in ("disclination", "dislocation"))
     if report["energy"] is None:
         return counts
     proof = f", proved: no field saves more than {report['gap']:.0%}" if report["certificate"] == "proved" else ""
