@@ -112,6 +112,11 @@ def is_report(path):
 
 
 def save_blend(path):
-    """Save the scene as a .blend file; returns its path."""
-    bpy.ops.wm.save_as_mainfile(filepath=str(Path(path).resolve()), check_existing=False)
+    """Save the scene as a .blend file, without Blender's backup of an older one; returns its path."""
+    preferences = bpy.context.preferences.filepaths
+    backups, preferences.save_version = preferences.save_version, 0
+    try:
+        bpy.ops.wm.save_as_mainfile(filepath=str(Path(path).resolve()), check_existing=False)
+    finally:
+        preferences.save_version = backups
     return str(path)

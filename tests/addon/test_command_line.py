@@ -268,3 +268,9 @@ def test_damaged_files_are_one_line(tmp_path, capfd):
         assert status == 1 and out == "", suffix
         assert len([line for line in err.splitlines() if line.startswith("synch stripes: ")]) == 1
         assert "Traceback" not in err, suffix
+
+
+def test_writing_over_an_older_file_leaves_no_backup(files, tmp_path, capfd):
+    for _ in range(2):
+        assert run(capfd, "directions", files[".obj"], "--output", tmp_path / "out.blend")[0] == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["out.blend"]
