@@ -9,25 +9,20 @@ from .scene_io import refusal
 
 def draw_directions(layout, settings, obj):
     """Settings of the direction field; ``settings`` are the object's or an operator's."""
-    column = layout.column()
-    column.use_property_split = True
-    column.use_property_decorate = False
+    column = _property_column(layout)
     column.prop(settings, "symmetry")
     column.prop(settings, "guidance")
     if settings.guidance == "ATTRIBUTE":
         column.prop_search(settings, "attribute", obj.data, "attributes")
     column.prop(settings, "angle")
-    if settings.guidance != "ATTRIBUTE" or settings.boundary == "PHASE":
-        column.prop(settings, "boundary")
+    column.prop(settings, "boundary")
     if settings.boundary != "FREE":
         column.prop_search(settings, "vertex_group", obj, "vertex_groups")
 
 
 def draw_stripes(layout, settings):
     """Settings of the stripes, below those of the directions."""
-    column = layout.column()
-    column.use_property_split = True
-    column.use_property_decorate = False
+    column = _property_column(layout)
     if hasattr(settings, "automatic_spacing"):
         column.prop(settings, "automatic_spacing")
         row = column.row()
@@ -40,13 +35,19 @@ def draw_stripes(layout, settings):
 
 def draw_solver(layout, settings):
     """Settings of the solver."""
-    column = layout.column()
-    column.use_property_split = True
-    column.use_property_decorate = False
+    column = _property_column(layout)
     column.prop(settings, "method")
     column.prop(settings, "seed")
     if settings.method == "SDP":
         column.prop(settings, "target_gap")
+
+
+def _property_column(layout):
+    """A column of settings with their names on the left, as in Blender's own panels."""
+    column = layout.column()
+    column.use_property_split = True
+    column.use_property_decorate = False
+    return column
 
 
 def draw_progress(layout, work):

@@ -79,6 +79,8 @@ class Report:
             "edges": len(mesh.edges),
             **quality(solution),
         }
+        if self.settings.method == "spectral":
+            report["spectral_energy"] = report["energy"]
         if pattern is not None:
             report["directions"] = quality(field.solution)
         return report | {
@@ -133,8 +135,9 @@ def summary(report):
     """The lines that a person wants to read."""
     lines = [f"{report['command']} on {report['object']}: {report['nodes']} vertices, {report['edges']} edges"]
     if report["energy"] is not None:
+        saving = "no field saves more than" if report["certificate"] == "proved" else "gap"
         bound = f"lower bound {report['lower_bound']:.6g} ({report['certificate']})"
-        lines.append(f"energy {report['energy']:.6g}, {bound}: no field saves more than {report['gap']:.1%}")
+        lines.append(f"energy {report['energy']:.6g}, {bound}: {saving} {report['gap']:.1%}")
     if report["sdp_value"] is not None:
         width = f"the bound is {report['sdp_gap']:.2%} below it"
         lines.append(f"relaxation {report['sdp_value']:.6g}, {width}: {report['status']}")
