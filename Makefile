@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-slow lint extension bench pictures environment clean
+.PHONY: help demo test test-slow lint extension bench bench-solver pictures environment clean
 
 # The Pythons that a bpy wheel exists for, in order of preference.
 VERSIONS ?= 3.13 3.11
@@ -27,6 +27,7 @@ help:
 	@echo 'make lint         ruff (rules and format) and mypy'
 	@echo 'make extension    the zip for Blender in out/; WHEELS=1 bundles SciPy, one zip for each platform'
 	@echo 'make bench        bounds and energies of three meshes beside other methods; MESHES=folder holds them'
+	@echo 'make bench-solver times, bounds and energies of six meshes beside other methods, and time against size'
 	@echo 'make pictures     the pictures of the README'
 	@echo 'make environment  $(VENV) with Blender as a Python module; the other targets make it on demand'
 	@echo 'make clean        remove outputs and caches, keep the environment'
@@ -52,6 +53,12 @@ extension: $(environment)
 
 bench: $(environment)
 	$(python) bench/bounds.py $(MESHES)/spot.obj $(MESHES)/fertility.obj $(MESHES)/stanford-bunny.obj
+
+bench_meshes = spot fandisk rocker-arm fertility stanford-bunny botijo
+
+bench-solver: $(environment)
+	$(python) bench/solver.py $(bench_meshes:%=$(MESHES)/%.obj)
+	$(python) bench/scaling.py $(MESHES)/stanford-bunny.obj=1,2,4,5 $(MESHES)/spot.obj=1,2,4,8,18 sphere=10,32 grid=32,64,128
 
 pictures: demo
 	cp out/demo.png docs/suzanne.png

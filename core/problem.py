@@ -66,6 +66,11 @@ class Piece:
         return len(self.mass)
 
     @property
+    def is_circle(self):
+        """Whether a node's unit vector is a point of the circle."""
+        return self.is_complex or self.block == 2
+
+    @property
     def row_mass(self):
         """(N,) the mass of each row's node."""
         return np.repeat(self.mass, self.block)
@@ -295,6 +300,25 @@ class SynchronizationProblem:
             return np.where(self.turned, phases.conj(), phases)
         vectors = np.einsum("nab,nb->na", units, coordinates.reshape(-1, self.block)[column])
         return vectors[:, 0] + 1j * vectors[:, 1] if self.is_circle else vectors
+
+    def coordinates(self, phases):
+        """(N,) unit coordinates nearest to phases of all nodes: the inverse of :meth:`expand`.
+
+        Parameters
+        ----------
+        phases : (n,) complex on the circle, else (n, d)
+        """
+        column, units, mass = self._embedding[:3]
+        if self.is_complex:
+            values = np.where(self.turned, phases.conj(), phases) * units.conj()
+        else:
+            values = np.column_stack([phases.real, phases.imag]) if np.iscomplexobj(phases) else phases
+            values = np.einsum("nba,nb->na", units, values)
+        sums = np.zeros((len(mass), *values.shape[1:]), values.dtype)
+        np.add.at(sums, column, values * self.mass.reshape(-1, *[1] * (values.ndim - 1)))
+        fallback = self.unit_coordinates().reshape(sums.shape)
+        lengths = np.sqrt((np.abs(sums) ** 2).reshape(len(sums), -1).sum(axis=1)).reshape(-1, *[1] * (sums.ndim - 1))
+        return np.where(lengths > 0, sums / np.where(lengths > 0, lengths, 1), fallback).ravel()
 
     def unit_coordinates(self):
         """(N,) coordinates with the phase 1 at every node."""

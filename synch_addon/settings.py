@@ -43,7 +43,7 @@ class Settings:
     spacing: float | None = None
     method: str = "sdp"
     seed: int = 0
-    target_gap: float = 1e-3
+    target_gap: float = 1e-2
     time_limit: float | None = None
     assign_material: bool = False
 
@@ -145,7 +145,7 @@ class SettingProperties:
     target_gap: FloatProperty(
         name="Target Gap",
         description="How closely the relaxation's optimum is bracketed, as a share of its energy",
-        default=1e-3,
+        default=1e-2,
         min=1e-6,
         max=0.5,
         precision=4,

@@ -16,18 +16,19 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import diags_array
 
-from .metric import is_positive_definite
+from .factorization import is_positive_definite
 
 # Above this many rows a factorization in double precision is not tried as a proof.
 LARGEST_PROOF = 400_000
-LANCZOS_STEPS = 40
 # Share of the matrix's diagonal by which a factorization in double precision may miss a negative pivot.
 ROUNDING = 1e-14
+# Rows up to which the space that is searched for negative directions is kept in double precision.
+DOUBLE_BASIS = 50_000
 
 
 @dataclass(frozen=True)
 class Slack:
-    """The most negative directions of S relative to A, from a Krylov space.
+    """The most negative directions of S relative to A, from a search space.
 
     ``depth`` is the estimate of the smallest t with S >= -t A, ``error`` the distance to an eigenvalue
     by its residual, ``directions`` (N, k) the directions below zero, most negative first.
@@ -36,11 +37,6 @@ class Slack:
     depth: float
     error: float
     directions: np.ndarray
-
-
-def multipliers(spheres, point, image):
-    """(nodes,) lambda_i = Re<Y_i, (L Y)_i> of a lifted field."""
-    return spheres.node_products(point, image)[:, 0]
 
 
 def lower_bound(piece, metric, duals, depth):
@@ -53,37 +49,57 @@ def depth_for_bound(piece, metric, duals, bound):
     return float((duals.sum() - bound) / (bound + metric.shift * piece.mass.sum()))
 
 
-def measure_slack(piece, metric, duals, random, count=2):
-    """Most negative directions of S relative to A, by Lanczos on A^-1 (A - S) in the metric A.
+def measure_slack(workspace, metric, duals, random, steps, monitor, count=2):
+    """Most negative directions of S relative to A, by a generalized Davidson method.
 
-    A fixed number of steps with full orthogonalization: the top of that operator's spectrum is dense
-    near 1, where the null space of S lies, so that waiting for a converged eigenvector would be
-    in vain, while its largest Ritz value is soon good enough to choose t. A proof does not rest on it.
+    With W = A - S, a diagonal, these are the largest eigenvalues of W x = mu A x, mu = 1 + depth. The space
+    grows by the preconditioned residual of the best direction; with an exact inverse it is the Krylov space
+    of Lanczos. A fixed number of steps: the spectrum is dense near mu = 1, where the null space of S
+    lies, so that waiting for a converged eigenvector would be in vain. A proof does not rest on it.
+
+    Parameters
+    ----------
+    workspace : Workspace
+    metric : Metric of the piece
+    duals : (nodes,) lambda
+    random : numpy Generator
+    steps : size of the space
+    monitor : Monitor
+    count : directions to return at most
     """
-    size = piece.matrix.shape[0]
-    steps = min(LANCZOS_STEPS, size - len(piece.unused_rows))
+    piece, matrix = workspace.piece, workspace.matrix
+    size = matrix.shape[0]
+    steps = min(steps, size - len(piece.unused_rows))
     weight = np.repeat(duals, piece.block) + metric.shift * piece.row_mass
-    basis = np.empty((steps, size), piece.matrix.dtype)
-    images = np.empty_like(basis)
-    vector = random.standard_normal(size).astype(basis.dtype)
+    shift = metric.shift * piece.row_mass
+    dtype = matrix.dtype if size <= DOUBLE_BASIS else metric.dtype
+    basis = np.empty((steps, size), dtype)
+    projected = np.zeros((steps, steps), matrix.dtype)
+    vector = weight * random.standard_normal(size).astype(matrix.dtype)
     vector[piece.unused_rows] = 0
+    vector = metric.solve(vector)
     for step in range(steps):
+        monitor.check()
         for _ in range(2 if step else 0):  # twice is enough
-            image = metric.matrix @ vector
+            image = matrix @ vector + shift * vector
             vector -= (basis[:step].conj() @ image) @ basis[:step]
-        length = np.sqrt(np.vdot(vector, metric.matrix @ vector).real)
-        if length < 1e-5 and step:
-            basis, images = basis[:step], images[:step]
+        length = np.sqrt(np.vdot(vector, matrix @ vector + shift * vector).real)
+        if not length > 0:
             break
         basis[step] = vector / length
-        images[step] = weight * basis[step]
-        vector = metric.solve(images[step])
-    values, combinations = np.linalg.eigh(basis.conj() @ images.T)
+        projected[: step + 1, step] = basis[: step + 1].conj() @ (weight * basis[step])
+        projected[step, : step + 1] = projected[: step + 1, step].conj()
+        values, combinations = np.linalg.eigh(projected[: step + 1, : step + 1])
+        best = combinations[:, -1] @ basis[: step + 1]
+        residual = weight * best - values[-1] * (matrix @ best + shift * best)
+        vector = metric.solve(residual)
+        error = np.sqrt(max(np.vdot(residual, vector).real, 0.0))
+        if error < 1e-6:
+            break
+    filled = len(values)
     order = np.argsort(values)[::-1][:count]
-    directions = combinations[:, order].T @ basis
-    residual = weight * directions[0] - values[order[0]] * (metric.matrix @ directions[0])
-    error = np.sqrt(max(np.vdot(residual, metric.solve(residual)).real, 0.0))
-    return Slack(float(values[order[0]] - 1), float(error), directions[values[order] > 1].T)
+    directions = combinations[:, order].T @ basis[:filled]
+    return Slack(float(values[-1] - 1), float(error), directions[values[order] > 1].T)
 
 
 def prove(piece, metric, duals, depth):
@@ -92,8 +108,6 @@ def prove(piece, metric, duals, depth):
     What rounding may hide is taken off first: without it, a bound came out above the optimum where energies
     are 1e-12 of the weights.
     """
-    if piece.matrix.shape[0] > LARGEST_PROOF:
-        return False
     diagonal = depth * metric.shift * piece.row_mass - np.repeat(duals, piece.block)
     diagonal = diagonal - ROUNDING * piece.matrix.diagonal().real
     return is_positive_definite(piece.matrix * (1 + depth) + diags_array(diagonal))

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Preconditioned Riemannian L-BFGS on a product of spheres, for one lifted field or many candidates.
 
-Minimizes f = Re<X, L X> / 2 with the inverse metric as the first guess of the Hessian's inverse. Vectors
-are carried to the new point without transport: the next projection makes them tangent.
+Minimizes f = Re<X, L X> / 2 with the inverse metric as the first guess of the Hessian's inverse. Tangent
+vectors are carried to the new point as they are; the last projection makes them tangent.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+
+from .monitor import OutOfTime
 
 MEMORY = 5
 ARMIJO = 1e-4
@@ -19,70 +21,81 @@ class Descent:
     """Where the descent ended.
 
     ``values`` are (k,) energies Re<X, L X>; ``steps`` counts iterations, ``products`` columns
-    multiplied by L, ``decrements`` the last predicted relative decrease.
+    multiplied by L; ``out_of_time`` tells that the time limit ended it.
     """
 
     point: np.ndarray
-    image: np.ndarray
     values: np.ndarray
     steps: int
     products: int
-    decrements: np.ndarray
+    out_of_time: bool
 
 
 def descend(matrix, spheres, start, metric, tolerance, max_steps, monitor):
     """Descend from ``start`` until every field's predicted relative decrease is below ``tolerance``.
 
+    Works in the precision of ``matrix`` and ``start``, which have to agree, on about twenty arrays of
+    the start's size.
+
     Parameters
     ----------
-    matrix : (N, N) CSR
-    spheres : Spheres
+    matrix : (N, N) matrix with ``@``, ``dtype`` and ``diagonal()``
+    spheres : Lifted, Circles or Columns
     start : (N, k) array
-    metric : object with ``solve(columns)``
+    metric : object with ``solve``
     tolerance : relative to the energy
     max_steps : int
     monitor : Monitor, asked once a step
     """
     point = spheres.normalize(start)
     image = matrix @ point
-    values = spheres.inner(point, image)
-    gradient = spheres.project(point, image)
-    # Below this, values of Re<X, L X> are rounding noise.
-    noise = 1e-15 * np.abs(matrix.diagonal()).sum()
+    values = spheres.energies(point, image)
+    gradient = spheres.gradient(point, image)
+    noise = rounding_noise(matrix)
+    # Gradients tell of decreases that values no longer show. That is worth it in double precision only.
+    floor = noise if np.finfo(matrix.dtype).bits < 64 else 0.0
     memory: list[tuple] = []
-    products, step = point.shape[1], 0
-    decrements = np.full(len(values), np.inf)
-    for step in range(1, max_steps + 1):
-        monitor.check()
-        direction = -spheres.project(point, _two_loop(spheres, memory, gradient, metric))
+    products, steps, out_of_time = point.shape[1], 0, False
+    for steps in range(1, max_steps + 1):
+        try:
+            monitor.check()
+        except OutOfTime:
+            out_of_time = True
+            break
+        direction = -spheres.tangent(point, _two_loop(spheres, memory, gradient, metric, point))
         slopes = spheres.inner(gradient, direction)
-        decrements = -slopes / np.maximum(values, noise)
         # The first predictions, made without a memory of the curvature, are too small.
-        active = decrements > (tolerance if step > MEMORY else 0)
+        active = -slopes > np.maximum((tolerance if steps > MEMORY else 0) * values, floor)
         if not active.any():
             break
         moved = _line_search(matrix, spheres, point, direction, values, slopes, active, noise)
         if moved is None:
             break
-        new_point, new_image, new_values, trials = moved
+        point, image, values, lengths, trials = moved
         products += trials * point.shape[1]
-        new_gradient = spheres.project(new_point, new_image)
-        _remember(spheres, memory, new_point - point, new_gradient - gradient)
-        point, image, values, gradient = new_point, new_image, new_values, new_gradient
-    return Descent(point, image, values, step, products, decrements)
+        new_gradient = spheres.gradient(point, image)
+        direction *= lengths.astype(direction.dtype)
+        _remember(spheres, memory, direction, new_gradient - gradient)
+        gradient = new_gradient
+    return Descent(point, values, steps, products, out_of_time)
 
 
-def _two_loop(spheres, memory, gradient, metric):
+def rounding_noise(matrix):
+    """Changes of the energy of unit vectors below this are rounding, in the matrix's precision."""
+    return 8 * np.finfo(matrix.dtype).eps * float(np.linalg.norm(matrix.diagonal()))
+
+
+def _two_loop(spheres, memory, gradient, metric, point):
     """The L-BFGS product with the inverse Hessian (Nocedal and Wright, Algorithm 7.4), per field."""
     vector = gradient.copy()
     shares = []
     for move, change, inverse in reversed(memory):
         share = inverse * spheres.inner(move, vector)
-        vector -= share * change
+        vector -= share.astype(vector.dtype) * change
         shares.append(share)
-    vector = metric.solve(vector)
+    vector = spheres.precondition(vector, metric, point)
     for (move, change, inverse), share in zip(memory, reversed(shares), strict=True):
-        vector += (share - inverse * spheres.inner(change, vector)) * move
+        vector += (share - inverse * spheres.inner(change, vector)).astype(vector.dtype) * move
     return vector
 
 
@@ -99,11 +112,11 @@ def _line_search(matrix, spheres, point, direction, values, slopes, active, nois
     """Full step first, halved for the fields that do not decrease enough; None if none moves."""
     lengths = np.where(active & (slopes < 0), 1.0, 0.0)
     for trial in range(1, LONGEST_BACKTRACK + 1):
-        new_point = spheres.normalize(point + lengths * direction)
+        new_point = spheres.move(point, direction, lengths)
         new_image = matrix @ new_point
-        new_values = spheres.inner(new_point, new_image)
+        new_values = spheres.energies(new_point, new_image)
         failed = (lengths > 0) & (new_values > values + 2 * ARMIJO * lengths * slopes + noise)
         if not failed.any():
-            return (new_point, new_image, new_values, trial) if (lengths > 0).any() else None
+            return (new_point, new_image, new_values, lengths, trial) if (lengths > 0).any() else None
         lengths = np.where(failed, lengths / 2 if trial < LONGEST_BACKTRACK - 1 else 0.0, lengths)
     return None

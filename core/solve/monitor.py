@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Progress, cancellation and time limit, asked at every iteration."""
 
+import threading
 import time
+from copy import copy
 
 from ..errors import Cancelled
+
+POLL_SECONDS = 0.05
 
 
 class OutOfTime(Exception):
@@ -24,10 +28,17 @@ class Monitor:
         self._callback = callback
         self._deadline = None if time_limit is None else time.perf_counter() + time_limit
         self.stage, self.fraction = "", 0.0
+        self._start, self._share = 0.0, 1.0
+
+    def portion(self, start, share):
+        """A monitor for one part of the work: its fractions are a part of the whole."""
+        part = copy(self)
+        part._start, part._share = start, share
+        return part
 
     def at(self, stage, fraction):
         """Enter a stage at a fraction of the whole work, 0..1."""
-        self.stage, self.fraction = stage, fraction
+        self.stage, self.fraction = stage, self._start + fraction * self._share
         self.check()
 
     def check(self):
@@ -36,6 +47,26 @@ class Monitor:
             raise Cancelled("cancelled: nothing was changed")
         if self._deadline is not None and time.perf_counter() > self._deadline:
             raise OutOfTime
+
+    def during(self, work):
+        """Result of ``work()``, which cannot be interrupted: it runs in a thread, and is left behind when it must stop."""
+        results: list = []
+        errors: list = []
+
+        def run():
+            try:
+                results.append(work())
+            except BaseException as error:  # raised again where it was asked for
+                errors.append(error)
+
+        thread = threading.Thread(target=run, daemon=True)
+        thread.start()
+        while thread.is_alive():
+            thread.join(POLL_SECONDS)
+            self.check()
+        for error in errors:
+            raise error
+        return results[0]
 
 
 SILENT = Monitor()

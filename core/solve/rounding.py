@@ -3,122 +3,157 @@
 
 Rounding is where most of what the relaxation won can be lost. Many random projections are tried at
 once; the best are carried through a seeded continuation, diffusion steps with falling times, which
-lets defects pair up and settle, and are then polished by descent on the unrelaxed problem (18).
+lets defects pair up and settle, and then descend on the unrelaxed problem (18). The fields so found are
+crossed, each region from the one that does better there, and carried again, as long as that pays.
 """
 
 import numpy as np
 
 from .descent import descend
 from .diffusion import diffuse
-from .spheres import Spheres, random_columns
 
-# Rounds of continuation: where the fields that are carried come from, how many they are, and through
-# which diffusion times they go, in units of 1 / (energy per mass). The first round only polishes: where
-# few defects fit, their arrangement is drawn once, in the projection, and diffusion would lead all
-# fields to the same one. Later rounds join the good parts of different fields.
-ROUNDS = (
-    ("best", 16, ()),
-    ("best", 8, 0.2 * 0.4 ** np.arange(6)),
-    ("pairs", 6, 0.4 * 0.4 ** np.arange(6)),
-    ("lifted", 6, 0.4 ** np.arange(7)),
-)
-CONTINUATION_STEPS = 4
-# Fields that are joined in pairs, and with how much of fresh projections the two best are mixed.
-PAIRED = 6
-MIXTURE = 0.8
-SAME_ENERGY = 1e-6
-POLISH_STEPS = 40
-POLISH_TOLERANCE = 3e-5
+# Diffusion times, in units of 1 / (energy per mass), of a continuation on the piece itself, and of one on
+# the coarser stage that comes before for half of the fields: there a larger time costs next to nothing.
+TIMES = 0.2 * 0.4 ** np.arange(5)
+COARSE_TIMES = 0.7 ** np.arange(6)
+STEPS = 3
+# Projections that are carried: from the piece itself, and on the coarser stage, of which the best go on.
+FRESH, COARSE_TRIED, COARSE = 8, 16, 6
+# Nodes that a coarser stage must have to be worth looking at.
+SMALLEST_EXPLORED = 100
+# Rounds of crossing: fields that are crossed in pairs, crossings that go on, rounds at least and at most, and the
+# relative gain below which they end.
+CROSSED, CROSSINGS = 8, 6
+FEWEST_ROUNDS, MOST_ROUNDS = 2, 8
+GAIN = 1e-3
+# Over which diffusion time local energies are compared, and how sharply the better one is preferred.
+CROSSING_TIME = 4.0
+SHARPNESS = 5.0
+# Fields whose energies agree to this share are taken for one.
+SAME_ENERGY = 1e-4
+# Steps of descent: between rounds, for the best few, and for the best.
+SHORT_STEPS, LONG_STEPS, FINAL_STEPS = 15, 30, 200
+FINALISTS = 3
+TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-9
+# Fields that are kept beside the best one.
+KEPT = 8
+# Metric shift of descents as a share of the energy per mass.
+SHIFT = 1.0
 
 
-def project(piece, lifted, directions):
+def project(stage, lifted, directions):
     """Fields seen along (r, k) directions xi: Y xi, normalized (Eq. 29). Columns are candidates."""
-    return Spheres(piece.block, lifted=False).normalize(lifted @ directions)
+    dtype = stage.matrix.dtype
+    return stage.candidates.normalize(lifted.astype(dtype) @ directions.astype(dtype))
 
 
 def random_directions(piece, rank, count, random):
-    """(r, count) Gaussian directions."""
+    """(r, count) directions: the dominant singular one, and Gaussian ones."""
     directions = random.standard_normal((rank, count))
-    return directions + 1j * random.standard_normal((rank, count)) if piece.is_complex else directions
+    if piece.is_complex:
+        directions = directions + 1j * random.standard_normal((rank, count))
+    return np.hstack([np.eye(rank)[:, :1], directions])
 
 
-def round_by_svd(piece, lifted):
-    """(N, 1) field along the dominant singular direction; ``lifted`` is in principal columns."""
-    return project(piece, lifted, np.eye(lifted.shape[1])[:, :1])
+def energies(stage, columns):
+    """(k,) energies of candidates."""
+    return stage.candidates.energies(columns, stage.matrix @ columns)
 
 
-def best_columns(piece, columns, count):
+def best_columns(stage, columns, count):
     """The ``count`` columns of lowest energy, best first."""
-    return columns[:, np.argsort(piece.energy(columns), kind="stable")[:count]]
+    return columns[:, np.argsort(energies(stage, columns), kind="stable")[:count]]
 
 
-def continuation(piece, lifted, columns, metric, energy_density, random, monitor):
-    """Seeded continuation: rounds of diffusion with falling times, each polished; all fields, best first.
+def distinct_columns(stage, columns):
+    """Columns sorted by energy, best first, without those that share theirs with the one before."""
+    values = energies(stage, columns)
+    order = np.argsort(values, kind="stable")
+    apart = np.diff(values[order], prepend=-np.inf) > SAME_ENERGY * np.abs(values[order])
+    return columns[:, order[apart]]
+
+
+def polish(stage, columns, metric, monitor, steps=LONG_STEPS):
+    """Descend on the unrelaxed problem from each column; returns columns sorted by energy, best first."""
+    columns = columns.astype(stage.matrix.dtype)
+    descent = descend(stage.matrix, stage.candidates, columns, metric, TOLERANCE, steps, monitor)
+    return descent.point[:, np.argsort(descent.values, kind="stable")]
+
+
+def finish(workspace, column, metric, monitor):
+    """Descend from one field to the last digit that matters, in double precision."""
+    column = column.astype(workspace.matrix.dtype)
+    spheres = workspace.stages[0].candidates
+    return descend(workspace.matrix, spheres, column, metric, FINAL_TOLERANCE, FINAL_STEPS, monitor).point
+
+
+def continuation(workspace, lifted, samples, density, metric, random, monitor):
+    """Fields by seeded continuation and crossing, best first.
 
     Parameters
     ----------
-    piece : Piece
-    lifted : (N, r) solution of the relaxation
-    columns : (N, k) its roundings, best first
-    metric : Metric for the descent
-    energy_density : energy per mass of the relaxation
+    workspace : Workspace
+    lifted : (N, r) solution of the relaxation, in principal columns
+    samples : random projections tried
+    density : energy per mass of the relaxation, positive
+    metric : Metric of candidates
     random : numpy Generator
     monitor : Monitor
     """
-    spheres = Spheres(piece.block, lifted=False)
-    found = np.empty((len(columns), 0), columns.dtype)
-    for origin, count, times in ROUNDS if energy_density > 0 else ():
-        if origin == "pairs":
-            seeds = best_columns(piece, joined_pairs(spheres, columns[:, :PAIRED]), count)
-        elif origin == "lifted":
-            seeds = _mixed_with_lifted(piece, spheres, lifted, columns, count, random)
-        else:
-            seeds = columns[:, :count]
-        times = np.asarray(times) / energy_density
-        carried = diffuse(piece, spheres, seeds, times, CONTINUATION_STEPS, monitor)
-        found = np.hstack([found, polish(piece, carried, metric, monitor)])
-        columns = found = distinct_columns(piece, found)
-    return columns
+    stage = workspace.stages[0]
+    times = TIMES / density
+    directions = random_directions(workspace.piece, lifted.shape[1], samples, random)
+    seeds = best_columns(stage, project(stage, lifted, directions), FRESH)
+    if len(workspace.stages) > 1 and len(workspace.stages[1].row_mass) >= SMALLEST_EXPLORED * workspace.piece.block:
+        seeds = np.hstack([seeds, _coarse_fields(workspace, lifted, directions, density, monitor)])
+    found = seeds[:, :0]
+    best = np.inf
+    for round_number in range(1 + MOST_ROUNDS):
+        carried = diffuse(stage, seeds, times, STEPS, monitor)
+        carried = polish(stage, carried, metric, monitor, SHORT_STEPS)
+        found = distinct_columns(stage, np.hstack([found, carried]))
+        value = energies(stage, found[:, :1])[0]
+        if found.shape[1] == 1 or (round_number >= FEWEST_ROUNDS and value > (1 - GAIN) * best):
+            break
+        best = value
+        seeds = best_columns(stage, crossings(workspace, found[:, :CROSSED], density), CROSSINGS)
+    finalists = polish(stage, found[:, :FINALISTS], metric, monitor)
+    return distinct_columns(stage, np.hstack([finalists, found[:, FINALISTS:KEPT]]))
 
 
-def joined_pairs(spheres, columns):
-    """Normalized sums of all pairs of columns, each pair turned to agree as well as it can."""
+def _coarse_fields(workspace, lifted, directions, density, monitor):
+    """Fields that went through the larger diffusion times on the coarser stage."""
+    stage, coarse = workspace.stages[:2]
+    restricted = coarse.lifted.normalize(coarse.restrict(lifted.astype(stage.matrix.dtype)))
+    columns = best_columns(coarse, project(coarse, restricted, directions), COARSE_TRIED)
+    columns = diffuse(coarse, columns, COARSE_TIMES / density, STEPS, monitor)
+    return stage.candidates.normalize(coarse.prolong(best_columns(coarse, columns, COARSE)))
+
+
+def crossings(workspace, columns, density):
+    """All pairs of columns joined, each region mostly from the one whose energy is lower there.
+
+    The pair is first turned to agree as well as it can. Local energies are compared after diffusion, so
+    that a region holds a few defects.
+    """
+    stage = workspace.stages[0]
+    block = workspace.piece.block
     first, second = np.triu_indices(columns.shape[1], 1)
-    if len(first) == 0:
-        return columns
-    return spheres.normalize(columns[:, first] + _aligned(columns[:, second], columns[:, first]))
-
-
-def _mixed_with_lifted(piece, spheres, lifted, columns, count, random):
-    """The best two columns, each mixed with the projections that go best with it."""
-    parents = columns[:, :2]
-    share = -(-count // parents.shape[1])
-    mixed = []
-    for parent in np.split(parents, parents.shape[1], axis=1):
-        fresh = project(piece, lifted, random_directions(piece, lifted.shape[1], 16 * share, random))
-        mixed.append(best_columns(piece, spheres.normalize(parent + MIXTURE * _aligned(fresh, parent)), share))
-    return np.hstack(mixed)
+    local = np.real(columns.conj() * (stage.matrix @ columns))
+    local = local.reshape(-1, block, columns.shape[1]).sum(axis=1)
+    smooth = workspace.smoothing(density / CROSSING_TIME).solve(local)
+    sums = np.abs(smooth[:, first]) + np.abs(smooth[:, second])
+    preference = np.tanh(SHARPNESS * (smooth[:, second] - smooth[:, first]) / np.where(sums > 0, sums, 1))
+    preference = np.repeat(preference, block, axis=0)
+    turned = _aligned(columns[:, second], columns[:, first])
+    return stage.candidates.normalize((1 + preference) * columns[:, first] + (1 - preference) * turned)
 
 
 def _aligned(columns, targets):
     """Columns times the global phase (a sign in real coordinates) that brings each nearest its target."""
     products = (targets * columns.conj()).sum(axis=0)
     sizes = np.abs(products)
-    return columns * np.where(sizes > 0, products / np.where(sizes > 0, sizes, 1), 1)
-
-
-def distinct_columns(piece, columns):
-    """Columns sorted by energy, best first, without those that share theirs with the one before."""
-    energies = piece.energy(columns)
-    order = np.argsort(energies, kind="stable")
-    apart = np.diff(energies[order], prepend=-np.inf) > SAME_ENERGY * np.abs(energies[order])
-    return columns[:, order[apart]]
-
-
-def polish(piece, columns, metric, monitor, steps=POLISH_STEPS, tolerance=POLISH_TOLERANCE):
-    """Descend on the unrelaxed problem from each column; returns columns sorted by energy, best first."""
-    descent = descend(piece.matrix, Spheres(piece.block, lifted=False), columns, metric, tolerance, steps, monitor)
-    return best_columns(piece, descent.point, descent.point.shape[1])
+    return columns * np.where(sizes > 0, products / np.where(sizes > 0, sizes, 1), 1).astype(columns.dtype)
 
 
 def ground_to_one(piece, columns):
@@ -127,8 +162,3 @@ def ground_to_one(piece, columns):
         return columns
     value = columns[piece.ground * piece.block]
     return columns * np.conj(value / np.abs(value))
-
-
-def random_fields(piece, count, random):
-    """(N, count) independent uniform phases."""
-    return Spheres(piece.block, lifted=False).normalize(random_columns(piece, count, random))

@@ -41,7 +41,7 @@ class Options:
 
     method: str = "sdp"
     rounding: str = "continuation"
-    target_gap: float = 1e-3
+    target_gap: float = 1e-2
     samples: int = 64
     seed: int = 0
     time_limit: float | None = None
@@ -63,6 +63,8 @@ class Solution:
     rank : columns of the lifted field
     singular_values : of the lifted field, descending, of the largest piece
     lifted : (N, rank) lifted field in the coordinates of ``problem.factor``, or None
+    variations : (k, n) or (k, n, d) phases of other good local optima that were found, best first; the first
+        are ``phases``. In problems of several pieces every piece takes its next best at the same time.
     spectral_bound : the weaker bound of Eq. (23), when the spectral relaxation was solved
     iterations, products : descent steps, and columns multiplied by L
     times : seconds by phase of the work
@@ -78,6 +80,7 @@ class Solution:
     rank: int
     singular_values: np.ndarray
     lifted: np.ndarray | None
+    variations: np.ndarray
     spectral_bound: float | None
     iterations: int
     products: int

@@ -8,24 +8,23 @@ import numpy as np
 from ..errors import SettingError
 from . import rounding
 from .diffusion import diffuse
-from .metric import SMALLEST_SHIFT, Metric
+from .metric import SMALLEST_SHIFT
 from .monitor import Monitor, OutOfTime
 from .solution import METHODS, ROUNDINGS, Clock, Options, Solution, Status, relative_gap
 from .spectral import smallest_eigenpair
-from .spheres import Spheres
-from .staircase import MAX_RANK, SHIFT, relax
+from .spheres import candidates, random_columns
+from .stage import Workspace
+from .staircase import MAX_RANK, relax
 from .threads import one_blas_thread
 
 DIFFUSION_STARTS = 8
 DIFFUSION_TIMES = 0.5 ** np.arange(11)
 DIFFUSION_STEPS = 30
-FINAL_TOLERANCE = 1e-9
-FINAL_STEPS = 200
 
 
 @dataclass(frozen=True)
 class _PieceResult:
-    field: np.ndarray
+    fields: np.ndarray
     bound: float = 0.0
     sdp_value: float = 0.0
     certificate: str = "none"
@@ -37,7 +36,7 @@ class _PieceResult:
     products: int = 0
 
 
-def solve(problem, options=None, callback=None):
+def solve(problem, options=None, callback=None, start=None):
     """Find phases of low energy together with a lower bound.
 
     Parameters
@@ -46,6 +45,10 @@ def solve(problem, options=None, callback=None):
     options : Options, optional
     callback : callable(stage, fraction) -> bool, optional
         Asked at every iteration; returning False cancels.
+    start : phases of a nearby problem on the same nodes, optional
+        The result is then the local optimum that descent reaches from them, so that it stays near: the next frame
+        of an animation, a changed spacing, one more constraint. A Solution may be given as well, whose
+        lifted field then starts the relaxation.
 
     Returns
     -------
@@ -54,31 +57,58 @@ def solve(problem, options=None, callback=None):
     Raises
     ------
     SettingError
-        for an option out of range
+        for an option out of range, or a start of another size
     Cancelled
         when the callback says so; nothing has been changed
     """
     options = Options() if options is None else options
-    _check(options)
+    _check(options, problem, start)
     with one_blas_thread():
-        return _solve(problem, options, callback)
+        return _solve(problem, options, callback, start)
 
 
-def _solve(problem, options, callback):
+def _solve(problem, options, callback, start):
     clock = Clock()
     monitor = Monitor(callback, options.time_limit)
     with clock("build"):
         pieces = problem.pieces
+        begin = _Start.of(problem, start)
     work = sum(piece.node_count for piece in pieces) or 1
     done, results = 0, []
     for piece in pieces:
         share = piece.node_count / work
-        results.append(_solve_piece(piece, options, _Portion(monitor, done, share), clock))
+        results.append(_solve_piece(piece, options, monitor.portion(done, share), clock, begin.on(piece)))
         done += share
     return _combine(problem, pieces, results, options, clock.seconds)
 
 
-def _check(options):
+@dataclass(frozen=True)
+class _Start:
+    """Coordinates and lifted field to start from, in the rows of the problem or of one piece."""
+
+    column: np.ndarray | None = None
+    lifted: np.ndarray | None = None
+
+    @classmethod
+    def of(cls, problem, start):
+        if start is None:
+            return cls()
+        if not isinstance(start, Solution):
+            return cls(problem.coordinates(np.asarray(start))[:, None])
+        lifted = start.lifted
+        if lifted is not None and lifted.shape[0] != problem.factor.shape[1]:
+            lifted = None
+        return cls(problem.coordinates(start.phases)[:, None], lifted)
+
+    def on(self, piece):
+        """The part of one piece."""
+        column, lifted = (None if array is None else array[piece.rows] for array in (self.column, self.lifted))
+        if lifted is not None and lifted.dtype != piece.matrix.dtype:
+            lifted = None
+        return _Start(column, lifted)
+
+
+def _check(options, problem, start):
     if options.method not in METHODS:
         raise SettingError(f"method {options.method!r} is unknown: use one of {', '.join(METHODS)}")
     if options.rounding not in ROUNDINGS:
@@ -89,24 +119,17 @@ def _check(options):
         raise SettingError(f"{options.samples} random projections were asked for: at least 1 is needed")
     if options.time_limit is not None and not options.time_limit > 0:
         raise SettingError(f"the time limit is {options.time_limit:g} s: give a positive number of seconds")
+    if start is not None:
+        count = len(start.phases if isinstance(start, Solution) else start)
+        if count != problem.connection.node_count:
+            raise SettingError(
+                f"the start has {count} phases and the problem {problem.connection.node_count} nodes: give one a node"
+            )
 
 
-class _Portion:
-    """A monitor for one piece: its fractions are a part of the whole work."""
-
-    def __init__(self, monitor, start, share):
-        self._monitor, self._start, self._share = monitor, start, share
-
-    def at(self, stage, fraction):
-        self._monitor.at(stage, self._start + fraction * self._share)
-
-    def check(self):
-        self._monitor.check()
-
-
-def _solve_piece(piece, options, monitor, clock):
+def _solve_piece(piece, options, monitor, clock, start):
     try:
-        return _solve_by_method(piece, options, monitor, clock)
+        return _solve_by_method(piece, options, monitor, clock, start)
     except OutOfTime:
         # Not even begun, or a method without a result on the way: equal phases, and zero is a bound.
         column = _fill_zeros(piece, np.zeros((piece.matrix.shape[0], 1), piece.matrix.dtype))
@@ -121,71 +144,68 @@ def _solve_piece(piece, options, monitor, clock):
         )
 
 
-def _solve_by_method(piece, options, monitor, clock):
+def _solve_by_method(piece, options, monitor, clock, start):
     if options.method == "spectral":
         return _solve_spectral(piece, options, monitor, clock)
+    with clock("relax"):
+        workspace = Workspace(piece)
     if options.method == "diffusion":
-        return _solve_diffusion(piece, options, monitor, clock)
-    return _solve_sdp(piece, options, monitor, clock)
+        return _solve_diffusion(workspace, options, monitor, clock)
+    return _solve_sdp(workspace, options, monitor, clock, start)
 
 
 def _finished(piece, columns, **quality):
-    field = rounding.ground_to_one(piece, columns[:, :1])
-    return _PieceResult(field[:, 0], **quality)
+    return _PieceResult(rounding.ground_to_one(piece, _fill_zeros(piece, columns)), **quality)
 
 
 def _solve_spectral(piece, options, monitor, clock):
     with clock("relax"):
         monitor.at("spectral relaxation", 0.0)
         eigenvalue, vector = smallest_eigenpair(piece, options.seed)
-        column = Spheres(piece.block, lifted=False).normalize(vector[:, None])
-        # Where the eigenvector vanishes any phase is as good.
-        column = _fill_zeros(piece, column)
+        column = candidates(piece.block, piece.is_circle).normalize(vector[:, None])
     bound = eigenvalue * piece.mass.sum()
     return _finished(
         piece, column, bound=bound, spectral_bound=bound, certificate="estimated", status=Status.UNCERTIFIED
     )
 
 
-def _fill_zeros(piece, column):
-    lengths = Spheres(piece.block, lifted=False).node_products(column, column)[:, 0]
-    column[np.flatnonzero(lengths < 0.5) * piece.block] = 1.0
-    return column
+def _fill_zeros(piece, columns):
+    """Where a field vanishes any phase is as good: 1."""
+    blocks = columns.reshape(piece.node_count, piece.block, -1)
+    empty = np.abs(blocks).max(axis=1) < 1e-3
+    columns = columns.copy()
+    columns.reshape(blocks.shape)[:, 0][empty] = 1.0
+    return columns
 
 
-def _solve_diffusion(piece, options, monitor, clock):
+def _solve_diffusion(workspace, options, monitor, clock):
     """MBO from random starts with falling times, the best polished: the strongest baseline."""
+    piece, stage = workspace.piece, workspace.stages[0]
     random = np.random.default_rng(options.seed)
     with clock("relax"):
         monitor.at("diffusion", 0.0)
         eigenvalue, _ = smallest_eigenpair(piece, options.seed)
         bound = eigenvalue * piece.mass.sum()
-        columns = rounding.random_fields(piece, DIFFUSION_STARTS, random)
-        spheres = Spheres(piece.block, lifted=False)
+        columns = random_columns(piece, DIFFUSION_STARTS, random)
         times = DIFFUSION_TIMES / max(eigenvalue, SMALLEST_SHIFT * piece.stiffness)
-        columns = diffuse(piece, spheres, columns, times, DIFFUSION_STEPS, monitor, tolerance=1e-2)
+        columns = diffuse(stage, columns, times, DIFFUSION_STEPS, monitor, tolerance=1e-2)
     with clock("round"):
         monitor.at("polish", 0.8)
-        metric = Metric(piece, SHIFT * eigenvalue)
-        columns = rounding.polish(piece, columns, metric, monitor)
-        columns = _polish_best(piece, columns, metric, monitor)
+        metric = workspace.candidate_metric(eigenvalue)
+        columns = rounding.polish(stage, columns, metric, monitor)
+        columns = np.hstack([rounding.finish(workspace, columns[:, :1], metric, monitor), columns[:, 1:]])
     return _finished(
         piece, columns, bound=bound, spectral_bound=bound, certificate="estimated", status=Status.UNCERTIFIED
     )
 
 
-def _polish_best(piece, columns, metric, monitor):
-    """Descend from the best column to the last digit that matters."""
-    return rounding.polish(piece, columns[:, :1], metric, monitor, FINAL_STEPS, FINAL_TOLERANCE)
-
-
-def _solve_sdp(piece, options, monitor, clock):
+def _solve_sdp(workspace, options, monitor, clock, start):
     monitor.at("relaxation", 0.0)
-    relaxation = relax(piece, options.target_gap, options.seed, monitor, clock)
-    out_of_time = relaxation.out_of_time
+    piece = workspace.piece
+    relaxation = relax(workspace, options.target_gap, options.seed, monitor, clock, start.lifted)
     with clock("round"):
-        columns, timed_out = _round(piece, relaxation, options, monitor, out_of_time)
-    if out_of_time or timed_out:
+        columns, timed_out = _round(workspace, relaxation, options, monitor, start.column)
+    if relaxation.out_of_time or timed_out:
         status = Status.TIME_LIMIT
     elif relaxation.reached:
         status = Status.CERTIFIED if relaxation.certificate == "proved" else Status.ESTIMATED
@@ -206,30 +226,34 @@ def _solve_sdp(piece, options, monitor, clock):
     )
 
 
-def _round(piece, relaxation, options, monitor, out_of_time):
+def _round(workspace, relaxation, options, monitor, start):
     """Candidates as columns, best first, and whether time ran out before they were finished."""
-    lifted = relaxation.lifted
-    by_svd = rounding.round_by_svd(piece, lifted)
-    if options.rounding == "svd" or out_of_time:
-        return by_svd, out_of_time
+    piece, stage, lifted = workspace.piece, workspace.stages[0], relaxation.lifted
+    by_svd = stage.candidates.normalize(lifted[:, :1]) if start is None else start
+    if options.rounding == "svd" or relaxation.out_of_time:
+        return by_svd, relaxation.out_of_time
     random = np.random.default_rng(options.seed + 1)
-    directions = rounding.random_directions(piece, lifted.shape[1], options.samples, random)
-    columns = np.hstack([by_svd, rounding.project(piece, lifted, directions)])
-    columns = rounding.best_columns(piece, columns, columns.shape[1])
-    if options.rounding == "random":
-        return columns, False
-    energy_density = relaxation.value / piece.mass.sum()
-    metric = Metric(piece, SHIFT * energy_density)
+    density = relaxation.value / piece.mass.sum()
+    columns = by_svd
     try:
-        if options.rounding == "continuation":
-            polished = _polish_best(piece, by_svd, metric, monitor)
+        if options.rounding == "random" or (options.rounding == "polish" and start is None):
+            directions = rounding.random_directions(piece, lifted.shape[1], options.samples, random)
+            columns = rounding.project(stage, lifted, directions)
+            columns = rounding.best_columns(stage, columns, rounding.KEPT).astype(lifted.dtype)
+            if options.rounding == "random":
+                return columns, False
+        metric = workspace.candidate_metric(rounding.SHIFT * density)
+        if options.rounding == "continuation" and start is None:
+            monitor.at("continuation", 0.4)
+            polished = rounding.finish(workspace, by_svd, metric, monitor)
             energy = float(piece.energy(polished)[0])
             if relative_gap(energy, relaxation.lower_bound, piece.noise) <= options.target_gap:
                 return polished, False  # exact recovery: the relaxation is tight
-            monitor.at("continuation", 0.6)
-            columns = rounding.continuation(piece, lifted, columns, metric, energy_density, random, monitor)
-        monitor.at("polish", 0.8)
-        columns = _polish_best(piece, columns, metric, monitor)
+            columns = polished
+            columns = rounding.continuation(workspace, lifted, options.samples, density, metric, random, monitor)
+        monitor.at("polish", 0.9)
+        finished = rounding.finish(workspace, columns[:, :1], metric, monitor)
+        columns = np.hstack([finished, columns[:, 1:]])
     except OutOfTime:
         return columns, True
     return columns, False
@@ -242,19 +266,22 @@ def _combine(problem, pieces, results, options, times):
     lifted = np.zeros((len(coordinates), rank), coordinates.dtype)
     lifted[:, :1] = coordinates[:, None]
     for piece, result in zip(pieces, results, strict=True):
-        coordinates[piece.rows] = result.field
         if result.lifted is not None:
             lifted[piece.rows] = 0
             lifted[piece.rows, : result.lifted.shape[1]] = result.lifted
-    phases = problem.expand(coordinates)
+    variations = []
+    for number in range(max([r.fields.shape[1] for r in results], default=1)):
+        for piece, result in zip(pieces, results, strict=True):
+            coordinates[piece.rows] = result.fields[:, min(number, result.fields.shape[1] - 1)]
+        variations.append(problem.expand(coordinates))
     order = list(Status)
     is_sdp = options.method == "sdp"
     kinds = {r.certificate for r in results} or {"proved"}
     largest = max(range(len(pieces)), key=lambda k: pieces[k].node_count, default=None)
     default_status = Status.CERTIFIED if is_sdp else Status.UNCERTIFIED
     return Solution(
-        phases=phases,
-        energy=problem.energy(phases),
+        phases=variations[0],
+        energy=problem.energy(variations[0]),
         lower_bound=sum(r.bound for r in results),
         sdp_value=sum(r.sdp_value for r in results) if is_sdp else None,
         noise=sum(piece.noise for piece in pieces),
@@ -263,6 +290,7 @@ def _combine(problem, pieces, results, options, times):
         rank=rank,
         singular_values=np.empty(0) if largest is None else results[largest].singular_values,
         lifted=lifted if rank else None,
+        variations=np.array(variations),
         spectral_bound=None if is_sdp else sum(r.spectral_bound for r in results),
         iterations=sum(r.iterations for r in results),
         products=sum(r.products for r in results),

@@ -5,7 +5,8 @@ import numpy as np
 from scipy.sparse import diags_array
 from scipy.sparse.linalg import LinearOperator, eigsh
 
-from .metric import SMALLEST_SHIFT, factorize
+from .factorization import factorize
+from .metric import SMALLEST_SHIFT
 
 
 def smallest_eigenpair(piece, seed):

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Products of spheres, on which lifted phases and sets of candidates live.
 
-An array has one group of ``block`` rows per node. *Lifted* (Eq. 24): the whole group, all columns,
-is one unit vector. *Candidates*: each column is a field of its own with one unit vector per node.
-Complex rows count as pairs of real coordinates. Node-wise results have the shape (nodes, k) with
-k = 1 for a lifted field and k = number of columns for candidates, and spread over rows by
-:meth:`Spheres.spread`.
+An array has one group of ``block`` rows per node. :class:`Lifted` (Eq. 24): the whole group, all columns,
+is one unit vector. Candidates: each column is a field of its own with one unit vector per node, either
+on the circle (:class:`Circles`, whose tangent vectors are angles) or in any R^d (:class:`Columns`).
+
+All have the same methods. ``point`` and ``image`` (the matrix times the point) are arrays in rows of the
+matrix; tangent vectors are real arrays, whose sums go over everything (:class:`Lifted`, one value) or over
+each column (k values).
 """
 
 from dataclasses import dataclass
@@ -13,43 +15,168 @@ from dataclasses import dataclass
 import numpy as np
 
 
+def candidates(block, is_circle):
+    """The product of spheres for columns that are fields of their own."""
+    return Circles(block) if is_circle else Columns(block)
+
+
 @dataclass(frozen=True)
-class Spheres:
-    """Row products, normalization and projection for one layout; ``block`` rows per node."""
+class Lifted:
+    """One lifted field: (N, r) with a unit vector per node; tangent vectors are (nodes, real coordinates)."""
 
     block: int
-    lifted: bool
 
-    def node_products(self, first, second):
-        """(nodes, k) real inner products per node."""
-        nodes = first.shape[0] // self.block
-        if self.lifted:
-            # One einsum over contiguous floats: reductions over a short last axis are slow in NumPy.
-            first, second = (np.ascontiguousarray(a).view(np.float64).reshape(nodes, -1) for a in (first, second))
-            return np.einsum("ij,ij->i", first, second)[:, None]
-        products = first.real * second.real
-        if np.iscomplexobj(first):
-            products += first.imag * second.imag
-        if self.block == 1:
-            return products
-        return products.reshape(nodes, self.block, -1).sum(axis=1)
+    def _reals(self, array):
+        """(nodes, m) real coordinates, a view. Row sums over contiguous floats are fast in NumPy."""
+        array = np.ascontiguousarray(array)
+        return array.view(array.real.dtype).reshape(len(array) // self.block, -1)
 
-    def spread(self, node_values):
-        """Node values (nodes, k) as factors for the rows."""
-        return node_values if self.block == 1 else np.repeat(node_values, self.block, axis=0)
+    def normalize(self, point):
+        """Nearest point: every unit vector scaled to length one; zero vectors stay zero."""
+        reals = self._reals(point)
+        lengths = np.sqrt(np.einsum("ij,ij->i", reals, reals))
+        return _like(reals * _inverse(lengths)[:, None], point)
+
+    def multipliers(self, point, image):
+        """(nodes,) lambda_i = Re<Y_i, (L Y)_i>."""
+        return np.einsum("ij,ij->i", self._reals(point), self._reals(image))
+
+    def energies(self, point, image):
+        """(1,) energy Re<Y, L Y>."""
+        return self.multipliers(point, image).sum(keepdims=True, dtype=float)
+
+    def gradient(self, point, image):
+        """Half the energy's gradient: the part of the image that is tangent."""
+        return self._project(self._reals(point), self._reals(image))
+
+    def precondition(self, vector, metric, point):
+        """The inverse metric applied to real coordinates of the kind of ``point``."""
+        return self._reals(metric.solve(_like(vector, point)))
+
+    def tangent(self, point, vector):
+        """Part of real coordinates that is tangent at the point."""
+        return self._project(self._reals(point), vector)
+
+    def move(self, point, tangent, lengths):
+        """Step along a tangent vector, and back to the spheres."""
+        return self.normalize(_like(self._reals(point) + tangent * tangent.dtype.type(lengths[0]), point))
 
     def inner(self, first, second):
-        """(k,) real inner products of whole fields."""
-        return self.node_products(first, second).sum(axis=0)
+        """(1,) inner product of tangent vectors."""
+        return np.array([np.vdot(first, second)], float)
 
-    def normalize(self, array):
+    @staticmethod
+    def _project(point, vector):
+        return vector - point * np.einsum("ij,ij->i", point, vector)[:, None]
+
+
+class _Fields:
+    """What columns have in common, whatever their spheres."""
+
+    @staticmethod
+    def inner(first, second):
+        """(k,) inner products of tangent vectors."""
+        # A product with ones is the fast way to add up long columns.
+        return (np.ones(len(first), first.dtype) @ (first * second)).astype(float)
+
+
+@dataclass(frozen=True)
+class Circles(_Fields):
+    """Fields on the circle, complex (block 1) or as pairs of rows (block 2); tangent vectors are (nodes, k) angles."""
+
+    block: int
+
+    def _pair(self, array):
+        if self.block == 1:
+            return array.real, array.imag
+        pairs = array.reshape(len(array) // 2, 2, -1)
+        return pairs[:, 0], pairs[:, 1]
+
+    def normalize(self, point):
         """Nearest point: every unit vector scaled to length one; zero vectors stay zero."""
-        lengths = np.sqrt(self.node_products(array, array))
-        return array * self.spread(1 / np.where(lengths > 0, lengths, 1))
+        cosine, sine = self._pair(point)
+        inverse = _inverse(np.sqrt(cosine * cosine + sine * sine))
+        return point * (inverse if self.block == 1 else np.repeat(inverse, 2, axis=0))
 
-    def project(self, point, vector):
-        """Part of ``vector`` that is tangent at ``point``."""
-        return vector - point * self.spread(self.node_products(point, vector))
+    def energies(self, point, image):
+        """(k,) energies Re<x, L x>."""
+        cosine, sine = self._pair(point)
+        along, across = self._pair(image)
+        return (cosine * along + sine * across).sum(axis=0, dtype=float)
+
+    def gradient(self, point, image):
+        """Half the energy's derivative by the angles."""
+        cosine, sine = self._pair(point)
+        along, across = self._pair(image)
+        return cosine * across - sine * along
+
+    def precondition(self, vector, metric, _point):
+        """The inverse metric of turns applied to angles."""
+        return metric.solve(vector)
+
+    def tangent(self, _point, vector):
+        """All angles are tangent."""
+        return vector
+
+    def move(self, point, tangent, lengths):
+        """Turn every value by an angle, whose tangent is given."""
+        angles = tangent * lengths.astype(tangent.dtype)
+        inverse = 1 / np.sqrt(1 + angles * angles)
+        if self.block == 1:
+            turn = np.empty(angles.shape, point.dtype)
+            turn.real, turn.imag = inverse, angles * inverse
+            return point * turn
+        cosine, sine = self._pair(point)
+        turned = np.stack([cosine - angles * sine, sine + angles * cosine], axis=1)
+        turned *= inverse[:, None]
+        return turned.reshape(point.shape)
+
+
+@dataclass(frozen=True)
+class Columns(_Fields):
+    """Fields of unit vectors in R^d, d = block; tangent vectors are rows like the points."""
+
+    block: int
+
+    def _products(self, first, second):
+        """(N, k) inner products per node, repeated for its rows."""
+        products = first * second
+        if self.block == 1:
+            return products
+        return np.repeat(products.reshape(-1, self.block, products.shape[1]).sum(axis=1), self.block, axis=0)
+
+    def normalize(self, point):
+        """Nearest point: every unit vector scaled to length one; zero vectors stay zero."""
+        return point * _inverse(np.sqrt(self._products(point, point)))
+
+    def energies(self, point, image):
+        """(k,) energies <x, L x>."""
+        return (point * image).sum(axis=0, dtype=float)
+
+    def gradient(self, point, image):
+        """Half the energy's gradient: the part of the image that is tangent."""
+        return image - point * self._products(point, image)
+
+    def precondition(self, vector, metric, _point):
+        """The inverse metric applied to rows."""
+        return metric.solve(vector)
+
+    def tangent(self, point, vector):
+        """Part of rows that is tangent at the point."""
+        return self.gradient(point, vector)
+
+    def move(self, point, tangent, lengths):
+        """Step along a tangent vector, and back to the spheres."""
+        return self.normalize(point + tangent * lengths.astype(tangent.dtype))
+
+
+def _like(reals, array):
+    """Real coordinates as an array of the dtype and shape of another."""
+    return reals.reshape(len(array), -1).view(array.dtype)
+
+
+def _inverse(lengths):
+    return 1 / np.where(lengths > 0, lengths, 1)
 
 
 def random_columns(piece, columns, random):

@@ -1,23 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The semidefinite relaxation by Burer-Monteiro factorization, climbing in rank (Algorithm 1).
+"""The semidefinite relaxation by Burer-Monteiro factorization, from coarse to fine and climbing in rank (Algorithm 1).
 
-Each level descends on the product of spheres (Eq. 24), then asks the certificate: stop when the
-gap between value and lower bound is small enough, otherwise add the most negative direction of
-the slack as a new column and go on. The target is the certified gap, never the gradient: the digits
-beyond it are lost in rounding.
+Each stage starts from the coarser one's lifted field and descends on the product of spheres (Eq. 24). On the
+last, the certificate is asked: stop when the gap between value and lower bound is small enough,
+otherwise add the most negative direction of the slack as a new column and go on. The target is
+the certified gap, never the gradient: the digits beyond it are lost in rounding.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from .certificate import LARGEST_PROOF, depth_for_bound, lower_bound, measure_slack, multipliers, prove
-from .descent import descend
-from .metric import Metric
+from .certificate import LARGEST_PROOF, depth_for_bound, lower_bound, measure_slack, prove
+from .descent import descend, rounding_noise
 from .monitor import OutOfTime
-from .spheres import Spheres, random_columns
+from .spheres import random_columns
 
-START_RANK = 6
+# Columns at the start: of complex rows, and of real ones, which hold half as much.
+START_RANK = {True: 4, False: 6}
 MAX_RANK = 24
 LEVELS = 12
 # Metric shift as a share of the mean energy per mass: small enough to leave the metric alone.
@@ -26,15 +26,20 @@ SHIFT = 0.1
 FIRST_SHIFT = 1e-3
 LEVEL_STEPS = 300
 # Predicted relative decrease at which a level's descent ends, as a share of the target gap.
-FIRST_TOLERANCE = 1e-2
+FIRST_TOLERANCE = 3e-3
 TIGHTENING = 0.1
+# Nodes of the smallest stage that is solved on the way, and the tolerance of descents on coarser stages.
+SMALLEST_START = 300
+COARSE_TOLERANCE = 3e-4
+# Size of the space that is searched for negative directions.
+SEARCH_STEPS = 40
 
 
 @dataclass(frozen=True)
 class Relaxation:
     """A solution of the relaxation (22) with its bound.
 
-    ``lifted`` is (N, r) in principal columns, singular values descending; ``certificate`` is "proved",
+    ``lifted`` is (N, r) in principal columns, singular values descending; ``certificate`` is "proved" or
     "estimated"; ``reached`` tells whether the target gap was.
     """
 
@@ -49,40 +54,44 @@ class Relaxation:
     products: int
 
 
-def relax(piece, target_gap, seed, monitor, clock):
+def relax(workspace, target_gap, seed, monitor, clock, start=None):
     """Solve the relaxation of a piece to a certified relative gap.
 
     Parameters
     ----------
-    piece : Piece
+    workspace : Workspace
     target_gap : (value - bound) / value to reach
     seed : int
     monitor : Monitor
     clock : Clock, gets the seconds under "relax" and "certify"
+    start : (N, r) lifted field to start from, optional; otherwise the coarser stages give one
     """
     random = np.random.default_rng(seed)
-    spheres = Spheres(piece.block, lifted=True)
-    with clock("relax"):
-        metric, point = _start(piece, spheres, random)
-    tolerance, best_bound, certificate = FIRST_TOLERANCE * target_gap, 0.0, "proved"
+    piece, lifted = workspace.piece, workspace.stages[0].lifted
     steps = products = 0
-    reached = out_of_time = False
-    value = np.inf
+    with clock("relax"):
+        point = _coarse_start(workspace, random, monitor) if start is None else lifted.normalize(start)
+        density = max(float(lifted.energies(point, workspace.matrix @ point)[0]), 0.0) / piece.mass.sum()
+        metric = workspace.stages[0].metric(SHIFT * density)
+    tolerance, best_bound, certificate = FIRST_TOLERANCE * target_gap, 0.0, "proved"
+    reached = out_of_time = precise = False
     try:
         for _ in range(LEVELS):
             with clock("relax"):
-                descent = descend(piece.matrix, spheres, point, metric, tolerance, LEVEL_STEPS, monitor)
-            # A sum of squares: <Y, L Y> may fall below zero where the fit is perfect.
-            point, value = descent.point, float(piece.energy(descent.point).sum())
-            steps, products = steps + descent.steps, products + descent.products
+                for descent in _descents(workspace, point, metric, tolerance, precise, monitor):
+                    point, steps, products = descent.point, steps + descent.steps, products + descent.products
+                precise = descent.point.dtype == workspace.matrix.dtype
+                point = lifted.normalize(point.astype(piece.matrix.dtype))
+                image = workspace.matrix @ point
+                value = max(float(lifted.energies(point, image)[0]), 0.0)
+            if descent.out_of_time:
+                raise OutOfTime
             if value <= piece.noise:
                 reached = True  # zero is a bound: L is positive semidefinite
                 break
             with clock("certify"):
-                duals = multipliers(spheres, point, descent.image)
-                slack = measure_slack(piece, metric, duals, random)
-                monitor.check()
-                bound, kind = _certify(piece, metric, duals, slack, value, target_gap)
+                duals = lifted.multipliers(point, image)
+                bound, kind, slack = _certify(workspace, metric, duals, value, target_gap, random, monitor)
             if bound > best_bound or kind == "proved":
                 best_bound, certificate = bound, kind
             provable = piece.matrix.shape[0] <= LARGEST_PROOF
@@ -90,58 +99,93 @@ def relax(piece, target_gap, seed, monitor, clock):
                 reached = True
                 break
             with clock("relax"):
-                point = _climb(piece, spheres, point, slack.directions)
+                point = _climb(workspace, point, slack.directions)
             tolerance *= TIGHTENING
     except OutOfTime:
         out_of_time = True
-    lifted, singular_values = _principal(point)
-    if not np.isfinite(value):
-        value = float(piece.energy(point).sum())
-    return Relaxation(lifted, singular_values, value, best_bound, certificate, reached, out_of_time, steps, products)
+    principal, singular_values = _principal(point)
+    value = float(piece.energy(principal).sum())
+    return Relaxation(principal, singular_values, value, best_bound, certificate, reached, out_of_time, steps, products)
 
 
-def _start(piece, spheres, random):
-    """The metric, and a smooth first point: the inverse metric applied to random columns.
+def _coarse_start(workspace, random, monitor):
+    """A smooth lifted field, solved for on the coarser stages one after the other."""
+    piece = workspace.piece
+    stages = [workspace.stages[0]]
+    point = random_columns(piece, min(START_RANK[piece.is_complex], piece.matrix.shape[0]), random)
+    for stage in workspace.stages[1:]:
+        if len(stage.row_mass) < SMALLEST_START * piece.block:
+            break
+        stages.append(stage)
+        point = stage.restrict(point)
+    stage = stages[-1]
+    point = _smooth(piece, stage, stage.lifted.normalize(point.astype(stage.matrix.dtype)))
+    for stage, finer in zip(stages[:0:-1], stages[-2::-1], strict=True):
+        metric = stage.metric(SHIFT * _density(stage, point))
+        point = descend(stage.matrix, stage.lifted, point, metric, COARSE_TOLERANCE, LEVEL_STEPS, monitor).point
+        point = finer.lifted.normalize(stage.prolong(point))
+    return point.astype(workspace.matrix.dtype)
 
-    The shift has to be small against the energy per mass, which only the smooth point tells: a
-    first metric with a guessed shift finds it.
+
+def _smooth(piece, stage, point):
+    """A smooth field from a rough one.
+
+    The shift has to be small against the energy per mass, which only the smooth field tells: a first metric
+    with a guessed shift finds it.
     """
-    point = random_columns(piece, min(START_RANK, piece.matrix.shape[0]), random)
-    point = _smooth(Metric(piece, FIRST_SHIFT * piece.stiffness), spheres, point)
-    energy = spheres.inner(point, piece.matrix @ point)[0]
-    metric = Metric(piece, SHIFT * energy / piece.mass.sum())
-    return metric, _smooth(metric, spheres, point)
-
-
-def _smooth(metric, spheres, point):
+    density = FIRST_SHIFT * piece.stiffness / SHIFT
     for _ in range(2):
-        point = spheres.normalize(metric.solve(point))
+        metric = stage.metric(SHIFT * density)
+        for _ in range(2):
+            point = stage.lifted.normalize(metric.solve(point))
+        density = _density(stage, point)
     return point
 
 
-def _certify(piece, metric, duals, slack, value, target_gap):
-    """Best bound and its kind.
+def _density(stage, point):
+    energy = stage.lifted.energies(point, stage.matrix @ point)[0]
+    return max(float(energy), 0.0) * stage.lifted.block / float(stage.row_mass.sum())
 
-    "proved" when a factorization shows the slack to be no deeper than the target gap allows; one is
-    tried when the estimate says that it may succeed. Otherwise the bound rests on the estimate.
+
+def _descents(workspace, point, metric, tolerance, precise, monitor):
+    """A descent in single precision, and one in double where that is not enough, or was not the last time."""
+    stage = workspace.stages[0]
+    if not precise:
+        start = point.astype(stage.matrix.dtype)
+        descent = descend(stage.matrix, stage.lifted, start, metric, tolerance, LEVEL_STEPS, monitor)
+        yield descent
+        if tolerance * descent.values[0] >= rounding_noise(stage.matrix) or descent.out_of_time:
+            return
+        point = descent.point.astype(workspace.matrix.dtype)
+    yield descend(workspace.matrix, stage.lifted, point, metric, tolerance, LEVEL_STEPS, monitor)
+
+
+def _certify(workspace, metric, duals, value, target_gap, random, monitor):
+    """Best bound, its kind, and the slack's negative directions.
+
+    "proved" when a factorization shows the slack to be no deeper than the target gap allows. Otherwise, and
+    where a factorization would be too large, the bound rests on a search for negative directions.
     """
-    depth = max(slack.depth, 0.0)
+    piece = workspace.piece
     allowed = depth_for_bound(piece, metric, duals, value * (1 - 0.95 * target_gap))
-    if depth <= 0.9 * allowed and prove(piece, metric, duals, allowed):
-        return lower_bound(piece, metric, duals, allowed), "proved"
-    return lower_bound(piece, metric, duals, depth + slack.error), "estimated"
+    if piece.matrix.shape[0] <= LARGEST_PROOF:
+        if monitor.during(lambda: prove(piece, metric, duals, allowed)):
+            return lower_bound(piece, metric, duals, allowed), "proved", None
+    slack = measure_slack(workspace, metric, duals, random, SEARCH_STEPS, monitor)
+    return lower_bound(piece, metric, duals, max(slack.depth, 0.0) + slack.error), "estimated", slack
 
 
-def _climb(piece, spheres, point, directions):
+def _climb(workspace, point, directions):
     """Add the negative directions as columns, as far as they lower the energy most."""
+    lifted = workspace.stages[0].lifted
     directions = directions[:, : max(MAX_RANK - point.shape[1], 0)]
     if directions.shape[1] == 0:
         return point
     directions = directions / np.abs(directions).max(axis=0)
     best, best_value = point, np.inf
     for length in 2.0 ** -np.arange(10):
-        trial = spheres.normalize(np.hstack([point, length * directions]))
-        trial_value = spheres.inner(trial, piece.matrix @ trial)[0]
+        trial = lifted.normalize(np.hstack([point, length * directions]))
+        trial_value = lifted.energies(trial, workspace.matrix @ trial)[0]
         if trial_value >= best_value:
             break
         best, best_value = trial, trial_value

@@ -1,13 +1,19 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Small random synchronization problems, and their optima by brute force that shares no code with core."""
+"""Small synchronization problems; their optima by brute force and relaxations that share no code with core."""
 
 from itertools import product
 
 import numpy as np
+import pytest
+from scipy.linalg import LinAlgError, eigh
 
 from synch_fields.core.connection import Connection, circle_transports
-from synch_fields.core.problem import Merged, Targets
+from synch_fields.core.fields.directions import direction_field, direction_problem
+from synch_fields.core.fields.stripes import stripe_problem
+from synch_fields.core.problem import Merged, SynchronizationProblem, Targets
+
+from .meshes import bent_square, cube, double_torus, icosphere, slivers
 
 KINDS = ("circle", "flips", "signs", "rotations")
 
@@ -52,19 +58,28 @@ def random_values(kind, count, random):
 
 
 def random_constraints(kind, nodes, seed):
-    """Some of merged, fixed and drawn, on different nodes, as arguments of a problem."""
+    """Some of merged, fixed and drawn, on different nodes, as arguments of a problem of 4 nodes or more."""
     random = np.random.default_rng(seed)
     shuffled = random.permutation(nodes)
+    few = 2 if nodes >= 6 else 1
     chosen = {}
     if seed % 2 == 0:
-        chosen["fixed"] = Targets(shuffled[:2], random_values(kind, 2, random))
+        chosen["fixed"] = Targets(shuffled[:few], random_values(kind, few, random))
     if seed % 3 != 0:
-        transports = random_transports(kind, 2, random)
-        chosen["merged"] = Merged(shuffled[2:4], shuffled[[4, 4]], transports)
+        transports = random_transports(kind, few, random)
+        chosen["merged"] = Merged(shuffled[few : 2 * few], np.repeat(shuffled[2 * few], few), transports)
     if seed % 5 < 3:
-        drawn = shuffled[3:6]
+        drawn = shuffled[2 * few - 1 : 2 * few + 2]
         chosen["drawn"] = Targets(drawn, random_values(kind, 3, random), random.uniform(0.2, 3, 3))
     return chosen
+
+
+def random_problem(kind, seed):
+    """A connection of 4 to 12 nodes, from nearly a tree to dense, and constraints for every other seed."""
+    random = np.random.default_rng(seed + 1000)
+    nodes = int(random.integers(4, 13))
+    connection = random_connection(kind, nodes, int(random.integers(1, 3 * nodes)), seed)
+    return connection, random_constraints(kind, nodes, seed // 2) if seed % 2 else {}
 
 
 def as_blocks(transports):
@@ -109,48 +124,121 @@ def quadratic(connection, merged=None, fixed=None, drawn=None):
     return a, b, c, d
 
 
-def brute_force(connection, starts=40, sweeps=60, seed=0, **constraints):
-    """Lowest energy over all phases: every sign for d = 1, otherwise node by node from many starts.
+def brute_force(connection, starts=200, kept=10, seed=0, **constraints):
+    """Lowest energy over all phases: every sign for d = 1, otherwise node by node from many starts at once.
 
-    On the circle each node takes the best of 64 angles, then Newton's method finishes; in higher
-    dimensions the merged nodes must not see themselves along an edge.
+    The best value of one node, given the others, is the opposite of their pull. A node that sees itself,
+    through nodes merged into it, has no such formula; its own block is then replaced by a multiple of 1
+    above it that agrees at the current value, so that no step ever raises the energy.
     """
     a, b, c, d = quadratic(connection, **constraints)
     n = len(b) // d
     if d == 1:
-        x = np.array(list(product((-1.0, 1.0), repeat=n)))
-        return float((np.einsum("si,ij,sj->s", x, a, x) + 2 * x @ b + c).min())
+        return float(_energies(a, b, c, np.array(list(product((-1.0, 1.0), repeat=n))).T).min())
     random = np.random.default_rng(seed)
-    x = random.standard_normal((starts, n, d))
-    x /= np.linalg.norm(x, axis=2)[:, :, None]
-    for sweep in range(sweeps if d == 2 else 5 * sweeps):
-        for i in range(n):
-            own = slice(i * d, i * d + d)
-            outer = b[own] + x.reshape(starts, -1) @ a[:, own] - x[:, i] @ a[own, own]
-            x[:, i] = _best_on_circle(a[own, own], outer, x[:, i], sweep < 3) if d == 2 else _opposite(outer, x[:, i])
-    x = x.reshape(starts, -1)
-    return float((np.einsum("si,ij,sj->s", x, a, x) + 2 * x @ b + c).min())
+    x = random.standard_normal((n, d, starts))
+    x = (x / np.linalg.norm(x, axis=1, keepdims=True)).reshape(n * d, starts)
+    nodes = [slice(i, i + d) for i in range(0, n * d, d)]
+    above = [np.linalg.eigvalsh(a[node, node])[-1] for node in nodes]
+    energies = _energies(a, b, c, x)
+    for sweep in range(1, 3001):
+        for node, top in zip(nodes, above, strict=True):
+            pull = top * x[node] - a[node] @ x - b[node, None]
+            lengths = np.sqrt((pull * pull).sum(axis=0))
+            x[node] = np.where(lengths > 1e-14, pull / np.maximum(lengths, 1e-14), x[node])
+        if sweep % 20 == 0:
+            before, energies = energies, _energies(a, b, c, x)
+            if (before - energies).max() <= 1e-13 * energies.min() + 1e-16 * np.trace(a):
+                break
+        if sweep == 60:
+            order = np.argsort(energies)[:kept]
+            x, energies = x[:, order], energies[order]
+    return float(energies.min())
 
 
-def _opposite(outer, current):
-    lengths = np.linalg.norm(outer, axis=1)[:, None]
-    return np.where(lengths > 1e-14, -outer / np.maximum(lengths, 1e-14), current)
+def _energies(a, b, c, x):
+    return ((a @ x) * x).sum(axis=0) + 2 * b @ x + c
 
 
-def _best_on_circle(own, outer, current, search):
-    """Minimum of x own x + 2 outer x over the circle for all starts at once."""
-    if search:
-        angles = np.linspace(-np.pi, np.pi, 64, endpoint=False)
-        points = np.stack([np.cos(angles), np.sin(angles)])
-        values = np.einsum("ak,ab,bk->k", points, own, points) + 2 * outer @ points
-        angle = angles[values.argmin(axis=1)]
-    else:
-        angle = np.arctan2(current[:, 1], current[:, 0])
-    for _ in range(3):
-        x = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        t = np.stack([-x[:, 1], x[:, 0]], axis=1)
-        slope = np.einsum("sa,ab,sb->s", x, own, t) + (outer * t).sum(1)
-        bend = np.einsum("sa,ab,sb->s", t, own, t) - np.einsum("sa,ab,sb->s", x, own, x) - (outer * x).sum(1)
-        step = np.where(bend > 1e-9, slope / np.where(bend > 1e-9, bend, 1), np.sign(slope) * 0.05)
-        angle = angle - np.clip(step, -0.1, 0.1)
-    return np.stack([np.cos(angle), np.sin(angle)], axis=1)
+def lifted_matrix(connection, **constraints):
+    """Dense matrix of the relaxation in real coordinates, the node of each row, the held values being one row."""
+    a, b, c, d = quadratic(connection, **constraints)
+    nodes = np.repeat(np.arange(len(b) // d), d)
+    if "fixed" in constraints or "drawn" in constraints:
+        a, nodes = np.block([[a, b[:, None]], [b, c]]), np.append(nodes, len(b) // d)
+    return a, nodes
+
+
+def relaxation(matrix, nodes):
+    """Two bounds of the relaxation (22), min <L, X> over X >= 0 whose block at each node has trace 1.
+
+    The primal-dual interior-point method of Helmberg, Rendl, Vanderbei and Wolkowicz (1996). The first bound is
+    the value of a feasible point of the dual, the second that of one of the relaxation: where they agree,
+    they prove each other.
+
+    Parameters
+    ----------
+    matrix : (N, N) dense, real symmetric or complex Hermitian
+    nodes : (N,) node of each row
+    """
+    share = np.eye(nodes.max() + 1)[nodes]
+    x = np.diag(1 / share.sum(axis=0)[nodes]).astype(matrix.dtype)
+    dominant = 1.9 * matrix.diagonal().real - np.abs(matrix).sum(axis=1)  # less than this leaves S > 0
+    duals = np.array([dominant[nodes == node].min() for node in range(share.shape[1])])
+    before, gap = np.inf, np.vdot(x, matrix).real - duals.sum()
+    while 1e-9 * np.vdot(x, matrix).real + 1e-13 * np.trace(matrix).real < gap < 0.999 * before:
+        try:
+            x, duals = _interior_step(matrix, nodes, share, x, duals, gap)
+        except LinAlgError:  # definite no more: rounding has the last word
+            break
+        before, gap = gap, np.vdot(x, matrix).real - duals.sum()
+    # What rounding has left of infeasibility is taken off.
+    values, vectors = np.linalg.eigh(x)
+    columns = vectors * np.sqrt(np.maximum(values, 0))
+    columns /= np.sqrt(share @ (share.T @ (np.abs(columns) ** 2).sum(axis=1)))[:, None]
+    duals = duals + min(np.linalg.eigvalsh(matrix - np.diag(duals[nodes]))[0], 0)
+    return float(duals.sum()), float(np.vdot(columns, matrix @ columns).real)
+
+
+def _interior_step(matrix, nodes, share, x, duals, gap):
+    """X + dX is to be a multiple of (S + dS)^-1 to first order, with dS = -diag(rise) and unchanged traces."""
+    slack = matrix - np.diag(duals[nodes])
+    inverse = np.linalg.inv(slack)
+    target = gap / (4 * len(matrix))
+    traces = 1 - target * share.T @ inverse.diagonal().real
+    rise = np.linalg.solve(share.T @ (inverse * x.conj()).real @ share, traces)
+    move = target * inverse - x + inverse @ (rise[nodes][:, None] * x)
+    move = (move + move.conj().T) / 2
+    return x + _longest_step(x, move) * move, duals + _longest_step(slack, -np.diag(rise[nodes])) * rise
+
+
+def _longest_step(point, move):
+    """Share of ``move``, at most all of it, that keeps ``point`` positive definite."""
+    lowest = eigh(move, point, eigvals_only=True)[0]
+    return min(1.0, -0.9 / lowest) if lowest < 0 else 1.0
+
+
+def stripes_on(mesh, symmetry, stripes):
+    field = direction_field(mesh, symmetry)
+    return stripe_problem(mesh, field, np.linalg.norm(np.ptp(mesh.vertices, axis=0)) / stripes)
+
+
+def fixed_rotations():
+    connection = random_connection("rotations", 40, extra=60, seed=1)
+    return SynchronizationProblem(
+        connection, fixed=Targets(np.arange(2), random_values("rotations", 2, np.random.default_rng(0)))
+    )
+
+
+# Of every kind, small enough for dense linear algebra.
+PROBLEMS = [
+    pytest.param(lambda: direction_problem(icosphere(2), 1), id="vectors-icosphere"),
+    pytest.param(lambda: direction_problem(cube(4), 4), id="crosses-cube"),
+    pytest.param(lambda: direction_problem(double_torus(), 2), id="lines-double-torus"),
+    pytest.param(lambda: direction_problem(slivers(), 4), id="crosses-slivers"),
+    pytest.param(lambda: stripes_on(bent_square(), 1, 5), id="stripes-bent-square"),
+    pytest.param(lambda: stripes_on(icosphere(2), 2, 4), id="line-stripes-icosphere"),
+    pytest.param(lambda: SynchronizationProblem(random_connection("flips", 40, 60, 2)), id="flips"),
+    pytest.param(lambda: SynchronizationProblem(random_connection("signs", 40, 60, 3)), id="signs"),
+    pytest.param(fixed_rotations, id="fixed-rotations"),
+]

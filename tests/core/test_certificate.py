@@ -6,58 +6,33 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from synch_fields.core.fields.directions import direction_field, direction_problem
-from synch_fields.core.fields.stripes import stripe_problem
-from synch_fields.core.problem import SynchronizationProblem, Targets
+from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.solve import Options, solve
-from synch_fields.core.solve.certificate import lower_bound, measure_slack, multipliers, prove
+from synch_fields.core.solve.certificate import lower_bound, measure_slack, prove
 from synch_fields.core.solve.descent import descend
-from synch_fields.core.solve.metric import Metric, is_positive_definite
+from synch_fields.core.solve.factorization import is_positive_definite
 from synch_fields.core.solve.monitor import SILENT
-from synch_fields.core.solve.spheres import Spheres, random_columns
+from synch_fields.core.solve.spheres import Lifted, random_columns
+from synch_fields.core.solve.stage import Workspace
 
-from .graphs import random_connection, random_values
-from .meshes import bent_square, cube, double_torus, icosphere, slivers, torus
-
-
-def stripes_on(mesh, symmetry, stripes):
-    field = direction_field(mesh, symmetry)
-    return stripe_problem(mesh, field, np.linalg.norm(np.ptp(mesh.vertices, axis=0)) / stripes)
-
-
-def fixed_rotations():
-    connection = random_connection("rotations", 40, extra=60, seed=1)
-    return SynchronizationProblem(
-        connection, fixed=Targets(np.arange(2), random_values("rotations", 2, np.random.default_rng(0)))
-    )
-
-
-PROBLEMS = [
-    pytest.param(lambda: direction_problem(icosphere(2), 1), id="vectors-icosphere"),
-    pytest.param(lambda: direction_problem(cube(4), 4), id="crosses-cube"),
-    pytest.param(lambda: direction_problem(double_torus(), 2), id="lines-double-torus"),
-    pytest.param(lambda: direction_problem(slivers(), 4), id="crosses-slivers"),
-    pytest.param(lambda: stripes_on(bent_square(), 1, 5), id="stripes-bent-square"),
-    pytest.param(lambda: stripes_on(icosphere(2), 2, 4), id="line-stripes-icosphere"),
-    pytest.param(lambda: SynchronizationProblem(random_connection("flips", 40, 60, 2)), id="flips"),
-    pytest.param(lambda: SynchronizationProblem(random_connection("signs", 40, 60, 3)), id="signs"),
-    pytest.param(fixed_rotations, id="fixed-rotations"),
-]
+from .graphs import PROBLEMS
+from .meshes import torus
 
 
 def rough_point(piece, steps, rank=5):
-    """A lifted point some steps away from the optimum, with its multipliers."""
-    spheres = Spheres(piece.block, lifted=True)
-    metric = Metric(piece, 1e-2 * np.abs(piece.matrix.diagonal()).sum() / piece.row_mass.sum())
+    """A lifted point some steps away from the optimum: its workspace, metric, multipliers and value."""
+    workspace, spheres = Workspace(piece), Lifted(piece.block)
+    metric = workspace.stages[0].metric(1e-2 * np.abs(piece.matrix.diagonal()).sum() / piece.row_mass.sum())
     start = random_columns(piece, rank, np.random.default_rng(7))
-    descent = descend(piece.matrix, spheres, start, metric, 0.0, steps, SILENT)
-    return metric, multipliers(spheres, descent.point, descent.image), float(descent.values[0])
+    descent = descend(workspace.matrix, spheres, start, metric, 0.0, steps, SILENT)
+    duals = spheres.multipliers(descent.point, workspace.matrix @ descent.point)
+    return workspace, metric, duals, float(descent.values[0])
 
 
 def dense_depth(piece, metric, duals):
     """Smallest t with S + t A >= 0, by dense generalized eigenvalues."""
     slack = piece.matrix.toarray() - np.diag(np.repeat(duals, piece.block))
-    return -eigh(slack, metric.matrix.toarray(), eigvals_only=True)[0]
+    return -eigh(slack, piece.matrix.toarray() + metric.shift * np.diag(piece.row_mass), eigvals_only=True)[0]
 
 
 @pytest.mark.parametrize("build", PROBLEMS)
@@ -80,9 +55,9 @@ def test_spectral_bound_lower_bound_value_and_energy_are_in_order(build):
 @pytest.mark.parametrize("steps", [6, 25, 80])
 def test_depth_is_the_most_negative_relative_eigenvalue(build, steps):
     for piece in build().pieces:
-        metric, duals, _ = rough_point(piece, steps)
+        workspace, metric, duals, _ = rough_point(piece, steps)
         exact = dense_depth(piece, metric, duals)
-        slack = measure_slack(piece, metric, duals, np.random.default_rng(0))
+        slack = measure_slack(workspace, metric, duals, np.random.default_rng(0), 40, SILENT)
         # A Krylov space finds no more than there is, in single precision.
         assert slack.depth <= exact * (1 + 1e-4) + 1e-5
         assert slack.depth >= 0.9 * exact - 0.01
@@ -92,7 +67,7 @@ def test_depth_is_the_most_negative_relative_eigenvalue(build, steps):
 @pytest.mark.parametrize("steps", [6, 25, 80])
 def test_proofs_succeed_exactly_where_the_slack_is_definite(build, steps):
     for piece in build().pieces:
-        metric, duals, _ = rough_point(piece, steps)
+        _, metric, duals, _ = rough_point(piece, steps)
         exact = dense_depth(piece, metric, duals)
         assert prove(piece, metric, duals, 1.01 * exact + 1e-7)
         if exact > 1e-5:
@@ -106,7 +81,7 @@ def test_bounds_from_rough_points_stay_below_the_relaxation(build, steps):
     problem = build()
     total, values = 0.0, 0.0
     for piece in problem.pieces:
-        metric, duals, value = rough_point(piece, steps)
+        _, metric, duals, value = rough_point(piece, steps)
         depth = max(dense_depth(piece, metric, duals), 0) * (1 + 1e-9) + 1e-12
         bound = lower_bound(piece, metric, duals, depth)
         # The dual point is feasible: S >= 0 for its multipliers, by dense eigenvalues.
@@ -117,17 +92,6 @@ def test_bounds_from_rough_points_stay_below_the_relaxation(build, steps):
         total, values = total + bound, values + value
     best = solve(problem, Options(target_gap=1e-5, rounding="svd"))
     assert total <= best.sdp_value * (1 + 1e-9) <= values * (1 + 1e-4)
-
-
-@pytest.mark.parametrize("build", PROBLEMS)
-def test_a_proved_bound_is_below_the_relaxation_of_a_tighter_solve(build):
-    problem = build()
-    tight = solve(problem, Options(target_gap=1e-6, rounding="svd"))
-    for gap in (0.1, 1e-2, 1e-3):
-        solution = solve(problem, Options(target_gap=gap, rounding="svd"))
-        assert solution.certificate == "proved"
-        assert solution.lower_bound <= tight.sdp_value * (1 + 1e-9) + 1e-10
-        assert solution.sdp_gap <= gap
 
 
 @pytest.mark.parametrize("complex_numbers", [False, True])
@@ -146,5 +110,5 @@ def test_inertia_tells_definite_matrices_from_others(complex_numbers):
 
 def test_multipliers_sum_to_the_value():
     (piece,) = direction_problem(torus(around=12, across=8), 4).pieces
-    _, duals, value = rough_point(piece, 5)
+    _, _, duals, value = rough_point(piece, 5)
     assert duals.sum() == pytest.approx(value, rel=1e-12)

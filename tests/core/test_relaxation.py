@@ -1,20 +1,22 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The value of the semidefinite relaxation against closed forms, dense eigenvalues and pymanopt."""
+"""Value and bounds of the relaxation against closed forms, an interior-point method, dense eigenvalues and pymanopt."""
 
 from itertools import product
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 
 from synch_fields.core.connection import Connection
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solve import Options, Status, solve
 
+from .graphs import PROBLEMS, lifted_matrix, relaxation
 from .meshes import bent_square, icosphere, torus
 
-TIGHT = Options(target_gap=1e-5)
+TIGHT = Options(target_gap=1e-7)
 
 
 def max_cut(edges):
@@ -27,36 +29,83 @@ def cycle(n):
     return [(k, (k + 1) % n) for k in range(n)]
 
 
-def grid_torus(n):
-    nodes = np.arange(n * n).reshape(n, n)
+def grid_torus(rows, columns):
+    nodes = np.arange(rows * columns).reshape(rows, columns)
     right, up = np.roll(nodes, -1, axis=0), np.roll(nodes, -1, axis=1)
     return np.vstack([np.column_stack([nodes.ravel(), a.ravel()]) for a in (right, up)])
+
+
+def lowest_of_cycle(n):
+    """Smallest eigenvalue of a cycle's adjacency matrix."""
+    return -2 * np.cos(np.pi / n) if n % 2 else -2
+
+
+def torus_case(rows, columns):
+    """Every odd row and every odd column leaves at least one edge uncut; a chessboard leaves no more."""
+    relaxed = rows * columns * (4 + lowest_of_cycle(rows) + lowest_of_cycle(columns))
+    exact = 4 * (columns * (rows % 2) + rows * (columns % 2))
+    return pytest.param(grid_torus(rows, columns), relaxed, exact, id=f"torus-{rows}x{columns}")
 
 
 PETERSEN = cycle(5) + [(k, k + 5) for k in range(5)] + [(5 + k, 5 + (k + 2) % 5) for k in range(5)]
 
 # On a vertex-transitive graph of degree k the relaxation is n (k + smallest eigenvalue of the adjacency
-# matrix): the uniform dual is optimal. For a cycle of 5 that is sum of 2 + 2 cos(4 pi / 5).
+# matrix): the uniform dual is optimal.
 MAX_CUTS = [
     pytest.param(cycle(5), 10 * (1 - np.cos(np.pi / 5)), 4, id="5-cycle"),
     pytest.param(cycle(7), 14 * (1 - np.cos(np.pi / 7)), 4, id="7-cycle"),
     pytest.param(PETERSEN, 10 * (3 - 2), 12, id="petersen"),
-    pytest.param(grid_torus(5), 25 * (4 - 4 * np.cos(np.pi / 5)), 40, id="torus-5x5"),
-    pytest.param(grid_torus(4), 0, 0, id="torus-4x4"),
     pytest.param([(i, j) for j in range(6) for i in range(j)], 6 * (5 - 1), 24, id="complete-6"),
+    *(torus_case(*size) for size in [(3, 3), (4, 4), (4, 5), (5, 5), (5, 7), (7, 7), (8, 11), (15, 15)]),
 ]
 
 
 @pytest.mark.parametrize(("edges", "relaxed", "exact"), MAX_CUTS)
 def test_max_cut_of_symmetric_graphs(edges, relaxed, exact):
-    connection = max_cut(edges)
-    solution = solve(SynchronizationProblem(connection), TIGHT)
-    assert solution.sdp_value == pytest.approx(relaxed, rel=1e-5, abs=1e-10)
-    assert solution.lower_bound == pytest.approx(relaxed, rel=2e-5, abs=1e-10)
-    assert solution.lower_bound <= relaxed * (1 + 1e-9) + 1e-10
-    assert solution.energy == pytest.approx(exact, rel=1e-9, abs=1e-10)
+    solution = solve(SynchronizationProblem(max_cut(edges)), TIGHT)
+    assert solution.sdp_value == pytest.approx(relaxed, rel=1e-6, abs=1e-9)
+    assert relaxed * (1 - 1.01e-7) - 1e-9 <= solution.lower_bound <= relaxed * (1 + 1e-12) + 1e-10
+    assert solution.energy == pytest.approx(exact, rel=1e-9, abs=1e-9)
     np.testing.assert_allclose(np.abs(solution.phases), 1, rtol=1e-9)
     assert solution.status is Status.CERTIFIED
+
+
+@pytest.mark.parametrize(("edges", "relaxed", "exact"), MAX_CUTS)
+def test_the_interior_point_method_has_the_known_max_cut_relaxations(edges, relaxed, exact):
+    assert relaxation(*lifted_matrix(max_cut(edges))) == pytest.approx((relaxed, relaxed), rel=1e-8, abs=1e-8)
+
+
+def dense_bound(problem, lifted):
+    """The best bound that a lifted field proves: its multipliers (22), lowered until the slack is definite."""
+    total = 0.0
+    for piece in problem.pieces:
+        matrix, columns = piece.matrix.toarray(), lifted[piece.rows]
+        firsts = np.arange(0, len(matrix), piece.block)
+        duals = np.add.reduceat((columns.conj() * (matrix @ columns)).real.sum(axis=1), firsts)
+        slack, mass = matrix - np.diag(np.repeat(duals, piece.block)), piece.mass.sum()
+        bounds = [0.0]
+        for shift in np.geomspace(1e-4, 10, 11) * duals.sum() / mass:
+            # S + depth (L + shift M) >= 0
+            depth = max(-eigh(slack, matrix + shift * np.diag(piece.row_mass), eigvals_only=True)[0], 0)
+            bounds.append((duals.sum() - depth * shift * mass) / (1 + depth))
+        total += max(bounds)
+    return total
+
+
+@pytest.mark.parametrize("build", PROBLEMS)
+def test_values_and_bounds_enclose_those_of_an_interior_point_method(build):
+    problem = build()
+    dense = [relaxation(p.matrix.toarray(), np.repeat(np.arange(p.node_count), p.block)) for p in problem.pieces]
+    below, above = np.sum(dense, axis=0)
+    assert above == pytest.approx(below, rel=1e-7)  # the reference proves itself
+    for gap in (1e-1, 1e-2, 1e-3, 1e-5, 1e-7):
+        solution = solve(problem, Options(target_gap=gap, rounding="svd"))
+        assert solution.status is Status.CERTIFIED and solution.certificate == "proved" and solution.sdp_gap <= gap
+        assert below * (1 - 1.01 * gap) <= solution.lower_bound <= above * (1 + 1e-12)
+        assert below * (1 - 1e-12) <= solution.sdp_value <= solution.energy * (1 + 1e-9)
+        # The lifted field that comes with the bound is one that proves such a bound.
+        assert below * (1 - 1.5 * gap) <= dense_bound(problem, solution.lifted) <= above * (1 + 1e-9)
+    assert solution.sdp_value == pytest.approx(above, rel=1e-6)
 
 
 def test_the_exact_max_cuts_by_counting():
@@ -90,7 +139,7 @@ def test_a_torus_in_a_uniform_magnetic_field(n, quanta):
     x, y = (a.ravel() for a in np.mgrid[:n, :n])
     flux = 2 * np.pi * quanta / n**2
     along_x = np.where(x == n - 1, flux * n * y, 0)  # closes up the potential (0, flux x)
-    edges = grid_torus(n)
+    edges = grid_torus(n, n)
     angles = np.concatenate([-along_x, flux * x])
     connection = Connection(n * n, edges, np.ones(2 * n * n), np.exp(1j * angles))
     (piece,) = SynchronizationProblem(connection).pieces

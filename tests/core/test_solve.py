@@ -40,7 +40,7 @@ def test_every_method_solves_every_kind(method, kind):
     assert solution.lower_bound > 0
     if method == "sdp":
         assert solution.status is Status.CERTIFIED and solution.spectral_bound is None
-        assert solution.sdp_gap <= 1e-3
+        assert solution.sdp_gap <= Options().target_gap
     else:
         assert solution.status is Status.UNCERTIFIED and solution.sdp_value is None and solution.sdp_gap is None
         assert solution.spectral_bound == solution.lower_bound

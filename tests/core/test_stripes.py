@@ -116,7 +116,7 @@ def test_a_strip_of_broken_stripes_stretches_them_evenly(share):
     steps = np.abs(mesh.edge_vectors[:, 0]) / (mesh.vertices[:, 0].max() / columns)
     expected = (mesh.weights * 4 * np.sin(np.pi * share * steps / columns) ** 2).sum()
     assert pattern.solution.energy == pytest.approx(expected, rel=1e-6)
-    assert pattern.solution.lower_bound == pytest.approx(expected, rel=1.1e-3)
+    assert pattern.solution.lower_bound == pytest.approx(expected, rel=1.1e-2)
     spacing = mesh.vertices[:, 0].max() / 5
     expected = np.exp(-2j * np.pi * mesh.vertices[:, 0] / spacing)
     np.testing.assert_allclose(pattern.solution.phases, expected, atol=1e-4)

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Time and memory against size, with the slope of log time against log nodes.
+
+    python bench/scaling.py SHAPE=SIZES [SHAPE=SIZES ...] [--problem "n = 4"] [--repeat 1]
+
+    MESH.obj=1,2,4,6     the mesh with every edge in so many parts
+    sphere=10,32,100     spheres of 10 parts² + 2 vertices
+    grid=32,64,128       a trefoil vortex on a grid of size x size x size / 2 nodes, relaxation alone
+
+Every size is measured in a process of its own, which holds nothing else. "s relaxation": relaxation and
+certificate to a gap of 1e-2; "s solve": the whole default solve. "MB problem", "MB relaxation" and "MB solve":
+the most memory held until the matrices, the relaxation and the solve are there.
+"""
+
+import argparse
+import sys
+from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+import problems
+from grids import trefoil_problem
+from measure import in_child, peak_megabytes, product_seconds, timed, timed_relaxation, timed_solve
+from meshes import read_obj
+from subdivide import sphere, subdivided
+from tables import Column, print_table
+
+from synch_fields.core.solve.threads import one_blas_thread
+
+TARGET_GAP = 1e-2
+# Where the slope is taken.
+SLOPE_FROM = 10_000
+COLUMNS = (
+    Column("nodes", "nodes", "d"),
+    Column("edges", "edges", "d"),
+    Column("s matrices", "build s", ".2f"),
+    Column("s relaxation", "relaxation s", ".2f"),
+    Column("gap", "gap", ".1e"),
+    Column("certificate", "certificate", ""),
+    Column("× LY", "LY", ".0f"),
+    Column("s solve", "solve s", ".2f"),
+    Column("energy", "energy", ".2f"),
+    Column("MB problem", "MB problem", ".0f"),
+    Column("MB relaxation", "MB relaxation", ".0f"),
+    Column("MB solve", "MB solve", ".0f"),
+)
+
+
+def main():
+    """Print a table and the slopes for every shape."""
+    options = _arguments()
+    for argument in options.shapes:
+        shape, sizes = argument.rsplit("=", 1)
+        name = Path(shape).stem
+        rows = []
+        for size in map(int, sizes.split(",")):
+            print(f"{name} {size}", file=sys.stderr, flush=True)
+            row = {"label": f"{name} {size}"}
+            try:
+                row |= in_child(measure, shape, size, options.problem, options.repeat)
+            except BrokenProcessPool:
+                row["certificate"] = "no result: the process was killed"
+            rows.append(row)
+        print_table(f"{name}, trefoil" if shape == "grid" else f"{name}, {options.problem}", COLUMNS, rows)
+        for what, key in (("relaxation and certificate", "relaxation s"), ("whole solve", "solve s")):
+            _print_slope(what, [(row["nodes"], row[key]) for row in rows if key in row])
+
+
+def _arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("shapes", nargs="+", metavar="SHAPE=SIZES")
+    parser.add_argument("--problem", choices=problems.NAMES, default="n = 4")
+    parser.add_argument("--repeat", type=int, default=1, help="runs, of which medians are printed (1)")
+    return parser.parse_args()
+
+
+def measure(shape, size, problem_name, repeat):
+    """A row of the table; runs in a process of its own."""
+    with one_blas_thread():
+        problem = _problem(shape, size, problem_name)
+        _, build = timed(lambda: problem.pieces)
+        row = {"nodes": problem.connection.node_count, "edges": len(problem.connection.edges), "build s": build}
+        row["MB problem"] = peak_megabytes()
+        relaxations = [timed_relaxation(problem, TARGET_GAP, seed) for seed in range(repeat)]
+        solution = relaxations[0][0]
+        row |= {"gap": solution.sdp_gap, "certificate": solution.certificate, "MB relaxation": peak_megabytes()}
+        row["relaxation s"] = median(seconds for _, seconds in relaxations)
+        row["LY"] = row["relaxation s"] / product_seconds(problem, solution.rank)
+        if shape != "grid":
+            solves = [timed_solve(problem, seed=seed) for seed in range(repeat)]
+            row["solve s"] = median(seconds for _, seconds in solves)
+            row |= {"energy": median(solution.energy for solution, _ in solves), "MB solve": peak_megabytes()}
+    return row
+
+
+def _problem(shape, size, problem_name):
+    if shape == "grid":
+        return trefoil_problem((size, size, size // 2))
+    mesh = sphere(size) if shape == "sphere" else subdivided(read_obj(shape), size)
+    return problems.make_problem(mesh, problem_name)
+
+
+def _print_slope(what, points):
+    points = np.log([(nodes, seconds) for nodes, seconds in points if nodes >= SLOPE_FROM])
+    if len(points) >= 2:
+        print(f"\nSlope of {what} from {SLOPE_FROM} nodes: {np.polyfit(*points.T, 1)[0]:.2f}", flush=True)
+
+
+if __name__ == "__main__":
+    main()

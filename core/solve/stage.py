@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A piece prepared for solving: its matrix in both precisions, and its coarser stages."""
+
+from functools import cached_property
+
+from .coarsening import graph_laplacian, turning_laplacian
+from .metric import SMALLEST_SHIFT, Hierarchy, Metric
+from .products import SharedRows
+from .spheres import Lifted, candidates
+
+
+class Stage:
+    """One level of a piece's hierarchy, as a smaller problem of the same kind in single precision.
+
+    Attributes
+    ----------
+    matrix : SharedRows, single precision
+    row_mass : (N,)
+    lifted, candidates : the spheres of a lifted field, and of fields in columns
+    """
+
+    def __init__(self, piece, hierarchy, depth):
+        level = hierarchy.levels[depth]
+        self._hierarchy, self._depth = hierarchy, depth
+        self._smallest_shift = SMALLEST_SHIFT * piece.stiffness
+        self.matrix = SharedRows(level.matrix)
+        self.row_mass = level.row_mass
+        self.lifted = Lifted(piece.block)
+        self.candidates = candidates(piece.block, piece.is_circle)
+
+    def metric(self, shift):
+        """L + shift M with its inverse."""
+        return Metric(self._hierarchy, max(shift, self._smallest_shift), self._depth)
+
+    def prolong(self, fields):
+        """Fields of this stage on the next finer one, not normalized."""
+        return self._hierarchy.levels[self._depth - 1].prolongation @ fields
+
+    def restrict(self, fields):
+        """Fields of the next finer stage on this one: weighted sums, not normalized."""
+        return self._hierarchy.levels[self._depth - 1].prolongation.conj().T @ fields
+
+
+class Workspace:
+    """A piece with everything that is made once for its solve.
+
+    Attributes
+    ----------
+    piece : Piece
+    matrix : SharedRows, the piece's matrix in double precision
+    stages : list of Stage, the piece itself first
+    """
+
+    def __init__(self, piece):
+        self.piece = piece
+        self.matrix = SharedRows(piece.matrix)
+        hierarchy = Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground)
+        self.stages = [Stage(piece, hierarchy, depth) for depth in range(len(hierarchy.levels))]
+
+    @cached_property
+    def _graph_hierarchy(self):
+        return Hierarchy(graph_laplacian(self.piece.matrix, self.piece.block), self.piece.mass, 1)
+
+    @cached_property
+    def _turning_hierarchy(self):
+        piece = self.piece
+        if piece.block == 1:
+            return self._graph_hierarchy
+        return Hierarchy(turning_laplacian(piece.matrix, piece.block, piece.ground), piece.mass, 1)
+
+    def candidate_metric(self, shift):
+        """The metric in which candidates descend: of turns on the circle, otherwise of vectors."""
+        if not self.piece.is_circle:
+            return self.stages[0].metric(shift)
+        return Metric(self._turning_hierarchy, max(shift, SMALLEST_SHIFT * self.piece.stiffness))
+
+    def smoothing(self, shift):
+        """(G + shift M) for values on the nodes, with its inverse; G is the Laplacian of the graph."""
+        return Metric(self._graph_hierarchy, max(shift, SMALLEST_SHIFT * self.piece.stiffness))
