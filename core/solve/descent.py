@@ -31,7 +31,7 @@ class Descent:
     out_of_time: bool
 
 
-def descend(matrix, spheres, start, metric, tolerance, max_steps, monitor):
+def descend(matrix, spheres, start, metric, tolerance, max_steps, monitor, memory=None):
     """Descend from ``start`` until every field's predicted relative decrease is below ``tolerance``.
 
     Works in the precision of ``matrix`` and ``start``, which have to agree, on about twenty arrays of
@@ -46,7 +46,9 @@ def descend(matrix, spheres, start, metric, tolerance, max_steps, monitor):
     tolerance : relative to the energy
     max_steps : int
     monitor : Monitor, asked once a step
+    memory : list from an earlier descent that ended at ``start``, to go on with; it is filled
     """
+    memory = [] if memory is None else memory
     point = spheres.normalize(start)
     image = matrix @ point
     values = spheres.energies(point, image)
@@ -54,7 +56,6 @@ def descend(matrix, spheres, start, metric, tolerance, max_steps, monitor):
     noise = rounding_noise(matrix)
     # Gradients tell of decreases that values no longer show. That is worth it in double precision only.
     floor = noise if np.finfo(matrix.dtype).bits < 64 else 0.0
-    memory: list[tuple] = []
     products, steps, out_of_time = point.shape[1], 0, False
     for steps in range(1, max_steps + 1):
         try:
@@ -65,7 +66,7 @@ def descend(matrix, spheres, start, metric, tolerance, max_steps, monitor):
         direction = -spheres.tangent(point, _two_loop(spheres, memory, gradient, metric, point))
         slopes = spheres.inner(gradient, direction)
         # The first predictions, made without a memory of the curvature, are too small.
-        active = -slopes > np.maximum((tolerance if steps > MEMORY else 0) * values, floor)
+        active = -slopes > np.maximum((tolerance if len(memory) == MEMORY else 0) * values, floor)
         if not active.any():
             break
         moved = _line_search(matrix, spheres, point, direction, values, slopes, active, noise)
@@ -82,7 +83,7 @@ def descend(matrix, spheres, start, metric, tolerance, max_steps, monitor):
 
 def rounding_noise(matrix):
     """Changes of the energy of unit vectors below this are rounding, in the matrix's precision."""
-    return 8 * np.finfo(matrix.dtype).eps * float(np.linalg.norm(matrix.diagonal()))
+    return 2 * np.finfo(matrix.dtype).eps * float(np.linalg.norm(matrix.diagonal()))
 
 
 def _two_loop(spheres, memory, gradient, metric, point):

@@ -49,7 +49,7 @@ class Monitor:
             raise OutOfTime
 
     def during(self, work):
-        """Result of ``work()``, which cannot be interrupted: it runs in a thread, and is left behind when it must stop."""
+        """Result of ``work()``, which cannot be interrupted: a thread does it, left behind when it must stop."""
         results: list = []
         errors: list = []
 

@@ -20,6 +20,8 @@ from .threads import one_blas_thread
 DIFFUSION_STARTS = 8
 DIFFUSION_TIMES = 0.5 ** np.arange(11)
 DIFFUSION_STEPS = 30
+# A rounded relaxation whose gap is at most this is taken for an exact recovery, which descent completes.
+NEARLY_TIGHT = 0.05
 
 
 @dataclass(frozen=True)
@@ -245,12 +247,9 @@ def _round(workspace, relaxation, options, monitor, start):
         metric = workspace.candidate_metric(rounding.SHIFT * density)
         if options.rounding == "continuation" and start is None:
             monitor.at("continuation", 0.4)
-            polished = rounding.finish(workspace, by_svd, metric, monitor)
-            energy = float(piece.energy(polished)[0])
-            if relative_gap(energy, relaxation.lower_bound, piece.noise) <= options.target_gap:
-                return polished, False  # exact recovery: the relaxation is tight
-            columns = polished
-            columns = rounding.continuation(workspace, lifted, options.samples, density, metric, random, monitor)
+            energy = float(piece.energy(by_svd)[0])
+            if relative_gap(energy, relaxation.lower_bound, piece.noise) > NEARLY_TIGHT:
+                columns = rounding.continuation(workspace, lifted, options.samples, density, metric, random, monitor)
         monitor.at("polish", 0.9)
         finished = rounding.finish(workspace, columns[:, :1], metric, monitor)
         columns = np.hstack([finished, columns[:, 1:]])
