@@ -57,12 +57,13 @@ def descend(matrix, spheres, start, metric, tolerance, max_steps, monitor, memor
     # Gradients tell of decreases that values no longer show. That is worth it in double precision only.
     floor = noise if np.finfo(matrix.dtype).bits < 64 else 0.0
     products, steps, out_of_time = point.shape[1], 0, False
-    for steps in range(1, max_steps + 1):
+    while steps < max_steps:
         try:
             monitor.check()
         except OutOfTime:
             out_of_time = True
             break
+        steps += 1
         direction = -spheres.tangent(point, _two_loop(spheres, memory, gradient, metric, point))
         slopes = spheres.inner(gradient, direction)
         # The first predictions, made without a memory of the curvature, are too small.

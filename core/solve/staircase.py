@@ -8,6 +8,7 @@ the certified gap, never the gradient: the digits beyond it are lost in rounding
 """
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -25,8 +26,8 @@ SHIFT = 0.1
 # The shift of the metric that finds the first smooth point, as a share of the stiffness.
 FIRST_SHIFT = 1e-3
 LEVEL_STEPS = 300
-# Predicted relative decrease at which a level's descent ends, as a share of the target gap to the power 3/2: multipliers,
-# and with them the bound, are off by the first power of what the energy is off by the second.
+# Predicted relative decrease at which a level's descent ends, as a share of the target gap to the power 3/2:
+# the multipliers, and with them the bound, are off by the root of what the energy is off by.
 FIRST_TOLERANCE = 0.03
 TIGHTENING = 0.3
 # Nodes of the smallest stage that is solved on the way, and the tolerance of descents on coarser stages.
@@ -96,7 +97,7 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
             with clock("certify"):
                 duals = lifted.multipliers(point, image)
                 allowed = depth_for_bound(piece, metric, duals, value * (1 - 0.95 * target_gap))
-                if provable and monitor.during(lambda: prove(piece, metric, duals, allowed)):
+                if provable and monitor.during(partial(prove, piece, metric, duals, allowed)):
                     best_bound, certificate, reached = lower_bound(piece, metric, duals, allowed), "proved", True
                     break
                 if provable and attempt == 0:

@@ -186,7 +186,7 @@ def test_a_generous_time_limit_changes_nothing():
 def test_roundings_are_worth_their_effort(build, symmetry):
     problem = direction_problem(build(), symmetry)
     energies = {r: solve(problem, Options(rounding=r)).energy for r in ROUNDINGS}
-    assert energies["random"] <= energies["svd"] * (1 + 1e-9)
+    assert energies["random"] <= energies["svd"] * (1 + 1e-6)  # in single precision
     assert energies["polish"] <= energies["random"] * (1 + 1e-9)
     assert energies["continuation"] <= energies["random"] * (1 + 1e-9)
     assert energies["continuation"] <= energies["polish"] * 1.05
