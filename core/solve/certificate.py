@@ -14,16 +14,20 @@ of S would cost the M-bound the whole domain's mass.
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import eigh
 from scipy.sparse import diags_array
 
-from .factorization import is_positive_definite
+from .factorization import front_width, is_positive_definite
 
-# Above this many rows a factorization in double precision is not tried as a proof.
-LARGEST_PROOF = 400_000
+# A factorization in double precision is tried as a proof up to this many rows, and rows of a front: some ten seconds.
+LARGEST_PROOF, WIDEST_PROOF = 400_000, 1_000
 # Share of the matrix's diagonal by which a factorization in double precision may miss a negative pivot.
 ROUNDING = 1e-14
 # Rows up to which the space that is searched for negative directions is kept in double precision.
 DOUBLE_BASIS = 50_000
+# Size of that space, and the error at which a direction is as good as exact.
+SEARCH_STEPS = 40
+CONVERGED = 1e-6
 
 
 @dataclass(frozen=True)
@@ -49,7 +53,7 @@ def depth_for_bound(piece, metric, duals, bound):
     return float((duals.sum() - bound) / (bound + metric.shift * piece.mass.sum()))
 
 
-def measure_slack(workspace, metric, duals, random, steps, monitor, count=2):
+def measure_slack(workspace, metric, duals, random, monitor, enough=-np.inf, count=2):
     """Most negative directions of S relative to A, by a generalized Davidson method.
 
     With W = A - S, a diagonal, these are the largest eigenvalues of W x = mu A x, mu = 1 + depth. The space
@@ -63,43 +67,49 @@ def measure_slack(workspace, metric, duals, random, steps, monitor, count=2):
     metric : Metric of the piece
     duals : (nodes,) lambda
     random : numpy Generator
-    steps : size of the space
     monitor : Monitor
+    enough : depth plus error below which the search may end after half its steps
     count : directions to return at most
     """
-    piece, matrix = workspace.piece, workspace.matrix
-    size = matrix.shape[0]
-    steps = min(steps, size - len(piece.unused_rows))
-    weight = np.repeat(duals, piece.block) + metric.shift * piece.row_mass
-    shift = metric.shift * piece.row_mass
-    dtype = matrix.dtype if size <= DOUBLE_BASIS else metric.dtype
-    basis = np.empty((steps, size), dtype)
-    projected = np.zeros((steps, steps), matrix.dtype)
-    vector = weight * random.standard_normal(size).astype(matrix.dtype)
+    piece = workspace.piece
+    size = piece.matrix.shape[0]
+    matrix = workspace.matrix if size <= DOUBLE_BASIS else workspace.stages[0].matrix
+    real = np.finfo(matrix.dtype).dtype
+    steps = min(SEARCH_STEPS, size - len(piece.unused_rows))
+    shift = (metric.shift * piece.row_mass).astype(real)
+    weight = np.repeat(duals, piece.block).astype(real) + shift
+    basis = np.empty((steps, size), matrix.dtype)
+    weighted, measured = np.zeros((2, steps, steps), matrix.dtype)
+    vector = random.standard_normal(size).astype(matrix.dtype)
     vector[piece.unused_rows] = 0
-    vector = metric.solve(vector)
+    vector = metric.solve(weight * vector)
     for step in range(steps):
         monitor.check()
-        for _ in range(2 if step else 0):  # twice is enough
-            image = matrix @ vector + shift * vector
-            vector -= (basis[:step].conj() @ image) @ basis[:step]
-        length = np.sqrt(np.vdot(vector, matrix @ vector + shift * vector).real)
+        vector -= (basis[:step].conj() @ (matrix @ vector + shift * vector)) @ basis[:step]
+        image = matrix @ vector + shift * vector
+        length = np.sqrt(np.vdot(vector, image).real)
         if not length > 0:
             break
         basis[step] = vector / length
-        projected[: step + 1, step] = basis[: step + 1].conj() @ (weight * basis[step])
-        projected[step, : step + 1] = projected[: step + 1, step].conj()
-        values, combinations = np.linalg.eigh(projected[: step + 1, : step + 1])
-        best = combinations[:, -1] @ basis[: step + 1]
-        residual = weight * best - values[-1] * (matrix @ best + shift * best)
+        filled = step + 1
+        for products, other in ((weighted, weight * basis[step]), (measured, image / length)):
+            products[:filled, step] = basis[:filled].conj() @ other
+            products[step, :filled] = products[:filled, step].conj()
+        values, combinations = eigh(weighted[:filled, :filled], measured[:filled, :filled])
+        best = combinations[:, -1] @ basis[:filled]
+        residual = weight * best - values[-1].astype(real) * (matrix @ best + shift * best)
         vector = metric.solve(residual)
         error = np.sqrt(max(np.vdot(residual, vector).real, 0.0))
-        if error < 1e-6:
+        if error < CONVERGED or (2 * filled >= steps and max(values[-1] - 1, 0) + error <= enough):
             break
-    filled = len(values)
     order = np.argsort(values)[::-1][:count]
-    directions = combinations[:, order].T @ basis[:filled]
+    directions = combinations[:, order].T @ basis[: len(values)]
     return Slack(float(values[-1] - 1), float(error), directions[values[order] > 1].T)
+
+
+def is_provable(piece):
+    """Whether a proof by factorization is affordable."""
+    return piece.matrix.shape[0] <= LARGEST_PROOF and front_width(piece.matrix) <= WIDEST_PROOF
 
 
 def prove(piece, metric, duals, depth):

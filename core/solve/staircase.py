@@ -12,7 +12,7 @@ from functools import partial
 
 import numpy as np
 
-from .certificate import LARGEST_PROOF, depth_for_bound, lower_bound, measure_slack, prove
+from .certificate import depth_for_bound, is_provable, lower_bound, measure_slack, prove
 from .descent import descend, rounding_noise
 from .monitor import OutOfTime
 from .spheres import random_columns
@@ -33,8 +33,6 @@ TIGHTENING = 0.3
 # Nodes of the smallest stage that is solved on the way, and the tolerance of descents on coarser stages.
 SMALLEST_START = 300
 COARSE_TOLERANCE = 3e-4
-# Size of the space that is searched for negative directions.
-SEARCH_STEPS = 40
 
 
 @dataclass(frozen=True)
@@ -78,7 +76,7 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
     best_bound, certificate = 0.0, "proved"
     reached = out_of_time = precise = False
     memory: list[tuple] = []
-    provable = piece.matrix.shape[0] <= LARGEST_PROOF
+    provable = is_provable(piece)
     try:
         for attempt in range(LEVELS):
             tolerance = FIRST_TOLERANCE * target_gap**1.5 * TIGHTENING**attempt
@@ -102,7 +100,8 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
                     break
                 if provable and attempt == 0:
                     continue  # most often a closer point is all that is missing
-                slack = measure_slack(workspace, metric, duals, random, SEARCH_STEPS, monitor)
+                enough = -np.inf if provable else allowed
+                slack = measure_slack(workspace, metric, duals, random, monitor, enough)
                 bound = lower_bound(piece, metric, duals, max(slack.depth, 0.0) + slack.error)
             if bound > best_bound:
                 best_bound, certificate = bound, "estimated"
