@@ -12,6 +12,7 @@ from time import perf_counter
 import numpy as np
 
 from synch_fields.core.solve import Options, solve
+from synch_fields.core.solve.stage import Workspace
 from synch_fields.core.solve.threads import one_blas_thread
 
 
@@ -55,6 +56,17 @@ def product_seconds(problem, rank, repeats=9):
         columns = random.standard_normal((matrix.shape[0], max(rank, 1))).astype(matrix.dtype)
         total += median(timed(matrix.__matmul__, columns)[1] for _ in range(repeats))
     return total
+
+
+def cycle_products(problem, rank):
+    """What one application of the preconditioner to all columns costs, in products L Y."""
+    random = np.random.default_rng(0)
+    cycles = 0.0
+    for piece in problem.pieces:
+        metric = Workspace(piece).stages[0].metric(piece.stiffness * 1e-3)
+        columns = random.standard_normal((piece.matrix.shape[0], max(rank, 1))).astype(metric.dtype)
+        cycles += median(timed(metric.solve, columns)[1] for _ in range(9))
+    return cycles / product_seconds(problem, rank)
 
 
 def peak_megabytes():

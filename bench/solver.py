@@ -16,7 +16,16 @@ from statistics import median
 import paper_method
 import peers
 import problems
-from measure import energy_of, in_child, peak_megabytes, product_seconds, timed, timed_relaxation, timed_solve
+from measure import (
+    cycle_products,
+    energy_of,
+    in_child,
+    peak_megabytes,
+    product_seconds,
+    timed,
+    timed_relaxation,
+    timed_solve,
+)
 from meshes import read_obj
 from tables import Column, Criterion, print_summary, print_table
 
@@ -49,6 +58,7 @@ OURS = (
     Column("gap", "fine gap", ".1e"),
     Column("× LY", "fine LY", ".0f"),
     Column("products", "products", ".0f"),
+    Column("counted", "counted", ".0f"),
     Column("rank", "rank", ".0f"),
     Column("SDP", "sdp", ".3f"),
     Column("bound", "bound", ".3f"),
@@ -109,7 +119,8 @@ CRITERIA = (
     Criterion("whole solve ≤ MBO falling, 8 starts", "solve / falling", 1),
     Criterion("gap ≤ 1e-2 reached", "coarse gap", COARSE_GAP),
     Criterion("gap ≤ 1e-3 reached", "fine gap", FINE_GAP),
-    Criterion("gap ≤ 1e-3 in ≤ 1000 products LY", "fine LY", 1000),
+    Criterion("gap ≤ 1e-3 in ≤ 1000 products LY, counted", "counted", 1000),
+    Criterion("gap ≤ 1e-3 in the time of ≤ 1000 products LY", "fine LY", 1000),
     Criterion("energy ≤ best peer (to six digits; wanted on 95 %)", "energy / best", 1 + SAME_ENERGY),
     Criterion("energy ≤ 1.005 × best peer", "energy / best", 1.005),
     Criterion("≥ 100 × faster than RTR to a gradient of 1e-6, from 10k nodes", "RTR / ours", 100, True, 10_000),
@@ -197,6 +208,7 @@ def run(problem, seed):
         "fine gap": fine.sdp_gap,
         "fine LY": fine_seconds / fine_product,
         "products": fine.products / max(fine.rank, 1),
+        "counted": fine.products / max(fine.rank, 1) + fine.iterations * cycle_products(problem, fine.rank),
         "rank": fine.rank,
         "sdp": fine.sdp_value,
         "bound": whole.lower_bound,
