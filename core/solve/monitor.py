@@ -33,7 +33,7 @@ class Monitor:
     def portion(self, start, share):
         """A monitor for one part of the work: its fractions are a part of the whole."""
         part = copy(self)
-        part._start, part._share = start, share
+        part.fraction, part._start, part._share = start, start, share
         return part
 
     def at(self, stage, fraction):

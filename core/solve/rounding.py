@@ -21,9 +21,9 @@ STEPS = 3
 FRESH, COARSE_TRIED, COARSE = 8, 16, 6
 # Nodes that a coarser stage must have to be worth looking at.
 SMALLEST_EXPLORED = 100
-# Rounds of crossing: fields that are crossed in pairs, crossings that go on, rounds at least and at most, and the
-# relative gain below which they end.
-CROSSED, CROSSINGS = 8, 6
+# Rounds of crossing: fields that are kept and crossed in pairs, crossings that go on, rounds at least and at most, and
+# the relative gain below which they end.
+KEPT, CROSSINGS = 8, 6
 FEWEST_ROUNDS, MOST_ROUNDS = 2, 8
 GAIN = 1e-3
 # Over which diffusion time local energies are compared, and how sharply the better one is preferred.
@@ -35,34 +35,78 @@ SAME_ENERGY = 1e-4
 SHORT_STEPS, LONG_STEPS, FINAL_STEPS = 15, 30, 200
 FINALISTS = 3
 TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-9
-# Fields that are kept beside the best one.
-KEPT = 8
+# Numbers that are worked on at once, and columns at least: memory, and how soon a solve can be stopped.
+LARGEST_BATCH, SMALLEST_BATCH = 1_000_000, 2
 # Metric shift of descents as a share of the energy per mass.
 SHIFT = 1.0
 
 
-def project(stage, lifted, directions):
-    """Fields seen along (r, k) directions xi: Y xi, normalized (Eq. 29). Columns are candidates."""
-    dtype = stage.matrix.dtype
-    return stage.candidates.normalize(lifted.astype(dtype) @ directions.astype(dtype))
-
-
 def random_directions(piece, rank, count, random):
-    """(r, count) directions: the dominant singular one, and Gaussian ones."""
+    """(r, count + 1) directions: the dominant singular one, and Gaussian ones."""
     directions = random.standard_normal((rank, count))
     if piece.is_complex:
         directions = directions + 1j * random.standard_normal((rank, count))
     return np.hstack([np.eye(rank)[:, :1], directions])
 
 
+def projections(stage, lifted, directions, count, monitor):
+    """The best ``count`` of the fields seen along (r, k) directions xi, which are Y xi, normalized (Eq. 29)."""
+    dtype = stage.matrix.dtype
+    lifted, directions = lifted.astype(dtype), directions.astype(dtype)
+
+    def project(numbers):
+        return stage.candidates.normalize(lifted @ directions[:, numbers])
+
+    return _best_of(stage, project, directions.shape[1], count, monitor)
+
+
+def crossings(workspace, columns, density, count, monitor):
+    """The best ``count`` of all pairs of columns joined, each region mostly from the one whose energy is lower there.
+
+    The pair is first turned to agree as well as it can. Local energies are compared after diffusion, so
+    that a region holds a few defects.
+    """
+    stage, block = workspace.stages[0], workspace.piece.block
+    local = np.real(columns.conj() * (stage.matrix @ columns))
+    local = local.reshape(-1, block, columns.shape[1]).sum(axis=1)
+    smooth = workspace.smoothing(density / CROSSING_TIME).solve(local)
+    pairs = np.transpose(np.triu_indices(columns.shape[1], 1))
+
+    def cross(numbers):
+        first, second = pairs[numbers].T
+        sums = np.abs(smooth[:, first]) + np.abs(smooth[:, second])
+        preference = np.tanh(SHARPNESS * (smooth[:, second] - smooth[:, first]) / np.where(sums > 0, sums, 1))
+        preference = np.repeat(preference, block, axis=0)
+        turned = _aligned(columns[:, second], columns[:, first])
+        return stage.candidates.normalize((1 + preference) * columns[:, first] + (1 - preference) * turned)
+
+    return _best_of(stage, cross, len(pairs), count, monitor)
+
+
+def _best_of(stage, make, total, count, monitor):
+    """Of ``total`` columns, which make(numbers) makes, the best ``count``, best first; few are held at once."""
+    values = []
+    for numbers in np.array_split(np.arange(total), -(-total // _batch(stage))):
+        monitor.check()
+        values.append(energies(stage, make(numbers)))
+    return make(np.argsort(np.concatenate(values), kind="stable")[:count])
+
+
+def _batch(stage):
+    """How many columns are worked on at once."""
+    return max(LARGEST_BATCH // stage.matrix.shape[0], SMALLEST_BATCH)
+
+
+def _aligned(columns, targets):
+    """Columns times the global phase (a sign in real coordinates) that brings each nearest its target."""
+    products = (targets * columns.conj()).sum(axis=0)
+    sizes = np.abs(products)
+    return columns * np.where(sizes > 0, products / np.where(sizes > 0, sizes, 1), 1).astype(columns.dtype)
+
+
 def energies(stage, columns):
     """(k,) energies of candidates."""
     return stage.candidates.energies(columns, stage.matrix @ columns)
-
-
-def best_columns(stage, columns, count):
-    """The ``count`` columns of lowest energy, best first."""
-    return columns[:, np.argsort(energies(stage, columns), kind="stable")[:count]]
 
 
 def distinct_columns(stage, columns):
@@ -87,7 +131,7 @@ def finish(workspace, column, metric, monitor):
     return descend(workspace.matrix, spheres, column, metric, FINAL_TOLERANCE, FINAL_STEPS, monitor).point
 
 
-def continuation(workspace, lifted, samples, density, metric, random, monitor):
+def continuation(workspace, lifted, samples, density, random, monitor):
     """Fields by seeded continuation and crossing, best first.
 
     Parameters
@@ -96,64 +140,40 @@ def continuation(workspace, lifted, samples, density, metric, random, monitor):
     lifted : (N, r) solution of the relaxation, in principal columns
     samples : random projections tried
     density : energy per mass of the relaxation, positive
-    metric : Metric of candidates
     random : numpy Generator
     monitor : Monitor
     """
     stage = workspace.stages[0]
-    times = TIMES / density
+    metric = workspace.candidate_metric(SHIFT * density)
     directions = random_directions(workspace.piece, lifted.shape[1], samples, random)
-    seeds = best_columns(stage, project(stage, lifted, directions), FRESH)
+    seeds = projections(stage, lifted, directions, FRESH, monitor)
     if len(workspace.stages) > 1 and len(workspace.stages[1].row_mass) >= SMALLEST_EXPLORED * workspace.piece.block:
         seeds = np.hstack([seeds, _coarse_fields(workspace, lifted, directions, density, monitor)])
     found = seeds[:, :0]
     best = np.inf
     for round_number in range(1 + MOST_ROUNDS):
-        carried = diffuse(stage, seeds, times, STEPS, monitor)
-        carried = polish(stage, carried, metric, monitor, SHORT_STEPS)
-        found = distinct_columns(stage, np.hstack([found, carried]))
+        carried = [found]
+        for batch in np.array_split(seeds, -(-seeds.shape[1] // _batch(stage)), axis=1):
+            settled = diffuse(stage, batch, TIMES / density, STEPS, monitor)
+            carried.append(polish(stage, settled, metric, monitor, SHORT_STEPS))
+        found = distinct_columns(stage, np.hstack(carried))[:, :KEPT]
         value = energies(stage, found[:, :1])[0]
         if found.shape[1] == 1 or (round_number >= FEWEST_ROUNDS and value > (1 - GAIN) * best):
             break
         best = value
-        seeds = best_columns(stage, crossings(workspace, found[:, :CROSSED], density), CROSSINGS)
+        seeds = crossings(workspace, found, density, CROSSINGS, monitor)
     finalists = polish(stage, found[:, :FINALISTS], metric, monitor)
-    return distinct_columns(stage, np.hstack([finalists, found[:, FINALISTS:KEPT]]))
+    return distinct_columns(stage, np.hstack([finalists, found[:, FINALISTS:]]))
 
 
 def _coarse_fields(workspace, lifted, directions, density, monitor):
     """Fields that went through the larger diffusion times on the coarser stage."""
     stage, coarse = workspace.stages[:2]
     restricted = coarse.lifted.normalize(coarse.restrict(lifted.astype(stage.matrix.dtype)))
-    columns = best_columns(coarse, project(coarse, restricted, directions), COARSE_TRIED)
+    columns = projections(coarse, restricted, directions, COARSE_TRIED, monitor)
     columns = diffuse(coarse, columns, COARSE_TIMES / density, STEPS, monitor)
-    return stage.candidates.normalize(coarse.prolong(best_columns(coarse, columns, COARSE)))
-
-
-def crossings(workspace, columns, density):
-    """All pairs of columns joined, each region mostly from the one whose energy is lower there.
-
-    The pair is first turned to agree as well as it can. Local energies are compared after diffusion, so
-    that a region holds a few defects.
-    """
-    stage = workspace.stages[0]
-    block = workspace.piece.block
-    first, second = np.triu_indices(columns.shape[1], 1)
-    local = np.real(columns.conj() * (stage.matrix @ columns))
-    local = local.reshape(-1, block, columns.shape[1]).sum(axis=1)
-    smooth = workspace.smoothing(density / CROSSING_TIME).solve(local)
-    sums = np.abs(smooth[:, first]) + np.abs(smooth[:, second])
-    preference = np.tanh(SHARPNESS * (smooth[:, second] - smooth[:, first]) / np.where(sums > 0, sums, 1))
-    preference = np.repeat(preference, block, axis=0)
-    turned = _aligned(columns[:, second], columns[:, first])
-    return stage.candidates.normalize((1 + preference) * columns[:, first] + (1 - preference) * turned)
-
-
-def _aligned(columns, targets):
-    """Columns times the global phase (a sign in real coordinates) that brings each nearest its target."""
-    products = (targets * columns.conj()).sum(axis=0)
-    sizes = np.abs(products)
-    return columns * np.where(sizes > 0, products / np.where(sizes > 0, sizes, 1), 1).astype(columns.dtype)
+    best = np.argsort(energies(coarse, columns), kind="stable")[:COARSE]
+    return stage.candidates.normalize(coarse.prolong(columns[:, best]))
 
 
 def ground_to_one(piece, columns):

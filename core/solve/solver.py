@@ -2,6 +2,7 @@
 """Solve a synchronization problem piece by piece: relax, certify, round, polish."""
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -150,7 +151,7 @@ def _solve_by_method(piece, options, monitor, clock, start):
     if options.method == "spectral":
         return _solve_spectral(piece, options, monitor, clock)
     with clock("relax"):
-        workspace = Workspace(piece)
+        workspace = monitor.during(partial(Workspace, piece))
     if options.method == "diffusion":
         return _solve_diffusion(workspace, options, monitor, clock)
     return _solve_sdp(workspace, options, monitor, clock, start)
@@ -238,19 +239,18 @@ def _round(workspace, relaxation, options, monitor, start):
     density = relaxation.value / piece.mass.sum()
     columns = by_svd
     try:
-        if options.rounding == "random" or (options.rounding == "polish" and start is None):
+        if options.rounding in ("random", "polish") and start is None:
             directions = rounding.random_directions(piece, lifted.shape[1], options.samples, random)
-            columns = rounding.project(stage, lifted, directions)
-            columns = rounding.best_columns(stage, columns, rounding.KEPT).astype(lifted.dtype)
+            columns = rounding.projections(stage, lifted, directions, rounding.KEPT, monitor).astype(lifted.dtype)
             if options.rounding == "random":
                 return columns, False
-        metric = workspace.candidate_metric(rounding.SHIFT * density)
         if options.rounding == "continuation" and start is None:
             monitor.at("continuation", 0.4)
             energy = float(piece.energy(by_svd)[0])
             if relative_gap(energy, relaxation.lower_bound, piece.noise) > NEARLY_TIGHT:
-                columns = rounding.continuation(workspace, lifted, options.samples, density, metric, random, monitor)
+                columns = rounding.continuation(workspace, lifted, options.samples, density, random, monitor)
         monitor.at("polish", 0.9)
+        metric = workspace.candidate_metric(rounding.SHIFT * density)
         finished = rounding.finish(workspace, columns[:, :1], metric, monitor)
         columns = np.hstack([finished, columns[:, 1:]])
     except OutOfTime:

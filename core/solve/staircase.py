@@ -189,6 +189,7 @@ def _climb(workspace, point, directions):
 
 def _principal(point):
     """Rotate the columns onto the singular directions, which leaves Y Y^H alone; drop empty ones."""
-    left, singular, _ = np.linalg.svd(point, full_matrices=False)
+    squares, rotation = np.linalg.eigh(point.conj().T @ point)
+    singular = np.sqrt(np.maximum(squares[::-1], 0))
     keep = singular > 1e-6 * singular[0]
-    return (left * singular)[:, keep], singular[keep]
+    return point @ rotation[:, ::-1][:, keep], singular[keep]
