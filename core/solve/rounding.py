@@ -7,6 +7,8 @@ lets defects pair up and settle, and then descend on the unrelaxed problem (18).
 crossed, each region from the one that does better there, and carried again, as long as that pays.
 """
 
+from functools import partial
+
 import numpy as np
 
 from .descent import descend
@@ -144,7 +146,7 @@ def continuation(workspace, lifted, samples, density, random, monitor):
     monitor : Monitor
     """
     stage = workspace.stages[0]
-    metric = workspace.candidate_metric(SHIFT * density)
+    metric = monitor.during(partial(workspace.candidate_metric, SHIFT * density))
     directions = random_directions(workspace.piece, lifted.shape[1], samples, random)
     seeds = projections(stage, lifted, directions, FRESH, monitor)
     if len(workspace.stages) > 1 and len(workspace.stages[1].row_mass) >= SMALLEST_EXPLORED * workspace.piece.block:
