@@ -13,6 +13,7 @@ import numpy as np
 
 from .descent import descend
 from .diffusion import diffuse
+from .monitor import OutOfTime
 
 # Diffusion times, in units of 1 / (energy per mass), of a continuation on the piece itself, and of one on
 # the coarser stage that comes before for half of the fields: there a larger time costs next to nothing.
@@ -134,7 +135,7 @@ def finish(workspace, column, metric, monitor):
 
 
 def continuation(workspace, lifted, samples, density, random, monitor):
-    """Fields by seeded continuation and crossing, best first.
+    """Fields by seeded continuation and crossing, best first, and whether time ran out on the way.
 
     Parameters
     ----------
@@ -149,23 +150,26 @@ def continuation(workspace, lifted, samples, density, random, monitor):
     metric = monitor.during(partial(workspace.candidate_metric, SHIFT * density))
     directions = random_directions(workspace.piece, lifted.shape[1], samples, random)
     seeds = projections(stage, lifted, directions, FRESH, monitor)
-    if len(workspace.stages) > 1 and len(workspace.stages[1].row_mass) >= SMALLEST_EXPLORED * workspace.piece.block:
-        seeds = np.hstack([seeds, _coarse_fields(workspace, lifted, directions, density, monitor)])
-    found = seeds[:, :0]
-    best = np.inf
-    for round_number in range(1 + MOST_ROUNDS):
-        carried = [found]
-        for batch in np.array_split(seeds, -(-seeds.shape[1] // _batch(stage)), axis=1):
-            settled = diffuse(stage, batch, TIMES / density, STEPS, monitor)
-            carried.append(polish(stage, settled, metric, monitor, SHORT_STEPS))
-        found = distinct_columns(stage, np.hstack(carried))[:, :KEPT]
-        value = energies(stage, found[:, :1])[0]
-        if found.shape[1] == 1 or (round_number >= FEWEST_ROUNDS and value > (1 - GAIN) * best):
-            break
-        best = value
-        seeds = crossings(workspace, found, density, CROSSINGS, monitor)
-    finalists = polish(stage, found[:, :FINALISTS], metric, monitor)
-    return distinct_columns(stage, np.hstack([finalists, found[:, FINALISTS:]]))
+    found = seeds[:, :1]
+    try:
+        if len(workspace.stages) > 1 and len(workspace.stages[1].row_mass) >= SMALLEST_EXPLORED * workspace.piece.block:
+            seeds = np.hstack([seeds, _coarse_fields(workspace, lifted, directions, density, monitor)])
+        best = np.inf
+        for round_number in range(1 + MOST_ROUNDS):
+            carried = [found]
+            for batch in np.array_split(seeds, -(-seeds.shape[1] // _batch(stage)), axis=1):
+                settled = diffuse(stage, batch, TIMES / density, STEPS, monitor)
+                carried.append(polish(stage, settled, metric, monitor, SHORT_STEPS))
+            found = distinct_columns(stage, np.hstack(carried))[:, :KEPT]
+            value = energies(stage, found[:, :1])[0]
+            if found.shape[1] == 1 or (round_number >= FEWEST_ROUNDS and value > (1 - GAIN) * best):
+                break
+            best = value
+            seeds = crossings(workspace, found, density, CROSSINGS, monitor)
+        finalists = polish(stage, found[:, :FINALISTS], metric, monitor)
+    except OutOfTime:
+        return found, True
+    return distinct_columns(stage, np.hstack([finalists, found[:, FINALISTS:]])), False
 
 
 def _coarse_fields(workspace, lifted, directions, density, monitor):

@@ -158,27 +158,26 @@ def _solve_by_method(piece, options, monitor, clock, start):
 
 
 def _finished(piece, columns, **quality):
-    return _PieceResult(rounding.ground_to_one(piece, _fill_zeros(piece, columns)), **quality)
+    fields = candidates(piece.block, piece.is_circle).normalize(columns.astype(piece.matrix.dtype))
+    return _PieceResult(rounding.ground_to_one(piece, _fill_zeros(piece, fields)), **quality)
 
 
 def _solve_spectral(piece, options, monitor, clock):
     with clock("relax"):
         monitor.at("spectral relaxation", 0.0)
         eigenvalue, vector = smallest_eigenpair(piece, options.seed)
-        column = candidates(piece.block, piece.is_circle).normalize(vector[:, None])
     bound = eigenvalue * piece.mass.sum()
     return _finished(
-        piece, column, bound=bound, spectral_bound=bound, certificate="estimated", status=Status.UNCERTIFIED
+        piece, vector[:, None], bound=bound, spectral_bound=bound, certificate="estimated", status=Status.UNCERTIFIED
     )
 
 
 def _fill_zeros(piece, columns):
-    """Where a field vanishes any phase is as good: 1."""
-    blocks = columns.reshape(piece.node_count, piece.block, -1)
-    empty = np.abs(blocks).max(axis=1) < 1e-3
-    columns = columns.copy()
-    columns.reshape(blocks.shape)[:, 0][empty] = 1.0
-    return columns
+    """Unit vectors with 1 where a field vanishes: any phase is as good there."""
+    blocks = columns.reshape(piece.node_count, piece.block, -1).copy()
+    empty = (np.abs(blocks) ** 2).sum(axis=1) < 0.5
+    blocks[:, 0][empty] = 1.0
+    return blocks.reshape(columns.shape)
 
 
 def _solve_diffusion(workspace, options, monitor, clock):
@@ -248,7 +247,9 @@ def _round(workspace, relaxation, options, monitor, start):
             monitor.at("continuation", 0.4)
             energy = float(piece.energy(by_svd)[0])
             if relative_gap(energy, relaxation.lower_bound, piece.noise) > NEARLY_TIGHT:
-                columns = rounding.continuation(workspace, lifted, options.samples, density, random, monitor)
+                columns, timed_out = rounding.continuation(workspace, lifted, options.samples, density, random, monitor)
+                if timed_out:
+                    return columns, True
         monitor.at("polish", 0.9)
         metric = workspace.candidate_metric(rounding.SHIFT * density)
         finished = rounding.finish(workspace, columns[:, :1], metric, monitor)
