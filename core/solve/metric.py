@@ -24,6 +24,8 @@ STAGNATION = 0.7
 # before and after is faster in all than Chebyshev polynomials of degree 2 or 3, which save few steps.
 SMOOTHED_PART = 0.3
 POWER_STEPS = 10
+# A hub (ground, leader of a merged group) is a row with this many times the entries of the mean one.
+HUB = 10
 SAFETY = 1.1
 
 
@@ -31,11 +33,13 @@ SAFETY = 1.1
 class Level:
     """One level of a hierarchy: single precision matrix, (N,) mass of each row, prolongation from the next.
 
-    ``largest`` bounds the spectrum of D^-1 matrix; ``prolongation`` is None on the smallest level.
+    ``ground`` is the node whose block may be singular, or None; ``largest`` bounds the spectrum of D^-1 matrix;
+    ``prolongation`` is None on the smallest level.
     """
 
     matrix: csr_matrix
     row_mass: np.ndarray
+    ground: int | None
     largest: float
     prolongation: csr_matrix | None
 
@@ -63,9 +67,9 @@ class Hierarchy:
             if matrix.shape[0] > SMALLEST_LEVEL * block:
                 tentative, coarse_ground = aggregates(matrix, block, ground, random)
                 if tentative.shape[1] <= STAGNATION * matrix.shape[0]:
-                    smoother = diags_array((4 / 3 / largest * inverse_diagonal).astype(np.float32))
+                    smoother = diags_array(_smoothing_weights(matrix, 4 / 3 / largest * inverse_diagonal))
                     prolongation = (tentative - smoother @ (matrix @ tentative)).tocsr()
-            self.levels.append(Level(matrix, row_mass, largest, prolongation))
+            self.levels.append(Level(matrix, row_mass, ground, largest, prolongation))
             if prolongation is None:
                 return
             matrix = (prolongation.conj().T.tocsr() @ (matrix @ prolongation)).tocsr()
@@ -76,6 +80,12 @@ class Hierarchy:
     def complexity(self):
         """Stored entries of all levels over those of the first."""
         return sum(level.matrix.nnz for level in self.levels) / self.levels[0].matrix.nnz
+
+
+def _smoothing_weights(matrix, weights):
+    """(N,) weights of the prolongation's Jacobi step: none at hubs, which would join all aggregates beside them."""
+    lengths = np.diff(matrix.indptr)
+    return np.where(lengths > HUB * lengths.mean(), 0, weights).astype(np.float32)
 
 
 def _coarse_mass(tentative, row_mass):

@@ -22,7 +22,7 @@ COARSE_TIMES = 0.7 ** np.arange(6)
 STEPS = 3
 # Projections that are carried: from the piece itself, and on the coarser stage, of which the best go on.
 FRESH, COARSE_TRIED, COARSE = 8, 16, 6
-# Nodes that a coarser stage must have to be worth looking at.
+# Nodes that the coarser stage must have. It serves for variety alone: defects cost too little on it.
 SMALLEST_EXPLORED = 100
 # Rounds of crossing: fields that are kept and crossed in pairs, crossings that go on, rounds at least and at most, and
 # the relative gain below which they end.
@@ -44,10 +44,10 @@ LARGEST_BATCH, SMALLEST_BATCH = 1_000_000, 2
 SHIFT = 1.0
 
 
-def random_directions(piece, rank, count, random):
+def random_directions(is_complex, rank, count, random):
     """(r, count + 1) directions: the dominant singular one, and Gaussian ones."""
     directions = random.standard_normal((rank, count))
-    if piece.is_complex:
+    if is_complex:
         directions = directions + 1j * random.standard_normal((rank, count))
     return np.hstack([np.eye(rank)[:, :1], directions])
 
@@ -63,16 +63,16 @@ def projections(stage, lifted, directions, count, monitor):
     return _best_of(stage, project, directions.shape[1], count, monitor)
 
 
-def crossings(workspace, columns, density, count, monitor):
+def crossings(stage, columns, density, count, monitor):
     """The best ``count`` of all pairs of columns joined, each region mostly from the one whose energy is lower there.
 
     The pair is first turned to agree as well as it can. Local energies are compared after diffusion, so
     that a region holds a few defects.
     """
-    stage, block = workspace.stages[0], workspace.piece.block
+    block = stage.block
     local = np.real(columns.conj() * (stage.matrix @ columns))
     local = local.reshape(-1, block, columns.shape[1]).sum(axis=1)
-    smooth = workspace.smoothing(density / CROSSING_TIME).solve(local)
+    smooth = stage.smoothing(density / CROSSING_TIME).solve(local)
     pairs = np.transpose(np.triu_indices(columns.shape[1], 1))
 
     def cross(numbers):
@@ -134,47 +134,44 @@ def finish(workspace, column, metric, monitor):
     return descend(workspace.matrix, spheres, column, metric, FINAL_TOLERANCE, FINAL_STEPS, monitor).point
 
 
-def continuation(workspace, lifted, samples, density, random, monitor):
+def continuation(stages, lifted, samples, density, random, monitor):
     """Fields by seeded continuation and crossing, best first, and whether time ran out on the way.
 
     Parameters
     ----------
-    workspace : Workspace
+    stages : list of Stage, the piece itself first
     lifted : (N, r) solution of the relaxation, in principal columns
     samples : random projections tried
     density : energy per mass of the relaxation, positive
     random : numpy Generator
     monitor : Monitor
     """
-    stage = workspace.stages[0]
-    metric = monitor.during(partial(workspace.candidate_metric, SHIFT * density))
-    directions = random_directions(workspace.piece, lifted.shape[1], samples, random)
+    stage = stages[0]
+    metric = monitor.during(partial(stage.candidate_metric, SHIFT * density))
+    directions = random_directions(stage.is_complex, lifted.shape[1], samples, random)
     seeds = projections(stage, lifted, directions, FRESH, monitor)
-    found = seeds[:, :1]
+    found, best = seeds[:, :1], np.inf
     try:
-        if len(workspace.stages) > 1 and len(workspace.stages[1].row_mass) >= SMALLEST_EXPLORED * workspace.piece.block:
-            seeds = np.hstack([seeds, _coarse_fields(workspace, lifted, directions, density, monitor)])
-        best = np.inf
+        if len(stages) > 1 and stages[1].node_count >= SMALLEST_EXPLORED:
+            seeds = np.hstack([seeds, _coarse_fields(stage, stages[1], lifted, directions, density, monitor)])
         for round_number in range(1 + MOST_ROUNDS):
-            carried = [found]
             for batch in np.array_split(seeds, -(-seeds.shape[1] // _batch(stage)), axis=1):
                 settled = diffuse(stage, batch, TIMES / density, STEPS, monitor)
-                carried.append(polish(stage, settled, metric, monitor, SHORT_STEPS))
-            found = distinct_columns(stage, np.hstack(carried))[:, :KEPT]
+                settled = polish(stage, settled, metric, monitor, SHORT_STEPS)
+                found = distinct_columns(stage, np.hstack([found, settled]))[:, :KEPT]
             value = energies(stage, found[:, :1])[0]
             if found.shape[1] == 1 or (round_number >= FEWEST_ROUNDS and value > (1 - GAIN) * best):
                 break
             best = value
-            seeds = crossings(workspace, found, density, CROSSINGS, monitor)
+            seeds = crossings(stage, found, density, CROSSINGS, monitor)
         finalists = polish(stage, found[:, :FINALISTS], metric, monitor)
     except OutOfTime:
         return found, True
     return distinct_columns(stage, np.hstack([finalists, found[:, FINALISTS:]])), False
 
 
-def _coarse_fields(workspace, lifted, directions, density, monitor):
+def _coarse_fields(stage, coarse, lifted, directions, density, monitor):
     """Fields that went through the larger diffusion times on the coarser stage."""
-    stage, coarse = workspace.stages[:2]
     restricted = coarse.lifted.normalize(coarse.restrict(lifted.astype(stage.matrix.dtype)))
     columns = projections(coarse, restricted, directions, COARSE_TRIED, monitor)
     columns = diffuse(coarse, columns, COARSE_TIMES / density, STEPS, monitor)

@@ -193,7 +193,7 @@ def _solve_diffusion(workspace, options, monitor, clock):
         columns = diffuse(stage, columns, times, DIFFUSION_STEPS, monitor, tolerance=1e-2)
     with clock("round"):
         monitor.at("polish", 0.8)
-        metric = workspace.candidate_metric(eigenvalue)
+        metric = stage.candidate_metric(eigenvalue)
         columns = rounding.polish(stage, columns, metric, monitor)
         columns = np.hstack([rounding.finish(workspace, columns[:, :1], metric, monitor), columns[:, 1:]])
     return _finished(
@@ -239,7 +239,7 @@ def _round(workspace, relaxation, options, monitor, start):
     columns = by_svd
     try:
         if options.rounding in ("random", "polish") and start is None:
-            directions = rounding.random_directions(piece, lifted.shape[1], options.samples, random)
+            directions = rounding.random_directions(piece.is_complex, lifted.shape[1], options.samples, random)
             columns = rounding.projections(stage, lifted, directions, rounding.KEPT, monitor).astype(lifted.dtype)
             if options.rounding == "random":
                 return columns, False
@@ -247,11 +247,12 @@ def _round(workspace, relaxation, options, monitor, start):
             monitor.at("continuation", 0.4)
             energy = float(piece.energy(by_svd)[0])
             if relative_gap(energy, relaxation.lower_bound, piece.noise) > NEARLY_TIGHT:
-                columns, timed_out = rounding.continuation(workspace, lifted, options.samples, density, random, monitor)
+                stages = workspace.stages
+                columns, timed_out = rounding.continuation(stages, lifted, options.samples, density, random, monitor)
                 if timed_out:
                     return columns, True
         monitor.at("polish", 0.9)
-        metric = workspace.candidate_metric(rounding.SHIFT * density)
+        metric = stage.candidate_metric(rounding.SHIFT * density)
         finished = rounding.finish(workspace, columns[:, :1], metric, monitor)
         columns = np.hstack([finished, columns[:, 1:]])
     except OutOfTime:

@@ -16,21 +16,48 @@ class Stage:
     ----------
     matrix : SharedRows, single precision
     row_mass : (N,)
+    block, is_complex : as in Piece
     lifted, candidates : the spheres of a lifted field, and of fields in columns
     """
 
     def __init__(self, piece, hierarchy, depth):
-        level = hierarchy.levels[depth]
         self._hierarchy, self._depth = hierarchy, depth
+        self._level = hierarchy.levels[depth]
         self._smallest_shift = SMALLEST_SHIFT * piece.stiffness
-        self.matrix = SharedRows(level.matrix)
-        self.row_mass = level.row_mass
+        self.matrix = SharedRows(self._level.matrix)
+        self.row_mass = self._level.row_mass
+        self.block, self.is_complex, self._is_circle = piece.block, piece.is_complex, piece.is_circle
         self.lifted = Lifted(piece.block)
         self.candidates = candidates(piece.block, piece.is_circle)
+
+    @property
+    def node_count(self):
+        return len(self.row_mass) // self.block
 
     def metric(self, shift):
         """L + shift M with its inverse."""
         return Metric(self._hierarchy, max(shift, self._smallest_shift), self._depth)
+
+    @cached_property
+    def _graph_hierarchy(self):
+        return Hierarchy(graph_laplacian(self._level.matrix, self.block), self.row_mass[:: self.block], 1)
+
+    @cached_property
+    def _turning_hierarchy(self):
+        if self.block == 1:
+            return self._graph_hierarchy
+        laplacian = turning_laplacian(self._level.matrix, self.block, self._level.ground)
+        return Hierarchy(laplacian, self.row_mass[:: self.block], 1)
+
+    def candidate_metric(self, shift):
+        """The metric in which candidates descend: of turns on the circle, otherwise of vectors."""
+        if not self._is_circle:
+            return self.metric(shift)
+        return Metric(self._turning_hierarchy, max(shift, self._smallest_shift))
+
+    def smoothing(self, shift):
+        """G + shift M for values on the nodes, with its inverse; G is the Laplacian of the graph."""
+        return Metric(self._graph_hierarchy, max(shift, self._smallest_shift))
 
     def prolong(self, fields):
         """Fields of this stage on the next finer one, not normalized."""
@@ -56,24 +83,3 @@ class Workspace:
         self.matrix = SharedRows(piece.matrix)
         hierarchy = Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground)
         self.stages = [Stage(piece, hierarchy, depth) for depth in range(len(hierarchy.levels))]
-
-    @cached_property
-    def _graph_hierarchy(self):
-        return Hierarchy(graph_laplacian(self.piece.matrix, self.piece.block), self.piece.mass, 1)
-
-    @cached_property
-    def _turning_hierarchy(self):
-        piece = self.piece
-        if piece.block == 1:
-            return self._graph_hierarchy
-        return Hierarchy(turning_laplacian(piece.matrix, piece.block, piece.ground), piece.mass, 1)
-
-    def candidate_metric(self, shift):
-        """The metric in which candidates descend: of turns on the circle, otherwise of vectors."""
-        if not self.piece.is_circle:
-            return self.stages[0].metric(shift)
-        return Metric(self._turning_hierarchy, max(shift, SMALLEST_SHIFT * self.piece.stiffness))
-
-    def smoothing(self, shift):
-        """(G + shift M) for values on the nodes, with its inverse; G is the Laplacian of the graph."""
-        return Metric(self._graph_hierarchy, max(shift, SMALLEST_SHIFT * self.piece.stiffness))

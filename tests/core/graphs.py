@@ -9,7 +9,7 @@ import pytest
 from scipy.linalg import LinAlgError, eigh
 
 from synch_fields.core.connection import Connection, circle_transports
-from synch_fields.core.fields.directions import direction_field, direction_problem
+from synch_fields.core.fields.directions import direction_field, direction_problem, given_directions
 from synch_fields.core.fields.stripes import stripe_problem
 from synch_fields.core.problem import Merged, SynchronizationProblem, Targets
 
@@ -221,6 +221,16 @@ def _longest_step(point, move):
 def stripes_on(mesh, symmetry, stripes):
     field = direction_field(mesh, symmetry)
     return stripe_problem(mesh, field, np.linalg.norm(np.ptp(mesh.vertices, axis=0)) / stripes)
+
+
+def half_turned_stripes(mesh, spacing):
+    """Stripes along lines that come back turned by half a turn around the z axis: no gauge removes their flips."""
+    x, y, _ = mesh.vertices.T
+    angle = np.arctan2(y, x)
+    around = np.column_stack([-np.sin(angle), np.cos(angle), np.zeros_like(angle)])
+    across = np.cross(mesh.vertex_normals, around)
+    vectors = np.cos(angle / 2)[:, None] * around + np.sin(angle / 2)[:, None] * across
+    return stripe_problem(mesh, given_directions(mesh, 2, vectors), spacing)
 
 
 def fixed_rotations():

@@ -108,6 +108,18 @@ def torus(large=1.0, small=0.4, around=24, across=12, split="alternate"):
     return TriangleMesh(torus_points(large, small, around, across), split_quads(quads, split))
 
 
+def bumpy_torus(across):
+    """A torus whose tube swells and shrinks: the same surface at any fineness, 3 across^2 vertices."""
+    around = 3 * across
+    u, v = np.meshgrid(np.arange(around) * 2 * np.pi / around, np.arange(across) * 2 * np.pi / across, indexing="ij")
+    small = 0.4 * (1 + 0.25 * np.sin(3 * u) * np.cos(2 * v))
+    reach = 1 + small * np.cos(v)
+    points = np.stack([reach * np.cos(u), reach * np.sin(u), small * np.sin(v)], axis=-1)
+    return TriangleMesh(
+        points.reshape(-1, 3), split_quads(grid_quads(around, across, wrap_columns=True, wrap_rows=True))
+    )
+
+
 def voxel_quads(cells):
     """Vertices and outward quads of the surface of a set of unit cubes."""
     cells = {tuple(c) for c in cells}

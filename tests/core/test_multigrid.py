@@ -1,0 +1,466 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The covariant multigrid: what its aggregates carry, its cycle against dense matrices, and its convergence factor."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.sparse import block_diag, bsr_matrix, diags_array
+from scipy.sparse.csgraph import dijkstra
+from scipy.sparse.linalg import eigsh
+
+from synch_fields.core.connection import Connection, circle_transports
+from synch_fields.core.fields.directions import DirectionWishes, direction_problem
+from synch_fields.core.problem import Merged, Piece, SynchronizationProblem, Targets
+from synch_fields.core.solve import metric as metric_module
+from synch_fields.core.solve.coarsening import StrongGraph, aggregates, graph_laplacian, turning_laplacian
+from synch_fields.core.solve.metric import Hierarchy, Metric
+
+from .graphs import half_turned_stripes, random_edges, random_transports
+from .meshes import bent_square, bumpy_torus, cube, cylinder, slivers, subdivided, torus
+
+GROUPS = ("circle", "flips", "signs", "rotations")
+
+
+def random_units(group, count, random):
+    """A unit number or orthogonal matrix for each node."""
+    if group == "flips":
+        return circle_transports(random.uniform(-np.pi, np.pi, count), random.random(count) < 0.5)
+    return random_transports(group, count, random)
+
+
+def adjoint(units):
+    return units.conj() if units.ndim == 1 else units.transpose(0, 2, 1)
+
+
+def multiply(first, second):
+    return first * second if first.ndim == 1 else first @ second
+
+
+def node_blocks(matrix, block):
+    """(n, d, d) blocks of a matrix with one block in each block row."""
+    return bsr_matrix(matrix, blocksize=(block, block)).data
+
+
+def diagonal_of(units):
+    """The sparse matrix that multiplies every node's rows by its unit."""
+    return diags_array(units).tocsr() if units.ndim == 1 else block_diag(list(units), format="csr")
+
+
+def laplacian(connection):
+    """sum of w |x_j - g x_i|^2 as a sparse matrix in the coordinates of the transports, whatever they are."""
+    blocks = connection.transports.reshape(-1, connection.block, connection.block)
+    ends = np.stack([np.broadcast_to(np.eye(connection.block), blocks.shape), -blocks], axis=1)
+    ends = ends * np.sqrt(connection.weights)[:, None, None, None]
+    starts, columns = 2 * np.arange(len(blocks) + 1), connection.edges[:, ::-1].ravel()
+    shape = (len(blocks) * connection.block, connection.node_count * connection.block)
+    factor = bsr_matrix((ends.reshape(-1, *blocks.shape[1:]), columns, starts), shape=shape).tocsr()
+    return (factor.conj().T @ factor).tocsr()
+
+
+def random_weights(mesh, transports, random):
+    return Connection(mesh.vertex_count, mesh.edges, random.uniform(0.5, 2, len(mesh.edges)), transports)
+
+
+def random_laplacian(mesh, group, seed):
+    """A Laplacian with random weights and transports, and rows per node."""
+    random = np.random.default_rng(seed)
+    connection = random_weights(mesh, random_units(group, len(mesh.edges), random), random)
+    return laplacian(connection), connection.block
+
+
+def only_piece(problem):
+    (piece,) = problem.pieces
+    return piece
+
+
+def fixed_stripes():
+    """Stripes with flips and a ground in real coordinates."""
+    problem = half_turned_stripes(bumpy_torus(14), 0.5)
+    fixed = Targets(np.array([3, 200, 400]), np.exp(np.array([0.2j, 1j, -2j])))
+    return SynchronizationProblem(problem.connection, problem.mass, fixed=fixed)
+
+
+def merged_directions():
+    """Far nodes that have to agree, up to a turn."""
+    problem = direction_problem(bumpy_torus(14), 4)
+    merged = Merged(np.array([5, 6, 300, 450]), np.array([100, 150, 100, 220]), np.exp(1j * np.arange(4)))
+    return SynchronizationProblem(problem.connection, problem.mass, merged=merged)
+
+
+def drawn_rotations():
+    """Unit vectors in four dimensions, of which many are drawn to one another and to given ones."""
+    mesh, random = bumpy_torus(12), np.random.default_rng(0)
+    transports = random_transports("rotations", len(mesh.edges), random)
+    values = random.standard_normal((90, 4))
+    values /= np.linalg.norm(values, axis=1)[:, None]
+    drawn = Targets(np.arange(90), values, random.uniform(0.01, 1, 90))
+    return SynchronizationProblem(random_weights(mesh, transports, random), drawn=drawn)
+
+
+# Of every kind, with two levels or more and few enough rows for dense linear algebra.
+MULTILEVEL = [
+    pytest.param(lambda: direction_problem(bumpy_torus(14), 1), id="vectors"),
+    pytest.param(lambda: direction_problem(bent_square(22), 4, DirectionWishes(boundary="along")), id="fixed-crosses"),
+    pytest.param(lambda: direction_problem(subdivided(slivers()), 4), id="slivers"),
+    pytest.param(lambda: half_turned_stripes(bumpy_torus(14), 0.4), id="flips"),
+    pytest.param(fixed_stripes, id="fixed-flips"),
+    pytest.param(merged_directions, id="merged"),
+    pytest.param(drawn_rotations, id="drawn-rotations"),
+]
+
+
+# Aggregates
+
+
+@pytest.mark.parametrize("group", GROUPS)
+@pytest.mark.parametrize("build", [lambda: bumpy_torus(10), bent_square, lambda: cube(5)])
+def test_every_node_follows_one_root_at_most_two_edges_away(group, build):
+    mesh = build()
+    matrix, block = random_laplacian(mesh, group, seed=1)
+    tentative, ground = aggregates(matrix, block, None, np.random.default_rng(0))
+    assert ground is None and tentative.dtype == matrix.dtype
+    blocks = bsr_matrix(tentative, blocksize=(block, block))
+    np.testing.assert_array_equal(np.diff(blocks.indptr), 1)
+    label = blocks.indices
+    np.testing.assert_array_equal(np.unique(label), np.arange(tentative.shape[1] // block))
+    np.testing.assert_allclose(
+        blocks.data.conj().transpose(0, 2, 1) @ blocks.data, np.tile(np.eye(block), (len(label), 1, 1)), atol=1e-14
+    )
+    is_root = (blocks.data == np.eye(block)).all(axis=(1, 2))
+    if group != "signs":  # whose units are 1 for half of the nodes
+        np.testing.assert_array_equal(np.bincount(label[is_root]), 1)
+    strong = StrongGraph(matrix, block)
+    graph = diags_array(np.zeros(mesh.vertex_count)).tolil()
+    graph[strong.tails, strong.heads] = 1
+    distances = dijkstra(graph.tocsr(), unweighted=True, indices=np.flatnonzero(is_root))
+    same = label[is_root][:, None] == label
+    assert (np.where(same, distances, np.inf).min(axis=0) <= 2).all()
+    if group != "signs":
+        assert (distances[:, is_root] + 9 * np.eye(is_root.sum()) > 2).all()
+
+
+@pytest.mark.parametrize("group", GROUPS)
+@pytest.mark.parametrize("build", [lambda: bumpy_torus(12), bent_square, lambda: cube(6)])
+def test_aggregates_of_a_flat_connection_carry_its_parallel_field(group, build):
+    mesh, random = build(), np.random.default_rng(3)
+    units = random_units(group, mesh.vertex_count, random)
+    i, j = mesh.edges.T
+    connection = random_weights(mesh, multiply(units[j], adjoint(units[i])), random)
+    matrix, block = laplacian(connection), connection.block
+    tentative, _ = aggregates(matrix, block, None, random)
+    assert tentative.shape[1] < 0.4 * tentative.shape[0]
+    value = random.standard_normal(block)
+    field = units if group == "circle" else (units @ value).ravel()
+    np.testing.assert_allclose(matrix @ field, 0, atol=1e-11)  # it is parallel
+    sizes = np.asarray(abs(tentative).power(2).sum(axis=0)).ravel()
+    coarse = (tentative.conj().T @ field) / sizes
+    np.testing.assert_allclose(tentative @ coarse, field, atol=1e-12)
+    # So it is parallel on the coarse level, which is a flat connection again.
+    coarse_matrix = tentative.conj().T @ matrix @ tentative
+    np.testing.assert_allclose(coarse_matrix @ coarse, 0, atol=1e-10)
+
+
+@pytest.mark.parametrize("build", MULTILEVEL)
+def test_the_ground_stays_alone(build):
+    piece = only_piece(build())
+    tentative, coarse_ground = aggregates(piece.matrix, piece.block, piece.ground, np.random.default_rng(0))
+    if piece.ground is None:
+        assert coarse_ground is None
+        return
+    blocks = bsr_matrix(tentative, blocksize=(piece.block, piece.block))
+    assert blocks.indices[piece.ground] == coarse_ground
+    assert (blocks.indices == coarse_ground).sum() == 1
+    np.testing.assert_array_equal(blocks.data[piece.ground], np.eye(piece.block))
+
+
+@pytest.mark.parametrize("build", MULTILEVEL)
+def test_levels_share_out_the_mass_and_are_galerkin_products(build):
+    piece = only_piece(build())
+    levels = Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground).levels
+    assert len(levels) >= 2 and levels[-1].prolongation is None
+    for finer, coarser in pairwise(levels):
+        assert coarser.row_mass.sum() == pytest.approx(piece.row_mass.sum(), rel=1e-5)
+        assert (coarser.row_mass > 0).all()
+        prolongation = finer.prolongation.toarray().astype(piece.matrix.dtype)
+        expected = prolongation.conj().T @ (finer.matrix.astype(piece.matrix.dtype) @ prolongation)
+        np.testing.assert_allclose(coarser.matrix.toarray(), expected, atol=2e-5 * np.abs(expected).max())
+        scale = diags_array(1 / np.sqrt(finer.matrix.diagonal().real.astype(float)))
+        (largest,) = eigsh((scale @ finer.matrix @ scale).astype(piece.matrix.dtype), k=1, return_eigenvectors=False)
+        # Damped Jacobi smoothing and prolongation converge with this much to spare.
+        assert 0.9 * largest <= finer.largest <= 1.3 * largest
+
+
+# The V-cycle
+
+
+@pytest.mark.parametrize("build", MULTILEVEL)
+@pytest.mark.parametrize("share", [1e-4, 1e-1, 100])
+def test_the_cycle_is_hermitian_positive_and_near_the_inverse(build, share):
+    """With Jacobi before and after, no error grows and none turns over: 0 < spectrum <= 1, but for lumped masses."""
+    piece = only_piece(build())
+    uneven = np.ptp(np.log(piece.matrix.diagonal().real)) > np.log(1000)
+    metric = Metric(
+        Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground), max(share * piece.stiffness, 1e-9)
+    )
+    inverse = metric.solve(np.eye(piece.matrix.shape[0], dtype=piece.matrix.dtype))
+    np.testing.assert_allclose(inverse, inverse.conj().T, atol=3e-6 * np.abs(inverse).max())
+    root = np.linalg.cholesky(piece.matrix.toarray() + metric.shift * np.diag(piece.row_mass))
+    spectrum = np.linalg.eigvalsh(root.conj().T @ inverse @ root)
+    assert spectrum[-1] <= (1.1 if uneven else 1.02)
+    assert spectrum[0] >= 0.15
+
+
+@pytest.mark.parametrize("build", MULTILEVEL)
+def test_from_a_coarse_level_on_it_is_the_inverse_there(build):
+    piece = only_piece(build())
+    hierarchy = Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground)
+    depth = len(hierarchy.levels) - 1
+    level, shift = hierarchy.levels[depth], 0.01 * piece.stiffness
+    matrix = level.matrix.toarray().astype(piece.matrix.dtype) + shift * np.diag(level.row_mass.astype(float))
+    image = Metric(hierarchy, shift, depth).solve(matrix)
+    np.testing.assert_allclose(image, np.eye(len(matrix)), atol=1e-3)
+
+
+def test_solve_keeps_shape_and_dtype_and_columns_apart():
+    for build in (lambda: direction_problem(bumpy_torus(14), 1), fixed_stripes):
+        piece = only_piece(build())
+        metric = Metric(Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground), 0.1)
+        random = np.random.default_rng(0)
+        columns = random.standard_normal((piece.matrix.shape[0], 3)).astype(piece.matrix.dtype)
+        kept = columns.copy()
+        result = metric.solve(columns)
+        assert result.dtype == columns.dtype and result.shape == columns.shape
+        np.testing.assert_array_equal(columns, kept)
+        for k in range(3):
+            alone = metric.solve(columns[:, k])
+            assert alone.shape == (len(columns),)
+            np.testing.assert_allclose(alone, result[:, k], atol=1e-5 * np.abs(alone).max())
+        single = metric.solve(np.asfortranarray(columns.astype(metric.dtype)))
+        assert single.dtype == metric.dtype
+        np.testing.assert_allclose(single, result, atol=1e-5 * np.abs(result).max())
+
+
+@pytest.mark.parametrize("group", GROUPS)
+def test_other_coordinates_give_the_same_cycle_in_them(group, monkeypatch):
+    """Nothing but the random start of the power method knows coordinates; its result is set to a bound."""
+    monkeypatch.setattr(metric_module, "_largest_eigenvalue", lambda matrix, inverse_diagonal, random: 2.0)
+    mesh, random = bumpy_torus(22), np.random.default_rng(5)
+    matrix, block = random_laplacian(mesh, group, seed=6)
+    units = random_units(group, mesh.vertex_count, random)
+    turn = diagonal_of(units)
+    turned = (turn @ matrix @ turn.conj().T).tocsr()
+    mass = np.repeat(random.uniform(0.5, 2, mesh.vertex_count), block)
+    here, there = Hierarchy(matrix, mass, block), Hierarchy(turned, mass, block)
+    assert [level.matrix.shape for level in here.levels] == [level.matrix.shape for level in there.levels]
+    assert len(here.levels) >= 2
+    columns = random.standard_normal((matrix.shape[0], 4)).astype(matrix.dtype)
+    for shift in (1e-3, 1.0):
+        expected = turn @ Metric(here, shift).solve(columns)
+        result = Metric(there, shift).solve(turn @ columns)
+        np.testing.assert_allclose(result, expected, atol=1e-5 * np.abs(expected).max())
+
+
+# The convergence factor
+
+
+def gradient_iterations(piece, metric, tolerance=1e-6, most=100):
+    """Steps of preconditioned conjugate gradients for a random right-hand side, in double precision."""
+    random = np.random.default_rng(0)
+    residual = random.standard_normal(piece.matrix.shape[0]).astype(piece.matrix.dtype)
+    residual[piece.unused_rows] = 0
+    enough = tolerance * np.linalg.norm(residual)
+    direction, size = np.zeros_like(residual), np.inf
+    for step in range(1, most):
+        steepest = metric.solve(residual)
+        new_size = np.vdot(steepest, residual).real
+        direction = steepest + new_size / size * direction
+        size = new_size
+        image = piece.matrix @ direction + metric.shift * piece.row_mass * direction
+        residual = residual - size / np.vdot(direction, image).real * image
+        if np.linalg.norm(residual) <= enough:
+            return step
+    return most
+
+
+def crosses_along_the_rims(across):
+    return direction_problem(cylinder(segments=3 * across, rows=across), 4, DirectionWishes(boundary="along"))
+
+
+@pytest.mark.parametrize(
+    ("build", "block"),
+    [
+        pytest.param(lambda across: direction_problem(bumpy_torus(across), 1), 1, id="vectors"),
+        pytest.param(lambda across: direction_problem(bumpy_torus(across), 4), 1, id="crosses"),
+        pytest.param(lambda across: half_turned_stripes(bumpy_torus(across), 0.35), 2, id="stripes-with-flips"),
+        pytest.param(crosses_along_the_rims, 1, id="crosses-along-the-rims"),
+    ],
+)
+def test_iterations_hardly_grow_as_a_mesh_is_refined(build, block):
+    iterations = []
+    for across in (26, 52, 104):
+        piece = only_piece(build(across))
+        assert piece.block == block and piece.node_count > 2.8 * across**2
+        metric = Metric(Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground), 0.05)
+        iterations.append(gradient_iterations(piece, metric))
+    assert max(iterations) <= 20
+    assert iterations[2] < 1.5 * iterations[0]
+
+
+@pytest.mark.parametrize("build", MULTILEVEL)
+def test_few_iterations_on_every_kind(build):
+    piece = only_piece(build())
+    metric = Metric(Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground), 1e-4 * piece.stiffness)
+    assert gradient_iterations(piece, metric) <= 20
+
+
+@pytest.mark.parametrize(
+    "build",
+    [
+        lambda: direction_problem(bumpy_torus(52), 1),
+        lambda: half_turned_stripes(bumpy_torus(52), 0.35),
+        lambda: SynchronizationProblem(
+            random_weights(torus(around=160, across=60), np.ones(28800, complex), np.random.default_rng(0))
+        ),
+    ],
+)
+def test_coarse_levels_together_are_smaller_than_the_finest(build):
+    piece = only_piece(build())
+    hierarchy = Hierarchy(piece.matrix, piece.row_mass, piece.block)
+    assert len(hierarchy.levels) == 3
+    assert hierarchy.complexity == sum(level.matrix.nnz for level in hierarchy.levels) / piece.matrix.nnz < 1.6
+
+
+def guided_crosses(across):
+    return direction_problem(bumpy_torus(across), 4, DirectionWishes(guidance="curvature-max"))
+
+
+def crosses_led_by_one_node(across):
+    problem = direction_problem(bumpy_torus(across), 4)
+    nodes = np.arange(0, len(problem.mass), 8)
+    return SynchronizationProblem(
+        problem.connection,
+        problem.mass,
+        merged=Merged(nodes[1:], np.zeros(len(nodes) - 1, int), np.ones(len(nodes) - 1, complex)),
+    )
+
+
+@pytest.mark.parametrize("build", [guided_crosses, crosses_led_by_one_node, crosses_along_the_rims])
+def test_a_node_with_many_neighbours_does_not_fill_the_coarse_levels(build):
+    """The ground of soft wishes has every node beside it, the leader of a merged group many."""
+    piece = only_piece(build(26))
+    assert np.diff(piece.matrix.indptr).max() > 100
+    assert Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground).complexity < 1.6
+    assert Hierarchy(graph_laplacian(piece.matrix, piece.block), piece.mass, 1).complexity < 1.6
+
+
+@pytest.mark.parametrize("make", [graph_laplacian, turning_laplacian])
+def test_turns_and_values_on_nodes_are_solved_as_fast(make):
+    """Real Laplacians: the turning one of an unbalanced graph has negative links, and no null space."""
+    iterations = []
+    for across in (26, 52):
+        piece = only_piece(half_turned_stripes(bumpy_torus(across), 0.35))
+        matrix = make(piece.matrix, piece.block)
+        nodes = Piece(
+            matrix, matrix, piece.mass, block=1, is_complex=False, ground=None, rows=np.arange(len(piece.mass))
+        )
+        iterations.append(gradient_iterations(nodes, Metric(Hierarchy(matrix, piece.mass, 1), 0.05)))
+    assert max(iterations) <= 20 and iterations[1] < 1.3 * iterations[0]
+
+
+# The Laplacians of the nodes
+
+
+def simple_edges(nodes, extra, random):
+    """Random connected edges, no pair joined twice."""
+    return np.unique(np.sort(random_edges(nodes, extra, random), axis=1), axis=0)
+
+
+@pytest.mark.parametrize("group", GROUPS)
+def test_the_graph_laplacian_forgets_the_transports(group):
+    random = np.random.default_rng(2)
+    edges = simple_edges(12, 20, random)
+    connection = Connection(12, edges, random.uniform(0.2, 2, len(edges)), random_units(group, len(edges), random))
+    expected = np.zeros((12, 12))
+    for (i, j), weight in zip(edges, connection.weights, strict=True):
+        expected[[i, j], [i, j]] += weight
+        expected[[i, j], [j, i]] -= weight
+    result = graph_laplacian(laplacian(connection), connection.block)
+    np.testing.assert_allclose(result.toarray(), expected, atol=1e-12)
+
+
+def agreeing(flip_share, seed, nodes=9):
+    """A connection that angles fit perfectly: conjugate before turning where it flips."""
+    random = np.random.default_rng(seed)
+    edges = simple_edges(nodes, 12, random)
+    angles = random.uniform(-np.pi, np.pi, nodes)
+    flips = random.random(len(edges)) < flip_share
+    i, j = edges.T
+    transports = circle_transports(angles[j] - np.where(flips, -1, 1) * angles[i], flips)
+    return Connection(nodes, edges, random.uniform(0.2, 2, len(edges)), transports), angles
+
+
+def hessian(energy, angles, step=1e-3):
+    """Second differences of a function of angles."""
+    shifts = step * np.eye(len(angles))
+    return np.array(
+        [
+            [
+                sum(s * t * energy(angles + s * a + t * b) for s in (1, -1) for t in (1, -1)) / (4 * step**2)
+                for b in shifts
+            ]
+            for a in shifts
+        ]
+    )
+
+
+@pytest.mark.parametrize("flip_share", [0.0, 0.5])
+@pytest.mark.parametrize("seed", range(3))
+def test_the_turning_laplacian_is_half_the_hessian_in_angles(flip_share, seed):
+    connection, angles = agreeing(flip_share, seed)
+    problem = SynchronizationProblem(connection)
+    assert connection.energy(np.exp(1j * angles)) < 1e-25
+    assert problem.is_complex == (flip_share == 0)  # these flips are unbalanced
+    piece = only_piece(problem)
+    expected = hessian(lambda a: connection.energy(np.exp(1j * a)), angles) / 2
+    result = turning_laplacian(piece.matrix, piece.block).toarray()
+    np.testing.assert_allclose(result, expected, atol=2e-6)
+
+
+def test_turns_of_nodes_that_a_gauge_turns_over_count_with_the_other_sign():
+    random = np.random.default_rng(1)
+    edges = simple_edges(9, 12, random)
+    sheets, angles = random.random(9) < 0.5, random.uniform(-np.pi, np.pi, 9)
+    flips = sheets[edges[:, 0]] != sheets[edges[:, 1]]
+    transports = circle_transports(angles[edges[:, 1]] - np.where(flips, -1, 1) * angles[edges[:, 0]], flips)
+    problem = SynchronizationProblem(Connection(9, edges, random.uniform(0.2, 2, len(edges)), transports))
+    assert problem.is_complex and problem.turned.any()
+    sign = np.where(problem.turned, -1, 1)
+    expected = hessian(lambda a: problem.energy(np.exp(1j * a)), angles) / 2
+    result = turning_laplacian(only_piece(problem).matrix, 1).toarray()
+    np.testing.assert_allclose(result * np.outer(sign, sign), expected, atol=2e-6)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_ground_in_real_coordinates_does_not_turn(seed):
+    """The other nodes' turns cost what they cost beside fixed and drawn ones; the ground's row stands alone."""
+    connection, angles = agreeing(0.5, seed)
+    phases = np.exp(1j * angles)
+    fixed, wished = np.array([1, 4]), np.array([0, 4 + seed, 8])
+    wished = np.setdiff1d(wished, fixed)
+    drawn = Targets(wished, phases[wished], np.array([0.7, 1.3, 0.4])[: len(wished)])
+    problem = SynchronizationProblem(connection, fixed=Targets(fixed, phases[fixed]), drawn=drawn)
+    piece = only_piece(problem)
+    assert piece.block == 2 and piece.ground == piece.node_count - 1
+    free = np.setdiff1d(np.arange(9), fixed)
+
+    def energy(turned):
+        everything = angles.copy()
+        everything[free] = turned
+        return problem.energy(np.exp(1j * everything))
+
+    assert energy(angles[free]) < 1e-25
+    result = turning_laplacian(piece.matrix, piece.block, piece.ground).toarray()
+    np.testing.assert_allclose(result[:-1, :-1], hessian(energy, angles[free]) / 2, atol=2e-6)
+    assert not result[-1, :-1].any() and not result[:-1, -1].any() and result[-1, -1] > 0
