@@ -51,7 +51,7 @@ def solve(problem, options=None, callback=None, start=None):
     start : phases of a nearby problem on the same nodes, optional
         The result is then the local optimum that descent reaches from them, so that it stays near: the next frame
         of an animation, a changed spacing, one more constraint. A Solution may be given as well, whose
-        lifted field then starts the relaxation.
+        lifted field then starts the relaxation. With the rounding "svd" or "random" only that counts.
 
     Returns
     -------
@@ -60,7 +60,7 @@ def solve(problem, options=None, callback=None, start=None):
     Raises
     ------
     SettingError
-        for an option out of range, or a start of another size
+        for an option out of range, or a start that does not fit
     Cancelled
         when the callback says so; nothing has been changed
     """
@@ -85,6 +85,10 @@ def _solve(problem, options, callback, start):
     return _combine(problem, pieces, results, options, clock.seconds)
 
 
+def _as_phases(problem, values):
+    return np.asarray(values, complex if problem.is_circle else float)
+
+
 @dataclass(frozen=True)
 class _Start:
     """Coordinates and lifted field to start from, in the rows of the problem or of one piece."""
@@ -97,11 +101,11 @@ class _Start:
         if start is None:
             return cls()
         if not isinstance(start, Solution):
-            return cls(problem.coordinates(np.asarray(start))[:, None])
+            return cls(problem.coordinates(_as_phases(problem, start))[:, None])
         lifted = start.lifted
         if lifted is not None and lifted.shape[0] != problem.factor.shape[1]:
             lifted = None
-        return cls(problem.coordinates(start.phases)[:, None], lifted)
+        return cls(problem.coordinates(_as_phases(problem, start.phases))[:, None], lifted)
 
     def on(self, piece):
         """The part of one piece."""
@@ -123,11 +127,20 @@ def _check(options, problem, start):
     if options.time_limit is not None and not options.time_limit > 0:
         raise SettingError(f"the time limit is {options.time_limit:g} s: give a positive number of seconds")
     if start is not None:
-        count = len(start.phases if isinstance(start, Solution) else start)
-        if count != problem.connection.node_count:
-            raise SettingError(
-                f"the start has {count} phases and the problem {problem.connection.node_count} nodes: give one a node"
-            )
+        _check_start(problem, start, options)
+
+
+def _check_start(problem, start, options):
+    if options.method != "sdp":
+        raise SettingError(f"a start is given to method {options.method!r}, which has no use for it: take 'sdp'")
+    phases = np.asarray(start.phases if isinstance(start, Solution) else start)
+    count, block = problem.connection.node_count, problem.connection.block
+    shape = (count,) if problem.is_circle else (count, block)
+    if phases.shape != shape:
+        raise SettingError(f"the start has the shape {phases.shape} and the problem {shape}: give one phase a node")
+    if not np.isfinite(phases).all():
+        node = np.flatnonzero(~np.isfinite(phases).reshape(count, -1).all(axis=1))[0]
+        raise SettingError(f"the start is not a number at node {node}: give finite phases")
 
 
 def _solve_piece(piece, options, monitor, clock, start):
@@ -231,6 +244,7 @@ def _solve_sdp(workspace, options, monitor, clock, start):
 def _round(workspace, relaxation, options, monitor, start):
     """Candidates as columns, best first, and whether time ran out before they were finished."""
     piece, stage, lifted = workspace.piece, workspace.stages[0], relaxation.lifted
+    start = start if options.rounding in ("polish", "continuation") else None
     by_svd = stage.candidates.normalize(lifted[:, :1]) if start is None else start
     if options.rounding == "svd" or relaxation.out_of_time:
         return by_svd, relaxation.out_of_time
