@@ -76,14 +76,25 @@ class Piece:
         return np.repeat(self.mass, self.block)
 
     @cached_property
+    def total_weight(self):
+        """Sum of the matrix's diagonal, without the ground's unused rows."""
+        diagonal = np.abs(self.matrix.diagonal())
+        return float(diagonal.sum() - diagonal[self.unused_rows].sum())
+
+    @property
     def stiffness(self):
         """Mean diagonal of the matrix per mass: an upper scale for eigenvalues, times and shifts."""
-        return float(np.abs(self.matrix.diagonal()).sum() / self.row_mass.sum())
+        return self.total_weight / float(self.row_mass.sum())
 
     @property
     def noise(self):
-        """Energy that rounding alone can cause: what lies below it counts as a perfect fit."""
-        return 1e-13 * float(np.abs(self.matrix.diagonal()).sum())
+        """What rounding alone makes of the quadratic form <x, L x>: below it only sums of squares tell energies."""
+        return 1e-13 * self.total_weight
+
+    @property
+    def perfect(self):
+        """Energy, as a sum of squares, below which the fit counts as perfect."""
+        return 1e-18 * self.total_weight
 
     @property
     def unused_rows(self):
@@ -282,7 +293,7 @@ class SynchronizationProblem:
             unused = ground * block + np.arange(1, block)
             # Rows of the ground beyond its first are zero at every optimum if they cost this much.
             penalty = np.zeros(len(rows))
-            penalty[unused] = 2 * abs(matrix[ground * block, ground * block]) + 1
+            penalty[unused] = max(2 * abs(matrix[ground * block, ground * block]), abs(matrix.diagonal()).mean())
             matrix = (matrix + diags_array(penalty)).tocsr() if len(unused) else matrix
         mass = mass if not whole else self._embedding[2]
         return Piece(matrix, factor, mass, block, self.is_complex, ground, rows)

@@ -17,12 +17,13 @@ import numpy as np
 from scipy.linalg import eigh
 from scipy.sparse import diags_array
 
+from ..errors import SynchError
 from .factorization import front_width, is_positive_definite
 
 # A factorization in double precision is tried as a proof up to this many rows, and rows of a front: some ten seconds.
 LARGEST_PROOF, WIDEST_PROOF = 400_000, 1_000
-# Share of the matrix's diagonal by which a factorization in double precision may miss a negative pivot.
-ROUNDING = 1e-14
+# Rounding of a row in a factorization, in units of the diagonal's last digit: so many for each row of a front.
+ROUNDINGS = 4
 # Rows up to which the space that is searched for negative directions is kept in double precision.
 DOUBLE_BASIS = 50_000
 # Size of that space, and the error at which a direction is as good as exact.
@@ -107,17 +108,24 @@ def measure_slack(workspace, metric, duals, random, monitor, enough=-np.inf, cou
     return Slack(float(values[-1] - 1), float(error), directions[values[order] > 1].T)
 
 
-def is_provable(piece):
-    """Whether a proof by factorization is affordable."""
-    return piece.matrix.shape[0] <= LARGEST_PROOF and front_width(piece.matrix) <= WIDEST_PROOF
+def provable_width(piece):
+    """Rows of the widest front if a proof by factorization is affordable, otherwise None."""
+    if piece.matrix.shape[0] > LARGEST_PROOF:
+        return None
+    width = front_width(piece.matrix)
+    return width if width <= WIDEST_PROOF else None
 
 
-def prove(piece, metric, duals, depth):
+def prove(piece, metric, duals, depth, width):
     """Whether S + depth A is positive definite, by the inertia of a factorization in double precision.
 
-    What rounding may hide is taken off first: without it, a bound came out above the optimum where energies
-    are 1e-12 of the weights.
+    What rounding may hide is taken off the diagonal first: it grows with the entries that were summed for a row of
+    L, and with the length of a factor's column, at most the ``width`` of the fronts.
     """
     diagonal = depth * metric.shift * piece.row_mass - np.repeat(duals, piece.block)
-    diagonal = diagonal - ROUNDING * piece.matrix.diagonal().real
-    return is_positive_definite(piece.matrix * (1 + depth) + diags_array(diagonal))
+    hidden = np.finfo(float).eps * (np.diff(piece.matrix.indptr) + ROUNDINGS * width)
+    diagonal = diagonal - hidden * piece.matrix.diagonal().real
+    try:
+        return is_positive_definite(piece.matrix * (1 + depth) + diags_array(diagonal))
+    except SynchError:  # no memory for it
+        return False

@@ -10,8 +10,11 @@ whatever coordinates it was given.
 import numpy as np
 from scipy.sparse import bsr_matrix, coo_matrix, csr_matrix
 
-# An edge is strong when its weight is at least this share of the geometric mean of the two diagonals.
-STRENGTH = 0.05
+# An edge is strong when its weight is at least this share of the geometric mean of the two diagonals, or, in graphs
+# of many neighbours, this share of the largest beside it at either end.
+STRENGTH, STRONGEST = 0.05, 0.5
+# A hub (ground, leader of a merged group) is a row with this many times the entries of the mean one.
+HUB = 10
 
 
 class StrongGraph:
@@ -34,7 +37,14 @@ class StrongGraph:
         on_diagonal = tails == heads
         diagonal = np.zeros(count, sizes.dtype)
         diagonal[tails[on_diagonal]] = sizes[on_diagonal]
-        strong = (sizes >= STRENGTH * np.sqrt(diagonal[tails] * diagonal[heads])) & ~on_diagonal
+        largest = np.zeros(count, sizes.dtype)
+        np.maximum.at(largest, tails[~on_diagonal], sizes[~on_diagonal])
+        # Hubs have no strong edges of their own: they would draw everything around them into one aggregate.
+        lengths = np.diff(blocks.indptr)
+        largest[lengths > HUB * lengths.mean()] = np.inf
+        strong = sizes >= STRENGTH * np.sqrt(diagonal[tails] * diagonal[heads])
+        strong |= sizes >= STRONGEST * np.maximum(largest[tails], largest[heads])
+        strong &= ~on_diagonal
         if ground is not None:  # one hub, whose block may be singular
             strong &= (tails != ground) & (heads != ground)
         self.count = count

@@ -79,6 +79,9 @@ def descend(matrix, spheres, start, metric, tolerance, max_steps, monitor, memor
         direction *= lengths.astype(direction.dtype)
         _remember(spheres, memory, direction, new_gradient - gradient)
         gradient = new_gradient
+    # In single precision lengths drift over many steps.
+    point = spheres.normalize(point)
+    values = spheres.energies(point, matrix @ point)
     return Descent(point, values, steps, products, out_of_time)
 
 

@@ -3,7 +3,7 @@
 
 import numpy as np
 from scipy.sparse import csr_matrix
-from scipy.sparse.csgraph import breadth_first_order
+from scipy.sparse.csgraph import breadth_first_order, connected_components
 from scipy.sparse.linalg import splu
 
 from ..errors import SynchError
@@ -36,15 +36,28 @@ def front_width(matrix):
     """Rows of the widest front of a breadth-first sweep: what a factorization costs grows with its cube.
 
     About 2 sqrt(n) on surfaces and n^(2/3) in solids. Rows with very many entries, which elimination leaves to
-    the end, do not count.
+    the end, are a part of every front.
     """
     lengths = np.diff(matrix.indptr)
     kept = np.flatnonzero(lengths <= LONG_ROW * lengths.mean())
     pattern = csr_matrix((np.ones(matrix.nnz, np.int8), matrix.indices, matrix.indptr), shape=matrix.shape)
     if len(kept) < matrix.shape[0]:
         pattern = pattern[kept][:, kept]
-    first = breadth_first_order(pattern, 0)[0]
-    order, before = breadth_first_order(pattern, first[-1])
+    labels = connected_components(pattern, directed=False)[1]
+    seen, firsts = np.unique(labels, return_index=True)
+    sizes = np.bincount(labels)
+    widest = 1
+    for label in seen[np.argsort(-sizes)]:
+        if sizes[label] <= widest:
+            break
+        widest = max(widest, _widest_front(pattern, firsts[label]))
+    return widest + matrix.shape[0] - len(kept)
+
+
+def _widest_front(pattern, node):
+    """Nodes of the widest front of a sweep through one component, from a node far from the given one."""
+    far = breadth_first_order(pattern, node)[0][-1]
+    order, before = breadth_first_order(pattern, far)
     place = np.empty(pattern.shape[0], int)
     place[order] = np.arange(len(order))
     # Where a node's predecessor stands in the order; ends of fronts follow from one another.

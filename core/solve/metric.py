@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array
 
-from .coarsening import aggregates
+from .coarsening import HUB, aggregates
 from .factorization import factorize
 from .products import SharedRows
 
@@ -24,8 +24,6 @@ STAGNATION = 0.7
 # before and after is faster in all than Chebyshev polynomials of degree 2 or 3, which save few steps.
 SMOOTHED_PART = 0.3
 POWER_STEPS = 10
-# A hub (ground, leader of a merged group) is a row with this many times the entries of the mean one.
-HUB = 10
 SAFETY = 1.1
 
 

@@ -25,6 +25,7 @@ class SharedRows:
         matrix = self.matrix
         if WORKERS == 1 or matrix.nnz * (columns.size // len(columns)) < WORTH_SHARING:
             return matrix @ columns
+        columns = np.ascontiguousarray(columns)
         result = np.empty((matrix.shape[0], *columns.shape[1:]), np.result_type(matrix.dtype, columns.dtype))
 
         def fill(part):
@@ -54,3 +55,8 @@ def _rows(matrix, first, last):
 @cache
 def _pool():
     return ThreadPoolExecutor(WORKERS, thread_name_prefix="synch_fields")
+
+
+if hasattr(os, "register_at_fork"):
+    # A forked process has none of the threads.
+    os.register_at_fork(after_in_child=_pool.cache_clear)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Solve a synchronization problem piece by piece: relax, certify, round, polish."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -112,6 +112,8 @@ class _Start:
         column, lifted = (None if array is None else array[piece.rows] for array in (self.column, self.lifted))
         if lifted is not None and lifted.dtype != piece.matrix.dtype:
             lifted = None
+        if lifted is not None:
+            lifted[piece.unused_rows] = 0
         return _Start(column, lifted)
 
 
@@ -144,20 +146,40 @@ def _check_start(problem, start, options):
 
 
 def _solve_piece(piece, options, monitor, clock, start):
+    """Solve a piece scaled to a mean diagonal and a mean mass of 1, so that single precision holds all of it."""
+    weight = piece.total_weight / piece.matrix.shape[0]
+    if weight == 0:  # nothing is asked
+        return _without_search(piece, options, Status.CERTIFIED if options.method == "sdp" else Status.UNCERTIFIED)
+    scaled = replace(
+        piece,
+        matrix=piece.matrix / weight,
+        factor=piece.factor / np.sqrt(weight),
+        mass=piece.mass / piece.mass.mean(),
+    )
     try:
-        return _solve_by_method(piece, options, monitor, clock, start)
+        result = _solve_by_method(scaled, options, monitor, clock, start)
     except OutOfTime:
-        # Not even begun, or a method without a result on the way: equal phases, and zero is a bound.
-        column = _fill_zeros(piece, np.zeros((piece.matrix.shape[0], 1), piece.matrix.dtype))
-        return _finished(
-            piece,
-            column,
-            sdp_value=float(piece.energy(column)[0]),
-            certificate="proved",
-            status=Status.TIME_LIMIT,
-            lifted=column if options.method == "sdp" else None,
-            singular_values=np.linalg.norm(column, axis=0),
-        )
+        result = _without_search(scaled, options, Status.TIME_LIMIT)
+    return replace(
+        result,
+        bound=weight * result.bound,
+        sdp_value=weight * result.sdp_value,
+        spectral_bound=weight * result.spectral_bound,
+    )
+
+
+def _without_search(piece, options, status):
+    """Equal phases, and zero as the bound."""
+    column = _fill_zeros(piece, np.zeros((piece.matrix.shape[0], 1), piece.matrix.dtype))
+    return _finished(
+        piece,
+        column,
+        sdp_value=float(piece.energy(column)[0]),
+        certificate="proved",
+        status=status,
+        lifted=column if options.method == "sdp" else None,
+        singular_values=np.linalg.norm(column, axis=0),
+    )
 
 
 def _solve_by_method(piece, options, monitor, clock, start):
@@ -178,7 +200,7 @@ def _finished(piece, columns, **quality):
 def _solve_spectral(piece, options, monitor, clock):
     with clock("relax"):
         monitor.at("spectral relaxation", 0.0)
-        eigenvalue, vector = smallest_eigenpair(piece, options.seed)
+        eigenvalue, vector = monitor.during(partial(smallest_eigenpair, piece, options.seed))
     bound = eigenvalue * piece.mass.sum()
     return _finished(
         piece, vector[:, None], bound=bound, spectral_bound=bound, certificate="estimated", status=Status.UNCERTIFIED
@@ -199,7 +221,7 @@ def _solve_diffusion(workspace, options, monitor, clock):
     random = np.random.default_rng(options.seed)
     with clock("relax"):
         monitor.at("diffusion", 0.0)
-        eigenvalue, _ = smallest_eigenpair(piece, options.seed)
+        eigenvalue, _ = monitor.during(partial(smallest_eigenpair, piece, options.seed))
         bound = eigenvalue * piece.mass.sum()
         columns = random_columns(piece, DIFFUSION_STARTS, random)
         times = DIFFUSION_TIMES / max(eigenvalue, SMALLEST_SHIFT * piece.stiffness)
@@ -226,12 +248,11 @@ def _solve_sdp(workspace, options, monitor, clock, start):
         status = Status.CERTIFIED if relaxation.certificate == "proved" else Status.ESTIMATED
     else:
         status = Status.MAX_RANK if relaxation.lifted.shape[1] >= MAX_RANK else Status.TARGET_GAP_NOT_REACHED
-    return _finished(
+    result = _finished(
         piece,
         columns,
         bound=relaxation.lower_bound,
-        # Phases of less energy, which a tight relaxation may round to, are a better point of it.
-        sdp_value=min(relaxation.value, float(piece.energy(columns[:, :1])[0])),
+        sdp_value=relaxation.value,
         certificate=relaxation.certificate,
         status=status,
         lifted=relaxation.lifted,
@@ -239,6 +260,8 @@ def _solve_sdp(workspace, options, monitor, clock, start):
         iterations=relaxation.steps,
         products=relaxation.products,
     )
+    # Phases of less energy, which a tight relaxation may round to, are a better point of it.
+    return replace(result, sdp_value=min(relaxation.value, float(piece.energy(result.fields[:, :1])[0])))
 
 
 def _round(workspace, relaxation, options, monitor, start):
@@ -260,7 +283,7 @@ def _round(workspace, relaxation, options, monitor, start):
         if options.rounding == "continuation" and start is None:
             monitor.at("continuation", 0.4)
             energy = float(piece.energy(by_svd)[0])
-            if relative_gap(energy, relaxation.lower_bound, piece.noise) > NEARLY_TIGHT:
+            if relative_gap(energy, relaxation.lower_bound, piece.perfect) > NEARLY_TIGHT:
                 stages = workspace.stages
                 columns, timed_out = rounding.continuation(stages, lifted, options.samples, density, random, monitor)
                 if timed_out:
@@ -299,7 +322,7 @@ def _combine(problem, pieces, results, options, times):
         energy=problem.energy(variations[0]),
         lower_bound=sum(r.bound for r in results),
         sdp_value=sum(r.sdp_value for r in results) if is_sdp else None,
-        noise=sum(piece.noise for piece in pieces),
+        noise=sum(piece.perfect for piece in pieces),
         certificate=next(kind for kind in ("none", "estimated", "proved") if kind in kinds),
         status=max((r.status for r in results), key=order.index, default=default_status),
         rank=rank,

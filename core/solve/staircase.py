@@ -12,7 +12,7 @@ from functools import partial
 
 import numpy as np
 
-from .certificate import depth_for_bound, is_provable, lower_bound, measure_slack, prove
+from .certificate import depth_for_bound, lower_bound, measure_slack, provable_width, prove
 from .descent import descend, rounding_noise
 from .monitor import OutOfTime
 from .spheres import random_columns
@@ -20,7 +20,7 @@ from .spheres import random_columns
 # Columns at the start: of complex rows, and of real ones, which hold half as much.
 START_RANK = {True: 6, False: 9}
 MAX_RANK = 24
-LEVELS = 20
+LEVELS = 12
 # Metric shift as a share of the mean energy per mass: small enough to leave the metric alone.
 SHIFT = 0.1
 # The shift of the metric that finds the first smooth point, as a share of the stiffness.
@@ -76,7 +76,8 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
     best_bound, certificate = 0.0, "proved"
     reached = out_of_time = precise = False
     memory: list[tuple] = []
-    provable = is_provable(piece)
+    width = provable_width(piece)
+    provable = width is not None
     try:
         for attempt in range(LEVELS):
             tolerance = FIRST_TOLERANCE * target_gap**1.5 * TIGHTENING**attempt
@@ -90,12 +91,14 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
             if descent.out_of_time:
                 raise OutOfTime
             if value <= piece.noise:
-                reached = True  # zero is a bound: L is positive semidefinite
-                break
+                if float(piece.energy(point).sum()) <= piece.perfect:
+                    reached = True  # zero is a bound: L is positive semidefinite
+                    break
+                continue
             with clock("certify"):
                 duals = lifted.multipliers(point, image)
                 allowed = depth_for_bound(piece, metric, duals, value * (1 - 0.95 * target_gap))
-                if provable and monitor.during(partial(prove, piece, metric, duals, allowed)):
+                if provable and monitor.during(partial(prove, piece, metric, duals, allowed, width)):
                     best_bound, certificate, reached = lower_bound(piece, metric, duals, allowed), "proved", True
                     break
                 if provable and attempt == 0:
@@ -110,9 +113,12 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
                 break
             with clock("relax"):
                 point, memory = _climb(workspace, point, slack.directions), []
+        # An estimate that reaches the target without a proof is still an estimate.
+        reached = reached or (best_bound > 0 and value - best_bound <= target_gap * value)
     except OutOfTime:
         out_of_time = True
     principal, singular_values = _principal(point)
+    principal = lifted.normalize(principal)  # without the columns that were dropped
     value = float(piece.energy(principal).sum())
     return Relaxation(principal, singular_values, value, best_bound, certificate, reached, out_of_time, steps, products)
 

@@ -69,10 +69,10 @@ def test_proofs_succeed_exactly_where_the_slack_is_definite(build, steps):
     for piece in build().pieces:
         _, metric, duals, _ = rough_point(piece, steps)
         exact = dense_depth(piece, metric, duals)
-        assert prove(piece, metric, duals, 1.01 * exact + 1e-7)
+        assert prove(piece, metric, duals, 1.01 * exact + 1e-7, len(piece.mass))
         if exact > 1e-5:
-            assert not prove(piece, metric, duals, 0.99 * exact)
-        assert not prove(piece, metric, duals + 10 * np.abs(duals).max() + 1, 0.5 * max(exact, 0))
+            assert not prove(piece, metric, duals, 0.99 * exact, len(piece.mass))
+        assert not prove(piece, metric, duals + 10 * np.abs(duals).max() + 1, 0.5 * max(exact, 0), len(piece.mass))
 
 
 @pytest.mark.parametrize("build", PROBLEMS)

@@ -305,7 +305,7 @@ def test_a_start_of_another_size_is_refused(count):
         solve(problem, start=np.ones(count, complex))
     assert ": " in str(caught.value)
     small = solve(direction_problem(bent_square(4), 1))
-    with pytest.raises(SettingError, match="shape .25,"):
+    with pytest.raises(SettingError, match=r"shape \(25,"):
         solve(problem, start=small)
 
 
