@@ -20,8 +20,10 @@ from .monitor import OutOfTime
 TIMES = 0.2 * 0.4 ** np.arange(5)
 COARSE_TIMES = 0.7 ** np.arange(6)
 STEPS = 3
-# Projections that are carried: from the piece itself, and on the coarser stage, of which the best go on.
-FRESH, COARSE_TRIED, COARSE = 8, 16, 6
+# Projections that are carried: the best; some at random, for variety, through larger times first; and on the coarser
+# stage, of which the best go on.
+FRESH, DRAWN, COARSE_TRIED, COARSE = 6, 3, 16, 6
+DRAWN_TIMES = np.array([1.0, 0.5])
 # Nodes that the coarser stage must have. It serves for variety alone: defects cost too little on it.
 SMALLEST_EXPLORED = 100
 # Rounds of crossing: fields that are kept and crossed in pairs, crossings that go on, rounds at least and at most, and
@@ -154,6 +156,8 @@ def continuation(stages, lifted, samples, density, random, monitor):
     try:
         if len(stages) > 1 and stages[1].node_count >= SMALLEST_EXPLORED:
             seeds = np.hstack([seeds, _coarse_fields(stage, stages[1], lifted, directions, density, monitor)])
+        drawn = projections(stage, lifted, directions[:, -DRAWN:], DRAWN, monitor)
+        seeds = np.hstack([seeds, diffuse(stage, drawn, DRAWN_TIMES / density, STEPS, monitor)])
         for round_number in range(1 + MOST_ROUNDS):
             for batch in np.array_split(seeds, -(-seeds.shape[1] // _batch(stage)), axis=1):
                 settled = diffuse(stage, batch, TIMES / density, STEPS, monitor)
