@@ -76,8 +76,10 @@ class DirectionField:
 
 
 def direction_problem(mesh, symmetry, wishes=None):
-    """The synchronization problem of a direction field."""
+    """The synchronization problem of a direction field; arguments as :func:`direction_field`."""
     wishes = DirectionWishes() if wishes is None else wishes
+    if symmetry not in SYMMETRIES.values():
+        raise SettingError(f"symmetry {symmetry!r} is unknown: use 1 (vector), 2 (line) or 4 (cross)")
     if wishes.boundary not in BOUNDARIES:
         raise SettingError(f"boundary {wishes.boundary!r} is unknown: use one of {', '.join(BOUNDARIES)}")
     if wishes.guidance not in GUIDANCES:
@@ -107,8 +109,6 @@ def direction_field(mesh, symmetry, wishes=None, options=None, callback=None):
     wishes : DirectionWishes, optional
     options, callback : see :func:`core.solve.solve`
     """
-    if symmetry not in SYMMETRIES.values():
-        raise SettingError(f"symmetry {symmetry} is unknown: use 1 (vector), 2 (line) or 4 (cross)")
     solution = solve(direction_problem(mesh, symmetry, wishes), options, callback)
     return DirectionField(mesh, symmetry, np.angle(solution.phases) / symmetry, solution)
 

@@ -12,9 +12,18 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
+from ..errors import MeshError
+
 # Cotangent weights are kept in this range: Eq. (2) needs them positive, and slivers would
 # otherwise outweigh the rest of the mesh by ten orders of magnitude.
 WEIGHT_RANGE = (1e-4, 1e4)
+
+
+def _rows_of_three(values, dtype, remedy):
+    array = np.asarray(values)
+    if array.size and (array.ndim != 2 or array.shape[1] != 3):
+        raise MeshError(f"an array of shape {array.shape} where (n, 3) is needed: {remedy}")
+    return np.ascontiguousarray(array, dtype=dtype).reshape(-1, 3)
 
 
 class TriangleMesh:
@@ -23,12 +32,24 @@ class TriangleMesh:
     Parameters
     ----------
     vertices : (n, 3) float array, in scene units
-    triangles : (m, 3) int array, wound consistently (see :func:`check_mesh`)
+    triangles : (m, 3) int array, wound consistently; :func:`check_mesh` says what else has to hold
+
+    Raises
+    ------
+    MeshError
+        for arrays of another shape, or a triangle of a vertex that is not there
     """
 
     def __init__(self, vertices, triangles):
-        self.vertices = np.ascontiguousarray(vertices, dtype=np.float64).reshape(-1, 3)
-        self.triangles = np.ascontiguousarray(triangles, dtype=np.int64).reshape(-1, 3)
+        self.vertices = _rows_of_three(vertices, np.float64, "vertices are points in space")
+        self.triangles = _rows_of_three(triangles, np.int64, "split polygons into triangles")
+        outside = ((self.triangles < 0) | (self.triangles >= len(self.vertices))).any(axis=1)
+        if outside.any():
+            face = np.flatnonzero(outside)[0]
+            raise MeshError(
+                f"triangle {face} has the vertices {self.triangles[face].tolist()} and there are {len(self.vertices)}: "
+                "count them from 0"
+            )
 
     @property
     def vertex_count(self):

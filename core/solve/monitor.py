@@ -20,7 +20,7 @@ class Monitor:
     Parameters
     ----------
     callback : callable(stage: str, fraction: float) -> bool, optional
-        Called often; returning False cancels.
+        Called often; a false answer other than None cancels.
     time_limit : seconds, optional
     """
 
@@ -43,8 +43,10 @@ class Monitor:
 
     def check(self):
         """Raise :class:`Cancelled` or :class:`OutOfTime` where the computation has to stop."""
-        if self._callback is not None and self._callback(self.stage, self.fraction) is False:
-            raise Cancelled("cancelled: nothing was changed")
+        if self._callback is not None:
+            answer = self._callback(self.stage, self.fraction)
+            if answer is not None and not answer:
+                raise Cancelled("cancelled: nothing was changed")
         if self._deadline is not None and time.perf_counter() > self._deadline:
             raise OutOfTime
 

@@ -47,7 +47,7 @@ def solve(problem, options=None, callback=None, start=None):
     problem : SynchronizationProblem
     options : Options, optional
     callback : callable(stage, fraction) -> bool, optional
-        Asked at every iteration; returning False cancels.
+        Asked at every iteration; returning False (any false value but None) cancels.
     start : phases of a nearby problem on the same nodes, optional
         The result is then the local optimum that descent reaches from them, so that it stays near: the next frame
         of an animation, a changed spacing, one more constraint. A Solution may be given as well, whose
@@ -62,7 +62,7 @@ def solve(problem, options=None, callback=None, start=None):
     SettingError
         for an option out of range, or a start that does not fit
     Cancelled
-        when the callback says so; nothing has been changed
+        when the callback says so; nothing has been changed. Both are in ``core.errors``
     """
     options = Options() if options is None else options
     _check(options, problem, start)
@@ -118,6 +118,16 @@ class _Start:
 
 
 def _check(options, problem, start):
+    if not isinstance(options, Options):
+        raise SettingError(f"options are given as {type(options).__name__}: make them with Options(...)")
+    for name in ("seed", "samples"):
+        value = getattr(options, name)
+        if not isinstance(value, (int, np.integer)) or value < 0:
+            raise SettingError(f"{name} is {value!r}: give a whole number of at least 0")
+    for name in ("target_gap", "time_limit"):
+        value = getattr(options, name)
+        if not isinstance(value, (int, float, np.number, type(None))):
+            raise SettingError(f"{name} is {value!r}: give a number")
     if options.method not in METHODS:
         raise SettingError(f"method {options.method!r} is unknown: use one of {', '.join(METHODS)}")
     if options.rounding not in ROUNDINGS:

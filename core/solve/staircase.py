@@ -113,14 +113,24 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
                 break
             with clock("relax"):
                 point, memory = _climb(workspace, point, slack.directions), []
-        # An estimate that reaches the target without a proof is still an estimate.
-        reached = reached or (best_bound > 0 and value - best_bound <= target_gap * value)
+        if provable and not reached and value > piece.noise:
+            with clock("certify"):
+                best_bound, certificate = _weaker_proof(piece, metric, duals, value, target_gap, width, monitor)
     except OutOfTime:
         out_of_time = True
     principal, singular_values = _principal(point)
     principal = lifted.normalize(principal)  # without the columns that were dropped
     value = float(piece.energy(principal).sum())
     return Relaxation(principal, singular_values, value, best_bound, certificate, reached, out_of_time, steps, products)
+
+
+def _weaker_proof(piece, metric, duals, value, target_gap, width, monitor):
+    """The tightest bound that can be proved when the target cannot: at tens, hundreds ... of the gap."""
+    for gap in target_gap * 10.0 ** np.arange(1, 1 + int(np.log10(0.5 / target_gap))):
+        depth = depth_for_bound(piece, metric, duals, value * (1 - gap))
+        if monitor.during(partial(prove, piece, metric, duals, depth, width)):
+            return lower_bound(piece, metric, duals, depth), "proved"
+    return 0.0, "proved"
 
 
 def _coarse_start(workspace, random, monitor):

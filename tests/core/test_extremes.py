@@ -10,6 +10,8 @@ import pytest
 from scipy.sparse import csr_matrix
 
 from synch_fields.core.connection import Connection, circle_transports
+from synch_fields.core.errors import Cancelled, MeshError, SettingError
+from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.problem import Merged, SynchronizationProblem, Targets
 from synch_fields.core.solve import METHODS, Options, Status, solve
 from synch_fields.core.solve.factorization import front_width
@@ -125,3 +127,35 @@ def test_every_method_hears_the_time_limit(method):
     solution = solve(SynchronizationProblem(connection), Options(method=method, time_limit=1e-6))
     assert solution.status is Status.TIME_LIMIT
     assert np.isfinite(solution.energy) and solution.lower_bound <= solution.energy
+
+
+@pytest.mark.parametrize(
+    "options", [Options(seed=-1), Options(seed=1.5), Options(samples=1.5), Options(target_gap="small"), {"seed": 1}]
+)
+def test_options_of_the_wrong_kind_are_named(options):
+    with pytest.raises(SettingError, match=r"seed|samples|target_gap|Options"):
+        solve(SynchronizationProblem(random_connection("circle", 5, extra=3, seed=0)), options)
+
+
+@pytest.mark.parametrize("answer", [False, np.bool_(False), 0])
+def test_any_false_answer_cancels_and_none_does_not(answer):
+    problem = SynchronizationProblem(random_connection("circle", 30, extra=30, seed=0))
+    with pytest.raises(Cancelled):
+        solve(problem, callback=lambda stage, fraction: answer)
+    assert solve(problem, callback=lambda stage, fraction: None).energy > 0
+
+
+@pytest.mark.parametrize(
+    ("triangles", "words"),
+    [([[0, 1, 2, 3]], "split polygons"), ([[0, 1, 9]], "triangle 0"), ([[0, 1, -1]], "triangle 0")],
+)
+def test_arrays_that_are_no_triangles_are_named(triangles, words):
+    with pytest.raises(MeshError, match=words):
+        TriangleMesh(np.eye(4, 3), np.array(triangles))
+
+
+def test_a_target_out_of_reach_leaves_a_weaker_proof():
+    problem = SynchronizationProblem(random_connection("circle", 40, extra=60, seed=4))
+    solution = solve(problem, Options(target_gap=1e-15, rounding="svd"))
+    assert solution.status is Status.TARGET_GAP_NOT_REACHED and solution.certificate == "proved"
+    assert 0 < solution.sdp_gap < 1e-5
