@@ -20,8 +20,9 @@ from scipy.sparse import diags_array
 from ..errors import SynchError
 from .factorization import front_width, is_positive_definite
 
-# A factorization in double precision is tried as a proof up to this many rows, and rows of a front: some ten seconds.
-LARGEST_PROOF, WIDEST_PROOF = 400_000, 1_000
+# A factorization in double precision is tried as a proof up to this many rows, and rows of a front, of complex numbers
+# (True) or of real ones: some ten seconds.
+LARGEST_PROOF, WIDEST_PROOF = 400_000, {True: 1_000, False: 1_600}
 # Rounding of a row in a factorization, in units of the diagonal's last digit: so many for each row of a front.
 ROUNDINGS = 4
 # Rows up to which the space that is searched for negative directions is kept in double precision.
@@ -113,7 +114,7 @@ def provable_width(piece):
     if piece.matrix.shape[0] > LARGEST_PROOF:
         return None
     width = front_width(piece.matrix)
-    return width if width <= WIDEST_PROOF else None
+    return width if width <= WIDEST_PROOF[piece.is_complex] else None
 
 
 def prove(piece, metric, duals, depth, width):
