@@ -47,6 +47,11 @@ class Connection:
         return float(self.weights @ squares)
 
 
+def compose(first, second):
+    """Transports one after the other, ``second`` first: (k,) numbers or (k, d, d) matrices."""
+    return first * second if first.ndim == 1 else first @ second
+
+
 def circle_transports(angles, flips=None):
     """Transports on the circle: complex where nothing flips, otherwise 2 x 2 matrices.
 

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix, diags_array
 from scipy.sparse.csgraph import connected_components
 
+from .connection import compose
 from .errors import SettingError
 from .gauge import balance
 
@@ -242,7 +243,7 @@ class SynchronizationProblem:
         """Sparse B with energy = |B x|^2: one block of rows an edge (Eq. 2 in the merged nodes)."""
         column, units, mass, _, ground_of = self._embedding
         i, j = self.connection.edges.T
-        moved = _multiply(self._transports(self.connection.transports, i, j), units[i])
+        moved = compose(self._transports(self.connection.transports, i, j), units[i])
         scale = np.sqrt(self.connection.weights)
         parts = [
             (np.arange(len(i)), column[j], _scaled(units[j], scale)),
@@ -371,10 +372,6 @@ def _ground_blocks(values):
     blocks = np.zeros((*values.shape, values.shape[1]))
     blocks[:, :, 0] = values
     return blocks
-
-
-def _multiply(first, second):
-    return first * second if first.ndim == 1 else first @ second
 
 
 def _scaled(blocks, scale):

@@ -14,7 +14,7 @@ of S would cost the M-bound the whole domain's mass.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eigh
+from scipy.linalg import LinAlgError, eigh
 from scipy.sparse import diags_array
 
 from ..errors import SynchError
@@ -97,7 +97,10 @@ def measure_slack(workspace, metric, duals, random, monitor, enough=-np.inf, cou
         for products, other in ((weighted, weight * basis[step]), (measured, image / length)):
             products[:filled, step] = basis[:filled].conj() @ other
             products[step, :filled] = products[:filled, step].conj()
-        values, combinations = eigh(weighted[:filled, :filled], measured[:filled, :filled])
+        try:
+            values, combinations = eigh(weighted[:filled, :filled], measured[:filled, :filled])
+        except LinAlgError:  # in single precision the new direction may lie among the others
+            break
         best = combinations[:, -1] @ basis[:filled]
         residual = weight * best - values[-1].astype(real) * (matrix @ best + shift * best)
         vector = metric.solve(residual)

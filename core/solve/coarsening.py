@@ -10,11 +10,19 @@ whatever coordinates it was given.
 import numpy as np
 from scipy.sparse import bsr_matrix, coo_matrix, csr_matrix
 
+from ..connection import compose
+
 # An edge is strong when its weight is at least this share of the geometric mean of the two diagonals, or, in graphs
 # of many neighbours, this share of the largest beside it at either end.
 STRENGTH, STRONGEST = 0.05, 0.5
 # A hub (ground, leader of a merged group) is a row with this many times the entries of the mean one.
 HUB = 10
+
+
+def hubs(matrix):
+    """(rows,) bool: rows of a CSR or BSR matrix with very many entries."""
+    lengths = np.diff(matrix.indptr)
+    return lengths > HUB * lengths.mean()
 
 
 class StrongGraph:
@@ -40,8 +48,7 @@ class StrongGraph:
         largest = np.zeros(count, sizes.dtype)
         np.maximum.at(largest, tails[~on_diagonal], sizes[~on_diagonal])
         # Hubs have no strong edges of their own: they would draw everything around them into one aggregate.
-        lengths = np.diff(blocks.indptr)
-        largest[lengths > HUB * lengths.mean()] = np.inf
+        largest[hubs(blocks)] = np.inf
         strong = sizes >= STRENGTH * np.sqrt(diagonal[tails] * diagonal[heads])
         strong |= sizes >= STRONGEST * np.maximum(largest[tails], largest[heads])
         strong &= ~on_diagonal
@@ -107,7 +114,7 @@ def aggregates(matrix, block, ground, random):
     while (label < 0).any():
         edges = graph.strongest_labelled(label)
         tails, heads = graph.tails[edges], graph.heads[edges]
-        units[tails] = _multiply(_nearest_unit(graph.transports[edges]), units[heads])
+        units[tails] = compose(_nearest_unit(graph.transports[edges]), units[heads])
         label[tails] = label[heads]
     starts = np.arange(graph.count + 1)
     return _sparse(units, label, starts, int(roots.sum())), None if ground is None else int(label[ground])
@@ -170,10 +177,6 @@ def _nearest_unit(blocks):
         return blocks / np.abs(blocks)
     left, _, right = np.linalg.svd(blocks)
     return left @ right
-
-
-def _multiply(first, second):
-    return first * second if first.ndim == 1 else first @ second
 
 
 def _sparse(blocks, columns, starts, coarse_count):

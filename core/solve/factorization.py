@@ -7,9 +7,7 @@ from scipy.sparse.csgraph import breadth_first_order, connected_components
 from scipy.sparse.linalg import splu
 
 from ..errors import SynchError
-
-# A row is left out of a front when it has this many times the entries of the mean one.
-LONG_ROW = 10
+from .coarsening import hubs
 
 
 def factorize(matrix, single=True):
@@ -38,8 +36,7 @@ def front_width(matrix):
     About 2 sqrt(n) on surfaces and n^(2/3) in solids. Rows with very many entries, which elimination leaves to
     the end, are a part of every front.
     """
-    lengths = np.diff(matrix.indptr)
-    kept = np.flatnonzero(lengths <= LONG_ROW * lengths.mean())
+    kept = np.flatnonzero(~hubs(matrix))
     pattern = csr_matrix((np.ones(matrix.nnz, np.int8), matrix.indices, matrix.indptr), shape=matrix.shape)
     if len(kept) < matrix.shape[0]:
         pattern = pattern[kept][:, kept]

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array
 
-from .coarsening import HUB, aggregates
+from .coarsening import aggregates, hubs
 from .factorization import factorize
 from .products import SharedRows
 
@@ -82,8 +82,7 @@ class Hierarchy:
 
 def _smoothing_weights(matrix, weights):
     """(N,) weights of the prolongation's Jacobi step: none at hubs, which would join all aggregates beside them."""
-    lengths = np.diff(matrix.indptr)
-    return np.where(lengths > HUB * lengths.mean(), 0, weights).astype(np.float32)
+    return np.where(hubs(matrix), 0, weights).astype(np.float32)
 
 
 def _coarse_mass(tentative, row_mass):

@@ -14,6 +14,7 @@ import numpy as np
 from .descent import descend
 from .diffusion import diffuse
 from .monitor import OutOfTime
+from .spheres import gaussian
 
 # Diffusion times, in units of 1 / (energy per mass), of a continuation on the piece itself, and of one on
 # the coarser stage that comes before for half of the fields: there a larger time costs next to nothing.
@@ -48,10 +49,7 @@ SHIFT = 1.0
 
 def random_directions(is_complex, rank, count, random):
     """(r, count + 1) directions: the dominant singular one, and Gaussian ones."""
-    directions = random.standard_normal((rank, count))
-    if is_complex:
-        directions = directions + 1j * random.standard_normal((rank, count))
-    return np.hstack([np.eye(rank)[:, :1], directions])
+    return np.hstack([np.eye(rank)[:, :1], gaussian((rank, count), is_complex, random)])
 
 
 def projections(stage, lifted, directions, count, monitor):

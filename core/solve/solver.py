@@ -120,13 +120,13 @@ class _Start:
 def _check(options, problem, start):
     if not isinstance(options, Options):
         raise SettingError(f"options are given as {type(options).__name__}: make them with Options(...)")
-    for name in ("seed", "samples"):
+    for name, smallest in (("seed", 0), ("samples", 1)):
         value = getattr(options, name)
-        if not isinstance(value, (int, np.integer)) or value < 0:
-            raise SettingError(f"{name} is {value!r}: give a whole number of at least 0")
-    for name in ("target_gap", "time_limit"):
+        if not isinstance(value, int | np.integer) or value < smallest:
+            raise SettingError(f"{name} is {value!r}: give a whole number of at least {smallest}")
+    for name in ("target_gap",) if options.time_limit is None else ("target_gap", "time_limit"):
         value = getattr(options, name)
-        if not isinstance(value, (int, float, np.number, type(None))):
+        if not isinstance(value, int | float | np.number):
             raise SettingError(f"{name} is {value!r}: give a number")
     if options.method not in METHODS:
         raise SettingError(f"method {options.method!r} is unknown: use one of {', '.join(METHODS)}")
@@ -134,8 +134,6 @@ def _check(options, problem, start):
         raise SettingError(f"rounding {options.rounding!r} is unknown: use one of {', '.join(ROUNDINGS)}")
     if not 0 < options.target_gap < 1:
         raise SettingError(f"the target gap is {options.target_gap:g}: give a share between 0 and 1, such as 0.001")
-    if options.samples < 1:
-        raise SettingError(f"{options.samples} random projections were asked for: at least 1 is needed")
     if options.time_limit is not None and not options.time_limit > 0:
         raise SettingError(f"the time limit is {options.time_limit:g} s: give a positive number of seconds")
     if start is not None:

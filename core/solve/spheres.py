@@ -181,9 +181,12 @@ def _inverse(lengths):
 
 def random_columns(piece, columns, random):
     """(N, columns) Gaussian start for a piece; the ground's unused rows are zero."""
-    shape = (piece.matrix.shape[0], columns)
-    start = random.standard_normal(shape)
-    if piece.is_complex:
-        start = start + 1j * random.standard_normal(shape)
+    start = gaussian((piece.matrix.shape[0], columns), piece.is_complex, random)
     start[piece.unused_rows] = 0
     return start
+
+
+def gaussian(shape, is_complex, random):
+    """Independent normal numbers, real or complex."""
+    numbers = random.standard_normal(shape)
+    return numbers + 1j * random.standard_normal(shape) if is_complex else numbers

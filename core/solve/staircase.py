@@ -115,7 +115,9 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
                 point, memory = _climb(workspace, point, slack.directions), []
         if provable and not reached and value > piece.noise:
             with clock("certify"):
-                best_bound, certificate = _weaker_proof(piece, metric, duals, value, target_gap, width, monitor)
+                proved = _weaker_proof(piece, metric, duals, value, target_gap, width, monitor)
+            if proved is not None:
+                best_bound, certificate = proved, "proved"
     except OutOfTime:
         out_of_time = True
     principal, singular_values = _principal(point)
@@ -125,12 +127,12 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
 
 
 def _weaker_proof(piece, metric, duals, value, target_gap, width, monitor):
-    """The tightest bound that can be proved when the target cannot: at tens, hundreds ... of the gap."""
+    """The tightest bound that can be proved when the target cannot, at tens, hundreds ... of the gap; or None."""
     for gap in target_gap * 10.0 ** np.arange(1, 1 + int(np.log10(0.5 / target_gap))):
         depth = depth_for_bound(piece, metric, duals, value * (1 - gap))
         if monitor.during(partial(prove, piece, metric, duals, depth, width)):
-            return lower_bound(piece, metric, duals, depth), "proved"
-    return 0.0, "proved"
+            return lower_bound(piece, metric, duals, depth)
+    return None
 
 
 def _coarse_start(workspace, random, monitor):
@@ -139,7 +141,7 @@ def _coarse_start(workspace, random, monitor):
     stages = [workspace.stages[0]]
     point = random_columns(piece, min(START_RANK[piece.is_complex], piece.matrix.shape[0]), random)
     for stage in workspace.stages[1:]:
-        if len(stage.row_mass) < SMALLEST_START * piece.block:
+        if stage.node_count < SMALLEST_START:
             break
         stages.append(stage)
         point = stage.restrict(point)
@@ -169,7 +171,7 @@ def _smooth(piece, stage, point):
 
 def _density(stage, point):
     energy = stage.lifted.energies(point, stage.matrix @ point)[0]
-    return max(float(energy), 0.0) * stage.lifted.block / float(stage.row_mass.sum())
+    return max(float(energy), 0.0) * stage.block / float(stage.row_mass.sum())
 
 
 def _descents(workspace, point, metric, tolerance, precise, memory, monitor):

@@ -7,13 +7,14 @@ from itertools import product
 import numpy as np
 import pytest
 from scipy.linalg import LinAlgError, eigh
+from scipy.sparse import bsr_matrix
 
 from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.fields.directions import direction_field, direction_problem, given_directions
 from synch_fields.core.fields.stripes import stripe_problem
 from synch_fields.core.problem import Merged, SynchronizationProblem, Targets
 
-from .meshes import bent_square, cube, double_torus, icosphere, slivers
+from .meshes import bent_square, bumpy_torus, cube, double_torus, icosphere, slivers
 
 KINDS = ("circle", "flips", "signs", "rotations")
 
@@ -252,3 +253,45 @@ PROBLEMS = [
     pytest.param(lambda: SynchronizationProblem(random_connection("signs", 40, 60, 3)), id="signs"),
     pytest.param(fixed_rotations, id="fixed-rotations"),
 ]
+
+
+def random_units(group, count, random):
+    """A unit number or orthogonal matrix for each node."""
+    if group == "flips":
+        return circle_transports(random.uniform(-np.pi, np.pi, count), random.random(count) < 0.5)
+    return random_transports(group, count, random)
+
+
+def laplacian(connection):
+    """sum of w |x_j - g x_i|^2 as a sparse matrix in the coordinates of the transports, whatever they are."""
+    blocks = connection.transports.reshape(-1, connection.block, connection.block)
+    ends = np.stack([np.broadcast_to(np.eye(connection.block), blocks.shape), -blocks], axis=1)
+    ends = ends * np.sqrt(connection.weights)[:, None, None, None]
+    starts, columns = 2 * np.arange(len(blocks) + 1), connection.edges[:, ::-1].ravel()
+    shape = (len(blocks) * connection.block, connection.node_count * connection.block)
+    factor = bsr_matrix((ends.reshape(-1, *blocks.shape[1:]), columns, starts), shape=shape).tocsr()
+    return (factor.conj().T @ factor).tocsr()
+
+
+def random_weights(mesh, transports, random):
+    return Connection(mesh.vertex_count, mesh.edges, random.uniform(0.5, 2, len(mesh.edges)), transports)
+
+
+def random_laplacian(mesh, group, seed):
+    """A Laplacian with random weights and transports, and rows per node."""
+    random = np.random.default_rng(seed)
+    connection = random_weights(mesh, random_units(group, len(mesh.edges), random), random)
+    return laplacian(connection), connection.block
+
+
+def only_piece(problem):
+    (piece,) = problem.pieces
+    return piece
+
+
+def fixed_stripes(across, spacing=0.5):
+    """Stripes with flips and a ground in real coordinates."""
+    problem = half_turned_stripes(bumpy_torus(across), spacing)
+    count = problem.connection.node_count
+    fixed = Targets(np.array([3, count // 3, 2 * count // 3]), np.exp(np.array([0.2j, 1j, -2j])))
+    return SynchronizationProblem(problem.connection, problem.mass, fixed=fixed)

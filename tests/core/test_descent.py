@@ -4,20 +4,17 @@
 
 import numpy as np
 import pytest
-from scipy.sparse import csr_matrix, random_array
 
 from synch_fields.core.connection import Connection
 from synch_fields.core.errors import Cancelled
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.problem import SynchronizationProblem
-from synch_fields.core.solve import products
 from synch_fields.core.solve.descent import descend, rounding_noise
 from synch_fields.core.solve.monitor import SILENT, Monitor
-from synch_fields.core.solve.products import SharedRows
 from synch_fields.core.solve.spheres import Circles, Columns, Lifted, candidates, random_columns
 from synch_fields.core.solve.stage import Workspace
 
-from .graphs import brute_force, half_turned_stripes, random_connection
+from .graphs import brute_force, half_turned_stripes, only_piece, random_connection
 from .meshes import bumpy_torus
 
 # Of every sphere and every number of rows per node that a problem can have: class, kind of problem, columns.
@@ -33,11 +30,6 @@ SPHERES = [
     pytest.param(Columns(4), "rotations", 3, id="columns-rotations"),
 ]
 FIELDS = [p for p in SPHERES if not p.id.startswith("lifted")]
-
-
-def only_piece(problem):
-    (piece,) = problem.pieces
-    return piece
 
 
 def random_point(spheres, kind, columns, seed):
@@ -358,71 +350,3 @@ def test_a_perfect_fit_is_left_alone():
         descent = descent_of(piece, spheres, point)
         assert descent.steps < 50 and abs(descent.values[0]) < 1e-13
         np.testing.assert_allclose(np.abs(descent.point), 1, rtol=1e-13)
-
-
-# Products by threads
-
-
-MATRICES = [
-    pytest.param(dict(shape=(4000, 4000), density=0.02), id="square"),
-    pytest.param(dict(shape=(9000, 700), density=0.05), id="tall"),
-    pytest.param(dict(shape=(300, 20000), density=0.05), id="wide"),
-    pytest.param(dict(shape=(3, 30000), density=0.9), id="few-rows"),
-]
-
-
-@pytest.mark.parametrize("size", MATRICES)
-@pytest.mark.parametrize("dtype", [np.float32, np.float64, np.complex64, np.complex128])
-@pytest.mark.parametrize("workers", [2, 5])
-def test_products_with_shared_rows_are_the_same_to_the_last_bit(size, dtype, workers, monkeypatch):
-    monkeypatch.setattr(products, "WORKERS", workers)
-    random = np.random.default_rng(0)
-    matrix = csr_matrix(random_array(**size, rng=random)).astype(dtype)
-    if np.iscomplexobj(matrix.data):
-        matrix.data *= np.exp(1j * random.uniform(0, 6, matrix.nnz)).astype(dtype)
-    empty = np.zeros(matrix.shape[0], bool)
-    empty[[0, len(empty) // 2, -1]] = len(empty) > 3  # rows without work, at both ends and in the middle
-    matrix.data[np.repeat(empty, np.diff(matrix.indptr))] = 0
-    matrix.eliminate_zeros()
-    shared = SharedRows(matrix)
-    assert shared.shape == matrix.shape and shared.dtype == matrix.dtype
-    for columns in (None, 1, 7, 24):
-        count = matrix.shape[1]
-        right = random.standard_normal(count if columns is None else (count, columns))
-        for right_dtype in (dtype, np.float64):
-            values = right.astype(right_dtype)
-            for layout in (values, np.asfortranarray(values)):
-                expected = matrix @ layout
-                result = shared @ layout
-                assert result.dtype == expected.dtype and result.shape == expected.shape
-                np.testing.assert_array_equal(result, expected)
-    assert matrix.nnz * 24 > products.WORTH_SHARING and "_parts" in vars(shared)
-    rows = [rows for rows, _ in shared._parts]
-    assert len(rows) == workers and rows[0].start == 0 and rows[-1].stop == matrix.shape[0]
-
-
-def test_all_work_in_one_row_is_still_shared_out_once(monkeypatch):
-    """Where one row holds nearly everything, some workers have no rows at all."""
-    monkeypatch.setattr(products, "WORKERS", 6)
-    monkeypatch.setattr(products, "WORTH_SHARING", 1)
-    random = np.random.default_rng(1)
-    dense = np.zeros((40, 5000))
-    dense[13] = random.standard_normal(5000)
-    dense[:, 0] = 1
-    matrix = csr_matrix(dense)
-    right = random.standard_normal((5000, 3))
-    np.testing.assert_array_equal(SharedRows(matrix) @ right, matrix @ right)
-    np.testing.assert_allclose(SharedRows(matrix) @ right, dense @ right, rtol=1e-12)
-
-
-def test_small_products_are_not_shared(monkeypatch):
-    monkeypatch.setattr(products, "WORKERS", 2)
-    monkeypatch.setattr(products, "_pool", lambda: pytest.fail("threads for a small product"))
-    matrix = csr_matrix(random_array((500, 500), density=0.1, rng=np.random.default_rng(2)))
-    right = np.ones((500, 4))
-    np.testing.assert_array_equal(SharedRows(matrix) @ right, matrix @ right)
-
-
-def test_the_diagonal_is_the_matrix_s():
-    piece = only_piece(direction_problem(bumpy_torus(8), 1))
-    np.testing.assert_array_equal(SharedRows(piece.matrix).diagonal(), piece.matrix.diagonal())

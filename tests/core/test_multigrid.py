@@ -10,32 +10,29 @@ from scipy.sparse import block_diag, bsr_matrix, diags_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.sparse.linalg import eigsh
 
-from synch_fields.core.connection import Connection, circle_transports
+from synch_fields.core.connection import compose
 from synch_fields.core.fields.directions import DirectionWishes, direction_problem
 from synch_fields.core.problem import Merged, Piece, SynchronizationProblem, Targets
 from synch_fields.core.solve import metric as metric_module
 from synch_fields.core.solve.coarsening import StrongGraph, aggregates, graph_laplacian, turning_laplacian
 from synch_fields.core.solve.metric import Hierarchy, Metric
 
-from .graphs import half_turned_stripes, random_edges, random_transports
+from .graphs import (
+    KINDS,
+    fixed_stripes,
+    half_turned_stripes,
+    laplacian,
+    only_piece,
+    random_laplacian,
+    random_transports,
+    random_units,
+    random_weights,
+)
 from .meshes import bent_square, bumpy_torus, cube, cylinder, slivers, subdivided, torus
-
-GROUPS = ("circle", "flips", "signs", "rotations")
-
-
-def random_units(group, count, random):
-    """A unit number or orthogonal matrix for each node."""
-    if group == "flips":
-        return circle_transports(random.uniform(-np.pi, np.pi, count), random.random(count) < 0.5)
-    return random_transports(group, count, random)
 
 
 def adjoint(units):
     return units.conj() if units.ndim == 1 else units.transpose(0, 2, 1)
-
-
-def multiply(first, second):
-    return first * second if first.ndim == 1 else first @ second
 
 
 def node_blocks(matrix, block):
@@ -46,40 +43,6 @@ def node_blocks(matrix, block):
 def diagonal_of(units):
     """The sparse matrix that multiplies every node's rows by its unit."""
     return diags_array(units).tocsr() if units.ndim == 1 else block_diag(list(units), format="csr")
-
-
-def laplacian(connection):
-    """sum of w |x_j - g x_i|^2 as a sparse matrix in the coordinates of the transports, whatever they are."""
-    blocks = connection.transports.reshape(-1, connection.block, connection.block)
-    ends = np.stack([np.broadcast_to(np.eye(connection.block), blocks.shape), -blocks], axis=1)
-    ends = ends * np.sqrt(connection.weights)[:, None, None, None]
-    starts, columns = 2 * np.arange(len(blocks) + 1), connection.edges[:, ::-1].ravel()
-    shape = (len(blocks) * connection.block, connection.node_count * connection.block)
-    factor = bsr_matrix((ends.reshape(-1, *blocks.shape[1:]), columns, starts), shape=shape).tocsr()
-    return (factor.conj().T @ factor).tocsr()
-
-
-def random_weights(mesh, transports, random):
-    return Connection(mesh.vertex_count, mesh.edges, random.uniform(0.5, 2, len(mesh.edges)), transports)
-
-
-def random_laplacian(mesh, group, seed):
-    """A Laplacian with random weights and transports, and rows per node."""
-    random = np.random.default_rng(seed)
-    connection = random_weights(mesh, random_units(group, len(mesh.edges), random), random)
-    return laplacian(connection), connection.block
-
-
-def only_piece(problem):
-    (piece,) = problem.pieces
-    return piece
-
-
-def fixed_stripes():
-    """Stripes with flips and a ground in real coordinates."""
-    problem = half_turned_stripes(bumpy_torus(14), 0.5)
-    fixed = Targets(np.array([3, 200, 400]), np.exp(np.array([0.2j, 1j, -2j])))
-    return SynchronizationProblem(problem.connection, problem.mass, fixed=fixed)
 
 
 def merged_directions():
@@ -105,7 +68,7 @@ MULTILEVEL = [
     pytest.param(lambda: direction_problem(bent_square(22), 4, DirectionWishes(boundary="along")), id="fixed-crosses"),
     pytest.param(lambda: direction_problem(subdivided(slivers()), 4), id="slivers"),
     pytest.param(lambda: half_turned_stripes(bumpy_torus(14), 0.4), id="flips"),
-    pytest.param(fixed_stripes, id="fixed-flips"),
+    pytest.param(lambda: fixed_stripes(14), id="fixed-flips"),
     pytest.param(merged_directions, id="merged"),
     pytest.param(drawn_rotations, id="drawn-rotations"),
 ]
@@ -114,7 +77,7 @@ MULTILEVEL = [
 # Aggregates
 
 
-@pytest.mark.parametrize("group", GROUPS)
+@pytest.mark.parametrize("group", KINDS)
 @pytest.mark.parametrize("build", [lambda: bumpy_torus(10), bent_square, lambda: cube(5)])
 def test_every_node_follows_one_root_at_most_two_edges_away(group, build):
     mesh = build()
@@ -141,13 +104,13 @@ def test_every_node_follows_one_root_at_most_two_edges_away(group, build):
         assert (distances[:, is_root] + 9 * np.eye(is_root.sum()) > 2).all()
 
 
-@pytest.mark.parametrize("group", GROUPS)
+@pytest.mark.parametrize("group", KINDS)
 @pytest.mark.parametrize("build", [lambda: bumpy_torus(12), bent_square, lambda: cube(6)])
 def test_aggregates_of_a_flat_connection_carry_its_parallel_field(group, build):
     mesh, random = build(), np.random.default_rng(3)
     units = random_units(group, mesh.vertex_count, random)
     i, j = mesh.edges.T
-    connection = random_weights(mesh, multiply(units[j], adjoint(units[i])), random)
+    connection = random_weights(mesh, compose(units[j], adjoint(units[i])), random)
     matrix, block = laplacian(connection), connection.block
     tentative, _ = aggregates(matrix, block, None, random)
     assert tentative.shape[1] < 0.4 * tentative.shape[0]
@@ -224,7 +187,7 @@ def test_from_a_coarse_level_on_it_is_the_inverse_there(build):
 
 
 def test_solve_keeps_shape_and_dtype_and_columns_apart():
-    for build in (lambda: direction_problem(bumpy_torus(14), 1), fixed_stripes):
+    for build in (lambda: direction_problem(bumpy_torus(14), 1), lambda: fixed_stripes(14)):
         piece = only_piece(build())
         metric = Metric(Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground), 0.1)
         random = np.random.default_rng(0)
@@ -242,7 +205,7 @@ def test_solve_keeps_shape_and_dtype_and_columns_apart():
         np.testing.assert_allclose(single, result, atol=1e-5 * np.abs(result).max())
 
 
-@pytest.mark.parametrize("group", GROUPS)
+@pytest.mark.parametrize("group", KINDS)
 def test_other_coordinates_give_the_same_cycle_in_them(group, monkeypatch):
     """Nothing but the random start of the power method knows coordinates; its result is set to a bound."""
     monkeypatch.setattr(metric_module, "_largest_eigenvalue", lambda matrix, inverse_diagonal, random: 2.0)
@@ -367,100 +330,3 @@ def test_turns_and_values_on_nodes_are_solved_as_fast(make):
         )
         iterations.append(gradient_iterations(nodes, Metric(Hierarchy(matrix, piece.mass, 1), 0.05)))
     assert max(iterations) <= 20 and iterations[1] < 1.3 * iterations[0]
-
-
-# The Laplacians of the nodes
-
-
-def simple_edges(nodes, extra, random):
-    """Random connected edges, no pair joined twice."""
-    return np.unique(np.sort(random_edges(nodes, extra, random), axis=1), axis=0)
-
-
-@pytest.mark.parametrize("group", GROUPS)
-def test_the_graph_laplacian_forgets_the_transports(group):
-    random = np.random.default_rng(2)
-    edges = simple_edges(12, 20, random)
-    connection = Connection(12, edges, random.uniform(0.2, 2, len(edges)), random_units(group, len(edges), random))
-    expected = np.zeros((12, 12))
-    for (i, j), weight in zip(edges, connection.weights, strict=True):
-        expected[[i, j], [i, j]] += weight
-        expected[[i, j], [j, i]] -= weight
-    result = graph_laplacian(laplacian(connection), connection.block)
-    np.testing.assert_allclose(result.toarray(), expected, atol=1e-12)
-
-
-def agreeing(flip_share, seed, nodes=9):
-    """A connection that angles fit perfectly: conjugate before turning where it flips."""
-    random = np.random.default_rng(seed)
-    edges = simple_edges(nodes, 12, random)
-    angles = random.uniform(-np.pi, np.pi, nodes)
-    flips = random.random(len(edges)) < flip_share
-    i, j = edges.T
-    transports = circle_transports(angles[j] - np.where(flips, -1, 1) * angles[i], flips)
-    return Connection(nodes, edges, random.uniform(0.2, 2, len(edges)), transports), angles
-
-
-def hessian(energy, angles, step=1e-3):
-    """Second differences of a function of angles."""
-    shifts = step * np.eye(len(angles))
-    return np.array(
-        [
-            [
-                sum(s * t * energy(angles + s * a + t * b) for s in (1, -1) for t in (1, -1)) / (4 * step**2)
-                for b in shifts
-            ]
-            for a in shifts
-        ]
-    )
-
-
-@pytest.mark.parametrize("flip_share", [0.0, 0.5])
-@pytest.mark.parametrize("seed", range(3))
-def test_the_turning_laplacian_is_half_the_hessian_in_angles(flip_share, seed):
-    connection, angles = agreeing(flip_share, seed)
-    problem = SynchronizationProblem(connection)
-    assert connection.energy(np.exp(1j * angles)) < 1e-25
-    assert problem.is_complex == (flip_share == 0)  # these flips are unbalanced
-    piece = only_piece(problem)
-    expected = hessian(lambda a: connection.energy(np.exp(1j * a)), angles) / 2
-    result = turning_laplacian(piece.matrix, piece.block).toarray()
-    np.testing.assert_allclose(result, expected, atol=2e-6)
-
-
-def test_turns_of_nodes_that_a_gauge_turns_over_count_with_the_other_sign():
-    random = np.random.default_rng(1)
-    edges = simple_edges(9, 12, random)
-    sheets, angles = random.random(9) < 0.5, random.uniform(-np.pi, np.pi, 9)
-    flips = sheets[edges[:, 0]] != sheets[edges[:, 1]]
-    transports = circle_transports(angles[edges[:, 1]] - np.where(flips, -1, 1) * angles[edges[:, 0]], flips)
-    problem = SynchronizationProblem(Connection(9, edges, random.uniform(0.2, 2, len(edges)), transports))
-    assert problem.is_complex and problem.turned.any()
-    sign = np.where(problem.turned, -1, 1)
-    expected = hessian(lambda a: problem.energy(np.exp(1j * a)), angles) / 2
-    result = turning_laplacian(only_piece(problem).matrix, 1).toarray()
-    np.testing.assert_allclose(result * np.outer(sign, sign), expected, atol=2e-6)
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_a_ground_in_real_coordinates_does_not_turn(seed):
-    """The other nodes' turns cost what they cost beside fixed and drawn ones; the ground's row stands alone."""
-    connection, angles = agreeing(0.5, seed)
-    phases = np.exp(1j * angles)
-    fixed, wished = np.array([1, 4]), np.array([0, 4 + seed, 8])
-    wished = np.setdiff1d(wished, fixed)
-    drawn = Targets(wished, phases[wished], np.array([0.7, 1.3, 0.4])[: len(wished)])
-    problem = SynchronizationProblem(connection, fixed=Targets(fixed, phases[fixed]), drawn=drawn)
-    piece = only_piece(problem)
-    assert piece.block == 2 and piece.ground == piece.node_count - 1
-    free = np.setdiff1d(np.arange(9), fixed)
-
-    def energy(turned):
-        everything = angles.copy()
-        everything[free] = turned
-        return problem.energy(np.exp(1j * everything))
-
-    assert energy(angles[free]) < 1e-25
-    result = turning_laplacian(piece.matrix, piece.block, piece.ground).toarray()
-    np.testing.assert_allclose(result[:-1, :-1], hessian(energy, angles[free]) / 2, atol=2e-6)
-    assert not result[-1, :-1].any() and not result[:-1, -1].any() and result[-1, -1] > 0

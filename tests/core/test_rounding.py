@@ -9,7 +9,7 @@ import pytest
 
 from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.fields.directions import DirectionWishes, direction_problem
-from synch_fields.core.problem import SynchronizationProblem, Targets
+from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solve import Options, rounding, solve
 from synch_fields.core.solve.diffusion import diffuse
 from synch_fields.core.solve.monitor import SILENT
@@ -18,20 +18,8 @@ from synch_fields.core.solve.spheres import random_columns
 from synch_fields.core.solve.stage import Workspace
 from synch_fields.core.solve.staircase import relax
 
-from .graphs import KINDS, half_turned_stripes, random_connection
+from .graphs import KINDS, fixed_stripes, half_turned_stripes, only_piece, random_connection
 from .meshes import bent_square, bumpy_torus, double_torus, icosphere, quad_torus, together, torus
-
-
-def only_piece(problem):
-    (piece,) = problem.pieces
-    return piece
-
-
-def fixed_stripes():
-    """Stripes with flips and a ground in real coordinates."""
-    problem = half_turned_stripes(bumpy_torus(10), 0.5)
-    fixed = Targets(np.array([3, 100, 200]), np.exp(np.array([0.2j, 1j, -2j])))
-    return SynchronizationProblem(problem.connection, problem.mass, fixed=fixed)
 
 
 def relaxed(piece):
@@ -47,7 +35,7 @@ DIFFUSED = [
     pytest.param(lambda: direction_problem(bumpy_torus(14), 4), id="crosses"),
     pytest.param(lambda: direction_problem(bent_square(), 1, DirectionWishes(boundary="along")), id="fixed-vectors"),
     pytest.param(lambda: half_turned_stripes(bumpy_torus(14), 0.4), id="flips"),
-    pytest.param(fixed_stripes, id="fixed-flips"),
+    pytest.param(lambda: fixed_stripes(10), id="fixed-flips"),
     pytest.param(lambda: SynchronizationProblem(random_connection("signs", 60, 90, 0)), id="signs"),
     pytest.param(lambda: SynchronizationProblem(random_connection("rotations", 60, 90, 0)), id="rotations"),
 ]
@@ -215,7 +203,7 @@ def test_a_continuation_returns_distinct_fields_best_first(build):
 VARIED = [
     pytest.param(lambda: direction_problem(bumpy_torus(10), 4), id="crosses"),
     pytest.param(lambda: half_turned_stripes(bumpy_torus(10), 0.4), id="flips"),
-    pytest.param(fixed_stripes, id="fixed-flips"),
+    pytest.param(lambda: fixed_stripes(10), id="fixed-flips"),
     pytest.param(lambda: direction_problem(bent_square(), 4, DirectionWishes(boundary="along")), id="fixed-crosses"),
     pytest.param(lambda: direction_problem(together(double_torus(), bumpy_torus(8), loose=2), 4), id="pieces"),
     pytest.param(lambda: SynchronizationProblem(random_connection("signs", 60, 90, 0)), id="signs"),

@@ -226,7 +226,7 @@ def test_polished_phases_are_a_local_optimum():
         (dict(target_gap=0.0), "target gap"),
         (dict(target_gap=1.0), "target gap"),
         (dict(target_gap=float("nan")), "target gap"),
-        (dict(samples=0), "projections"),
+        (dict(samples=0), "samples"),
         (dict(time_limit=0.0), "time limit"),
         (dict(time_limit=-1.0), "time limit"),
         (dict(time_limit=float("nan")), "time limit"),

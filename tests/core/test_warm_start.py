@@ -13,7 +13,7 @@ from synch_fields.core.fields.directions import DirectionWishes, direction_probl
 from synch_fields.core.problem import SynchronizationProblem, Targets
 from synch_fields.core.solve import Options, Status, solve
 
-from .graphs import KINDS, half_turned_stripes, random_connection, random_constraints, random_values
+from .graphs import KINDS, fixed_stripes, half_turned_stripes, random_connection, random_constraints, random_values
 from .meshes import bent_square, bumpy_torus, double_torus, together
 
 
@@ -26,13 +26,6 @@ def agreement(problem, first, second):
     product = np.vdot(first, second)
     is_turned = problem.is_complex and problem.fixed is None and problem.drawn is None
     return (abs(product) if is_turned else product.real) / len(first)
-
-
-def fixed_stripes(spacing=0.5):
-    """Stripes with flips and a ground in real coordinates."""
-    problem = half_turned_stripes(bumpy_torus(12), spacing)
-    fixed = Targets(np.array([3, 100, 200]), np.exp(np.array([0.2j, 1j, -2j])))
-    return SynchronizationProblem(problem.connection, problem.mass, fixed=fixed)
 
 
 def constrained(kind, seed, nodes=40):
@@ -60,7 +53,7 @@ FRAMES = [
         lambda: half_turned_stripes(bumpy_torus(12), 0.505),
         id="flips",
     ),
-    pytest.param(lambda: fixed_stripes(0.5), lambda: fixed_stripes(0.505), id="fixed-flips"),
+    pytest.param(lambda: fixed_stripes(12), lambda: fixed_stripes(12, 0.505), id="fixed-flips"),
     *(
         pytest.param(
             lambda kind=kind, seed=seed: constrained(kind, seed),
@@ -247,7 +240,7 @@ def test_a_solution_of_another_method_or_shape_starts_the_phases_alone():
 
 
 @pytest.mark.parametrize(
-    "build", [fixed_stripes, lambda: direction_problem(bent_square(), 1, DirectionWishes(boundary="along"))]
+    "build", [lambda: fixed_stripes(12), lambda: direction_problem(bent_square(), 1, DirectionWishes(boundary="along"))]
 )
 def test_fixed_phases_stay_whatever_the_start_says(build):
     problem = build()
