@@ -18,7 +18,7 @@ from .products import SharedRows
 # Share of the stiffness below which a shift drowns in single precision.
 SMALLEST_SHIFT = 1e-6
 # Nodes of the smallest level, which is factorized, and the ratio of sizes that stops coarsening.
-SMALLEST_LEVEL = 400
+SMALLEST_LEVEL = 200
 STAGNATION = 0.7
 # Damped Jacobi smoothing: the part of the spectrum that it damps evenly, below the largest eigenvalue. One step
 # before and after is faster in all than Chebyshev polynomials of degree 2 or 3, which save few steps.

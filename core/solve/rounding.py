@@ -18,31 +18,31 @@ from .spheres import gaussian
 
 # Diffusion times, in units of 1 / (energy per mass), of a continuation on the piece itself, and of one on
 # the coarser stage that comes before for half of the fields: there a larger time costs next to nothing.
-TIMES = 0.2 * 0.4 ** np.arange(5)
+TIMES = 0.3 * 0.25 ** np.arange(5)
 COARSE_TIMES = 0.7 ** np.arange(6)
-STEPS = 3
+STEPS = 2
 # Projections that are carried: the best; some at random, for variety, through larger times first; and on the coarser
 # stage, of which the best go on.
 FRESH, DRAWN, COARSE_TRIED, COARSE = 6, 3, 16, 6
 DRAWN_TIMES = np.array([1.0, 0.5])
 # Nodes that the coarser stage must have. It serves for variety alone: defects cost too little on it.
-SMALLEST_EXPLORED = 100
+SMALLEST_EXPLORED = 500
 # Rounds of crossing: fields that are kept and crossed in pairs, crossings that go on, rounds at least and at most, and
 # the relative gain below which they end.
 KEPT, CROSSINGS = 8, 6
-FEWEST_ROUNDS, MOST_ROUNDS = 2, 8
-GAIN = 1e-3
+FEWEST_ROUNDS, MOST_ROUNDS = 1, 8
+GAIN = 3e-3
 # Over which diffusion time local energies are compared, and how sharply the better one is preferred.
 CROSSING_TIME = 4.0
 SHARPNESS = 5.0
 # Fields whose energies agree to this share are taken for one.
 SAME_ENERGY = 1e-4
 # Steps of descent: between rounds, for the best few, and for the best.
-SHORT_STEPS, LONG_STEPS, FINAL_STEPS = 15, 30, 200
+SHORT_STEPS, LONG_STEPS, FINAL_STEPS = 10, 30, 200
 FINALISTS = 3
 TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-9
 # Numbers that are worked on at once, and columns at least: memory, and how soon a solve can be stopped.
-LARGEST_BATCH, SMALLEST_BATCH = 1_000_000, 2
+LARGEST_BATCH, SMALLEST_BATCH = 1_000_000, 4
 # Metric shift of descents as a share of the energy per mass.
 SHIFT = 1.0
 
@@ -155,10 +155,11 @@ def continuation(stages, lifted, samples, density, random, monitor):
         if len(stages) > 1 and stages[1].node_count >= SMALLEST_EXPLORED:
             seeds = np.hstack([seeds, _coarse_fields(stage, stages[1], lifted, directions, density, monitor)])
         drawn = projections(stage, lifted, directions[:, -DRAWN:], DRAWN, monitor)
-        seeds = np.hstack([seeds, diffuse(stage, drawn, DRAWN_TIMES / density, STEPS, monitor)])
+        seeds = np.hstack([seeds, diffuse(stage, drawn, _times(stage, DRAWN_TIMES, density), STEPS, monitor)])
+        times = _times(stage, TIMES, density)
         for round_number in range(1 + MOST_ROUNDS):
             for batch in np.array_split(seeds, -(-seeds.shape[1] // _batch(stage)), axis=1):
-                settled = diffuse(stage, batch, TIMES / density, STEPS, monitor)
+                settled = diffuse(stage, batch, times, STEPS, monitor)
                 settled = polish(stage, settled, metric, monitor, SHORT_STEPS)
                 found = distinct_columns(stage, np.hstack([found, settled]))[:, :KEPT]
             value = energies(stage, found[:, :1])[0]
@@ -172,11 +173,20 @@ def continuation(stages, lifted, samples, density, random, monitor):
     return distinct_columns(stage, np.hstack([finalists, found[:, FINALISTS:]])), False
 
 
+def _times(stage, times, density):
+    """Diffusion times in the units of a stage, the first and those that reach past the next node.
+
+    In shorter ones hardly anything moves: diffusion is pinned to the nodes.
+    """
+    times = times / density
+    return times[: max(np.count_nonzero(times * stage.stiffness >= 1), 1)]
+
+
 def _coarse_fields(stage, coarse, lifted, directions, density, monitor):
     """Fields that went through the larger diffusion times on the coarser stage."""
     restricted = coarse.lifted.normalize(coarse.restrict(lifted.astype(stage.matrix.dtype)))
     columns = projections(coarse, restricted, directions, COARSE_TRIED, monitor)
-    columns = diffuse(coarse, columns, COARSE_TIMES / density, STEPS, monitor)
+    columns = diffuse(coarse, columns, _times(coarse, COARSE_TIMES, density), STEPS, monitor)
     best = np.argsort(energies(coarse, columns), kind="stable")[:COARSE]
     return stage.candidates.normalize(coarse.prolong(columns[:, best]))
 

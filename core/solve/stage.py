@@ -18,6 +18,7 @@ class Stage:
     row_mass : (N,)
     block, is_complex : as in Piece
     lifted, candidates : the spheres of a lifted field, and of fields in columns
+    stiffness : mean diagonal of the matrix per mass
     """
 
     def __init__(self, piece, hierarchy, depth):
@@ -26,6 +27,7 @@ class Stage:
         self._smallest_shift = SMALLEST_SHIFT * piece.stiffness
         self.matrix = SharedRows(self._level.matrix)
         self.row_mass = self._level.row_mass
+        self.stiffness = float(self._level.matrix.diagonal().real.sum() / self.row_mass.sum())
         self.block, self.is_complex, self._is_circle = piece.block, piece.is_complex, piece.is_circle
         self.lifted = Lifted(piece.block)
         self.candidates = candidates(piece.block, piece.is_circle)
