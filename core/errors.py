@@ -16,6 +16,24 @@ class SettingError(SynchError):
     """A setting is out of range or contradicts another."""
 
 
+class ContradictionError(SettingError):
+    """Two wishes that cannot both be met.
+
+    Attributes
+    ----------
+    message : with ``{vertices}`` where they are named
+    vertices : (k,) where, each once
+    """
+
+    def __init__(self, message, vertices):
+        self.message, self.vertices = message, np.unique(vertices)
+        super().__init__(message.replace("{vertices}", name_elements("vertex", self.vertices)))
+
+    def renumbered(self, numbers):
+        """The same error where each vertex has another number, (n,) ``numbers``."""
+        return ContradictionError(self.message, numbers[self.vertices])
+
+
 class Cancelled(SynchError):
     """The user stopped the computation; nothing may be written."""
 

@@ -53,12 +53,10 @@ class EdgePhases:
 
     def between(self, tails, heads):
         """Change from tail to head in the sheet of the tail, and the edge's sign."""
-        keys = self.mesh.edges[:, 0] * self.mesh.vertex_count + self.mesh.edges[:, 1]
-        low, high = np.minimum(tails, heads), np.maximum(tails, heads)
-        edge = np.searchsorted(keys, low * self.mesh.vertex_count + high)
+        edge = self.mesh.edges_between(tails, heads)
         signs = self.signs[edge]
         # Walked backwards, from the sheet of the higher vertex: -sigma, turned over with the sheet.
-        changes = np.where(tails == low, self.changes[edge], -signs * self.changes[edge])
+        changes = np.where(tails < heads, self.changes[edge], -signs * self.changes[edge])
         return changes, signs
 
     def around(self, corners):

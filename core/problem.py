@@ -39,6 +39,16 @@ class Targets:
     weights: np.ndarray | None = None
 
 
+def joined_targets(parts):
+    """Several :class:`Targets` with weights as one, None where there is nothing to draw."""
+    parts = [part for part in parts if len(part.nodes)]
+    return Targets(*(np.concatenate(arrays) for arrays in zip(*map(_arrays, parts), strict=True))) if parts else None
+
+
+def _arrays(targets):
+    return targets.nodes, targets.values, targets.weights
+
+
 @dataclass(frozen=True)
 class Piece:
     """One connected piece in the coordinates that are solved.

@@ -11,11 +11,13 @@ from dataclasses import dataclass, replace
 import bpy
 import numpy as np
 
-from ..core.errors import SettingError, SynchError
-from ..core.fields import DirectionWishes, direction_field, given_directions, stripe_pattern
+from ..core.errors import ContradictionError, SettingError, SynchError
+from ..core.fields import DirectionWishes, Row, direction_field, given_directions, stripe_pattern
 from ..core.fields.directions import SYMMETRIES
+from ..core.fields.guidance import curvature_guide
 from ..core.fields.stripes import check_spacing, coarse_edge_share
-from . import scene_io, write
+from . import constraints, scene_io, write
+from .constraint_list import stored_constraints
 from .report import Report
 from .settings import Settings, from_names
 
@@ -64,6 +66,12 @@ def run(command, obj, settings, callback=None):
     return job.write(obj)
 
 
+def select(obj, vertices):
+    """Select vertices and nothing else of an object's mesh, in object or edit mode."""
+    with _object_mode(obj):
+        scene_io.select_vertices(obj, vertices)
+
+
 class FieldJob:
     """One run in three steps, of which only the middle one takes long and touches no Blender data.
 
@@ -80,6 +88,8 @@ class FieldJob:
         elif settings.symmetry == "cross":
             raise SettingError("stripes need a vector or line field: set the symmetry to vector or line")
         bpy.context.view_layer.update()  # a script may have scaled the object just now
+        if settings.constraints is None:
+            settings = replace(settings, constraints=stored_constraints(obj))
         self.command = command
         self._report = Report(command, obj, settings)
         with _object_mode(obj), self._report.clock("read"):
@@ -87,7 +97,21 @@ class FieldJob:
             self._report.warn_about(obj, self._task)
 
     def solve(self, callback=None):
-        """Solve on the arrays alone; raises :class:`Cancelled` when the callback returns False."""
+        """Solve on the arrays alone.
+
+        Raises
+        ------
+        Cancelled
+            when the callback returns False
+        ContradictionError
+            naming vertices of the object
+        """
+        try:
+            self._solve(callback)
+        except ContradictionError as error:
+            raise error.renumbered(self._task.given.source) from None
+
+    def _solve(self, callback):
         alone = self.command == "directions"
         self._field = solve_directions(self._task, callback if alone else _portion(callback, 0.0, 0.4))
         self._pattern = None
@@ -111,20 +135,19 @@ class Task:
     given: scene_io.MeshInput
     settings: Settings
     guide: np.ndarray | None
-    boundary_vertices: np.ndarray | None
+    rows: tuple[Row, ...]
     spacing: float
 
 
 def gather(obj, settings):
     """Read what the settings ask for; refuse what cannot be."""
-    given = scene_io.read_mesh(obj)
+    given = constraints.cut_mesh(obj, scene_io.read_mesh(obj), settings.constraints)
     spacing = automatic_spacing(given.mesh) if settings.spacing is None else settings.spacing
     check_spacing(given.mesh, spacing)
     by_attribute = settings.guidance == "attribute"
     guide = scene_io.read_vectors(obj, settings.attribute, given) if by_attribute else None
-    has_group = settings.boundary != "free" and settings.vertex_group
-    group = scene_io.read_group(obj, settings.vertex_group) if has_group else None
-    return Task(given, settings, guide, group, spacing)
+    rows = constraints.rows_of(obj, given, settings.all_constraints)
+    return Task(given, settings, guide, rows, spacing)
 
 
 def solve_directions(task, callback):
@@ -133,7 +156,10 @@ def solve_directions(task, callback):
     symmetry = SYMMETRIES[settings.symmetry]
     if task.guide is not None:
         return given_directions(mesh, symmetry, task.guide).turned(settings.angle)
-    wishes = DirectionWishes(settings.guidance, settings.boundary, task.boundary_vertices)
+    guides = ()
+    if settings.guidance != "smooth":
+        guides = ((curvature_guide(mesh, largest=settings.guidance == "curvature-max"), 1.0),)
+    wishes = DirectionWishes(guides, task.rows)
     return direction_field(mesh, symmetry, wishes, settings.options, callback).turned(settings.angle)
 
 
@@ -146,9 +172,7 @@ def solve_stripes(task, field, report, callback):
             f"the spacing {task.spacing:g} is finer than the mesh can carry on {share:.0%} of its edges: "
             f"it needs edges shorter than {task.spacing / 2:.3g}, subdivide or remesh"
         )
-    return stripe_pattern(
-        mesh, field, task.spacing, settings.boundary == "phase", task.boundary_vertices, settings.options, callback
-    )
+    return stripe_pattern(mesh, field, task.spacing, task.rows, settings.options, callback)
 
 
 def automatic_spacing(mesh):

@@ -4,6 +4,7 @@
 from dataclasses import dataclass
 
 import bmesh
+import bpy
 import numpy as np
 
 from ..core.errors import MeshError, SettingError
@@ -18,19 +19,28 @@ _LAYOUTS = {
     "FLOAT_VECTOR": (np.float32, 3, "vector"),
     "FLOAT_COLOR": (np.float32, 4, "color"),
 }
+# Attributes that mark edges, and their numpy types.
+_MARKS = {"seams": ("uv_seam", bool), "sharp": ("sharp_edge", bool), "creases": ("crease_edge", np.float32)}
 
 
 @dataclass(frozen=True)
 class MeshInput:
-    """A mesh as the core sees it: ``stretch`` is the (3, 3) scale that lengths were measured with."""
+    """A mesh as the core sees it.
+
+    ``stretch`` is the (3, 3) scale that lengths were measured with. Where edges are cut, ``mesh`` and ``polygons``
+    have them apart, ``uncut`` is the whole mesh, and ``source`` the (n,) vertex of it that each vertex was: its
+    own vertices first, then their second sides.
+    """
 
     mesh: TriangleMesh
     polygons: Polygons
     stretch: np.ndarray
+    uncut: TriangleMesh
+    source: np.ndarray
 
     def to_object(self, vectors):
-        """Unit vectors in object space for (n, 3) vectors of the measured mesh."""
-        turned = vectors @ np.linalg.inv(self.stretch).T
+        """Unit vectors in object space at the object's vertices, for (n, 3) vectors of the measured mesh."""
+        turned = vectors[: self.uncut.vertex_count] @ np.linalg.inv(self.stretch).T
         lengths = np.linalg.norm(turned, axis=1, keepdims=True)
         return np.divide(turned, lengths, out=np.zeros_like(turned), where=lengths > 0)
 
@@ -63,18 +73,18 @@ def read_mesh(obj):
     polygons = read_polygons(obj)
     mesh = TriangleMesh(vertices.astype(float) @ stretch.T, polygons.triangles)
     check_mesh(mesh, polygons.triangle_faces)
-    return MeshInput(mesh, polygons, stretch)
+    return MeshInput(mesh, polygons, stretch, mesh, np.arange(mesh.vertex_count))
 
 
 def is_unchanged(obj, given):
     """Whether the object still has the positions, faces and scale of a :class:`MeshInput`."""
-    if len(obj.data.vertices) != given.mesh.vertex_count:
+    if len(obj.data.vertices) != given.uncut.vertex_count:
         return False
     vertices = _read(obj.data.attributes["position"]).astype(float) @ given.stretch.T
     now, then = read_polygons(obj), given.polygons
     return (
-        np.array_equal(vertices, given.mesh.vertices)
-        and np.array_equal(now.corner_vertices, then.corner_vertices)
+        np.array_equal(vertices, given.uncut.vertices)
+        and np.array_equal(now.corner_vertices, given.source[then.corner_vertices])
         and np.array_equal(now.starts, then.starts)
         and np.array_equal(now.triangle_corners, then.triangle_corners)
         and np.array_equal(_stretch(obj), given.stretch)
@@ -110,37 +120,71 @@ def _stretch(obj):
 
 
 def read_vectors(obj, name, given):
-    """(n, 3) vectors of a POINT attribute, in the measured space of a :class:`MeshInput`.
+    """(n, 3) vectors of a POINT attribute, on the vertices and in the measured space of a :class:`MeshInput`.
 
     Raises
     ------
     SettingError
         when the attribute is missing or of another kind
     """
+    return _read(_point_attribute(obj, name, "FLOAT_VECTOR", "vector")).astype(float)[given.source] @ given.stretch.T
+
+
+def read_numbers(obj, name, given):
+    """(n,) numbers of a POINT attribute, or weights of a vertex group; errors as :func:`read_vectors`."""
+    if name in obj.vertex_groups and name not in obj.data.attributes:
+        return read_weights(obj, name)[given.source]
+    return _read(_point_attribute(obj, name, "FLOAT", "float")).astype(float)[given.source]
+
+
+def _point_attribute(obj, name, data_type, kind):
     attribute = obj.data.attributes.get(name)
     if attribute is None:
-        vectors = [a.name for a in obj.data.attributes if a.data_type == "FLOAT_VECTOR" and a.name != "position"]
-        have = f"it has {', '.join(vectors)}" if vectors else "it has none"
-        raise SettingError(f"the mesh {obj.data.name} has no attribute {name!r}: choose a vector attribute ({have})")
-    if attribute.data_type != "FLOAT_VECTOR" or attribute.domain != "POINT":
+        present = [a.name for a in obj.data.attributes if a.data_type == data_type and a.name != "position"]
+        have = f"it has {', '.join(present)}" if present else "it has none"
+        raise SettingError(f"the mesh {obj.data.name} has no attribute {name!r}: choose a {kind} attribute ({have})")
+    if attribute.data_type != data_type or attribute.domain != "POINT":
         raise SettingError(
-            f"the attribute {name!r} is {attribute.data_type} on {attribute.domain}: it must be a vector on points"
+            f"the attribute {name!r} is {attribute.data_type} on {attribute.domain}: it must be a {kind} on points"
         )
-    return _read(attribute).astype(float) @ given.stretch.T
+    return attribute
+
+
+def read_marked_edges(obj, mark):
+    """(k, 2) vertices of the edges that are "seams", "sharp" or "creases", where a face uses them."""
+    name, dtype = _MARKS[mark]
+    attribute = obj.data.attributes.get(name)
+    if attribute is None:
+        return np.empty((0, 2), int)
+    marked = np.empty(len(obj.data.edges), dtype)
+    attribute.data.foreach_get("value", marked)
+    pairs = np.empty((len(obj.data.edges), 2), np.int32)
+    obj.data.edges.foreach_get("vertices", pairs.ravel())
+    loose = np.empty(len(obj.data.edges), bool)
+    obj.data.edges.foreach_get("is_loose", loose)
+    return pairs[(marked > 0) & ~loose].astype(np.int64)
 
 
 def read_group(obj, name):
-    """(n,) bool: vertices of a vertex group."""
+    """(n,) bool: vertices of a vertex group, on the object's own vertices."""
+    members = read_weights(obj, name) > 0
+    if not members.any():
+        raise SettingError(f"the vertex group {name!r} is empty: assign vertices to it")
+    return members
+
+
+def read_weights(obj, name):
+    """(n,) weights of a vertex group, 0 for vertices outside."""
     group = obj.vertex_groups.get(name)
     if group is None:
         names = ", ".join(g.name for g in obj.vertex_groups) or "none yet"
         raise SettingError(f"{obj.name} has no vertex group {name!r}: choose one of its groups ({names})")
-    members = np.zeros(len(obj.data.vertices), bool)
+    weights = np.zeros(len(obj.data.vertices))
     for vertex in obj.data.vertices:
-        members[vertex.index] = any(g.group == group.index and g.weight > 0 for g in vertex.groups)
-    if not members.any():
-        raise SettingError(f"the vertex group {name!r} is empty: assign vertices to it")
-    return members
+        for member in vertex.groups:
+            if member.group == group.index:
+                weights[vertex.index] = member.weight
+    return weights
 
 
 def _read(attribute):
@@ -171,21 +215,31 @@ def remove_attribute(obj, name):
 
 
 def split_faces(obj, polygons, faces):
-    """Replace faces by the triangles that draw them, keeping all their corner and face data."""
+    """Replace faces by the triangles that draw them, keeping all their corner and face data.
+
+    Returns the (c,) old corner that each corner was.
+    """
     edited = bmesh.new()
     edited.from_mesh(obj.data)
     edited.faces.ensure_lookup_table()
     edited.verts.ensure_lookup_table()
+    corner = edited.loops.layers.int.new("synch_corner")
+    for number, loop in enumerate(loop for face in edited.faces for loop in face.loops):
+        loop[corner] = number
     old = [edited.faces[face] for face in faces]
     for face, index in zip(old, faces, strict=True):
-        source = {loop.vert: loop for loop in face.loops}
-        for corners in polygons.triangles[polygons.triangle_faces == index]:
-            triangle = edited.faces.new([edited.verts[v] for v in corners], face)
+        loops = list(face.loops)
+        source = {loop.vert: loop for loop in loops}
+        for corners in polygons.triangle_corners[polygons.triangle_faces == index] - polygons.starts[index]:
+            triangle = edited.faces.new([loops[k].vert for k in corners], face)
             for loop in triangle.loops:
                 loop.copy_from(source[loop.vert])
     bmesh.ops.delete(edited, geom=old, context="FACES_ONLY")
+    old_corners = [loop[corner] for face in edited.faces for loop in face.loops]
+    edited.loops.layers.int.remove(corner)
     edited.to_mesh(obj.data)
     edited.free()
+    return np.array(old_corners)
 
 
 def faces_of_triangles(polygons, triangles):
@@ -196,6 +250,19 @@ def faces_of_triangles(polygons, triangles):
     face_of = np.empty(labels.max(initial=0) + 1, int)
     face_of[labels[: len(polygons.triangle_faces)]] = polygons.triangle_faces
     return face_of[labels[len(polygons.triangle_faces) :]]
+
+
+def select_vertices(obj, vertices):
+    """Select vertices and nothing else of a mesh in object mode, so that edit mode shows them."""
+    bpy.context.tool_settings.mesh_select_mode = (True, False, False)
+    chosen = np.zeros(len(obj.data.vertices), bool)
+    chosen[vertices] = True
+    ends = np.empty((len(obj.data.edges), 2), np.int32)
+    obj.data.edges.foreach_get("vertices", ends.ravel())
+    obj.data.vertices.foreach_set("select", chosen)
+    obj.data.edges.foreach_set("select", chosen[ends].all(axis=1))
+    obj.data.polygons.foreach_set("select", np.zeros(len(obj.data.polygons), bool))
+    obj.data.update()
 
 
 def update(obj):

@@ -5,12 +5,23 @@ import math
 from dataclasses import dataclass, fields
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 
 from ..core.errors import SettingError
-from ..core.fields.directions import BOUNDARIES, SYMMETRIES
+from ..core.fields.directions import SYMMETRIES
 from ..core.solve import METHODS, Options
+from .constraint_list import SynchConstraint
+from .constraints import Constraint, from_plain
 
+BOUNDARIES = ("free", "along", "across", "phase")
 GUIDANCES = ("smooth", "curvature-max", "curvature-min", "attribute")
 
 
@@ -26,6 +37,7 @@ class Settings:
     angle : radians by which the guidance is turned
     boundary : "free", "along", "across" or "phase" (stripes lie on the boundary)
     vertex_group : restricts the boundary to the edges in a vertex group; "" for all of it
+    constraints : rows of the constraint list, :class:`Constraint` or dicts; None for the object's own list
     spacing : distance between two stripes in scene units; None for about forty across the object
     method : "sdp", "spectral" or "diffusion"
     seed : of every random choice
@@ -40,6 +52,7 @@ class Settings:
     angle: float = 0.0
     boundary: str = "free"
     vertex_group: str = ""
+    constraints: tuple[Constraint, ...] | None = None
     spacing: float | None = None
     method: str = "sdp"
     seed: int = 0
@@ -48,6 +61,8 @@ class Settings:
     assign_material: bool = False
 
     def __post_init__(self):
+        if self.constraints is not None:
+            object.__setattr__(self, "constraints", from_plain(self.constraints))
         for name, choices in (
             ("symmetry", tuple(SYMMETRIES)),
             ("guidance", GUIDANCES),
@@ -66,6 +81,13 @@ class Settings:
             raise SettingError(f"the angle is {self.angle}: give a finite one")
         if self.guidance == "attribute" and not self.attribute:
             raise SettingError("the guidance attribute has no name: choose a vector attribute of the mesh")
+
+    @property
+    def all_constraints(self):
+        """The constraint list with what is asked of the boundary."""
+        if self.boundary == "free":
+            return self.constraints
+        return (Constraint("boundary", self.boundary, self.vertex_group), *self.constraints)
 
     @property
     def options(self):
@@ -164,6 +186,10 @@ class SynchSettings(SettingProperties, bpy.types.PropertyGroup):
         description="About forty stripes across the object, or as many as the mesh can carry",
         default=True,
     )
+    constraints: CollectionProperty(
+        name="Constraints", description="What is asked of the pattern along lines of the mesh", type=SynchConstraint
+    )
+    active_constraint: IntProperty(name="Active Constraint", description="Row that the panel shows", min=0)
 
 
 PROPERTY_NAMES = tuple(SettingProperties.__annotations__)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Write a solved field to the object at once: attributes, material and defect empties."""
 
+from dataclasses import replace
+
 import numpy as np
 from mathutils import Vector
 
@@ -51,10 +53,10 @@ def _write_pattern(obj, given, pattern, report):
             f"{len(phases.unfit)} faces with a defect were split into triangles, first face "
             f"{phases.unfit[0]}: corner values carry one disclination, or two dislocations, in at most four corners"
         )
-        scene_io.split_faces(obj, polygons, phases.unfit)
-        polygons = scene_io.read_polygons(obj)
+        old_corners = scene_io.split_faces(obj, polygons, phases.unfit)
+        polygons = replace(scene_io.read_polygons(obj), corner_vertices=polygons.corner_vertices[old_corners])
         phases = pattern.on_faces(polygons)
-    cosines = np.cos(np.angle(pattern.solution.phases))
+    cosines = np.cos(np.angle(pattern.solution.phases))[: given.uncut.vertex_count]
     for name, domain, data_type, values in (
         ("synch_phase", "CORNER", "FLOAT", phases.corner_phase),
         ("synch_index", "FACE", "INT", phases.index),

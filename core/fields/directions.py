@@ -13,14 +13,12 @@ from ..connection import Connection, circle_transports, levi_civita
 from ..defects import disclination_numbers, list_defects
 from ..errors import SettingError
 from ..geometry import TriangleMesh
-from ..problem import SynchronizationProblem, Targets
+from ..problem import SynchronizationProblem, Targets, joined_targets
 from ..solve import Solution, solve
-from .boundary import boundary_tangents, chosen_boundary_edges
-from .curvature import principal_directions
+from .guidance import Guide, blended
+from .rows import Row, direction_targets
 
 SYMMETRIES = {"vector": 1, "line": 2, "cross": 4}
-BOUNDARIES = ("free", "along", "across", "phase")
-GUIDANCES = ("smooth", "curvature-max", "curvature-min")
 
 
 @dataclass(frozen=True)
@@ -29,16 +27,12 @@ class DirectionWishes:
 
     Attributes
     ----------
-    guidance : "smooth", "curvature-max" or "curvature-min": the direction of largest or smallest
-        principal curvature, weighted so that it counts where the two differ
-    boundary : "free", "along" or "across" the boundary edges ("phase", stripes that lie on the boundary,
-        asks for "along")
-    boundary_vertices : (n,) bool, restricts the boundary edges to those with both ends in it
+    guides : pairs of a Guide and the strength with which it is followed, against the field's own smoothness
+    rows : Rows of the constraint list
     """
 
-    guidance: str = "smooth"
-    boundary: str = "free"
-    boundary_vertices: np.ndarray | None = None
+    guides: tuple[tuple[Guide, float], ...] = ()
+    rows: tuple[Row, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -80,23 +74,14 @@ def direction_problem(mesh, symmetry, wishes=None):
     wishes = DirectionWishes() if wishes is None else wishes
     if symmetry not in SYMMETRIES.values():
         raise SettingError(f"symmetry {symmetry!r} is unknown: use 1 (vector), 2 (line) or 4 (cross)")
-    if wishes.boundary not in BOUNDARIES:
-        raise SettingError(f"boundary {wishes.boundary!r} is unknown: use one of {', '.join(BOUNDARIES)}")
-    if wishes.guidance not in GUIDANCES:
-        raise SettingError(f"guidance {wishes.guidance!r} is unknown: use one of {', '.join(GUIDANCES)}")
     connection = Connection(mesh.vertex_count, mesh.edges, mesh.weights, circle_transports(levi_civita(mesh, symmetry)))
-    fixed = None
-    if wishes.boundary != "free":
-        edges = chosen_boundary_edges(mesh, wishes.boundary_vertices)
-        nodes, values = boundary_tangents(mesh, symmetry, edges, across=wishes.boundary == "across")
-        fixed = Targets(nodes, values)
-    drawn = None
-    if wishes.guidance != "smooth":
-        values, weights = principal_directions(mesh, symmetry, largest=wishes.guidance == "curvature-max")
+    fixed, drawn = direction_targets(mesh, symmetry, wishes.rows)
+    if wishes.guides:
+        values, weights = blended([g for g, _ in wishes.guides], [strength for _, strength in wishes.guides], symmetry)
+        weights[fixed.nodes if fixed is not None else []] = 0
         nodes = np.flatnonzero(weights > 0)
-        nodes = nodes if fixed is None else np.setdiff1d(nodes, fixed.nodes)
-        drawn = Targets(nodes, values[nodes], weights[nodes]) if len(nodes) else None
-    return SynchronizationProblem(connection, mesh.vertex_masses, fixed=fixed, drawn=drawn)
+        drawn.append(Targets(nodes, values[nodes], weights[nodes]))
+    return SynchronizationProblem(connection, mesh.vertex_masses, fixed=fixed, drawn=joined_targets(drawn))
 
 
 def direction_field(mesh, symmetry, wishes=None, options=None, callback=None):

@@ -10,9 +10,9 @@ from ..defects import list_defects
 from ..errors import SettingError
 from ..geometry import TriangleMesh
 from ..interpolate import EdgePhases, dislocation_numbers, face_phases
-from ..problem import SynchronizationProblem, Targets
+from ..problem import SynchronizationProblem, joined_targets
 from ..solve import Solution, solve
-from .boundary import chosen_boundary_edges
+from .phase_rows import phase_constraints
 
 
 @dataclass(frozen=True)
@@ -42,13 +42,16 @@ class StripePattern:
 
 
 def check_spacing(mesh, spacing):
-    """Refuse a spacing that no stripe fits in; lengths in the mesh's units."""
-    if not np.isfinite(spacing) or spacing <= 0:
-        raise SettingError(f"the spacing is {spacing:g}: give a positive length")
+    """Refuse a spacing that no stripe fits in: a length in the mesh's units, or (n,) one at each vertex."""
+    spacing = np.asarray(spacing, float)
+    bad = np.flatnonzero(~(np.isfinite(spacing) & (spacing > 0)))
+    if len(bad):
+        where = f" at vertex {bad[0]} ({len(bad)} in all)" if spacing.ndim else ""
+        raise SettingError(f"the spacing is {spacing.flat[bad[0]]:g}{where}: give a positive length")
     extent = np.linalg.norm(np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0))
-    if spacing > extent:
+    if spacing.min() > extent:
         raise SettingError(
-            f"the spacing {spacing:g} is larger than the object ({extent:g}): no stripe would fit, reduce it"
+            f"the spacing {spacing.min():g} is larger than the object ({extent:g}): no stripe would fit, reduce it"
         )
 
 
@@ -58,39 +61,52 @@ def coarse_edge_share(mesh, field, spacing):
     return float((np.abs(rotations) > np.pi).mean())
 
 
+def forced_dislocations(mesh, field, spacing):
+    """How many dislocations the field and the spacing force: the circulation of v / hbar, in turns.
+
+    The asked phase changes around a triangle add up to turns that no phase can make; their sizes are summed
+    over all triangles without a disclination.
+    """
+    angles, flips = stripe_transports(mesh, field, spacing)
+    asked = EdgePhases(mesh, np.zeros(mesh.vertex_count), np.where(flips, -angles, angles), np.where(flips, -1, 1))
+    values, sheet = asked.around(mesh.triangles)
+    return float(np.abs(values[sheet > 0, 3]).sum() / (2 * np.pi))
+
+
+def stripe_rates(mesh, spacing):
+    """(n,) phase per unit length for one spacing, or one at each vertex."""
+    return np.broadcast_to(2 * np.pi / np.asarray(spacing, float), mesh.vertex_count)
+
+
 def stripe_transports(mesh, field, spacing):
     """Angles and flips of the stripe connection; stripes run along the field, the phase grows across."""
     if field.symmetry not in (1, 2):
         raise SettingError("stripes need a vector or line field: set the symmetry to vector or line")
     angles = field.angles + np.pi / 2
     flips = line_flips(mesh, angles) if field.symmetry == 2 else np.zeros(len(mesh.edges), bool)
-    rates = np.full(mesh.vertex_count, 2 * np.pi / spacing)
-    return stripe_rotations(mesh, angles, rates, flips), flips
+    return stripe_rotations(mesh, angles, stripe_rates(mesh, spacing), flips), flips
 
 
-def stripe_problem(mesh, field, spacing, on_boundary=False, boundary_vertices=None):
+def stripe_problem(mesh, field, spacing, rows=()):
     """The synchronization problem of a stripe pattern.
 
     Parameters
     ----------
     mesh : TriangleMesh
     field : DirectionField of symmetry 1 or 2, along which stripes run
-    spacing : distance between two stripes, in the mesh's units
-    on_boundary : put a stripe (phase 0) on the boundary edges
-    boundary_vertices : (n,) bool, restricts these edges to those with both ends in it
+    spacing : distance between two stripes in the mesh's units, or (n,) one at each vertex
+    rows : Rows of the constraint list; those of the kinds "phase" and "constant" count
     """
     check_spacing(mesh, spacing)
     angles, flips = stripe_transports(mesh, field, spacing)
     connection = Connection(mesh.vertex_count, mesh.edges, mesh.weights, circle_transports(angles, flips))
-    fixed = None
-    if on_boundary:
-        nodes = np.unique(mesh.edges[chosen_boundary_edges(mesh, boundary_vertices)])
-        fixed = Targets(nodes, np.ones(len(nodes), complex))
-    return SynchronizationProblem(connection, mesh.vertex_masses, fixed=fixed)
+    rows = [row for row in rows if row.is_of_phases]
+    fixed, merged, drawn = phase_constraints(mesh, field, stripe_rates(mesh, spacing), rows)
+    return SynchronizationProblem(connection, mesh.vertex_masses, merged, fixed, joined_targets(drawn))
 
 
-def stripe_pattern(mesh, field, spacing, on_boundary=False, boundary_vertices=None, options=None, callback=None):
+def stripe_pattern(mesh, field, spacing, rows=(), options=None, callback=None):
     """Solve a stripe pattern; arguments as :func:`stripe_problem` and :func:`core.solve.solve`."""
-    solution = solve(stripe_problem(mesh, field, spacing, on_boundary, boundary_vertices), options, callback)
+    solution = solve(stripe_problem(mesh, field, spacing, rows), options, callback)
     angles, flips = stripe_transports(mesh, field, spacing)
     return StripePattern(mesh, solution, EdgePhases.of(mesh, solution.phases, angles, flips))

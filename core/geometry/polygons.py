@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Faces with any number of corners over the triangles that they are split into."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -32,6 +32,12 @@ class Polygons:
         count = mesh.triangle_count
         corners = np.arange(3 * count).reshape(-1, 3)
         return cls(mesh.triangles.ravel(), corners[:, 0].copy(), np.full(count, 3), corners, np.arange(count))
+
+    def with_triangles(self, triangles):
+        """The same faces over (m, 3) other vertices."""
+        corner_vertices = self.corner_vertices.copy()
+        corner_vertices[self.triangle_corners] = triangles
+        return replace(self, corner_vertices=corner_vertices)
 
     @property
     def triangles(self):

@@ -40,7 +40,7 @@ SAME_ENERGY = 1e-4
 # Steps of descent: between rounds, for the best few, and for the best.
 SHORT_STEPS, LONG_STEPS, FINAL_STEPS = 10, 30, 200
 FINALISTS = 3
-TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-9
+TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-12
 # Numbers that are worked on at once, and columns at least: memory, and how soon a solve can be stopped.
 LARGEST_BATCH, SMALLEST_BATCH = 1_000_000, 4
 # Metric shift of descents as a share of the energy per mass.

@@ -12,7 +12,7 @@ from synch_fields.core.errors import Cancelled, SynchError
 from synch_fields.synch_addon import api, jobs
 from synch_fields.synch_addon.settings import Settings
 
-from .scenes import attribute, snapshot, sphere
+from .scenes import attribute, set_vectors, snapshot, sphere
 
 
 def started(obj, **settings):
@@ -44,9 +44,10 @@ def test_cancelled_job_stops_soon_and_changes_nothing():
 
 def test_error_in_the_thread_reaches_the_window():
     obj = sphere()
-    work = started(obj, boundary="along")
+    set_vectors(obj, "outwards", attribute(obj, "position"))
+    work = started(obj, guidance="attribute", attribute="outwards")
     work.wait()
-    assert isinstance(work.error, SynchError) and "no boundary" in str(work.error)
+    assert isinstance(work.error, SynchError) and "straight out of the surface" in str(work.error)
 
 
 @pytest.mark.parametrize("change", ["face", "position", "scale"])

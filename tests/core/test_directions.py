@@ -7,12 +7,11 @@ import pytest
 
 from synch_fields.core.defects import disclination_numbers, list_defects, wrap
 from synch_fields.core.errors import SettingError
-from synch_fields.core.fields import DirectionWishes, direction_field, given_directions
+from synch_fields.core.fields import direction_field, given_directions
 from synch_fields.core.geometry import TriangleMesh
 
 from .meshes import CLOSED, EVERY, FLAT, cube, disk, icosphere, shared_mesh, square, together, torus
-
-ALONG = DirectionWishes(boundary="along")
+from .wishes import on_boundary
 
 
 def total_index(defects, symmetry):
@@ -103,7 +102,7 @@ def test_crosses_follow_the_sides_of_a_square():
     flat = square(7)
     turn = np.linalg.qr(np.random.default_rng(1).standard_normal((3, 3)))[0]
     mesh = TriangleMesh(flat.vertices @ turn.T, flat.triangles)
-    field = direction_field(mesh, 4, ALONG)
+    field = direction_field(mesh, 4, on_boundary(mesh))
     assert field.solution.energy < 1e-12
     local = field.vectors @ turn
     np.testing.assert_allclose(((local[:, 0] + 1j * local[:, 1]) ** 4).real, 1, atol=1e-9)
@@ -161,9 +160,3 @@ def test_loose_vertices_need_no_guidance():
 def test_unknown_symmetries_are_refused(symmetry):
     with pytest.raises(SettingError, match="symmetry"):
         direction_field(square(2), symmetry)
-
-
-@pytest.mark.parametrize("wish", [dict(boundary="around"), dict(guidance="up")])
-def test_unknown_wishes_are_refused(wish):
-    with pytest.raises(SettingError, match=next(iter(wish.values()))):
-        direction_field(square(2), 1, DirectionWishes(**wish))

@@ -1,156 +1,435 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Directions that follow the boundary or the curvature, against closed forms on annulus, cylinder and torus."""
+"""Sources of guidance against closed forms: slopes, axes, curvature, distances, and their blend by brute force."""
+
+import re
 
 import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
-from synch_fields.core.fields import DirectionWishes, direction_field
-from synch_fields.core.fields.boundary import boundary_tangents, chosen_boundary_edges
 from synch_fields.core.fields.curvature import principal_directions
+from synch_fields.core.fields.guidance import (
+    Guide,
+    axis_guide,
+    blended,
+    curvature_guide,
+    distance_guide,
+    geodesic_distance,
+    gradient_guide,
+    vectors_guide,
+)
 from synch_fields.core.geometry import TriangleMesh
 
-from .meshes import annulus, cylinder, disk, icosphere, square, torus
+from .meshes import (
+    EVERY,
+    FLAT,
+    annulus,
+    bent_square,
+    bumpy_torus,
+    cylinder,
+    disk,
+    icosphere,
+    shared_mesh,
+    slivers,
+    square,
+    together,
+)
 
 
-def agreement(vectors, expected):
-    """|cosine| between vectors and expected unit directions."""
-    return np.abs(np.einsum("ij,ij->i", vectors, expected))
+def in_space(mesh, guide):
+    """(n, 3) unit vectors."""
+    x, y = mesh.tangent_frames
+    return np.cos(guide.angles)[:, None] * x + np.sin(guide.angles)[:, None] * y
 
 
-def radial(mesh):
-    flat = mesh.vertices * [1, 1, 0]
-    return flat / np.linalg.norm(flat, axis=1)[:, None]
+def misses(mesh, guide, expected):
+    """Degrees between a guide and expected directions, projected to the tangent planes."""
+    expected = (
+        np.asarray(expected) - np.einsum("ij,ij->i", expected, mesh.vertex_normals)[:, None] * mesh.vertex_normals
+    )
+    given = in_space(mesh, guide)
+    sine = np.linalg.norm(np.cross(given, expected), axis=1)
+    return np.degrees(np.arctan2(sine, np.einsum("ij,ij->i", given, expected)))
 
 
-def circumferential(mesh):
-    return np.cross([0, 0, 1], radial(mesh))
+def used(mesh):
+    return np.setdiff1d(np.arange(mesh.vertex_count), mesh.loose_vertices)
 
 
-@pytest.mark.parametrize(("boundary", "expected"), [("along", circumferential), ("across", radial)])
-def test_lines_follow_both_rims_of_an_annulus(boundary, expected):
-    mesh = annulus(1.0, 2.0, rings=8, segments=64)
-    field = direction_field(mesh, 2, DirectionWishes(boundary=boundary))
-    rim = mesh.boundary_vertices
-    np.testing.assert_allclose(agreement(field.vectors, expected(mesh))[rim], 1, atol=1e-9)
-    assert agreement(field.vectors, expected(mesh)).min() > 0.999
-    # The squared direction turns twice around: energy of the integral of (2 / r)^2 over the annulus.
-    assert field.solution.energy == pytest.approx(4 * 2 * np.pi * np.log(2), rel=0.02)
-    assert field.disclinations == []
+def nearest(mesh, point):
+    return np.arange(mesh.vertex_count) == np.argmin(np.linalg.norm(mesh.vertices - point, axis=1))
 
 
-def test_vectors_along_the_boundary_have_the_surface_on_their_left():
-    mesh = annulus(1.0, 2.0, rings=6, segments=40)
-    field = direction_field(mesh, 1, DirectionWishes(boundary="along"))
+def turn(seed):
+    q = np.linalg.qr(np.random.default_rng(seed).standard_normal((3, 3)))[0]
+    return q * np.sign(np.linalg.det(q))
+
+
+# Slopes
+
+
+@pytest.mark.parametrize(("build", "characteristic"), FLAT)
+def test_a_linear_function_gives_its_direction_exactly(build, characteristic):
+    mesh = build()
+    rotation = turn(3)
+    tilted = TriangleMesh(mesh.vertices @ rotation.T + [3, 1, 2], mesh.triangles)
+    slope = np.array([1, -2, 0]) / np.sqrt(5)
+    values = 1e3 + 7 * mesh.vertices @ slope
+    for contour, expected in ((False, slope), (True, [2 / np.sqrt(5), 1 / np.sqrt(5), 0])):
+        guide = gradient_guide(tilted, values, contour=contour)
+        np.testing.assert_allclose(in_space(tilted, guide), np.tile(rotation @ expected, (len(values), 1)), atol=1e-9)
+        np.testing.assert_allclose(guide.weights, mesh.vertex_masses / mesh.areas.sum(), rtol=1e-9)
+
+
+def test_values_at_corners_may_jump_between_triangles():
+    mesh = bent_square(8)
+    values = np.sin(mesh.vertices @ [1, 2, 0.5])
+    jumps = np.random.default_rng(0).standard_normal((mesh.triangle_count, 1))
+    smooth, seamed = gradient_guide(mesh, values), gradient_guide(mesh, values[mesh.triangles] + jumps)
+    np.testing.assert_allclose(np.exp(1j * seamed.angles), np.exp(1j * smooth.angles), atol=1e-9)
+    np.testing.assert_allclose(seamed.weights, smooth.weights, rtol=1e-9)
+
+
+def test_a_round_hill_gives_radii_and_nothing_on_its_top():
+    mesh = disk(12, 48)
     radius = np.linalg.norm(mesh.vertices, axis=1)
-    along = np.einsum("ij,ij->i", field.vectors, circumferential(mesh))
-    np.testing.assert_allclose(along[radius > 1.99], 1, atol=1e-9)
-    np.testing.assert_allclose(along[radius < 1.01], -1, atol=1e-9)
+    downhill = gradient_guide(mesh, -(radius**2))
+    centre = radius < 1e-9
+    assert downhill.weights[centre] == 0
+    assert misses(mesh, downhill, -mesh.vertices)[~centre].max() < 1e-6
+    around = gradient_guide(mesh, radius**2, contour=True)
+    assert misses(mesh, around, np.cross([0, 0, 1], mesh.vertices))[~centre].max() < 1e-6
 
 
-def test_vectors_across_the_boundary_point_into_the_surface():
-    mesh = disk(6, 32)
-    field = direction_field(mesh, 1, DirectionWishes(boundary="across"))
-    inwards = -np.einsum("ij,ij->i", field.vectors, mesh.vertices)[mesh.boundary_vertices]
-    np.testing.assert_allclose(inwards, 1, atol=1e-9)
-    assert sum(d.index for d in field.disclinations) == 1
+def test_height_on_a_sphere_gives_meridians_more_exactly_on_finer_meshes():
+    worst, totals = [], []
+    for subdivisions in (2, 3, 4):
+        mesh = icosphere(subdivisions)
+        tilt = turn(1) @ [0, 0, 1]
+        guide = gradient_guide(mesh, mesh.vertices @ tilt)
+        away = np.abs(mesh.vertices @ tilt) < 0.95
+        worst.append(misses(mesh, guide, np.tile(tilt, (mesh.vertex_count, 1)))[away].max())
+        totals.append(guide.weights.sum())
+    assert worst[0] < 6 and worst[1] < 0.7 * worst[0] and worst[2] < 0.7 * worst[1]
+    # All the sphere but its poles; the same on every mesh.
+    np.testing.assert_allclose(totals, 1, atol=0.03)
 
 
-def test_corners_too_sharp_for_a_symmetry_are_left_free():
-    mesh = square(5)
-    edges = chosen_boundary_edges(mesh)
-    nodes, values = boundary_tangents(mesh, 2, edges)
-    corners = np.flatnonzero((np.abs(mesh.vertices[:, :2] - 0.5) > 0.49).all(axis=1))
-    assert len(corners) == 4 and not np.isin(corners, nodes).any()
-    assert len(nodes) == mesh.boundary_vertices.sum() - 4
-    assert np.isin(corners, boundary_tangents(mesh, 4, edges)[0]).all()
-    np.testing.assert_allclose(np.abs(values), 1)
+def test_height_on_a_cylinder_gives_its_axis_and_its_circles():
+    mesh = cylinder()
+    axis = np.tile([0.0, 0, 1], (mesh.vertex_count, 1))
+    assert misses(mesh, gradient_guide(mesh, mesh.vertices[:, 2]), axis).max() < 0.1
+    circles = np.cross(mesh.vertices * [1, 1, 0], axis)
+    assert misses(mesh, gradient_guide(mesh, mesh.vertices[:, 2], contour=True), circles).max() < 0.1
 
 
-def test_a_single_triangle_has_no_usable_boundary_and_still_solves():
-    mesh = TriangleMesh([[0, 0, 0], [1, 0, 0], [0.5, np.sqrt(3) / 2, 0]], [[0, 1, 2]])
-    for symmetry in (1, 2, 4):
-        field = direction_field(mesh, symmetry, DirectionWishes(boundary="along"))
-        assert np.isfinite(field.angles).all()
-
-
-def test_only_chosen_boundary_vertices_count():
-    mesh = annulus(1.0, 2.0, rings=5, segments=40)
-    outer = np.linalg.norm(mesh.vertices, axis=1) > 1.99
-    assert len(chosen_boundary_edges(mesh, outer)) == 40
-    field = direction_field(mesh, 1, DirectionWishes(boundary="along", boundary_vertices=outer))
-    along = np.einsum("ij,ij->i", field.vectors, circumferential(mesh))
-    np.testing.assert_allclose(along[outer], 1, atol=1e-9)
-    # The inner rim is free: nothing turns the field round there.
-    assert along.min() > 0.9
-
-
-def test_a_boundary_that_is_not_there_is_refused():
-    with pytest.raises(SettingError, match="no boundary: set the boundary to free"):
-        direction_field(icosphere(1), 1, DirectionWishes(boundary="along"))
-    nowhere = np.zeros(square(3).vertex_count, bool)
-    with pytest.raises(SettingError, match="vertex group holds no boundary edge"):
-        direction_field(square(3), 1, DirectionWishes(boundary="across", boundary_vertices=nowhere))
-
-
-@pytest.mark.parametrize("symmetry", [2, 4])
-@pytest.mark.parametrize("split", ["AC", "BD", "alternate"])
-def test_curvature_of_a_cylinder_runs_around_it(symmetry, split):
-    mesh = cylinder(radius=1.0, height=2.0, segments=32, rows=10, split=split)
-    largest = direction_field(mesh, symmetry, DirectionWishes(guidance="curvature-max"))
-    smallest = direction_field(mesh, symmetry, DirectionWishes(guidance="curvature-min"))
-    upright = np.tile([0.0, 0, 1], (mesh.vertex_count, 1))
-    if symmetry == 2:
-        assert agreement(largest.vectors, circumferential(mesh)).min() > 0.99
-        assert agreement(smallest.vectors, upright).min() > 0.99
-    else:
-        for field in (largest, smallest):
-            cosine = agreement(field.vectors, upright)
-            assert (np.minimum(cosine, np.sqrt(1 - np.minimum(cosine, 1) ** 2)) < 0.15).all()
-
-
-@pytest.mark.parametrize("radius", [0.5, 2.0])
-def test_the_weight_is_mass_times_curvature_squared(radius):
-    mesh = cylinder(radius=radius, height=4 * radius, segments=48, rows=24)
-    _, weights = principal_directions(mesh, 2)
+def test_flat_parts_and_ridges_have_no_weight_and_faint_slopes_little():
+    # An odd number of columns: as much of every vertex's faces on its left as on its right.
+    mesh = square(15)
+    x = mesh.vertices[:, 0] - 7 / 15
+    half = gradient_guide(mesh, np.maximum(x, 0))
+    assert not half.weights[x < -1e-9].any()
+    assert half.weights.sum() == pytest.approx(8 / 15, abs=0.04)
+    ridge = gradient_guide(mesh, np.abs(x))
     inside = ~mesh.boundary_vertices
-    np.testing.assert_allclose(weights[inside].sum(), mesh.vertex_masses[inside].sum() / radius**2, rtol=0.1)
+    assert ridge.weights[inside & (np.abs(x) < 1e-9)].max() < 1e-9
+    assert ridge.weights.sum() == pytest.approx(14 / 15, abs=0.01)
+    for slope in (0.01, 0.03, 0.2):
+        guide = gradient_guide(mesh, np.where(x > 0, x, slope * x))
+        strength = min(slope / (0.1 * (8 / 15 + slope * 7 / 15)), 1)
+        left = x < -0.1
+        expected = mesh.vertex_masses[left] * strength**2 * (3 - 2 * strength)
+        np.testing.assert_allclose(guide.weights[left], expected, rtol=1e-9)
 
 
-def test_curvature_of_a_torus():
-    mesh = torus(large=1.0, small=0.35, around=48, across=24)
-    centre = radial(mesh) * 1.0
-    outwards = (mesh.vertices - centre) / 0.35
-    meridian = np.cross(circumferential(mesh), outwards)
-    largest = direction_field(mesh, 2, DirectionWishes(guidance="curvature-max"))
-    smallest = direction_field(mesh, 2, DirectionWishes(guidance="curvature-min"))
-    assert agreement(largest.vectors, meridian).min() > 0.99
-    assert agreement(smallest.vectors, circumferential(mesh)).min() > 0.99
+# Axes and vectors
 
 
-def test_hollows_have_their_smallest_curvature_across():
-    """A tube seen from inside: the surface bends towards its normal, so that the axis is largest."""
-    tube = cylinder(segments=32, rows=10)
-    inside_out = TriangleMesh(tube.vertices, tube.triangles[:, ::-1])
-    field = direction_field(inside_out, 2, DirectionWishes(guidance="curvature-max"))
-    assert agreement(field.vectors, np.tile([0.0, 0, 1], (tube.vertex_count, 1))).min() > 0.99
+def test_an_axis_on_a_sphere_counts_by_the_squared_sine():
+    for subdivisions in (2, 3, 4):
+        mesh = icosphere(subdivisions)
+        axis = turn(2) @ [0, 0, 1]
+        guide = axis_guide(mesh, 5 * axis)
+        # The mean of sin^2 over a sphere.
+        assert guide.weights.sum() == pytest.approx(2 / 3, abs=0.01)
+        tangential = np.linalg.norm(np.cross(mesh.vertex_normals, axis), axis=1)
+        np.testing.assert_allclose(guide.weights, mesh.vertex_masses / mesh.areas.sum() * tangential**2, rtol=1e-9)
+        away = tangential > 0.1
+        assert misses(mesh, guide, np.tile(axis, (mesh.vertex_count, 1)))[away].max() < 1e-6
 
 
-def test_flat_parts_ask_for_nothing():
-    mesh = square(6)
-    turn = np.linalg.qr(np.random.default_rng(2).standard_normal((3, 3)))[0]
-    tilted = TriangleMesh(mesh.vertices @ turn.T + [3, 1, 2], mesh.triangles)
-    assert not principal_directions(tilted, 2)[1].any()
-    assert direction_field(tilted, 2, DirectionWishes(guidance="curvature-max")).solution.energy < 1e-12
+def test_an_axis_along_the_normal_has_no_weight_there():
+    mesh = together(square(3), cylinder(), loose=1)
+    guide = axis_guide(mesh, [0, 0, 2])
+    np.testing.assert_array_equal(guide.weights[:16], 0)
+    assert (guide.weights[16:-1] > 0).all() and guide.weights[-1] == 0
+    # Not even by rounding.
+    rotation = turn(5)
+    tilted = TriangleMesh(mesh.vertices @ rotation.T, mesh.triangles)
+    np.testing.assert_array_equal(axis_guide(tilted, rotation @ [0, 0, 2]).weights[:16], 0)
 
 
-def test_guidance_and_boundary_together_keep_the_boundary():
-    mesh = cylinder(height=12.0, segments=24, rows=32)
-    wishes = DirectionWishes(guidance="curvature-min", boundary="along")
-    field = direction_field(mesh, 2, wishes)
-    # As exactly as the normals of a polygonal tube allow vectors in space to be.
-    np.testing.assert_allclose(agreement(field.vectors, circumferential(mesh))[mesh.boundary_vertices], 1, atol=1e-4)
-    # Turning away from both rims pays on a tube longer than four radii.
-    middle = np.abs(mesh.vertices[:, 2] - 6) < 2
-    assert np.abs(field.vectors[middle, 2]).min() > 0.9
+def test_lengths_of_vectors_do_not_count_and_zero_asks_for_nothing():
+    mesh = bent_square(6)
+    random = np.random.default_rng(4)
+    vectors = random.standard_normal((mesh.vertex_count, 3))
+    vectors[[3, 8]] = 0
+    guide = vectors_guide(mesh, vectors)
+    stretched = vectors_guide(mesh, vectors * random.uniform(0.1, 10, (mesh.vertex_count, 1)))
+    np.testing.assert_array_equal(np.flatnonzero(guide.weights == 0), [3, 8])
+    np.testing.assert_allclose(stretched.weights, guide.weights, rtol=1e-9)
+    np.testing.assert_allclose(np.exp(1j * stretched.angles), np.exp(1j * guide.angles), atol=1e-9)
+    assert misses(mesh, guide, vectors)[guide.weights > 0].max() < 1e-4
+
+
+@pytest.mark.parametrize("largest", [True, False])
+def test_curvature_is_that_of_the_principal_directions(largest):
+    mesh = bumpy_torus(10)
+    guide = curvature_guide(mesh, largest=largest)
+    for symmetry in (2, 4):
+        powers, weights = principal_directions(mesh, symmetry, largest=largest)
+        np.testing.assert_allclose(np.exp(1j * symmetry * guide.angles), powers, atol=1e-9)
+        np.testing.assert_array_equal(guide.weights, weights)
+
+
+# Distances
+
+
+def plane(n):
+    mesh = square(n)
+    middle = nearest(mesh, [0.5, 0.5, 0])
+    return mesh, middle, np.linalg.norm(mesh.vertices - mesh.vertices[middle], axis=1)
+
+
+def plane_side(n):
+    mesh = square(n)
+    return mesh, mesh.vertices[:, 0] == 0, mesh.vertices[:, 0]
+
+
+def plane_sheared(n):
+    mesh = square(n, split="BD")
+    moved = mesh.vertices + np.outer(mesh.vertices[:, 1], [3, 0, 0])
+    mesh = TriangleMesh(moved, mesh.triangles)
+    middle = nearest(mesh, moved.mean(axis=0))
+    return mesh, middle, np.linalg.norm(moved - moved[middle], axis=1)
+
+
+def ring(n):
+    mesh = annulus(1.0, 2.0, rings=n // 2, segments=3 * n)
+    radius = np.linalg.norm(mesh.vertices, axis=1)
+    return mesh, radius < 1 + 1e-9, radius - 1
+
+
+def sphere(n):
+    mesh = icosphere({16: 2, 32: 3, 64: 4}[n])
+    pole = nearest(mesh, [0.3, 0.2, 0.9])
+    return mesh, pole, np.arccos(np.clip(mesh.vertices @ mesh.vertices[pole][0], -1, 1))
+
+
+# Mean errors at three finenesses, each half as coarse: a third above what was measured.
+@pytest.mark.parametrize(
+    ("build", "bounds"),
+    [
+        (plane, (0.014, 0.007, 0.0035)),
+        (plane_side, (0.013, 0.009, 0.0065)),
+        (plane_sheared, (0.0105, 0.0064, 0.0055)),
+        (ring, (0.025, 0.015, 0.009)),
+        (sphere, (0.052, 0.029, 0.0145)),
+    ],
+)
+def test_distances_converge(build, bounds):
+    errors = []
+    for n in (16, 32, 64):
+        mesh, sources, expected = build(n)
+        distances = geodesic_distance(mesh, sources)
+        np.testing.assert_array_equal(distances[sources], 0)
+        errors.append(np.abs(distances - expected).mean())
+    assert (np.array(errors) < bounds).all(), errors
+    assert errors[2] < 0.65 * errors[0]
+
+
+def test_needles_do_not_disturb_distances():
+    fine, rough = icosphere(2), slivers()
+    source = nearest(fine, [0, 0, 1])
+    expected = geodesic_distance(fine, source)
+    distances = geodesic_distance(rough, np.concatenate([source, np.zeros(6, bool)]))
+    np.testing.assert_allclose(distances[: len(expected)], expected, atol=0.02)
+
+
+def test_pieces_without_a_source_have_no_distance_and_no_weight():
+    mesh = together(square(8), disk(), icosphere(2), loose=2)
+    sources = np.zeros(mesh.vertex_count, bool)
+    sources[[0, -1]] = True
+    distances, guide = geodesic_distance(mesh, sources), distance_guide(mesh, sources)
+    np.testing.assert_array_equal(np.flatnonzero(np.isfinite(distances)), np.arange(81))
+    np.testing.assert_allclose(distances[:81], geodesic_distance(square(8), sources[:81]), rtol=1e-9, atol=1e-12)
+    assert not guide.weights[81:].any()
+    assert guide.weights.sum() == pytest.approx(1 / mesh.areas.sum(), rel=0.05)
+
+
+def test_distances_run_along_meridians_and_circles():
+    mesh, pole, expected = sphere(64)
+    centre = mesh.vertices[pole][0]
+    away = (expected > 0.2) & (expected < np.pi - 0.2)
+    towards = distance_guide(mesh, pole)
+    meridians = np.tile(-centre, (mesh.vertex_count, 1))
+    assert misses(mesh, towards, meridians)[away].max() < 4
+    # Grows away from the pole with the pole on the left of the contour.
+    around = distance_guide(mesh, pole, contour=True)
+    assert misses(mesh, around, np.cross(mesh.vertices, meridians))[away].max() < 4
+    assert towards.weights[pole] < 0.1 * towards.weights.mean()
+    assert towards.weights.sum() == pytest.approx(1, abs=0.03)
+
+
+def test_distances_on_a_real_mesh_are_at_least_those_through_space():
+    mesh = shared_mesh("spot")
+    source = np.arange(mesh.vertex_count) == 0
+    distances = geodesic_distance(mesh, source)
+    straight = np.linalg.norm(mesh.vertices - mesh.vertices[0], axis=1)
+    diagonal = np.linalg.norm(np.ptp(mesh.vertices, axis=0))
+    assert (straight - distances).max() < 0.02 * diagonal
+    i, j = mesh.edges.T
+    slopes = np.abs(distances[i] - distances[j]) / mesh.edge_lengths
+    assert slopes.max() < 1.3 and np.quantile(slopes, 0.95) < 1.1
+
+
+# What all have in common
+
+
+def every_guide(mesh, rotation=None):
+    rotation = np.eye(3) if rotation is None else rotation
+    local = mesh.vertices @ rotation
+    local = (local - local[used(mesh)].min(axis=0)) / np.ptp(local[used(mesh)])
+    start = np.zeros(mesh.vertex_count, bool)
+    for piece in np.unique(mesh.pieces[used(mesh)]):
+        start[np.where(mesh.pieces == piece, local[:, 0] + 0.1 * local[:, 1], np.inf).argmin()] = True
+    values = np.sin(3 * local[:, 0]) + local[:, 1] ** 2 + local[:, 2]
+    return {
+        "gradient": gradient_guide(mesh, values),
+        "axis": axis_guide(mesh, rotation @ [1, 2, 3]),
+        "vectors": vectors_guide(mesh, np.cross(local, [1, 0, 2]) @ rotation.T + rotation @ [0, 0, 1]),
+        "distance": distance_guide(mesh, start),
+    }
+
+
+@pytest.mark.parametrize(("build", "characteristic"), EVERY)
+def test_weights_are_shares_of_the_area(build, characteristic):
+    mesh = build()
+    for name, guide in every_guide(mesh).items():
+        assert np.isfinite(guide.angles).all(), name
+        assert (guide.weights >= 0).all() and (guide.weights <= mesh.vertex_masses / mesh.areas.sum()).all(), name
+        assert not guide.weights[mesh.loose_vertices].any(), name
+        assert 0.1 < guide.weights.sum() <= 1 + 1e-9, name
+
+
+@pytest.mark.parametrize("build", [bent_square, lambda: bumpy_torus(8), cylinder, lambda: icosphere(2)])
+def test_numbering_place_and_size_do_not_matter(build):
+    mesh = build()
+    random = np.random.default_rng(6)
+    # The names' order decides which of two equal diagonals is taken: distances want a mesh without such ties.
+    mesh = TriangleMesh(mesh.vertices + 0.01 * random.standard_normal(mesh.vertices.shape), mesh.triangles)
+    rotation, names = turn(6), random.permutation(mesh.vertex_count)
+    rolled = (np.arange(3) + random.integers(0, 3, (mesh.triangle_count, 1))) % 3
+    vertices = np.empty_like(mesh.vertices)
+    vertices[names] = 37.5 * mesh.vertices @ rotation.T
+    triangles = random.permutation(np.take_along_axis(names[mesh.triangles], rolled, axis=1))
+    changed = TriangleMesh(vertices, triangles)
+    before, after = every_guide(mesh), every_guide(changed, rotation)
+    for name in before:
+        np.testing.assert_allclose(after[name].weights[names], before[name].weights, rtol=1e-6, atol=1e-12)
+        sure = before[name].weights > 1e-6
+        moved = in_space(mesh, before[name]) @ rotation.T
+        np.testing.assert_allclose(in_space(changed, after[name])[names][sure], moved[sure], atol=1e-6)
+
+
+@pytest.mark.parametrize("build", [bent_square, lambda: bumpy_torus(8), lambda: icosphere(1)])
+def test_mirrored_surfaces_have_mirrored_slopes(build):
+    mesh = build()
+    values = np.sin(mesh.vertices @ [2, 1, 3])
+    mirrored = TriangleMesh(mesh.vertices * [-1, 1, 1], mesh.triangles[:, ::-1])
+    before, after = gradient_guide(mesh, values), gradient_guide(mirrored, values)
+    np.testing.assert_allclose(after.weights, before.weights, rtol=1e-9)
+    sure = before.weights > 1e-6
+    np.testing.assert_allclose((in_space(mirrored, after) * [-1, 1, 1])[sure], in_space(mesh, before)[sure], atol=1e-9)
+
+
+# Blending
+
+
+@pytest.mark.parametrize("symmetry", [1, 2, 4])
+def test_a_blend_is_the_sum_of_the_wishes_up_to_a_constant(symmetry):
+    random = np.random.default_rng(symmetry)
+    guides = [Guide(random.uniform(-4, 4, 30), random.uniform(0, 1, 30)) for _ in range(3)]
+    shares = [0.5, 2.0, 0.0]
+    values, weights = blended(guides, shares, symmetry)
+    np.testing.assert_allclose(np.abs(values), 1, rtol=1e-12)
+    phases = np.exp(1j * random.uniform(-4, 4, (50, 30)))
+    summed = sum(
+        share * guide.weights * np.abs(phases - np.exp(1j * symmetry * guide.angles)) ** 2
+        for share, guide in zip(shares, guides, strict=True)
+    )
+    constant = summed - weights * np.abs(phases - values) ** 2
+    expected = 2 * (sum(s * g.weights for s, g in zip(shares, guides, strict=True)) - weights)
+    np.testing.assert_allclose(constant, np.tile(expected, (50, 1)), atol=1e-12)
+
+
+def test_guides_that_cancel_leave_nothing():
+    there = Guide(np.array([0.3, 0.3, 0.3]), np.array([0.2, 0.1, 0.0]))
+    back = Guide(there.angles + np.pi / 2, np.array([0.2, 0.2, 0.0]))
+    values, weights = blended([there, back], [1, 1], 2)
+    np.testing.assert_allclose(weights, [0, 0.1, 0], atol=1e-15)
+    assert weights[0] == 0
+    np.testing.assert_allclose(values, [1, -np.exp(0.6j), 1], atol=1e-12)
+    np.testing.assert_allclose(blended([there, back], [1, 1], 4)[1], [0.4, 0.3, 0], atol=1e-15)
+
+
+# Refusals
+
+MESH = square(3)
+ONE = Guide(np.zeros(16), np.ones(16))
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: gradient_guide(MESH, np.zeros(5)), "shape (5,): give one to each of the 16 vertices"),
+        (lambda: gradient_guide(MESH, np.full(16, 3.7)), "the same all over: give them a slope"),
+        (lambda: gradient_guide(MESH, np.where(np.arange(16) % 3, 0.3, 0.1 + 0.2)), "the same all over"),
+        (lambda: gradient_guide(MESH, np.arange(18)[:, None] + np.zeros(3)), "the same all over: give them a slope"),
+        (lambda: gradient_guide(MESH, [np.nan, *range(15)]), "the value of vertex 0 is not a finite number: set it"),
+        (
+            lambda: gradient_guide(MESH, np.where(np.eye(18, 3, -4) > 0, np.inf, 0)),
+            "the value of triangles 4, 5, 6 is not a finite number",
+        ),
+        (lambda: axis_guide(MESH, [0, 0, 0]), "the axis [0.0, 0.0, 0.0] has no direction: give three"),
+        (lambda: axis_guide(MESH, [1, np.nan, 0]), "has no direction: give three finite numbers"),
+        (lambda: axis_guide(MESH, [1, 2]), "has no direction: give three finite numbers"),
+        (lambda: axis_guide(MESH, [0, 0, -3]), "points straight out of the surface everywhere: tilt it"),
+        (lambda: vectors_guide(MESH, np.ones((4, 3))), "shape (4, 3) where (16, 3) is needed: give one vector"),
+        (
+            lambda: vectors_guide(MESH, np.full((16, 3), np.inf)),
+            "vector of vertices 0, 1, 2 and 13 more is not",
+        ),
+        (
+            lambda: vectors_guide(MESH, np.tile([0, 0, 1.0], (16, 1))),
+            "every guidance vector is zero or points",
+        ),
+        (lambda: distance_guide(MESH, np.zeros(16)), "no vertex with a face is among the sources: add at least one"),
+        (lambda: distance_guide(MESH, np.ones(16)), "every vertex is at distance 0: leave at least one out"),
+        (lambda: geodesic_distance(MESH, np.ones(3)), "shape (3,) and the mesh has 16 vertices: give one truth value"),
+        (
+            lambda: geodesic_distance(together(MESH, loose=1), np.arange(17) == 16),
+            "no vertex with a face is among the sources",
+        ),
+        (lambda: blended([], [], 2), "there are no guides to blend: give at least one"),
+        (lambda: blended([ONE], [1, 2], 2), "the shares [1.0, 2.0] do not fit 1 guides: give each a finite number"),
+        (lambda: blended([ONE], [-1], 2), "the shares [-1.0] do not fit 1 guides"),
+        (lambda: blended([ONE], [np.inf], 2), "the shares [inf] do not fit 1 guides"),
+        (lambda: blended([ONE, Guide(np.zeros(3), np.ones(3))], [1, 1], 2), "belong to meshes of different size"),
+    ],
+)
+def test_what_cannot_guide_is_refused_in_one_line(call, message):
+    with pytest.raises(SettingError, match=re.escape(message)) as caught:
+        call()
+    assert "\n" not in str(caught.value)

@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.sparse.linalg import eigsh
 
 from synch_fields.core.connection import compose
-from synch_fields.core.fields.directions import DirectionWishes, direction_problem
+from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.problem import Merged, Piece, SynchronizationProblem, Targets
 from synch_fields.core.solve import metric as metric_module
 from synch_fields.core.solve.coarsening import StrongGraph, aggregates, graph_laplacian, turning_laplacian
@@ -29,6 +29,7 @@ from .graphs import (
     random_weights,
 )
 from .meshes import bent_square, bumpy_torus, cube, cylinder, slivers, subdivided, torus
+from .wishes import along_curvature, bordered_problem
 
 
 def adjoint(units):
@@ -65,7 +66,7 @@ def drawn_rotations():
 # Of every kind, with two levels or more and few enough rows for dense linear algebra.
 MULTILEVEL = [
     pytest.param(lambda: direction_problem(bumpy_torus(14), 1), id="vectors"),
-    pytest.param(lambda: direction_problem(bent_square(22), 4, DirectionWishes(boundary="along")), id="fixed-crosses"),
+    pytest.param(lambda: bordered_problem(bent_square(22), 4), id="fixed-crosses"),
     pytest.param(lambda: direction_problem(subdivided(slivers()), 4), id="slivers"),
     pytest.param(lambda: half_turned_stripes(bumpy_torus(14), 0.4), id="flips"),
     pytest.param(lambda: fixed_stripes(14), id="fixed-flips"),
@@ -248,7 +249,7 @@ def gradient_iterations(piece, metric, tolerance=1e-6, most=100):
 
 
 def crosses_along_the_rims(across):
-    return direction_problem(cylinder(segments=3 * across, rows=across), 4, DirectionWishes(boundary="along"))
+    return bordered_problem(cylinder(segments=3 * across, rows=across), 4)
 
 
 @pytest.mark.parametrize(
@@ -296,7 +297,7 @@ def test_coarse_levels_together_are_smaller_than_the_finest(build):
 
 
 def guided_crosses(across):
-    return direction_problem(bumpy_torus(across), 4, DirectionWishes(guidance="curvature-max"))
+    return direction_problem(bumpy_torus(across), 4, along_curvature(bumpy_torus(across)))
 
 
 def crosses_led_by_one_node(across):

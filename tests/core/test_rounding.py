@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.connection import Connection, circle_transports
-from synch_fields.core.fields.directions import DirectionWishes, direction_problem
+from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solve import Options, rounding, solve
 from synch_fields.core.solve.diffusion import diffuse
@@ -20,6 +20,7 @@ from synch_fields.core.solve.staircase import relax
 
 from .graphs import KINDS, fixed_stripes, half_turned_stripes, only_piece, random_connection
 from .meshes import bent_square, bumpy_torus, double_torus, icosphere, quad_torus, together, torus
+from .wishes import bordered_problem
 
 
 def relaxed(piece):
@@ -33,7 +34,7 @@ def relaxed(piece):
 
 DIFFUSED = [
     pytest.param(lambda: direction_problem(bumpy_torus(14), 4), id="crosses"),
-    pytest.param(lambda: direction_problem(bent_square(), 1, DirectionWishes(boundary="along")), id="fixed-vectors"),
+    pytest.param(lambda: bordered_problem(bent_square(), 1), id="fixed-vectors"),
     pytest.param(lambda: half_turned_stripes(bumpy_torus(14), 0.4), id="flips"),
     pytest.param(lambda: fixed_stripes(10), id="fixed-flips"),
     pytest.param(lambda: SynchronizationProblem(random_connection("signs", 60, 90, 0)), id="signs"),
@@ -204,7 +205,7 @@ VARIED = [
     pytest.param(lambda: direction_problem(bumpy_torus(10), 4), id="crosses"),
     pytest.param(lambda: half_turned_stripes(bumpy_torus(10), 0.4), id="flips"),
     pytest.param(lambda: fixed_stripes(10), id="fixed-flips"),
-    pytest.param(lambda: direction_problem(bent_square(), 4, DirectionWishes(boundary="along")), id="fixed-crosses"),
+    pytest.param(lambda: bordered_problem(bent_square(), 4), id="fixed-crosses"),
     pytest.param(lambda: direction_problem(together(double_torus(), bumpy_torus(8), loose=2), 4), id="pieces"),
     pytest.param(lambda: SynchronizationProblem(random_connection("signs", 60, 90, 0)), id="signs"),
     pytest.param(lambda: SynchronizationProblem(random_connection("rotations", 60, 90, 0)), id="rotations"),

@@ -13,7 +13,8 @@ from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import evaluate
 
-from .meshes import FLAT, icosphere, square, subdivided, together
+from .meshes import FLAT, square, subdivided, together
+from .wishes import boundary_row
 
 
 def tilted(mesh, seed=4):
@@ -99,7 +100,7 @@ def strip(columns=30, stripes=5.0):
 @pytest.mark.parametrize("stripes", [1.0, 3.0, 5.0])
 def test_a_strip_of_whole_stripes_keeps_them_on_both_sides(stripes):
     mesh, field, sides = strip(stripes=stripes)
-    pattern = stripe_pattern(mesh, field, 0.2, on_boundary=True, boundary_vertices=sides)
+    pattern = stripe_pattern(mesh, field, 0.2, [boundary_row(mesh, "phase", sides)])
     assert pattern.solution.energy < 1e-12
     np.testing.assert_allclose(pattern.solution.phases[sides], 1, atol=1e-9)
     expected = np.exp(-2j * np.pi / 0.2 * mesh.vertices[:, 0])
@@ -110,7 +111,7 @@ def test_a_strip_of_whole_stripes_keeps_them_on_both_sides(stripes):
 def test_a_strip_of_broken_stripes_stretches_them_evenly(share):
     columns = 30
     mesh, field, sides = strip(columns, stripes=5 + share)
-    pattern = stripe_pattern(mesh, field, 0.2, on_boundary=True, boundary_vertices=sides)
+    pattern = stripe_pattern(mesh, field, 0.2, [boundary_row(mesh, "phase", sides)])
     np.testing.assert_allclose(pattern.solution.phases[sides], 1, atol=1e-9)
     # Every column takes the same part of what is missing to five whole stripes.
     steps = np.abs(mesh.edge_vectors[:, 0]) / (mesh.vertices[:, 0].max() / columns)
@@ -125,7 +126,7 @@ def test_a_strip_of_broken_stripes_stretches_them_evenly(share):
 def test_phases_on_the_whole_boundary_are_kept():
     mesh = square(12)
     field = direction_field(mesh, 2)
-    pattern = stripe_pattern(mesh, field, 0.3, on_boundary=True)
+    pattern = stripe_pattern(mesh, field, 0.3, [boundary_row(mesh, "phase")])
     np.testing.assert_allclose(pattern.solution.phases[mesh.boundary_vertices], 1, atol=1e-9)
     assert pattern.solution.energy > 1
     free = stripe_pattern(mesh, field, 0.3)
@@ -151,12 +152,6 @@ def test_crosses_are_refused():
     mesh = square(3)
     with pytest.raises(SettingError, match="vector or line"):
         stripe_pattern(mesh, direction_field(mesh, 4), 0.5)
-
-
-def test_stripes_on_a_boundary_need_one():
-    mesh = icosphere(1)
-    with pytest.raises(SettingError, match="no boundary"):
-        stripe_pattern(mesh, direction_field(mesh, 1), 0.5, on_boundary=True)
 
 
 def test_coarse_edges_are_counted():

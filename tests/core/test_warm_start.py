@@ -9,12 +9,13 @@ import pytest
 
 from synch_fields.core.connection import Connection
 from synch_fields.core.errors import SettingError
-from synch_fields.core.fields.directions import DirectionWishes, direction_problem
+from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.problem import SynchronizationProblem, Targets
 from synch_fields.core.solve import Options, Status, solve
 
 from .graphs import KINDS, fixed_stripes, half_turned_stripes, random_connection, random_constraints, random_values
 from .meshes import bent_square, bumpy_torus, double_torus, together
+from .wishes import bordered_problem
 
 
 def lengths_of(phases):
@@ -44,8 +45,8 @@ FRAMES = [
         id="mesh",
     ),
     pytest.param(
-        lambda: direction_problem(bent_square(), 4, DirectionWishes(boundary="along")),
-        lambda: direction_problem(stretched(bent_square()), 4, DirectionWishes(boundary="along")),
+        lambda: bordered_problem(bent_square(), 4),
+        lambda: bordered_problem(stretched(bent_square()), 4),
         id="fixed-mesh",
     ),
     pytest.param(
@@ -239,9 +240,7 @@ def test_a_solution_of_another_method_or_shape_starts_the_phases_alone():
     assert solve(direction_problem(mesh, 1), start=warm).status is Status.CERTIFIED
 
 
-@pytest.mark.parametrize(
-    "build", [lambda: fixed_stripes(12), lambda: direction_problem(bent_square(), 1, DirectionWishes(boundary="along"))]
-)
+@pytest.mark.parametrize("build", [lambda: fixed_stripes(12), lambda: bordered_problem(bent_square(), 1)])
 def test_fixed_phases_stay_whatever_the_start_says(build):
     problem = build()
     count = problem.connection.node_count

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cut a surface open along edges, so that nothing is carried across them."""
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from .triangle_mesh import TriangleMesh
+
+
+def cut_open(mesh, edges):
+    """The mesh with its two sides apart along given edges.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh, manifold
+    edges : (k,) indices of edges; boundary edges are open already
+
+    Returns
+    -------
+    cut : TriangleMesh of the same triangles, in which every old vertex keeps its number on one side
+    source : (n,) the vertex of ``mesh`` that each vertex of ``cut`` was
+    """
+    is_cut = np.zeros(len(mesh.edges), bool)
+    is_cut[edges] = True
+    halves = np.flatnonzero((mesh.twins >= 0) & ~is_cut[mesh.triangle_edges.ravel()])
+    twins = mesh.twins[halves]
+    # Corners on both sides of an edge that stays closed belong together: a half-edge's tail and its twin's head.
+    pairs = np.concatenate([np.column_stack([halves, _following(twins)]), np.column_stack([_following(halves), twins])])
+    count = 3 * mesh.triangle_count
+    graph = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(count, count))
+    fans = connected_components(graph, directed=False)[1]
+    _, first_corner = np.unique(fans, return_index=True)
+    vertex_of_fan = mesh.triangles.ravel()[first_corner]
+    _, kept = np.unique(vertex_of_fan, return_index=True)
+    new = np.ones(len(vertex_of_fan), bool)
+    new[kept] = False
+    numbers = vertex_of_fan.copy()
+    numbers[new] = mesh.vertex_count + np.arange(new.sum())
+    source = np.concatenate([np.arange(mesh.vertex_count), vertex_of_fan[new]])
+    return TriangleMesh(mesh.vertices[source], numbers[fans].reshape(-1, 3)), source
+
+
+def carried_edges(mesh, cut, edges):
+    """Indices in a cut mesh of edges of the uncut one: both sides of those that were cut."""
+    chosen = np.zeros(len(mesh.edges), bool)
+    chosen[edges] = True
+    return np.unique(cut.triangle_edges[chosen[mesh.triangle_edges]])
+
+
+def _following(halves):
+    """The next half-edge in the same triangle."""
+    return halves - halves % 3 + (halves + 1) % 3

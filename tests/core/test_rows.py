@@ -1,0 +1,396 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rows of the constraint list on flat and rotationally symmetric shapes, in closed form."""
+
+import numpy as np
+import pytest
+
+from synch_fields.core.errors import ContradictionError, SettingError
+from synch_fields.core.fields import (
+    DirectionWishes,
+    Row,
+    direction_field,
+    given_directions,
+    line_of_edges,
+    stripe_pattern,
+)
+from synch_fields.core.fields.directions import DirectionField
+from synch_fields.core.fields.guidance import distance_guide
+from synch_fields.core.fields.lines import line_of_group, line_of_points, line_of_strokes
+from synch_fields.core.fields.stripes import forced_dislocations, stripe_problem
+from synch_fields.core.solve import Options
+
+from .meshes import annulus, disk, square, subdivided
+from .wishes import boundary_row
+
+SPACING = 0.2
+
+
+def chain(mesh, vertices):
+    """The line over all edges with both ends in a mask."""
+    return line_of_edges(mesh, np.flatnonzero(vertices[mesh.edges].all(axis=1)))
+
+
+def along(mesh, vector, symmetry=2, seed=None):
+    """A constant field; with a seed, lines whose representatives point either way."""
+    vectors = np.tile(np.array(vector, float), (mesh.vertex_count, 1))
+    if seed is not None:
+        vectors *= np.random.default_rng(seed).choice([-1, 1], mesh.vertex_count)[:, None]
+    return given_directions(mesh, symmetry, vectors)
+
+
+def strip(stripes, columns=30, symmetry=2, seed=0):
+    """A rectangle as wide as a number of stripes, stripes along its short sides, and masks of these."""
+    mesh = square(columns, 10, width=SPACING * stripes, height=0.5)
+    x = mesh.vertices[:, 0]
+    return mesh, along(mesh, (0, 1, 0), symmetry, seed), x < 1e-9, x > x.max() - 1e-9
+
+
+def cosines(pattern):
+    return np.cos(np.angle(pattern.solution.phases))
+
+
+# Directions
+
+
+@pytest.mark.parametrize("symmetry", [1, 2, 4])
+@pytest.mark.parametrize(("kind", "degrees"), [("along", 0), ("across", 90), ("angle", 30), ("angle", -75)])
+def test_a_straight_line_sets_the_direction_of_a_plane(symmetry, kind, degrees):
+    mesh = square(8)
+    row = Row(chain(mesh, np.abs(mesh.vertices[:, 1] - 0.5) < 1e-9), kind, np.radians(degrees))
+    field = direction_field(mesh, symmetry, DirectionWishes(rows=(row,)))
+    assert field.solution.energy < 1e-12
+    angles = np.arctan2(field.vectors[:, 1], field.vectors[:, 0])
+    # A chain runs either way: for vectors one of two, the same all along.
+    turns = (angles - np.radians(degrees)) * symmetry
+    expected = np.exp(1j * turns[0]).round()
+    assert expected == 1 or (symmetry == 1 and expected == -1)
+    np.testing.assert_allclose(np.exp(1j * turns), expected, atol=1e-9)
+
+
+def test_a_ring_inside_runs_one_way():
+    mesh = annulus(1.0, 3.0, rings=4, segments=40)
+    radius = np.linalg.norm(mesh.vertices, axis=1)
+    line = chain(mesh, np.abs(radius - 2) < 1e-9)
+    field = direction_field(mesh, 1, DirectionWishes(rows=(Row(line, "along"),)))
+    around = np.cross([0, 0, 1], mesh.vertices) / radius[:, None]
+    turning = np.einsum("ij,ij->i", field.vectors, around)
+    np.testing.assert_allclose(turning, turning[0].round(), atol=1e-6)
+
+
+def test_a_boundary_runs_with_the_face_on_its_left():
+    mesh = disk(5, 24)
+    line = boundary_row(mesh).line
+    x, y = mesh.tangent_frames
+    vectors = np.cos(line.angles)[:, None] * x[line.vertices] + np.sin(line.angles)[:, None] * y[line.vertices]
+    around = np.cross([0, 0, 1], mesh.vertices[line.vertices])
+    assert np.einsum("ij,ij->i", vectors, around).min() > 0.9
+
+
+def test_a_soft_direction_goes_from_free_to_fixed():
+    mesh = square(10)
+    x = mesh.vertices[:, 0]
+    left, right = Row(chain(mesh, x == 0), "along"), chain(mesh, x == 1)
+
+    def misfit(weight):
+        rows = (left, Row(right, "angle", np.pi / 3, weight))
+        field = direction_field(mesh, 2, DirectionWishes(rows=rows), Options(target_gap=1e-5))
+        wished = np.exp(2j * (np.pi / 2 + np.pi / 3))
+        powers = np.exp(2j * np.arctan2(field.vectors[:, 1], field.vectors[:, 0]))
+        return float((np.abs(powers - wished)[x == 1] ** 2).mean())
+
+    misfits = [misfit(weight) for weight in (0, 0.1, 0.5, 2, 10, 100, 1e4)]
+    assert misfits[0] == pytest.approx(abs(np.exp(2j * np.pi / 3) - 1) ** 2, rel=1e-6)  # free: all along the left side
+    assert (np.diff(misfits) < 0).all()
+    assert misfits[-1] < 1e-6
+    # The quasi-harmonic turn by a = 2 pi / 3 - t costs a^2 (height over width 1), the penalty 2 w (1 - cos t).
+    turns = np.linspace(0, 2 * np.pi / 3, 20001)
+    for weight, found in ((0.5, misfits[2]), (2, misfits[3]), (10, misfits[4])):
+        costs = (2 * np.pi / 3 - turns) ** 2 + weight * 2 * (1 - np.cos(turns))
+        assert found == pytest.approx(2 * (1 - np.cos(turns[np.argmin(costs)])), rel=0.02)
+
+
+@pytest.mark.parametrize("scale", [1.0, 50.0])
+@pytest.mark.parametrize("columns", [8, 16, 32])
+def test_a_weight_means_the_same_at_every_resolution_and_scale(columns, scale):
+    mesh = square(columns, width=scale, height=scale)
+    x = mesh.vertices[:, 0] / scale
+    rows = (Row(chain(mesh, x < 1e-9), "along"), Row(chain(mesh, x > 1 - 1e-9), "angle", np.pi / 3, 2.0))
+    field = direction_field(mesh, 2, DirectionWishes(rows=rows), Options(target_gap=1e-5))
+    powers = np.exp(2j * np.arctan2(field.vectors[:, 1], field.vectors[:, 0]))
+    found = np.angle(powers[x > 1 - 1e-9].mean() / powers[x < 1e-9].mean())
+    turns = np.linspace(0, 2 * np.pi / 3, 20001)
+    expected = turns[np.argmin(turns**2 + 4 * (1 - np.cos(2 * np.pi / 3 - turns)))]
+    assert abs(found) == pytest.approx(expected, rel=3e-3)
+
+
+# Phases
+
+
+@pytest.mark.parametrize("symmetry", [1, 2])
+@pytest.mark.parametrize("degrees", [0, 90, 180, 40])
+def test_a_fixed_phase_shifts_the_stripes(symmetry, degrees):
+    mesh, field, left, _ = strip(5.0, symmetry=symmetry, seed=3 if symmetry == 2 else None)
+    value = np.radians(degrees)
+    pattern = stripe_pattern(mesh, field, SPACING, [Row(chain(mesh, left), "phase", value)])
+    assert pattern.solution.energy < 1e-12
+    # The left side is a boundary and runs with the face on its left: lines grow inwards, vectors to their own left.
+    growth = 1 if symmetry == 2 else -1
+    expected = np.cos(value + growth * 2 * np.pi / SPACING * mesh.vertices[:, 0])
+    np.testing.assert_allclose(cosines(pattern), expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_phase_constant_along_each_side_is_free_on_it(seed):
+    mesh, field, left, right = strip(5.3, seed=seed)
+    both = Row(chain(mesh, left | right), "constant")
+    pattern = stripe_pattern(mesh, field, SPACING, [both])
+    assert pattern.solution.energy < 1e-12
+    for side in (left, right):
+        np.testing.assert_allclose(cosines(pattern)[side], cosines(pattern)[side][0], atol=1e-12)
+    # One side fixed, the other follows at its distance; both fixed to what does not fit costs energy.
+    fixed = Row(chain(mesh, left), "phase", 0.4)
+    pattern = stripe_pattern(mesh, field, SPACING, [both, fixed])
+    assert pattern.solution.energy < 1e-12
+    np.testing.assert_allclose(cosines(pattern)[left], np.cos(0.4), atol=1e-12)
+    np.testing.assert_allclose(cosines(pattern)[right], np.cos(0.4 + 2 * np.pi * 5.3), atol=1e-9)
+
+
+@pytest.mark.parametrize("symmetry", [1, 2])
+@pytest.mark.parametrize("spacing", [0.25, 0.11])
+def test_rings_of_a_disk_with_a_hole_whose_rim_is_fixed(symmetry, spacing):
+    mesh = annulus(0.2, 1.0, 24, 96)
+    radius = np.linalg.norm(mesh.vertices, axis=1)
+    rim = radius > 1 - 1e-9
+    guide = distance_guide(mesh, rim, contour=True)
+    field = direction_field(mesh, symmetry, DirectionWishes(guides=((guide, 1e3),)))
+    pattern = stripe_pattern(mesh, field, spacing, [boundary_row(mesh, "phase", rim)])
+    np.testing.assert_allclose(pattern.solution.phases[rim], 1, atol=1e-9)
+    for ring in np.unique(radius.round(9)):
+        values = cosines(pattern)[np.abs(radius - ring) < 1e-6]
+        np.testing.assert_allclose(values, values[0], atol=1e-6)
+    np.testing.assert_allclose(cosines(pattern), np.cos(2 * np.pi * (1 - radius) / spacing), atol=1e-3)
+
+
+def test_rings_of_a_whole_disk():
+    """The centre, where no direction is like the others, bends the rings around it a little."""
+    mesh = disk(24, 96)
+    radius = np.linalg.norm(mesh.vertices, axis=1)
+    guide = distance_guide(mesh, radius > 1 - 1e-9, contour=True)
+    field = direction_field(mesh, 2, DirectionWishes(guides=((guide, 1e4),)))
+    pattern = stripe_pattern(mesh, field, 0.25, [boundary_row(mesh, "phase")])
+    assert pattern.dislocations == [] and sum(d.index for d in field.disclinations) == 1
+    outside = radius > 0.2
+    np.testing.assert_allclose(cosines(pattern)[outside], np.cos(2 * np.pi * (1 - radius[outside]) / 0.25), atol=0.1)
+
+
+def test_a_soft_phase_goes_from_free_to_fixed():
+    mesh, field, left, right = strip(5.25)
+
+    def misfit(weight):
+        rows = [Row(chain(mesh, left), "phase"), Row(chain(mesh, right), "phase", 0.0, weight)]
+        pattern = stripe_pattern(mesh, field, SPACING, rows, Options(target_gap=1e-5))
+        return float((np.abs(pattern.solution.phases - 1)[right] ** 2).mean())
+
+    misfits = [misfit(weight) for weight in (0, 0.05, 0.3, 2, 20, 1e4)]
+    assert misfits[0] == pytest.approx(2, rel=1e-6)  # a quarter turn
+    assert (np.diff(misfits) < 0).all() and misfits[-1] < 1e-6
+
+
+def test_groups_of_points_edges_and_areas():
+    mesh = square(8)
+    x, y, _ = mesh.vertices.T
+    field = along(mesh, (0, 1, 0))
+    corner = (x == 0) & (y == 0)
+    pattern = stripe_pattern(mesh, field, SPACING, [Row(line_of_group(mesh, corner), "phase", 0.3)])
+    assert pattern.solution.energy < 1e-12
+    assert pattern.solution.phases[corner][0] == pytest.approx(np.exp(0.3j))
+    area = (x <= 0.5) & (y <= 0.5)
+    line = line_of_group(mesh, area)
+    np.testing.assert_array_equal(line.nodes, np.flatnonzero(area))
+    assert np.unique(line.pieces).size == 1
+    # The outline is a line of length 2, of which directions hold; the inside is an area of a quarter.
+    assert line.shares.sum() == pytest.approx(2 + 0.25)
+    assert np.isnan(line.angles).sum() == area.sum()
+    scattered = corner | ((x == 1) & (y == 1))
+    assert len(np.unique(line_of_group(mesh, scattered).pieces)) == 2
+
+
+def test_phases_given_at_points_are_kept_in_the_sheet_of_their_vertex():
+    mesh = square(10)
+    field = along(mesh, (0, 1, 0), 2, seed=4)
+    wave = np.random.default_rng(0).uniform(-3, 3, mesh.vertex_count)
+    nodes = np.arange(0, mesh.vertex_count, 3)
+    row = Row(line_of_points(mesh, nodes, np.ones(len(nodes))), "phase", wave[nodes])
+    pattern = stripe_pattern(mesh, field, SPACING, [row])
+    np.testing.assert_allclose(pattern.solution.phases[nodes], np.exp(1j * wave[nodes]), atol=1e-9)
+
+
+# Strokes
+
+
+def stroke(mesh, points):
+    """Points in the plane z = 0 with the triangles that they lie in."""
+    corners = mesh.vertices[mesh.triangles][:, :, :2]
+    a, b, c = np.moveaxis(corners, 1, 0)
+    faces = []
+    for p in points[:, :2]:
+        sides = [np.linalg.det(np.stack([v - u, p - u], axis=1)) for u, v in ((a, b), (b, c), (c, a))]
+        faces.append(np.argmax(np.min(sides, axis=0)))
+    return np.array(faces), points
+
+
+def segment(mesh, start, end, count=400):
+    share = np.linspace(0, 1, count)[:, None]
+    return stroke(mesh, np.column_stack([(1 - share) * np.array(start) + share * np.array(end), np.zeros(count)]))
+
+
+@pytest.mark.parametrize(("kind", "degrees"), [("along", 0), ("across", 90), ("angle", 20)])
+def test_a_straight_stroke_sets_the_direction_of_a_plane(kind, degrees):
+    mesh = square(9)
+    start, end = np.array([0.11, 0.23]), np.array([0.83, 0.57])
+    row = Row(line_of_strokes(mesh, [segment(mesh, start, end)]), kind, np.radians(20))
+    field = direction_field(mesh, 1, DirectionWishes(rows=(row,)))
+    assert field.solution.energy < 1e-12
+    angle = np.arctan2(*(end - start)[::-1]) + np.radians(degrees)
+    np.testing.assert_allclose(field.vectors[:, :2], np.tile([np.cos(angle), np.sin(angle)], (100, 1)), atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["phase", "constant"])
+@pytest.mark.parametrize("seed", [None, 1, 2])
+def test_a_stripe_lies_on_a_stroke_between_the_vertices(seed, kind):
+    mesh = square(20)
+    start, end = np.array([0.11, 0.23]), np.array([0.83, 0.57])
+    way = (end - start) / np.linalg.norm(end - start)
+    field = along(mesh, (*way, 0), 2, seed)
+    row = Row(line_of_strokes(mesh, [segment(mesh, start, end)]), kind, 0.5)
+    pattern = stripe_pattern(mesh, field, SPACING, [row])
+    assert pattern.solution.energy < 1e-12
+    left = (mesh.vertices[:, :2] - start) @ [-way[1], way[0]]
+    if kind == "phase":
+        np.testing.assert_allclose(cosines(pattern), np.cos(0.5 + 2 * np.pi * left / SPACING), atol=1e-9)
+
+
+def test_rings_around_a_stroke_that_closes():
+    mesh = subdivided(disk(12, 48))
+    turn = np.linspace(0, 2 * np.pi, 1500)
+    circle = 0.6 * np.column_stack([np.cos(turn), np.sin(turn), np.zeros(1500)])
+    row = Row(line_of_strokes(mesh, [stroke(mesh, circle)]), "phase")
+    field = direction_field(mesh, 2, DirectionWishes(rows=(row,)))
+    pattern = stripe_pattern(mesh, field, 0.3, [row])
+    radius = np.linalg.norm(mesh.vertices, axis=1)
+    # Beside the stroke the phase is that of the distance to it, but for the circle's bend over an edge.
+    near = np.zeros(mesh.vertex_count, bool)
+    near[row.line.nodes] = True
+    expected = np.cos(2 * np.pi * (radius - 0.6) / 0.3)
+    np.testing.assert_allclose(cosines(pattern)[near], expected[near], atol=0.01)
+
+
+def test_a_stroke_of_one_point_is_refused():
+    mesh = square(3)
+    with pytest.raises(SettingError, match="single point"):
+        line_of_strokes(mesh, [(np.array([0]), np.zeros((1, 3)))])
+
+
+# Contradictions and meetings
+
+
+def test_along_and_across_on_the_same_edges_are_named():
+    mesh = square(6)
+    line = chain(mesh, mesh.vertices[:, 0] == 0)
+    rows = (Row(line, "along", name="row A"), Row(line, "across", name="row B"))
+    with pytest.raises(
+        ContradictionError, match="row A and row B ask for different directions at vertices 0, 1, 2"
+    ) as error:
+        direction_field(mesh, 2, DirectionWishes(rows=rows))
+    np.testing.assert_array_equal(error.value.vertices, line.nodes)
+    direction_field(mesh, 4, DirectionWishes(rows=rows))  # a cross runs along and across
+
+
+def test_lines_that_meet_at_an_angle_leave_the_corner_free():
+    mesh = square(6)
+    x, y, _ = mesh.vertices.T
+    rows = (Row(chain(mesh, x == 0), "along"), Row(chain(mesh, y == 0), "along"))
+    field = direction_field(mesh, 2, DirectionWishes(rows=rows))
+    np.testing.assert_allclose(np.abs(field.vectors[(x == 0) & (y > 0), 1]), 1, atol=1e-9)
+    np.testing.assert_allclose(np.abs(field.vectors[(y == 0) & (x > 0), 0]), 1, atol=1e-9)
+
+
+def test_two_phases_at_one_vertex_are_named():
+    mesh = square(6)
+    x, y, _ = mesh.vertices.T
+    rows = [Row(chain(mesh, x == 0), "phase", 0.0, name="row A"), Row(chain(mesh, y == 0), "phase", 1.0, name="row B")]
+    with pytest.raises(ContradictionError, match="row A and row B fix vertex 0 to different phases") as error:
+        stripe_problem(mesh, along(mesh, (0, 1, 0), 1), SPACING, rows)
+    np.testing.assert_array_equal(error.value.vertices, [0])
+
+
+def test_a_constant_line_between_two_phases_is_refused():
+    mesh = square(6)
+    x, y, _ = mesh.vertices.T
+    field = along(mesh, (0, 1, 0), 1)
+    ends = [Row(line_of_group(mesh, (x == 0) & (y == side)), "phase", float(side)) for side in (0, 1)]
+    with pytest.raises(ContradictionError, match="the phase fixed at vertex 0 and the phase fixed at vertex 6"):
+        stripe_problem(mesh, field, SPACING, [*ends, Row(chain(mesh, x == 0), "constant")])
+
+
+def test_constant_lines_that_cross_have_one_phase():
+    mesh = square(6)
+    x, y, _ = mesh.vertices.T
+    rows = [Row(chain(mesh, mask), "constant") for mask in (x == 0.5, y == 0.5)]
+    pattern = stripe_pattern(mesh, along(mesh, (0, 1, 0), 2, seed=1), SPACING, rows)
+    values = cosines(pattern)[(x == 0.5) | (y == 0.5)]
+    np.testing.assert_allclose(values, values[0], atol=1e-9)
+    problem = stripe_problem(mesh, along(mesh, (0, 1, 0), 1), SPACING, rows)
+    assert len(problem.merged.nodes) == 12
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (dict(kind="around"), "'around': use one of along"),
+        (dict(value=np.nan), "value of row A is nan"),
+        (dict(weight=-1.0), "weight of row A is -1"),
+        (dict(kind="constant", weight=1.0), "row A is soft"),
+    ],
+)
+def test_rows_that_say_nothing_are_refused(change, message):
+    mesh = square(2)
+    arguments = dict(line=boundary_row(mesh).line, kind="along", name="row A") | change
+    with pytest.raises(SettingError, match=message):
+        Row(**arguments)
+
+
+# Spacing
+
+
+def test_a_spacing_that_grows_across_the_stripes():
+    mesh = square(40, 10)
+    x = mesh.vertices[:, 0]
+    spacing = 0.1 * (1 + x)
+    field = along(mesh, (0, -1, 0), 1)
+    line = chain(mesh, x == 0)
+    pattern = stripe_pattern(mesh, field, spacing, [Row(line, "phase")])
+    # The integral of 2 pi / spacing, by the trapezoidal rule on the columns: no stripe needs to end.
+    assert pattern.solution.energy < 1e-12 and forced_dislocations(mesh, field, spacing) < 1e-9
+    np.testing.assert_allclose(cosines(pattern), np.cos(20 * np.pi * np.log1p(x)), atol=0.03)
+
+
+def test_what_a_spacing_forces_is_the_circulation():
+    mesh = annulus(1.0, 4.0, rings=24, segments=160)
+    radius = np.linalg.norm(mesh.vertices, axis=1)
+    spokes = given_directions(mesh, 2, mesh.vertices / radius[:, None])
+    assert forced_dislocations(mesh, spokes, 0.5) == pytest.approx(2 * np.pi * 3 / 0.5, rel=1e-3)
+    # As many spokes outside as inside, but for what each triangle's trapezoidal rule is off.
+    assert forced_dislocations(mesh, spokes, 0.5 * radius) < 0.05 * 2 * np.pi * 3 / 0.5
+
+
+@pytest.mark.parametrize(
+    ("value", "message"), [(0.0, "0 at vertex 3"), (np.nan, "nan at vertex 3"), (-1.0, "-1 at vertex 3")]
+)
+def test_a_spacing_map_that_is_no_length_is_refused_by_its_vertex(value, message):
+    mesh = square(4)
+    spacing = np.full(mesh.vertex_count, 0.3)
+    spacing[3] = value
+    with pytest.raises(SettingError, match=message):
+        stripe_pattern(mesh, DirectionField(mesh, 2, np.zeros(mesh.vertex_count)), spacing)
