@@ -4,6 +4,12 @@
 
 import sys
 
+from . import register, unregister
 from .synch_addon.cli import main
 
-sys.exit(main(sys.argv[1:]))
+register()  # a .blend keeps the object's constraints in properties of ours
+try:
+    status = main(sys.argv[1:])
+finally:
+    unregister()  # Blender 4.5 crashes at its exit where classes are left
+sys.exit(status)

@@ -5,7 +5,12 @@ import numpy as np
 
 
 class SynchError(Exception):
-    """Base of every error that a user can act on; its text is one line."""
+    """Base of every error that a user can act on; its text is one line.
+
+    ``vertices`` are those of the mesh that it names, where it names any.
+    """
+
+    vertices: np.ndarray = np.empty(0, int)
 
 
 class MeshError(SynchError):
@@ -32,6 +37,17 @@ class ContradictionError(SettingError):
     def renumbered(self, numbers):
         """The same error where each vertex has another number, (n,) ``numbers``."""
         return ContradictionError(self.message, numbers[self.vertices])
+
+
+class AsymmetryError(MeshError):
+    """A mesh that is not its own mirror image; ``vertices`` are those without a counterpart."""
+
+    def __init__(self, axis, vertices):
+        self.axis, self.vertices = axis, np.unique(vertices)
+        super().__init__(
+            f"the mesh is not symmetric in {axis}: {name_elements('vertex', self.vertices)} lack a counterpart: "
+            f"symmetrize it (Mesh > Symmetrize), or switch the mirror off"
+        )
 
 
 class Cancelled(SynchError):

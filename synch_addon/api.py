@@ -14,12 +14,15 @@ import numpy as np
 from ..core.errors import ContradictionError, SettingError, SynchError
 from ..core.fields import DirectionWishes, Row, direction_field, given_directions, stripe_pattern
 from ..core.fields.directions import SYMMETRIES
-from ..core.fields.guidance import curvature_guide
-from ..core.fields.stripes import check_spacing, coarse_edge_share
-from . import constraints, scene_io, write
+from ..core.fields.mirror import Mirror
+from ..core.fields.stripes import check_spacing, coarse_edge_share, forced_dislocations
+from ..core.geometry.mirror import carried_to_cut, mirrored_vertices
+from . import constraints, field_io, scene_io, write
 from .constraint_list import stored_constraints
+from .guidance import PendingGuide, read_guides
 from .report import Report
 from .settings import Settings, from_names
+from .vertex_maps import read_factors, read_turns
 
 # Automatic spacing: this many stripes across the object, and at least this many edges to a stripe;
 # an object of few edges gets these stripes all the same, with a warning.
@@ -66,6 +69,49 @@ def run(command, obj, settings, callback=None):
     return job.write(obj)
 
 
+def refuse(obj):
+    """Raise SynchError for an object that cannot be given a field."""
+    reason = scene_io.refusal(obj)
+    if reason:
+        raise SynchError(reason)
+
+
+def import_field(obj, path):
+    """Write the directions of a .rawfield or .rosy file to a mesh object's ``synch_direction``.
+
+    Returns
+    -------
+    "vector", "line" or "cross", what the file's directions are
+
+    Raises
+    ------
+    SynchError
+        with one line that names the element and the remedy; nothing is written
+    """
+    refuse(obj)
+    with _object_mode(obj):
+        return field_io.import_directions(obj, path)
+
+
+def export_field(obj, path, symmetry="line"):
+    """Write a mesh object's ``synch_direction`` as a .rawfield or .rosy file, one set of directions a triangle.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object, all of whose faces are triangles
+    path : where to
+    symmetry : "vector", "line" or "cross", what the directions are
+
+    Raises
+    ------
+    SynchError
+        with one line that names the element and the remedy; nothing is written
+    """
+    refuse(obj)
+    with _object_mode(obj):
+        field_io.export_directions(obj, path, symmetry)
+
+
 def select(obj, vertices):
     """Select vertices and nothing else of an object's mesh, in object or edit mode."""
     with _object_mode(obj):
@@ -80,11 +126,9 @@ class FieldJob:
     """
 
     def __init__(self, command, obj, settings):
-        reason = scene_io.refusal(obj)
-        if reason:
-            raise SynchError(reason)
+        refuse(obj)
         if command == "directions":
-            settings = replace(settings, spacing=None)
+            settings = replace(settings, spacing=None, spacing_map="")
         elif settings.symmetry == "cross":
             raise SettingError("stripes need a vector or line field: set the symmetry to vector or line")
         bpy.context.view_layer.update()  # a script may have scaled the object just now
@@ -130,49 +174,82 @@ class FieldJob:
 
 @dataclass(frozen=True)
 class Task:
-    """All that is read from the scene before solving."""
+    """All that is read from the scene before solving.
+
+    Attributes
+    ----------
+    given, settings : what the rest belongs to
+    directions : (n, 3) vectors that are taken exactly as they are, or None
+    guides : what the directions follow
+    turn : radians by which the directions are turned, one or (n,)
+    rows : Rows of the constraint list
+    mirrors : reflections that leave the field as it is
+    spacing : the spacing, in scene units
+    spacings : that times its map, (n,), or the spacing alone
+    """
 
     given: scene_io.MeshInput
     settings: Settings
-    guide: np.ndarray | None
+    directions: np.ndarray | None
+    guides: tuple[PendingGuide, ...]
+    turn: float | np.ndarray
     rows: tuple[Row, ...]
+    mirrors: tuple[Mirror, ...]
     spacing: float
+    spacings: float | np.ndarray
 
 
 def gather(obj, settings):
     """Read what the settings ask for; refuse what cannot be."""
     given = constraints.cut_mesh(obj, scene_io.read_mesh(obj), settings.constraints)
     spacing = automatic_spacing(given.mesh) if settings.spacing is None else settings.spacing
-    check_spacing(given.mesh, spacing)
-    by_attribute = settings.guidance == "attribute"
-    guide = scene_io.read_vectors(obj, settings.attribute, given) if by_attribute else None
+    spacings, turn, directions, guides = spacing, settings.angle, None, ()
+    if settings.spacing_map:
+        spacings = spacing * read_factors(obj, given, settings.spacing_map, settings.spacing_range)
+    check_spacing(given.mesh, spacings)
+    if settings.angle_attribute:
+        turn = turn + read_turns(obj, given, settings.angle_attribute)
+    if settings.exact_attribute is None:
+        guides = read_guides(obj, given, settings.symmetry, settings.sources)
+    else:
+        directions = scene_io.read_vectors(obj, settings.exact_attribute, given)
     rows = constraints.rows_of(obj, given, settings.all_constraints)
-    return Task(given, settings, guide, rows, spacing)
+    mirrors = read_mirrors(given, settings.mirror)
+    return Task(given, settings, directions, guides, turn, rows, mirrors, spacing, spacings)
+
+
+def read_mirrors(given, axes):
+    """Mirrors in the object's axes, as letters, through its origin."""
+    mirrors = []
+    for axis in sorted("XYZ".index(letter) for letter in set(axes)):
+        whole = given.polygons.with_vertices(given.source[given.polygons.corner_vertices])
+        partner = mirrored_vertices(given.uncut, whole, axis)
+        mirrors.append(Mirror.of(given.mesh, carried_to_cut(partner, whole, given.polygons, axis), axis))
+    return tuple(mirrors)
 
 
 def solve_directions(task, callback):
     """The :class:`DirectionField` of a task, turned by its angle."""
     mesh, settings = task.given.mesh, task.settings
     symmetry = SYMMETRIES[settings.symmetry]
-    if task.guide is not None:
-        return given_directions(mesh, symmetry, task.guide).turned(settings.angle)
-    guides = ()
-    if settings.guidance != "smooth":
-        guides = ((curvature_guide(mesh, largest=settings.guidance == "curvature-max"), 1.0),)
-    wishes = DirectionWishes(guides, task.rows)
-    return direction_field(mesh, symmetry, wishes, settings.options, callback).turned(settings.angle)
+    if task.directions is not None:
+        return given_directions(mesh, symmetry, task.directions).turned(task.turn)
+    wishes = DirectionWishes(tuple(guide.weighted for guide in task.guides), task.rows, task.mirrors)
+    return direction_field(mesh, symmetry, wishes, settings.options, callback).turned(task.turn)
 
 
 def solve_stripes(task, field, report, callback):
     """The :class:`StripePattern` of a task along a field."""
     mesh, settings = task.given.mesh, task.settings
-    share = coarse_edge_share(mesh, field, task.spacing)
+    share = coarse_edge_share(mesh, field, task.spacings)
     if share > COARSE_SHARE:
+        finest = np.min(task.spacings)
         report.warn(
-            f"the spacing {task.spacing:g} is finer than the mesh can carry on {share:.0%} of its edges: "
-            f"it needs edges shorter than {task.spacing / 2:.3g}, subdivide or remesh"
+            f"the spacing {finest:g} is finer than the mesh can carry on {share:.0%} of its edges: "
+            f"it needs edges shorter than {finest / 2:.3g}, subdivide or remesh"
         )
-    return stripe_pattern(mesh, field, task.spacing, task.rows, settings.options, callback)
+    report.forced_dislocations = forced_dislocations(mesh, field, task.spacings)
+    return stripe_pattern(mesh, field, task.spacings, task.rows, task.mirrors, settings.options, callback)
 
 
 def automatic_spacing(mesh):

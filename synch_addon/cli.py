@@ -18,10 +18,14 @@ import bpy
 
 from ..core.errors import SettingError, SynchError
 from . import api, files
+from .constraints import from_plain
 from .demo import add_demo_object
+from .field_io import check_triangles
+from .guidance import KINDS
 from .info import describe
 from .quiet import quiet_stdout
 from .report import failure, summary
+from .scene_io import read_polygons
 from .settings import BOUNDARIES, METHODS, SYMMETRIES, Settings
 
 _command = None
@@ -66,8 +70,10 @@ def _fail(options, line):
 
 def _run_field(options, loaded):
     settings = _settings(options)
-    files.check_outputs(options.output, options.render, options.report)
+    files.check_outputs(options.output, options.render, options.report, options.export_field)
     obj = _open(options, loaded)
+    if options.export_field:
+        check_triangles(read_polygons(obj))
     report = api.run(options.command, obj, settings, None if options.quiet else _show_progress)
     return _deliver(obj, report, options)
 
@@ -84,7 +90,7 @@ def _run_demo(options, loaded):
 
 
 def _run_info(options, loaded):
-    files.check_outputs(None, None, options.report)
+    files.check_outputs(report=options.report)
     return describe(_open(options, loaded))
 
 
@@ -108,6 +114,9 @@ def _deliver(obj, report, options):
 
         render_picture(obj, options.render, view=options.view)
         written.append(options.render)
+    if getattr(options, "export_field", None):
+        api.export_field(obj, options.export_field, options.symmetry)
+        written.append(options.export_field)
     if options.report:
         written.append(options.report)
     warnings = [f"warning: {line}" for line in report["warnings"]]
@@ -115,7 +124,6 @@ def _deliver(obj, report, options):
 
 
 def _settings(options):
-    guidance, _, attribute = options.guidance.partition(":")
     if options.vertex_group and options.boundary == "free":
         raise SettingError(
             f"the vertex group {options.vertex_group!r} restricts the boundary, which is free: "
@@ -123,18 +131,38 @@ def _settings(options):
         )
     return Settings(
         symmetry=options.symmetry,
-        guidance=guidance,
-        attribute=attribute,
+        guidance=options.guidance,
         angle=math.radians(options.angle),
+        angle_attribute=options.angle_attribute,
         boundary=options.boundary,
         vertex_group=options.vertex_group,
-        spacing=getattr(options, "spacing", None),
+        mirror=options.mirror.upper(),
+        constraints=_read_constraints(options.constraints) if options.constraints else None,
+        **_spacing(options),
         method=options.method,
         seed=options.seed,
         target_gap=options.target_gap,
         time_limit=options.time_limit,
         assign_material=True,
     )
+
+
+def _spacing(options):
+    if options.command != "stripes":
+        return {}
+    if options.spacing_range is not None and not options.spacing_map:
+        raise SettingError("the spacing range belongs to a spacing map: add --spacing-map NAME")
+    factor = Settings().spacing_range if options.spacing_range is None else options.spacing_range
+    return {"spacing": options.spacing, "spacing_map": options.spacing_map, "spacing_range": factor}
+
+
+def _read_constraints(path):
+    try:
+        return from_plain(json.loads(Path(path).read_text(encoding="utf-8")))
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise SettingError(f"{path}: {error}: write a JSON list of rows") from None
+    except SettingError as error:
+        raise SettingError(f"{path}: {error}") from None
 
 
 def _show_progress(stage, fraction):
@@ -179,6 +207,9 @@ def _parser(loaded):
         command.add_argument("--render", metavar="FILE.png", help="render a picture of the result")
         _add_view(command)
         command.add_argument("--report", metavar="FILE.json", help="write energies, bounds, defects and times")
+        command.add_argument(
+            "--export-field", metavar="FILE.rawfield", help="write the directions on triangles, also as .rosy"
+        )
         command.add_argument("--quiet", action="store_true", help="no progress on stderr")
     command = commands.add_parser("info", help="what a mesh can carry", description="Describe a mesh.")
     _add_input(command)
@@ -210,6 +241,18 @@ def _add_settings(command, spacing):
     default = Settings()
     if spacing:
         command.add_argument("--spacing", type=float, metavar="LENGTH", help="between stripes; default: automatic")
+        command.add_argument(
+            "--spacing-map",
+            default="",
+            metavar="NAME",
+            help="float attribute, a factor on the spacing, or vertex group, which takes it from 1 to the range",
+        )
+        command.add_argument(
+            "--spacing-range",
+            type=float,
+            metavar="X",
+            help=f"factor where the vertex group's weight is 1 ({default.spacing_range:g})",
+        )
     command.add_argument(
         "--symmetry",
         choices=tuple(SYMMETRIES),
@@ -217,10 +260,16 @@ def _add_settings(command, spacing):
         help="what is the same at a point; cross for directions only (%(default)s)",
     )
     command.add_argument(
-        "--guidance", default=default.guidance, help="smooth, curvature-max, curvature-min or attribute:NAME"
+        "--guidance",
+        default=default.guidance,
+        metavar="SPEC",
+        help=f"smooth, or sources KIND:NAME=STRENGTH separated by commas; kinds: {', '.join(KINDS)} (%(default)s)",
     )
     command.add_argument(
         "--angle", type=float, default=0.0, metavar="DEG", help="turn the directions, counterclockwise"
+    )
+    command.add_argument(
+        "--angle-attribute", default="", metavar="NAME", help="float attribute, radians from vertex to vertex on top"
     )
     command.add_argument(
         "--boundary",
@@ -229,6 +278,12 @@ def _add_settings(command, spacing):
         help="what directions do at open edges; phase: a stripe lies exactly on them (%(default)s)",
     )
     command.add_argument("--vertex-group", default="", metavar="NAME", help="restrict the boundary to this group")
+    command.add_argument(
+        "--mirror", default="", metavar="AXES", help="X, Y, Z or several: the result is its own mirror image in them"
+    )
+    command.add_argument(
+        "--constraints", metavar="ROWS.json", help="a list of rows; default: the list stored with the object"
+    )
     command.add_argument(
         "--method", choices=METHODS, default=default.method, help="sdp proves a bound, spectral is fast (%(default)s)"
     )

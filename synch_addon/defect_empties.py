@@ -15,7 +15,7 @@ _KIND, _INDEX, _FACE = "synch_kind", "synch_index", "synch_face"
 # On our collections: "scene" for the one that holds all, "object" for the one of an object.
 _MARK = "synch_defects"
 # (positive, negative): warm and cool, in hues that tell the kinds apart too.
-_COLORS = {
+COLORS = {
     "disclination": ((1.0, 0.19, 0.05, 1.0), (0.02, 0.32, 1.0, 1.0)),
     "dislocation": ((1.0, 0.55, 0.0, 1.0), (0.0, 0.65, 0.55, 1.0)),
 }
@@ -71,7 +71,7 @@ def _new_empty(obj, defect, collection, size, counts):
     empty.rotation_mode = "QUATERNION"
     empty.rotation_quaternion = Vector(defect.normal).to_track_quat("Z", "Y")
     empty.location = defect.position
-    empty.color = _COLORS[defect.kind][0 if defect.index > 0 else 1]
+    empty.color = COLORS[defect.kind][0 if defect.index > 0 else 1]
     empty.empty_display_type, part = _DISPLAY[defect.kind]
     empty.empty_display_size = part * size
     empty[_KIND], empty[_INDEX], empty[_FACE] = defect.kind, float(defect.index), int(defect.face)

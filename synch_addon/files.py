@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from ..core.errors import SettingError
+from .field_io import SUFFIXES as FIELD_SUFFIXES
 
 _IMPORTERS = {
     ".obj": lambda path: bpy.ops.wm.obj_import(filepath=path),
@@ -95,13 +96,13 @@ def choose_object(name=None):
     return chosen
 
 
-def check_outputs(*paths):
+def check_outputs(blend=None, picture=None, report=None, field=None):
     """Refuse, before any work, outputs whose folder does not exist or whose suffix is wrong."""
-    for path, suffix in zip(paths, (".blend", ".png", ".json"), strict=True):
+    for path, suffixes in ((blend, [".blend"]), (picture, [".png"]), (report, [".json"]), (field, FIELD_SUFFIXES)):
         if not path:
             continue
-        if Path(path).suffix.lower() != suffix:
-            raise SettingError(f"{path}: the name of this output must end in {suffix}")
+        if Path(path).suffix.lower() not in suffixes:
+            raise SettingError(f"{path}: the name of this output must end in {' or '.join(suffixes)}")
         if not Path(path).resolve().parent.is_dir():
             raise SettingError(f"{path}: its folder does not exist, create it first")
 

@@ -4,25 +4,31 @@
 import bpy
 
 from . import jobs
+from .guide_panel import draw_guidance
 from .scene_io import refusal
 
 
 def draw_directions(layout, settings, obj):
     """Settings of the direction field; ``settings`` are the object's or an operator's."""
-    column = _property_column(layout)
+    column = property_column(layout)
     column.prop(settings, "symmetry")
-    column.prop(settings, "guidance")
-    if settings.guidance == "ATTRIBUTE":
-        column.prop_search(settings, "attribute", obj.data, "attributes")
+    if hasattr(settings, "guides"):
+        draw_guidance(column, settings)
+    else:
+        column.prop(settings, "guidance")
     column.prop(settings, "angle")
+    column.prop(settings, "angle_attribute")
     column.prop(settings, "boundary")
     if settings.boundary != "FREE":
         column.prop_search(settings, "vertex_group", obj, "vertex_groups")
+    row = column.row(align=True, heading="Mirror")
+    for number, axis in enumerate("XYZ"):
+        row.prop(settings, "mirror", index=number, text=axis, toggle=True)
 
 
 def draw_stripes(layout, settings):
     """Settings of the stripes, below those of the directions."""
-    column = _property_column(layout)
+    column = property_column(layout)
     if hasattr(settings, "automatic_spacing"):
         column.prop(settings, "automatic_spacing")
         row = column.row()
@@ -30,19 +36,22 @@ def draw_stripes(layout, settings):
         row.prop(settings, "spacing")
     else:
         column.prop(settings, "spacing")
+    column.prop(settings, "spacing_map")
+    if settings.spacing_map:
+        column.prop(settings, "spacing_range")
     column.prop(settings, "assign_material")
 
 
 def draw_solver(layout, settings):
     """Settings of the solver."""
-    column = _property_column(layout)
+    column = property_column(layout)
     column.prop(settings, "method")
     column.prop(settings, "seed")
     if settings.method == "SDP":
         column.prop(settings, "target_gap")
 
 
-def _property_column(layout):
+def property_column(layout):
     """A column of settings with their names on the left, as in Blender's own panels."""
     column = layout.column()
     column.use_property_split = True
@@ -56,13 +65,13 @@ def draw_progress(layout, work):
     layout.label(text="cancels", icon="EVENT_ESC")
 
 
-class _SidebarPanel:
+class SidebarPanel:
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "Synch"
 
 
-class SYNCH_PT_fields(_SidebarPanel, bpy.types.Panel):
+class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
     """Direction fields and stripes"""
 
     bl_label = "Synch Fields"
@@ -84,12 +93,13 @@ class SYNCH_PT_fields(_SidebarPanel, bpy.types.Panel):
         column.operator("synch.directions", icon="ORIENTATION_NORMAL")
 
 
-class SYNCH_PT_solver(_SidebarPanel, bpy.types.Panel):
+class SYNCH_PT_solver(SidebarPanel, bpy.types.Panel):
     """How the fields are optimized"""
 
     bl_label = "Solver"
     bl_parent_id = "SYNCH_PT_fields"
     bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 1  # below the constraints
 
     @classmethod
     def poll(cls, context):

@@ -9,7 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 import bpy
-import numpy
+import numpy as np
 import scipy
 
 from ..core.errors import name_elements
@@ -31,6 +31,7 @@ class Report:
         self.command, self.object_name, self.settings = command, obj.name, settings
         self.clock = Clock()
         self.warnings = []
+        self.forced_dislocations = None
         self._start = time.perf_counter()
         self._task = None
 
@@ -53,10 +54,16 @@ class Report:
                 f"the pattern is solved on the mesh before its modifiers ({', '.join(changing)}): "
                 "apply them first if stripes should follow the result"
             )
-        if self.settings.guidance == "attribute" and self.settings.boundary in ("along", "across"):
-            self.warn("the boundary is not asked for: directions that an attribute gives are taken as they are")
-        if self.settings.boundary == "phase" and self.settings.angle:
-            self.warn("the angle turns the directions away from the boundary on which a stripe lies: set it to 0")
+        rows = self.settings.all_constraints
+        unheard = [row.label for row in rows if row.what in ("along", "across", "angle")]
+        if self.settings.exact_attribute and unheard:
+            self.warn(
+                f"directions that an attribute gives are taken as they are, without {', '.join(unheard)}: "
+                f"give it a strength (attribute:{self.settings.exact_attribute}=1) where rows should turn them"
+            )
+        striped = [row.label for row in rows if row.what in ("phase", "constant") and row.where != "attribute"]
+        if np.any(task.turn) and striped:
+            self.warn(f"the angle turns directions away from lines with a stripe ({', '.join(striped)}): set it to 0")
         users = obj.data.users - obj.data.use_fake_user
         if users > 1:
             self.warn(f"the mesh {obj.data.name} is shared by {users} users, which all get the pattern")
@@ -70,7 +77,8 @@ class Report:
             for phase, seconds in (part.solution.times if part is not None and part.solution else {}).items():
                 times[phase] = times.get(phase, 0.0) + seconds
         times["total"] = time.perf_counter() - self._start
-        settings = asdict(self.settings) | {"spacing": self._task.spacing}
+        rows = [asdict(row) for row in self.settings.constraints]
+        settings = asdict(self.settings) | {"spacing": self._task.spacing, "constraints": rows}
         report = {
             "status": solution.status.value if solution else "given",
             "command": self.command,
@@ -88,6 +96,7 @@ class Report:
             "closed": len(mesh.boundary_edges) == 0,
             "disclinations": [d for d in defects if d["kind"] == "disclination"],
             "dislocations": [d for d in defects if d["kind"] == "dislocation"],
+            "forced_dislocations": self.forced_dislocations,
             "times": times,
             "peak_memory_mb": peak_memory(),
             "seed": self.settings.seed,
@@ -116,7 +125,7 @@ def versions():
         "synch_fields": VERSION,
         "blender": bpy.app.version_string,
         "python": platform.python_version(),
-        "numpy": numpy.__version__,
+        "numpy": np.__version__,
         "scipy": scipy.__version__,
     }
 
@@ -145,7 +154,10 @@ def summary(report):
     if report["closed"]:
         total = sum(d["index"] for d in report["disclinations"])
         disclinations += f" (indices sum to {total:g}, the Euler characteristic is {report['euler_characteristic']})"
-    lines.append(f"{disclinations}, {counted(len(report['dislocations']), 'dislocation')}")
+    dislocations = counted(len(report["dislocations"]), "dislocation")
+    if report["forced_dislocations"] is not None:
+        dislocations += f" (exact directions and spacing ask for {report['forced_dislocations']:.0f})"
+    lines.append(f"{disclinations}, {dislocations}")
     lines.append(f"{report['times']['total']:.2f} s")
     return lines
 

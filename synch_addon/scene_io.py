@@ -17,10 +17,11 @@ _LAYOUTS = {
     "FLOAT": (np.float32, 1, "value"),
     "INT": (np.int32, 1, "value"),
     "FLOAT_VECTOR": (np.float32, 3, "vector"),
+    "FLOAT2": (np.float32, 2, "vector"),
     "FLOAT_COLOR": (np.float32, 4, "color"),
 }
 # Attributes that mark edges, and their numpy types.
-_MARKS = {"seams": ("uv_seam", bool), "sharp": ("sharp_edge", bool), "creases": ("crease_edge", np.float32)}
+MARKS = {"seams": ("uv_seam", bool), "sharp": ("sharp_edge", bool), "creases": ("crease_edge", np.float32)}
 
 
 @dataclass(frozen=True)
@@ -40,9 +41,14 @@ class MeshInput:
 
     def to_object(self, vectors):
         """Unit vectors in object space at the object's vertices, for (n, 3) vectors of the measured mesh."""
-        turned = vectors[: self.uncut.vertex_count] @ np.linalg.inv(self.stretch).T
-        lengths = np.linalg.norm(turned, axis=1, keepdims=True)
-        return np.divide(turned, lengths, out=np.zeros_like(turned), where=lengths > 0)
+        return unstretched(vectors[: self.uncut.vertex_count], self.stretch)
+
+
+def unstretched(vectors, stretch):
+    """Unit vectors in object space for (k, 3) vectors of the measured space; zero stays zero."""
+    turned = vectors @ np.linalg.inv(stretch).T
+    lengths = np.linalg.norm(turned, axis=1, keepdims=True)
+    return np.divide(turned, lengths, out=np.zeros_like(turned), where=lengths > 0)
 
 
 def refusal(obj):
@@ -132,9 +138,31 @@ def read_vectors(obj, name, given):
 
 def read_numbers(obj, name, given):
     """(n,) numbers of a POINT attribute, or weights of a vertex group; errors as :func:`read_vectors`."""
-    if name in obj.vertex_groups and name not in obj.data.attributes:
+    if is_group(obj, name):
         return read_weights(obj, name)[given.source]
     return _read(_point_attribute(obj, name, "FLOAT", "float")).astype(float)[given.source]
+
+
+def is_group(obj, name):
+    """Whether numbers of this name are the weights of a vertex group; an attribute of the name goes first."""
+    return name in obj.vertex_groups and name not in obj.data.attributes
+
+
+def read_uv_map(obj, name):
+    """(c, 2) coordinates of the faces' corners in a UV map, the active one where the name is "".
+
+    Raises
+    ------
+    SettingError
+        when there is no such map
+    """
+    layers = obj.data.uv_layers
+    layer = layers.get(name) if name else layers.active
+    if layer is None:
+        which = f"UV map {name!r}" if name else "UV map"
+        present = ", ".join(found.name for found in layers) or "none yet"
+        raise SettingError(f"the mesh {obj.data.name} has no {which}: choose one of its maps ({present}), or unwrap it")
+    return _read(obj.data.attributes[layer.name]).astype(float)
 
 
 def _point_attribute(obj, name, data_type, kind):
@@ -152,7 +180,7 @@ def _point_attribute(obj, name, data_type, kind):
 
 def read_marked_edges(obj, mark):
     """(k, 2) vertices of the edges that are "seams", "sharp" or "creases", where a face uses them."""
-    name, dtype = _MARKS[mark]
+    name, dtype = MARKS[mark]
     attribute = obj.data.attributes.get(name)
     if attribute is None:
         return np.empty((0, 2), int)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 import bpy
 from bpy.props import (
     BoolProperty,
+    BoolVectorProperty,
     CollectionProperty,
     EnumProperty,
     FloatProperty,
@@ -20,9 +21,10 @@ from ..core.fields.directions import SYMMETRIES
 from ..core.solve import METHODS, Options
 from .constraint_list import SynchConstraint
 from .constraints import Constraint, from_plain
+from .guidance import exact_attribute, parse
+from .guide_list import GUIDE_ITEMS, SynchGuide, suggest_numbers
 
 BOUNDARIES = ("free", "along", "across", "phase")
-GUIDANCES = ("smooth", "curvature-max", "curvature-min", "attribute")
 
 
 @dataclass(frozen=True)
@@ -32,13 +34,16 @@ class Settings:
     Attributes
     ----------
     symmetry : "vector", "line" or "cross"
-    guidance : "smooth", "curvature-max", "curvature-min" or "attribute"
-    attribute : name of a vector attribute on the vertices, for the guidance "attribute"
-    angle : radians by which the guidance is turned
+    guidance : "smooth", or sources that directions follow, as :mod:`.guidance` reads them
+    angle : radians by which the directions are turned
+    angle_attribute : name of a float attribute or vertex group on the vertices, more radians; "" for none
     boundary : "free", "along", "across" or "phase" (stripes lie on the boundary)
     vertex_group : restricts the boundary to the edges in a vertex group; "" for all of it
+    mirror : axes "X", "Y", "Z", or several, in which the field is its own mirror image; "" for none
     constraints : rows of the constraint list, :class:`Constraint` or dicts; None for the object's own list
     spacing : distance between two stripes in scene units; None for about forty across the object
+    spacing_map : name of a float attribute on the vertices, a factor on the spacing, or of a vertex group; "" for none
+    spacing_range : factor on the spacing where the vertex group's weight is 1
     method : "sdp", "spectral" or "diffusion"
     seed : of every random choice
     target_gap : relative gap of the relaxation to prove
@@ -48,12 +53,15 @@ class Settings:
 
     symmetry: str = "line"
     guidance: str = "smooth"
-    attribute: str = ""
     angle: float = 0.0
+    angle_attribute: str = ""
     boundary: str = "free"
     vertex_group: str = ""
+    mirror: str = ""
     constraints: tuple[Constraint, ...] | None = None
     spacing: float | None = None
+    spacing_map: str = ""
+    spacing_range: float = 2.0
     method: str = "sdp"
     seed: int = 0
     target_gap: float = 1e-2
@@ -65,13 +73,12 @@ class Settings:
             object.__setattr__(self, "constraints", from_plain(self.constraints))
         for name, choices in (
             ("symmetry", tuple(SYMMETRIES)),
-            ("guidance", GUIDANCES),
             ("boundary", BOUNDARIES),
             ("method", METHODS),
         ):
             if getattr(self, name) not in choices:
                 raise SettingError(f"{name} {getattr(self, name)!r} is unknown: use one of {', '.join(choices)}")
-        for name in ("angle", "spacing", "target_gap", "time_limit"):
+        for name in ("angle", "spacing", "spacing_range", "target_gap", "time_limit"):
             value = getattr(self, name)
             if value is not None and not isinstance(value, int | float):
                 raise SettingError(f"the {name.replace('_', ' ')} is {value!r}: give a number")
@@ -79,8 +86,11 @@ class Settings:
             raise SettingError(f"the seed is {self.seed}: give a whole number from 0 on")
         if not math.isfinite(self.angle):
             raise SettingError(f"the angle is {self.angle}: give a finite one")
-        if self.guidance == "attribute" and not self.attribute:
-            raise SettingError("the guidance attribute has no name: choose a vector attribute of the mesh")
+        if not (math.isfinite(self.spacing_range) and self.spacing_range > 0):
+            raise SettingError(f"the spacing range is {self.spacing_range}: give a positive factor")
+        if set(self.mirror) - set("XYZ"):
+            raise SettingError(f"the mirror is {self.mirror!r}: use axes of X, Y and Z, such as X or XY")
+        parse(self.guidance)
 
     @property
     def all_constraints(self):
@@ -88,6 +98,16 @@ class Settings:
         if self.boundary == "free":
             return self.constraints
         return (Constraint("boundary", self.boundary, self.vertex_group), *self.constraints)
+
+    @property
+    def sources(self):
+        """The sources of guidance, none for "smooth"."""
+        return parse(self.guidance)
+
+    @property
+    def exact_attribute(self):
+        """Name of the vector attribute whose directions are taken exactly as they are, or None."""
+        return exact_attribute(self.sources)
 
     @property
     def options(self):
@@ -99,37 +119,33 @@ def _items(*entries):
     return [(name.upper().replace("-", "_"), label, tip) for name, label, tip in entries]
 
 
+SYMMETRY = EnumProperty(
+    name="Symmetry",
+    description="What is the same at a point: one direction, a line or a cross",
+    items=_items(
+        ("vector", "Vector", "One direction at each point"),
+        ("line", "Line", "A direction and its opposite count as the same, as for stripes and hatching"),
+        ("cross", "Cross", "Four directions at right angles, as for quads"),
+    ),
+    default="LINE",
+)
+
+
 class SettingProperties:
     """The settings as Blender properties, shared by the panel's storage and the operators."""
 
-    symmetry: EnumProperty(
-        name="Symmetry",
-        description="What is the same at a point: one direction, a line or a cross",
-        items=_items(
-            ("vector", "Vector", "One direction at each point"),
-            ("line", "Line", "A direction and its opposite count as the same, as for stripes and hatching"),
-            ("cross", "Cross", "Four directions at right angles, as for quads"),
-        ),
-        default="LINE",
-    )
-    guidance: EnumProperty(
-        name="Guidance",
-        description="What the directions follow",
-        items=_items(
-            ("smooth", "Smoothest", "The field that turns least over the surface"),
-            ("curvature-max", "Largest Curvature", "Across ridges: where the surface bends most"),
-            ("curvature-min", "Smallest Curvature", "Along ridges: where the surface bends least"),
-            ("attribute", "Attribute", "A vector attribute on the vertices, projected to the surface"),
-        ),
-        default="SMOOTH",
-    )
-    attribute: StringProperty(name="Attribute", description="Vector attribute on the vertices to follow")
+    symmetry: SYMMETRY
     angle: FloatProperty(
         name="Angle",
         description="Turn the directions by this angle, counterclockwise seen from outside",
         subtype="ANGLE",
         soft_min=-math.pi,
         soft_max=math.pi,
+    )
+    angle_attribute: StringProperty(
+        name="Angle Map",
+        description="Float attribute or vertex group on the vertices, radians added to the angle",
+        search=suggest_numbers,
     )
     boundary: EnumProperty(
         name="Boundary",
@@ -145,6 +161,11 @@ class SettingProperties:
     vertex_group: StringProperty(
         name="Vertex Group", description="Restrict the boundary to open edges with both ends in this group"
     )
+    mirror: BoolVectorProperty(
+        name="Mirror",
+        description="Make the pattern its own mirror image in these axes of the object, whose mesh has to be symmetric",
+        size=3,
+    )
     spacing: FloatProperty(
         name="Spacing",
         description="Distance from one stripe to the next; the object's scale counts",
@@ -152,6 +173,19 @@ class SettingProperties:
         default=0.1,
         soft_min=1e-4,
         precision=4,
+    )
+    spacing_map: StringProperty(
+        name="Spacing Map",
+        description="Float attribute, a factor on the spacing, or vertex group, which takes it from 1 to the range",
+        search=suggest_numbers,
+    )
+    spacing_range: FloatProperty(
+        name="Range",
+        description="Factor on the spacing where the vertex group's weight is 1",
+        default=2.0,
+        min=1e-3,
+        soft_min=0.25,
+        soft_max=4.0,
     )
     method: EnumProperty(
         name="Method",
@@ -181,6 +215,18 @@ class SettingProperties:
 class SynchSettings(SettingProperties, bpy.types.PropertyGroup):
     """Settings of an object, kept in the file."""
 
+    guidance: EnumProperty(
+        name="Guidance",
+        description="What the directions follow",
+        items=[
+            ("SMOOTH", "Smoothest", "The field that turns least over the surface"),
+            *GUIDE_ITEMS,
+            ("BLEND", "Blend", "Several guides, each with a strength"),
+        ],
+        default="SMOOTH",
+    )
+    guide: PointerProperty(name="Guide", description="The only guide", type=SynchGuide)
+    guides: CollectionProperty(name="Guides", description="The guides of a blend", type=SynchGuide)
     automatic_spacing: BoolProperty(
         name="Automatic Spacing",
         description="About forty stripes across the object, or as many as the mesh can carry",
@@ -196,11 +242,12 @@ PROPERTY_NAMES = tuple(SettingProperties.__annotations__)
 
 
 def plain(properties, spacing):
-    """:class:`Settings` from Blender properties, with the spacing given apart (None: automatic)."""
-    values = {name: getattr(properties, name) for name in PROPERTY_NAMES}
-    for name in ("symmetry", "guidance", "boundary", "method"):
-        values[name] = values[name].lower().replace("_", "-")
+    """:class:`Settings` from an operator's properties, with the spacing given apart (None: automatic)."""
+    values = {name: getattr(properties, name) for name in ("guidance", *PROPERTY_NAMES)}
+    for name in ("symmetry", "boundary", "method"):
+        values[name] = values[name].lower()
     values["spacing"] = spacing
+    values["mirror"] = "".join(axis for axis, chosen in zip("XYZ", properties.mirror, strict=True) if chosen)
     return Settings(**values)
 
 

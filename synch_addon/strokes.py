@@ -47,13 +47,13 @@ def _polylines(source):
     """(p, 3) points of every curve of an object, in its own space."""
     evaluated = source.evaluated_get(bpy.context.evaluated_depsgraph_get())
     if source.type == "GREASEPENCIL":
-        lines = [line for layer in evaluated.data.layers if not layer.hide for line in _drawn(layer)]
+        lines = [line for layer in evaluated.data.layers for line in _drawn(layer)]
     elif source.type == "CURVE" and _is_thick(source.data):
         with _middle_line(source) as thin:
             lines = _chains(thin)
     else:
         lines = _chains(evaluated)
-    return [line for line in lines if len(line) > 1]
+    return [line for line in lines if len(line) > 1 and np.ptp(line, axis=0).any()]
 
 
 def _drawn(layer):

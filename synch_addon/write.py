@@ -56,14 +56,15 @@ def _write_pattern(obj, given, pattern, report):
         old_corners = scene_io.split_faces(obj, polygons, phases.unfit)
         polygons = replace(scene_io.read_polygons(obj), corner_vertices=polygons.corner_vertices[old_corners])
         phases = pattern.on_faces(polygons)
-    cosines = np.cos(np.angle(pattern.solution.phases))[: given.uncut.vertex_count]
+    vertex_phases = np.angle(pattern.solution.phases)[: given.uncut.vertex_count]
     for name, domain, data_type, values in (
         ("synch_phase", "CORNER", "FLOAT", phases.corner_phase),
         ("synch_index", "FACE", "INT", phases.index),
         ("synch_index_2", "FACE", "INT", phases.index_2),
         ("synch_barycentric", "CORNER", "FLOAT_VECTOR", phases.corner_place),
         ("synch_disclination", "FACE", "FLOAT_COLOR", phases.disclination),
-        ("synch_pattern", "POINT", "FLOAT", cosines),
+        ("synch_vertex_phase", "POINT", "FLOAT", vertex_phases),
+        ("synch_pattern", "POINT", "FLOAT", np.cos(vertex_phases)),
     ):
         if name in _OPTIONAL and not values.any():
             scene_io.remove_attribute(obj, name)

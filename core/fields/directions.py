@@ -15,7 +15,9 @@ from ..errors import SettingError
 from ..geometry import TriangleMesh
 from ..problem import SynchronizationProblem, Targets, joined_targets
 from ..solve import Solution, solve
+from .groups import contracted
 from .guidance import Guide, blended
+from .mirror import Mirror, refuse_off_mirror, snapped, split_links, with_loops
 from .rows import Row, direction_targets
 
 SYMMETRIES = {"vector": 1, "line": 2, "cross": 4}
@@ -29,10 +31,12 @@ class DirectionWishes:
     ----------
     guides : pairs of a Guide and the strength with which it is followed, against the field's own smoothness
     rows : Rows of the constraint list
+    mirrors : reflections that leave the field as it is
     """
 
     guides: tuple[tuple[Guide, float], ...] = ()
     rows: tuple[Row, ...] = ()
+    mirrors: tuple[Mirror, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -76,12 +80,16 @@ def direction_problem(mesh, symmetry, wishes=None):
         raise SettingError(f"symmetry {symmetry!r} is unknown: use 1 (vector), 2 (line) or 4 (cross)")
     connection = Connection(mesh.vertex_count, mesh.edges, mesh.weights, circle_transports(levi_civita(mesh, symmetry)))
     fixed, drawn = direction_targets(mesh, symmetry, wishes.rows)
+    links, loops = split_links(mesh.vertex_count, [mirror.direction_links(symmetry) for mirror in wishes.mirrors])
+    fixed, merged = contracted(mesh.vertex_count, links, fixed)
+    refuse_off_mirror(fixed, loops)
     if wishes.guides:
         values, weights = blended([g for g, _ in wishes.guides], [strength for _, strength in wishes.guides], symmetry)
         weights[fixed.nodes if fixed is not None else []] = 0
         nodes = np.flatnonzero(weights > 0)
         drawn.append(Targets(nodes, values[nodes], weights[nodes]))
-    return SynchronizationProblem(connection, mesh.vertex_masses, fixed=fixed, drawn=joined_targets(drawn))
+    connection = with_loops(connection, loops)
+    return SynchronizationProblem(connection, mesh.vertex_masses, merged, fixed, joined_targets(drawn))
 
 
 def direction_field(mesh, symmetry, wishes=None, options=None, callback=None):
@@ -94,7 +102,11 @@ def direction_field(mesh, symmetry, wishes=None, options=None, callback=None):
     wishes : DirectionWishes, optional
     options, callback : see :func:`core.solve.solve`
     """
-    solution = solve(direction_problem(mesh, symmetry, wishes), options, callback)
+    problem = direction_problem(mesh, symmetry, wishes)
+    solution = solve(problem, options, callback)
+    mirrors = () if wishes is None else wishes.mirrors
+    _, loops = split_links(mesh.vertex_count, [mirror.direction_links(symmetry) for mirror in mirrors])
+    solution = snapped(problem, solution, loops)
     return DirectionField(mesh, symmetry, np.angle(solution.phases) / symmetry, solution)
 
 

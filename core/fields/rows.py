@@ -12,14 +12,13 @@ import numpy as np
 
 from ..errors import ContradictionError, SettingError
 from ..problem import Targets
+from .groups import TOLERANCE
 from .lines import Line, joined
 
 KINDS = ("along", "across", "angle", "phase", "constant")
 # A vertex whose stations disagree by more than this (as a mean of unit powers) is left free:
 # at a right angle a line cannot run along both sides, though a cross can.
 AGREEMENT = 0.5
-# Unit values that differ by more contradict each other.
-TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True)

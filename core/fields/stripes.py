@@ -12,6 +12,7 @@ from ..geometry import TriangleMesh
 from ..interpolate import EdgePhases, dislocation_numbers, face_phases
 from ..problem import SynchronizationProblem, joined_targets
 from ..solve import Solution, solve
+from .mirror import refuse_off_mirror, snapped, split_links, with_loops
 from .phase_rows import phase_constraints
 
 
@@ -87,7 +88,7 @@ def stripe_transports(mesh, field, spacing):
     return stripe_rotations(mesh, angles, stripe_rates(mesh, spacing), flips), flips
 
 
-def stripe_problem(mesh, field, spacing, rows=()):
+def stripe_problem(mesh, field, spacing, rows=(), mirrors=()):
     """The synchronization problem of a stripe pattern.
 
     Parameters
@@ -96,17 +97,26 @@ def stripe_problem(mesh, field, spacing, rows=()):
     field : DirectionField of symmetry 1 or 2, along which stripes run
     spacing : distance between two stripes in the mesh's units, or (n,) one at each vertex
     rows : Rows of the constraint list; those of the kinds "phase" and "constant" count
+    mirrors : Mirrors that leave the pattern as it is
     """
     check_spacing(mesh, spacing)
     angles, flips = stripe_transports(mesh, field, spacing)
     connection = Connection(mesh.vertex_count, mesh.edges, mesh.weights, circle_transports(angles, flips))
     rows = [row for row in rows if row.is_of_phases]
-    fixed, merged, drawn = phase_constraints(mesh, field, stripe_rates(mesh, spacing), rows)
+    links, loops = _mirror_links(field, mirrors)
+    fixed, merged, drawn = phase_constraints(mesh, field, stripe_rates(mesh, spacing), rows, [links])
+    refuse_off_mirror(fixed, loops)
+    connection = with_loops(connection, loops)
     return SynchronizationProblem(connection, mesh.vertex_masses, merged, fixed, joined_targets(drawn))
 
 
-def stripe_pattern(mesh, field, spacing, rows=(), options=None, callback=None):
+def stripe_pattern(mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None):
     """Solve a stripe pattern; arguments as :func:`stripe_problem` and :func:`core.solve.solve`."""
-    solution = solve(stripe_problem(mesh, field, spacing, rows), options, callback)
+    problem = stripe_problem(mesh, field, spacing, rows, mirrors)
+    solution = snapped(problem, solve(problem, options, callback), _mirror_links(field, mirrors)[1])
     angles, flips = stripe_transports(mesh, field, spacing)
     return StripePattern(mesh, solution, EdgePhases.of(mesh, solution.phases, angles, flips))
+
+
+def _mirror_links(field, mirrors):
+    return split_links(field.mesh.vertex_count, [mirror.phase_links(field.angles + np.pi / 2) for mirror in mirrors])

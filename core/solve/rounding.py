@@ -31,7 +31,7 @@ SMALLEST_EXPLORED = 500
 # the relative gain below which they end.
 KEPT, CROSSINGS = 8, 6
 FEWEST_ROUNDS, MOST_ROUNDS = 1, 8
-GAIN = 3e-3
+GAIN = 1e-3
 # Over which diffusion time local energies are compared, and how sharply the better one is preferred.
 CROSSING_TIME = 4.0
 SHARPNESS = 5.0

@@ -6,9 +6,11 @@ turned meanwhile, Esc cancels, and the result is written when it is there.
 """
 
 import bpy
+from bpy.props import StringProperty
 
 from ...core.errors import Cancelled, SynchError
 from .. import api, jobs
+from ..guide_list import stored_guidance
 from ..report import counted
 from ..scene_io import refusal
 from ..settings import PROPERTY_NAMES, plain
@@ -17,35 +19,51 @@ from ..settings import PROPERTY_NAMES, plain
 _NAVIGATION = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE"}
 
 
+def unready(context):
+    """Why the active object cannot be worked on now, in one line, or None."""
+    reason = refusal(context.active_object)
+    if reason is None and context.mode not in {"OBJECT", "EDIT_MESH"}:
+        reason = "leave the present mode: fields are solved in object or edit mode"
+    if reason is None and jobs.running is not None:
+        reason = "a field is being solved: wait for it, or cancel it with Esc"
+    return reason
+
+
 class FieldOperator:
     """Mixed into an operator with the setting properties; ``command`` names the API function."""
 
     bl_options = {"REGISTER", "UNDO"}
     command = ""
 
+    guidance: StringProperty(
+        name="Guidance",
+        description="smooth, or what the directions follow, such as curvature-max=2,axis:Z",
+        default="smooth",
+    )
+
     @classmethod
     def poll(cls, context):
-        reason = refusal(context.active_object)
-        if reason is None and context.mode not in {"OBJECT", "EDIT_MESH"}:
-            reason = "leave the present mode: fields are solved in object or edit mode"
-        if reason is None and jobs.running is not None:
-            reason = "a field is being solved: wait for it, or cancel it with Esc"
+        reason = unready(context)
         if reason:
             cls.poll_message_set(reason)
         return reason is None
 
     def invoke(self, context, event):
         """From the window: take the object's settings and solve in the background."""
+        return self._reporting(self._begin, context)
+
+    def _begin(self, context):
         stored = context.active_object.synch
+        self.guidance = stored_guidance(stored)
         for name in PROPERTY_NAMES:
             if name != "spacing" or not stored.automatic_spacing:
                 setattr(self, name, getattr(stored, name))
         if stored.automatic_spacing:
             self.properties.property_unset("spacing")
         if bpy.app.background:
-            return self.execute(context)
+            return self._run(context)
         self._object_name = context.active_object.name
-        return self._reporting(self._start, context)
+        return self._start(context)
 
     def execute(self, context):
         """From a script, or again from the redo panel: solve and write before returning."""
@@ -74,6 +92,8 @@ class FieldOperator:
             self.report({"INFO"}, str(stop))
         except SynchError as error:
             self.report({"ERROR"}, str(error))
+            if len(error.vertices):
+                api.select(context.active_object, error.vertices)
         return {"CANCELLED"}
 
     def _settings(self):

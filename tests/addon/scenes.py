@@ -177,3 +177,64 @@ def save_and_reopen(path, name):
     bpy.ops.wm.read_homefile(use_empty=True)
     bpy.ops.wm.open_mainfile(filepath=str(path))
     return bpy.data.objects[name]
+
+
+def panel(size, faces, corner=(0.0, 0.0)):
+    """A flat rectangle of quads from a corner on, row by row; size and faces in x and y."""
+    x, y = (np.linspace(0, length, count + 1) + start for length, count, start in zip(size, faces, corner, strict=True))
+    vertices = [(a, b, 0) for b in y for a in x]
+    width = faces[0] + 1
+    corners = [j * width + i for j in range(faces[1]) for i in range(faces[0])]
+    return add_object(vertices, [(k, k + 1, k + 1 + width, k + width) for k in corners], "Panel")
+
+
+def mark_edges(obj, mark, vertices):
+    """Mark edges with both ends in a mask as "seams", "sharp" or "creases"."""
+    ends = np.array([edge.vertices[:] for edge in obj.data.edges])
+    marked = vertices[ends].all(axis=1)
+    name, data_type = {"seams": ("uv_seam", "BOOLEAN"), "sharp": ("sharp_edge", "BOOLEAN")}.get(
+        mark, ("crease_edge", "FLOAT")
+    )
+    found = obj.data.attributes.get(name) or obj.data.attributes.new(name, data_type, "EDGE")
+    found.data.foreach_set("value", marked.astype(bool if data_type == "BOOLEAN" else np.float32))
+
+
+def add_curve(points, name="Curve", cyclic=False):
+    """A curve object of straight pieces; the active object stays active."""
+    data = bpy.data.curves.new(name, "CURVE")
+    data.dimensions = "3D"
+    spline = data.splines.new("POLY")
+    spline.points.add(len(points) - 1)
+    spline.points.foreach_set("co", np.column_stack([points, np.ones(len(points))]).astype(np.float32).ravel())
+    spline.use_cyclic_u = cyclic
+    return _linked(name, data)
+
+
+def add_drawing(points, name="Drawing"):
+    """A Grease Pencil object with one stroke."""
+    kinds = bpy.data.grease_pencils if bpy.app.version >= (5, 0) else bpy.data.grease_pencils_v3
+    data = kinds.new(name)
+    drawing = data.layers.new("Lines").frames.new(1).drawing
+    drawing.add_strokes([len(points)])
+    for point, place in zip(drawing.strokes[0].points, points, strict=True):
+        point.position = place
+    return _linked(name, data)
+
+
+def add_wire(points, name="Wire"):
+    """A mesh object of edges alone."""
+    data = bpy.data.meshes.new(name)
+    data.from_pydata([tuple(p) for p in points], [(k, k + 1) for k in range(len(points) - 1)], [])
+    return _linked(name, data)
+
+
+def _linked(name, data):
+    obj = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.update()
+    return obj
+
+
+def set_numbers(obj, name, numbers):
+    """Add a float attribute on the vertices."""
+    obj.data.attributes.new(name, "FLOAT", "POINT").data.foreach_set("value", np.float32(numbers))

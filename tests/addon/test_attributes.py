@@ -15,6 +15,7 @@ STRIPE_ATTRIBUTES = {
     "synch_phase": ("CORNER", "FLOAT"),
     "synch_index": ("FACE", "INT"),
     "synch_barycentric": ("CORNER", "FLOAT_VECTOR"),
+    "synch_vertex_phase": ("POINT", "FLOAT"),
     "synch_pattern": ("POINT", "FLOAT"),
     "synch_singularity": ("FACE", "FLOAT"),
 }

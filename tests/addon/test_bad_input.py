@@ -107,10 +107,25 @@ CASES = {
     "missing group": (grouped, PHASE | {"vertex_group": "rim"}, "no vertex group 'rim'", "one of its groups (in"),
     "empty group": (grouped, PHASE | {"vertex_group": "nobody"}, "vertex group 'nobody' is empty", "assign vertices"),
     "group inside": (grouped, PHASE | {"vertex_group": "inside"}, "vertex group holds no boundary edge", "add both"),
-    "missing attribute": (combed, {"attribute": "wool"}, "no attribute 'wool'", "choose a vector attribute (it has "),
-    "attribute on faces": (combed, {"attribute": "on faces"}, "FLOAT_VECTOR on FACE", "must be a vector on points"),
-    "scalar attribute": (combed, {"attribute": "scalar"}, "FLOAT on POINT", "must be a vector on points"),
-    "upright attribute": (combed, {"attribute": "upwards"}, "guidance vector of vertex 0", "tangential direction"),
+    "missing attribute": (
+        combed,
+        {"guidance": "attribute:wool"},
+        "no attribute 'wool'",
+        "choose a vector attribute (it has ",
+    ),
+    "attribute on faces": (
+        combed,
+        {"guidance": "attribute:on faces"},
+        "FLOAT_VECTOR on FACE",
+        "must be a vector on points",
+    ),
+    "scalar attribute": (combed, {"guidance": "attribute:scalar"}, "FLOAT on POINT", "must be a vector on points"),
+    "upright attribute": (
+        combed,
+        {"guidance": "attribute:upwards"},
+        "guidance vector of vertex 0",
+        "tangential direction",
+    ),
     "cross stripes": (sphere, {"symmetry": "cross"}, "stripes need a vector or line field", "set the symmetry"),
 }
 
@@ -125,8 +140,6 @@ def test_operator_is_cancelled_with_one_line(case):
     obj, settings, element, remedy = case
     before = snapshot()
     values = {k: v.upper() if k in ("boundary", "symmetry") else v for k, v in settings.items()}
-    if "attribute" in values:
-        values["guidance"] = "ATTRIBUTE"
     with pytest.raises(RuntimeError) as refused:
         bpy.ops.synch.stripes(**values)
     message = str(refused.value).strip().removeprefix("Error: ")
@@ -148,10 +161,7 @@ def test_command_line_fails_with_one_line_and_says_so_in_the_report(case, tmp_pa
     _, settings, element, remedy = case
     source = tmp_path / "bad.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(source))
-    flags = []
-    for key, value in settings.items():
-        flag, text = ("guidance", f"attribute:{value}") if key == "attribute" else (key.replace("_", "-"), value)
-        flags.append(f"--{flag}={text}")
+    flags = [f"--{key.replace('_', '-')}={value}" for key, value in settings.items()]
     outputs = [tmp_path / name for name in ("out.blend", "out.png", "out.json")]
     capfd.readouterr()
     status = cli.main(

@@ -45,7 +45,7 @@ def test_cancelled_job_stops_soon_and_changes_nothing():
 def test_error_in_the_thread_reaches_the_window():
     obj = sphere()
     set_vectors(obj, "outwards", attribute(obj, "position"))
-    work = started(obj, guidance="attribute", attribute="outwards")
+    work = started(obj, guidance="attribute:outwards")
     work.wait()
     assert isinstance(work.error, SynchError) and "straight out of the surface" in str(work.error)
 

@@ -49,7 +49,7 @@ def test_flat_stripes_have_exactly_the_spacing_in_scene_units(transform, symmetr
     obj.scale, obj.rotation_euler = TRANSFORMS[transform]
     set_vectors(obj, "wish", np.tile((2.0, 1.0, 0.0), (len(obj.data.vertices), 1)))
     spacing = 0.7
-    bpy.ops.synch.stripes(symmetry=symmetry, guidance="ATTRIBUTE", attribute="wish", spacing=spacing)
+    bpy.ops.synch.stripes(symmetry=symmetry, guidance="attribute:wish", spacing=spacing)
     gradients, directions, _ = world_gradients(obj)
     assert len(gradients) == len(obj.data.loop_triangles)
     np.testing.assert_allclose(np.linalg.norm(gradients, axis=1), 2 * np.pi / spacing, rtol=1e-3)
@@ -82,7 +82,7 @@ def test_parent_scale_counts():
     obj = grid()
     obj.parent = parent
     set_vectors(obj, "wish", np.tile((1.0, 0.0, 0.0), (len(obj.data.vertices), 1)))
-    bpy.ops.synch.stripes(guidance="ATTRIBUTE", attribute="wish", spacing=2.0)
+    bpy.ops.synch.stripes(guidance="attribute:wish", spacing=2.0)
     gradients, _, _ = world_gradients(obj)
     np.testing.assert_allclose(np.linalg.norm(gradients, axis=1), np.pi, rtol=1e-3)
 

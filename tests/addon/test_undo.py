@@ -131,7 +131,7 @@ def test_progress_runs_to_the_end_of_the_work():
         {"symmetry": "cross"},
         {"symmetry": "hexagonal"},
         {"guidance": "attribute"},
-        {"guidance": "attribute", "attribute": "absent"},
+        {"guidance": "attribute:absent"},
         {"boundary": "phase"},
         {"target_gap": 0.0},
         {"time_limit": -1.0},

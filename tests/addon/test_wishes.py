@@ -24,10 +24,10 @@ def angles_to_axis(obj):
 @pytest.mark.parametrize(
     "guidance, angle, expected",
     [
-        ("CURVATURE_MAX", 0, 90),
-        ("CURVATURE_MIN", 0, 0),
-        ("CURVATURE_MIN", 30, 30),
-        ("CURVATURE_MAX", -20, 70),
+        ("curvature-max", 0, 90),
+        ("curvature-min", 0, 0),
+        ("curvature-min", 30, 30),
+        ("curvature-max", -20, 70),
     ],
 )
 @pytest.mark.parametrize("operator", ["directions", "stripes"])
@@ -41,7 +41,7 @@ def test_directions_on_a_tube_follow_its_curvature(guidance, angle, expected, op
 def test_attribute_is_followed_and_turned_counterclockwise(degrees):
     obj = grid()
     set_vectors(obj, "combed", np.tile((1.0, 0.0, 5.0), (len(obj.data.vertices), 1)))  # not tangential
-    bpy.ops.synch.directions(guidance="ATTRIBUTE", attribute="combed", symmetry="VECTOR", angle=np.radians(degrees))
+    bpy.ops.synch.directions(guidance="attribute:combed", symmetry="VECTOR", angle=np.radians(degrees))
     turned = np.radians(degrees)
     np.testing.assert_allclose(
         directions(obj), np.tile((np.cos(turned), np.sin(turned), 0), (len(obj.data.vertices), 1)), atol=1e-5
@@ -52,7 +52,7 @@ def test_result_of_directions_can_guide_stripes():
     obj = sphere()
     bpy.ops.synch.directions(symmetry="LINE", seed=3)
     before = directions(obj)
-    bpy.ops.synch.stripes(guidance="ATTRIBUTE", attribute="synch_direction", spacing=0.5)
+    bpy.ops.synch.stripes(guidance="attribute:synch_direction", spacing=0.5)
     np.testing.assert_allclose(np.abs(np.einsum("ij,ij->i", directions(obj), before)), 1, atol=1e-4)
 
 
@@ -73,7 +73,7 @@ def test_vertex_group_restricts_the_boundary():
     add_group(obj, "lower", LOWER)
     bpy.ops.synch.directions(boundary="ACROSS", vertex_group="lower", angle=np.radians(40))
     np.testing.assert_allclose(angles_to_axis(obj)[LOWER], 40, atol=1.0)
-    bpy.ops.synch.directions(boundary="ALONG", vertex_group="lower", guidance="CURVATURE_MIN")
+    bpy.ops.synch.directions(boundary="ALONG", vertex_group="lower", guidance="curvature-min")
     angles = angles_to_axis(obj)
     np.testing.assert_allclose(angles[LOWER], 90, atol=1.0)
     assert (angles[UPPER] < 45).all()

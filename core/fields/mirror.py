@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mirror symmetry: what a node has to be when its mirror image is known, as links between nodes.
+
+A reflection turns tangent planes over: a direction at angle a comes to c - a at the mirrored vertex. A vertex on the
+mirror plane is linked to itself; its phase is then one of two, which a strong edge to itself asks for.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from ..connection import Connection, circle_transports
+from ..errors import ContradictionError
+from ..problem import as_matrices
+from .groups import TOLERANCE, Links, joined_links
+
+# Strength of a node's edge to itself, in sums of the weights of its other edges.
+STRENGTH = 4.0
+
+
+@dataclass(frozen=True)
+class Mirror:
+    """A reflection of a mesh onto itself.
+
+    Attributes
+    ----------
+    partner : (n,) vertex that mirrors each one
+    turns : (n,) a direction at angle a at a vertex is at turns - a at its partner
+    name : for messages
+    """
+
+    partner: np.ndarray
+    turns: np.ndarray
+    name: str
+
+    @classmethod
+    def of(cls, mesh, partner, axis):
+        """The reflection that turns the sign of coordinate ``axis`` (0, 1, 2), from the mirrored vertices."""
+        x, y = mesh.tangent_frames
+        image = x.copy()
+        image[:, axis] *= -1
+        turns = np.einsum("ij,ij->i", image, x[partner]) + 1j * np.einsum("ij,ij->i", image, y[partner])
+        # Diagonals of faces need not be mirrored, so that tangent planes may lean a little.
+        return cls(partner, np.angle(turns + turns[partner]), f"the mirror in {'XYZ'[axis]}")
+
+    def direction_links(self, symmetry):
+        """:class:`Links` between the powers of a direction field."""
+        return self._links(symmetry * self.turns, np.ones(len(self.partner), bool))
+
+    def phase_links(self, growth):
+        """Links between phases that grow in directions of (n,) angles, which come out mirrored or reversed."""
+        reversed_ = np.cos(self.turns - growth - growth[self.partner]) < 0
+        return self._links(np.zeros(len(self.partner)), reversed_)
+
+    def _links(self, angles, flips):
+        nodes = np.flatnonzero(np.arange(len(self.partner)) <= self.partner)
+        return Links(nodes, self.partner[nodes], angles[nodes], flips[nodes], np.full(len(nodes), self.name, object))
+
+
+def split_links(count, parts):
+    """Links of several mirrors between two of ``count`` nodes, and those of a node to itself that leave it two phases.
+
+    Where two mirrors lead from one node to another on two ways, one is kept: they agree only as well as the
+    tangent planes are mirrored, in which diagonals of faces play a part.
+    """
+    between, loops = joined_links([]), []
+    for links in parts:
+        alone = links.i == links.j
+        loops.append(_chosen(links, alone & links.flips))
+        graph = coo_matrix((np.ones(len(between.i)), (between.i, between.j)), shape=(count, count))
+        labels = connected_components(graph, directed=False)[1]
+        pairs = np.sort(np.column_stack([labels[links.i], labels[links.j]]), axis=1)
+        first = np.zeros(len(pairs), bool)
+        first[np.unique(pairs, axis=0, return_index=True)[1]] = True
+        between = joined_links([between, _chosen(links, first & (pairs[:, 0] != pairs[:, 1]))])
+    return between, joined_links(loops)
+
+
+def _chosen(links, mask):
+    return Links(*(getattr(links, name)[mask] for name in Links.__dataclass_fields__))
+
+
+def with_loops(connection, loops):
+    """The connection with a strong edge to itself for every node that has only two phases."""
+    if len(loops.i) == 0:
+        return connection
+    sums = np.bincount(connection.edges.ravel(), np.repeat(connection.weights, 2), connection.node_count)
+    return Connection(
+        connection.node_count,
+        np.concatenate([connection.edges, np.column_stack([loops.i, loops.j])]),
+        np.concatenate([connection.weights, STRENGTH * sums[loops.i]]),
+        np.concatenate([as_matrices(connection.transports), circle_transports(loops.angles, loops.flips)]),
+    )
+
+
+def refuse_off_mirror(fixed, loops):
+    """Refuse fixed phases (Targets or None) that are not their own mirror image."""
+    if fixed is None:
+        return
+    nodes, place, loop = np.intersect1d(fixed.nodes, loops.i, return_indices=True)
+    image = np.exp(1j * loops.angles[loop]) * fixed.values[place].conj()
+    apart = np.abs(image - fixed.values[place]) > TOLERANCE
+    if apart.any():
+        raise ContradictionError(
+            f"{loops.names[loop][apart][0]} and what is fixed at {{vertices}} contradict each other: "
+            "change one of them",
+            nodes[apart],
+        )
+
+
+def snapped(problem, solution, loops):
+    """The solution with the nodes on the mirror plane at the nearer of their two phases."""
+    if len(loops.i) == 0:
+        return solution
+    middle = np.exp(0.5j * loops.angles)
+    phases = solution.phases.copy()
+    phases[loops.i] = np.where((phases[loops.i] * middle.conj()).real < 0, -middle, middle)
+    return replace(solution, phases=phases, energy=problem.energy(phases))
