@@ -64,6 +64,8 @@ pictures: demo
 	cp out/demo.png docs/suzanne.png
 	$(python) -m synch_fields stripes $(MESHES)/spot.obj --view 205 12 --render docs/spot.png
 	$(python) -m synch_fields stripes $(MESHES)/stanford-bunny.obj --view -20 12 --render docs/bunny.png
+	$(python) bench/figures.py $(MESHES) --folder docs
+	$(python) bench/gallery.py $(MESHES) --folder docs
 
 environment: $(environment)
 

@@ -49,7 +49,7 @@ def planar(path):
     bpy.ops.wm.read_homefile(use_empty=True)
     obj = add_domain()
     field = api.directions(obj, boundary="along")
-    view = dict(view=(0, 90), resolution=(700, 600), markers=False)
+    view = dict(view=(0, 90), resolution=(560, 440), markers=False)
     runs = (("spectral", dict(method="spectral")), ("SDP", {}), ("SDP, stripe on the boundary", dict(boundary="phase")))
     with tempfile.TemporaryDirectory() as folder:
         pictures = [render_picture(add_glyphs(obj), Path(folder) / "field.png", **view)]
@@ -82,7 +82,9 @@ def bunny(meshes, path):
             report = api.stripes(obj, guidance="attribute:synch_direction", method=method, assign_material=True)
             rows.append(row(f"bunny: {name}", report))
             picture = Path(folder) / f"{name}.png"
-            pictures.append(render_picture(obj, picture, view=(-20, 12), resolution=(900, 800), markers=False))
+            pictures.append(
+                render_picture(obj, picture, view=(-20, 12), resolution=(900, 800), samples=16, markers=False)
+            )
         beside(pictures, path)
     return rows
 
@@ -170,15 +172,17 @@ def write_directions(obj, values):
     obj.data.attributes.new("synch_direction", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", values)
 
 
-def beside(pictures, path):
-    """One picture of several of the same size, from left to right."""
+def beside(pictures, path, vertical=False):
+    """One picture of several of the same size, from left to right or from top to bottom."""
     loaded = [bpy.data.images.load(str(picture)) for picture in pictures]
     width, height = loaded[0].size
     pixels = [np.array(image.pixels).reshape(height, width, 4) for image in loaded]
-    whole = bpy.data.images.new("whole", width * len(pictures), height)
-    whole.pixels = np.concatenate(pixels, axis=1).ravel()
-    whole.filepath_raw, whole.file_format = str(path.absolute()), "PNG"
-    whole.save()
+    # Rows of pixels go from below upwards.
+    whole = np.concatenate(pixels[::-1], axis=0) if vertical else np.concatenate(pixels, axis=1)
+    image = bpy.data.images.new("whole", whole.shape[1], whole.shape[0])
+    image.pixels = whole.ravel()
+    image.filepath_raw, image.file_format = str(path.absolute()), "PNG"
+    image.save()
 
 
 if __name__ == "__main__":

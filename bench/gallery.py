@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What rows of the constraint list do on real meshes: a sheet of pictures, and a table of energies.
+
+    python bench/gallery.py MESHES --folder docs
+
+MESHES holds spot.obj, fandisk.obj, rocker-arm.obj and inspired_mesh.obj. Needs Blender as a module (bpy).
+"""
+
+import argparse
+import tempfile
+from pathlib import Path
+
+import bpy
+import numpy as np
+from figures import COLUMNS, beside, row
+from tables import print_table
+
+from synch_fields.synch_addon import api, files
+from synch_fields.synch_addon.render import render_picture
+
+# Where they are seen from.
+SPOT, BEHIND = (205, 12), (150, 18)
+
+
+def main():
+    """Make the sheet and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("meshes", type=Path, help="folder with the meshes")
+    parser.add_argument("--folder", type=Path, default=Path("docs"), help="where the sheet goes (%(default)s)")
+    options = parser.parse_args()
+    rows, sheets = [], []
+    with tempfile.TemporaryDirectory() as folder:
+        for number in range(0, len(CASES), 4):
+            pictures = []
+            for label, mesh, view, prepare, settings in CASES[number : number + 4]:
+                bpy.ops.wm.read_homefile(use_empty=True)
+                files.open_input(str(options.meshes / f"{mesh}.obj"))
+                obj = files.choose_object(None)
+                prepare(obj)
+                report = api.stripes(obj, assign_material=True, **settings)
+                rows.append(row(label, report))
+                picture = Path(folder) / f"{len(rows)}.png"
+                look = dict(view=view, resolution=(480, 420), samples=16, markers=False)
+                pictures.append(render_picture(obj, picture, **look))
+            sheets.append(Path(folder) / f"sheet{number}.png")
+            beside(pictures, sheets[-1])
+        beside(sheets, options.folder / "constraints.png", vertical=True)
+    print_table("Constraints", COLUMNS, rows)
+
+
+def positions(obj):
+    """(n, 3) places of the vertices in the object's space."""
+    places = np.empty((len(obj.data.vertices), 3), np.float32)
+    obj.data.vertices.foreach_get("co", places.ravel())
+    return places
+
+
+def mark_between(axis, place):
+    """Mark as seams the edges between faces on both sides of a plane, in object space."""
+
+    def prepare(obj):
+        centres = np.empty((len(obj.data.polygons), 3), np.float32)
+        obj.data.polygons.foreach_get("center", centres.ravel())
+        sides = {}
+        for polygon, above in zip(obj.data.polygons, centres[:, axis] > place, strict=True):
+            for key in polygon.edge_keys:
+                sides.setdefault(key, set()).add(bool(above))
+        for edge in obj.data.edges:
+            edge.use_seam = len(sides[edge.key]) == 2
+
+    return prepare
+
+
+def mark_sharp(obj, degrees=35):
+    """Mark sharp edges by their angle."""
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    bpy.ops.mesh.select_mode(type="EDGE")
+    bpy.ops.mesh.edges_select_sharp(sharpness=np.radians(degrees))
+    bpy.ops.mesh.mark_sharp()
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def group_ring(axis, low, high):
+    """A vertex group "ring" of the vertices between two planes of object space."""
+
+    def prepare(obj):
+        along = positions(obj)[:, axis]
+        chosen = np.flatnonzero((along > low) & (along < high))
+        obj.vertex_groups.new(name="ring").add(chosen.tolist(), 1.0, "REPLACE")
+
+    return prepare
+
+
+def add_ring(obj, centre, radius, tilt):
+    """A circle of the name "Ring", which cuts through the object."""
+    bpy.ops.curve.primitive_bezier_circle_add(radius=radius, location=centre, rotation=tilt)
+    bpy.context.object.name = "Ring"
+    bpy.context.view_layer.objects.active = obj
+
+
+def ring_around_spot(obj):
+    add_ring(obj, (0.0, -0.1, 0.15), 0.75, (0.0, np.radians(0), 0.0))
+
+
+def nothing(_obj):
+    """As it was read."""
+
+
+def vectors_around(obj):
+    """A vector attribute that goes around the object's vertical axis, on its upper half."""
+    places = positions(obj)
+    around = np.cross([0, 1, 0], places)
+    around[places[:, 1] < np.median(places[:, 1])] = 0
+    obj.data.attributes.new("around", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", around.ravel())
+
+
+def held(where, what, **more):
+    """Settings with one constraint."""
+    return {"constraints": [{"where": where, "what": what} | more]}
+
+
+# Label, mesh, view, how the object is prepared, and settings of the stripes.
+CASES = (
+    ("seam cut", "spot", SPOT, mark_between(1, 0.1), held("seams", "cut")),
+    ("seam, phase constant", "spot", SPOT, mark_between(1, 0.1), held("seams", "constant")),
+    ("curve, stripe on it", "spot", SPOT, ring_around_spot, held("curve", "phase", name="Ring")),
+    ("curve at 45 degrees", "spot", SPOT, ring_around_spot, held("curve", "angle", name="Ring", degrees=45)),
+    ("sharp edges along", "fandisk", BEHIND, mark_sharp, held("sharp", "along")),
+    (
+        "group across, soft",
+        "rocker-arm",
+        BEHIND,
+        group_ring(0, -0.05, 0.05),
+        held("group", "across", name="ring", weight=20),
+    ),
+    ("boundary, stripe on it", "inspired_mesh", BEHIND, nothing, {"boundary": "phase"}),
+    ("attribute along", "spot", SPOT, vectors_around, held("attribute", "along", name="around")),
+)
+
+
+if __name__ == "__main__":
+    main()
