@@ -49,6 +49,10 @@ class AsymmetryError(MeshError):
             f"symmetrize it (Mesh > Symmetrize), or switch the mirror off"
         )
 
+    def renumbered(self, numbers):
+        """The same error where each vertex has another number, (n,) ``numbers``."""
+        return AsymmetryError(self.axis, numbers[self.vertices])
+
 
 class Cancelled(SynchError):
     """The user stopped the computation; nothing may be written."""

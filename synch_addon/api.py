@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 import bpy
 import numpy as np
 
-from ..core.errors import ContradictionError, SettingError, SynchError
+from ..core.errors import AsymmetryError, ContradictionError, SettingError, SynchError
 from ..core.fields import DirectionWishes, Row, direction_field, given_directions, stripe_pattern
 from ..core.fields.directions import SYMMETRIES
 from ..core.fields.mirror import Mirror
 from ..core.fields.stripes import check_spacing, coarse_edge_share, forced_dislocations
-from ..core.geometry.mirror import carried_to_cut, mirrored_vertices
+from ..core.geometry.mirror import mirrored_vertices
 from . import constraints, field_io, scene_io, write
 from .constraint_list import stored_constraints
 from .guidance import PendingGuide, read_guides
@@ -220,12 +220,11 @@ def gather(obj, settings):
 
 def read_mirrors(given, axes):
     """Mirrors in the object's axes, as letters, through its origin."""
-    mirrors = []
-    for axis in sorted("XYZ".index(letter) for letter in set(axes)):
-        whole = given.polygons.with_vertices(given.source[given.polygons.corner_vertices])
-        partner = mirrored_vertices(given.uncut, whole, axis)
-        mirrors.append(Mirror.of(given.mesh, carried_to_cut(partner, whole, given.polygons, axis), axis))
-    return tuple(mirrors)
+    numbers = sorted("XYZ".index(letter) for letter in set(axes))
+    try:
+        return tuple(Mirror.of(given.mesh, mirrored_vertices(given.mesh, given.polygons, n), n) for n in numbers)
+    except AsymmetryError as error:
+        raise error.renumbered(given.source) from None
 
 
 def solve_directions(task, callback):

@@ -120,7 +120,10 @@ def _line(obj, given, constraint):
         return line_of_strokes(given.mesh, read_strokes(obj, constraint.name, given))
     group = scene_io.read_group(obj, constraint.name) if constraint.name else None
     if constraint.where == "boundary":
-        line = boundary_line(given.uncut, group)
+        try:
+            line = boundary_line(given.uncut, group)
+        except SettingError as error:
+            raise SettingError(f"{constraint.label}: {error}, or remove the row") from None
         edges = given.uncut.edges_between(*line.links.T)
     elif constraint.where == "group":
         return line_of_group(given.mesh, group[given.source])
@@ -151,11 +154,16 @@ def _line_of_attribute(obj, given, constraint):
     wants_phase = constraint.what == "phase"
     lengths = mesh.vertex_masses / np.sqrt(mesh.areas.sum())
     if wants_phase:
-        values = scene_io.read_numbers(obj, constraint.name, given)
+        values = scene_io.read_numbers(obj, constraint.name, given, outside=np.nan)
         nodes = np.flatnonzero(np.isfinite(values))
+    else:
+        vectors = scene_io.read_vectors(obj, constraint.name, given)
+        x, y = mesh.tangent_frames
+        tangent = np.einsum("ij,ij->i", vectors, x) + 1j * np.einsum("ij,ij->i", vectors, y)
+        nodes = np.flatnonzero(np.abs(tangent) > 1e-6 * np.linalg.norm(vectors, axis=1))
+    if len(nodes) == 0:
+        kind = "number" if wants_phase else "tangential vector"
+        raise SettingError(f"{constraint.label} holds nowhere: give one vertex at least a {kind}, or remove the row")
+    if wants_phase:
         return line_of_points(mesh, nodes, lengths[nodes]), values[nodes]
-    vectors = scene_io.read_vectors(obj, constraint.name, given)
-    x, y = mesh.tangent_frames
-    tangent = np.einsum("ij,ij->i", vectors, x) + 1j * np.einsum("ij,ij->i", vectors, y)
-    nodes = np.flatnonzero(np.abs(tangent) > 1e-6 * np.linalg.norm(vectors, axis=1))
     return line_of_points(mesh, nodes, lengths[nodes], np.angle(tangent[nodes])), None

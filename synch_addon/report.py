@@ -61,9 +61,22 @@ class Report:
                 f"directions that an attribute gives are taken as they are, without {', '.join(unheard)}: "
                 f"give it a strength (attribute:{self.settings.exact_attribute}=1) where rows should turn them"
             )
+        given = [row.label for row in rows if row.what == "phase" and row.where == "attribute"]
+        if given and self.settings.symmetry == "line" and not self.settings.exact_attribute:
+            self.warn(
+                f"phases of {', '.join(given)} are meant for the directions that they were written with: "
+                "guide by attribute:synch_direction without a strength"
+            )
         striped = [row.label for row in rows if row.what in ("phase", "constant") and row.where != "attribute"]
         if np.any(task.turn) and striped:
             self.warn(f"the angle turns directions away from lines with a stripe ({', '.join(striped)}): set it to 0")
+        if self.settings.exact_attribute and self.settings.mirror:
+            self.warn(
+                "directions that an attribute gives are taken as they are, without the mirror: "
+                f"give it a strength (attribute:{self.settings.exact_attribute}=1) where they should be mirrored"
+            )
+        if np.any(task.turn) and self.settings.mirror:
+            self.warn("the angle turns directions the same way on both sides of the mirror: set it to 0")
         users = obj.data.users - obj.data.use_fake_user
         if users > 1:
             self.warn(f"the mesh {obj.data.name} is shared by {users} users, which all get the pattern")

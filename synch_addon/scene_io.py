@@ -136,10 +136,13 @@ def read_vectors(obj, name, given):
     return _read(_point_attribute(obj, name, "FLOAT_VECTOR", "vector")).astype(float)[given.source] @ given.stretch.T
 
 
-def read_numbers(obj, name, given):
-    """(n,) numbers of a POINT attribute, or weights of a vertex group; errors as :func:`read_vectors`."""
+def read_numbers(obj, name, given, outside=0.0):
+    """(n,) numbers of a POINT attribute, or weights of a vertex group, ``outside`` it another number.
+
+    Errors as :func:`read_vectors`.
+    """
     if is_group(obj, name):
-        return read_weights(obj, name)[given.source]
+        return read_weights(obj, name, outside)[given.source]
     return _read(_point_attribute(obj, name, "FLOAT", "float")).astype(float)[given.source]
 
 
@@ -201,13 +204,13 @@ def read_group(obj, name):
     return members
 
 
-def read_weights(obj, name):
-    """(n,) weights of a vertex group, 0 for vertices outside."""
+def read_weights(obj, name, outside=0.0):
+    """(n,) weights of a vertex group, another number for vertices outside."""
     group = obj.vertex_groups.get(name)
     if group is None:
         names = ", ".join(g.name for g in obj.vertex_groups) or "none yet"
         raise SettingError(f"{obj.name} has no vertex group {name!r}: choose one of its groups ({names})")
-    weights = np.zeros(len(obj.data.vertices))
+    weights = np.full(len(obj.data.vertices), outside)
     for vertex in obj.data.vertices:
         for member in vertex.groups:
             if member.group == group.index:

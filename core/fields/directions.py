@@ -17,7 +17,7 @@ from ..problem import SynchronizationProblem, Targets, joined_targets
 from ..solve import Solution, solve
 from .groups import contracted
 from .guidance import Guide, blended
-from .mirror import Mirror, refuse_off_mirror, snapped, split_links, with_loops
+from .mirror import LEAN, Mirror, on_mirror, snapped, split_links, with_loops
 from .rows import Row, direction_targets
 
 SYMMETRIES = {"vector": 1, "line": 2, "cross": 4}
@@ -81,8 +81,7 @@ def direction_problem(mesh, symmetry, wishes=None):
     connection = Connection(mesh.vertex_count, mesh.edges, mesh.weights, circle_transports(levi_civita(mesh, symmetry)))
     fixed, drawn = direction_targets(mesh, symmetry, wishes.rows)
     links, loops = split_links(mesh.vertex_count, [mirror.direction_links(symmetry) for mirror in wishes.mirrors])
-    fixed, merged = contracted(mesh.vertex_count, links, fixed)
-    refuse_off_mirror(fixed, loops)
+    fixed, merged = contracted(mesh.vertex_count, links, on_mirror(fixed, loops, LEAN * symmetry), LEAN * symmetry)
     if wishes.guides:
         values, weights = blended([g for g, _ in wishes.guides], [strength for _, strength in wishes.guides], symmetry)
         weights[fixed.nodes if fixed is not None else []] = 0

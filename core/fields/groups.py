@@ -33,7 +33,7 @@ def joined_links(parts):
     return Links(*(np.concatenate([getattr(part, name) for part in (none, *parts)]) for name in names))
 
 
-def contracted(count, links, fixed):
+def contracted(count, links, fixed, slack=TOLERANCE):
     """Groups that links join: those with a fixed node become fixed, the others merge into their first node.
 
     Parameters
@@ -41,6 +41,7 @@ def contracted(count, links, fixed):
     count : number of nodes
     links : Links
     fixed : Targets or None
+    slack : how far unit values may differ that links join or bring back; joined ones are averaged
 
     Returns
     -------
@@ -57,7 +58,7 @@ def contracted(count, links, fixed):
     members = np.unique([links.i, links.j])
     lead, angles, flips = _from_leads(count, links)
     closing = links.angles + np.where(links.flips, -angles[links.i], angles[links.i]) - angles[links.j]
-    torn = np.abs(np.exp(1j * closing) - 1) > TOLERANCE
+    torn = np.abs(np.exp(1j * closing) - 1) > slack
     torn |= flips[links.i] ^ links.flips ^ flips[links.j]
     if torn.any():
         raise ContradictionError(
@@ -71,7 +72,7 @@ def contracted(count, links, fixed):
         known = fixed.nodes[inside]
         at_lead = np.exp(-1j * angles[known]) * fixed.values[inside]
         at_lead = np.where(flips[known], at_lead.conj(), at_lead)
-        leading = _agreed_leads(links, lead, known, at_lead)
+        leading = _agreed_leads(links, lead, known, at_lead, slack)
         reached = members[np.isin(lead[members], leading.nodes)]
         value = leading.values[np.searchsorted(leading.nodes, lead[reached])]
         value = np.exp(1j * angles[reached]) * np.where(flips[reached], value.conj(), value)
@@ -83,17 +84,18 @@ def contracted(count, links, fixed):
     return fixed, merged
 
 
-def _agreed_leads(links, lead, known, at_lead):
-    """One target a lead, from the phases there that nodes of known phase ask for; refuses different ones."""
+def _agreed_leads(links, lead, known, at_lead, slack):
+    """One target a lead, from the values there that nodes of known value ask for; refuses different ones."""
     leads, first, place = np.unique(lead[known], return_index=True, return_inverse=True)
-    apart = np.abs(at_lead - at_lead[first][place]) > TOLERANCE
+    apart = np.abs(at_lead - at_lead[first][place]) > slack
     if apart.any():
         name = links.names[lead[links.j] == lead[known[apart][0]]][0]
         raise ContradictionError(
-            f"{name} joins {{vertices}}, which are fixed to different phases: remove one of them",
+            f"{name} joins {{vertices}}, for which different values are asked: make them agree, or ask for one only",
             np.append(known[apart], known[first[place[apart]]]),
         )
-    return Targets(leads, at_lead[first])
+    sums = np.bincount(place, at_lead.real) + 1j * np.bincount(place, at_lead.imag)
+    return Targets(leads, sums / np.abs(sums))
 
 
 def _from_leads(count, links):

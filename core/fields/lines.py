@@ -41,6 +41,18 @@ class Line:
         """(k,) the vertices, each once."""
         return np.unique(self.vertices)
 
+    @property
+    def directed(self):
+        """The stations that have a direction; links as they are."""
+        keep = np.isfinite(self.angles)
+        return replace(
+            self,
+            vertices=self.vertices[keep],
+            angles=self.angles[keep],
+            offsets=self.offsets[keep],
+            lengths=self.lengths[keep],
+        )
+
     def means(self, values):
         """(k,) means of real or complex station values at :attr:`nodes`."""
         _, place = np.unique(self.vertices, return_inverse=True)
@@ -163,28 +175,30 @@ def line_of_strokes(mesh, strokes):
     mesh : TriangleMesh
     strokes : pairs of (p,) triangles and (p, 3) points in them, sampled more densely than the mesh
     """
-    return joined([_line_of_stroke(mesh, np.asarray(faces), np.asarray(points, float)) for faces, points in strokes])
+    frames, turns = face_frames(mesh), corner_turns(mesh)
+    samples = [(np.asarray(faces), np.asarray(points, float)) for faces, points in strokes]
+    return joined([_line_of_stroke(mesh, faces, points, frames, turns[faces]) for faces, points in samples])
 
 
-def _line_of_stroke(mesh, faces, points):
+def _line_of_stroke(mesh, faces, points, frames, turns):
     if len(points) < 2:
         raise SettingError("a stroke has a single point: give it two at least")
     tangents = np.gradient(points, axis=0)
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     lengths = 0.5 * (np.append(steps, 0) + np.insert(steps, 0, 0))
-    x, y = (axis[faces] for axis in face_frames(mesh))
+    x, y = (axis[faces] for axis in frames)
     heading = np.einsum("ij,ij->i", tangents, x) + 1j * np.einsum("ij,ij->i", tangents, y)
     corners = mesh.triangles[faces]
     away = mesh.vertices[corners] - points[:, None]
     places = np.einsum("pkj,pj->pk", away, x) + 1j * np.einsum("pkj,pj->pk", away, y)
     heading = heading / np.where(heading == 0, 1, np.abs(heading))
     offsets = (places * heading.conj()[:, None]).imag
-    angles = np.angle(heading)[:, None] + corner_turns(mesh)[faces]
+    angles = np.angle(heading)[:, None] + turns
     vertices = corners.ravel()
     order = np.lexsort((np.abs(places).ravel(), vertices))
     nodes, first = np.unique(vertices[order], return_index=True)
     nearest = order[first]
-    shares = np.bincount(vertices, np.repeat(lengths / 3, 3), mesh.vertex_count)[nodes]
+    shares = np.bincount(np.searchsorted(nodes, vertices), np.repeat(lengths / 3, 3))
     links = mesh.edges[np.unique(mesh.triangle_edges[faces])]
     return Line(nodes, angles.ravel()[nearest], offsets.ravel()[nearest], shares, links)
 

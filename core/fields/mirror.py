@@ -14,8 +14,10 @@ from scipy.sparse.csgraph import connected_components
 from ..connection import Connection, circle_transports
 from ..errors import ContradictionError
 from ..problem import as_matrices
-from .groups import TOLERANCE, Links, joined_links
+from .groups import Links, joined_links
 
+# How far, in radians of direction, mirrored wishes may differ: tangent planes lean, strokes are sampled.
+LEAN = 0.1
 # Strength of a node's edge to itself, in sums of the weights of its other edges.
 STRENGTH = 4.0
 
@@ -95,19 +97,26 @@ def with_loops(connection, loops):
     )
 
 
-def refuse_off_mirror(fixed, loops):
-    """Refuse fixed phases (Targets or None) that are not their own mirror image."""
+def on_mirror(fixed, loops, slack):
+    """Fixed values (Targets or None), those on a mirror plane moved to their own mirror image.
+
+    Refuses what differs from that by more than the slack.
+    """
     if fixed is None:
-        return
+        return None
     nodes, place, loop = np.intersect1d(fixed.nodes, loops.i, return_indices=True)
-    image = np.exp(1j * loops.angles[loop]) * fixed.values[place].conj()
-    apart = np.abs(image - fixed.values[place]) > TOLERANCE
+    middle = np.exp(0.5j * loops.angles[loop])
+    middle = np.where((fixed.values[place] * middle.conj()).real < 0, -middle, middle)
+    apart = np.abs(fixed.values[place] - middle) > slack
     if apart.any():
         raise ContradictionError(
             f"{loops.names[loop][apart][0]} and what is fixed at {{vertices}} contradict each other: "
             "change one of them",
             nodes[apart],
         )
+    values = fixed.values.copy()
+    values[place] = middle
+    return replace(fixed, values=values)
 
 
 def snapped(problem, solution, loops):
@@ -115,6 +124,6 @@ def snapped(problem, solution, loops):
     if len(loops.i) == 0:
         return solution
     middle = np.exp(0.5j * loops.angles)
-    phases = solution.phases.copy()
-    phases[loops.i] = np.where((phases[loops.i] * middle.conj()).real < 0, -middle, middle)
-    return replace(solution, phases=phases, energy=problem.energy(phases))
+    fields = solution.variations.copy()
+    fields[:, loops.i] = np.where((fields[:, loops.i] * middle.conj()).real < 0, -middle, middle)
+    return replace(solution, phases=fields[0], variations=fields, energy=problem.energy(fields[0]))

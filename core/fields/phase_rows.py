@@ -5,7 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..connection import line_flips
 from ..errors import ContradictionError
+from ..gauge import balance
 from ..problem import Targets
 from .groups import TOLERANCE, Links, contracted, joined_links
 from .rows import penalties
@@ -15,7 +17,8 @@ from .rows import penalties
 class _LinePhases:
     """Phases at a row's nodes from the one on its line: exp(1j * shifts) * (conj where turned)(phase).
 
-    On the line the phase is meant in the sheet in which it grows to the line's left.
+    On the line the phase is meant in the sheet in which it grows to the line's left. Nodes without a direction follow
+    the first of their piece from edge to edge, whose own sheet counts.
     """
 
     nodes: np.ndarray
@@ -24,19 +27,25 @@ class _LinePhases:
 
     @classmethod
     def of(cls, row, field, rates):
-        line = row.line
+        nodes, line = row.line.nodes, row.line.directed
+        shifts, turned = np.zeros(len(nodes)), np.zeros(len(nodes), bool)
+        if field.symmetry == 2:
+            i, j = row.line.links.T
+            flips = line_flips(field.mesh, field.angles)[field.mesh.edges_between(i, j)]
+            turned, _ = balance(len(nodes), np.searchsorted(nodes, row.line.links), flips)
         # The phase grows a quarter turn counterclockwise from the stripe: this is its growth to the left.
         growth = np.cos(field.angles[line.vertices] - line.angles)
-        shifts = line.means(np.where(line.offsets == 0, 0, rates[line.vertices] * line.offsets * growth))
-        turned = (line.means(growth) < 0) & (field.symmetry == 2)
-        return cls(line.nodes, shifts, turned)
+        place = np.searchsorted(nodes, line.nodes)
+        shifts[place] = line.means(rates[line.vertices] * line.offsets * growth)
+        turned[place] = (line.means(growth) < 0) & (field.symmetry == 2)
+        return cls(nodes, shifts, turned)
 
     def values(self, phase):
         """(k,) complex phases for the line's phase in radians."""
         return np.exp(1j * (self.shifts + np.where(self.turned, -phase, phase)))
 
 
-def phase_constraints(mesh, field, rates, rows, links=()):
+def phase_constraints(mesh, field, rates, rows, links=(), slack=TOLERANCE):
     """Fixed, merged and drawn phases of a stripe pattern: (Targets or None, Merged or None, list of Targets).
 
     Parameters
@@ -46,6 +55,7 @@ def phase_constraints(mesh, field, rates, rows, links=()):
     rates : (n,) phase per unit length
     rows : Rows of the kinds "phase" and "constant"
     links : further Links between phases
+    slack : how far values that links join may differ
 
     Raises
     ------
@@ -63,7 +73,7 @@ def phase_constraints(mesh, field, rates, rows, links=()):
             np.concatenate([np.full(len(p.nodes), row.name, object) for row, p in hard]),
         )
     links = joined_links([*links, *(_links(row, p) for row, p in constant)])
-    fixed, merged = contracted(mesh.vertex_count, links, fixed)
+    fixed, merged = contracted(mesh.vertex_count, links, fixed, slack)
     held = np.zeros(mesh.vertex_count, bool)
     held[fixed.nodes if fixed is not None else []] = True
     drawn = []

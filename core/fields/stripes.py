@@ -12,7 +12,8 @@ from ..geometry import TriangleMesh
 from ..interpolate import EdgePhases, dislocation_numbers, face_phases
 from ..problem import SynchronizationProblem, joined_targets
 from ..solve import Solution, solve
-from .mirror import refuse_off_mirror, snapped, split_links, with_loops
+from .groups import TOLERANCE
+from .mirror import LEAN, on_mirror, snapped, split_links, with_loops
 from .phase_rows import phase_constraints
 
 
@@ -65,8 +66,9 @@ def coarse_edge_share(mesh, field, spacing):
 def forced_dislocations(mesh, field, spacing):
     """How many dislocations the field and the spacing force: the circulation of v / hbar, in turns.
 
-    The asked phase changes around a triangle add up to turns that no phase can make; their sizes are summed
-    over all triangles without a disclination.
+    The asked phase changes around a triangle add up to turns that no phase can make; their sizes are summed over all
+    triangles around which a line field keeps its sheet. A pattern that stretches and bends needs fewer, and what the
+    trapezoidal rule is off by in each triangle counts too.
     """
     angles, flips = stripe_transports(mesh, field, spacing)
     asked = EdgePhases(mesh, np.zeros(mesh.vertex_count), np.where(flips, -angles, angles), np.where(flips, -1, 1))
@@ -104,8 +106,9 @@ def stripe_problem(mesh, field, spacing, rows=(), mirrors=()):
     connection = Connection(mesh.vertex_count, mesh.edges, mesh.weights, circle_transports(angles, flips))
     rows = [row for row in rows if row.is_of_phases]
     links, loops = _mirror_links(field, mirrors)
-    fixed, merged, drawn = phase_constraints(mesh, field, stripe_rates(mesh, spacing), rows, [links])
-    refuse_off_mirror(fixed, loops)
+    slack = LEAN if mirrors else TOLERANCE
+    fixed, merged, drawn = phase_constraints(mesh, field, stripe_rates(mesh, spacing), rows, [links], slack)
+    fixed = on_mirror(fixed, loops, slack)
     connection = with_loops(connection, loops)
     return SynchronizationProblem(connection, mesh.vertex_masses, merged, fixed, joined_targets(drawn))
 

@@ -2,6 +2,8 @@
 """Find which vertices mirror which, on a surface that is symmetric about coordinate planes through the origin."""
 
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from ..errors import AsymmetryError
@@ -13,7 +15,8 @@ TOLERANCE = 1e-3
 def mirrored_vertices(mesh, polygons, axis):
     """(n,) the vertex that mirrors each one: coordinate ``axis`` (0, 1, 2) changes its sign.
 
-    Loose vertices mirror themselves.
+    Vertices may share a place, as on a mesh that was cut open: their faces tell them apart. Loose vertices
+    mirror themselves.
 
     Parameters
     ----------
@@ -26,58 +29,49 @@ def mirrored_vertices(mesh, polygons, axis):
     AsymmetryError
         with the vertices that have no counterpart, or whose faces have none
     """
-    sign = np.ones(3)
-    sign[axis] = -1
     used = np.unique(mesh.triangles)
-    distances, place = cKDTree(mesh.vertices[used]).query(mesh.vertices[used] * sign)
-    partner = np.arange(mesh.vertex_count)
-    partner[used] = used[place]
-    near = TOLERANCE * np.median(mesh.edge_lengths)
-    lonely = used[(distances > near) | (partner[partner[used]] != used)]
+    places, image = _mirrored_places(mesh.vertices[used], axis, TOLERANCE * np.median(mesh.edge_lengths))
+    lonely = used[image[places] < 0]
     if len(lonely) == 0:
-        lonely = polygons.corner_vertices[_mirrored_faces(polygons, partner)[polygons.corner_faces] < 0]
+        place_of = np.zeros(mesh.vertex_count, int)
+        place_of[used] = places
+        partner = np.arange(mesh.vertex_count)
+        lonely = _match_by_faces(polygons, place_of, image, partner)
     if len(lonely):
         raise AsymmetryError("XYZ"[axis], lonely)
     return partner
 
 
-def carried_to_cut(partner, polygons, cut_polygons, axis):
-    """The mirrored vertices of a mesh that was cut open, from those of the whole one.
-
-    Parameters
-    ----------
-    partner : from :func:`mirrored_vertices`
-    polygons, cut_polygons : Polygons before and after the cut
-    axis : for messages
-
-    Raises
-    ------
-    AsymmetryError
-        when the cut is not symmetric
-    """
-    faces = _mirrored_faces(polygons, partner)[polygons.corner_faces]
-    before, after = polygons.corner_vertices, cut_polygons.corner_vertices
-    # The corner of the mirrored face at the mirrored vertex.
-    key = polygons.corner_faces * (before.max() + 1) + before
-    order = np.argsort(key)
-    image = order[np.searchsorted(key[order], faces * (before.max() + 1) + partner[before])]
-    carried = np.arange(max(len(partner), after.max() + 1))
-    carried[after] = after[image]
-    apart = (carried[after] != after[image]) | (carried[carried[after]] != after)
-    if apart.any():
-        raise AsymmetryError("XYZ"[axis], before[apart])
-    return carried
+def _mirrored_places(points, axis, near):
+    """(n,) label of each point's place, and the place at the mirror image of each place, -1 where there is none."""
+    tree = cKDTree(points)
+    pairs = tree.query_pairs(near, output_type="ndarray")
+    graph = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(points), len(points)))
+    places = connected_components(graph, directed=False)[1]
+    first = np.unique(places, return_index=True)[1]
+    mirrored = points[first].copy()
+    mirrored[:, axis] *= -1
+    distances, nearest = tree.query(mirrored)
+    image = np.where(distances <= near, places[nearest], -1)
+    image[image[image] != np.arange(len(image))] = -1
+    return places, image
 
 
-def _mirrored_faces(polygons, partner):
-    """(p,) the face whose vertices mirror those of each one, -1 where there is none."""
-    found = np.full(len(polygons.starts), -1)
+def _match_by_faces(polygons, places, image, partner):
+    """Fill ``partner`` from corner to corner of mirrored faces; returns the vertices for which that fails."""
+    lonely = []
     for size in np.unique(polygons.sizes):
-        faces = np.flatnonzero(polygons.sizes == size)
-        vertices = polygons.corner_vertices[polygons.starts[faces, None] + np.arange(size)]
-        both = np.sort(np.concatenate([vertices, partner[vertices]]), axis=1)
-        labels = np.unique(both, axis=0, return_inverse=True)[1].reshape(-1)
+        corners = polygons.starts[polygons.sizes == size, None] + np.arange(size)
+        vertices = polygons.corner_vertices[corners]
+        here, there = np.sort(places[vertices], axis=1), np.sort(image[places[vertices]], axis=1)
+        labels = np.unique(np.concatenate([here, there]), axis=0, return_inverse=True)[1].reshape(-1)
         face_of = np.full(labels.max() + 1, -1)
-        face_of[labels[: len(faces)]] = faces
-        found[faces] = face_of[labels[len(faces) :]]
-    return found
+        face_of[labels[: len(vertices)]] = np.arange(len(vertices))
+        face = face_of[labels[len(vertices) :]]
+        lonely.append(vertices[face < 0].ravel())
+        opposite = vertices[face]
+        corner = (places[opposite][:, None] == image[places[vertices]][:, :, None]).argmax(axis=2)
+        partner[vertices] = np.take_along_axis(opposite, corner, axis=1)
+    corners = polygons.corner_vertices
+    lonely.append(corners[partner[partner[corners]] != corners])
+    return np.concatenate(lonely)

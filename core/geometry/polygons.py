@@ -37,21 +37,12 @@ class Polygons:
         """The same faces over (m, 3) other vertices."""
         corner_vertices = self.corner_vertices.copy()
         corner_vertices[self.triangle_corners] = triangles
-        return self.with_vertices(corner_vertices)
-
-    def with_vertices(self, corner_vertices):
-        """The same faces with (c,) other vertices at their corners."""
         return replace(self, corner_vertices=corner_vertices)
 
     @property
     def triangles(self):
         """(m, 3) vertices of the triangles."""
         return self.corner_vertices[self.triangle_corners]
-
-    @property
-    def corner_faces(self):
-        """(c,) face of each corner."""
-        return np.repeat(np.arange(len(self.starts)), self.sizes)
 
     @cached_property
     def first_triangles(self):

@@ -30,7 +30,7 @@ SMALLEST_EXPLORED = 500
 # Rounds of crossing: fields that are kept and crossed in pairs, crossings that go on, rounds at least and at most, and
 # the relative gain below which they end.
 KEPT, CROSSINGS = 8, 6
-FEWEST_ROUNDS, MOST_ROUNDS = 1, 8
+FEWEST_ROUNDS, MOST_ROUNDS = 1, 3
 GAIN = 1e-3
 # Over which diffusion time local energies are compared, and how sharply the better one is preferred.
 CROSSING_TIME = 4.0
@@ -42,7 +42,7 @@ SHORT_STEPS, LONG_STEPS, FINAL_STEPS = 10, 30, 200
 FINALISTS = 3
 TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-12
 # Numbers that are worked on at once, and columns at least: memory, and how soon a solve can be stopped.
-LARGEST_BATCH, SMALLEST_BATCH = 1_000_000, 4
+LARGEST_BATCH, SMALLEST_BATCH = 1_000_000, 6
 # Metric shift of descents as a share of the energy per mass.
 SHIFT = 1.0
 

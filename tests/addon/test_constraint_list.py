@@ -346,7 +346,7 @@ def test_a_line_of_the_same_phase_that_joins_two_phases_is_named():
     rows[-1]["degrees"] = 90
     with pytest.raises(ContradictionError) as refused:
         api.stripes(obj, spacing=0.4, constraints=rows)
-    message = f"the constraint seams constant joins vertices {on[0]}, {on[-1]}, which are fixed to different phases"
+    message = f"the constraint seams constant joins vertices {on[0]}, {on[-1]}, for which different values are asked"
     assert message in str(refused.value)
     np.testing.assert_array_equal(refused.value.vertices, on[[0, -1]])
 

@@ -57,6 +57,11 @@ def test_the_operator_mirrors():
     np.testing.assert_allclose(pattern[mirrored(obj, 0)], pattern, atol=1e-6)
 
 
+def test_an_angle_beside_a_mirror_is_warned_of():
+    report = api.stripes(grid(), mirror="X", angle=0.3, spacing=0.5)
+    assert any("both sides of the mirror" in line for line in report["warnings"])
+
+
 def test_a_symmetric_cut_is_mirrored():
     obj = bend(grid(12))
     for edge in obj.data.edges:

@@ -12,11 +12,13 @@ from synch_fields.core.fields.lines import line_of_group
 from synch_fields.core.fields.mirror import Mirror
 from synch_fields.core.fields.stripes import stripe_problem
 from synch_fields.core.geometry import TriangleMesh
+from synch_fields.core.geometry.cut import cut_open
 from synch_fields.core.geometry.mirror import mirrored_vertices
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.solve import Options
 
 from .meshes import grid_quads, split_quads, square_points, torus_points
+from .wishes import boundary_row
 
 
 def polygons_of(quads):
@@ -140,6 +142,42 @@ def test_a_slanting_row_across_the_mirror_is_refused():
     row = Row(line_of_edges(mesh, middle), "angle", 0.5)
     with pytest.raises(ContradictionError, match="the mirror in X"):
         direction_field(mesh, 2, DirectionWishes(rows=(row,), mirrors=mirrors))
+
+
+@pytest.mark.parametrize("kind", ["along", "across", "phase", "constant"])
+def test_rows_on_both_sides_of_the_mirror(kind):
+    """Wishes that are symmetric but for what tangent planes lean are averaged, not refused."""
+    mesh, polygons = sheet()
+    mirrors = mirrors_of(mesh, polygons, (0, 1))
+    row = boundary_row(mesh, kind)
+    field = direction_field(mesh, 2, DirectionWishes(rows=(row,), mirrors=mirrors))
+    pattern = stripe_pattern(mesh, field, 0.35, [row] if row.is_of_phases else [], mirrors)
+    cosines = np.cos(np.angle(pattern.solution.phases))
+    for mirror in mirrors:
+        np.testing.assert_allclose(cosines[mirror.partner], cosines, atol=1e-9)
+    if kind == "phase":
+        np.testing.assert_allclose(cosines[mesh.boundary_vertices], 1, atol=1e-9)
+
+
+def test_vertices_that_share_a_place_are_told_apart_by_their_faces():
+    mesh, polygons = sheet()
+    seam = np.flatnonzero((np.abs(mesh.vertices[:, 0]) < 1e-9)[mesh.edges].all(axis=1))
+    cut, source = cut_open(mesh, seam)
+    partner = mirrored_vertices(cut, polygons.with_triangles(cut.triangles), 0)
+    np.testing.assert_array_equal(source[partner], mirrored_vertices(mesh, polygons, 0)[source])
+    assert len(np.unique(partner)) == cut.vertex_count
+    doubled = source[mesh.vertex_count :]
+    assert (partner[doubled] >= mesh.vertex_count).all()  # each side of the seam mirrors the other
+
+
+def test_every_variation_is_symmetric():
+    mesh, polygons = sheet()
+    mirrors = mirrors_of(mesh, polygons, (0,))
+    field = direction_field(mesh, 2, DirectionWishes(mirrors=mirrors))
+    solution = stripe_pattern(mesh, field, 0.2, mirrors=mirrors).solution
+    np.testing.assert_array_equal(solution.variations[0], solution.phases)
+    cosines = np.cos(np.angle(solution.variations))
+    np.testing.assert_allclose(cosines[:, mirrors[0].partner], cosines, atol=1e-9)
 
 
 def test_asymmetric_vertices_are_named():

@@ -189,7 +189,7 @@ def test_a_soft_phase_goes_from_free_to_fixed():
 
     def misfit(weight):
         rows = [Row(chain(mesh, left), "phase"), Row(chain(mesh, right), "phase", 0.0, weight)]
-        pattern = stripe_pattern(mesh, field, SPACING, rows, Options(target_gap=1e-5))
+        pattern = stripe_pattern(mesh, field, SPACING, rows, options=Options(target_gap=1e-5))
         return float((np.abs(pattern.solution.phases - 1)[right] ** 2).mean())
 
     misfits = [misfit(weight) for weight in (0, 0.05, 0.3, 2, 20, 1e4)]
@@ -214,6 +214,38 @@ def test_groups_of_points_edges_and_areas():
     assert np.isnan(line.angles).sum() == area.sum()
     scattered = corner | ((x == 1) & (y == 1))
     assert len(np.unique(line_of_group(mesh, scattered).pieces)) == 2
+
+
+@pytest.mark.parametrize(("kind", "degrees"), [("along", 0), ("across", 90), ("angle", 30)])
+@pytest.mark.parametrize("weight", [None, 1e5])
+def test_directions_hold_on_the_outline_of_an_area(kind, degrees, weight):
+    mesh = square(8)
+    row = Row(line_of_group(mesh, mesh.vertices[:, 1] <= 0.25), kind, np.radians(degrees), weight)
+    field = direction_field(mesh, 4, DirectionWishes(rows=(row,)))
+    angles = np.arctan2(field.vectors[:, 1], field.vectors[:, 0])
+    on_line = np.isclose(mesh.vertices[:, 1], 0.25) & (np.abs(mesh.vertices[:, 0] - 0.5) < 0.4)
+    expected = np.exp(4j * np.radians(degrees))
+    np.testing.assert_allclose(np.exp(4j * angles[on_line]), expected, atol=1e-6 if weight is None else 1e-2)
+
+
+def test_phases_at_points_leave_directions_alone():
+    mesh = square(6)
+    left = mesh.vertices[:, 0] == 0
+    slanting = Row(chain(mesh, left), "angle", np.radians(30))
+    points = Row(line_of_points(mesh, np.flatnonzero(left), np.ones(left.sum())), "phase")
+    alone, both = (direction_field(mesh, 2, DirectionWishes(rows=rows)) for rows in ((slanting,), (slanting, points)))
+    np.testing.assert_allclose(np.exp(2j * both.angles), np.exp(2j * alone.angles), atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["phase", "constant"])
+def test_areas_do_not_depend_on_the_signs_of_a_line_field(kind):
+    mesh = square(12)
+    area = (np.abs(mesh.vertices[:, :2] - 0.5) < 0.2).all(axis=1)
+    row = Row(line_of_group(mesh, area), kind, 2.2)
+    energies = [
+        stripe_pattern(mesh, along(mesh, (0.2, 1, 0), 2, seed), SPACING, [row]).solution.energy for seed in range(4)
+    ]
+    np.testing.assert_allclose(energies, energies[0], rtol=1e-2)
 
 
 def test_phases_given_at_points_are_kept_in_the_sheet_of_their_vertex():
@@ -269,6 +301,14 @@ def test_a_stripe_lies_on_a_stroke_between_the_vertices(seed, kind):
     left = (mesh.vertices[:, :2] - start) @ [-way[1], way[0]]
     if kind == "phase":
         np.testing.assert_allclose(cosines(pattern), np.cos(0.5 + 2 * np.pi * left / SPACING), atol=1e-9)
+    else:
+        # Held a third of a stripe off where it begins, the whole line follows.
+        held = Row(line_of_strokes(mesh, [segment(mesh, start, start + 0.1 * (end - start))]), "phase", 2 * np.pi / 3)
+        pattern = stripe_pattern(mesh, field, SPACING * 1.03, [row, held])
+        problem = stripe_problem(mesh, field, SPACING * 1.03, [row, held])
+        assert problem.merged is None and np.isin(row.line.nodes, problem.fixed.nodes).all()
+        expected = np.cos(2 * np.pi / 3 + 2 * np.pi * row.line.offsets / SPACING / 1.03)
+        np.testing.assert_allclose(cosines(pattern)[row.line.nodes], expected, atol=1e-9)
 
 
 def test_rings_around_a_stroke_that_closes():
@@ -307,6 +347,21 @@ def test_along_and_across_on_the_same_edges_are_named():
     direction_field(mesh, 4, DirectionWishes(rows=rows))  # a cross runs along and across
 
 
+def test_strokes_and_fields_that_contradict_are_named():
+    mesh = square(9)
+    line = line_of_strokes(mesh, [segment(mesh, np.array([0.11, 0.23]), np.array([0.83, 0.57]))])
+    with pytest.raises(ContradictionError, match="row A and row B"):
+        rows = (Row(line, "along", name="row A"), Row(line, "across", name="row B"))
+        direction_field(mesh, 2, DirectionWishes(rows=rows))
+    nodes = np.arange(mesh.vertex_count)
+    fields = [line_of_points(mesh, nodes, np.ones(len(nodes)), np.full(len(nodes), angle)) for angle in (0.0, 1.0)]
+    with pytest.raises(ContradictionError, match="row A and row B"):
+        rows = (Row(fields[0], "along", name="row A"), Row(fields[1], "along", name="row B"))
+        direction_field(mesh, 2, DirectionWishes(rows=rows))
+    crossing = line_of_strokes(mesh, [segment(mesh, np.array([0.2, 0.8]), np.array([0.6, 0.1]))])
+    direction_field(mesh, 2, DirectionWishes(rows=(Row(line, "along"), Row(crossing, "along"))))
+
+
 def test_lines_that_meet_at_an_angle_leave_the_corner_free():
     mesh = square(6)
     x, y, _ = mesh.vertices.T
@@ -331,7 +386,7 @@ def test_a_constant_line_between_two_phases_is_refused():
     field = along(mesh, (0, 1, 0), 1)
     ends = [Row(line_of_group(mesh, (x == 0) & (y == side)), "phase", float(side)) for side in (0, 1)]
     line = Row(chain(mesh, x == 0), "constant", name="row C")
-    with pytest.raises(ContradictionError, match="row C joins vertices 0, 6, which are fixed to different") as error:
+    with pytest.raises(ContradictionError, match="row C joins vertices 0, 6, for which different values") as error:
         stripe_problem(mesh, field, SPACING, [*ends, line])
     np.testing.assert_array_equal(error.value.vertices, [0, 6])
 
