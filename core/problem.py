@@ -41,12 +41,10 @@ class Targets:
 
 def joined_targets(parts):
     """Several :class:`Targets` with weights as one, None where there is nothing to draw."""
-    parts = [part for part in parts if len(part.nodes)]
-    return Targets(*(np.concatenate(arrays) for arrays in zip(*map(_arrays, parts), strict=True))) if parts else None
-
-
-def _arrays(targets):
-    return targets.nodes, targets.values, targets.weights
+    parts = [(part.nodes, part.values, part.weights) for part in parts]
+    arrays = [np.concatenate(columns) for columns in zip(*parts, strict=True)]
+    drawing = arrays[2] > 0 if arrays else np.empty(0, bool)
+    return Targets(*(array[drawing] for array in arrays)) if drawing.any() else None
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..core.errors import SettingError
 from ..core.fields import Row, boundary_line, line_of_edges
-from ..core.fields.lines import line_of_group, line_of_points, line_of_strokes
+from ..core.fields.lines import group_edges, line_of_group, line_of_points, line_of_strokes
 from ..core.fields.rows import KINDS
 from ..core.geometry.cut import carried_edges, cut_open
 from . import scene_io
@@ -136,7 +136,7 @@ def _edges(obj, given, constraint):
     """Indices of edges of the uncut mesh."""
     if constraint.where == "group":
         members = scene_io.read_group(obj, constraint.name)
-        edges = np.flatnonzero(members[given.uncut.edges].all(axis=1))
+        edges = group_edges(given.uncut, members)
         remedy = f"add both ends of at least one to {constraint.name!r}"
     else:
         pairs = scene_io.read_marked_edges(obj, constraint.where)

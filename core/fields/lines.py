@@ -139,6 +139,13 @@ def boundary_line(mesh, vertices=None):
     return line_of_edges(mesh, edges)
 
 
+def group_edges(mesh, vertices):
+    """Indices of the edges that are chains of a group of (n,) bool vertices, or outlines of its areas."""
+    inside = vertices[mesh.triangles].all(axis=1)
+    sides = np.bincount(mesh.triangle_edges[inside].ravel(), minlength=len(mesh.edges))
+    return np.flatnonzero(vertices[mesh.edges].all(axis=1) & (sides < 2))
+
+
 def line_of_group(mesh, vertices):
     """A group of vertices: its chains of edges and the outlines of its areas are lines, the rest are points.
 
@@ -148,9 +155,8 @@ def line_of_group(mesh, vertices):
     vertices : (n,) bool
     """
     inside = vertices[mesh.triangles].all(axis=1)
-    sides = np.bincount(mesh.triangle_edges[inside].ravel(), minlength=len(mesh.edges))
     among = vertices[mesh.edges].all(axis=1)
-    lines = line_of_edges(mesh, np.flatnonzero(among & (sides < 2)))
+    lines = line_of_edges(mesh, group_edges(mesh, vertices))
     areas = np.bincount(mesh.triangles[inside].ravel(), np.repeat(mesh.areas[inside] / 3, 3), mesh.vertex_count)
     alone = np.setdiff1d(np.flatnonzero(vertices), lines.nodes)
     points = np.concatenate([np.flatnonzero(areas), alone[areas[alone] == 0]])

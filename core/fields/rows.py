@@ -20,6 +20,8 @@ KINDS = ("along", "across", "angle", "phase", "constant")
 AGREEMENT = 0.5
 # Rows that differ by less (as powers) are averaged: tangents of polygons, strokes and fields hardly ever agree in full.
 DISAGREEMENT = 0.2
+# Beyond this a soft wish is as good as hard, and sums lose their digits.
+LARGEST_WEIGHT = 1e9
 
 
 @dataclass(frozen=True)
@@ -49,8 +51,11 @@ class Row:
             raise SettingError(f"{self.name} asks for {self.kind!r}: use one of {', '.join(KINDS)}")
         if not np.isfinite(self.value).all():
             raise SettingError(f"the value of {self.name} is {self.value}: give a finite number")
-        if self.weight is not None and not (np.isfinite(self.weight) and self.weight >= 0):
-            raise SettingError(f"the weight of {self.name} is {self.weight}: give a number from 0 on")
+        if self.weight is not None and not 0 <= self.weight <= LARGEST_WEIGHT:
+            raise SettingError(
+                f"the weight of {self.name} is {self.weight}: give a number from 0 to {LARGEST_WEIGHT:.0e}, "
+                "or none to hold it exactly"
+            )
         if self.kind == "constant" and self.weight is not None:
             raise SettingError(f"{self.name} is soft: a phase that is constant along a line can only be hard")
 

@@ -451,3 +451,13 @@ def test_a_spacing_map_that_is_no_length_is_refused_by_its_vertex(value, message
     spacing[3] = value
     with pytest.raises(SettingError, match=message):
         stripe_pattern(mesh, DirectionField(mesh, 2, np.zeros(mesh.vertex_count)), spacing)
+
+
+@pytest.mark.parametrize("kind", ["along", "phase"])
+def test_a_weight_of_zero_is_no_wish(kind):
+    mesh = square(6)
+    row = Row(chain(mesh, mesh.vertices[:, 0] == 0), kind, weight=0.0)
+    field = direction_field(mesh, 2, DirectionWishes(rows=(row,)))
+    pattern = stripe_pattern(mesh, field, SPACING, [row] if row.is_of_phases else [])
+    assert field.solution.energy < 1e-12 and pattern.solution.energy < 1e-12
+    assert stripe_problem(mesh, field, SPACING, [row] if row.is_of_phases else []).drawn is None
