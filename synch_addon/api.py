@@ -108,6 +108,8 @@ def export_field(obj, path, symmetry="line"):
         with one line that names the element and the remedy; nothing is written
     """
     refuse(obj)
+    if symmetry not in SYMMETRIES:
+        raise SettingError(f"symmetry {symmetry!r} is unknown: use one of {', '.join(SYMMETRIES)}")
     with _object_mode(obj):
         field_io.export_directions(obj, path, symmetry)
 

@@ -82,13 +82,13 @@ class Settings:
             value = getattr(self, name)
             if value is not None and not isinstance(value, int | float):
                 raise SettingError(f"the {name.replace('_', ' ')} is {value!r}: give a number")
-        if self.seed < 0:
-            raise SettingError(f"the seed is {self.seed}: give a whole number from 0 on")
+        if not isinstance(self.seed, int) or self.seed < 0:
+            raise SettingError(f"the seed is {self.seed!r}: give a whole number from 0 on")
         if not math.isfinite(self.angle):
             raise SettingError(f"the angle is {self.angle}: give a finite one")
         if not (math.isfinite(self.spacing_range) and self.spacing_range > 0):
             raise SettingError(f"the spacing range is {self.spacing_range}: give a positive factor")
-        if set(self.mirror) - set("XYZ"):
+        if not isinstance(self.mirror, str) or set(self.mirror) - set("XYZ"):
             raise SettingError(f"the mirror is {self.mirror!r}: use axes of X, Y and Z, such as X or XY")
         parse(self.guidance)
 

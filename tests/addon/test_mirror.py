@@ -98,7 +98,7 @@ def test_asymmetric_vertices_are_selected_and_nothing_is_written():
     assert "synch_phase" not in obj.data.attributes
 
 
-@pytest.mark.parametrize("axes", ["W", "xq"])
+@pytest.mark.parametrize("axes", ["W", "xq", None])
 def test_unknown_axes_are_refused(axes):
     with pytest.raises(Exception, match="use axes of X, Y and Z"):
         api.stripes(grid(), mirror=axes)
