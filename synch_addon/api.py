@@ -250,6 +250,8 @@ def solve_stripes(task, field, report, callback):
             f"it needs edges shorter than {finest / 2:.3g}, subdivide or remesh"
         )
     report.forced_dislocations = forced_dislocations(mesh, field, task.spacings)
+    if callback is not None:  # what the map asks for is seen before the stripes are there; cancelling is the solver's
+        callback(f"stripes, {report.forced_dislocations:.0f} dislocations asked for", 0.0)
     return stripe_pattern(mesh, field, task.spacings, task.rows, task.mirrors, settings.options, callback)
 
 

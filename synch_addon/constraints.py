@@ -7,7 +7,7 @@ import numpy as np
 
 from ..core.errors import SettingError
 from ..core.fields import Row, boundary_line, line_of_edges
-from ..core.fields.lines import group_edges, line_of_group, line_of_points, line_of_strokes
+from ..core.fields.lines import group_edges, line_of_group, line_of_points, line_of_strokes, line_of_vectors
 from ..core.fields.rows import KINDS
 from ..core.geometry.cut import carried_edges, cut_open
 from . import scene_io
@@ -150,20 +150,14 @@ def _edges(obj, given, constraint):
 
 def _line_of_attribute(obj, given, constraint):
     """A field of directions, or of phases, as unlinked points, and the phases."""
-    mesh = given.mesh
-    wants_phase = constraint.what == "phase"
-    lengths = mesh.vertex_masses / np.sqrt(mesh.areas.sum())
-    if wants_phase:
-        values = scene_io.read_numbers(obj, constraint.name, given, outside=np.nan)
-        nodes = np.flatnonzero(np.isfinite(values))
+    phases = None
+    if constraint.what == "phase":
+        numbers = scene_io.read_numbers(obj, constraint.name, given, outside=np.nan)
+        line = line_of_points(given.mesh, np.flatnonzero(np.isfinite(numbers)))
+        phases = numbers[line.nodes]
     else:
-        vectors = scene_io.read_vectors(obj, constraint.name, given)
-        x, y = mesh.tangent_frames
-        tangent = np.einsum("ij,ij->i", vectors, x) + 1j * np.einsum("ij,ij->i", vectors, y)
-        nodes = np.flatnonzero(np.abs(tangent) > 1e-6 * np.linalg.norm(vectors, axis=1))
-    if len(nodes) == 0:
-        kind = "number" if wants_phase else "tangential vector"
+        line = line_of_vectors(given.mesh, scene_io.read_vectors(obj, constraint.name, given))
+    if len(line.vertices) == 0:
+        kind = "tangential vector" if phases is None else "number"
         raise SettingError(f"{constraint.label} holds nowhere: give one vertex at least a {kind}, or remove the row")
-    if wants_phase:
-        return line_of_points(mesh, nodes, lengths[nodes]), values[nodes]
-    return line_of_points(mesh, nodes, lengths[nodes], np.angle(tangent[nodes])), None
+    return line, phases

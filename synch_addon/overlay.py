@@ -26,15 +26,6 @@ WISH_COLORS = {
     "CUT": (0.90, 0.12, 0.05, 1.0),
 }
 
-# Blender's names for an attribute type: name in foreach_get, numpy type, width.
-_LAYOUTS = {
-    "FLOAT": ("value", np.float32, 1),
-    "INT": ("value", np.int32, 1),
-    "BOOLEAN": ("value", bool, 1),
-    "INT32_2D": ("value", np.int32, 2),
-    "FLOAT_VECTOR": ("vector", np.float32, 3),
-}
-
 
 def direction_marks(obj):
     """A short line, cross or arrow for the attribute ``synch_direction`` at the vertices."""
@@ -63,7 +54,7 @@ def defect_points(obj):
     if not len(obj.data.polygons):
         return []
     polygons = scene_io.read_polygons(obj)
-    places = _values(obj.data, "position", "POINT")
+    places = scene_io.read_values(obj, "position", "POINT")
     corners = np.add.reduceat(places[polygons.corner_vertices], polygons.starts)
     centres = places[polygons.triangles].mean(axis=1)
     first = polygons.first_triangles
@@ -73,7 +64,7 @@ def defect_points(obj):
         ("synch_index", "dislocation", centres[first]),
         ("synch_index_2", "dislocation", centres[np.minimum(first + 1, len(centres) - 1)]),
     ):
-        index = _values(obj.data, name, "FACE")
+        index = scene_io.read_values(obj, name, "FACE")
         if index is not None:
             for chosen, colour in zip((index > 0, index < 0), DEFECT_COLORS[kind], strict=True):
                 found.setdefault(colour, []).append(at[chosen])
@@ -88,8 +79,8 @@ def constraint_lines(obj):
     rows = [(row.where, row.what, row.vertex_group) for row in settings.constraints if row.enabled]
     if settings.boundary != "FREE":
         rows.append(("BOUNDARY", settings.boundary, settings.vertex_group))
-    ends = _values(obj.data, ".edge_verts", "EDGE")
-    segments = _values(obj.data, "position", "POINT")[ends]
+    ends = scene_io.read_values(obj, ".edge_verts", "EDGE")
+    segments = scene_io.read_values(obj, "position", "POINT")[ends]
     return _not_empty(
         [(segments[_edges_at(obj, where, group, ends)], WISH_COLORS[what]) for where, what, group in rows]
     )
@@ -99,10 +90,10 @@ def _edges_at(obj, where, group, ends):
     """(e,) bool: edges that a row holds, none where the solve would refuse it."""
     chosen = np.zeros(len(ends), bool)
     if where in ("SEAMS", "SHARP", "CREASES"):
-        marked = _values(obj.data, scene_io.MARKS[where.lower()][0], "EDGE")
+        marked = scene_io.read_values(obj, scene_io.MARKS[where.lower()], "EDGE")
         return chosen if marked is None else marked > 0
     if where == "BOUNDARY" and len(obj.data.polygons):
-        chosen = np.bincount(_values(obj.data, ".corner_edge", "CORNER"), minlength=len(ends)) == 1
+        chosen = np.bincount(scene_io.read_values(obj, ".corner_edge", "CORNER"), minlength=len(ends)) == 1
     if where == "GROUP":
         chosen[:] = bool(group)
     if group:
@@ -115,14 +106,3 @@ def _edges_at(obj, where, group, ends):
 
 def _not_empty(layers):
     return [(points, colour) for points, colour in layers if len(points)]
-
-
-def _values(mesh, name, domain):
-    """(n,) or (n, width) values of an attribute, None where the mesh has no such attribute on this domain."""
-    attribute = mesh.attributes.get(name)
-    if attribute is None or attribute.domain != domain or attribute.data_type not in _LAYOUTS:
-        return None
-    value_name, dtype, width = _LAYOUTS[attribute.data_type]
-    values = np.empty(len(attribute.data) * width, dtype)
-    attribute.data.foreach_get(value_name, values)
-    return values.reshape(-1, width) if width > 1 else values

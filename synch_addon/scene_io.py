@@ -16,12 +16,14 @@ from ..core.geometry.polygons import Polygons
 _LAYOUTS = {
     "FLOAT": (np.float32, 1, "value"),
     "INT": (np.int32, 1, "value"),
+    "BOOLEAN": (bool, 1, "value"),
+    "INT32_2D": (np.int32, 2, "value"),
     "FLOAT_VECTOR": (np.float32, 3, "vector"),
     "FLOAT2": (np.float32, 2, "vector"),
     "FLOAT_COLOR": (np.float32, 4, "color"),
 }
-# Attributes that mark edges, and their numpy types.
-MARKS = {"seams": ("uv_seam", bool), "sharp": ("sharp_edge", bool), "creases": ("crease_edge", np.float32)}
+# Attributes that mark edges.
+MARKS = {"seams": "uv_seam", "sharp": "sharp_edge", "creases": "crease_edge"}
 
 
 @dataclass(frozen=True)
@@ -183,12 +185,9 @@ def _point_attribute(obj, name, data_type, kind):
 
 def read_marked_edges(obj, mark):
     """(k, 2) vertices of the edges that are "seams", "sharp" or "creases", where a face uses them."""
-    name, dtype = MARKS[mark]
-    attribute = obj.data.attributes.get(name)
-    if attribute is None:
+    marked = read_values(obj, MARKS[mark], "EDGE")
+    if marked is None:
         return np.empty((0, 2), int)
-    marked = np.empty(len(obj.data.edges), dtype)
-    attribute.data.foreach_get("value", marked)
     pairs = np.empty((len(obj.data.edges), 2), np.int32)
     obj.data.edges.foreach_get("vertices", pairs.ravel())
     loose = np.empty(len(obj.data.edges), bool)
@@ -216,6 +215,14 @@ def read_weights(obj, name, outside=0.0):
             if member.group == group.index:
                 weights[vertex.index] = member.weight
     return weights
+
+
+def read_values(obj, name, domain):
+    """(n,) or (n, width) values of an attribute as they are, None where the mesh has none of the name on a domain."""
+    attribute = obj.data.attributes.get(name)
+    if attribute is None or attribute.domain != domain or attribute.data_type not in _LAYOUTS:
+        return None
+    return _read(attribute)
 
 
 def _read(attribute):

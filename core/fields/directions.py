@@ -117,9 +117,8 @@ def given_directions(mesh, symmetry, vectors):
     SettingError
         naming the first vertex whose vector has no tangential part
     """
-    x, y = mesh.tangent_frames
     vectors = np.asarray(vectors, float)
-    tangent = np.einsum("ij,ij->i", vectors, x) + 1j * np.einsum("ij,ij->i", vectors, y)
+    tangent = mesh.tangent_numbers(vectors)
     lengths = np.linalg.norm(vectors, axis=1)
     bad = ~(np.abs(tangent) > 1e-6 * lengths) | ~np.isfinite(lengths)
     bad[mesh.loose_vertices] = False

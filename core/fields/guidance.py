@@ -226,9 +226,8 @@ def _slope_guide(mesh, corner_values, contour):
 
 
 def _projected_guide(mesh, vectors):
-    x, y = mesh.tangent_frames
     lengths = np.linalg.norm(vectors, axis=1)
-    tangent = np.einsum("ij,ij->i", vectors, x) + 1j * np.einsum("ij,ij->i", vectors, y)
+    tangent = mesh.tangent_numbers(vectors)
     shares = np.minimum(_ratio(np.abs(tangent), lengths), 1)
     shares[shares < UPRIGHT] = 0
     return Guide(np.angle(tangent), _area_shares(mesh) * shares**2)

@@ -160,14 +160,25 @@ def line_of_group(mesh, vertices):
     areas = np.bincount(mesh.triangles[inside].ravel(), np.repeat(mesh.areas[inside] / 3, 3), mesh.vertex_count)
     alone = np.setdiff1d(np.flatnonzero(vertices), lines.nodes)
     points = np.concatenate([np.flatnonzero(areas), alone[areas[alone] == 0]])
-    filled = line_of_points(mesh, points, areas[points] / np.sqrt(mesh.areas.sum()))
+    filled = line_of_points(mesh, points, areas=areas[points])
     return replace(joined([lines, filled]), links=mesh.edges[among])
 
 
-def line_of_points(mesh, vertices, lengths, angles=None):
-    """Vertices on no line; with angles, as a field that is given there, not linked to each other."""
+def line_of_points(mesh, vertices, angles=None, areas=None):
+    """Vertices on no line, not linked to each other; with angles, as a field that is given there.
+
+    They stand for their share of the surface, or for (k,) other areas.
+    """
     angles = np.full(len(vertices), np.nan) if angles is None else angles
+    lengths = (mesh.vertex_masses[vertices] if areas is None else areas) / np.sqrt(mesh.areas.sum())
     return Line(vertices, angles, np.zeros(len(vertices)), lengths, np.empty((0, 2), int))
+
+
+def line_of_vectors(mesh, vectors):
+    """The vertices at which (n, 3) vectors have a tangential part, each with its direction."""
+    tangent = mesh.tangent_numbers(vectors)
+    nodes = np.flatnonzero(np.abs(tangent) > 1e-6 * np.linalg.norm(vectors, axis=1))
+    return line_of_points(mesh, nodes, np.angle(tangent[nodes]))
 
 
 def line_of_strokes(mesh, strokes):

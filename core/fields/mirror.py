@@ -40,10 +40,10 @@ class Mirror:
     @classmethod
     def of(cls, mesh, partner, axis):
         """The reflection that turns the sign of coordinate ``axis`` (0, 1, 2), from the mirrored vertices."""
-        x, y = mesh.tangent_frames
-        image = x.copy()
+        image = mesh.tangent_frames[0].copy()
         image[:, axis] *= -1
-        turns = np.einsum("ij,ij->i", image, x[partner]) + 1j * np.einsum("ij,ij->i", image, y[partner])
+        # Where the direction of angle 0 of its partner comes to, at each vertex; a reflection is its own inverse.
+        turns = mesh.tangent_numbers(image[partner])
         # Diagonals of faces need not be mirrored, so that tangent planes may lean a little.
         return cls(partner, np.angle(turns + turns[partner]), f"the mirror in {'XYZ'[axis]}")
 

@@ -271,6 +271,11 @@ class TriangleMesh:
         x = _normalized(references)
         return x, np.cross(normals, x)
 
+    def tangent_numbers(self, vectors):
+        """(n,) complex: the tangential parts of (n, 3) vectors in the frames of the vertices' tangent planes."""
+        x, y = self.tangent_frames
+        return np.einsum("ij,ij->i", vectors, x) + 1j * np.einsum("ij,ij->i", vectors, y)
+
     @cached_property
     def face_curvatures(self):
         """(m,) curvature that the rescaled tangent planes assign to each triangle; sums to 2 pi chi

@@ -232,7 +232,7 @@ def test_phases_at_points_leave_directions_alone():
     mesh = square(6)
     left = mesh.vertices[:, 0] == 0
     slanting = Row(chain(mesh, left), "angle", np.radians(30))
-    points = Row(line_of_points(mesh, np.flatnonzero(left), np.ones(left.sum())), "phase")
+    points = Row(line_of_points(mesh, np.flatnonzero(left)), "phase")
     alone, both = (direction_field(mesh, 2, DirectionWishes(rows=rows)) for rows in ((slanting,), (slanting, points)))
     np.testing.assert_allclose(np.exp(2j * both.angles), np.exp(2j * alone.angles), atol=1e-9)
 
@@ -253,7 +253,7 @@ def test_phases_given_at_points_are_kept_in_the_sheet_of_their_vertex():
     field = along(mesh, (0, 1, 0), 2, seed=4)
     wave = np.random.default_rng(0).uniform(-3, 3, mesh.vertex_count)
     nodes = np.arange(0, mesh.vertex_count, 3)
-    row = Row(line_of_points(mesh, nodes, np.ones(len(nodes))), "phase", wave[nodes])
+    row = Row(line_of_points(mesh, nodes), "phase", wave[nodes])
     pattern = stripe_pattern(mesh, field, SPACING, [row])
     np.testing.assert_allclose(pattern.solution.phases[nodes], np.exp(1j * wave[nodes]), atol=1e-9)
 
@@ -354,7 +354,7 @@ def test_strokes_and_fields_that_contradict_are_named():
         rows = (Row(line, "along", name="row A"), Row(line, "across", name="row B"))
         direction_field(mesh, 2, DirectionWishes(rows=rows))
     nodes = np.arange(mesh.vertex_count)
-    fields = [line_of_points(mesh, nodes, np.ones(len(nodes)), np.full(len(nodes), angle)) for angle in (0.0, 1.0)]
+    fields = [line_of_points(mesh, nodes, np.full(len(nodes), angle)) for angle in (0.0, 1.0)]
     with pytest.raises(ContradictionError, match="row A and row B"):
         rows = (Row(fields[0], "along", name="row A"), Row(fields[1], "along", name="row B"))
         direction_field(mesh, 2, DirectionWishes(rows=rows))
