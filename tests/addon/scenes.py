@@ -238,3 +238,11 @@ def _linked(name, data):
 def set_numbers(obj, name, numbers):
     """Add a float attribute on the vertices."""
     obj.data.attributes.new(name, "FLOAT", "POINT").data.foreach_set("value", np.float32(numbers))
+
+
+def places(obj):
+    return attribute(obj, "position").astype(float)
+
+
+def directions(obj):
+    return attribute(obj, "synch_direction").astype(float)

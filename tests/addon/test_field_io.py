@@ -14,7 +14,7 @@ from synch_fields.synch_addon import api, cli
 from synch_fields.synch_addon.guide_list import stored_guidance
 from synch_fields.synch_addon.settings import Settings
 
-from .scenes import attribute, grid, snapshot, sphere, torus
+from .scenes import attribute, directions, grid, snapshot, sphere, torus
 
 OTHER = Path(__file__).resolve().parents[3] / "shared" / "meshes" / "cheburashka-cf.rawfield"
 NUMBERS = {"vector": 1, "line": 2, "cross": 4}
@@ -28,10 +28,6 @@ def triangles(build, **values):
     bpy.ops.mesh.quads_convert_to_tris()
     bpy.ops.object.mode_set(mode="OBJECT")
     return obj
-
-
-def directions(obj):
-    return attribute(obj, "synch_direction").astype(float)
 
 
 def normals(obj):

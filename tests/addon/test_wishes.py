@@ -6,14 +6,10 @@ import bpy
 import numpy as np
 import pytest
 
-from .scenes import add_group, attribute, grid, set_vectors, sphere, tube
+from .scenes import add_group, attribute, directions, grid, set_vectors, sphere, tube
 
 UP = np.array([0.0, 0.0, 1.0])
 LOWER, UPPER = np.arange(24), np.arange(24) + 8 * 24  # the rims of the tube
-
-
-def directions(obj):
-    return attribute(obj, "synch_direction").astype(float)
 
 
 def angles_to_axis(obj):

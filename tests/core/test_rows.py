@@ -10,33 +10,15 @@ from synch_fields.core.fields import (
     DirectionWishes,
     Row,
     direction_field,
-    given_directions,
-    line_of_edges,
     stripe_pattern,
 )
-from synch_fields.core.fields.directions import DirectionField
 from synch_fields.core.fields.guidance import distance_guide
-from synch_fields.core.fields.lines import line_of_group, line_of_points, line_of_strokes
-from synch_fields.core.fields.stripes import forced_dislocations, stripe_problem
+from synch_fields.core.fields.lines import line_of_group, line_of_points
+from synch_fields.core.fields.stripes import stripe_problem
 from synch_fields.core.solve import Options
 
-from .meshes import annulus, disk, square, subdivided
-from .wishes import boundary_row
-
-SPACING = 0.2
-
-
-def chain(mesh, vertices):
-    """The line over all edges with both ends in a mask."""
-    return line_of_edges(mesh, np.flatnonzero(vertices[mesh.edges].all(axis=1)))
-
-
-def along(mesh, vector, symmetry=2, seed=None):
-    """A constant field; with a seed, lines whose representatives point either way."""
-    vectors = np.tile(np.array(vector, float), (mesh.vertex_count, 1))
-    if seed is not None:
-        vectors *= np.random.default_rng(seed).choice([-1, 1], mesh.vertex_count)[:, None]
-    return given_directions(mesh, symmetry, vectors)
+from .meshes import annulus, disk, square
+from .wishes import SPACING, along, boundary_row, chain, cosines
 
 
 def strip(stripes, columns=30, symmetry=2, seed=0):
@@ -44,10 +26,6 @@ def strip(stripes, columns=30, symmetry=2, seed=0):
     mesh = square(columns, 10, width=SPACING * stripes, height=0.5)
     x = mesh.vertices[:, 0]
     return mesh, along(mesh, (0, 1, 0), symmetry, seed), x < 1e-9, x > x.max() - 1e-9
-
-
-def cosines(pattern):
-    return np.cos(np.angle(pattern.solution.phases))
 
 
 # Directions
@@ -258,80 +236,6 @@ def test_phases_given_at_points_are_kept_in_the_sheet_of_their_vertex():
     np.testing.assert_allclose(pattern.solution.phases[nodes], np.exp(1j * wave[nodes]), atol=1e-9)
 
 
-# Strokes
-
-
-def stroke(mesh, points):
-    """Points in the plane z = 0 with the triangles that they lie in."""
-    corners = mesh.vertices[mesh.triangles][:, :, :2]
-    a, b, c = np.moveaxis(corners, 1, 0)
-    faces = []
-    for p in points[:, :2]:
-        sides = [np.linalg.det(np.stack([v - u, p - u], axis=1)) for u, v in ((a, b), (b, c), (c, a))]
-        faces.append(np.argmax(np.min(sides, axis=0)))
-    return np.array(faces), points
-
-
-def segment(mesh, start, end, count=400):
-    share = np.linspace(0, 1, count)[:, None]
-    return stroke(mesh, np.column_stack([(1 - share) * np.array(start) + share * np.array(end), np.zeros(count)]))
-
-
-@pytest.mark.parametrize(("kind", "degrees"), [("along", 0), ("across", 90), ("angle", 20)])
-def test_a_straight_stroke_sets_the_direction_of_a_plane(kind, degrees):
-    mesh = square(9)
-    start, end = np.array([0.11, 0.23]), np.array([0.83, 0.57])
-    row = Row(line_of_strokes(mesh, [segment(mesh, start, end)]), kind, np.radians(20))
-    field = direction_field(mesh, 1, DirectionWishes(rows=(row,)))
-    assert field.solution.energy < 1e-12
-    angle = np.arctan2(*(end - start)[::-1]) + np.radians(degrees)
-    np.testing.assert_allclose(field.vectors[:, :2], np.tile([np.cos(angle), np.sin(angle)], (100, 1)), atol=1e-9)
-
-
-@pytest.mark.parametrize("kind", ["phase", "constant"])
-@pytest.mark.parametrize("seed", [None, 1, 2])
-def test_a_stripe_lies_on_a_stroke_between_the_vertices(seed, kind):
-    mesh = square(20)
-    start, end = np.array([0.11, 0.23]), np.array([0.83, 0.57])
-    way = (end - start) / np.linalg.norm(end - start)
-    field = along(mesh, (*way, 0), 2, seed)
-    row = Row(line_of_strokes(mesh, [segment(mesh, start, end)]), kind, 0.5)
-    pattern = stripe_pattern(mesh, field, SPACING, [row])
-    assert pattern.solution.energy < 1e-12
-    left = (mesh.vertices[:, :2] - start) @ [-way[1], way[0]]
-    if kind == "phase":
-        np.testing.assert_allclose(cosines(pattern), np.cos(0.5 + 2 * np.pi * left / SPACING), atol=1e-9)
-    else:
-        # Held a third of a stripe off where it begins, the whole line follows.
-        held = Row(line_of_strokes(mesh, [segment(mesh, start, start + 0.1 * (end - start))]), "phase", 2 * np.pi / 3)
-        pattern = stripe_pattern(mesh, field, SPACING * 1.03, [row, held])
-        problem = stripe_problem(mesh, field, SPACING * 1.03, [row, held])
-        assert problem.merged is None and np.isin(row.line.nodes, problem.fixed.nodes).all()
-        expected = np.cos(2 * np.pi / 3 + 2 * np.pi * row.line.offsets / SPACING / 1.03)
-        np.testing.assert_allclose(cosines(pattern)[row.line.nodes], expected, atol=1e-9)
-
-
-def test_rings_around_a_stroke_that_closes():
-    mesh = subdivided(disk(12, 48))
-    turn = np.linspace(0, 2 * np.pi, 1500)
-    circle = 0.6 * np.column_stack([np.cos(turn), np.sin(turn), np.zeros(1500)])
-    row = Row(line_of_strokes(mesh, [stroke(mesh, circle)]), "phase")
-    field = direction_field(mesh, 2, DirectionWishes(rows=(row,)))
-    pattern = stripe_pattern(mesh, field, 0.3, [row])
-    radius = np.linalg.norm(mesh.vertices, axis=1)
-    # Beside the stroke the phase is that of the distance to it, but for the circle's bend over an edge.
-    near = np.zeros(mesh.vertex_count, bool)
-    near[row.line.nodes] = True
-    expected = np.cos(2 * np.pi * (radius - 0.6) / 0.3)
-    np.testing.assert_allclose(cosines(pattern)[near], expected[near], atol=0.01)
-
-
-def test_a_stroke_of_one_point_is_refused():
-    mesh = square(3)
-    with pytest.raises(SettingError, match="single point"):
-        line_of_strokes(mesh, [(np.array([0]), np.zeros((1, 3)))])
-
-
 # Contradictions and meetings
 
 
@@ -345,21 +249,6 @@ def test_along_and_across_on_the_same_edges_are_named():
         direction_field(mesh, 2, DirectionWishes(rows=rows))
     np.testing.assert_array_equal(error.value.vertices, line.nodes)
     direction_field(mesh, 4, DirectionWishes(rows=rows))  # a cross runs along and across
-
-
-def test_strokes_and_fields_that_contradict_are_named():
-    mesh = square(9)
-    line = line_of_strokes(mesh, [segment(mesh, np.array([0.11, 0.23]), np.array([0.83, 0.57]))])
-    with pytest.raises(ContradictionError, match="row A and row B"):
-        rows = (Row(line, "along", name="row A"), Row(line, "across", name="row B"))
-        direction_field(mesh, 2, DirectionWishes(rows=rows))
-    nodes = np.arange(mesh.vertex_count)
-    fields = [line_of_points(mesh, nodes, np.full(len(nodes), angle)) for angle in (0.0, 1.0)]
-    with pytest.raises(ContradictionError, match="row A and row B"):
-        rows = (Row(fields[0], "along", name="row A"), Row(fields[1], "along", name="row B"))
-        direction_field(mesh, 2, DirectionWishes(rows=rows))
-    crossing = line_of_strokes(mesh, [segment(mesh, np.array([0.2, 0.8]), np.array([0.6, 0.1]))])
-    direction_field(mesh, 2, DirectionWishes(rows=(Row(line, "along"), Row(crossing, "along"))))
 
 
 def test_lines_that_meet_at_an_angle_leave_the_corner_free():
@@ -416,41 +305,6 @@ def test_rows_that_say_nothing_are_refused(change, message):
     arguments = dict(line=boundary_row(mesh).line, kind="along", name="row A") | change
     with pytest.raises(SettingError, match=message):
         Row(**arguments)
-
-
-# Spacing
-
-
-def test_a_spacing_that_grows_across_the_stripes():
-    mesh = square(40, 10)
-    x = mesh.vertices[:, 0]
-    spacing = 0.1 * (1 + x)
-    field = along(mesh, (0, -1, 0), 1)
-    line = chain(mesh, x == 0)
-    pattern = stripe_pattern(mesh, field, spacing, [Row(line, "phase")])
-    # The integral of 2 pi / spacing, by the trapezoidal rule on the columns: no stripe needs to end.
-    assert pattern.solution.energy < 1e-12 and forced_dislocations(mesh, field, spacing) < 1e-9
-    np.testing.assert_allclose(cosines(pattern), np.cos(20 * np.pi * np.log1p(x)), atol=0.03)
-
-
-def test_what_a_spacing_forces_is_the_circulation():
-    mesh = annulus(1.0, 4.0, rings=24, segments=160)
-    radius = np.linalg.norm(mesh.vertices, axis=1)
-    spokes = given_directions(mesh, 2, mesh.vertices / radius[:, None])
-    assert forced_dislocations(mesh, spokes, 0.5) == pytest.approx(2 * np.pi * 3 / 0.5, rel=1e-3)
-    # As many spokes outside as inside, but for what each triangle's trapezoidal rule is off.
-    assert forced_dislocations(mesh, spokes, 0.5 * radius) < 0.05 * 2 * np.pi * 3 / 0.5
-
-
-@pytest.mark.parametrize(
-    ("value", "message"), [(0.0, "0 at vertex 3"), (np.nan, "nan at vertex 3"), (-1.0, "-1 at vertex 3")]
-)
-def test_a_spacing_map_that_is_no_length_is_refused_by_its_vertex(value, message):
-    mesh = square(4)
-    spacing = np.full(mesh.vertex_count, 0.3)
-    spacing[3] = value
-    with pytest.raises(SettingError, match=message):
-        stripe_pattern(mesh, DirectionField(mesh, 2, np.zeros(mesh.vertex_count)), spacing)
 
 
 @pytest.mark.parametrize("kind", ["along", "phase"])
