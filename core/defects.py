@@ -14,11 +14,12 @@ class Defect:
 
     Attributes
     ----------
-    kind : "disclination" of a direction field, or "dislocation" of a stripe pattern
+    kind : "disclination" of a direction field, or "dislocation" of a pattern
     triangle : index of the triangle
     index : k / symmetry for a disclination, the integer N for a dislocation; the sign of N is
-        relative to the sheet of the triangle's first corner, and arbitrary for line fields
+        relative to the sheet of the triangle's first corner, and arbitrary for line and cross fields
     position, normal : (3,) the triangle's centre and normal
+    phase : number of the phase of a quad pattern that a dislocation is in, at the triangle's first corner
     """
 
     kind: str
@@ -26,6 +27,7 @@ class Defect:
     index: float
     position: np.ndarray
     normal: np.ndarray
+    phase: int = 0
 
 
 def wrap(angles):
@@ -50,12 +52,12 @@ def disclination_numbers(mesh, powers, symmetry):
     return np.rint((around + symmetry * mesh.face_curvatures) / (2 * np.pi)).astype(int)
 
 
-def list_defects(mesh, kind, numbers, symmetry=1):
+def list_defects(mesh, kind, numbers, symmetry=1, phase=0):
     """:class:`Defect` records of the triangles whose number is not zero."""
     triangles = np.flatnonzero(numbers)
     centres = mesh.vertices[mesh.triangles[triangles]].mean(axis=1)
     indices = numbers[triangles] / symmetry if symmetry > 1 else numbers[triangles]
     return [
-        Defect(kind, int(t), index.item(), position, normal)
+        Defect(kind, int(t), index.item(), position, normal, phase)
         for t, index, position, normal in zip(triangles, indices, centres, mesh.face_normals[triangles], strict=True)
     ]

@@ -11,79 +11,106 @@ point is
   ell, which turns once around the centre and linearly along the edges (lArg of Knöppel et al. 2015),
   gives it back. In a quad split along its diagonal AC, ell grows by pi along the two outer edges of a
   triangle and not at all along the diagonal, so that both triangles agree on A and C.
-- A face with a *disclination* has no consistent sheet: going round, the values come back as
-  x -> -x + 2 pi M. It is a fan around its centre, whose value must be pi M; the corners all carry
-  that value, and D interpolates the differences to it along the rim.
+- A face with a *disclination* has no consistent sheet: going round, the values come back turned, as x -> -x + 2 pi M
+  for lines and as (x, y) -> (y, -x) + 2 pi (M, M') for crosses. It is a fan around its centre, whose values must be
+  those that stay, multiples of pi; the corners all carry them, and D interpolates the differences to them along
+  the rim.
 
-Only cos(theta) is continuous from face to face: sheets may differ by a sign, values by 2 pi.
+From face to face only cos(theta) is continuous for stripes, and for quads the pair {cos(theta_x), cos(theta_y)},
+so that their product is: sheets may differ by a turn (:mod:`core.sheets`), values by 2 pi.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .defects import wrap
 from .geometry import TriangleMesh
+from .sheets import after_turns
 
 TURN = 2 * np.pi
 
 
 @dataclass(frozen=True)
 class EdgePhases:
-    """Phase changes along the edges of a mesh.
+    """Phases at the vertices of a mesh and their changes along its edges, k of each.
 
-    ``changes`` are (e,) radians from the lower to the higher vertex, in the sheet of the lower; ``signs``
-    are -1 where the sheet turns over along the edge.
+    Attributes
+    ----------
+    mesh : TriangleMesh
+    arguments : (n, k) radians
+    changes : (e, k) radians from the lower to the higher vertex, for the phases of the lower
+    matchings : (e,) how the phases go over into those of the higher vertex (see :mod:`core.sheets`)
     """
 
     mesh: TriangleMesh
     arguments: np.ndarray
     changes: np.ndarray
-    signs: np.ndarray
+    matchings: np.ndarray
 
     @classmethod
-    def of(cls, mesh, phases, angles, flips):
-        """From (n,) complex phases and the edges' transports ``exp(1j angle) (conj if flip)``."""
+    def of(cls, mesh, phases, asked, matchings):
+        """From (n, k) complex phases and the (e, k) changes that the edges ask for."""
         i, j = mesh.edges.T
         arguments = np.angle(phases)
-        signs = np.where(flips, -1, 1)
-        asked = signs * angles  # the transport seen in the sheet of the lower vertex
-        changes = asked + wrap(signs * arguments[j] - arguments[i] - asked)
-        return cls(mesh, arguments, changes, signs)
+        reached = after_turns(arguments[j], -matchings)
+        return cls(mesh, arguments, asked + wrap(reached - arguments[i] - asked), matchings)
+
+    @property
+    def phase_count(self):
+        return self.arguments.shape[1]
 
     def between(self, tails, heads):
-        """Change from tail to head in the sheet of the tail, and the edge's sign."""
+        """(f, k) changes from tail to head for the phases of the tail, and the matching on the way."""
         edge = self.mesh.edges_between(tails, heads)
-        signs = self.signs[edge]
-        # Walked backwards, from the sheet of the higher vertex: -sigma, turned over with the sheet.
-        changes = np.where(tails < heads, self.changes[edge], -signs * self.changes[edge])
-        return changes, signs
+        forward = tails < heads
+        changes, matched = self.changes[edge], self.matchings[edge]
+        changes = np.where(forward[:, None], changes, -after_turns(changes, matched))
+        return changes, np.where(forward, matched, -matched)
 
     def around(self, corners):
-        """Values met on a walk around (f, k) vertices, in the sheet of the first.
+        """Values met on a walk around (f, v) vertices, for the phases of the first.
 
-        Returns (f, k + 1) phases, starting at the first vertex's argument and ending there again,
-        and (f,) the product of the signs.
+        Returns (f, v + 1, k) phases, starting with the first vertex's arguments and ending there again,
+        and (f,) the sum of the matchings: 0 where the phases come back as the same ones.
         """
         values = [self.arguments[corners[:, 0]]]
-        sheet = np.ones(len(corners), int)
-        for k in range(corners.shape[1]):
-            change, sign = self.between(corners[:, k], corners[:, (k + 1) % corners.shape[1]])
-            values.append(values[-1] + sheet * change)
-            sheet = sheet * sign
-        return np.column_stack(values), sheet
+        turns = np.zeros(len(corners), int)
+        for step in range(corners.shape[1]):
+            change, matched = self.between(corners[:, step], corners[:, (step + 1) % corners.shape[1]])
+            values.append(values[-1] + after_turns(change, -turns))
+            turns = turns + matched
+        return np.stack(values, axis=1), turns % (2 * self.phase_count)
 
 
 def dislocation_numbers(edge_phases, triangles):
-    """Integer N of each triangle, 0 where it holds a disclination, and whether it does."""
-    values, sheet = edge_phases.around(triangles)
+    """(f, k) integers N of the phases of each triangle's first corner, 0 where it holds a disclination; and
+    whether it does."""
+    values, turns = edge_phases.around(triangles)
     numbers = np.rint((values[:, 3] - values[:, 0]) / TURN).astype(int)
-    return np.where(sheet > 0, numbers, 0), sheet < 0
+    return np.where(turns[:, None] == 0, numbers, 0), turns != 0
+
+
+def disclination_centres(values, turns):
+    """(f, k) phases at the centres of disclinations, which the walks around them leave in place: multiples of pi.
+
+    Parameters
+    ----------
+    values, turns : what :meth:`EdgePhases.around` returns; turns other than 0
+    """
+    count = values.shape[2]
+    own = after_turns(values[:, 0], -turns)
+    missed = TURN * np.rint((values[:, -1] - own) / TURN)
+    # p = A^-g p + missed, solved for every g.
+    powers = np.stack([after_turns(np.eye(count), -np.full(count, g)).T for g in range(2 * count)])
+    inverses = np.zeros_like(powers)
+    inverses[1:] = np.linalg.inv(np.eye(count) - powers[1:])
+    return np.einsum("fab,fb->fa", inverses[turns], missed)
 
 
 @dataclass(frozen=True)
 class FacePhases:
-    """What a shader or a sampler needs to evaluate the phase anywhere (see :func:`evaluate`).
+    """What a shader or a sampler needs to evaluate one phase anywhere (see :func:`evaluate`).
 
     Attributes
     ----------
@@ -92,6 +119,7 @@ class FacePhases:
         singular quad ABCD split along AC (s, t, -1) with s = (0, 1, 0, -1) and t = (0, 0, 1, 0)
     index, index_2 : (p,) dislocation numbers of a face's first and second triangle
     disclination : (p, 4) values along the rim less the centre's value; zero without a disclination
+    closing : (p,) the same at the first corner of the rim, where the walk comes back to it
     unfit : indices of the faces that only splitting them into triangles can represent
     """
 
@@ -100,48 +128,58 @@ class FacePhases:
     index: np.ndarray
     index_2: np.ndarray
     disclination: np.ndarray
+    closing: np.ndarray
     unfit: np.ndarray
 
 
 def face_phases(edge_phases, polygons):
-    """Corner and face values that make cos(theta) continuous over all faces that can carry them.
+    """Corner and face values that make the pattern continuous over all faces that can carry them.
 
     Parameters
     ----------
     edge_phases : EdgePhases, of the mesh of ``polygons.triangles``
     polygons : Polygons
+
+    Returns
+    -------
+    tuple of k :class:`FacePhases`, for the phases of each face's first corner
     """
     numbers, torn = dislocation_numbers(edge_phases, polygons.triangles)
     singular = np.zeros(len(polygons.starts), bool)
-    singular[polygons.triangle_faces[(numbers != 0) | torn]] = True
+    singular[polygons.triangle_faces[numbers.any(axis=1) | torn]] = True
     torn_count = np.bincount(polygons.triangle_faces[torn], minlength=len(singular))
     unfit = singular & ((polygons.sizes > 4) | (torn_count > 1))
+    faces, count = len(singular), edge_phases.phase_count
     result = FacePhases(
         corner_phase=_walked_phases(edge_phases, polygons),
         corner_place=np.zeros((len(polygons.corner_vertices), 3)),
-        index=np.zeros(len(singular), int),
-        index_2=np.zeros(len(singular), int),
-        disclination=np.zeros((len(singular), 4)),
+        index=np.zeros((faces, count), int),
+        index_2=np.zeros((faces, count), int),
+        disclination=np.zeros((faces, 4, count)),
+        closing=np.zeros((faces, count)),
         unfit=np.flatnonzero(unfit),
     )
     fit = singular & ~unfit
     _fill_triangles(result, edge_phases, polygons, np.flatnonzero(fit & (polygons.sizes == 3)), numbers)
     _fill_quads(result, edge_phases, polygons, np.flatnonzero(fit & (polygons.sizes == 4)))
     _fill_fans(result, edge_phases, polygons, np.flatnonzero(fit & (torn_count == 1)))
-    return result
+    of_phase = ("corner_phase", "index", "index_2", "disclination", "closing")
+    return tuple(
+        replace(result, **{name: getattr(result, name)[..., phase] for name in of_phase}) for phase in range(count)
+    )
 
 
 def _walked_phases(edge_phases, polygons):
-    """Corner phases by a walk along each face's rim: right wherever nothing in it is singular."""
-    phases = np.zeros(len(polygons.corner_vertices))
+    """(c, k) corner phases by a walk along each face's rim: right wherever nothing in it is singular."""
+    phases = np.zeros((len(polygons.corner_vertices), edge_phases.phase_count))
     phases[polygons.starts] = edge_phases.arguments[polygons.corner_vertices[polygons.starts]]
-    sheet = np.ones(len(polygons.starts), int)
+    turns = np.zeros(len(polygons.starts), int)
     for step in range(1, polygons.sizes.max(initial=0)):
         going = polygons.sizes > step
         corner = polygons.starts[going] + step
-        change, sign = edge_phases.between(polygons.corner_vertices[corner - 1], polygons.corner_vertices[corner])
-        phases[corner] = phases[corner - 1] + sheet[going] * change
-        sheet[going] *= sign
+        change, matched = edge_phases.between(polygons.corner_vertices[corner - 1], polygons.corner_vertices[corner])
+        phases[corner] = phases[corner - 1] + after_turns(change, -turns[going])
+        turns[going] += matched
     return phases
 
 
@@ -150,7 +188,7 @@ def _fill_triangles(result, edge_phases, polygons, faces, numbers):
     corners = polygons.starts[faces, None] + np.arange(3)
     values, _ = edge_phases.around(polygons.corner_vertices[corners])
     number = numbers[polygons.first_triangles[faces]]
-    result.corner_phase[corners] = values[:, :3] - TURN / 3 * number[:, None] * np.arange(3)
+    result.corner_phase[corners] = values[:, :3] - TURN / 3 * number[:, None] * np.arange(3)[:, None]
     result.corner_place[corners] = np.eye(3)
     result.index[faces] = number
 
@@ -173,22 +211,23 @@ def _fill_quads(result, edge_phases, polygons, faces):
     number = np.rint((first[:, 3] - first[:, 0]) / TURN).astype(int)
     number_2 = np.rint((second[:, 3] - second[:, 0]) / TURN).astype(int)
     a, b, c, d = first[:, 0], first[:, 1] - np.pi * number, second[:, 1], second[:, 2] - np.pi * number_2
-    phases = np.column_stack([a, b, c, d])
-    starts = np.take_along_axis(phases, np.argmin(corners, axis=1)[:, None], axis=1)
+    phases = np.stack([a, b, c, d], axis=1)
+    starts = phases[np.arange(len(faces)), np.argmin(corners, axis=1)][:, None]
     result.corner_phase[corners] = phases - TURN * np.floor((starts + np.pi) / TURN)
     result.corner_place[corners] = [[0, 0, -1], [1, 0, -1], [0, 1, -1], [-1, 0, -1]]
     result.index[faces], result.index_2[faces] = number, number_2
 
 
 def _fill_fans(result, edge_phases, polygons, faces):
-    """Disclinations: the rim's values less the centre's, which is half of what the walk misses."""
+    """Disclinations: the rim's values less the centre's, which the walk around it leaves in place."""
     for size in (3, 4):
         sized = faces[polygons.sizes[faces] == size]
         corners = polygons.starts[sized, None] + np.arange(3) if size == 3 else _diagonal_corners(polygons, sized)
-        values, _ = edge_phases.around(polygons.corner_vertices[corners])
-        half_turns = np.rint((values[:, -1] + values[:, 0]) / TURN)
-        result.disclination[sized, :size] = values[:, :-1] - np.pi * half_turns[:, None]
-        result.corner_phase[corners] = np.pi * (half_turns % 2)[:, None]
+        values, turns = edge_phases.around(polygons.corner_vertices[corners])
+        centres = disclination_centres(values, turns)
+        result.disclination[sized, :size] = values[:, :-1] - centres[:, None]
+        result.closing[sized] = values[:, -1] - centres
+        result.corner_phase[corners] = np.pi * (np.rint(centres / np.pi) % 2)[:, None]
         result.index[sized] = result.index_2[sized] = 0
 
 
@@ -225,7 +264,7 @@ def evaluate(phases, polygons, triangles, weights):
     faces = polygons.triangle_faces[triangles]
     theta = np.einsum("ki,ki->k", weights, phases.corner_phase[corners])
     place = np.einsum("ki,kix->kx", weights, phases.corner_place[corners])
-    rim = phases.disclination[faces]
+    rim = np.column_stack([phases.disclination[faces], phases.closing[faces]])
     is_quad = place[:, 2] < -0.5
     s, t = place[:, 0], place[:, 1]
     left = 1 - np.abs(s) - t
@@ -240,12 +279,12 @@ def evaluate(phases, polygons, triangles, weights):
 def _triangle_fan(b, x):
     a, b, c = b.T
     parts = [(a - c) * x[:, 0] + (b - c) * x[:, 1], (b - a) * x[:, 1] + (c - a) * x[:, 2]]
-    parts.append((c - b) * x[:, 2] - (a - b) * x[:, 0])
+    parts.append((c - b) * x[:, 2] + (a - b) * x[:, 4])
     return np.choose(np.argmin(np.stack([c, a, b]), axis=0), parts)
 
 
 def _quad_fan(s, t, x):
     along = 1 - np.abs(s) - 2 * t
-    near_a = np.maximum(along, 0) * np.where(s >= 0, x[:, 0], -x[:, 0])
+    near_a = np.maximum(along, 0) * np.where(s >= 0, x[:, 0], x[:, 4])
     outer = np.where(s >= 0, s * x[:, 1], -s * x[:, 3])
     return near_a + np.maximum(-along, 0) * x[:, 2] + outer

@@ -4,19 +4,22 @@
 from .directions import DirectionField, DirectionWishes, direction_field, given_directions
 from .guidance import Guide
 from .lines import Line, boundary_line, line_of_edges
+from .patterns import Pattern
+from .quads import quad_pattern
 from .rows import Row
-from .stripes import StripePattern, stripe_pattern
+from .stripes import stripe_pattern
 
 __all__ = [
     "DirectionField",
     "DirectionWishes",
     "Guide",
     "Line",
+    "Pattern",
     "Row",
-    "StripePattern",
     "boundary_line",
     "direction_field",
     "given_directions",
     "line_of_edges",
+    "quad_pattern",
     "stripe_pattern",
 ]

@@ -49,16 +49,23 @@ class Mirror:
 
     def direction_links(self, symmetry):
         """:class:`Links` between the powers of a direction field."""
-        return self._links(symmetry * self.turns, np.ones(len(self.partner), bool))
+        nodes = np.arange(len(self.partner))
+        return self._links(nodes, self.partner, symmetry * self.turns, np.ones(len(nodes), bool))
 
     def phase_links(self, growth):
-        """Links between phases that grow in directions of (n,) angles, which come out mirrored or reversed."""
-        reversed_ = np.cos(self.turns - growth - growth[self.partner]) < 0
-        return self._links(np.zeros(len(self.partner)), reversed_)
+        """:class:`Links` between the phases of a :class:`Growth`, which come out exchanged or reversed."""
+        count = growth.phase_count
+        met = np.rint((self.turns - growth.angles - growth.angles[self.partner]) / growth.turn).astype(int)
+        # Directions mirrored are counted the other way round: direction l comes to direction met - l.
+        directions = (met[:, None] - np.arange(count)) % (2 * count)
+        nodes = np.arange(count * len(self.partner))
+        partners = count * self.partner[:, None] + directions % count
+        return self._links(nodes, partners.ravel(), np.zeros(len(nodes)), directions.ravel() >= count)
 
-    def _links(self, angles, flips):
-        nodes = np.flatnonzero(np.arange(len(self.partner)) <= self.partner)
-        return Links(nodes, self.partner[nodes], angles[nodes], flips[nodes], np.full(len(nodes), self.name, object))
+    def _links(self, i, j, angles, flips):
+        once = i <= j
+        names = np.full(once.sum(), self.name, object)
+        return Links(i[once], j[once], angles[once], flips[once], names)
 
 
 def split_links(count, parts):

@@ -1,58 +1,75 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the rows of the constraint list ask of stripes: fixed phases, drawn ones, and groups merged into one node."""
+"""What the rows of the constraint list ask of patterns: fixed phases, drawn ones, and groups merged into one node."""
 
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
-from ..connection import line_flips
 from ..errors import ContradictionError
 from ..gauge import balance
 from ..problem import Targets
 from .groups import TOLERANCE, Links, contracted, joined_links
-from .rows import penalties
+from .rows import Row, penalties
 
 
 @dataclass(frozen=True)
 class _LinePhases:
-    """Phases at a row's nodes from the one on its line: exp(1j * shifts) * (conj where turned)(phase).
+    """Phases at a row's nodes, of given vertices, from the one on its line:
+    exp(1j * shifts) * (conj where turned)(phase).
 
-    On the line the phase is meant in the sheet in which it grows to the line's left. Nodes without a direction follow
-    the first of their piece from edge to edge, whose own sheet counts.
+    On the line the phase is meant in the sheet in which it grows to the line's left; of the phases of a vertex it is
+    the one that grows most across the line. Vertices without a direction follow the first of their piece from edge to
+    edge, whose own sheet counts; where there are two phases, both are meant.
     """
 
+    row: Row
     nodes: np.ndarray
     shifts: np.ndarray
     turned: np.ndarray
+    vertices: np.ndarray
 
     @classmethod
-    def of(cls, row, field, rates):
-        nodes, line = row.line.nodes, row.line.directed
+    def of(cls, row, growth):
+        count = growth.phase_count
+        line = row.line.directed
+        towards = growth.angles[line.vertices] - line.angles - np.pi / 2
+        rise = np.cos(towards[:, None] + growth.turn * np.arange(count))
+        own = np.abs(rise).argmax(axis=1)
+        rise = np.take_along_axis(rise, own[:, None], axis=1)[:, 0]
+        directed, place = np.unique(count * line.vertices + own, return_inverse=True)
+        alone = np.setdiff1d(row.line.nodes, line.vertices)
+        nodes = np.union1d(directed, (count * alone[:, None] + np.arange(count)).ravel())
         shifts, turned = np.zeros(len(nodes)), np.zeros(len(nodes), bool)
-        if field.symmetry == 2:
+        if count == 1:
             i, j = row.line.links.T
-            flips = line_flips(field.mesh, field.angles)[field.mesh.edges_between(i, j)]
+            flips = growth.matchings[growth.mesh.edges_between(i, j)] == 1
             turned, _ = balance(len(nodes), np.searchsorted(nodes, row.line.links), flips)
-        # The phase grows a quarter turn counterclockwise from the stripe: this is its growth to the left.
-        growth = np.cos(field.angles[line.vertices] - line.angles)
-        place = np.searchsorted(nodes, line.nodes)
-        shifts[place] = line.means(rates[line.vertices] * line.offsets * growth)
-        turned[place] = (line.means(growth) < 0) & (field.symmetry == 2)
-        return cls(nodes, shifts, turned)
+        at = np.searchsorted(nodes, directed)
+        stations = np.bincount(place)
+        shifts[at] = np.bincount(place, growth.rates.ravel()[directed][place] * line.offsets * rise) / stations
+        turned[at] = (np.bincount(place, rise) < 0) & (not growth.has_signs)
+        return cls(row, nodes, shifts, turned, nodes // count)
 
-    def values(self, phase):
-        """(k,) complex phases for the line's phase in radians."""
+    def of_vertices(self, values):
+        """Values at the nodes, for one, or (v,) one at each vertex of the row."""
+        vertices = self.row.line.nodes
+        return np.broadcast_to(values, len(vertices))[np.searchsorted(vertices, self.vertices)]
+
+    @property
+    def values(self):
+        """(k,) complex phases for the phase that the row asks for."""
+        phase = self.of_vertices(self.row.value)
         return np.exp(1j * (self.shifts + np.where(self.turned, -phase, phase)))
 
 
-def phase_constraints(mesh, field, rates, rows, links=(), slack=TOLERANCE):
-    """Fixed, merged and drawn phases of a stripe pattern: (Targets or None, Merged or None, list of Targets).
+def phase_constraints(growth, rows, links=(), slack=TOLERANCE):
+    """Fixed, merged and drawn phases of a pattern: (Targets or None, Merged or None, list of Targets).
 
     Parameters
     ----------
-    mesh : TriangleMesh
-    field : DirectionField along which stripes run
-    rates : (n,) phase per unit length
+    growth : Growth
     rows : Rows of the kinds "phase" and "constant"
     links : further Links between phases
     slack : how far values that links join may differ
@@ -62,25 +79,26 @@ def phase_constraints(mesh, field, rates, rows, links=(), slack=TOLERANCE):
     ContradictionError
         when hard rows ask for different phases at a vertex
     """
-    phases = [_LinePhases.of(row, field, rates) for row in rows]
-    hard = [(row, p) for row, p in zip(rows, phases, strict=True) if row.kind == "phase" and row.is_hard]
-    constant = [(row, p) for row, p in zip(rows, phases, strict=True) if row.kind == "constant"]
+    phases = [_LinePhases.of(row, growth) for row in rows]
+    hard = [p for p in phases if p.row.kind == "phase" and p.row.is_hard]
     fixed = None
     if hard:
         fixed = _agreed(
-            np.concatenate([p.nodes for _, p in hard]),
-            np.concatenate([p.values(row.value) for row, p in hard]),
-            np.concatenate([np.full(len(p.nodes), row.name, object) for row, p in hard]),
+            np.concatenate([p.nodes for p in hard]),
+            np.concatenate([p.values for p in hard]),
+            np.concatenate([np.full(len(p.nodes), p.row.name, object) for p in hard]),
         )
-    links = joined_links([*links, *(_links(row, p) for row, p in constant)])
-    fixed, merged = contracted(mesh.vertex_count, links, fixed, slack)
-    held = np.zeros(mesh.vertex_count, bool)
+    links = joined_links([*links, *(_links(p, growth) for p in phases if p.row.kind == "constant")])
+    count = growth.phase_count * growth.mesh.vertex_count
+    fixed, merged = contracted(count, links, fixed, slack)
+    held = np.zeros(count, bool)
     held[fixed.nodes if fixed is not None else []] = True
     drawn = []
-    for row, p in zip(rows, phases, strict=True):
-        if not row.is_hard:
+    for p in phases:
+        if not p.row.is_hard:
             free = ~held[p.nodes]
-            drawn.append(Targets(p.nodes[free], p.values(row.value)[free], penalties(mesh, row)[free]))
+            weights = p.of_vertices(penalties(growth.mesh, p.row))
+            drawn.append(Targets(p.nodes[free], p.values[free], weights[free]))
     return fixed, merged, drawn
 
 
@@ -98,10 +116,18 @@ def _agreed(nodes, values, names):
     return Targets(unique, values[first])
 
 
-def _links(row, phases):
-    """From the first node of each piece of a line to the others."""
-    pieces = row.line.pieces
+def _links(phases, growth):
+    """From the first node of each piece of a line to the others: vertices that follow one another, in one phase."""
+    count, nodes = growth.phase_count, phases.nodes
+    i, j = np.sort(phases.row.line.links, axis=1).T
+    matched = growth.matchings[growth.mesh.edges_between(i, j)]
+    own = np.arange(count)
+    tails, heads = count * i[:, None] + own, count * j[:, None] + (own - matched[:, None]) % count
+    joined = np.isin(tails, nodes) & np.isin(heads, nodes)
+    tails, heads = np.searchsorted(nodes, tails[joined]), np.searchsorted(nodes, heads[joined])
+    graph = coo_matrix((np.ones(len(tails)), (tails, heads)), shape=(len(nodes), len(nodes)))
+    pieces = connected_components(graph, directed=False)[1]
     root = np.unique(pieces, return_index=True)[1][pieces]
     flips = phases.turned != phases.turned[root]
     angles = phases.shifts - np.where(flips, -1, 1) * phases.shifts[root]
-    return Links(phases.nodes[root], phases.nodes, angles, flips, np.full(len(root), row.name, object))
+    return Links(nodes[root], nodes, angles, flips, np.full(len(root), phases.row.name, object))

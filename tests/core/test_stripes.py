@@ -5,10 +5,9 @@
 import numpy as np
 import pytest
 
-from synch_fields.core.connection import line_flips, stripe_rotations
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields import direction_field, given_directions, stripe_pattern
-from synch_fields.core.fields.stripes import coarse_edge_share
+from synch_fields.core.fields.growth import Growth
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import evaluate
@@ -51,7 +50,9 @@ def test_constant_stripes_on_flat_domains_are_perfect(build, characteristic, ang
     # The phase grows across the stripes, a quarter turn counterclockwise from them.
     across = turn @ [-np.sin(angle), np.cos(angle), 0]
     triangles, weights, points = samples(mesh)
-    theta = evaluate(pattern.on_faces(Polygons.of_triangles(mesh)), Polygons.of_triangles(mesh), triangles, weights)
+    polygons = Polygons.of_triangles(mesh)
+    (faces,) = pattern.on_faces(polygons)
+    theta = evaluate(faces, polygons, triangles, weights)
     phase = 2 * np.pi / spacing * points @ across
     start = np.angle(pattern.solution.phases[0])
     candidates = []
@@ -66,7 +67,7 @@ def test_the_phase_is_linear_and_turns_once_per_spacing(spacing):
     mesh, turn = tilted(subdivided(square(8)))
     angle = 0.35
     pattern = stripe_pattern(mesh, constant_field(mesh, turn, angle, 1), spacing)
-    changes = pattern.edge_phases.changes
+    changes = pattern.edge_phases.changes[:, 0]
     gradient, *_ = np.linalg.lstsq(mesh.edge_vectors, changes, rcond=None)
     np.testing.assert_allclose(mesh.edge_vectors @ gradient, changes, atol=1e-6)
     assert 2 * np.pi / np.linalg.norm(gradient) == pytest.approx(spacing, rel=1e-6)
@@ -79,13 +80,16 @@ def test_the_phase_is_linear_and_turns_once_per_spacing(spacing):
 def test_asked_phase_changes_are_those_of_a_plane_wave(symmetry):
     mesh, turn = tilted(square(6))
     field = constant_field(mesh, turn, 0.8, symmetry)
-    flips = line_flips(mesh, field.angles)
-    angles = stripe_rotations(mesh, field.angles, np.full(mesh.vertex_count, 3.0), flips)
+    growth = Growth.of(mesh, field.turned(-np.pi / 2), 2 * np.pi / 3.0)
     i, j = mesh.edges.T
-    # In the sheet of the higher vertex, whose vector is the one that counts.
-    np.testing.assert_allclose(angles, 3.0 * np.einsum("ij,ij->i", field.vectors[j], mesh.edge_vectors), atol=1e-9)
-    np.testing.assert_array_equal(flips, np.einsum("ij,ij->i", field.vectors[i], field.vectors[j]) < 0)
-    assert flips.any() == (symmetry == 2)
+    # For the phase of the lower vertex, whose vector is the one that counts.
+    asked = 3.0 * np.einsum("ij,ij->i", field.vectors[i], mesh.edge_vectors)
+    np.testing.assert_allclose(growth.changes[:, 0], asked, atol=1e-9)
+    np.testing.assert_array_equal(growth.matchings, np.einsum("ij,ij->i", field.vectors[i], field.vectors[j]) < 0)
+    assert growth.matchings.any() == (symmetry == 2)
+    # The transport ends in the sheet of the higher vertex.
+    phases = np.exp(3j * np.einsum("ij,ij->i", field.vectors, mesh.vertices))
+    assert growth.connection.energy(phases) < 1e-12
 
 
 def strip(columns=30, stripes=5.0):
@@ -158,5 +162,5 @@ def test_coarse_edges_are_counted():
     mesh = square(10, split="AC")
     field = given_directions(mesh, 1, np.tile([0.0, 1, 0], (mesh.vertex_count, 1)))
     crossing = np.abs(mesh.edge_vectors[:, 0]) > 1e-9
-    assert coarse_edge_share(mesh, field, 0.21) == 0
-    assert coarse_edge_share(mesh, field, 0.19) == pytest.approx(crossing.mean())
+    assert Growth.of(mesh, field, 0.21).coarse_share == 0
+    assert Growth.of(mesh, field, 0.19).coarse_share == pytest.approx(crossing.mean())

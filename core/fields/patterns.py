@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Periodic patterns: phases that grow as directions ask for, found by synchronization (paper, Sections 3.3 and 3.5).
+
+Stripes and quads are the same but for the number of phases at a vertex (:class:`Growth`).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..defects import list_defects
+from ..errors import ContradictionError, SettingError
+from ..geometry import TriangleMesh
+from ..interpolate import EdgePhases, dislocation_numbers, face_phases
+from ..problem import SynchronizationProblem, joined_targets
+from ..solve import Solution, solve
+from .groups import TOLERANCE
+from .growth import Growth
+from .mirror import LEAN, on_mirror, snapped, split_links, with_loops
+from .phase_rows import phase_constraints
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """Phases on a mesh, one a vertex for stripes and two for quads.
+
+    Attributes
+    ----------
+    mesh : TriangleMesh
+    solution : Solution
+    edge_phases : EdgePhases, the phase changes along every edge
+    """
+
+    mesh: TriangleMesh
+    solution: Solution
+    edge_phases: EdgePhases
+
+    @property
+    def vertex_phases(self):
+        """(n, k) radians."""
+        return self.edge_phases.arguments
+
+    @property
+    def dislocations(self):
+        """List of :class:`Defect` with integer index."""
+        numbers, _ = dislocation_numbers(self.edge_phases, self.mesh.triangles)
+        return [
+            defect
+            for phase, column in enumerate(numbers.T)
+            for defect in list_defects(self.mesh, "dislocation", column, phase=phase)
+        ]
+
+    def on_faces(self, polygons):
+        """A :class:`FacePhases` for each phase, for the faces that the mesh's triangles draw."""
+        return face_phases(self.edge_phases, polygons)
+
+
+def check_spacing(mesh, spacing):
+    """Refuse a spacing that no stripe fits in: a length in the mesh's units, or one at each vertex (and axis)."""
+    spacing = np.asarray(spacing, float)
+    bad = np.argwhere(~(np.isfinite(spacing) & (spacing > 0)))
+    if len(bad):
+        where = f" at vertex {bad[0][0]} ({len(bad)} in all)" if spacing.ndim else ""
+        raise SettingError(f"the spacing is {spacing[tuple(bad[0])]:g}{where}: give a positive length")
+    extent = np.linalg.norm(np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0))
+    if spacing.min() > extent:
+        raise SettingError(
+            f"the spacing {spacing.min():g} is larger than the object ({extent:g}): no stripe would fit, reduce it"
+        )
+
+
+def pattern_problem(mesh, field, spacing, rows=(), mirrors=()):
+    """The synchronization problem of a pattern.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+    field : DirectionField, along which the lines of the first phase run; a cross field gives two phases
+    spacing : length of a period in the mesh's units, or one at each vertex (see :meth:`Growth.of`)
+    rows : Rows of the constraint list; those of the kinds "phase" and "constant" count
+    mirrors : Mirrors that leave the pattern as it is
+    """
+    check_spacing(mesh, spacing)
+    growth = Growth.of(mesh, field, spacing)
+    slack = LEAN if mirrors else TOLERANCE
+    try:
+        links, loops = _mirror_links(growth, mirrors)
+        rows = [row for row in rows if row.is_of_phases]
+        fixed, merged, drawn = phase_constraints(growth, rows, [links], slack)
+        fixed = on_mirror(fixed, loops, slack)
+    except ContradictionError as error:
+        raise error.renumbered(np.repeat(np.arange(mesh.vertex_count), growth.phase_count)) from None
+    connection = with_loops(growth.connection, loops)
+    return SynchronizationProblem(connection, growth.masses, merged, fixed, joined_targets(drawn))
+
+
+def solve_pattern(mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None):
+    """Solve for a :class:`Pattern`; arguments as :func:`pattern_problem` and :func:`core.solve.solve`."""
+    problem = pattern_problem(mesh, field, spacing, rows, mirrors)
+    growth = Growth.of(mesh, field, spacing)
+    solution = snapped(problem, solve(problem, options, callback), _mirror_links(growth, mirrors)[1])
+    return Pattern(mesh, solution, growth.edge_phases(solution.phases))
+
+
+def _mirror_links(growth, mirrors):
+    count = growth.phase_count * growth.mesh.vertex_count
+    return split_links(count, [mirror.phase_links(growth) for mirror in mirrors])

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sheets: which phase is which, where directions are known up to a turn (paper, Section 3.5, Eq. 7).
+
+A vertex carries k phases. Phase l grows in direction l, at pi l / k counterclockwise from the first; direction
+l + k is the reverse of direction l, and its phase the negative. A line field has k = 1 and two directions, a cross
+k = 2 and four. Along an edge a *matching* m says that direction m of the tail goes on as direction 0 of the head:
+the phases change by A^m, with A : x -> -x for k = 1 and A : (x, y) -> (y, -x) for k = 2.
+"""
+
+import numpy as np
+
+from .connection import levi_civita
+
+
+def matchings(mesh, angles, symmetry):
+    """Direction of the lower vertex that each edge carries nearest to direction 0 of the higher one.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+    angles : (n,) radians in the vertices' tangent planes, direction 0
+    symmetry : 1, 2 or 4 directions at a vertex
+
+    Returns
+    -------
+    (e,) int from 0 to symmetry - 1
+    """
+    i, j = mesh.edges.T
+    turn = 2 * np.pi / symmetry
+    return np.rint((angles[j] - angles[i] - levi_civita(mesh, 1)) / turn).astype(int) % symmetry
+
+
+def after_turns(phases, turns):
+    """Phases of the directions that stand ``turns`` further on: A^turns applied to (..., k) phases.
+
+    Parameters
+    ----------
+    phases : (..., k) radians, or rates of growth
+    turns : (...,) int
+    """
+    count = phases.shape[-1]
+    directions = (np.arange(count) + np.asarray(turns)[..., None]) % (2 * count)
+    shape = np.broadcast_shapes(phases.shape, directions.shape)
+    taken = np.take_along_axis(np.broadcast_to(phases, shape), np.broadcast_to(directions % count, shape), axis=-1)
+    return np.where(directions < count, taken, -taken)
