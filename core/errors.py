@@ -58,11 +58,15 @@ class Cancelled(SynchError):
     """The user stopped the computation; nothing may be written."""
 
 
+def plural(noun):
+    """ "edges", "vertices", "irregular vertices" """
+    return noun[:-2] + "ices" if noun.endswith("vertex") else noun + "s"
+
+
 def name_elements(kind, indices):
     """Name elements for a message: ``"vertex 7"``, ``"vertices 7, 9, 12 and 40 more"``."""
     indices = np.atleast_1d(indices)
-    plural = {"vertex": "vertices"}.get(kind, kind + "s")
     shown = ", ".join(str(i) for i in indices[:3])
     if len(indices) == 1:
         return f"{kind} {shown}"
-    return f"{plural} {shown}" + (f" and {len(indices) - 3} more" if len(indices) > 3 else "")
+    return f"{plural(kind)} {shown}" + (f" and {len(indices) - 3} more" if len(indices) > 3 else "")

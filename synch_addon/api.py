@@ -1,36 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Python API: ``directions`` and ``stripes`` on a mesh object, shared by operators and command line.
+"""The Python API: one function for each command on a mesh object, shared by operators and command line.
 
 Each gathers arrays, calls the core, and only then writes; an error or a cancellation leaves the
-scene as it was. Both return the report that the command line writes as JSON.
+scene as it was. All return the report that the command line writes as JSON.
 """
 
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
 
 import bpy
-import numpy as np
 
-from ..core.errors import AsymmetryError, ContradictionError, SettingError, SynchError
-from ..core.fields import DirectionWishes, Row, direction_field, given_directions, stripe_pattern
+from ..core.errors import ContradictionError, SettingError, SynchError
+from ..core.extract.quad_mesh import quad_mesh as traced_quads
 from ..core.fields.directions import SYMMETRIES
-from ..core.fields.mirror import Mirror
-from ..core.fields.stripes import check_spacing, coarse_edge_share, forced_dislocations
-from ..core.geometry.mirror import mirrored_vertices
-from . import constraints, field_io, scene_io, write
-from .constraint_list import stored_constraints
-from .guidance import PendingGuide, read_guides
+from . import field_io, quad_object, scene_io, write
 from .report import Report
-from .settings import Settings, from_names
-from .vertex_maps import read_factors, read_turns
-
-# Automatic spacing: this many stripes across the object, and at least this many edges to a stripe;
-# an object of few edges gets these stripes all the same, with a warning.
-STRIPES_ACROSS = 40
-EDGES_PER_STRIPE = 4
-FEWEST_STRIPES = 2
-# Warn when more than this share of the edges turn the phase by more than half a period.
-COARSE_SHARE = 0.05
+from .settings import from_names
+from .task import PATTERNS, gather, settings_for, solve_directions, solve_pattern
 
 
 def directions(obj, callback=None, **settings):
@@ -62,8 +47,25 @@ def stripes(obj, callback=None, **settings):
     return run("stripes", obj, from_names(settings), callback)
 
 
+def quads(obj, callback=None, **settings):
+    """Solve a quad pattern along a cross field and write attributes, material and empties.
+
+    Parameters, result and errors as :func:`directions`; the symmetry is always that of a cross.
+    """
+    return run("quads", obj, from_names(settings), callback)
+
+
+def quad_mesh(obj, callback=None, **settings):
+    """Solve a quad pattern and make the mesh of its grid lines, a new object; the given one is hidden.
+
+    Parameters, result and errors as :func:`quads`; the report says in ``quad_mesh`` how good the mesh is, and in its
+    ``object`` what it is called.
+    """
+    return run("quad_mesh", obj, from_names(settings), callback)
+
+
 def run(command, obj, settings, callback=None):
-    """Run "directions" or "stripes" with ready :class:`Settings`."""
+    """Run a command by its name, with ready :class:`Settings`."""
     job = FieldJob(command, obj, settings)
     job.solve(callback)
     return job.write(obj)
@@ -129,17 +131,13 @@ class FieldJob:
 
     def __init__(self, command, obj, settings):
         refuse(obj)
-        if command == "directions":
-            settings = replace(settings, spacing=None, spacing_map="")
-        elif settings.symmetry == "cross":
-            raise SettingError("stripes need a vector or line field: set the symmetry to vector or line")
+        settings = settings_for(command, obj, settings)
         bpy.context.view_layer.update()  # a script may have scaled the object just now
-        if settings.constraints is None:
-            settings = replace(settings, constraints=stored_constraints(obj))
         self.command = command
         self._report = Report(command, obj, settings)
+        self._field = self._pattern = self._quads = None
         with _object_mode(obj), self._report.clock("read"):
-            self._task = gather(obj, settings)
+            self._task = gather(command, obj, settings)
             self._report.warn_about(obj, self._task)
 
     def solve(self, callback=None):
@@ -158,11 +156,14 @@ class FieldJob:
             raise error.renumbered(self._task.given.source) from None
 
     def _solve(self, callback):
-        alone = self.command == "directions"
+        alone = self.command not in PATTERNS
         self._field = solve_directions(self._task, callback if alone else _portion(callback, 0.0, 0.4))
-        self._pattern = None
         if not alone:
-            self._pattern = solve_stripes(self._task, self._field, self._report, _portion(callback, 0.4, 0.6))
+            self._pattern = solve_pattern(self._task, self._field, self._report, _portion(callback, 0.4, 0.55))
+        if self.command == "quad_mesh":
+            with self._report.clock("extract"):
+                traced = traced_quads(self._pattern.edge_phases)
+                self._quads = quad_object.smoothed(traced, self._task)
 
     def write(self, obj):
         """Write the result to the object at once; returns the report."""
@@ -170,97 +171,12 @@ class FieldJob:
             if not scene_io.is_unchanged(obj, self._task.given):
                 raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
             with self._report.clock("write"):
-                defects = write.results(obj, self._task, self._field, self._pattern, self._report)
+                if self._quads is None:
+                    defects = write.results(obj, self._task, self._field, self._pattern, self._report)
+                else:
+                    defects = write.reported_defects(obj, self._task, self._field, self._pattern)
+                    self._report.quad_mesh = quad_object.write(obj, self._task, self._quads)
             return self._report.finish(self._field, self._pattern, defects)
-
-
-@dataclass(frozen=True)
-class Task:
-    """All that is read from the scene before solving.
-
-    Attributes
-    ----------
-    given, settings : what the rest belongs to
-    directions : (n, 3) vectors that are taken exactly as they are, or None
-    guides : what the directions follow
-    turn : radians by which the directions are turned, one or (n,)
-    rows : Rows of the constraint list
-    mirrors : reflections that leave the field as it is
-    spacing : the spacing, in scene units
-    spacings : that times its map, (n,), or the spacing alone
-    """
-
-    given: scene_io.MeshInput
-    settings: Settings
-    directions: np.ndarray | None
-    guides: tuple[PendingGuide, ...]
-    turn: float | np.ndarray
-    rows: tuple[Row, ...]
-    mirrors: tuple[Mirror, ...]
-    spacing: float
-    spacings: float | np.ndarray
-
-
-def gather(obj, settings):
-    """Read what the settings ask for; refuse what cannot be."""
-    given = constraints.cut_mesh(obj, scene_io.read_mesh(obj), settings.constraints)
-    spacing = automatic_spacing(given.mesh) if settings.spacing is None else settings.spacing
-    spacings, turn, directions, guides = spacing, settings.angle, None, ()
-    if settings.spacing_map:
-        spacings = spacing * read_factors(obj, given, settings.spacing_map, settings.spacing_range)
-    check_spacing(given.mesh, spacings)
-    if settings.angle_attribute:
-        turn = turn + read_turns(obj, given, settings.angle_attribute)
-    if settings.exact_attribute is None:
-        guides = read_guides(obj, given, settings.symmetry, settings.sources)
-    else:
-        directions = scene_io.read_vectors(obj, settings.exact_attribute, given)
-    rows = constraints.rows_of(obj, given, settings.all_constraints)
-    mirrors = read_mirrors(given, settings.mirror)
-    return Task(given, settings, directions, guides, turn, rows, mirrors, spacing, spacings)
-
-
-def read_mirrors(given, axes):
-    """Mirrors in the object's axes, as letters, through its origin."""
-    numbers = sorted("XYZ".index(letter) for letter in set(axes))
-    try:
-        return tuple(Mirror.of(given.mesh, mirrored_vertices(given.mesh, given.polygons, n), n) for n in numbers)
-    except AsymmetryError as error:
-        raise error.renumbered(given.source) from None
-
-
-def solve_directions(task, callback):
-    """The :class:`DirectionField` of a task, turned by its angle."""
-    mesh, settings = task.given.mesh, task.settings
-    symmetry = SYMMETRIES[settings.symmetry]
-    if task.directions is not None:
-        return given_directions(mesh, symmetry, task.directions).turned(task.turn)
-    wishes = DirectionWishes(tuple(guide.weighted for guide in task.guides), task.rows, task.mirrors)
-    return direction_field(mesh, symmetry, wishes, settings.options, callback).turned(task.turn)
-
-
-def solve_stripes(task, field, report, callback):
-    """The :class:`StripePattern` of a task along a field."""
-    mesh, settings = task.given.mesh, task.settings
-    share = coarse_edge_share(mesh, field, task.spacings)
-    if share > COARSE_SHARE:
-        finest = np.min(task.spacings)
-        report.warn(
-            f"the spacing {finest:g} is finer than the mesh can carry on {share:.0%} of its edges: "
-            f"it needs edges shorter than {finest / 2:.3g}, subdivide or remesh"
-        )
-    report.forced_dislocations = forced_dislocations(mesh, field, task.spacings)
-    if callback is not None:  # what the map asks for is seen before the stripes are there; cancelling is the solver's
-        callback(f"stripes, {report.forced_dislocations:.0f} dislocations asked for", 0.0)
-    return stripe_pattern(mesh, field, task.spacings, task.rows, task.mirrors, settings.options, callback)
-
-
-def automatic_spacing(mesh):
-    """About forty stripes across the object, or as many as its edges can carry, but two at least."""
-    size = np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max()
-    median, long = np.quantile(mesh.edge_lengths, [0.5, 1 - COARSE_SHARE])
-    spacing = max(size / STRIPES_ACROSS, EDGES_PER_STRIPE * median, 2 * long)
-    return float(min(spacing, size / FEWEST_STRIPES))
 
 
 def _portion(callback, start, share):
@@ -283,5 +199,5 @@ def _object_mode(obj):
     try:
         yield
     finally:
-        if editing:
+        if editing and bpy.context.view_layer.objects.active == obj:  # not where a new object took its place
             bpy.ops.object.mode_set(mode="EDIT")

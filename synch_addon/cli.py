@@ -70,12 +70,16 @@ def _fail(options, line):
 
 def _run_field(options, loaded):
     settings = _settings(options)
-    files.check_outputs(options.output, options.render, options.report, options.export_field)
+    export_mesh = getattr(options, "export_mesh", None)
+    files.check_outputs(options.output, options.render, options.report, options.export_field, export_mesh)
     obj = _open(options, loaded)
     if options.export_field:
         check_triangles(read_polygons(obj))
     report = api.run(options.command, obj, settings, None if options.quiet else _show_progress)
-    return _deliver(obj, report, options)
+    made = bpy.data.objects[report["quad_mesh"]["object"]] if "quad_mesh" in report else obj
+    if export_mesh:
+        files.export_mesh(made, export_mesh)
+    return _deliver(obj, made, report, options)
 
 
 def _run_demo(options, loaded):
@@ -86,7 +90,7 @@ def _run_demo(options, loaded):
     bpy.ops.wm.read_homefile(use_empty=True)
     obj = add_demo_object()
     report = api.run("stripes", obj, Settings(symmetry="line"), None if options.quiet else _show_progress)
-    return _deliver(obj, report, options)
+    return _deliver(obj, obj, report, options)
 
 
 def _run_info(options, loaded):
@@ -94,7 +98,8 @@ def _run_info(options, loaded):
     return describe(_open(options, loaded))
 
 
-_COMMANDS = {"directions": _run_field, "stripes": _run_field, "demo": _run_demo, "info": _run_info}
+_FIELDS = ("stripes", "directions", "quads", "quad_mesh")
+_COMMANDS = dict.fromkeys(_FIELDS, _run_field) | {"demo": _run_demo, "info": _run_info}
 
 
 def _open(options, loaded):
@@ -105,17 +110,18 @@ def _open(options, loaded):
     return files.choose_object(options.object)
 
 
-def _deliver(obj, report, options):
-    written = []
+def _deliver(obj, shown, report, options):
+    """What was asked for goes to files, with a picture of the object that shows the result."""
+    written = [options.export_mesh] if getattr(options, "export_mesh", None) else []
     if options.output:
         written.append(files.save_blend(options.output))
     if options.render:
         from .render import render_picture
 
-        render_picture(obj, options.render, view=options.view)
+        render_picture(shown, options.render, view=options.view)
         written.append(options.render)
     if getattr(options, "export_field", None):
-        api.export_field(obj, options.export_field, options.symmetry)
+        api.export_field(obj, options.export_field, getattr(options, "symmetry", "cross"))
         written.append(options.export_field)
     if options.report:
         written.append(options.report)
@@ -130,7 +136,7 @@ def _settings(options):
             "add --boundary along, across or phase"
         )
     return Settings(
-        symmetry=options.symmetry,
+        symmetry=getattr(options, "symmetry", "cross"),
         guidance=options.guidance,
         angle=math.radians(options.angle),
         angle_attribute=options.angle_attribute,
@@ -148,12 +154,14 @@ def _settings(options):
 
 
 def _spacing(options):
-    if options.command != "stripes":
+    """The settings that only some commands have."""
+    if options.command == "directions":
         return {}
     if options.spacing_range is not None and not options.spacing_map:
         raise SettingError("the spacing range belongs to a spacing map: add --spacing-map NAME")
     factor = Settings().spacing_range if options.spacing_range is None else options.spacing_range
-    return {"spacing": options.spacing, "spacing_map": options.spacing_map, "spacing_range": factor}
+    more = {name: getattr(options, name) for name in ("aspect", "smoothing") if hasattr(options, name)}
+    return {"spacing": options.spacing, "spacing_map": options.spacing_map, "spacing_range": factor} | more
 
 
 def _read_constraints(path):
@@ -193,16 +201,18 @@ class _Parser(argparse.ArgumentParser):
 def _parser(loaded):
     parser = _Parser(
         prog="blender --command synch" if loaded else "python -m synch_fields",
-        description="Stripes and direction fields with a proved optimality gap.",
+        description="Stripes, quads and direction fields with a proved optimality gap.",
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="command")
     for name, tip in (
         ("stripes", "evenly spaced stripes along a direction field"),
+        ("quads", "a pattern of quads along a cross field"),
+        ("quad_mesh", "a mesh of quads along a cross field"),
         ("directions", "a direction field"),
     ):
         command = commands.add_parser(name, help=tip, description=f"Solve {tip} on a mesh.")
         _add_input(command)
-        _add_settings(command, spacing=name == "stripes")
+        _add_settings(command, name)
         command.add_argument("--output", metavar="FILE.blend", help="save the scene with the result")
         command.add_argument("--render", metavar="FILE.png", help="render a picture of the result")
         _add_view(command)
@@ -210,6 +220,9 @@ def _parser(loaded):
         command.add_argument(
             "--export-field", metavar="FILE.rawfield", help="write the directions on triangles, also as .rosy"
         )
+        if name == "quad_mesh":
+            suffixes = ", ".join(files.MESH_SUFFIXES)
+            command.add_argument("--export-mesh", metavar="FILE.obj", help=f"write the quads as a file ({suffixes})")
         command.add_argument("--quiet", action="store_true", help="no progress on stderr")
     command = commands.add_parser("info", help="what a mesh can carry", description="Describe a mesh.")
     _add_input(command)
@@ -237,10 +250,12 @@ def _add_view(command):
     )
 
 
-def _add_settings(command, spacing):
+def _add_settings(command, name):
     default = Settings()
-    if spacing:
-        command.add_argument("--spacing", type=float, metavar="LENGTH", help="between stripes; default: automatic")
+    of_quads = name in ("quads", "quad_mesh")
+    if name != "directions":
+        what = "two quads' length" if of_quads else "between stripes"
+        command.add_argument("--spacing", type=float, metavar="LENGTH", help=f"{what}; default: automatic")
         command.add_argument(
             "--spacing-map",
             default="",
@@ -253,12 +268,29 @@ def _add_settings(command, spacing):
             metavar="X",
             help=f"factor where the vertex group's weight is 1 ({default.spacing_range:g})",
         )
-    command.add_argument(
-        "--symmetry",
-        choices=tuple(SYMMETRIES),
-        default=default.symmetry,
-        help="what is the same at a point; cross for directions only (%(default)s)",
-    )
+    if of_quads:
+        command.add_argument(
+            "--aspect",
+            type=float,
+            default=default.aspect,
+            metavar="X",
+            help="spacing along the second direction over that along the first, which is nearer to X (%(default)s)",
+        )
+    else:
+        command.add_argument(
+            "--symmetry",
+            choices=tuple(SYMMETRIES),
+            default=default.symmetry,
+            help="what is the same at a point; cross for directions only (%(default)s)",
+        )
+    if name == "quad_mesh":
+        command.add_argument(
+            "--smoothing",
+            type=int,
+            default=default.smoothing,
+            metavar="N",
+            help="how often vertices move to the middle of their neighbours on the surface (%(default)s)",
+        )
     command.add_argument(
         "--guidance",
         default=default.guidance,
@@ -275,7 +307,7 @@ def _add_settings(command, spacing):
         "--boundary",
         choices=BOUNDARIES,
         default=default.boundary,
-        help="what directions do at open edges; phase: a stripe lies exactly on them (%(default)s)",
+        help="what directions do at open edges; phase: a line lies exactly on them (%(default)s)",
     )
     command.add_argument("--vertex-group", default="", metavar="NAME", help="restrict the boundary to this group")
     command.add_argument(

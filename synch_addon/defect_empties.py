@@ -11,7 +11,7 @@ from mathutils import Matrix, Vector
 KINDS = ("disclination", "dislocation")
 COLLECTION_NAME = "Synch Defects"
 
-_KIND, _INDEX, _FACE = "synch_kind", "synch_index", "synch_face"
+_KIND, _INDEX, _FACE, _PHASE = "synch_kind", "synch_index", "synch_face", "synch_phase"
 # On our collections: "scene" for the one that holds all, "object" for the one of an object.
 _MARK = "synch_defects"
 # (positive, negative): warm and cool, in hues that tell the kinds apart too.
@@ -23,13 +23,17 @@ _DISPLAY = {"disclination": ("SPHERE", 0.3), "dislocation": ("SINGLE_ARROW", 0.5
 
 
 class Defect(NamedTuple):
-    """One defect: any record with these names will do for `write_defects`."""
+    """One defect: any record with these names will do for `write_defects`.
+
+    `phase` is "x" or "y" for a dislocation of quads, which have two phases.
+    """
 
     kind: str
     face: int
     index: float
     position: tuple[float, float, float]
     normal: tuple[float, float, float]
+    phase: str = ""
 
 
 def write_defects(obj, defects: Iterable[Defect], *, kinds=KINDS, length=1.0) -> list[bpy.types.Object]:
@@ -63,7 +67,7 @@ def _remove_empties(obj, kinds):
 
 
 def _new_empty(obj, defect, collection, size, counts):
-    label = f"{defect.kind} {_fraction(defect.index)}"
+    label = f"{defect.kind} {defect.phase}{' ' if defect.phase else ''}{_fraction(defect.index)}"
     counts[label] = counts.get(label, 0) + 1
     empty = bpy.data.objects.new(f"{label}.{counts[label]:03d}", None)
     empty.parent = obj
@@ -75,6 +79,8 @@ def _new_empty(obj, defect, collection, size, counts):
     empty.empty_display_type, part = _DISPLAY[defect.kind]
     empty.empty_display_size = part * size
     empty[_KIND], empty[_INDEX], empty[_FACE] = defect.kind, float(defect.index), int(defect.face)
+    if defect.phase:
+        empty[_PHASE] = defect.phase
     collection.objects.link(empty)
     return empty
 

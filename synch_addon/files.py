@@ -17,6 +17,12 @@ _IMPORTERS = {
     ".stl": lambda path: bpy.ops.wm.stl_import(filepath=path),
     ".glb": lambda path: bpy.ops.import_scene.gltf(filepath=path),
 }
+_EXPORTERS = {
+    ".obj": lambda path: bpy.ops.wm.obj_export(filepath=path, export_selected_objects=True, export_materials=False),
+    ".ply": lambda path: bpy.ops.wm.ply_export(filepath=path, export_selected_objects=True),
+    ".stl": lambda path: bpy.ops.wm.stl_export(filepath=path, export_selected_objects=True),
+}
+MESH_SUFFIXES = tuple(_EXPORTERS)
 # Formats that keep one normal and one UV for each vertex, and so tear a surface at every seam and sharp edge.
 _TORN = (".glb", ".ply")
 # Files without normals are shown smooth, apart from edges bent by more than this.
@@ -96,15 +102,29 @@ def choose_object(name=None):
     return chosen
 
 
-def check_outputs(blend=None, picture=None, report=None, field=None):
+def check_outputs(blend=None, picture=None, report=None, field=None, mesh=None):
     """Refuse, before any work, outputs whose folder does not exist or whose suffix is wrong."""
-    for path, suffixes in ((blend, [".blend"]), (picture, [".png"]), (report, [".json"]), (field, FIELD_SUFFIXES)):
+    asked = (
+        (blend, [".blend"]),
+        (picture, [".png"]),
+        (report, [".json"]),
+        (field, FIELD_SUFFIXES),
+        (mesh, MESH_SUFFIXES),
+    )
+    for path, suffixes in asked:
         if not path:
             continue
         if Path(path).suffix.lower() not in suffixes:
             raise SettingError(f"{path}: the name of this output must end in {' or '.join(suffixes)}")
         if not Path(path).resolve().parent.is_dir():
             raise SettingError(f"{path}: its folder does not exist, create it first")
+
+
+def export_mesh(obj, path):
+    """Write one mesh object to a file of its own, in the units of the scene."""
+    for other in bpy.context.view_layer.objects:
+        other.select_set(other == obj)
+    _EXPORTERS[Path(path).suffix.lower()](str(Path(path).resolve()))
 
 
 def is_report(path):

@@ -6,9 +6,9 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from ..core.errors import MeshError
-from .api import COARSE_SHARE, EDGES_PER_STRIPE, automatic_spacing
 from .report import versions
 from .scene_io import read_mesh
+from .task import COARSE_SHARE, EDGES_PER_PERIOD, automatic_spacing
 
 
 def describe(obj):
@@ -38,7 +38,7 @@ def describe(obj):
             "median": float(np.median(mesh.edge_lengths)),
             "longest": float(mesh.edge_lengths.max()),
         },
-        "automatic_spacing": automatic_spacing(mesh),
+        "automatic_spacing": automatic_spacing("stripes", mesh),
         "finest_spacing": 2 * float(np.quantile(mesh.edge_lengths, 1 - COARSE_SHARE)),
         "versions": versions(),
     }
@@ -64,6 +64,6 @@ def _lines(facts):
         f"{facts['euler_characteristic']}, loose vertices {facts['loose_vertices']}",
         "size {:.4g} x {:.4g} x {:.4g}, area {:.4g}".format(*facts["size"], facts["area"]),
         f"edges {lengths['shortest']:.3g} to {lengths['longest']:.3g}, median {lengths['median']:.3g}",
-        f"automatic spacing {facts['automatic_spacing']:.4g} ({EDGES_PER_STRIPE} edges or more to a stripe); "
+        f"automatic spacing {facts['automatic_spacing']:.4g} ({EDGES_PER_PERIOD} edges or more to a stripe); "
         f"finest that the edges carry {facts['finest_spacing']:.4g}",
     ]

@@ -1,198 +1,50 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shader node groups that turn the attributes of a field into its picture.
+"""Shader node groups that turn the attributes of a pattern into its phases, and one phase into stripes.
 
 The phase at a point of a face is ``theta = phase + N * lstar(b) + D``: the interpolated corner
 values, the turn around a dislocation of index N (lArg of Knöppel et al., "Stripe Patterns on
 Surfaces", 2015) and the sheet change around a disclination. A shader sees interpolated corner
 values and constant face values only, so the singular terms are evaluated here, at every shading
-point, and stay crisp at any resolution. Only ``cos(theta)`` agrees across faces.
+point, and stay crisp at any resolution. Only ``cos(theta)`` agrees across faces, and for the two
+phases of quads the pair of cosines, in either order.
 """
 
 import math
-from collections import Counter
-from contextlib import contextmanager
 from dataclasses import astuple, dataclass
-from typing import NamedTuple
 
 import bpy
+
+from .canvas import Canvas, Socket, declare, group_tree
 
 STRIPES_NAME = "Synch Stripes"
 PHASE_NAME = "Synch Phase"
 INK_BLUE = (0.0075, 0.024, 0.085, 1.0)
 WARM_IVORY = (0.86, 0.77, 0.60, 1.0)
 
-_STAMP = "synch_stamp"
-_VERSION = 1
+# In the stamp of every group: raise it when what is built here changes.
+VERSION = 2
 _THIRD = math.pi / 3.0
 # Smallest divisor: ell is undefined at the centre of a singular triangle, and any value will do.
 _TINY = 1e-6
-_COLUMN_WIDTH = 190
-_ROW_HEIGHT = 50
+# Narrowest fade of an edge, in periods or cells: none at all.
+_SHARP = 5e-6
 
 
 @dataclass(frozen=True)
 class PhaseAttributes:
-    """Names of the attributes that hold one phase; the defaults are those of stripes."""
+    """Names of the attributes that hold one phase; the defaults are those of stripes.
+
+    The value with which a walk around a disclination comes back to its first corner is a component of the
+    attribute `closing`; without such an attribute it is the negative of the first value, as for lines.
+    """
 
     phase: str = "synch_phase"
     barycentric: str = "synch_barycentric"
     index: str = "synch_index"
     index_2: str = "synch_index_2"
     disclination: str = "synch_disclination"
-
-
-class Expression:
-    """A number in a shader: arithmetic on expressions adds the Math nodes that compute it."""
-
-    def __init__(self, canvas, socket, depth):
-        self.canvas, self.socket, self.depth = canvas, socket, depth
-
-    def __add__(self, other):
-        return self.canvas.math("ADD", self, other)
-
-    def __sub__(self, other):
-        return self.canvas.math("SUBTRACT", self, other)
-
-    def __rsub__(self, other):
-        return self.canvas.math("SUBTRACT", other, self)
-
-    def __mul__(self, other):
-        return self.canvas.math("MULTIPLY", self, other)
-
-    def __truediv__(self, other):
-        return self.canvas.math("DIVIDE", self, other)
-
-    def __neg__(self):
-        return self.canvas.math("MULTIPLY", self, -1.0)
-
-    def __abs__(self):
-        return self.canvas.math("ABSOLUTE", self)
-
-    def __lt__(self, other):
-        return self.canvas.math("LESS_THAN", self, other)
-
-    __radd__ = __add__
-    __rmul__ = __mul__
-
-    def minimum(self, other):
-        return self.canvas.math("MINIMUM", self, other)
-
-    def maximum(self, other):
-        return self.canvas.math("MAXIMUM", self, other)
-
-    def cosine(self):
-        return self.canvas.math("COSINE", self)
-
-    def ping_pong(self, scale):
-        """Distance to the nearest even multiple of `scale`."""
-        return self.canvas.math("PINGPONG", self, scale)
-
-    def choose(self, where_true, where_false):
-        """`where_true` where this comparison holds (1), `where_false` where not (0)."""
-        return self.canvas.mix(self, where_false, where_true)
-
-    def named(self, label):
-        """Label the node, so that the formula can be read in the node editor too."""
-        self.socket.node.label = label
-        return self
-
-
-class Canvas:
-    """A node tree that is being drawn: nodes stand in the column of their depth."""
-
-    def __init__(self, tree):
-        self.tree = tree
-        self._frame = None
-        self._top = self._last_column = 0
-        self._rows = Counter()
-
-    @contextmanager
-    def band(self, label):
-        """Nodes that are added inside stand in a frame, below everything that is there."""
-        self._frame = self.tree.nodes.new("NodeFrame")
-        self._frame.label, self._frame.select = label, False
-        yield
-        self._top += max(self._rows.values()) + 2
-        self._frame, self._rows = None, Counter()
-
-    def place(self, type_name, depth, label="", rows=1):
-        """Add a node to column `depth` of this band, below those that are there."""
-        node = self.tree.nodes.new(type_name)
-        node.parent = self._frame
-        node.location = (_COLUMN_WIDTH * depth, -_ROW_HEIGHT * (self._top + self._rows[depth]))
-        node.label, node.select = label, False
-        self._rows[depth] += rows
-        self._last_column = max(self._last_column, depth)
-        return node
-
-    def connect(self, value, socket):
-        """Link an expression to an input, or set the input to a plain number."""
-        if isinstance(value, Expression):
-            self.tree.links.new(value.socket, socket)
-        else:
-            socket.default_value = value
-
-    def attribute(self, name, *outputs):
-        """Read the mesh attribute `name`; one expression for each output asked for."""
-        node = self.place("ShaderNodeAttribute", 0, name, rows=4)
-        node.attribute_name = name
-        wanted = [node.outputs[output] for output in outputs]
-        for output in node.outputs:
-            output.hide = output not in wanted
-        return [Expression(self, output, 0) for output in wanted]
-
-    def separate(self, vector):
-        """The three components of a vector or colour."""
-        node = self.place("ShaderNodeSeparateXYZ", vector.depth + 1, rows=3)
-        self.connect(vector, node.inputs[0])
-        return [Expression(self, output, vector.depth + 1) for output in node.outputs]
-
-    def math(self, operation, *operands):
-        return self._node("ShaderNodeMath", operands, lambda node: node.inputs, operation)
-
-    def mix(self, factor, first, second):
-        return self._node("ShaderNodeMix", (factor, first, second), _float_inputs)
-
-    def color_mix(self, factor, first, second):
-        depth = max(value.depth for value in (factor, first, second)) + 1
-        node = self.place("ShaderNodeMix", depth, "Color", rows=5)
-        node.data_type = "RGBA"
-        for value, index in ((factor, 0), (first, 6), (second, 7)):
-            self.connect(value, node.inputs[index])
-        return Expression(self, node.outputs[2], depth)
-
-    def group(self, tree, depth=0):
-        """Use another node group; its outputs as expressions by name."""
-        node = self.place("ShaderNodeGroup", depth, rows=4)
-        node.node_tree = tree
-        return {output.name: Expression(self, output, depth) for output in node.outputs}
-
-    def inputs(self):
-        """The inputs of this group, as expressions by name."""
-        node = self.place("NodeGroupInput", 0, rows=4)
-        return {out.name: Expression(self, out, 0) for out in node.outputs if out.name}
-
-    def outputs(self, **values):
-        """Connect the outputs of this group, one column after everything else."""
-        node = self.place("NodeGroupOutput", self._last_column + 1)
-        for name, value in values.items():
-            self.connect(value, node.inputs[name])
-
-    def _node(self, type_name, operands, inputs_of, operation=None):
-        depth = max(value.depth for value in operands if isinstance(value, Expression)) + 1
-        node = self.place(type_name, depth)
-        node.hide = True
-        if operation:
-            node.operation = operation
-        # A Math node has inputs to spare: how many it uses depends on the operation.
-        for value, socket in zip(operands, inputs_of(node), strict=False):
-            self.connect(value, socket)
-        return Expression(self, node.outputs[0], depth)
-
-
-def _float_inputs(mix_node):
-    # A Mix node keeps the inputs of all its data types; those for numbers are 0, 2 and 3.
-    return mix_node.inputs[0], mix_node.inputs[2], mix_node.inputs[3]
+    closing: str = ""
+    closing_component: int = 0
 
 
 def turning_angle(at_p, at_q, at_r):
@@ -223,49 +75,57 @@ def dislocation_turn(place, index, index_2):
     return (number * (turning_angle(at_p, at_q, at_r) + across).named("lstar")).named("N lstar")
 
 
-def disclination_turn(place, values):
-    """D: how far the phase is from the value 0 or pi at the centre of a disclination."""
+def disclination_turn(place, values, closing):
+    """D: how far the phase is from its value at the centre of a disclination, a multiple of pi."""
     x, y, z = place
     first, second, third, fourth = values
     smallest = x.minimum(y).minimum(z)
-    # The term of the smallest weight vanishes; corner 0 changes its sheet next to edge 20.
-    sheet = (y < x.minimum(z)).choose(-1.0, 1.0).named("sheet of corner 0")
-    in_triangle = (x - smallest) * first * sheet + (y - smallest) * second + (z - smallest) * third
+    # The term of the smallest weight vanishes; next to the last edge the walk is back at corner 0.
+    at_start = (y < x.minimum(z)).choose(closing, first).named("at corner 0")
+    in_triangle = (x - smallest) * at_start + (y - smallest) * second + (z - smallest) * third
     toward_a = (1.0 - abs(x) - 2.0 * y).named("u = bA - bC")
-    at_a = toward_a.maximum(0.0) * first * (x < 0.0).choose(-1.0, 1.0)
+    at_a = toward_a.maximum(0.0) * (x < 0.0).choose(closing, first).named("at A")
     at_c = (-toward_a).maximum(0.0) * third
     in_quad = at_a + at_c + x.maximum(0.0) * second + (-x).maximum(0.0) * fourth
     return (z < -0.5).choose(in_quad, in_triangle).named("D")
 
 
-class _Socket(NamedTuple):
-    name: str
-    kind: str
-    description: str
-    default: object = None
-    limits: tuple | None = None
+def faded(inside, softness, widest):
+    """1 inside, 0 outside, for a distance `inside` that is negative outside.
+
+    The fade at the edge is `softness` wide, but not wider than the `widest` that leaves 0 and 1 in the picture.
+    """
+    fade = softness.minimum(widest).maximum(_SHARP).named("fade")
+    ramp = (inside / fade + 0.5).clamped().named("ramp")
+    return (ramp * ramp * (3.0 - 2.0 * ramp)).named("factor")
+
+
+def rounded(inside, depth):
+    """Rounded height: 0 outside, 1 where the distance `inside` has grown to `depth`."""
+    share = (inside / depth.maximum(_TINY)).clamped()
+    return (0.5 - 0.5 * (share * math.pi).cosine()).named("height")
 
 
 _PHASE_OUTPUTS = (
-    _Socket("Phase", "Float", "Phase theta in radians; stripes are centred where it is 0"),
-    _Socket("Cosine", "Float", "cos(theta), continuous across faces"),
+    Socket("Phase", "Float", "Phase theta in radians; stripes are centred where it is 0"),
+    Socket("Cosine", "Float", "cos(theta), continuous across faces"),
 )
 _STRIPES_INPUTS = (
-    _Socket("Width", "Float", "Part of a period that is stripe", 0.5, (0.0, 1.0)),
-    _Socket(
+    Socket("Width", "Float", "Part of a period that is stripe", 0.5, (0.0, 1.0)),
+    Socket(
         "Softness",
         "Float",
         "Part of a period over which a stripe fades into the background at either edge",
         0.02,
         (0.0, 1.0),
     ),
-    _Socket("Color", "Color", "Color of the stripes", INK_BLUE),
-    _Socket("Background", "Color", "Color between the stripes", WARM_IVORY),
+    Socket("Color", "Color", "Color of the stripes", INK_BLUE),
+    Socket("Background", "Color", "Color between the stripes", WARM_IVORY),
 )
 _STRIPES_OUTPUTS = (
-    _Socket("Color", "Color", "Stripe and background colors, mixed by the factor"),
-    _Socket("Factor", "Float", "1 in a stripe, 0 between stripes"),
-    _Socket("Height", "Float", "Rounded profile, 1 along the middle of a stripe, 0 between"),
+    Socket("Color", "Color", "Stripe and background colors, mixed by the factor"),
+    Socket("Factor", "Float", "1 in a stripe, 0 between stripes"),
+    Socket("Height", "Float", "Rounded profile, 1 along the middle of a stripe, 0 between"),
     *_PHASE_OUTPUTS,
 )
 
@@ -276,10 +136,10 @@ def phase_group(name=PHASE_NAME, attributes=PhaseAttributes()):
     Its outputs are Phase (theta, radians) and Cosine. A group of that name that was built for
     other attributes or by an older version is rebuilt in place.
     """
-    tree, is_current = _tree_for(name, f"{_VERSION} {' '.join(astuple(attributes))}")
+    tree, is_current = group_tree(name, f"{VERSION} {' '.join(map(str, astuple(attributes)))}")
     if is_current:
         return tree
-    _declare(tree, (), _PHASE_OUTPUTS)
+    declare(tree, (), _PHASE_OUTPUTS)
     canvas = Canvas(tree)
     with canvas.band("Attributes of the mesh"):
         (phase,) = canvas.attribute(attributes.phase, "Fac")
@@ -288,82 +148,41 @@ def phase_group(name=PHASE_NAME, attributes=PhaseAttributes()):
         place = canvas.separate(*canvas.attribute(attributes.barycentric, "Vector"))
         color, fourth = canvas.attribute(attributes.disclination, "Color", "Alpha")
         values = (*canvas.separate(color), fourth)
+        closing = _closing(canvas, attributes, values[0])
     with canvas.band("Turn around a dislocation: N lstar(b)"):
         dislocation = dislocation_turn(place, index, index_2)
     with canvas.band("Turn around a disclination: D"):
         # An absent attribute has Alpha 1, which is no value: a face with a dislocation has none.
         is_whole = (abs(index) + abs(index_2) < 0.5).named("N = 0?")
-        disclination = is_whole * disclination_turn(place, values)
+        disclination = is_whole * disclination_turn(place, values, closing)
     with canvas.band("Phase"):
         theta = (phase + dislocation + disclination).named("theta")
         canvas.outputs(Phase=theta, Cosine=theta.cosine().named("cos theta"))
     return tree
 
 
+def _closing(canvas, attributes, first):
+    if not attributes.closing:
+        return -first
+    (both,) = canvas.attribute(attributes.closing, "Vector")
+    return canvas.separate(both)[attributes.closing_component]
+
+
 def stripes_group() -> bpy.types.ShaderNodeTree:
     """The node group "Synch Stripes", built when missing and rebuilt in place when outdated."""
-    tree, is_current = _tree_for(STRIPES_NAME, f"{_VERSION}")
+    tree, is_current = group_tree(STRIPES_NAME, f"{VERSION}")
     phase_tree = phase_group()
     if is_current:
         return tree
-    _declare(tree, _STRIPES_INPUTS, _STRIPES_OUTPUTS)
+    declare(tree, _STRIPES_INPUTS, _STRIPES_OUTPUTS)
     canvas = Canvas(tree)
     inputs = canvas.inputs()
     phase = canvas.group(phase_tree)
     width, softness = inputs["Width"], inputs["Softness"]
-    # Half periods from the middle of a stripe, a function of cos(theta): the edge is at Width.
-    distance = (phase["Phase"].ping_pong(math.pi) / math.pi).named("distance")
-    # A fade wider than the stripe or the gap would leave grey where Width is 0 or 1.
-    fade = softness.minimum(width).minimum(1.0 - width).maximum(1e-5).named("fade")
-    ramp = ((width - distance) / fade * 0.5 + 0.5).maximum(0.0).minimum(1.0).named("ramp")
-    factor = (ramp * ramp * (3.0 - 2.0 * ramp)).named("factor")
-    across = (distance / width.maximum(_TINY)).minimum(1.0).named("across the stripe")
-    height = (0.5 + 0.5 * (across * math.pi).cosine()).named("height")
+    # Periods to the edge of a stripe, a function of cos(theta): the middle is Width / 2 inside.
+    inside = ((width - phase["Phase"].ping_pong(math.pi) / math.pi) * 0.5).named("inside")
+    factor = faded(inside, softness, width.minimum(1.0 - width))
+    height = rounded(inside, width * 0.5)
     color = canvas.color_mix(factor, inputs["Background"], inputs["Color"])
     canvas.outputs(Color=color, Factor=factor, Height=height, **phase)
     return tree
-
-
-def _tree_for(name, stamp):
-    """The local shader group `name`, and whether it was built with this `stamp`.
-
-    One that was not is emptied; its sockets stay, and with them what users have set there.
-    """
-    groups = [
-        tree
-        for tree in bpy.data.node_groups
-        if tree.name == name and tree.bl_idname == "ShaderNodeTree" and tree.library is None
-    ]
-    tree = groups[0] if groups else bpy.data.node_groups.new(name, "ShaderNodeTree")
-    if tree.get(_STAMP) == stamp:
-        return tree, True
-    tree.nodes.clear()
-    tree[_STAMP] = stamp
-    return tree, False
-
-
-def _declare(tree, inputs, outputs):
-    """Give a group these sockets; those that it has already keep their users' values."""
-    sockets = [(socket, "INPUT") for socket in inputs] + [(socket, "OUTPUT") for socket in outputs]
-    wanted = {(socket.name, direction) for socket, direction in sockets}
-    present = {(item.name, item.in_out): item for item in tree.interface.items_tree}
-    for key, item in present.items():
-        if key not in wanted:
-            tree.interface.remove(item)
-    for socket, direction in sockets:
-        if (socket.name, direction) not in present:
-            _new_socket(tree, socket, direction)
-
-
-def _new_socket(tree, socket, direction):
-    item = tree.interface.new_socket(
-        socket.name,
-        description=socket.description,
-        in_out=direction,
-        socket_type=f"NodeSocket{socket.kind}",
-    )
-    if socket.limits:
-        item.subtype = "FACTOR"
-        item.min_value, item.max_value = socket.limits
-    if socket.default is not None:
-        item.default_value = socket.default

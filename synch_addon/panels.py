@@ -26,8 +26,8 @@ def draw_directions(layout, settings, obj):
         row.prop(settings, "mirror", index=number, text=axis, toggle=True)
 
 
-def draw_stripes(layout, settings):
-    """Settings of the stripes, below those of the directions."""
+def draw_pattern(layout, settings):
+    """Settings of a pattern, below those of the directions."""
     column = property_column(layout)
     if hasattr(settings, "automatic_spacing"):
         column.prop(settings, "automatic_spacing")
@@ -40,6 +40,17 @@ def draw_stripes(layout, settings):
     if settings.spacing_map:
         column.prop(settings, "spacing_range")
     column.prop(settings, "assign_material")
+
+
+def draw_quads(layout, settings):
+    """Settings of quads: those of every pattern, and how long they are."""
+    draw_pattern(layout, settings)
+    property_column(layout).prop(settings, "aspect")
+
+
+def draw_quad_mesh(layout, settings):
+    """Settings of the mesh of quads."""
+    property_column(layout).prop(settings, "smoothing")
 
 
 def draw_solver(layout, settings):
@@ -72,7 +83,7 @@ class SidebarPanel:
 
 
 class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
-    """Direction fields and stripes"""
+    """Direction fields, stripes and quads"""
 
     bl_label = "Synch Fields"
 
@@ -86,11 +97,16 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
             draw_progress(self.layout, jobs.running)
             return
         draw_directions(self.layout, obj.synch, obj)
-        draw_stripes(self.layout, obj.synch)
+        draw_quads(self.layout, obj.synch)
+        draw_quad_mesh(self.layout, obj.synch)
         column = self.layout.column(align=True)
         column.scale_y = 1.3
-        column.operator("synch.stripes", icon="MOD_WAVE")
-        column.operator("synch.directions", icon="ORIENTATION_NORMAL")
+        row = column.row(align=True)
+        row.operator("synch.stripes", icon="MOD_WAVE")
+        row.operator("synch.quads", icon="MESH_GRID")
+        row = column.row(align=True)
+        row.operator("synch.directions", icon="ORIENTATION_NORMAL")
+        row.operator("synch.quad_mesh", icon="MOD_REMESH")
 
 
 class SYNCH_PT_solver(SidebarPanel, bpy.types.Panel):

@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 import scipy
 
-from ..core.errors import name_elements
+from ..core.errors import name_elements, plural
 from ..core.solve.solution import Clock
 
 _MANIFEST = Path(__file__).parent.parent / "blender_manifest.toml"
@@ -32,6 +32,7 @@ class Report:
         self.clock = Clock()
         self.warnings = []
         self.forced_dislocations = None
+        self.quad_mesh = None
         self._start = time.perf_counter()
         self._task = None
 
@@ -110,6 +111,7 @@ class Report:
             "disclinations": [d for d in defects if d["kind"] == "disclination"],
             "dislocations": [d for d in defects if d["kind"] == "dislocation"],
             "forced_dislocations": self.forced_dislocations,
+            **({"quad_mesh": self.quad_mesh} if self.quad_mesh else {}),
             "times": times,
             "peak_memory_mb": peak_memory(),
             "seed": self.settings.seed,
@@ -171,10 +173,20 @@ def summary(report):
     if report["forced_dislocations"] is not None:
         dislocations += f" (exact directions and spacing ask for {report['forced_dislocations']:.0f})"
     lines.append(f"{disclinations}, {dislocations}")
+    if "quad_mesh" in report:
+        lines.append(_quad_line(report["quad_mesh"]))
     lines.append(f"{report['times']['total']:.2f} s")
     return lines
 
 
+def _quad_line(made):
+    return (
+        f"{made['object']}: {made['faces']} faces, {made['quad_share']:.1%} quads, "
+        f"{counted(made['irregular_vertices'], 'irregular vertex')}, corners off a right angle by "
+        f"{made['angle_deviation']:.1f} degrees on average, {made['hausdorff_distance']:.2g} from the surface at most"
+    )
+
+
 def counted(count, noun):
-    """ "1 dislocation", "2 dislocations" """
-    return f"{count} {noun}" + ("" if count == 1 else "s")
+    """ "1 dislocation", "2 dislocations", "0 vertices" """
+    return f"{count} {noun if count == 1 else plural(noun)}"

@@ -21,6 +21,7 @@ _LAYOUTS = {
     "FLOAT_VECTOR": (np.float32, 3, "vector"),
     "FLOAT2": (np.float32, 2, "vector"),
     "FLOAT_COLOR": (np.float32, 4, "color"),
+    "BYTE_COLOR": (np.float32, 4, "color"),
 }
 # Attributes that mark edges.
 MARKS = {"seams": "uv_seam", "sharp": "sharp_edge", "creases": "crease_edge"}
@@ -215,6 +216,13 @@ def read_weights(obj, name, outside=0.0):
             if member.group == group.index:
                 weights[vertex.index] = member.weight
     return weights
+
+
+def write_weights(obj, name, weights):
+    """A new vertex group of (n,) weights, without the vertices whose weight is 0."""
+    group = obj.vertex_groups.new(name=name)
+    for vertex in np.flatnonzero(weights > 0).tolist():
+        group.add([vertex], float(weights[vertex]), "REPLACE")
 
 
 def read_values(obj, name, domain):

@@ -37,13 +37,16 @@ class Settings:
     guidance : "smooth", or sources that directions follow, as :mod:`.guidance` reads them
     angle : radians by which the directions are turned
     angle_attribute : name of a float attribute or vertex group on the vertices, more radians; "" for none
-    boundary : "free", "along", "across" or "phase" (stripes lie on the boundary)
+    boundary : "free", "along", "across" or "phase" (a stripe or grid line lies on the boundary)
     vertex_group : restricts the boundary to the edges in a vertex group; "" for all of it
     mirror : axes "X", "Y", "Z", or several, in which the field is its own mirror image; "" for none
     constraints : rows of the constraint list, :class:`Constraint` or dicts; None for the object's own list
-    spacing : distance between two stripes in scene units; None for about forty across the object
+    spacing : period in scene units, the distance between two stripes or two quads' length; None for about forty
+        stripes or quads across the object
     spacing_map : name of a float attribute on the vertices, a factor on the spacing, or of a vertex group; "" for none
     spacing_range : factor on the spacing where the vertex group's weight is 1
+    aspect : of quads, the spacing along the second direction over that along the first, which is the one nearer to X
+    smoothing : of quad meshes, how often vertices move to the middle of their neighbours on the surface
     method : "sdp", "spectral" or "diffusion"
     seed : of every random choice
     target_gap : relative gap of the relaxation to prove
@@ -62,6 +65,8 @@ class Settings:
     spacing: float | None = None
     spacing_map: str = ""
     spacing_range: float = 2.0
+    aspect: float = 1.0
+    smoothing: int = 3
     method: str = "sdp"
     seed: int = 0
     target_gap: float = 1e-2
@@ -78,16 +83,20 @@ class Settings:
         ):
             if getattr(self, name) not in choices:
                 raise SettingError(f"{name} {getattr(self, name)!r} is unknown: use one of {', '.join(choices)}")
-        for name in ("angle", "spacing", "spacing_range", "target_gap", "time_limit"):
+        for name in ("angle", "spacing", "spacing_range", "aspect", "target_gap", "time_limit"):
             value = getattr(self, name)
             if value is not None and not isinstance(value, int | float):
                 raise SettingError(f"the {name.replace('_', ' ')} is {value!r}: give a number")
-        if not isinstance(self.seed, int) or self.seed < 0:
-            raise SettingError(f"the seed is {self.seed!r}: give a whole number from 0 on")
+        for name in ("seed", "smoothing"):
+            value = getattr(self, name)
+            if not isinstance(value, int) or value < 0:
+                raise SettingError(f"the {name} is {value!r}: give a whole number from 0 on")
         if not math.isfinite(self.angle):
             raise SettingError(f"the angle is {self.angle}: give a finite one")
-        if not (math.isfinite(self.spacing_range) and self.spacing_range > 0):
-            raise SettingError(f"the spacing range is {self.spacing_range}: give a positive factor")
+        for name in ("spacing_range", "aspect"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value > 0):
+                raise SettingError(f"the {name.replace('_', ' ')} is {value}: give a positive factor")
         if not isinstance(self.mirror, str) or set(self.mirror) - set("XYZ"):
             raise SettingError(f"the mirror is {self.mirror!r}: use axes of X, Y and Z, such as X or XY")
         parse(self.guidance)
@@ -154,7 +163,7 @@ class SettingProperties:
             ("free", "Free", "Nothing is asked of the boundary"),
             ("along", "Along", "Directions run along the boundary"),
             ("across", "Across", "Directions meet the boundary at a right angle"),
-            ("phase", "Stripe on It", "Directions run along the boundary and a stripe lies exactly on it"),
+            ("phase", "Line on It", "Directions run along the boundary and a stripe or grid line lies exactly on it"),
         ),
         default="FREE",
     )
@@ -186,6 +195,22 @@ class SettingProperties:
         min=1e-3,
         soft_min=0.25,
         soft_max=4.0,
+    )
+    aspect: FloatProperty(
+        name="Aspect",
+        description="Spacing of quads along their second direction over that along the first, the one nearer to X; "
+        "only where the two never change places around a disclination",
+        default=1.0,
+        min=1e-3,
+        soft_min=0.25,
+        soft_max=4.0,
+    )
+    smoothing: IntProperty(
+        name="Smoothing",
+        description="How often the quad mesh's vertices move to the middle of their neighbours on the surface",
+        default=3,
+        min=0,
+        soft_max=20,
     )
     method: EnumProperty(
         name="Method",

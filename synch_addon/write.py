@@ -8,14 +8,15 @@ from mathutils import Vector
 
 from . import scene_io
 from .defect_empties import Defect, write_defects
-from .materials import stripes_material
+from .materials import pattern_material
 
-# Attributes of a stripe pattern that only some meshes need: absent means zero to a shader.
-_OPTIONAL = ("synch_index_2", "synch_disclination")
+# Attributes of each phase, and their suffixes by how many phases a vertex has.
+_SUFFIXES = {1: ("",), 2: ("_x", "_y")}
+_PER_PHASE = ("synch_phase{}", "synch_index{}", "synch_index{}_2", "synch_disclination{}", "synch_vertex_phase{}")
 
 
 def results(obj, task, field, pattern, report):
-    """Write directions and, where there is one, the stripe pattern.
+    """Write directions and, where there is one, the pattern.
 
     Returns the defects as dicts of plain values for the report, faces numbered as they are afterwards.
     """
@@ -23,24 +24,34 @@ def results(obj, task, field, pattern, report):
     polygons = given.polygons
     if pattern is not None:
         polygons = _write_pattern(obj, given, pattern, report)
-    found = field.disclinations + (pattern.dislocations if pattern is not None else [])
-    triangles = given.mesh.triangles[[d.triangle for d in found]] if found else np.empty((0, 3), int)
-    faces = scene_io.faces_of_triangles(polygons, triangles)
-    _write_field(obj, given, field, polygons, faces)
-    defects = [_defect(given, d, face) for d, face in zip(found, faces, strict=True)]
+    defects = _defects(given, field, pattern, polygons)
+    _write_field(obj, given, field, polygons, [d for d in defects if d.kind == "disclination"])
     kinds = ("disclination",) if pattern is None else ("disclination", "dislocation")
     write_defects(obj, defects, kinds=kinds, length=spacing)
     if pattern is not None:
-        stripes_material(obj, spacing=spacing, assign_faces=task.settings.assign_material or _has_one_material(obj))
+        all_faces = task.settings.assign_material or _has_one_material(obj)
+        pattern_material(obj, task.command, spacing=spacing, assign_faces=all_faces)
     scene_io.update(obj)
     return [_plain(obj, d) for d in defects]
 
 
-def _write_field(obj, given, field, polygons, faces):
+def reported_defects(obj, task, field, pattern):
+    """The defects of a solved pattern for the report, without writing anything."""
+    return [_plain(obj, d) for d in _defects(task.given, field, pattern, task.given.polygons)]
+
+
+def _defects(given, field, pattern, polygons):
+    """All defects as records for the scene, in object space, with the faces that they are in."""
+    found = field.disclinations + (pattern.dislocations if pattern is not None else [])
+    triangles = given.mesh.triangles[[d.triangle for d in found]] if found else np.empty((0, 3), int)
+    faces = scene_io.faces_of_triangles(polygons, triangles)
+    return [_defect(given, pattern, d, face) for d, face in zip(found, faces, strict=True)]
+
+
+def _write_field(obj, given, field, polygons, disclinations):
     scene_io.write_attribute(obj, "synch_direction", "POINT", "FLOAT_VECTOR", given.to_object(field.vectors))
     singularity = np.zeros(len(polygons.starts))
-    disclinations = field.disclinations
-    np.add.at(singularity, faces[: len(disclinations)], [d.index for d in disclinations])
+    np.add.at(singularity, [d.face for d in disclinations], [d.index for d in disclinations])
     scene_io.write_attribute(obj, "synch_singularity", "FACE", "FLOAT", singularity)
 
 
@@ -48,47 +59,65 @@ def _write_pattern(obj, given, pattern, report):
     """Write the phases; returns the faces as they are now."""
     polygons = given.polygons
     phases = pattern.on_faces(polygons)
-    if len(phases.unfit):
+    unfit = phases[0].unfit
+    if len(unfit):
         report.warn(
-            f"{len(phases.unfit)} faces with a defect were split into triangles, first face "
-            f"{phases.unfit[0]}: corner values carry one disclination, or two dislocations, in at most four corners"
+            f"{len(unfit)} faces with a defect were split into triangles, first face "
+            f"{unfit[0]}: corner values carry one disclination, or two dislocations, in at most four corners"
         )
-        old_corners = scene_io.split_faces(obj, polygons, phases.unfit)
+        old_corners = scene_io.split_faces(obj, polygons, unfit)
         polygons = replace(scene_io.read_polygons(obj), corner_vertices=polygons.corner_vertices[old_corners])
         phases = pattern.on_faces(polygons)
-    vertex_phases = np.angle(pattern.solution.phases)[: given.uncut.vertex_count]
-    for name, domain, data_type, values in (
-        ("synch_phase", "CORNER", "FLOAT", phases.corner_phase),
-        ("synch_index", "FACE", "INT", phases.index),
-        ("synch_index_2", "FACE", "INT", phases.index_2),
-        ("synch_barycentric", "CORNER", "FLOAT_VECTOR", phases.corner_place),
-        ("synch_disclination", "FACE", "FLOAT_COLOR", phases.disclination),
-        ("synch_vertex_phase", "POINT", "FLOAT", vertex_phases),
-        ("synch_pattern", "POINT", "FLOAT", np.cos(vertex_phases)),
-    ):
-        if name in _OPTIONAL and not values.any():
-            scene_io.remove_attribute(obj, name)
-        else:
-            scene_io.write_attribute(obj, name, domain, data_type, values)
+    vertex_phases = pattern.vertex_phases[: given.uncut.vertex_count]
+    suffixes = _SUFFIXES[len(phases)]
+    other = _SUFFIXES[3 - len(phases)]
+    for name in [name.format(suffix) for name in _PER_PHASE for suffix in other] + ["synch_closing"]:
+        scene_io.remove_attribute(obj, name)
+    for suffix, phase, at_vertices in zip(suffixes, phases, vertex_phases.T, strict=True):
+        scene_io.write_attribute(obj, "synch_phase" + suffix, "CORNER", "FLOAT", phase.corner_phase)
+        scene_io.write_attribute(obj, "synch_index" + suffix, "FACE", "INT", phase.index)
+        scene_io.write_attribute(obj, "synch_vertex_phase" + suffix, "POINT", "FLOAT", at_vertices)
+        _write_if_any(obj, f"synch_index{suffix}_2", "INT", phase.index_2)
+        disclination = "synch_disclination" + suffix
+        if len(phases) == 1:
+            _write_if_any(obj, disclination, "FLOAT_COLOR", phase.disclination)
+        else:  # a face may be singular for the other phase alone: its values here have to be zero, not absent
+            scene_io.write_attribute(obj, disclination, "FACE", "FLOAT_COLOR", phase.disclination)
+    if len(phases) == 2:
+        closing = np.column_stack([phase.closing for phase in phases])
+        scene_io.write_attribute(obj, "synch_closing", "FACE", "FLOAT2", closing)
+    scene_io.write_attribute(obj, "synch_barycentric", "CORNER", "FLOAT_VECTOR", phases[0].corner_place)
+    scene_io.write_attribute(obj, "synch_pattern", "POINT", "FLOAT", np.cos(vertex_phases).prod(axis=1))
     return polygons
 
 
-def _defect(given, defect, face):
+def _write_if_any(obj, name, data_type, values):
+    """A face attribute that only some meshes need: absent means zero to a shader."""
+    if values.any():
+        scene_io.write_attribute(obj, name, "FACE", data_type, values)
+    else:
+        scene_io.remove_attribute(obj, name)
+
+
+def _defect(given, pattern, defect, face):
     inverse = np.linalg.inv(given.stretch)
     normal = given.stretch @ defect.normal  # normals go the other way round than points
+    of_two = defect.kind == "dislocation" and pattern.edge_phases.phase_count == 2
     return Defect(
         defect.kind,
         int(face),
         defect.index,
         tuple((inverse @ defect.position).tolist()),
         tuple((normal / np.linalg.norm(normal)).tolist()),
+        "xy"[defect.phase] if of_two else "",
     )
 
 
 def _plain(obj, defect):
     """A defect for the report, at its place in the world."""
     position = obj.matrix_world @ Vector(defect.position)
-    return {"kind": defect.kind, "face": defect.face, "index": defect.index, "position": list(position)}
+    plain = {"kind": defect.kind, "face": defect.face, "index": defect.index, "position": list(position)}
+    return plain | {"phase": defect.phase} if defect.phase else plain
 
 
 def _has_one_material(obj):

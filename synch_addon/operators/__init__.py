@@ -1,12 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The operators ``synch.directions`` and ``synch.stripes``, and those that read and write field files."""
+"""The operators of the commands, and those that read and write field files."""
 
 import bpy
 
 from .. import jobs
-from . import directions, field_io, stripes
+from . import directions, field_io, quads, stripes
 
-_CLASSES = (directions.SYNCH_OT_directions, stripes.SYNCH_OT_stripes)
+_CLASSES = (
+    directions.SYNCH_OT_directions,
+    stripes.SYNCH_OT_stripes,
+    quads.SYNCH_OT_quads,
+    quads.SYNCH_OT_quad_mesh,
+)
 
 
 def register():

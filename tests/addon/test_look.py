@@ -10,7 +10,7 @@ from mathutils import Vector
 from synch_fields.core.errors import MeshError, SettingError
 from synch_fields.synch_addon import nodes, render
 from synch_fields.synch_addon.defect_empties import Defect, defect_empties, write_defects
-from synch_fields.synch_addon.materials import stripes_material
+from synch_fields.synch_addon.materials import pattern_material
 from synch_fields.synch_addon.render import render_picture
 
 PIXELS = 160
@@ -263,11 +263,11 @@ def test_inner_group_reads_other_attributes(tmp_path):
 
 def test_material_edits_survive_a_second_run():
     obj = FACES["regular quad"].build()
-    material = stripes_material(obj, spacing=0.1)
+    material = pattern_material(obj, "stripes", spacing=0.1)
     group = next(node for node in material.node_tree.nodes if node.type == "GROUP")
     group.inputs["Width"].default_value = 0.2
     material.name = "Zebra"
-    assert stripes_material(obj, spacing=0.2) == material
+    assert pattern_material(obj, "stripes", spacing=0.2) == material
     assert group.inputs["Width"].default_value == pytest.approx(0.2)
     assert list(obj.data.materials) == [material]
     assert obj["synch_spacing"] == pytest.approx(0.2)
@@ -276,8 +276,8 @@ def test_material_edits_survive_a_second_run():
 def test_an_object_without_materials_gets_stripes_and_so_does_an_empty_slot():
     bare, slotted = FACES["regular quad"].build(), FACES["regular triangle"].build()
     slotted.data.materials.append(None)
-    material = stripes_material(bare)
-    assert stripes_material(slotted) == material
+    material = pattern_material(bare, "stripes")
+    assert pattern_material(slotted, "stripes") == material
     assert list(bare.data.materials) == list(slotted.data.materials) == [material]
 
 
@@ -285,10 +285,10 @@ def test_other_materials_keep_their_faces_unless_all_are_asked_for():
     obj = FACES["regular quad"].build()
     steel = bpy.data.materials.new("steel")
     obj.data.materials.append(steel)
-    stripes = stripes_material(obj)
+    stripes = pattern_material(obj, "stripes")
     assert list(obj.data.materials) == [steel, stripes]
     assert obj.data.polygons[0].material_index == 0
-    assert stripes_material(obj, assign_faces=True) == stripes
+    assert pattern_material(obj, "stripes", assign_faces=True) == stripes
     assert list(obj.data.materials) == [steel, stripes]
     assert obj.data.polygons[0].material_index == 1
 
@@ -356,7 +356,7 @@ def contents():
 
 def test_picture_leaves_the_file_as_it_was(tmp_path):
     obj = FACES["regular quad"].build()
-    stripes_material(obj)
+    pattern_material(obj, "stripes")
     write_defects(obj, some_defects())
     before, scene = contents(), bpy.context.scene
     path = render_picture(obj, tmp_path / "picture.png", resolution=(64, 48), samples=1)

@@ -291,3 +291,51 @@ BOUNDED = [
 ]
 EVERY = CLOSED + BOUNDED
 FLAT = [p for p in BOUNDED if p.id in ("square", "disk", "annulus")]
+
+
+def renumbered(mesh, seed=0):
+    """The mesh with vertices, triangles and the first corners of these in random order; (n,) new name of each vertex
+    and (m,) of each triangle."""
+    random = np.random.default_rng(seed)
+    vertex, triangle = random.permutation(mesh.vertex_count), random.permutation(mesh.triangle_count)
+    rolled = (np.arange(3) + random.integers(0, 3, (mesh.triangle_count, 1))) % 3
+    vertices, triangles = np.empty_like(mesh.vertices), np.empty_like(mesh.triangles)
+    vertices[vertex] = mesh.vertices
+    triangles[triangle] = np.take_along_axis(vertex[mesh.triangles], rolled, axis=1)
+    return TriangleMesh(vertices, triangles), vertex, triangle
+
+
+def rounded_cube(cuts=8, share=0.5):
+    """A cube of edge 1 around the origin, a share of the way to a sphere."""
+    box = cube(cuts)
+    points = box.vertices - 0.5
+    sphere = 0.6 * points / np.linalg.norm(points, axis=1)[:, None]
+    return TriangleMesh((1 - share) * points + share * sphere, box.triangles)
+
+
+def octahedron(heights=(1.0, 1.0, 1.0)):
+    """Six vertices on the axes, the positive and negative ones in turn."""
+    points = np.concatenate([np.diag(heights), -np.diag(heights)])
+    return TriangleMesh(points, [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
+
+
+def flat_torus(width=1.0, height=1.0, columns=16, rows=12):
+    """A torus that measures as the rectangle whose opposite sides it joins, and the direction of the rectangle's x axis
+    in every vertex's tangent plane.
+
+    Space has no room for it: the points are those of a round torus, lengths and angles of the rectangle.
+    """
+    chart = square(columns, rows, width, height)
+    quads = grid_quads(columns, rows, wrap_columns=True, wrap_rows=True)
+    mesh = TriangleMesh(torus_points(width, 0.4 * width, columns, rows), split_quads(quads))
+    lengths = np.zeros(len(mesh.edges))
+    lengths[mesh.triangle_edges] = chart.edge_lengths[chart.triangle_edges]
+    vars(mesh).update(_corner_products=chart._corner_products, edge_lengths=lengths)
+    ahead = np.roll(chart.triangles, -1, axis=1)
+    x, y, _ = np.moveaxis(chart.vertices[ahead] - chart.vertices[chart.triangles], -1, 0)
+    end = (mesh.triangle_edge_signs < 0).astype(int)
+    turns = np.exp(1j * (mesh.edge_directions[mesh.triangle_edges, end] - np.arctan2(y, x)))
+    axis = np.zeros(mesh.vertex_count, complex)
+    axis[mesh.triangles] = turns
+    assert np.abs(axis[mesh.triangles] - turns).max() < 1e-9
+    return mesh, np.angle(axis)

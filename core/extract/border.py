@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The boundary of the surface as part of the graph of its grid lines."""
+
+import numpy as np
+
+# A boundary that bulges by more than this, in distances between two lines that meet it, keeps a corner there.
+BULGE = 0.3
+
+
+def border_of(mesh, crossings, met, node_count):
+    """The boundary as pieces with the surface on their left, and which of its vertices are corners.
+
+    Parameters
+    ----------
+    met : (c,) bool, crossings at which a line reaches the boundary
+    node_count : number of nodes before the boundary's vertices, which are nodes from there on
+
+    Returns
+    -------
+    (b, 2) nodes of the pieces, (v,) bool corners, and (v,) the vertices
+    """
+    half = np.flatnonzero(mesh.twins < 0)
+    heads = np.roll(mesh.triangles, -1, axis=1).ravel()
+    following = np.full(mesh.vertex_count, -1)
+    following[mesh.triangles.ravel()[half]] = half
+    vertices = np.flatnonzero(following >= 0)
+    number = np.full(mesh.vertex_count, -1)
+    number[vertices] = node_count + np.arange(len(vertices))
+    pieces, corners = [], np.zeros(len(vertices), bool)
+    waiting = np.ones(mesh.vertex_count, bool)
+    for first in vertices:
+        nodes, points, hit = [], [], []
+        vertex = first
+        while waiting[vertex]:
+            waiting[vertex] = False
+            edge = mesh.triangle_edges.ravel()[following[vertex]]
+            head = heads[following[vertex]]
+            passed = crossings.starts[edge] + np.arange(crossings.counts[edge])
+            shares = crossings.shares[passed]
+            if vertex > head:
+                passed, shares = passed[::-1], 1 - shares[::-1]
+            nodes += [number[vertex], *passed]
+            points.append(mesh.vertices[vertex] + np.outer([0, *shares], mesh.vertices[head] - mesh.vertices[vertex]))
+            hit += [False, *met[passed]]
+            vertex = head
+        if nodes:
+            nodes = np.array(nodes)
+            pieces.append(np.column_stack([nodes, np.roll(nodes, -1)]))
+            chosen = nodes[_corners(np.concatenate(points), np.array(hit), nodes >= node_count)]
+            corners[chosen - node_count] = True
+    return np.concatenate([np.empty((0, 2), int), *pieces]), corners, vertices
+
+
+def _corners(points, hit, is_vertex):
+    """Indices of the places on a closed loop that its faces cannot do without, besides those where lines meet it.
+
+    They bulge from between two lines, or make a triangle of a loop that fewer lines meet. A loop that none meets is
+    closed by the face around it.
+    """
+    chosen = np.flatnonzero(hit).tolist()
+    corners = []
+    for start, stop in zip(chosen, [*chosen[1:], chosen[0] + len(points)] if chosen else [], strict=True):
+        between = np.arange(start + 1, stop) % len(points)
+        between = between[is_vertex[between]]
+        chord = points[stop % len(points)] - points[start]
+        length = np.linalg.norm(chord)
+        away = points[between] - points[start]
+        along = np.clip(away @ chord / max(length, np.finfo(float).tiny) ** 2, 0, 1)
+        bulge = np.linalg.norm(away - along[:, None] * chord, axis=1)
+        if len(bulge) and bulge.max() > BULGE * length:
+            corners.append(between[bulge.argmax()])
+    spare = np.setdiff1d(np.flatnonzero(is_vertex), corners)
+    while chosen and len(chosen) + len(corners) < 3 and len(spare):
+        taken = points[[*chosen, *corners]]
+        distances = np.linalg.norm(points[spare, None] - taken, axis=2).min(axis=1)
+        corners.append(spare[distances.argmax()])
+        spare = np.setdiff1d(spare, corners)
+    return np.array(corners, int)

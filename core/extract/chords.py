@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where lines cross edges, and the pieces of lines inside triangles that join these crossings."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..sheets import after_turns
+from .fans import ASIDE, in_radians
+
+
+@dataclass(frozen=True)
+class Crossings:
+    """Where lines cross edges, along each edge from its lower vertex.
+
+    Attributes
+    ----------
+    edges, phases, levels : (c,) edge, phase of the edge's lower vertex, and which multiple of pi
+    shares : (c,) how far along the edge
+    starts, counts : (e,) the crossings of each edge follow one another
+    """
+
+    edges: np.ndarray
+    phases: np.ndarray
+    levels: np.ndarray
+    shares: np.ndarray
+    starts: np.ndarray
+    counts: np.ndarray
+
+
+def crossings_of(phases):
+    """All :class:`Crossings`; ends of an edge are never on a line but at a centre, which does not count."""
+    mesh, count = phases.mesh, phases.phase_count
+    begin = phases.arguments[mesh.edges[:, 0]]
+    end = begin + phases.changes
+    end = np.where(np.abs(end - np.rint(end)) < ASIDE / 4, np.rint(end), end)  # a centre, but for rounding
+    low, high = np.minimum(begin, end), np.maximum(begin, end)
+    first = np.floor(low) + 1
+    counts = np.maximum(np.ceil(high) - first, 0).astype(int).ravel()
+    which = np.repeat(np.arange(len(counts)), counts)
+    levels = first.ravel()[which] + np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts)
+    edges, phase = which // count, which % count
+    shares = (levels - begin.ravel()[which]) / phases.changes.ravel()[which]
+    # Two lines at the same place: an order, no matter which, that both triangles of the edge see.
+    order = np.lexsort((phase, shares, edges))
+    per_edge = np.bincount(edges, minlength=len(mesh.edges))
+    return Crossings(
+        edges[order],
+        phase[order],
+        levels[order].astype(int),
+        shares[order],
+        np.cumsum(per_edge) - per_edge,
+        per_edge,
+    )
+
+
+@dataclass(frozen=True)
+class Chords:
+    """Pieces of lines inside triangles, from one rim place to another.
+
+    Attributes
+    ----------
+    triangles, phases : (h,) triangle, and phase of its first corner
+    ends : (h, 2) crossing, or crossings + centre, at either end
+    ranks : (h, 2) where on the rim, increasing counterclockwise and within each chord
+    """
+
+    triangles: np.ndarray
+    phases: np.ndarray
+    ends: np.ndarray
+    ranks: np.ndarray
+
+    def __getitem__(self, which):
+        return Chords(self.triangles[which], self.phases[which], self.ends[which], self.ranks[which])
+
+
+def chords_of(fans, crossings):
+    """Join the crossings on each triangle's rim that are of the same line."""
+    triangle, side, crossing, rank = _rims(fans.mesh, crossings)
+    phase, level, regular, values = _seen_from_first_corners(fans, crossings, triangle, side, crossing)
+    order = np.lexsort((rank, level, phase, triangle))
+    order = order[regular[order]]
+    triangle, phase, level, rank, crossing = (a[order] for a in (triangle, phase, level, rank, crossing))
+    first = np.flatnonzero((np.diff(triangle) == 0) & (np.diff(phase) == 0) & (np.diff(level) == 0))
+    alone = np.ones(len(order), bool)
+    alone[first] = alone[first + 1] = False
+    alone &= (fans.fans[triangle] >= 0) & (np.rint(values[triangle, 2, phase] / np.pi) == level)
+    centre = len(crossings.edges) + fans.mesh.triangles[triangle[alone], 2] - fans.first_centre
+    pairs = np.column_stack([crossing[first], crossing[first + 1]]), np.column_stack([crossing[alone], centre])
+    # The centre is the last corner: it comes after the first two sides.
+    at_centre = np.full(alone.sum(), 2 * stride(crossings))
+    ranks = np.column_stack([rank[first], rank[first + 1]]), np.column_stack([rank[alone], at_centre])
+    return Chords(
+        np.concatenate([triangle[first], triangle[alone]]),
+        np.concatenate([phase[first], phase[alone]]),
+        np.concatenate(pairs),
+        np.concatenate(ranks),
+    )
+
+
+def stride(crossings):
+    """Ranks that a side has to itself: that of the corner that it starts at, then those of its crossings."""
+    return int(crossings.counts.max(initial=0)) + 1
+
+
+def _rims(mesh, crossings):
+    """Crossings as they stand around the triangles: (r,) triangle, side, crossing and rank."""
+    edges = mesh.triangle_edges.ravel()
+    counts = crossings.counts[edges]
+    half = np.repeat(np.arange(len(edges)), counts)
+    place = np.arange(len(half)) - np.repeat(np.cumsum(counts) - counts, counts)
+    forward = mesh.triangle_edge_signs.ravel()[half] > 0
+    crossing = crossings.starts[edges[half]] + np.where(forward, place, counts[half] - 1 - place)
+    return half // 3, half % 3, crossing, stride(crossings) * (half % 3) + 1 + place
+
+
+def _seen_from_first_corners(fans, crossings, triangle, side, crossing):
+    """Phase and level of crossings for the first corner of their triangle, whether the triangle has no dislocation
+    of that phase, and the (m, 4, 2) values at the triangles' corners."""
+    mesh, phases = fans.mesh, fans.phases
+    radians = in_radians(phases)
+    values, _ = radians.around(mesh.triangles)
+    in_fan = fans.fans >= 0
+    # The way around a third does not close beyond its centre: its first corner is seen as it was.
+    values[in_fan, 3] = values[in_fan, 0]
+    turns = np.zeros((mesh.triangle_count, 4), int)
+    for k in range(3):
+        _, matched = phases.between(mesh.triangles[:, k], mesh.triangles[:, (k + 1) % 3])
+        turns[:, k + 1] = turns[:, k] + matched
+    turns[in_fan, 3] = 0
+    numbers = np.rint((values[:, 3] - values[:, 0]) / (2 * np.pi)).astype(int)
+    # An edge's phases are those of its lower vertex.
+    corner = side + (mesh.triangle_edge_signs[triangle, side] < 0)
+    vertex = mesh.triangles[triangle, corner % 3]
+    turned = turns[triangle, corner]
+    offsets = values[triangle, corner] / np.pi - after_turns(phases.arguments[vertex], -turned)
+    direction = (crossings.phases[crossing] + turned) % (2 * phases.phase_count)
+    phase = direction % phases.phase_count
+    offset = np.rint(offsets[np.arange(len(phase)), phase]).astype(int)
+    level = np.where(direction < phases.phase_count, 1, -1) * crossings.levels[crossing] + offset
+    return phase, level, numbers[triangle, phase] == 0, values

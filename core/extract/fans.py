@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A quad pattern made ready for tracing: no vertex on a line, disclination triangles split at their centres."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..geometry import TriangleMesh
+from ..interpolate import EdgePhases, disclination_centres, dislocation_numbers
+from ..sheets import after_turns
+
+# Phases this near to a line are moved off it, in units of pi.
+ASIDE = 1e-7
+
+
+@dataclass(frozen=True)
+class Fans:
+    """The mesh with its disclination triangles split at their centres, phases in units of pi.
+
+    Attributes
+    ----------
+    mesh : TriangleMesh; centres come after the vertices
+    phases : EdgePhases over it
+    parents : (m,) triangle of the given mesh that each triangle is or is a third of
+    places : (m, 3, 3) barycentric coordinates of its corners there
+    fans : (m,) which third of its parent, -1 for whole triangles; the centre is the last corner of a third
+    first_centre : the lowest vertex that is a centre
+    valences : lines that should meet at each centre
+    """
+
+    mesh: TriangleMesh
+    phases: EdgePhases
+    parents: np.ndarray
+    places: np.ndarray
+    fans: np.ndarray
+    first_centre: int
+    valences: np.ndarray
+
+
+def moved_aside(edge_phases):
+    """Phases in units of pi, none of them on a line; on the boundary, lines go outside."""
+    mesh = edge_phases.mesh
+    arguments, changes = edge_phases.arguments / np.pi, edge_phases.changes / np.pi
+    i, j = mesh.edges.T
+    inward = np.zeros_like(arguments)
+    np.add.at(inward, i, changes)
+    np.add.at(inward, j, -after_turns(changes, edge_phases.matchings))
+    near = np.abs(arguments - np.rint(arguments)) < ASIDE
+    moved = np.where(near, np.rint(arguments) + np.where(inward < 0, -ASIDE, ASIDE), arguments)
+    by = moved - arguments
+    changes = changes + after_turns(by[j], -edge_phases.matchings) - by[i]
+    return EdgePhases(mesh, moved, changes, edge_phases.matchings)
+
+
+def split_at_disclinations(phases):
+    """:class:`Fans` of phases in units of pi."""
+    mesh = phases.mesh
+    _, torn = dislocation_numbers(in_radians(phases), mesh.triangles)
+    singular = np.flatnonzero(torn)
+    centres = mesh.vertex_count + np.arange(len(singular))
+    corners = mesh.triangles[singular]
+    thirds = np.stack([corners, np.roll(corners, -1, axis=1), np.repeat(centres[:, None], 3, axis=1)], axis=2)
+    whole = np.flatnonzero(~torn)
+    split = TriangleMesh(
+        np.concatenate([mesh.vertices, mesh.vertices[corners].mean(axis=1)]),
+        np.concatenate([mesh.triangles[whole], thirds.reshape(-1, 3)]),
+    )
+    middle = np.full((3, 3), 1 / 3)
+    places = np.stack([np.stack([np.eye(3)[k], np.eye(3)[(k + 1) % 3], middle[k]]) for k in range(3)])
+    changes, matched = np.zeros((len(split.edges), phases.phase_count)), np.zeros(len(split.edges), int)
+    old = split.edges[:, 1] < mesh.vertex_count
+    source = mesh.edges_between(*split.edges[old].T)
+    changes[old], matched[old] = phases.changes[source], phases.matchings[source]
+    # The way from each corner to the centre, for the phases of the corner.
+    values, turns = in_radians(phases).around(corners)
+    fixed = disclination_centres(values, turns) / np.pi
+    turned = np.zeros(len(corners), int)
+    for k in range(3):
+        inwards = after_turns(fixed - values[:, k] / np.pi, turned)
+        changes[split.edges_between(corners[:, k], centres)] = inwards
+        turned = turned + phases.between(corners[:, k], corners[:, (k + 1) % 3])[1]
+    arguments = np.concatenate([phases.arguments, np.zeros((len(centres), phases.phase_count))])
+    return Fans(
+        split,
+        EdgePhases(split, arguments, changes, matched),
+        np.concatenate([whole, np.repeat(singular, 3)]),
+        np.concatenate([np.tile(np.eye(3), (len(whole), 1, 1)), np.tile(places, (len(singular), 1, 1))]),
+        np.concatenate([np.full(len(whole), -1), np.tile(np.arange(3), len(singular))]),
+        mesh.vertex_count,
+        # Turning once around, A^g is a quarter turn short for g = 3, and one too much for g = 1.
+        np.array([4, 5, 2, 3])[turns],
+    )
+
+
+def in_radians(phases):
+    return replace(phases, arguments=np.pi * phases.arguments, changes=np.pi * phases.changes)

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A quad mesh from a quad pattern: vertices where grid lines cross, faces between them (paper, Section 3.5)."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .grid_lines import grid_lines
+from .line_graph import LineGraph
+
+
+@dataclass(frozen=True)
+class QuadMesh:
+    """Faces between grid lines, most of them quads, on the surface that they were traced on.
+
+    Attributes
+    ----------
+    vertices : (n, 3)
+    triangles, weights : (n,) triangle of the surface that each vertex lies in, (n, 3) barycentric coordinates there
+    corner_vertices : (c,) vertex of each corner, counterclockwise; the corners of a face follow one another
+    sizes : (f,) corners of each face
+    """
+
+    vertices: np.ndarray
+    triangles: np.ndarray
+    weights: np.ndarray
+    corner_vertices: np.ndarray
+    sizes: np.ndarray
+
+    @property
+    def starts(self):
+        """(f,) first corner of each face."""
+        return np.cumsum(self.sizes) - self.sizes
+
+    @property
+    def corner_faces(self):
+        """(c,) face of each corner."""
+        return np.repeat(np.arange(len(self.sizes)), self.sizes)
+
+    @property
+    def next_corners(self):
+        """(c,) the corner that follows on the face's rim."""
+        following = np.arange(1, len(self.corner_vertices) + 1)
+        following[self.starts + self.sizes - 1] = self.starts
+        return following
+
+    @property
+    def half_edges(self):
+        """(c, 2) vertices from each corner to the next."""
+        return np.column_stack([self.corner_vertices, self.corner_vertices[self.next_corners]])
+
+    @property
+    def edges(self):
+        """(e, 2) vertices, the lower first, and (e,) faces at each."""
+        return np.unique(np.sort(self.half_edges, axis=1), axis=0, return_counts=True)
+
+
+def quad_mesh(edge_phases):
+    """The :class:`QuadMesh` of the grid lines of :class:`EdgePhases` with two phases a vertex."""
+    lines = grid_lines(edge_phases)
+    mesh = edge_phases.mesh
+    positions = np.einsum("nk,nkx->nx", lines.weights, mesh.vertices[mesh.triangles[lines.triangles]])
+    graph = _with_whole_centres(lines, positions)
+    darts, sizes = graph.faces()
+    used, corner_vertices = np.unique(graph.tails[darts], return_inverse=True)
+    return QuadMesh(positions[used], lines.triangles[used], lines.weights[used], corner_vertices, sizes)
+
+
+def _with_whole_centres(lines, positions):
+    """The clean graph of the lines, where those that belong to a disclination meet at one node.
+
+    The phases of a disclination's triangle may lie a part of a cell beside its centre. Then lines of its vertex meet
+    at a crossing nearby, and only the others at the centre: those go to the crossing too.
+    """
+    kept = lines.graph.kept.copy()
+    kept[lines.centres] = True
+    graph = replace(lines.graph, kept=kept).cleaned()
+    for centre in lines.centres[lines.valences[lines.centres] == 5]:
+        degree = np.count_nonzero(graph.tails == centre)
+        if degree == 1:
+            graph = _attached(graph, centre, positions)
+        elif degree == 3:
+            graph = _united(graph, centre, positions)
+    return replace(graph, kept=lines.graph.kept).cleaned()
+
+
+def _attached(graph, centre, positions):
+    """A line that ends at a centre leads to the nearest node of the face around it instead."""
+    (loose,) = np.flatnonzero(graph.tails == centre)
+    around = np.flatnonzero(graph.face_labels == graph.face_labels[loose])
+    others = around[~np.isin(graph.tails[around], [centre, graph.heads[loose]]) & ~graph.kept[graph.tails[around]]]
+    if len(others) == 0:
+        return graph
+    distances = np.linalg.norm(positions[graph.tails[others]] - positions[centre], axis=1)
+    place = others[distances.argmin()]
+    return _turned_to(graph, np.array([loose]), place, None)
+
+
+def _united(graph, centre, positions):
+    """A centre and the crossing next to it become one node."""
+    leaving = np.flatnonzero(graph.tails == centre)
+    heads = graph.heads[leaving]
+    near = np.linalg.norm(positions[heads] - positions[centre], axis=1)
+    near[(graph.degrees[heads] != 4) | (heads == centre)] = np.inf
+    if not np.isfinite(near).any():
+        return graph
+    way = leaving[near.argmin()]
+    others = np.setdiff1d(leaving, way)
+    later = graph.keys[others] > graph.keys[way]
+    others = others[np.lexsort((graph.keys[others], ~later))]
+    return _turned_to(graph, others, way ^ 1, way // 2)
+
+
+def _turned_to(graph, darts, place, removed):
+    """The graph with darts, in counterclockwise order, leaving the node of the dart ``place`` right after it."""
+    tails, keys = graph.tails.copy(), graph.keys.copy()
+    node = tails[place]
+    later = keys[(tails == node) & (keys > keys[place])]
+    gap = later.min(initial=keys[place] + 1) - keys[place]
+    keys[darts] = keys[place] + gap * np.arange(1, len(darts) + 1) / (len(darts) + 1)
+    tails[darts] = node
+    moved = LineGraph(tails, keys, graph.outside, graph.kept)
+    if removed is None:
+        return moved
+    keep = np.ones(len(tails) // 2, bool)
+    keep[removed] = False
+    return moved.with_edges(keep)

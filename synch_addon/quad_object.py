@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The mesh of a quad pattern's grid lines as an object, on the surface and with what the given mesh carries."""
+
+from dataclasses import replace
+
+import bpy
+import numpy as np
+from mathutils.bvhtree import BVHTree
+
+from ..core.errors import SettingError
+from ..core.extract.quad_quality import quality
+from . import scene_io
+
+# Share of the way to the middle of its neighbours that a vertex moves at once.
+_STEP = 0.5
+# A vertex of the quad mesh nearer to an edge than this, as a barycentric coordinate, lies on it.
+_ON_EDGE = 1e-3
+# How far from a corner, towards the middle of its face, the values of corners are read: on the face's side of a seam.
+_INSIDE = 0.05
+# Types whose values can be averaged; the others are taken from one face.
+_SMOOTH = {"FLOAT", "FLOAT2", "FLOAT_VECTOR", "FLOAT_COLOR", "BYTE_COLOR"}
+
+
+def smoothed(quads, task):
+    """Vertices moved towards the middle of their neighbours and back onto the surface, as often as the task says.
+
+    Those on the boundary, and on lines that were asked for, stay there. Refuses a pattern without any face.
+    """
+    if len(quads.sizes) == 0:
+        raise SettingError("no grid lines cross on the mesh: reduce the spacing")
+    mesh = task.given.mesh
+    edges, counts = quads.edges
+    free = ~_on_lines(quads, mesh, task.rows)
+    free[edges[counts == 1]] = False
+    tree = surface_tree(mesh.vertices, mesh.triangles)
+    degrees = np.bincount(edges.ravel(), minlength=len(quads.vertices))[:, None]
+    for _ in range(task.settings.smoothing):
+        sums = np.zeros_like(quads.vertices)
+        np.add.at(sums, edges[:, 0], quads.vertices[edges[:, 1]])
+        np.add.at(sums, edges[:, 1], quads.vertices[edges[:, 0]])
+        moved = quads.vertices + _STEP * (sums / degrees - quads.vertices)
+        places, triangles = nearest(tree, moved[free])
+        quads = _moved(quads, mesh, free, places, triangles)
+    return quads
+
+
+def _on_lines(quads, mesh, rows):
+    """(n,) bool: vertices on edges or at vertices of rows that ask for a grid line."""
+    held = np.zeros(mesh.vertex_count, bool)
+    for row in rows:
+        if row.is_of_phases:
+            held[row.line.nodes] = True
+    return (held[mesh.triangles[quads.triangles]] | (quads.weights < _ON_EDGE)).all(axis=1)
+
+
+def _moved(quads, mesh, which, places, triangles):
+    """The quad mesh with some vertices at other places of the surface."""
+    weights = barycentric(mesh, triangles, places)
+    result = replace(quads, **{n: getattr(quads, n).copy() for n in ("vertices", "triangles", "weights")})
+    result.vertices[which], result.triangles[which], result.weights[which] = places, triangles, weights
+    return result
+
+
+def barycentric(mesh, triangles, places):
+    """(k, 3) barycentric coordinates of places on triangles."""
+    corners = mesh.vertices[mesh.triangles[triangles]]
+    weights = np.stack([_double_areas(places, corners[:, k - 2], corners[:, k - 1]) for k in range(3)], axis=1)
+    sums = weights.sum(axis=1, keepdims=True)
+    return np.divide(weights, sums, out=np.full_like(weights, 1 / 3), where=sums > 0)
+
+
+def _double_areas(a, b, c):
+    return np.linalg.norm(np.cross(b - a, c - a), axis=1)
+
+
+def surface_tree(vertices, faces):
+    """A tree over (n, 3) vertices and faces for nearest points."""
+    return BVHTree.FromPolygons(vertices.tolist(), [list(face) for face in faces], epsilon=0.0)
+
+
+def nearest(tree, points):
+    """(k, 3) nearest points of a tree's faces, and (k,) the faces."""
+    found = [tree.find_nearest(point) for point in points.tolist()]
+    places = np.array([place for place, _, _, _ in found], float).reshape(-1, 3)
+    return places, np.array([face for _, _, face, _ in found], int)
+
+
+def write(obj, task, quads):
+    """Make the object, show it instead of the given one, and return its figures for the report."""
+    mesh = task.given.mesh
+    data = bpy.data.meshes.new(f"{obj.data.name} Quads")
+    inverse = np.linalg.inv(task.given.stretch)
+    ends = np.cumsum(quads.sizes)
+    faces = [quads.corner_vertices[start:end].tolist() for start, end in zip(quads.starts, ends, strict=True)]
+    data.from_pydata((quads.vertices @ inverse.T).tolist(), [], faces)
+    made = bpy.data.objects.new(f"{obj.name} Quads", data)
+    made.matrix_world = obj.matrix_world
+    for collection in obj.users_collection:
+        collection.objects.link(made)
+    tree = surface_tree(mesh.vertices, mesh.triangles)
+    centres = np.add.reduceat(quads.vertices[quads.corner_vertices], quads.starts) / quads.sizes[:, None]
+    at_centres, under = nearest(tree, centres)
+    _carry(obj, made, task.given, quads, centres, under, tree)
+    data.update()
+    _show_instead(obj, made)
+    back, _ = nearest(surface_tree(quads.vertices, faces), np.delete(mesh.vertices, mesh.loose_vertices, axis=0))
+    apart = np.linalg.norm(back - np.delete(mesh.vertices, mesh.loose_vertices, axis=0), axis=1)
+    distance = max(np.linalg.norm(at_centres - centres, axis=1).max(), apart.max())
+    return {"object": made.name, **quality(quads), "hausdorff_distance": float(distance)}
+
+
+def _carry(obj, made, given, quads, centres, under, tree):
+    """Materials, vertex groups and attributes go over: those of vertices and corners interpolated, those of faces from
+    the face under the middle. Where a quad lies across a UV seam its coordinates are those of both sides."""
+    for material in obj.data.materials:
+        made.data.materials.append(material)
+    corners = given.source[given.mesh.triangles[quads.triangles]]
+    faces = given.polygons.triangle_faces[under]
+    pulled = quads.vertices[quads.corner_vertices]
+    pulled = pulled + _INSIDE * (centres[quads.corner_faces] - pulled)
+    inside, triangles = nearest(tree, pulled)
+    weights = barycentric(given.mesh, triangles, inside)
+    loops = given.polygons.triangle_corners[triangles]
+    for attribute in list(obj.data.attributes):
+        name, domain, data_type = attribute.name, attribute.domain, attribute.data_type
+        if name.startswith((".", "synch_")) or name == "position":
+            continue
+        values = scene_io.read_values(obj, name, domain)
+        if values is None or (domain != "FACE" and data_type not in _SMOOTH):
+            continue
+        if domain == "POINT":
+            values = np.einsum("nk,nk...->n...", quads.weights, values[corners])
+        elif domain == "CORNER":
+            values = np.einsum("nk,nk...->n...", weights, values[loops])
+        elif domain == "FACE":
+            values = values[faces]
+        else:
+            continue
+        scene_io.write_attribute(made, name, domain, data_type, values)
+    for group in obj.vertex_groups:
+        weights = scene_io.read_weights(obj, group.name)[corners]
+        scene_io.write_weights(made, group.name, np.einsum("nk,nk->n", quads.weights, weights))
+
+
+def _show_instead(obj, made):
+    """The new object is active and selected, the given one hidden, where the scene lets it."""
+    made.display_type = obj.display_type
+    obj.hide_render = True
+    layer = bpy.context.view_layer
+    if obj.name in layer.objects:
+        obj.select_set(False)
+        obj.hide_set(True)
+    if made.name in layer.objects:
+        made.select_set(True)
+        layer.objects.active = made
