@@ -4,14 +4,14 @@
 Stripes and quads are the same but for the number of phases at a vertex (:class:`Growth`).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from ..defects import list_defects
 from ..errors import ContradictionError, SettingError
-from ..geometry import TriangleMesh
-from ..interpolate import EdgePhases, dislocation_numbers, face_phases
+from ..interpolate import dislocation_numbers, face_phases
 from ..problem import SynchronizationProblem, joined_targets
 from ..solve import Solution, solve
 from .groups import TOLERANCE
@@ -26,14 +26,34 @@ class Pattern:
 
     Attributes
     ----------
-    mesh : TriangleMesh
-    solution : Solution
-    edge_phases : EdgePhases, the phase changes along every edge
+    growth : Growth that was asked for
+    problem : SynchronizationProblem of the phases
+    solution : Solution of it
+    phases : (k n,) complex, the solution's or others (:meth:`showing`)
     """
 
-    mesh: TriangleMesh
+    growth: Growth
+    problem: SynchronizationProblem
     solution: Solution
-    edge_phases: EdgePhases
+    phases: np.ndarray
+
+    @property
+    def mesh(self):
+        return self.growth.mesh
+
+    @property
+    def energy(self):
+        """Of the phases that are shown."""
+        return self.problem.energy(self.phases)
+
+    def showing(self, phases):
+        """The pattern with other phases of the same problem: a variation, or with a defect at a chosen place."""
+        return replace(self, phases=phases)
+
+    @cached_property
+    def edge_phases(self):
+        """:class:`EdgePhases`, the phase changes along every edge."""
+        return self.growth.edge_phases(self.phases)
 
     @property
     def vertex_phases(self):
@@ -99,7 +119,7 @@ def solve_pattern(mesh, field, spacing, rows=(), mirrors=(), options=None, callb
     problem = pattern_problem(mesh, field, spacing, rows, mirrors)
     growth = Growth.of(mesh, field, spacing)
     solution = snapped(problem, solve(problem, options, callback), _mirror_links(growth, mirrors)[1])
-    return Pattern(mesh, solution, growth.edge_phases(solution.phases))
+    return Pattern(growth, problem, solution, solution.phases)
 
 
 def _mirror_links(growth, mirrors):

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Defects at chosen places, and other configurations of them, from one solve (paper, Eq. 29 and Section 4.6)."""
+
+import numpy as np
+
+from ..errors import SettingError, name_elements
+from ..interpolate import dislocation_numbers
+from ..solve.lifted import LiftedField
+
+# Directions that are tried for defects at chosen vertices.
+TRIES = 16
+
+
+def variation(pattern, seed):
+    """The :class:`Pattern` along a random direction of the lifted field; the solution itself for seed 0."""
+    if seed == 0:
+        return pattern.showing(pattern.solution.phases)
+    field = LiftedField(pattern.problem, pattern.solution)
+    return pattern.showing(field.phases(field.random_direction(seed)))
+
+
+def with_defects(pattern, vertices):
+    """The :class:`Pattern` along a direction of the lifted field that has a dislocation at each of some vertices.
+
+    Of the directions orthogonal to the lifted values there, the one along which the field is longest is tried first,
+    then random ones, until a face at every vertex has a dislocation; of the two phases of quads the better one gets it.
+
+    Raises
+    ------
+    SettingError
+        for more vertices than the lifted field has room for, or where no direction has defects at all of them
+    """
+    field = LiftedField(pattern.problem, pattern.solution)
+    count = pattern.growth.phase_count
+    vertices = np.unique(np.asarray(vertices, int))
+    if len(vertices) > field.most_defects:
+        raise SettingError(
+            f"{len(vertices)} defects are too many: the solved field leaves room for {field.most_defects} at a time"
+        )
+    best = None
+    for phase in range(count):
+        nodes = count * vertices + phase
+        for attempt in range(TRIES):
+            direction = field.direction(nodes) if attempt == 0 else field.random_direction(attempt, nodes)
+            shown = pattern.showing(field.phases(direction))
+            if _has_defects(shown, vertices):
+                best = shown if best is None or shown.energy < best.energy else best
+                break
+    if best is None:
+        raise SettingError(
+            f"no field near the solution has a defect at {name_elements('vertex', vertices)}: choose others nearby"
+        )
+    return best
+
+
+def _has_defects(pattern, vertices):
+    """Whether each vertex is a corner of a triangle with a dislocation, or around which the sheet changes."""
+    triangles = pattern.mesh.triangles
+    near = np.flatnonzero(np.isin(triangles, vertices).any(axis=1))
+    numbers, torn = dislocation_numbers(pattern.edge_phases, triangles[near])
+    return np.isin(vertices, triangles[near][numbers.any(axis=1) | torn]).all()

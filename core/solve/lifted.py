@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a lifted field holds beyond its best phases: near-optimal fields of other defects (Sections 4.5 and 4.6).
+
+The projection of the lifted field Y on a direction xi, normalized, is a field of phases (Eq. 29). It has a defect where
+Y is orthogonal to xi: a random direction draws another configuration, and one orthogonal to chosen values puts
+defects there.
+"""
+
+from functools import cached_property
+
+import numpy as np
+
+from ..errors import SettingError
+from .rounding import ground_to_one
+from .spheres import gaussian
+
+# Projections that are shorter than this share of the lifted vector have no phase of their own.
+TINY = 1e-9
+
+
+class LiftedField:
+    """The lifted field of a solved problem on the circle.
+
+    Parameters
+    ----------
+    problem : SynchronizationProblem on the circle
+    solution : its Solution
+
+    Raises
+    ------
+    SettingError
+        for a solution without a lifted field
+    """
+
+    def __init__(self, problem, solution):
+        if solution.lifted is None:
+            raise SettingError("there is no lifted field: solve with the method sdp")
+        self.problem, self.lifted = problem, solution.lifted
+
+    @property
+    def rank(self):
+        """Components of a direction."""
+        return self.lifted.shape[1]
+
+    @property
+    def most_defects(self):
+        """At how many nodes at once a direction can be made to vanish."""
+        return (self.rank - 1) // self.problem.block
+
+    @cached_property
+    def _gram(self):
+        return self.lifted.conj().T @ self.lifted
+
+    def random_direction(self, seed, nodes=()):
+        """(r,) a direction drawn at random, orthogonal to the lifted values at (k,) nodes."""
+        basis = self._orthogonal(nodes)
+        drawn = gaussian((basis.shape[1], 1), self.problem.is_complex, np.random.default_rng(seed))
+        return (basis @ drawn)[:, 0]
+
+    def direction(self, nodes=()):
+        """(r,) the direction along which the lifted field is longest of those orthogonal to its values at nodes.
+
+        Without nodes it is that of SVD rounding.
+
+        Raises
+        ------
+        SettingError
+            for more nodes than :attr:`most_defects`
+        """
+        basis = self._orthogonal(nodes)
+        _, axes = np.linalg.eigh(basis.conj().T @ self._gram @ basis)
+        return basis @ axes[:, -1]
+
+    def _orthogonal(self, nodes):
+        """(r, q) orthonormal basis of the directions along which the lifted field vanishes at the nodes."""
+        nodes = np.unique(np.asarray(nodes, int))
+        if len(nodes) == 0:
+            return np.eye(self.rank, dtype=self.lifted.dtype)
+        if len(nodes) > self.most_defects:
+            raise SettingError(
+                f"{len(nodes)} defects are too many: the lifted field has rank {self.rank}, which allows "
+                f"{self.most_defects} at a time"
+            )
+        rows = self.problem.rows_of(nodes)
+        for piece in self.problem.pieces:
+            held = np.isin(rows[:, 0], piece.rows[[] if piece.ground is None else [piece.ground * piece.block]])
+            if held.any():
+                raise SettingError(
+                    f"the phase of node {nodes[held][0]} is fixed: a defect can only be where it is free"
+                )
+        values = self.lifted[rows.ravel()]
+        _, sizes, axes = np.linalg.svd(values)
+        held = int((sizes > TINY).sum())
+        return axes[held:].conj().T
+
+    def phases(self, direction):
+        """(n,) complex phases: the projection on a direction, normalized; 1 where it vanishes."""
+        problem = self.problem
+        coordinates = (self.lifted @ direction).reshape(-1, problem.block)
+        lengths = np.sqrt((np.abs(coordinates) ** 2).sum(axis=1, keepdims=True))
+        fallback = problem.unit_coordinates().reshape(coordinates.shape)
+        long = lengths > TINY * np.linalg.norm(direction)
+        coordinates = np.where(long, coordinates / np.where(long, lengths, 1), fallback)
+        coordinates = coordinates.ravel()
+        for piece in problem.pieces:
+            coordinates[piece.rows] = ground_to_one(piece, coordinates[piece.rows, None])[:, 0]
+        return problem.expand(coordinates)
