@@ -1,9 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Everything of Synch Fields that touches Blender; the mathematics is in ``core``."""
 
-from . import cli, constraint_list, constraint_panel, guide_list, guide_panel, operators, overlay_view, panels, settings
+from . import (
+    cli,
+    constraint_list,
+    constraint_panel,
+    guide_list,
+    guide_panel,
+    memory,
+    operators,
+    overlay_view,
+    panels,
+    result_panel,
+    settings,
+)
 
-_MODULES = (constraint_list, guide_list, settings, operators, guide_panel, panels, constraint_panel, overlay_view, cli)
+_MODULES = (
+    constraint_list,
+    guide_list,
+    settings,
+    memory,
+    operators,
+    guide_panel,
+    panels,
+    result_panel,
+    constraint_panel,
+    overlay_view,
+    cli,
+)
 
 
 def register():

@@ -6,14 +6,16 @@ scene as it was. All return the report that the command line writes as JSON.
 """
 
 from contextlib import contextmanager
+from dataclasses import replace
 
 import bpy
 
 from ..core.errors import ContradictionError, SettingError, SynchError
 from ..core.extract.quad_mesh import quad_mesh as traced_quads
 from ..core.fields.directions import SYMMETRIES
-from . import field_io, quad_object, scene_io, write
-from .report import Report
+from ..core.fields.placement import variation, with_defects
+from . import field_io, memory, quad_object, scene_io, write
+from .report import Report, result_line
 from .settings import from_names
 from .task import PATTERNS, gather, settings_for, solve_directions, solve_pattern
 
@@ -69,6 +71,71 @@ def run(command, obj, settings, callback=None):
     job = FieldJob(command, obj, settings)
     job.solve(callback)
     return job.write(obj)
+
+
+def vary(obj, number):
+    """Show another near-optimal configuration of the last solve of an object, without solving again.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object that was solved since the file was opened
+    number : 0 for the solution, then the other local optima that were found, then random projections (Eq. 29)
+
+    Returns
+    -------
+    dict, the report; its energy is that of what is shown
+
+    Raises
+    ------
+    SynchError
+        with one line that names the element and the remedy; nothing is written
+    """
+    if not isinstance(number, int) or number < 0:
+        raise SettingError(f"the variation is {number!r}: give a whole number from 0 on")
+    return _show(obj, lambda solved: variation(solved.shown, number), number)
+
+
+def place_defects(obj, vertices):
+    """Show the configuration of an object's last solve with a dislocation at each of some vertices (Section 4.6).
+
+    Parameters
+    ----------
+    obj : bpy.types.Object with stripes or quads that were solved since the file was opened
+    vertices : indices of vertices; how many there may be is the rank of the lifted field less one, for line and cross
+        fields half of that
+
+    Result and errors as :func:`vary`.
+    """
+
+    def place(solved):
+        if solved.pattern is None:
+            raise SynchError("defects are placed in stripes and quads: solve one of them first")
+        return with_defects(solved.pattern, vertices)
+
+    return _show(obj, place)
+
+
+def _show(obj, change, number=0):
+    refuse(obj)
+    with _object_mode(obj):
+        solved = memory.recall(obj)
+        report = solved.report.again()
+        with report.clock("round"):
+            field, pattern = solved.showing(change(solved))
+        return _write(obj, solved.task, field, pattern, report, number)
+
+
+def _write(obj, task, field, pattern, report, number=0):
+    """Write a field and remember it as variation ``number`` of its solve; returns the report."""
+    with report.clock("write"):
+        defects, polygons = write.results(obj, task, field, pattern, report)
+    task = replace(task, given=replace(task.given, polygons=polygons))
+    plain = report.finish(field, pattern, defects)
+    memory.forget(obj)  # so that setting the slider asks for nothing
+    obj.synch.variation = number
+    memory.remember(obj, memory.Solved(task, field, pattern, report, plain))
+    obj.synch.result = result_line(plain)
+    return plain
 
 
 def refuse(obj):
@@ -170,12 +237,11 @@ class FieldJob:
         with _object_mode(obj):
             if not scene_io.is_unchanged(obj, self._task.given):
                 raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
+            if self._quads is None:
+                return _write(obj, self._task, self._field, self._pattern, self._report)
             with self._report.clock("write"):
-                if self._quads is None:
-                    defects = write.results(obj, self._task, self._field, self._pattern, self._report)
-                else:
-                    defects = write.reported_defects(obj, self._task, self._field, self._pattern)
-                    self._report.quad_mesh = quad_object.write(obj, self._task, self._quads)
+                defects = write.reported_defects(obj, self._task, self._field, self._pattern)
+                self._report.quad_mesh = quad_object.write(obj, self._task, self._quads)
             return self._report.finish(self._field, self._pattern, defects)
 
 

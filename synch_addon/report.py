@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The report of a run: what was asked, found and written, ready for JSON."""
 
+import json
 import platform
 import sys
 import time
 import tomllib
+from copy import copy
 from dataclasses import asdict
 from pathlib import Path
 
@@ -13,7 +15,7 @@ import numpy as np
 import scipy
 
 from ..core.errors import name_elements, plural
-from ..core.solve.solution import Clock
+from ..core.solve.solution import Clock, relative_gap
 
 _MANIFEST = Path(__file__).parent.parent / "blender_manifest.toml"
 VERSION = tomllib.loads(_MANIFEST.read_text(encoding="utf-8"))["version"]
@@ -35,6 +37,12 @@ class Report:
         self.quad_mesh = None
         self._start = time.perf_counter()
         self._task = None
+
+    def again(self):
+        """A report of the same run for another result of its solve: new times, no warnings yet."""
+        fresh = copy(self)
+        fresh.clock, fresh.warnings, fresh._start = Clock(), [], time.perf_counter()
+        return fresh
 
     def warn(self, line):
         """Add a line that the user should read although the run succeeds."""
@@ -101,6 +109,10 @@ class Report:
             "edges": len(mesh.edges),
             **quality(solution),
         }
+        shown = field if pattern is None else pattern
+        if solution is not None:  # a variation has an energy of its own
+            report["energy"] = shown.energy
+            report["gap"] = relative_gap(shown.energy, solution.lower_bound, solution.noise)
         if self.settings.method == "spectral":
             report["spectral_energy"] = report["energy"]
         if pattern is not None:
@@ -185,6 +197,13 @@ def _quad_line(made):
         f"{counted(made['irregular_vertices'], 'irregular vertex')}, corners off a right angle by "
         f"{made['angle_deviation']:.1f} degrees on average, {made['hausdorff_distance']:.2g} from the surface at most"
     )
+
+
+def result_line(report):
+    """What the panel shows of a report, as JSON."""
+    names = ("command", "energy", "lower_bound", "gap", "certificate", "status", "nodes")
+    counts = {kind: len(report[kind]) for kind in ("disclinations", "dislocations")}
+    return json.dumps({name: report[name] for name in names} | counts | {"seconds": report["times"]["total"]})
 
 
 def counted(count, noun):

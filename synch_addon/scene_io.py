@@ -311,6 +311,23 @@ def select_vertices(obj, vertices):
     obj.data.update()
 
 
+def select_faces(obj, faces):
+    """Select faces and nothing else of a mesh in object mode, so that edit mode shows them."""
+    bpy.context.tool_settings.mesh_select_mode = (False, False, True)
+    chosen = np.zeros(len(obj.data.polygons), bool)
+    chosen[list(faces)] = True
+    for elements, value in ((obj.data.vertices, False), (obj.data.edges, False)):
+        elements.foreach_set("select", np.full(len(elements), value))
+    obj.data.polygons.foreach_set("select", chosen)
+    obj.data.update()
+
+
+def nearest_vertex(obj, face, place):
+    """The vertex of a face nearest to a point in object space."""
+    vertices = obj.data.polygons[face].vertices
+    return min(vertices, key=lambda vertex: (obj.data.vertices[vertex].co - place).length)
+
+
 def update(obj):
     """Tell Blender that the mesh's data changed."""
     obj.data.update()

@@ -16,7 +16,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..core.errors import SettingError
+from ..core.errors import SettingError, SynchError
 from ..core.fields.directions import SYMMETRIES
 from ..core.solve import METHODS, Options
 from .constraint_list import SynchConstraint
@@ -237,6 +237,18 @@ class SettingProperties:
     )
 
 
+def _show_variation(settings, context):
+    """The slider shows the variation that it is set to."""
+    from . import api, memory  # both need the settings
+
+    obj = settings.id_data
+    if memory.holds(obj):
+        try:
+            api.vary(obj, settings.variation)
+        except SynchError:  # the mesh has changed: the slider goes, until the object is solved again
+            memory.forget(obj)
+
+
 class SynchSettings(SettingProperties, bpy.types.PropertyGroup):
     """Settings of an object, kept in the file."""
 
@@ -261,6 +273,15 @@ class SynchSettings(SettingProperties, bpy.types.PropertyGroup):
         name="Constraints", description="What is asked of the pattern along lines of the mesh", type=SynchConstraint
     )
     active_constraint: IntProperty(name="Active Constraint", description="Row that the panel shows", min=0)
+    variation: IntProperty(
+        name="Variation",
+        description="Other configurations of defects from the last solve: 0 is the best one, the next are other good "
+        "ones, high numbers are drawn at random",
+        min=0,
+        soft_max=20,
+        update=_show_variation,
+    )
+    result: StringProperty(name="Result", description="What the panel shows of the last solve, as JSON")
 
 
 PROPERTY_NAMES = tuple(SettingProperties.__annotations__)

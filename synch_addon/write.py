@@ -18,7 +18,7 @@ _PER_PHASE = ("synch_phase{}", "synch_index{}", "synch_index{}_2", "synch_discli
 def results(obj, task, field, pattern, report):
     """Write directions and, where there is one, the pattern.
 
-    Returns the defects as dicts of plain values for the report, faces numbered as they are afterwards.
+    Returns the defects as dicts of plain values for the report, and the faces as they are afterwards.
     """
     given, spacing = task.given, task.spacing
     polygons = given.polygons
@@ -32,7 +32,7 @@ def results(obj, task, field, pattern, report):
         all_faces = task.settings.assign_material or _has_one_material(obj)
         pattern_material(obj, task.command, spacing=spacing, assign_faces=all_faces)
     scene_io.update(obj)
-    return [_plain(obj, d) for d in defects]
+    return [_plain(obj, d) for d in defects], polygons
 
 
 def reported_defects(obj, task, field, pattern):

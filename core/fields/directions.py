@@ -5,7 +5,7 @@ A field of symmetry n (1 vectors, 2 lines, 4 crosses) is solved as its n-th powe
 phase exp(i n a) for a direction at angle a in the vertex's tangent plane.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -49,12 +49,16 @@ class DirectionField:
     symmetry : 1, 2 or 4
     angles : (n,) one representative, radians in the vertices' tangent planes
     solution : Solution, or None for directions that were given
+    problem : SynchronizationProblem that it solves, or None
+    turn : radians, one or (n,), by which all directions were turned after the solve
     """
 
     mesh: TriangleMesh
     symmetry: int
     angles: np.ndarray
     solution: Solution | None = None
+    problem: SynchronizationProblem | None = None
+    turn: float | np.ndarray = 0.0
 
     @property
     def vectors(self):
@@ -64,7 +68,18 @@ class DirectionField:
 
     def turned(self, angle):
         """The field with every direction turned counterclockwise by an angle in radians."""
-        return DirectionField(self.mesh, self.symmetry, self.angles + angle, self.solution)
+        return replace(self, angles=self.angles + angle, turn=self.turn + angle)
+
+    @property
+    def energy(self):
+        """Of the directions as they were before they were turned; None for given ones."""
+        if self.problem is None:
+            return None
+        return self.problem.energy(np.exp(1j * self.symmetry * (self.angles - self.turn)))
+
+    def showing(self, phases):
+        """The field with other phases of the same problem: a variation."""
+        return replace(self, angles=np.angle(phases) / self.symmetry + self.turn)
 
     @property
     def disclinations(self):
@@ -106,7 +121,7 @@ def direction_field(mesh, symmetry, wishes=None, options=None, callback=None):
     mirrors = () if wishes is None else wishes.mirrors
     _, loops = split_links(mesh.vertex_count, [mirror.direction_links(symmetry) for mirror in mirrors])
     solution = snapped(problem, solution, loops)
-    return DirectionField(mesh, symmetry, np.angle(solution.phases) / symmetry, solution)
+    return DirectionField(mesh, symmetry, np.angle(solution.phases) / symmetry, solution, problem)
 
 
 def given_directions(mesh, symmetry, vectors):

@@ -11,12 +11,17 @@ from ..solve.lifted import LiftedField
 TRIES = 16
 
 
-def variation(pattern, seed):
-    """The :class:`Pattern` along a random direction of the lifted field; the solution itself for seed 0."""
-    if seed == 0:
-        return pattern.showing(pattern.solution.phases)
+def variation(pattern, number):
+    """A :class:`Pattern` or DirectionField with other near-optimal phases of the same solve.
+
+    First, from 0 on, come the local optima that the solve has found, best first; higher numbers are projections of the
+    lifted field on random directions, as they are.
+    """
+    ready = pattern.solution.variations
+    if number < len(ready):
+        return pattern.showing(ready[number])
     field = LiftedField(pattern.problem, pattern.solution)
-    return pattern.showing(field.phases(field.random_direction(seed)))
+    return pattern.showing(field.phases(field.random_direction(number)))
 
 
 def with_defects(pattern, vertices):

@@ -4,13 +4,15 @@
 import bpy
 
 from .. import jobs
-from . import directions, field_io, quads, stripes
+from . import defects, directions, field_io, quads, stripes, variations
 
 _CLASSES = (
     directions.SYNCH_OT_directions,
     stripes.SYNCH_OT_stripes,
     quads.SYNCH_OT_quads,
     quads.SYNCH_OT_quad_mesh,
+    *variations.CLASSES,
+    *defects.CLASSES,
 )
 
 

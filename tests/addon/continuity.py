@@ -29,26 +29,30 @@ def polygons_of(obj):
     )
 
 
-def phases_of(obj):
-    """:class:`FacePhases` from nothing but the attributes."""
+def phases_of(obj, suffix=""):
+    """:class:`FacePhases` from nothing but the attributes: of stripes, or of one of the phases of quads ("_x", "_y")."""
 
     def read(name, absent):
         return attribute(obj, name).astype(float) if name in obj.data.attributes else absent
 
     count = len(obj.data.polygons)
+    rim = read("synch_disclination" + suffix, np.zeros((count, 4)))
     return FacePhases(
-        corner_phase=attribute(obj, "synch_phase").astype(float),
+        corner_phase=attribute(obj, "synch_phase" + suffix).astype(float),
         corner_place=attribute(obj, "synch_barycentric").astype(float),
-        index=attribute(obj, "synch_index"),
-        index_2=read("synch_index_2", np.zeros(count)),
-        disclination=read("synch_disclination", np.zeros((count, 4))),
+        index=attribute(obj, "synch_index" + suffix),
+        index_2=read(f"synch_index{suffix}_2", np.zeros(count)),
+        disclination=rim,
+        closing=attribute(obj, "synch_closing")[:, "_x_y".index(suffix) // 2].astype(float) if suffix else -rim[:, 0],
         unfit=np.empty(0, int),
     )
 
 
 def largest_jump(obj, samples=10):
-    """Largest jump of cos(theta) over the edges of the loop triangles, and how many were compared."""
-    polygons, phases = polygons_of(obj), phases_of(obj)
+    """Largest jump of the product of cosines over the edges of the loop triangles, and how many were compared."""
+    polygons = polygons_of(obj)
+    suffixes = ("_x", "_y") if "synch_phase_x" in obj.data.attributes else ("",)
+    phases = [phases_of(obj, suffix) for suffix in suffixes]
     triangles = polygons.triangles
     keys, waves = [], []
     for k in range(3):
@@ -59,7 +63,8 @@ def largest_jump(obj, samples=10):
             weights = np.zeros((len(triangles), 3))
             weights[:, k] = np.where(tails < heads, 1 - x, x)
             weights[:, (k + 1) % 3] = 1 - weights[:, k]
-            wave[:, s] = np.cos(evaluate(phases, polygons, np.arange(len(triangles)), weights))
+            here = [evaluate(phase, polygons, np.arange(len(triangles)), weights) for phase in phases]
+            wave[:, s] = np.cos(here).prod(axis=0)
         waves.append(wave)
     keys, waves = np.concatenate(keys), np.concatenate(waves)
     order = np.argsort(keys, kind="stable")

@@ -161,7 +161,7 @@ def test_interrupted_solver_changes_nothing(monkeypatch):
     def fail(*_):
         raise MemoryError
 
-    monkeypatch.setattr(api, "solve_stripes", fail)
+    monkeypatch.setattr(api, "solve_pattern", fail)
     with pytest.raises(MemoryError):
         api.stripes(obj)
     assert snapshot() == before

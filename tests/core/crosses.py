@@ -3,9 +3,12 @@
 """Crosses on flat domains with their quad patterns in closed form, and sheets exchanged by hand (Eq. 7)."""
 
 import numpy as np
+from scipy.spatial import Delaunay
 
 from synch_fields.core.fields import DirectionField, given_directions
 from synch_fields.core.fields.growth import Growth
+from synch_fields.core.geometry import TriangleMesh
+from synch_fields.core.interpolate import EdgePhases
 
 
 def random_turns(mesh, seed=0):
@@ -14,7 +17,7 @@ def random_turns(mesh, seed=0):
 
 
 def plane_crosses(mesh, degrees=0.0, seed=0):
-    """A constant cross in the plane, of which each vertex knows any of the four directions; and (n,) angles of these."""
+    """A constant cross in the plane, of which a vertex knows any of the four directions; and (n,) angles of those."""
     angles = np.radians(degrees) + np.pi / 2 * random_turns(mesh, seed)
     return given_directions(mesh, 4, np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])), angles
 
@@ -56,3 +59,40 @@ def random_edge_phases(mesh, field, spacing, seed=0):
 def products(phases):
     """(n,) cos x cos y of complex phases, two a vertex."""
     return phases.reshape(-1, 2).real.prod(axis=1)
+
+
+def cone(quadrants, cells=3.4, rings=9, side=None, seed=0):
+    """The exact grid on a cone made of quarters of the plane: phases walked by hand on a disk, with a vertex of the
+    grid at the tip, in a triangle near the middle, and about ``cells`` cells from there to the rim.
+
+    Around a disclination of index 1/4 are three quadrants, around one of -1/4 five. With a ``side`` (0, 1, 2) the
+    disclination is not in the triangle of the tip but in the one on that side of it: the edge between them is taken
+    to pass the tip on the other side.
+    """
+    random = np.random.default_rng(seed)
+    sizes = 5 * np.arange(rings) + 1
+    radius = np.repeat(np.arange(rings) / (rings - 1), sizes)
+    angle = np.concatenate([2 * np.pi / s * (np.arange(s) + 0.5 * k) for k, s in enumerate(sizes)])
+    points = radius * np.exp(1j * angle)
+    points += 0.15 / rings * (radius < 1) * np.exp(1j * random.uniform(0, 2 * np.pi, len(points)))
+    mesh = TriangleMesh(np.column_stack([points.real, points.imag, 0 * radius]), _triangulated(points))
+    home = int(np.abs(points[mesh.triangles].mean(axis=1)).argmin())
+    tip = points[mesh.triangles[home]] @ random.dirichlet([4, 4, 4])
+    radius, angle = np.abs(points - tip), np.angle(points - tip)
+    i, j = mesh.edges.T
+    around = np.round((angle[j] - angle[i]) / (2 * np.pi))
+    if side is not None:
+        edge = mesh.triangle_edges[home, side]
+        passed = angle[j[edge]] - angle[i[edge]] - 2 * np.pi * around[edge]
+        around[edge] += np.sign(passed)
+    unrolled = np.pi * cells * radius * np.exp(0.25j * quadrants * angle)
+    step = np.pi * cells * radius[j] * np.exp(0.25j * quadrants * (angle[j] - 2 * np.pi * around)) - unrolled[i]
+    # (x, y) -> (y, -x) is a product with -i; beyond the start of the angles a vertex knows other phases.
+    turns = random_turns(mesh, seed)
+    sheets = (-1j) ** turns
+    as_pairs = [np.column_stack([z.real, z.imag]) for z in (sheets * unrolled, sheets[i] * step)]
+    return EdgePhases(mesh, *as_pairs, (turns[j] - turns[i] - quadrants * around.astype(int)) % 4)
+
+
+def _triangulated(points):
+    return Delaunay(np.column_stack([points.real, points.imag])).simplices

@@ -316,7 +316,9 @@ def rounded_cube(cuts=8, share=0.5):
 def octahedron(heights=(1.0, 1.0, 1.0)):
     """Six vertices on the axes, the positive and negative ones in turn."""
     points = np.concatenate([np.diag(heights), -np.diag(heights)])
-    return TriangleMesh(points, [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]])
+    return TriangleMesh(
+        points, [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]]
+    )
 
 
 def flat_torus(width=1.0, height=1.0, columns=16, rows=12):

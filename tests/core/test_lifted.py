@@ -114,6 +114,19 @@ def test_other_methods_have_no_lifted_field():
 
 
 def test_variations_of_a_pattern():
-    pattern, _ = solved("line")
-    assert variation(pattern, 0).energy == pattern.solution.energy
-    assert variation(pattern, 2).energy == variation(pattern, 2).energy != variation(pattern, 3).energy
+    pattern, field = solved("line")
+    ready = len(pattern.solution.variations)
+    energies = [variation(pattern, number).energy for number in range(ready + 3)]
+    assert energies[0] == pattern.solution.energy == min(energies) and energies[:ready] == sorted(energies[:ready])
+    assert len(set(energies)) == ready + 3
+    drawn = field.phases(field.random_direction(ready + 1))
+    np.testing.assert_array_equal(variation(pattern, ready + 1).phases, drawn)
+
+
+def test_variations_of_a_direction_field():
+    mesh = bumpy_torus(16)
+    field = direction_field(mesh, 4).turned(0.2)
+    assert field.energy == pytest.approx(field.solution.energy, rel=1e-9)
+    other = variation(field, 30)
+    assert other.energy > field.energy and sum(d.index for d in other.disclinations) == 0
+    np.testing.assert_allclose(variation(field, 0).vectors, field.vectors, atol=1e-12)

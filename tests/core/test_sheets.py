@@ -32,7 +32,9 @@ def test_every_row_has_its_own_turns():
     each = [after_turns(row[None], np.array([turn]))[0] for row, turn in zip(phases, turns, strict=True)]
     np.testing.assert_array_equal(after_turns(phases, turns), each)
     # One row for many turns, and many rows for one.
-    np.testing.assert_array_equal(after_turns(phases[0], turns[:, None])[:, 0], [after_turns(phases[0], t) for t in turns])
+    np.testing.assert_array_equal(
+        after_turns(phases[0], turns[:, None])[:, 0], [after_turns(phases[0], t) for t in turns]
+    )
     np.testing.assert_array_equal(after_turns(np.eye(2), 1), [[0, -1], [1, 0]])
 
 

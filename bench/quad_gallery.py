@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures of quads: the paper's Figure 4 again, quad meshes, and the profiles of the node group.
+
+    python bench/quad_gallery.py MESHES --folder docs [--only figure4 | quad_mesh | quads]
+
+Figure 4: cos x cos y along one cross field, the spectral relaxation on the left and the semidefinite one on the right;
+its energies are printed. MESHES holds spot.obj, fertility.obj, rocker-arm.obj and stanford-bunny.obj. Needs Blender as a
+module (bpy).
+"""
+
+import argparse
+import tempfile
+from pathlib import Path
+
+import bpy
+import numpy as np
+from figures import COLUMNS, beside, read_directions, row, write_directions
+from tables import print_table
+
+from synch_fields.synch_addon import api, files
+from synch_fields.synch_addon.defect_empties import Defect, write_defects
+from synch_fields.synch_addon.nodes import INK_BLUE, WARM_IVORY
+from synch_fields.synch_addon.quad_profiles import PROFILES, QUADS_NAME
+from synch_fields.synch_addon.render import render_picture
+
+# Name of a mesh, where it is seen from, and its period's part of the longest side.
+WAVES = (("spot", (205, 12), 16), ("fertility", (-20, 10), 24), ("rocker-arm", (150, 18), 20))
+MESHES = (("spot", (205, 12), 20), ("fertility", (-20, 10), 32), ("stanford-bunny", (-20, 12), 30))
+PATTERNED = ("spot", (205, 12), 12)
+
+# In mean edges.
+EDGE_THICKNESS, MARK_SIZE = 0.07, 1.0
+
+
+def main():
+    """Make the pictures, and print the table of Figure 4."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("meshes", type=Path, help="folder with the meshes")
+    parser.add_argument("--folder", type=Path, default=Path("docs"), help="where the pictures go (%(default)s)")
+    parser.add_argument("--only", choices=PICTURES, help="the name of one picture")
+    options = parser.parse_args()
+    for name, make in PICTURES.items():
+        if options.only in (None, name):
+            with tempfile.TemporaryDirectory() as folder:
+                make(options.meshes, Path(folder), options.folder / f"{name}.png")
+
+
+def opened(meshes, name):
+    """The object of a mesh's file, and the longest side of its box."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    files.open_input(str(meshes / f"{name}.obj"))
+    obj = files.choose_object(None)
+    return obj, max(obj.dimensions)
+
+
+def figure4(meshes, folder, path):
+    """The oscillatory fields, one shape below the other."""
+    rows, sheets = [], []
+    for name, view, count in WAVES:
+        pictures = []
+        for method in ("spectral", "sdp"):
+            obj, size = opened(meshes, name)
+            if method == "spectral":
+                api.directions(obj, symmetry="cross")
+                directions = read_directions(obj)
+            else:
+                write_directions(obj, directions)
+            report = api.quads(obj, spacing=size / count, guidance="attribute:synch_direction", method=method)
+            rows.append(row(f"{name} {count}: {'SDP' if method == 'sdp' else method}", report))
+            obj.data.materials.clear()
+            obj.data.materials.append(wave_material())
+            picture = folder / f"{name} {method}.png"
+            pictures.append(
+                render_picture(obj, picture, view=view, resolution=(640, 560), samples=24, markers=False)
+            )
+        sheets.append(folder / f"{name}.png")
+        beside(pictures, sheets[-1])
+    beside(sheets, path, vertical=True)
+    print_table("Figure 4", COLUMNS, rows)
+
+
+def wave_material():
+    """cos x cos y as a mixture of two colours."""
+    material = plain_material("Wave", WARM_IVORY)
+    tree = material.node_tree
+    pattern = tree.nodes.new("ShaderNodeGroup")
+    pattern.node_tree = bpy.data.node_groups[QUADS_NAME]
+    ramp = tree.nodes.new("ShaderNodeMapRange")
+    ramp.inputs["From Min"].default_value = -1
+    ramp.interpolation_type = "SMOOTHSTEP"
+    mix = tree.nodes.new("ShaderNodeMixRGB")
+    mix.inputs[1].default_value, mix.inputs[2].default_value = WARM_IVORY, INK_BLUE
+    tree.links.new(pattern.outputs["Pattern"], ramp.inputs["Value"])
+    tree.links.new(ramp.outputs["Result"], mix.inputs["Fac"])
+    tree.links.new(mix.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    return material
+
+
+def plain_material(name, color):
+    material = bpy.data.materials.new(name)
+    if material.node_tree is None:
+        material.use_nodes = True
+    surface = material.node_tree.nodes["Principled BSDF"]
+    surface.inputs["Base Color"].default_value = color
+    surface.inputs["Roughness"].default_value = 0.45
+    return material
+
+
+def quad_mesh(meshes, folder, path):
+    """Quad meshes with their edges, and a ball at each irregular vertex."""
+    pictures = []
+    for name, view, count in MESHES:
+        obj, size = opened(meshes, name)
+        report = api.quad_mesh(obj, spacing=size / count)["quad_mesh"]
+        made = bpy.data.objects[report["object"]]
+        made.data.materials.clear()
+        for color in (WARM_IVORY, INK_BLUE):
+            made.data.materials.append(plain_material("Quads", color))
+        draw_edges(made, report["edge_length"])
+        mark_irregular(made, report["edge_length"])
+        picture = folder / f"{name}.png"
+        pictures.append(render_picture(made, picture, view=view, resolution=(640, 620), samples=32))
+        print(f"{name} {count}: {report['faces']} faces, {report['quad_share']:.1%} quads")
+    beside(pictures, path)
+
+
+def draw_edges(obj, length):
+    """Rods along the edges, in the second material."""
+    rods = obj.modifiers.new("Edges", "WIREFRAME")
+    rods.use_replace, rods.use_even_offset, rods.material_offset = False, False, 1
+    rods.thickness = EDGE_THICKNESS * length
+
+
+def mark_irregular(obj, length):
+    """An empty at each vertex inside with other than four edges; balls stand for them in a picture."""
+    edges = np.empty(2 * len(obj.data.edges), np.int32)
+    obj.data.edges.foreach_get("vertices", edges)
+    boundary = {v for edge in obj.data.edges if edge.is_loose for v in edge.vertices}
+    valences = np.bincount(edges)
+    marks = [
+        Defect("disclination", 0, (4 - valences[vertex.index]) / 4, tuple(vertex.co), tuple(vertex.normal))
+        for vertex in obj.data.vertices
+        if valences[vertex.index] != 4 and vertex.index not in boundary
+    ]
+    write_defects(obj, marks, length=MARK_SIZE * length)
+
+
+def quads(meshes, folder, path):
+    """The profiles of the node group on one pattern."""
+    name, view, count = PATTERNED
+    obj, size = opened(meshes, name)
+    api.quads(obj, spacing=size / count, assign_material=True)
+    group = next(node for node in obj.active_material.node_tree.nodes if node.type == "GROUP")
+    pictures = []
+    for number, profile in enumerate(PROFILES):
+        group.inputs["Profile"].default_value = number
+        picture = folder / f"{profile}.png"
+        pictures.append(render_picture(obj, picture, view=view, resolution=(560, 620), samples=32, markers=False))
+    beside(pictures, path)
+
+
+PICTURES = {"figure4": figure4, "quad_mesh": quad_mesh, "quads": quads}
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The last solve of each object, kept while Blender runs: variations and placed defects need no other."""
+
+from dataclasses import dataclass
+
+import bpy
+
+from ..core.errors import SynchError
+from ..core.fields import DirectionField, Pattern
+from . import scene_io
+from .report import Report
+from .task import Task
+
+# Objects whose solves are kept, the latest ones: some hundred bytes a vertex each.
+MOST = 8
+
+_solved = {}
+
+
+@dataclass
+class Solved:
+    """A solve and what of it the object shows.
+
+    Attributes
+    ----------
+    task : what was read; its polygons are those after writing
+    field : DirectionField
+    pattern : Pattern, or None after directions alone
+    report : Report that collected warnings and times
+    plain : that report as it was returned
+    """
+
+    task: Task
+    field: DirectionField
+    pattern: Pattern | None
+    report: Report
+    plain: dict
+
+    @property
+    def shown(self):
+        """The field or pattern whose phases vary."""
+        return self.field if self.pattern is None else self.pattern
+
+    def showing(self, shown):
+        """The field and the pattern with a variation of one of them."""
+        return (shown, None) if self.pattern is None else (self.field, shown)
+
+
+def remember(obj, solved):
+    """Keep the solve that an object shows now."""
+    forget(obj)
+    _solved[obj.session_uid] = solved
+    while len(_solved) > MOST:
+        del _solved[next(iter(_solved))]
+
+
+def recall(obj):
+    """The :class:`Solved` that an object shows.
+
+    Raises
+    ------
+    SynchError
+        where there is none, or the mesh has changed since
+    """
+    solved = _solved.get(obj.session_uid)
+    if solved is None:
+        raise SynchError(f"{obj.name} has not been solved since the file was opened: solve it first")
+    if not scene_io.is_unchanged(obj, solved.task.given):
+        raise SynchError(f"the mesh or the scale of {obj.name} has changed since it was solved: solve it again")
+    return solved
+
+
+def forget(obj):
+    """Keep the solve of an object no longer."""
+    _solved.pop(obj.session_uid, None)
+
+
+def holds(obj):
+    """Whether there is a solve of an object, be its mesh changed or not."""
+    return obj is not None and obj.session_uid in _solved
+
+
+@bpy.app.handlers.persistent
+def _forget_all(*_):
+    _solved.clear()
+
+
+def register():
+    bpy.app.handlers.load_post.append(_forget_all)
+
+
+def unregister():
+    bpy.app.handlers.load_post.remove(_forget_all)
+    _solved.clear()

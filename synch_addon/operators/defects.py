@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators that find the defects of the active object: select their faces, look at one after the other, and copy
+the report of the last solve."""
+
+import json
+
+import bpy
+
+from .. import memory, scene_io
+from ..defect_empties import defect_empties
+from .field_operator import unready
+
+# Distance from which a defect is looked at, in sizes of its empty.
+_VIEWED = 30
+
+
+class _DefectOperator:
+    """Mixed into operators that need the active object's defect empties."""
+
+    @classmethod
+    def poll(cls, context):
+        reason = unready(context)
+        if reason is None and not defect_empties(context.active_object):
+            reason = f"{context.active_object.name} has no defects: its field is continuous, or not solved yet"
+        if reason:
+            cls.poll_message_set(reason)
+        return reason is None
+
+
+class SYNCH_OT_select_defects(_DefectOperator, bpy.types.Operator):
+    """Select the faces that hold a defect, in edit mode"""
+
+    bl_idname = "synch.select_defects"
+    bl_label = "Select Defect Faces"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context):
+        obj = context.active_object
+        if obj.mode == "EDIT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        faces = sorted({empty["synch_face"] for empty in defect_empties(obj)})
+        scene_io.select_faces(obj, faces)
+        bpy.ops.object.mode_set(mode="EDIT")
+        self.report({"INFO"}, f"{len(faces)} faces selected")
+        return {"FINISHED"}
+
+
+class SYNCH_OT_next_defect(_DefectOperator, bpy.types.Operator):
+    """Turn the view to the next defect and look at it from close by"""
+
+    bl_idname = "synch.next_defect"
+    bl_label = "Frame Next Defect"
+
+    def execute(self, context):
+        view = getattr(context.space_data, "region_3d", None)
+        if view is None:
+            self.report({"ERROR"}, "there is no 3D view to turn: run this in one")
+            return {"CANCELLED"}
+        obj = context.active_object
+        empties = sorted(defect_empties(obj), key=lambda empty: empty.name)
+        # The one after the defect that the view is at.
+        apart = [(empty.matrix_world.translation - view.view_location).length for empty in empties]
+        near = min(range(len(empties)), key=apart.__getitem__)
+        at_one = apart[near] < 1e-4 * max(view.view_distance, 1e-9)
+        empty = empties[(near + 1) % len(empties) if at_one else 0]
+        place = empty.matrix_world
+        view.view_location = place.translation
+        view.view_rotation = place.to_quaternion()  # an empty's Z is the normal of its face
+        view.view_distance = _VIEWED * empty.empty_display_size * max(place.to_scale())
+        self.report({"INFO"}, empty.name)
+        return {"FINISHED"}
+
+
+class SYNCH_OT_copy_report(bpy.types.Operator):
+    """Copy the full report of the last solve to the clipboard, as JSON"""
+
+    bl_idname = "synch.copy_report"
+    bl_label = "Copy Report"
+
+    @classmethod
+    def poll(cls, context):
+        reason = unready(context)
+        if reason is None and not memory.holds(context.active_object):
+            reason = "the report is kept while the file stays open: solve again to have one"
+        if reason:
+            cls.poll_message_set(reason)
+        return reason is None
+
+    def execute(self, context):
+        report = memory.recall(context.active_object).plain
+        context.window_manager.clipboard = json.dumps(report, indent=2)
+        return {"FINISHED"}
+
+
+CLASSES = (SYNCH_OT_select_defects, SYNCH_OT_next_defect, SYNCH_OT_copy_report)

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators on the last solve of the active object: other configurations, defects at chosen vertices."""
+
+import random
+
+import bpy
+from bpy.props import IntProperty
+from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
+
+from ...core.errors import SynchError
+from .. import api, memory, scene_io
+from .field_operator import unready
+
+# Numbers that the dice draw: from here on every one is another random projection.
+_DRAWN = (100, 1_000_000)
+
+
+class _SolvedOperator:
+    """Mixed into operators that need a solve of the active object."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        reason = unready(context)
+        if reason is None and not memory.holds(context.active_object):
+            reason = f"{context.active_object.name} has not been solved since the file was opened: solve it first"
+        if reason:
+            cls.poll_message_set(reason)
+        return reason is None
+
+    def _show(self, show, *arguments):
+        """Call the API; an error becomes one line."""
+        try:
+            report = show(*arguments)
+        except SynchError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"energy {report['energy']:.4g}, {len(report['dislocations'])} dislocations")
+        return {"FINISHED"}
+
+
+class SYNCH_OT_variation(_SolvedOperator, bpy.types.Operator):
+    """Show another near-optimal configuration of defects, from the last solve"""
+
+    bl_idname = "synch.variation"
+    bl_label = "Variation"
+
+    number: IntProperty(
+        name="Variation",
+        description="0 is the best one, the next are other good ones, high numbers are drawn at random",
+        min=0,
+    )
+
+    def execute(self, context):
+        return self._show(api.vary, context.active_object, self.number)
+
+
+class SYNCH_OT_draw_variation(_SolvedOperator, bpy.types.Operator):
+    """Show a configuration of defects that is drawn at random, from the last solve"""
+
+    bl_idname = "synch.draw_variation"
+    bl_label = "Draw Variation"
+
+    def execute(self, context):
+        # Sets the slider, which shows it.
+        context.active_object.synch.variation = random.randrange(*_DRAWN)
+        return {"FINISHED"}
+
+
+class SYNCH_OT_place_defect(_SolvedOperator, bpy.types.Operator):
+    """Click on the surface to put a dislocation there, drag to move it, click again for more; Enter ends, Esc undoes"""
+
+    bl_idname = "synch.place_defect"
+    bl_label = "Place Defects"
+
+    def invoke(self, context, event):
+        if context.region is None or context.region.type != "WINDOW":
+            self.report({"ERROR"}, "defects are placed in a 3D view: run this with the mouse over one")
+            return {"CANCELLED"}
+        self._before = context.active_object.synch.variation
+        self._vertices, self._held = [], False
+        context.window_manager.modal_handler_add(self)
+        context.workspace.status_text_set("Click: place a defect   Drag: move it   Enter: done   Esc: as before")
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if event.type in {"RET", "NUMPAD_ENTER", "RIGHTMOUSE"} and event.value == "PRESS":
+            return self._leave(context, {"FINISHED"} if self._vertices else {"CANCELLED"})
+        if event.type == "ESC":
+            self._show(api.vary, context.active_object, self._before)
+            return self._leave(context, {"CANCELLED"})
+        if event.type == "LEFTMOUSE":
+            self._held = event.value == "PRESS"
+            vertex = vertex_under(context, event) if self._held else None
+            if vertex is not None:
+                self._try(context, [*self._vertices, vertex])
+            return {"RUNNING_MODAL"}
+        if event.type == "MOUSEMOVE" and self._held and self._vertices:
+            vertex = vertex_under(context, event)
+            if vertex is not None and vertex != self._vertices[-1]:
+                self._try(context, [*self._vertices[:-1], vertex])
+            return {"RUNNING_MODAL"}
+        return {"PASS_THROUGH"}
+
+    def _try(self, context, vertices):
+        if self._show(api.place_defects, context.active_object, vertices) == {"FINISHED"}:
+            self._vertices = vertices
+
+    def _leave(self, context, result):
+        context.workspace.status_text_set(None)
+        return result
+
+
+def vertex_under(context, event):
+    """The vertex of the active object nearest to where the mouse meets its surface, or None."""
+    obj = context.active_object
+    mouse = event.mouse_region_x, event.mouse_region_y
+    origin = region_2d_to_origin_3d(context.region, context.region_data, mouse)
+    towards = region_2d_to_vector_3d(context.region, context.region_data, mouse)
+    inverse = obj.matrix_world.inverted()
+    hit, place, _, face = obj.ray_cast(inverse @ origin, inverse.to_3x3() @ towards)
+    if not hit:
+        return None
+    return scene_io.nearest_vertex(obj, face, place)
+
+
+CLASSES = (SYNCH_OT_variation, SYNCH_OT_draw_variation, SYNCH_OT_place_defect)
