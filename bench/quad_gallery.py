@@ -70,9 +70,7 @@ def figure4(meshes, folder, path):
             obj.data.materials.clear()
             obj.data.materials.append(wave_material())
             picture = folder / f"{name} {method}.png"
-            pictures.append(
-                render_picture(obj, picture, view=view, resolution=(640, 560), samples=24, markers=False)
-            )
+            pictures.append(render_picture(obj, picture, view=view, resolution=(640, 560), samples=24, markers=False))
         sheets.append(folder / f"{name}.png")
         beside(pictures, sheets[-1])
     beside(sheets, path, vertical=True)

@@ -72,11 +72,11 @@ class LayerGroup:
         ends = np.searchsorted(self.vertices, self.sides).T
         count = len(self.vertices)
         graph = coo_matrix((np.ones(ends.shape[1]), ends), shape=(count, count))
-        _, first, piece = np.unique(connected_components(graph, directed=False)[1], return_index=True, return_inverse=True)
-        roots = self.vertices[first[piece]]
-        return Links(
-            roots, self.vertices, np.zeros(count), np.zeros(count, bool), np.full(count, self.name, object)
+        _, first, piece = np.unique(
+            connected_components(graph, directed=False)[1], return_index=True, return_inverse=True
         )
+        roots = self.vertices[first[piece]]
+        return Links(roots, self.vertices, np.zeros(count), np.zeros(count, bool), np.full(count, self.name, object))
 
 
 @dataclass(frozen=True)
