@@ -2,9 +2,12 @@
 """A solve in a thread of its own, so that the window stays alive."""
 
 import threading
+import time
 
 from ..core.errors import Cancelled
 
+# Share of the work after which its time can be told.
+_TELLING = 0.15
 # The job that the window is waiting for, or None: the panel shows its progress.
 running = None
 
@@ -30,6 +33,7 @@ class BackgroundSolve:
     def __init__(self, job):
         self.job = job
         self.stage, self.fraction, self.error = "", 0.0, None
+        self._start = time.monotonic()
         self._cancelled = threading.Event()
         self._thread = threading.Thread(target=self._run, name="synch", daemon=True)
         self._thread.start()
@@ -49,6 +53,18 @@ class BackgroundSolve:
     def cancel(self):
         """Ask the solve to stop; it does so at its next iteration."""
         self._cancelled.set()
+
+    @property
+    def line(self):
+        """How far it is, for the progress bar."""
+        return f"{self.stage or 'starting'} {self.fraction:.0%}"
+
+    @property
+    def times(self):
+        """Seconds that have passed, and about how many are left, once that can be told."""
+        passed = time.monotonic() - self._start
+        left = f", about {passed * (1 / self.fraction - 1):.0f} s left" if self.fraction > _TELLING else ""
+        return f"{passed:.0f} s{left}"
 
     @property
     def finished(self):

@@ -72,8 +72,10 @@ def property_column(layout):
 
 def draw_progress(layout, work):
     """A bar for the job that runs."""
-    layout.progress(factor=work.fraction, text=f"{work.stage or 'starting'} {work.fraction:.0%}")
-    layout.label(text="cancels", icon="EVENT_ESC")
+    layout.progress(factor=work.fraction, text=work.line)
+    row = layout.row()
+    row.label(text=work.times, icon="TIME")
+    row.operator("synch.cancel", icon="EVENT_ESC")
 
 
 class SidebarPanel:

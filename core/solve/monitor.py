@@ -28,6 +28,7 @@ class Monitor:
         self._callback = callback
         self._deadline = None if time_limit is None else time.perf_counter() + time_limit
         self.stage, self.fraction = "", 0.0
+        self.bound, self._note = None, ""
         self._start, self._share = 0.0, 1.0
 
     def portion(self, start, share):
@@ -41,10 +42,15 @@ class Monitor:
         self.stage, self.fraction = stage, self._start + fraction * self._share
         self.check()
 
+    def found(self, energy):
+        """A field is there: from now on the stage says how far above the bound it is, where one is known."""
+        if self.bound is not None and energy > 0:
+            self._note = f", gap {max(1 - self.bound / energy, 0):.0%}"
+
     def check(self):
         """Raise :class:`Cancelled` or :class:`OutOfTime` where the computation has to stop."""
         if self._callback is not None:
-            answer = self._callback(self.stage, self.fraction)
+            answer = self._callback(self.stage + self._note, self.fraction)
             if answer is not None and not answer:
                 raise Cancelled("cancelled: nothing was changed")
         if self._deadline is not None and time.perf_counter() > self._deadline:

@@ -163,6 +163,8 @@ def continuation(stages, lifted, samples, density, random, monitor):
                 settled = polish(stage, settled, metric, monitor, SHORT_STEPS)
                 found = distinct_columns(stage, np.hstack([found, settled]))[:, :KEPT]
             value = energies(stage, found[:, :1])[0]
+            monitor.found(float(value))
+            monitor.at("continuation", 0.4 + 0.5 * (1 + round_number) / (1 + MOST_ROUNDS))
             if found.shape[1] == 1 or (round_number >= FEWEST_ROUNDS and value > (1 - GAIN) * best):
                 break
             best = value

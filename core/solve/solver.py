@@ -248,6 +248,7 @@ def _solve_sdp(workspace, options, monitor, clock, start):
     monitor.at("relaxation", 0.0)
     piece = workspace.piece
     relaxation = relax(workspace, options.target_gap, options.seed, monitor, clock, start.lifted)
+    monitor.bound = relaxation.lower_bound
     with clock("round"):
         columns, timed_out = _round(workspace, relaxation, options, monitor, start.column)
     if relaxation.out_of_time or timed_out:

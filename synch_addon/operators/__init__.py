@@ -4,13 +4,14 @@
 import bpy
 
 from .. import jobs
-from . import defects, directions, field_io, quads, stripes, variations
+from . import defects, directions, field_io, field_operator, quads, stripes, variations
 
 _CLASSES = (
     directions.SYNCH_OT_directions,
     stripes.SYNCH_OT_stripes,
     quads.SYNCH_OT_quads,
     quads.SYNCH_OT_quad_mesh,
+    field_operator.SYNCH_OT_cancel,
     *variations.CLASSES,
     *defects.CLASSES,
 )

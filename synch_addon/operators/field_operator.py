@@ -15,6 +15,7 @@ from ..report import counted
 from ..scene_io import refusal
 from ..settings import PROPERTY_NAMES, plain
 
+_POINTING = {"LEFTMOUSE", "MOUSEMOVE"}
 # What reaches the window while a job runs: navigation, but nothing that could change the mesh.
 _NAVIGATION = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE"}
 
@@ -76,9 +77,10 @@ class FieldOperator:
         elif event.type == "TIMER" and work.finished:
             return self._reporting(self._finish, context)
         elif event.type == "TIMER":
-            _show(context, f"{self.bl_label}: {work.stage or 'starting'} {work.fraction:.0%}   Esc: cancel")
+            _show(context, f"{self.bl_label}: {work.line}   {work.times}   Esc: cancel")
             context.window_manager.progress_update(work.fraction)
-        return {"PASS_THROUGH"} if event.type in _NAVIGATION else {"RUNNING_MODAL"}
+        free = event.type in _NAVIGATION or (event.type in _POINTING and _over_sidebar(context, event))
+        return {"PASS_THROUGH"} if free else {"RUNNING_MODAL"}
 
     def cancel(self, context):
         """The window or the file is being closed."""
@@ -142,6 +144,33 @@ class FieldOperator:
             self.report({"WARNING"}, warning)
         self.report({"INFO"}, _headline(report))
         return {"FINISHED"}
+
+
+class SYNCH_OT_cancel(bpy.types.Operator):
+    """Stop the solve that runs; everything stays as it was"""
+
+    bl_idname = "synch.cancel"
+    bl_label = "Cancel"
+
+    @classmethod
+    def poll(cls, context):
+        return jobs.running is not None
+
+    def execute(self, context):
+        jobs.running.cancel()
+        return {"FINISHED"}
+
+
+def _over_sidebar(context, event):
+    """Whether the mouse is over a sidebar, where the button is that cancels."""
+    return any(
+        region.type == "UI"
+        and 0 <= event.mouse_x - region.x < region.width
+        and 0 <= event.mouse_y - region.y < region.height
+        for area in context.screen.areas
+        if area.type == "VIEW_3D"
+        for region in area.regions
+    )
 
 
 def _progress_of(manager):

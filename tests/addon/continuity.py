@@ -30,7 +30,7 @@ def polygons_of(obj):
 
 
 def phases_of(obj, suffix=""):
-    """:class:`FacePhases` from nothing but the attributes: of stripes, or of one of the phases of quads ("_x", "_y")."""
+    """:class:`FacePhases` from nothing but the attributes: of stripes, or of a phase of quads ("_x", "_y")."""
 
     def read(name, absent):
         return attribute(obj, name).astype(float) if name in obj.data.attributes else absent
