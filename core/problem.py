@@ -95,6 +95,12 @@ class Piece:
         """Mean diagonal of the matrix per mass: an upper scale for eigenvalues, times and shifts."""
         return self.total_weight / float(self.row_mass.sum())
 
+    def scaled(self):
+        """The piece at a mean diagonal and a mean mass of 1, and what its energies were divided by."""
+        weight = self.total_weight / self.matrix.shape[0]
+        matrix, factor = self.matrix / weight, self.factor / np.sqrt(weight)
+        return replace(self, matrix=matrix, factor=factor, mass=self.mass / self.mass.mean()), weight
+
     @property
     def noise(self):
         """What rounding alone makes of the quadratic form <x, L x>: below it only sums of squares tell energies."""

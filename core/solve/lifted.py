@@ -11,9 +11,17 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import SettingError
+from .descent import descend
+from .monitor import Monitor
 from .rounding import ground_to_one
 from .spheres import gaussian
+from .stage import Workspace
+from .threads import one_blas_thread
 
+# Descents at a given rank end when the predicted relative decrease is below this, or after so many steps.
+TOLERANCE, STEPS = 1e-7, 500
+# Metric shift as a share of the energy per mass.
+SHIFT = 0.1
 # Projections that are shorter than this share of the lifted vector have no phase of their own.
 TINY = 1e-9
 
@@ -105,3 +113,33 @@ class LiftedField:
         for piece in problem.pieces:
             coordinates[piece.rows] = ground_to_one(piece, coordinates[piece.rows, None])[:, 0]
         return problem.expand(coordinates)
+
+
+def lifted_of_rank(problem, solution, rank, callback=None):
+    """(N, rank) lifted field of less energy than all nearby ones of the same rank (Eq. 24 at a given r).
+
+    It starts from the leading columns of a solved relaxation.
+
+    Parameters
+    ----------
+    problem : SynchronizationProblem on the circle
+    solution : its Solution by the method sdp
+    rank : columns, 2 for a spherical Clebsch map
+    callback : see :func:`core.solve.solve`
+    """
+    result = np.array(LiftedField(problem, solution).lifted[:, :rank])
+    if result.shape[1] < rank:
+        result = np.hstack([result, np.zeros((len(result), rank - result.shape[1]), result.dtype)])
+    monitor = Monitor(callback)
+    monitor.at(f"rank {rank}", 0.0)
+    with one_blas_thread():
+        for piece in problem.pieces:
+            scaled, _ = piece.scaled()
+            workspace = Workspace(scaled)
+            stage, matrix = workspace.stages[0], workspace.matrix
+            point = stage.lifted.normalize(result[piece.rows])
+            density = max(float(stage.lifted.energies(point, matrix @ point)[0]), 0.0) / scaled.mass.sum()
+            metric = stage.metric(SHIFT * density)
+            descent = descend(matrix, stage.lifted, point, metric, TOLERANCE, STEPS, monitor)
+            result[piece.rows] = descent.point
+    return result

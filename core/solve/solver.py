@@ -155,15 +155,9 @@ def _check_start(problem, start, options):
 
 def _solve_piece(piece, options, monitor, clock, start):
     """Solve a piece scaled to a mean diagonal and a mean mass of 1, so that single precision holds all of it."""
-    weight = piece.total_weight / piece.matrix.shape[0]
-    if weight == 0:  # nothing is asked
+    if piece.total_weight == 0:  # nothing is asked
         return _without_search(piece, options, Status.CERTIFIED if options.method == "sdp" else Status.UNCERTIFIED)
-    scaled = replace(
-        piece,
-        matrix=piece.matrix / weight,
-        factor=piece.factor / np.sqrt(weight),
-        mass=piece.mass / piece.mass.mean(),
-    )
+    scaled, weight = piece.scaled()
     try:
         result = _solve_by_method(scaled, options, monitor, clock, start)
     except OutOfTime:

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Vortex filaments of a Clebsch map on a grid: where its phase has no value (paper, Section 3.6.1, Eq. 9)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..fields.clebsch import TURN
+from .strands import joined_strands
+
+
+@dataclass(frozen=True)
+class Filament:
+    """One vortex filament.
+
+    Attributes
+    ----------
+    points : (p, 3); a closed one goes on from the last to the first
+    strength : circulation around it, counterclockwise seen from its head
+    is_closed : bool
+    """
+
+    points: np.ndarray
+    strength: float
+    is_closed: bool
+
+
+def filaments(found, smoothing=0):
+    """Filaments of a :class:`ClebschMap` in three dimensions, through the points where they pass the grid's faces.
+
+    A filament that leaves through a periodic side is closed by what comes in on the other one, and given in pieces.
+
+    Parameters
+    ----------
+    found : ClebschMap
+    smoothing : how often each point moves to the middle of its neighbours
+    """
+    grid, numbers = found.grid, found.face_numbers
+    places = puncture_places(found)
+    box = grid.spacing * grid.shape
+    result = []
+    for strand in joined_strands(numbers, grid.cell_faces, grid.outward):
+        points = places[strand.faces]
+        steps = np.diff(points, axis=0, append=points[:1] if strand.is_closed else points[-1:])
+        jumps = (np.abs(steps) > box / 2).any(axis=1)
+        is_closed = strand.is_closed and not jumps.any()
+        for piece in [points] if not jumps.any() else _pieces(points, jumps, strand.is_closed):
+            if len(piece) > 1:
+                piece = smoothed(piece, is_closed, smoothing)
+                result.append(Filament(piece, strand.index * found.quantum, is_closed))
+    return result
+
+
+def vortices(found):
+    """Vortices of a :class:`ClebschMap` in two dimensions: (v, 2) places and (v,) their strengths."""
+    punctured = np.flatnonzero(found.face_numbers)
+    return puncture_places(found)[punctured], found.quantum * found.face_numbers[punctured]
+
+
+def _pieces(points, jumps, is_closed):
+    """Runs of points between jumps; what a closed curve ends with goes before its beginning."""
+    runs = np.split(points, np.flatnonzero(jumps) + 1)
+    if is_closed and not jumps[-1]:
+        runs[0] = np.concatenate([runs.pop(), runs[0]])
+    return runs
+
+
+def puncture_places(found):
+    """(f, d) where filaments pass the faces: the zero of what the flow does not explain, between four corners.
+
+    The phases are taken along the way around the face less the change that is asked for; where this has not the turn
+    of the face's number, the middle of the face is meant.
+    """
+    grid = found.grid
+    asked = TURN / found.quantum * found.integrals[grid.face_edges]
+    by_first = np.column_stack([np.zeros(len(asked)), asked[:, 0], asked[:, 0] + asked[:, 1], asked[:, 3]])
+    by_second = np.column_stack([np.zeros(len(asked)), asked[:, 0], asked[:, 3] + asked[:, 2], asked[:, 3]])
+    values = found.phases[grid.faces] * np.exp(-0.5j * (by_first + by_second))
+    s, t = bilinear_zero(values)
+    corner = grid.places[grid.faces[:, 0]]
+    places = corner.copy()
+    rows = np.arange(len(corner))
+    for share, axis in zip((s, t), grid.face_planes.T, strict=True):
+        places[rows, axis] += share * grid.spacing[axis]
+    return places
+
+
+def bilinear_zero(values):
+    """(k,) and (k,) coordinates in 0..1 where bilinear functions of (k, 4) complex corner values, counterclockwise, are
+    zero; the middle where they are nowhere."""
+    a, b = values[:, 0], values[:, 1] - values[:, 0]
+    c, d = values[:, 3] - values[:, 0], values[:, 0] - values[:, 1] + values[:, 2] - values[:, 3]
+    # a + b s + c t + d s t = 0 with s real: the imaginary part of (a + c t) conj(b + d t) vanishes.
+    quadratic = (c * d.conj()).imag, (a * d.conj() + c * b.conj()).imag, (a * b.conj()).imag
+    best = np.full((2, len(values)), 0.5)
+    for t in _roots(*quadratic):
+        below = b + d * t
+        s = -((a + c * t) * below.conj()).real / np.maximum(np.abs(below) ** 2, np.finfo(float).tiny)
+        inside = (t >= 0) & (t <= 1) & (s >= 0) & (s <= 1)
+        best[:, inside] = s[inside], t[inside]
+    return best
+
+
+def _roots(a, b, c):
+    """The two real roots of a x^2 + b x + c, NaN where there are none."""
+    with np.errstate(all="ignore"):
+        half = -0.5 * (b + np.where(b < 0, -1, 1) * np.sqrt(b * b - 4 * a * c))
+        return half / a, c / half
+
+
+def smoothed(points, is_closed, times):
+    """Points moved to the middle of their neighbours, the ends of an open line held."""
+    for _ in range(times):
+        middle = 0.5 * (np.roll(points, 1, axis=0) + np.roll(points, -1, axis=0))
+        if not is_closed:
+            middle[[0, -1]] = points[[0, -1]]
+        points = 0.5 * (points + middle)
+    return points

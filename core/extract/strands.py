@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Curves from the numbers with which they pass the faces of cells: tetrahedra, or cubes of a grid."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Strand:
+    """One curve, from face to face.
+
+    Attributes
+    ----------
+    faces : (p,) faces that it passes, in its direction; of a closed one the first does not come again
+    cells : cells that it runs through, the first one from faces[0] on
+    index : positive, how many lie on top of each other
+    """
+
+    faces: np.ndarray
+    cells: np.ndarray
+    index: int
+
+    @property
+    def is_closed(self):
+        return len(self.cells) == len(self.faces)
+
+
+def joined_strands(numbers, cell_faces, outward):
+    """Join punctured faces to curves.
+
+    A face of number N is passed by |N| strands. The numbers of a cell's faces, counted outwards, add up to 0: as many
+    strands come in as go out; each one that comes in goes on as one that goes out. Strands of the same course are one
+    of higher index.
+
+    Parameters
+    ----------
+    numbers : (f,) int, positive along the face's normal
+    cell_faces : (c, k) faces of each cell
+    outward : (c, k) or (k,), +1 where the normal points out of the cell, else -1
+
+    Returns
+    -------
+    list of Strand, open ones first, in the order of their first faces
+    """
+    faces = np.repeat(np.arange(len(numbers)), np.abs(numbers))
+    starts = np.cumsum(np.abs(numbers)) - np.abs(numbers)
+    leaving_numbers = numbers[cell_faces] * outward
+    leaving = _through(cell_faces, leaving_numbers, starts)
+    coming = _through(cell_faces, -leaving_numbers, starts)
+    after, cell_after, entered = np.full(len(faces), -1), np.full(len(faces), -1), np.zeros(len(faces), bool)
+    after[coming[1]], cell_after[coming[1]] = leaving[1], coming[0]
+    entered[leaving[1]] = True
+    courses = {}
+    waiting = np.ones(len(faces), bool)
+    for first in [*np.flatnonzero(~entered).tolist(), *range(len(faces))]:
+        strands, strand = [], first
+        while strand >= 0 and waiting[strand]:
+            waiting[strand] = False
+            strands.append(strand)
+            strand = after[strand]
+        if strands:
+            course = tuple(faces[strands].tolist()), tuple(c for c in cell_after[strands].tolist() if c >= 0)
+            courses[course] = courses.get(course, 0) + 1
+    return [Strand(np.array(met), np.array(cells, int), index) for (met, cells), index in courses.items()]
+
+
+def _through(cell_faces, numbers, starts):
+    """Cells and strands through their faces of positive number, sorted by cell."""
+    cells, sides = np.nonzero(numbers > 0)
+    repeats = numbers[cells, sides]
+    which = np.repeat(np.arange(len(cells)), repeats)
+    place = np.arange(len(which)) - np.repeat(np.cumsum(repeats) - repeats, repeats)
+    return cells[which], starts[cell_faces[cells, sides]][which] + place

@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Clebsch maps of a flow: vortex filaments of equal strength, and tubes (paper, Sections 3.6 and 4.6).
+
+A phase that turns with the velocity, d theta = velocity / hbar, is possible only up to vortex filaments, each of which
+carries the circulation h = 2 pi hbar. Two complex numbers instead of one, a point of the sphere S^3, need no filaments:
+their Hopf map to S^2 shows vortex tubes, and each of its projections is a map with filaments again.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ..connection import Connection, circle_transports
+from ..defects import wrap
+from ..errors import SettingError
+from ..geometry.grid import Grid
+from ..problem import SynchronizationProblem
+from ..solve import Solution, solve
+from ..solve.lifted import lifted_of_rank
+
+TURN = 2 * np.pi
+
+
+def edge_integrals(grid, velocity):
+    """(e,) integral of a velocity along each edge, by the trapezoidal rule.
+
+    Parameters
+    ----------
+    grid : Grid
+    velocity : (n, d) at the nodes
+
+    Raises
+    ------
+    SettingError
+        for another shape, or values that are not numbers, naming the first node
+    """
+    velocity = np.asarray(velocity, float)
+    if velocity.shape != (grid.node_count, grid.dimension):
+        raise SettingError(
+            f"velocities of the shape {velocity.shape} on a grid of {grid.node_count} nodes in {grid.dimension} "
+            "dimensions: give one vector a node"
+        )
+    bad = ~np.isfinite(velocity).all(axis=1)
+    if bad.any():
+        place = np.unravel_index(np.flatnonzero(bad)[0], grid.shape)
+        raise SettingError(
+            f"the velocity at node {tuple(int(p) for p in place)} ({bad.sum()} in all) is not a number: "
+            "fill or crop the grid"
+        )
+    axes = grid.edge_axes
+    i, j = grid.edges.T
+    return 0.5 * grid.spacing[axes] * (velocity[i, axes] + velocity[j, axes])
+
+
+def circulations(grid, integrals):
+    """(f,) circulation around each face, which is the vorticity through it."""
+    around = integrals[grid.face_edges]
+    return around[:, 0] + around[:, 1] - around[:, 2] - around[:, 3]
+
+
+def quantum_for(grid, integrals, count):
+    """The circulation h of one filament so that about ``count`` of them pass the plane with most vorticity.
+
+    Raises
+    ------
+    SettingError
+        for a flow without vorticity
+    """
+    flux = np.maximum(circulations(grid, integrals), 0)
+    largest = 0.0
+    for plane in np.unique(grid.face_planes, axis=0):
+        inside = (grid.face_planes == plane).all(axis=1)
+        normals = [axis for axis in range(grid.dimension) if axis not in plane]
+        layer = grid.faces[inside, 0]
+        layers = np.unravel_index(layer, grid.shape)[normals[0]] if normals else np.zeros(len(layer), int)
+        largest = max(largest, np.bincount(layers, flux[inside]).max())
+    if not largest > 0:
+        raise SettingError("the flow has no vorticity: there are no vortices to show")
+    return largest / count
+
+
+def clebsch_problem(grid, integrals, quantum):
+    """The synchronization problem of maps whose filaments carry the circulation ``quantum`` (Eq. 13)."""
+    if not (np.isfinite(quantum) and quantum > 0):
+        raise SettingError(f"the circulation of a filament is {quantum}: give a positive one")
+    transports = circle_transports(TURN / quantum * integrals)
+    return SynchronizationProblem(Connection(grid.node_count, grid.edges, grid.weights, transports), grid.masses)
+
+
+@dataclass(frozen=True)
+class ClebschMap:
+    """A map to the circle, with vortex filaments.
+
+    Attributes
+    ----------
+    grid : Grid
+    integrals : (e,) of the velocity along the edges
+    quantum : circulation of one filament
+    problem : SynchronizationProblem
+    solution : Solution
+    phases : (n,) complex, the solution's or others (:meth:`showing`)
+    """
+
+    grid: Grid
+    integrals: np.ndarray
+    quantum: float
+    problem: SynchronizationProblem
+    solution: Solution
+    phases: np.ndarray
+
+    @property
+    def energy(self):
+        """Of the phases that are shown."""
+        return self.problem.energy(self.phases)
+
+    def showing(self, phases):
+        """The map with other phases of the same problem."""
+        return replace(self, phases=phases)
+
+    @cached_property
+    def changes(self):
+        """(e,) phase change along each edge, the nearest to what the flow asks for."""
+        i, j = self.grid.edges.T
+        asked = TURN / self.quantum * self.integrals
+        arguments = np.angle(self.phases)
+        return asked + wrap(arguments[j] - arguments[i] - asked)
+
+    @cached_property
+    def face_numbers(self):
+        """(f,) filaments through each face, counted with their direction; they cancel around every cell."""
+        return np.rint(circulations(self.grid, self.changes) / TURN).astype(int)
+
+
+@dataclass(frozen=True)
+class SphericalMap:
+    """A map to the sphere S^3 in two complex dimensions, without filaments, and with it a map to S^2.
+
+    Attributes
+    ----------
+    found : ClebschMap whose relaxation it comes from
+    lifted : (n, 2) complex, unit rows
+    energy : of the lifted problem (Eq. 16 at epsilon 1); no less than the relaxation's bound
+    """
+
+    found: ClebschMap
+    lifted: np.ndarray
+    energy: float
+
+    @property
+    def sphere(self):
+        """(n, 3) unit vectors, the Hopf map: vortex tubes are where it goes around a point."""
+        first, second = self.lifted.T
+        both = 2 * first.conj() * second
+        return np.column_stack([both.real, both.imag, np.abs(first) ** 2 - np.abs(second) ** 2])
+
+    def seen_from(self, point):
+        """The :class:`ClebschMap` whose filaments are where the map to S^2 meets the antipode of a unit vector."""
+        x, y, z = np.asarray(point, float) / np.linalg.norm(point)
+        # A pair of complex numbers that the Hopf map takes to the point: the projection is on it.
+        theta, phi = np.arccos(np.clip(z, -1, 1)), np.arctan2(y, x)
+        direction = np.array([np.cos(theta / 2), np.exp(1j * phi) * np.sin(theta / 2)])
+        values = self.lifted @ direction.conj()
+        lengths = np.abs(values)
+        return self.found.showing(np.where(lengths > 0, values / np.where(lengths > 0, lengths, 1), 1))
+
+    @cached_property
+    def face_areas(self):
+        """(f,) signed area of S^2 that the map covers on each face, over 4 pi: vorticity through it, in quanta."""
+        corners = self.sphere[self.found.grid.faces]
+        a, b, c, d = np.moveaxis(corners, 1, 0)
+        return (_solid_angles(a, b, c) + _solid_angles(a, c, d)) / (4 * np.pi)
+
+
+def spherical_map(found, callback=None):
+    """The :class:`SphericalMap` of a solved :class:`ClebschMap`: its relaxation at rank 2."""
+    problem = found.problem
+    coordinates = lifted_of_rank(problem, found.solution, 2, callback)
+    lifted = np.column_stack([problem.expand(column) for column in coordinates.T])
+    energy = sum(problem.connection.energy(column) for column in lifted.T)
+    return SphericalMap(found, lifted, energy)
+
+
+def _solid_angles(a, b, c):
+    """(k,) signed solid angles of spherical triangles of unit vectors (van Oosterom and Strackee 1983)."""
+    volume = np.einsum("ij,ij->i", a, np.cross(b, c))
+    dots = [np.einsum("ij,ij->i", u, v) for u, v in ((a, b), (b, c), (c, a))]
+    return 2 * np.arctan2(volume, 1 + sum(dots))
+
+
+def clebsch_map(grid, velocity, quantum, options=None, callback=None, start=None):
+    """The :class:`ClebschMap` of a flow.
+
+    Parameters
+    ----------
+    grid : Grid
+    velocity : (n, d) at the nodes
+    quantum : circulation of one filament
+    options, callback, start : see :func:`core.solve.solve`
+    """
+    integrals = edge_integrals(grid, velocity)
+    problem = clebsch_problem(grid, integrals, quantum)
+    solution = solve(problem, options, callback, start)
+    return ClebschMap(grid, integrals, quantum, problem, solution, solution.phases)

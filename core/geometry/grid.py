@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A regular grid of nodes in two or three dimensions, its edges, faces and cells by index arithmetic."""
+
+from functools import cached_property
+
+import numpy as np
+
+from ..errors import MeshError
+
+# Axes of the faces' edges: a face runs counterclockwise from the first to the second, seen from its normal's head.
+_PLANES = {2: ((0, 1),), 3: ((1, 2), (2, 0), (0, 1))}
+
+
+class Grid:
+    """Nodes in rows along the axes.
+
+    Parameters
+    ----------
+    shape : nodes along each of two or three axes
+    spacing : distance of neighbours, one or one for each axis, in scene units
+    origin : place of the first node
+    periodic : whether the last node of an axis is followed by the first, one or one for each axis
+
+    Raises
+    ------
+    MeshError
+        for fewer than two nodes along an axis, three along a periodic one, or a spacing that is not positive
+    """
+
+    def __init__(self, shape, spacing=1.0, origin=0.0, periodic=False):
+        self.shape = tuple(int(count) for count in shape)
+        dimension = len(self.shape)
+        if dimension not in _PLANES:
+            raise MeshError(f"a grid of {dimension} axes: give it two or three")
+        self.spacing = np.broadcast_to(np.asarray(spacing, float), dimension)
+        self.origin = np.broadcast_to(np.asarray(origin, float), dimension)
+        self.periodic = tuple(bool(p) for p in np.broadcast_to(periodic, dimension))
+        for axis, count in enumerate(self.shape):
+            fewest = 3 if self.periodic[axis] else 2
+            if count < fewest:
+                raise MeshError(f"{count} nodes along axis {'XYZ'[axis]}: a grid needs {fewest} at least there")
+        if not (np.isfinite(self.spacing).all() and (self.spacing > 0).all()):
+            raise MeshError(f"the grid's spacing is {self.spacing.tolist()}: give positive lengths")
+
+    @property
+    def dimension(self):
+        return len(self.shape)
+
+    @property
+    def node_count(self):
+        return int(np.prod(self.shape))
+
+    @cached_property
+    def numbers(self):
+        """Array of the grid's shape: the number of each node, the last axis counting fastest."""
+        return np.arange(self.node_count).reshape(self.shape)
+
+    @cached_property
+    def places(self):
+        """(n, d) coordinates of the nodes."""
+        axes = [o + s * np.arange(c) for o, s, c in zip(self.origin, self.spacing, self.shape, strict=True)]
+        return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, self.dimension)
+
+    def _cells(self, axes):
+        """Numbers of the first nodes of the elements that extend along some axes."""
+        return self.numbers[self._inside(axes)].ravel()
+
+    def _inside(self, axes):
+        return tuple(
+            slice(None, -1) if axis in axes and not self.periodic[axis] else slice(None)
+            for axis in range(self.dimension)
+        )
+
+    def _element_shape(self, axes):
+        return tuple(count - (axis in axes and not self.periodic[axis]) for axis, count in enumerate(self.shape))
+
+    def _stepped(self, nodes, axis):
+        """The neighbour after each node along an axis, around the end of a periodic one."""
+        place = np.array(np.unravel_index(nodes, self.shape))
+        place[axis] = (place[axis] + 1) % self.shape[axis]
+        return np.ravel_multi_index(tuple(place), self.shape)
+
+    # Edges
+
+    @cached_property
+    def edges(self):
+        """(e, 2) nodes, from each to the next along an axis; first all along the first axis, and so on."""
+        parts = []
+        for axis in range(self.dimension):
+            tails = self._cells([axis])
+            parts.append(np.column_stack([tails, self._stepped(tails, axis)]))
+        return np.concatenate(parts)
+
+    @cached_property
+    def edge_axes(self):
+        """(e,) axis of each edge."""
+        return np.repeat(np.arange(self.dimension), [len(self._cells([a])) for a in range(self.dimension)])
+
+    def _edges_at(self, nodes, axis):
+        """Numbers of the edges that start at nodes along an axis."""
+        before = sum(len(self._cells([other])) for other in range(axis))
+        place = np.unravel_index(nodes, self.shape)
+        return before + np.ravel_multi_index(place, self._element_shape([axis]))
+
+    @cached_property
+    def weights(self):
+        """(e,) dual area over length, as in the cotangent rule."""
+        parts = []
+        for axis in range(self.dimension):
+            dual = [self._dual_lengths(other) for other in range(self.dimension)]
+            dual[axis] = np.full(self._element_shape([axis])[axis], 1 / self.spacing[axis])
+            parts.append(_outer(dual).ravel())
+        return np.concatenate(parts)
+
+    @cached_property
+    def masses(self):
+        """(n,) dual volume of each node."""
+        return _outer([self._dual_lengths(axis) for axis in range(self.dimension)]).ravel()
+
+    def _dual_lengths(self, axis):
+        lengths = np.full(self.shape[axis], self.spacing[axis])
+        if not self.periodic[axis]:
+            lengths[[0, -1]] /= 2
+        return lengths
+
+    # Faces and cells
+
+    @cached_property
+    def faces(self):
+        """(f, 4) nodes around each face, counterclockwise seen from its normal's head."""
+        parts = []
+        for first, second in _PLANES[self.dimension]:
+            corner = self._cells([first, second])
+            along = self._stepped(corner, first)
+            parts.append(np.column_stack([corner, along, self._stepped(along, second), self._stepped(corner, second)]))
+        return np.concatenate(parts)
+
+    @cached_property
+    def face_edges(self):
+        """(f, 4) edges around each face; the first two are passed forwards, the other two backwards."""
+        parts, start = [], 0
+        for first, second in _PLANES[self.dimension]:
+            count = len(self._cells([first, second]))
+            corner, along, _, across = self.faces[start : start + count].T
+            start += count
+            parts.append(
+                np.column_stack(
+                    [
+                        self._edges_at(corner, first),
+                        self._edges_at(along, second),
+                        self._edges_at(across, first),
+                        self._edges_at(corner, second),
+                    ]
+                )
+            )
+        return np.concatenate(parts)
+
+    @cached_property
+    def face_planes(self):
+        """(f, 2) axes that each face extends along."""
+        planes = _PLANES[self.dimension]
+        return np.repeat(planes, [len(self._cells(plane)) for plane in planes], axis=0)
+
+    @cached_property
+    def cell_faces(self):
+        """(c, 2 d) faces of the cells of three dimensions: for each normal, the one before and the one after."""
+        corners = self._cells([0, 1, 2])
+        parts, before = [], 0
+        for normal, plane in enumerate(_PLANES[3]):
+            shape = self._element_shape(plane)
+            near = before + np.ravel_multi_index(np.unravel_index(corners, self.shape), shape)
+            far = before + np.ravel_multi_index(np.unravel_index(self._stepped(corners, normal), self.shape), shape)
+            parts += [near, far]
+            before += len(self._cells(plane))
+        return np.column_stack(parts)
+
+    @property
+    def outward(self):
+        """(2 d,) +1 where a cell's face has its normal outwards, else -1, in the order of :attr:`cell_faces`."""
+        return np.tile([-1, 1], 3)
+
+
+def _outer(factors):
+    """Array of the products of one factor along each axis."""
+    result = np.ones(())
+    for factor in factors:
+        result = result[..., None] * factor
+    return result
