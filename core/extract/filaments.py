@@ -66,16 +66,16 @@ def _pieces(points, jumps, is_closed):
 
 
 def puncture_places(found):
-    """(f, d) where filaments pass the faces: the zero of what the flow does not explain, between four corners.
+    """(f, d) where filaments pass the faces: the zero between the values at the four corners.
 
-    The phases are taken along the way around the face less the change that is asked for; where this has not the turn
-    of the face's number, the middle of the face is meant.
+    What opposite edges ask for on average, the flow that passes the filament by, is taken off before; where no zero is
+    left, the middle of the face is meant.
     """
     grid = found.grid
     asked = TURN / found.quantum * found.integrals[grid.face_edges]
-    by_first = np.column_stack([np.zeros(len(asked)), asked[:, 0], asked[:, 0] + asked[:, 1], asked[:, 3]])
-    by_second = np.column_stack([np.zeros(len(asked)), asked[:, 0], asked[:, 3] + asked[:, 2], asked[:, 3]])
-    values = found.phases[grid.faces] * np.exp(-0.5j * (by_first + by_second))
+    across, upwards = 0.5 * (asked[:, 0] + asked[:, 2]), 0.5 * (asked[:, 1] + asked[:, 3])
+    mean = np.column_stack([np.zeros(len(asked)), across, across + upwards, upwards])
+    values = found.phases[grid.faces] * np.exp(-1j * mean)
     s, t = bilinear_zero(values)
     corner = grid.places[grid.faces[:, 0]]
     places = corner.copy()
@@ -94,6 +94,7 @@ def bilinear_zero(values):
     quadratic = (c * d.conj()).imag, (a * d.conj() + c * b.conj()).imag, (a * b.conj()).imag
     best = np.full((2, len(values)), 0.5)
     for t in _roots(*quadratic):
+        t = np.where(np.isfinite(t), t, -1.0)
         below = b + d * t
         s = -((a + c * t) * below.conj()).real / np.maximum(np.abs(below) ** 2, np.finfo(float).tiny)
         inside = (t >= 0) & (t <= 1) & (s >= 0) & (s <= 1)

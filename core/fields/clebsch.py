@@ -188,17 +188,16 @@ def _solid_angles(a, b, c):
     return 2 * np.arctan2(volume, 1 + sum(dots))
 
 
-def clebsch_map(grid, velocity, quantum, options=None, callback=None, start=None):
+def clebsch_map(grid, integrals, quantum, options=None, callback=None, start=None):
     """The :class:`ClebschMap` of a flow.
 
     Parameters
     ----------
     grid : Grid
-    velocity : (n, d) at the nodes
+    integrals : (e,) of the velocity along the edges (:func:`edge_integrals`)
     quantum : circulation of one filament
     options, callback, start : see :func:`core.solve.solve`
     """
-    integrals = edge_integrals(grid, velocity)
     problem = clebsch_problem(grid, integrals, quantum)
     solution = solve(problem, options, callback, start)
     return ClebschMap(grid, integrals, quantum, problem, solution, solution.phases)
