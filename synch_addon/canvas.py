@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Drawing shader node groups: formulas as arithmetic on expressions, nodes in readable columns."""
+"""Drawing node groups: formulas as arithmetic on expressions, nodes in readable columns."""
 
 from collections import Counter
 from contextlib import contextmanager
@@ -13,7 +13,7 @@ _ROW_HEIGHT = 50
 
 
 class Expression:
-    """A number in a shader: arithmetic on expressions adds the Math nodes that compute it."""
+    """A number in a node tree: arithmetic on expressions adds the Math nodes that compute it."""
 
     def __init__(self, canvas, socket, depth):
         self.canvas, self.socket, self.depth = canvas, socket, depth
@@ -82,7 +82,9 @@ class Expression:
 
 
 class Canvas:
-    """A node tree that is being drawn: nodes stand in the column of their depth."""
+    """A node tree that is being drawn: nodes stand in the column of their depth. This one is of shader nodes."""
+
+    tree_type, group_type = "ShaderNodeTree", "ShaderNodeGroup"
 
     def __init__(self, tree):
         self.tree = tree
@@ -147,7 +149,7 @@ class Canvas:
 
     def group(self, tree, depth=0):
         """Use another node group; its outputs as expressions by name."""
-        node = self.place("ShaderNodeGroup", depth, rows=4)
+        node = self.place(self.group_type, depth, rows=4)
         node.node_tree = tree
         return {output.name: Expression(self, output, depth) for output in node.outputs}
 
@@ -189,17 +191,17 @@ class Socket(NamedTuple):
     limits: tuple | None = None
 
 
-def group_tree(name, stamp):
-    """The local shader group `name`, and whether it was built with this `stamp`.
+def group_tree(name, stamp, tree_type=Canvas.tree_type):
+    """The local node group `name`, and whether it was built with this `stamp`.
 
     One that was not is emptied; its sockets stay, and with them what users have set there.
     """
     groups = [
         tree
         for tree in bpy.data.node_groups
-        if tree.name == name and tree.bl_idname == "ShaderNodeTree" and tree.library is None
+        if tree.name == name and tree.bl_idname == tree_type and tree.library is None
     ]
-    tree = groups[0] if groups else bpy.data.node_groups.new(name, "ShaderNodeTree")
+    tree = groups[0] if groups else bpy.data.node_groups.new(name, tree_type)
     if tree.get(_STAMP) == stamp:
         return tree, True
     tree.nodes.clear()

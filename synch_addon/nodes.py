@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shader node groups that turn the attributes of a pattern into its phases, and one phase into stripes.
+"""Node groups that turn the attributes of a pattern into its phases, and one phase into stripes.
 
 The phase at a point of a face is ``theta = phase + N * lstar(b) + D``: the interpolated corner
 values, the turn around a dislocation of index N (lArg of Knöppel et al., "Stripe Patterns on
@@ -130,17 +130,18 @@ _STRIPES_OUTPUTS = (
 )
 
 
-def phase_group(name=PHASE_NAME, attributes=PhaseAttributes()):
-    """The node group `name` that evaluates one phase from `attributes`, built when missing.
+def phase_group(name=PHASE_NAME, attributes=PhaseAttributes(), canvas_type=Canvas):
+    """The node group `name` that evaluates one phase from `attributes`, built when missing, of a canvas's kind.
 
     Its outputs are Phase (theta, radians) and Cosine. A group of that name that was built for
     other attributes or by an older version is rebuilt in place.
     """
-    tree, is_current = group_tree(name, f"{VERSION} {' '.join(map(str, astuple(attributes)))}")
+    stamp = f"{VERSION} {' '.join(map(str, astuple(attributes)))}"
+    tree, is_current = group_tree(name, stamp, canvas_type.tree_type)
     if is_current:
         return tree
     declare(tree, (), _PHASE_OUTPUTS)
-    canvas = Canvas(tree)
+    canvas = canvas_type(tree)
     with canvas.band("Attributes of the mesh"):
         (phase,) = canvas.attribute(attributes.phase, "Fac")
         (index,) = canvas.attribute(attributes.index, "Fac")

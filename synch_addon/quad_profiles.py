@@ -22,10 +22,9 @@ QUADS_NAME = "Synch Quads"
 # In the order of the numbers that choose them.
 PROFILES = ("grid lines", "checker", "weave", "dots")
 
-# Parts of a cell: the bevel of a checker tile.
+# Parts of a cell: the bevel of a checker tile, and what stays free beside the strand on top of a weave.
 _BEVEL = 0.12
-# Part of the space between strands that stays free beside the strand on top.
-_GAP = 0.5
+_GAP = 0.045
 # Height of a strand where it is neither above nor below another, and how far it rises or sinks there.
 _LEVEL, _LIFT = 0.6, 0.4
 
@@ -57,7 +56,7 @@ class _Shape(NamedTuple):
 def quads_group() -> bpy.types.ShaderNodeTree:
     """The node group "Synch Quads", built when missing and rebuilt in place when outdated."""
     tree, is_current = group_tree(QUADS_NAME, f"{VERSION}")
-    phase_trees = [phase_group(f"Synch Phase {axis.upper()}", _attributes(axis)) for axis in "xy"]
+    phase_trees = [phase_group(f"Synch Phase {axis.upper()}", phase_attributes(axis)) for axis in "xy"]
     if is_current:
         return tree
     declare(tree, _INPUTS, _OUTPUTS)
@@ -67,18 +66,9 @@ def quads_group() -> bpy.types.ShaderNodeTree:
         phases = [canvas.group(phase_tree) for phase_tree in phase_trees]
         x, y = (phase["Phase"] for phase in phases)
         pattern = (phases[0]["Cosine"] * phases[1]["Cosine"]).named("cos x cos y")
-        across = [(phase.ping_pong(math.pi / 2) / math.pi).named("cells to an edge") for phase in (x, y)]
-    width = inputs["Width"]
-    with canvas.band("Grid lines"):
-        grid = _grid_lines(across, width)
-    with canvas.band("Checker"):
-        checker = _checker(across, width, pattern)
-    with canvas.band("Weave"):
-        weave = _weave(across, width, (x.sine() * y.sine()).named("sin x sin y"))
-    with canvas.band("Dots"):
-        dots = _dots(across, width)
+    shapes = profile_shapes(canvas, x, y, pattern, inputs["Width"])
     with canvas.band("Chosen profile"):
-        chosen = _chosen(inputs["Profile"], (grid, checker, weave, dots))
+        chosen = _chosen(inputs["Profile"], shapes)
         factor = faded(chosen.inside, inputs["Softness"], chosen.widest)
         color = canvas.color_mix(factor, inputs["Background"], inputs["Color"])
         named = {"Color": color, "Factor": factor, "Height": chosen.height, "Pattern": pattern}
@@ -86,7 +76,22 @@ def quads_group() -> bpy.types.ShaderNodeTree:
     return tree
 
 
-def _attributes(axis):
+def profile_shapes(canvas, x, y, pattern, width):
+    """The shapes of all :data:`PROFILES` for two phases, cos x cos y, and a width."""
+    with canvas.band("Grid lines"):
+        across = [(phase.ping_pong(math.pi / 2) / math.pi).named("cells to an edge") for phase in (x, y)]
+        grid = _grid_lines(across, width)
+    with canvas.band("Checker"):
+        checker = _checker(across, width, pattern)
+    with canvas.band("Weave"):
+        weave = _weave(across, width, (x.sine() * y.sine()).named("sin x sin y"))
+    with canvas.band("Dots"):
+        dots = _dots(across, width)
+    return grid, checker, weave, dots
+
+
+def phase_attributes(axis):
+    """Names of the attributes of the phase "x" or "y" of quads."""
     return PhaseAttributes(
         phase=f"synch_phase_{axis}",
         index=f"synch_index_{axis}",
@@ -114,7 +119,8 @@ def _checker(across, width, pattern):
 
 def _weave(across, width, above):
     strand = width.root().named("strand")
-    gap = ((1.0 - strand) * (0.5 * _GAP)).named("gap")
+    hole = (0.5 - strand * 0.5).named("half the space between strands")
+    gap = (hole * 0.5).minimum(_GAP)
     x_inside, y_inside = (strand * 0.5 - (0.5 - distance) for distance in across)
     x_over = (above > 0.0).named("x over y?")
     over = x_over.choose(x_inside, y_inside).named("over")
@@ -122,7 +128,7 @@ def _weave(across, width, above):
     free = (-over - gap).named("free of the one above")
     rise = abs(above) * _LIFT
     # Half way to the next crossing the strands change places, and nothing is to be seen of it.
-    end = (1.0 - strand) * (0.5 - 0.5 * _GAP)
+    end = hole - gap
     above_height = rounded(over, strand * 0.5) * (_LEVEL + rise)
     below_height = rounded(under, strand * 0.5) * (_LEVEL - rise) * rounded(free, end)
     inside = over.maximum(under.minimum(free))

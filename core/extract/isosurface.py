@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Surfaces on which a function on a grid has a value, by marching tetrahedra."""
+
+from dataclasses import dataclass
+from itertools import permutations
+
+import numpy as np
+
+from ..geometry import TriangleMesh
+
+# Values this near to the level are moved off it, as a share of the largest difference to it.
+ASIDE = 1e-9
+
+
+@dataclass(frozen=True)
+class Isosurface:
+    """A surface with the places of its vertices on the grid.
+
+    Attributes
+    ----------
+    mesh : TriangleMesh whose normals point to smaller values; open where it leaves the grid
+    ends : (n, 2) nodes between which each vertex lies
+    shares : (n,) how far from the first of them to the second
+    """
+
+    mesh: TriangleMesh
+    ends: np.ndarray
+    shares: np.ndarray
+
+    def interpolated(self, values):
+        """(n, ...) values at the vertices, from those at the grid's nodes."""
+        shares = self.shares.reshape(-1, *[1] * (values.ndim - 1))
+        return (1 - shares) * values[self.ends[:, 0]] + shares * values[self.ends[:, 1]]
+
+
+def isosurface(grid, values, level):
+    """The :class:`Isosurface` of (n,) values at the nodes of a :class:`Grid` of three dimensions.
+
+    Cells that go around the end of a periodic axis are left out: the surface ends there.
+    """
+    tets = _tetrahedra(grid)
+    above = values - level
+    nearly = np.abs(above) < ASIDE * np.abs(above).max(initial=0)
+    above = np.where(nearly, ASIDE * np.abs(above).max(initial=1), above)
+    inside = above > 0
+    count = inside[tets].sum(axis=1)
+    corners = []
+    # Corners in front by value: one inside and three outside, or the reverse, or two and two.
+    for number in (1, 2, 3):
+        chosen = tets[count == number]
+        order = np.argsort(~inside[chosen], axis=1, kind="stable")
+        a, b, c, d = np.take_along_axis(chosen, order, axis=1).T
+        if number == 1:
+            corners.append(np.stack([[a, b], [a, c], [a, d]]))
+        elif number == 3:
+            corners.append(np.stack([[a, d], [b, d], [c, d]]))
+        else:
+            corners.append(np.stack([[a, c], [a, d], [b, d]]))
+            corners.append(np.stack([[a, c], [b, d], [b, c]]))
+    pairs = np.concatenate([part.transpose(2, 0, 1) for part in corners])
+    keys = np.sort(pairs, axis=2).reshape(-1, 2)
+    ends, vertex = np.unique(keys, axis=0, return_inverse=True)
+    shares = above[ends[:, 0]] / (above[ends[:, 0]] - above[ends[:, 1]])
+    points = (1 - shares)[:, None] * grid.places[ends[:, 0]] + shares[:, None] * grid.places[ends[:, 1]]
+    triangles = vertex.reshape(-1, 3)
+    # Each pair begins inside: outwards is from there to the other end.
+    outwards = (grid.places[pairs[:, :, 1]] - grid.places[pairs[:, :, 0]]).sum(axis=1)
+    normals = np.cross(
+        points[triangles[:, 1]] - points[triangles[:, 0]], points[triangles[:, 2]] - points[triangles[:, 0]]
+    )
+    turned = np.einsum("ij,ij->i", normals, outwards) < 0
+    triangles[turned] = triangles[turned][:, ::-1]
+    return Isosurface(TriangleMesh(points, triangles), ends, shares)
+
+
+def _tetrahedra(grid):
+    """(6 c, 4) nodes: every cube as six tetrahedra around its diagonal, which fit those of its neighbours."""
+    corner = grid.numbers[:-1, :-1, :-1].ravel()
+    steps = np.array([grid.numbers[1, 0, 0], grid.numbers[0, 1, 0], grid.numbers[0, 0, 1]])
+    parts = []
+    for first, second, third in permutations(range(3)):
+        ways = np.cumsum([0, steps[first], steps[second], steps[third]])
+        parts.append(corner[:, None] + ways)
+    return np.concatenate(parts)

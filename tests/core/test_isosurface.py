@@ -1,0 +1,48 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Isosurfaces on grids: spheres, planes and tori in closed form."""
+
+import numpy as np
+import pytest
+
+from synch_fields.core.extract.isosurface import isosurface
+from synch_fields.core.geometry.check import check_mesh
+from synch_fields.core.geometry.grid import Grid
+
+BOX = Grid((21, 22, 23), spacing=0.1, origin=(-1, -1.05, -1.1))
+
+
+def volume(mesh):
+    a, b, c = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
+    return np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
+
+
+def test_a_sphere_is_closed_and_faces_outwards():
+    found = isosurface(BOX, -np.linalg.norm(BOX.places, axis=1), -0.7)
+    check_mesh(found.mesh)
+    assert len(found.mesh.boundary_edges) == 0 and found.mesh.euler_characteristic == 2
+    assert volume(found.mesh) == pytest.approx(4 / 3 * np.pi * 0.7**3, rel=0.02)
+    np.testing.assert_allclose(np.linalg.norm(found.mesh.vertices, axis=1), 0.7, atol=0.01)
+
+
+def test_a_torus_has_one_handle():
+    x, y, z = BOX.places.T
+    found = isosurface(BOX, -np.hypot(np.hypot(x, y) - 0.6, z), -0.25)
+    check_mesh(found.mesh)
+    assert len(found.mesh.boundary_edges) == 0 and found.mesh.euler_characteristic == 0
+    assert volume(found.mesh) == pytest.approx(2 * np.pi**2 * 0.6 * 0.25**2, rel=0.06)
+
+
+@pytest.mark.parametrize("level", [0.0, 0.05, 0.123])
+def test_a_plane_ends_at_the_sides_of_the_grid(level):
+    """Also through nodes: they count as above."""
+    found = isosurface(BOX, BOX.places[:, 0].copy(), level)
+    assert found.mesh.euler_characteristic == 1
+    np.testing.assert_allclose(found.mesh.vertices[:, 0], level, atol=1e-7)
+    assert found.mesh.areas.sum() == pytest.approx(2.1 * 2.2, rel=1e-6)
+    np.testing.assert_allclose(found.interpolated(BOX.places), found.mesh.vertices, atol=1e-12)
+
+
+def test_nothing_is_found_where_there_is_nothing():
+    found = isosurface(BOX, np.zeros(BOX.node_count), 1.0)
+    assert found.mesh.triangle_count == 0
