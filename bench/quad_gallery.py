@@ -17,19 +17,22 @@ import numpy as np
 from figures import COLUMNS, beside, read_directions, row, write_directions
 from tables import print_table
 
+from synch_fields import register, unregister
 from synch_fields.synch_addon import api, files
-from synch_fields.synch_addon.defect_empties import Defect, write_defects
 from synch_fields.synch_addon.nodes import INK_BLUE, WARM_IVORY
 from synch_fields.synch_addon.quad_profiles import PROFILES, QUADS_NAME
 from synch_fields.synch_addon.render import render_picture
 
 # Name of a mesh, where it is seen from, and its period's part of the longest side.
-WAVES = (("spot", (205, 12), 16), ("fertility", (-20, 10), 24), ("rocker-arm", (150, 18), 20))
-MESHES = (("spot", (205, 12), 20), ("fertility", (-20, 10), 32), ("stanford-bunny", (-20, 12), 30))
-PATTERNED = ("spot", (205, 12), 12)
+WAVES = (("spot", (230, 15), 12), ("fertility", (-20, 10), 18), ("rocker-arm", (60, 20), 20))
+MESHES = (("spot", (230, 15), 14), ("fertility", (-20, 10), 24), ("stanford-bunny", (-20, 12), 20))
+PATTERNED = ("spot", (230, 15), 12)
 
+WAVE_NODES = ("ShaderNodeGroup", "ShaderNodeMapRange", "ShaderNodeMixRGB", "ShaderNodeGamma")
+# The value of cos x cos y with a pure colour, and the power by which colours are mixed as the eye sees them.
+CONTRAST, GAMMA = 0.7, 2.2
 # In mean edges.
-EDGE_THICKNESS, MARK_SIZE = 0.07, 1.0
+EDGE_THICKNESS = 0.14
 
 
 def main():
@@ -39,10 +42,12 @@ def main():
     parser.add_argument("--folder", type=Path, default=Path("docs"), help="where the pictures go (%(default)s)")
     parser.add_argument("--only", choices=PICTURES, help="the name of one picture")
     options = parser.parse_args()
+    register()
     for name, make in PICTURES.items():
         if options.only in (None, name):
             with tempfile.TemporaryDirectory() as folder:
                 make(options.meshes, Path(folder), options.folder / f"{name}.png")
+    unregister()
 
 
 def opened(meshes, name):
@@ -78,19 +83,20 @@ def figure4(meshes, folder, path):
 
 
 def wave_material():
-    """cos x cos y as a mixture of two colours."""
+    """cos x cos y as a mixture of two colours, half of each on the grid lines."""
     material = plain_material("Wave", WARM_IVORY)
     tree = material.node_tree
-    pattern = tree.nodes.new("ShaderNodeGroup")
+    pattern, ramp, mix, gamma = map(tree.nodes.new, WAVE_NODES)
     pattern.node_tree = bpy.data.node_groups[QUADS_NAME]
-    ramp = tree.nodes.new("ShaderNodeMapRange")
-    ramp.inputs["From Min"].default_value = -1
     ramp.interpolation_type = "SMOOTHSTEP"
-    mix = tree.nodes.new("ShaderNodeMixRGB")
-    mix.inputs[1].default_value, mix.inputs[2].default_value = WARM_IVORY, INK_BLUE
+    ramp.inputs["From Min"].default_value, ramp.inputs["From Max"].default_value = -CONTRAST, CONTRAST
+    gamma.inputs["Gamma"].default_value = GAMMA
+    for name, color in (("Color1", WARM_IVORY), ("Color2", INK_BLUE)):
+        mix.inputs[name].default_value = np.power(color, 1 / GAMMA)
     tree.links.new(pattern.outputs["Pattern"], ramp.inputs["Value"])
     tree.links.new(ramp.outputs["Result"], mix.inputs["Fac"])
-    tree.links.new(mix.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    tree.links.new(mix.outputs["Color"], gamma.inputs["Color"])
+    tree.links.new(gamma.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
     return material
 
 
@@ -105,17 +111,17 @@ def plain_material(name, color):
 
 
 def quad_mesh(meshes, folder, path):
-    """Quad meshes with their edges, and a ball at each irregular vertex."""
+    """Quad meshes with their edges."""
     pictures = []
     for name, view, count in MESHES:
         obj, size = opened(meshes, name)
         report = api.quad_mesh(obj, spacing=size / count)["quad_mesh"]
         made = bpy.data.objects[report["object"]]
+        made.data.shade_smooth()
         made.data.materials.clear()
         for color in (WARM_IVORY, INK_BLUE):
             made.data.materials.append(plain_material("Quads", color))
         draw_edges(made, report["edge_length"])
-        mark_irregular(made, report["edge_length"])
         picture = folder / f"{name}.png"
         pictures.append(render_picture(made, picture, view=view, resolution=(640, 620), samples=32))
         print(f"{name} {count}: {report['faces']} faces, {report['quad_share']:.1%} quads")
@@ -127,20 +133,6 @@ def draw_edges(obj, length):
     rods = obj.modifiers.new("Edges", "WIREFRAME")
     rods.use_replace, rods.use_even_offset, rods.material_offset = False, False, 1
     rods.thickness = EDGE_THICKNESS * length
-
-
-def mark_irregular(obj, length):
-    """An empty at each vertex inside with other than four edges; balls stand for them in a picture."""
-    edges = np.empty(2 * len(obj.data.edges), np.int32)
-    obj.data.edges.foreach_get("vertices", edges)
-    boundary = {v for edge in obj.data.edges if edge.is_loose for v in edge.vertices}
-    valences = np.bincount(edges)
-    marks = [
-        Defect("disclination", 0, (4 - valences[vertex.index]) / 4, tuple(vertex.co), tuple(vertex.normal))
-        for vertex in obj.data.vertices
-        if valences[vertex.index] != 4 and vertex.index not in boundary
-    ]
-    write_defects(obj, marks, length=MARK_SIZE * length)
 
 
 def quads(meshes, folder, path):

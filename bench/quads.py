@@ -28,6 +28,7 @@ from synch_fields.core.fields.growth import Growth
 from synch_fields.core.solve import Options
 from synch_fields.synch_addon import api, files, scene_io
 from synch_fields.synch_addon.quad_object import nearest, surface_tree
+from synch_fields.synch_addon.quiet import quiet_stdout
 
 # Periods along the longest side.
 PERIODS = (15, 30)
@@ -53,8 +54,8 @@ PATTERN_COLUMNS = (
     Column("spectral", "spectral", ".1f"),
     Column("disclinations", "disclinations", "d"),
     Column("dislocations SDP", "sdp dislocations", "d"),
-    Column("MBO", "diffusion dislocations", "d"),
-    Column("spectral", "spectral dislocations", "d"),
+    Column("dislocations MBO", "diffusion dislocations", "d"),
+    Column("dislocations spectral", "spectral dislocations", "d"),
     Column("s field", "field seconds", ".1f"),
     Column("s SDP", "sdp seconds", ".1f"),
     Column("s MBO", "diffusion seconds", ".1f"),
@@ -92,10 +93,9 @@ def main():
     print_table("Quad patterns", PATTERN_COLUMNS, rows)
     violations = [line for row in rows for line in violated(row)]
     print("\n" + "\n".join(refused + (violations or ["All inequalities hold."])))
-    rows = []
-    for name, field in COMPARED:
-        if not options.only or name in options.only:
-            rows += quad_meshes(options.meshes, name, field)
+    chosen = [(name, field) for name, field in COMPARED if not options.only or name in options.only]
+    with quiet_stdout():
+        rows = [row for name, field in chosen for row in quad_meshes(options.meshes, name, field)]
     print_table("Quad meshes", MESH_COLUMNS, rows)
     return len(violations)
 

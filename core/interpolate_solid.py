@@ -10,8 +10,8 @@ counterclockwise from outside. The four N_k add up to 0: every edge is run throu
   1/4 sum_k (sigma_ij + sigma_jk + sigma_ki) = pi/2 (N_k - N_l), where face k runs from i to j and face l from j to i:
   it depends on the numbers alone. Where all vanish, delta = 0, omega = 0 and theta is linear.
 - On face k, omega is the interpolant of Knöppel et al. 2015 (:mod:`core.interpolate`) of delta: linear, less N_k / 3 of
-  a turn on each edge, plus N_k ell. That formula is linear in the changes at given N, so that theta is theirs of sigma: a
-  function of the face's corners alone, up to whole turns, whichever tetrahedron it is seen from.
+  a turn on each edge, plus N_k ell. That formula is linear in the changes at given N, so that theta is theirs of
+  sigma: a function of the face's corners alone, up to whole turns, whichever tetrahedron it is seen from.
 - Inside, omega is constant along each ray from the centre: the cone over its values on the four faces.
 
 Continuity, up to whole turns: on a face by the second point. Where two cones meet, which is on rays through points of
@@ -25,11 +25,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .geometry.tet_mesh import TET_EDGES, TET_FACES
 from .interpolate import TURN, dislocation_numbers, ell
 
-# Corners of face k, which is opposite to corner k, counterclockwise from outside; and of the six edges.
-FACE_CORNERS = np.array([(1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1)])
-EDGE_CORNERS = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
+FACE_CORNERS, EDGE_CORNERS = np.array(TET_FACES), np.array(TET_EDGES)
 
 
 def face_numbers(edge_phases):

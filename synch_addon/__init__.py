@@ -2,6 +2,7 @@
 """Everything of Synch Fields that touches Blender; the mathematics is in ``core``."""
 
 from . import (
+    bake_panel,
     cli,
     constraint_list,
     constraint_panel,
@@ -26,6 +27,7 @@ _MODULES = (
     result_panel,
     constraint_panel,
     overlay_view,
+    bake_panel,
     cli,
 )
 

@@ -15,7 +15,11 @@ from ..core.extract.quad_mesh import quad_mesh as traced_quads
 from ..core.fields.directions import SYMMETRIES
 from ..core.fields.placement import variation, with_defects
 from . import field_io, memory, quad_object, scene_io, write
-from .report import Report, result_line
+from . import isolines as line_object
+from .bake import bake_maps
+from .bake_settings import BakeSettings
+from .relief import add_relief
+from .report import Report, result_line, versions
 from .settings import from_names
 from .task import PATTERNS, gather, settings_for, solve_directions, solve_pattern
 
@@ -113,6 +117,88 @@ def place_defects(obj, vertices):
         return with_defects(solved.pattern, vertices)
 
     return _show(obj, place)
+
+
+def isolines(obj, **settings):
+    """Make a curve object of the lines of an object's last solve: middles or edges of stripes, grid lines of quads.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object with stripes or quads that were solved since the file was opened
+    settings : see :class:`LineSettings`
+
+    Returns
+    -------
+    dict, the report: its ``object`` is the curve's name
+
+    Raises
+    ------
+    SynchError
+        with one line that names the element and the remedy; nothing is made
+    """
+    refuse(obj)
+    settings = line_object.from_names(settings)
+    with _object_mode(obj):
+        solved = memory.recall(obj)
+        if solved.pattern is None:
+            raise SynchError("lines are drawn of stripes and quads: solve one of them first")
+        return line_object.write(obj, solved.task, solved.pattern, settings)
+
+
+def relief(obj, height=0.15, width=0.5, profile=0, level=None, smooth=False):
+    """Raise an object's surface by its pattern, with a geometry nodes modifier that reads the attributes alone.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object with stripes or quads
+    height : in spacings; below 0 the pattern is cut in
+    width : part of a period that is raised, or of the area of quads
+    profile : of stripes "rounded", "cord", "flat", "ridge" or "wave", of quads "grid lines", "checker", "weave" or
+        "dots"; or its number
+    level : how often the mesh is subdivided; None for as often as its edges need
+    smooth : round the surface while it is subdivided
+
+    Returns
+    -------
+    dict, the report
+
+    Raises
+    ------
+    SynchError
+        with one line that names the element and the remedy; nothing is made
+    """
+    refuse(obj)
+    with _object_mode(obj):
+        made = add_relief(obj, height, width, profile, level, smooth)
+    return {"status": "made", "command": "relief", "object": obj.name, **made, "versions": versions()}
+
+
+def bake(obj, callback=None, **settings):
+    """Bake what an object's stripes or quads show into image files, or images packed into the .blend.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object with stripes or quads; it may be hidden
+    callback : callable(stage, fraction) -> bool, optional; False cancels between two maps
+    settings : see :class:`BakeSettings`
+
+    Returns
+    -------
+    dict, the report: files or images, their sizes and seconds by the names of their maps
+
+    Raises
+    ------
+    SynchError
+        with one line that names the element and the remedy; nothing is written
+    """
+    return run_bake(obj, BakeSettings.from_names(settings), callback)
+
+
+def run_bake(obj, settings, callback=None):
+    """Bake with ready :class:`BakeSettings`."""
+    refuse(obj)
+    with _object_mode(obj):
+        return bake_maps(obj, settings, callback)
 
 
 def _show(obj, change, number=0):

@@ -17,7 +17,7 @@ from pathlib import Path
 import bpy
 
 from ..core.errors import SettingError, SynchError
-from . import api, files
+from . import api, cli_bake, cli_clebsch, files
 from .constraints import from_plain
 from .demo import add_demo_object
 from .field_io import check_triangles
@@ -98,8 +98,17 @@ def _run_info(options, loaded):
     return describe(_open(options, loaded))
 
 
+def _run_clebsch(options, _loaded):
+    return cli_clebsch.run(options, None if options.quiet else _show_progress)
+
+
+def _run_bake(options, loaded):
+    return cli_bake.run(options, lambda: _open(options, loaded), None if options.quiet else _show_progress)
+
+
 _FIELDS = ("stripes", "directions", "quads", "quad_mesh")
-_COMMANDS = dict.fromkeys(_FIELDS, _run_field) | {"demo": _run_demo, "info": _run_info}
+_OTHERS = {"bake": _run_bake, "clebsch": _run_clebsch, "demo": _run_demo, "info": _run_info}
+_COMMANDS = dict.fromkeys(_FIELDS, _run_field) | _OTHERS
 
 
 def _open(options, loaded):
@@ -224,6 +233,8 @@ def _parser(loaded):
             suffixes = ", ".join(files.MESH_SUFFIXES)
             command.add_argument("--export-mesh", metavar="FILE.obj", help=f"write the quads as a file ({suffixes})")
         command.add_argument("--quiet", action="store_true", help="no progress on stderr")
+    cli_clebsch.add_parser(commands)
+    cli_bake.add_parser(commands, _add_input)
     command = commands.add_parser("info", help="what a mesh can carry", description="Describe a mesh.")
     _add_input(command)
     command.add_argument("--report", metavar="FILE.json", help="write the same as JSON")

@@ -46,7 +46,7 @@ def write_defects(obj, defects: Iterable[Defect], *, kinds=KINDS, length=1.0) ->
     """
     collection = _collection_of(obj)
     _remove_empties(obj, kinds)
-    scale = _mean_scale(obj)
+    scale = mean_scale(obj)
     counts = {}
     empties = [_new_empty(obj, defect, collection, length / scale, counts) for defect in defects]
     _remove_if_empty(collection)
@@ -91,7 +91,8 @@ def _fraction(index):
     return f"{'-' if value < 0 else '+'}{abs(value)}"
 
 
-def _mean_scale(obj):
+def mean_scale(obj):
+    """Length in the scene of a unit of an object's space, on average over its axes."""
     scale = obj.matrix_world.to_scale()
     return max(sum(abs(factor) for factor in scale) / 3.0, 1e-12)
 

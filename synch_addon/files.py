@@ -102,6 +102,14 @@ def choose_object(name=None):
     return chosen
 
 
+def named_object(name):
+    """An object of the file by its name."""
+    obj = bpy.data.objects.get(name)
+    if obj is None:
+        raise SettingError(f"there is no object {name!r}: choose one of {', '.join(bpy.data.objects.keys()) or 'none'}")
+    return obj
+
+
 def check_outputs(blend=None, picture=None, report=None, field=None, mesh=None):
     """Refuse, before any work, outputs whose folder does not exist or whose suffix is wrong."""
     asked = (

@@ -28,6 +28,8 @@ def smoothed(quads, task):
     """
     if len(quads.sizes) == 0:
         raise SettingError("no grid lines cross on the mesh: reduce the spacing")
+    if not quads.is_simple:
+        raise SettingError("the quads are too large for the mesh, some would meet themselves: reduce the spacing")
     mesh = task.given.mesh
     edges, counts = quads.edges
     free = ~_on_lines(quads, mesh, task.rows)

@@ -45,7 +45,7 @@ def render_picture(obj, path, *, resolution=(1200, 900), samples=32, markers=Tru
     path = Path(path).absolute()
     if path.suffix.lower() not in _FORMATS:
         raise SettingError(f"cannot write a picture to {path.name}: use one of {', '.join(_FORMATS)}")
-    with _only_for_now():
+    with only_for_now():
         scene = bpy.data.scenes.new("Synch Picture")
         scene.frame_set(bpy.context.scene.frame_current)
         matrix, points = _evaluate(_stand_in(obj, scene), scene)
@@ -64,7 +64,7 @@ def render_picture(obj, path, *, resolution=(1200, 900), samples=32, markers=Tru
 
 
 @contextmanager
-def _only_for_now():
+def only_for_now():
     """Remove every datablock that appears inside, on success and on failure alike."""
     before = set(_all_data())
     try:

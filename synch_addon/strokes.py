@@ -33,7 +33,7 @@ def read_strokes(obj, name, given):
     tree = BVHTree.FromPolygons(mesh.vertices.tolist(), mesh.triangles.tolist(), all_triangles=True)
     into = given.stretch @ np.array(obj.matrix_world.inverted())[:3]
     strokes = []
-    for polyline in _polylines(source):
+    for polyline in polylines(source):
         points = np.column_stack([polyline, np.ones(len(polyline))]) @ np.array(source.matrix_world).T @ into.T
         hits = [tree.find_nearest(point)[::2] for point in _resampled(points, step)]
         places, faces = (np.array(column) for column in zip(*hits, strict=True))
@@ -43,7 +43,7 @@ def read_strokes(obj, name, given):
     return strokes
 
 
-def _polylines(source):
+def polylines(source):
     """(p, 3) points of every curve of an object, in its own space."""
     evaluated = source.evaluated_get(bpy.context.evaluated_depsgraph_get())
     if source.type == "GREASEPENCIL":

@@ -3,8 +3,9 @@
 
 import numpy as np
 
-# A boundary that bulges by more than this, in distances between two lines that meet it, keeps a corner there.
-BULGE = 0.3
+# A boundary that bulges by more than this, in distances between two lines that meet it, keeps a corner there, and
+# everywhere where it turns by more than this at once.
+BULGE, TURN = 0.3, np.radians(60)
 
 
 def border_of(mesh, crossings, met, node_count):
@@ -67,7 +68,10 @@ def _corners(points, hit, is_vertex):
         away = points[between] - points[start]
         along = np.clip(away @ chord / max(length, np.finfo(float).tiny) ** 2, 0, 1)
         bulge = np.linalg.norm(away - along[:, None] * chord, axis=1)
-        if len(bulge) and bulge.max() > BULGE * length:
+        sharp = between[_turns(points, between) > TURN]
+        if len(sharp):
+            corners += sharp.tolist()
+        elif len(bulge) and bulge.max() > BULGE * length:
             corners.append(between[bulge.argmax()])
     spare = np.setdiff1d(np.flatnonzero(is_vertex), corners)
     while chosen and len(chosen) + len(corners) < 3 and len(spare):
@@ -76,3 +80,11 @@ def _corners(points, hit, is_vertex):
         corners.append(spare[distances.argmax()])
         spare = np.setdiff1d(spare, corners)
     return np.array(corners, int)
+
+
+def _turns(points, places):
+    """Angles by which a closed line turns at some of its points."""
+    ahead = points[(places + 1) % len(points)] - points[places]
+    behind = points[places] - points[places - 1]
+    across = np.linalg.norm(np.cross(behind, ahead), axis=1)
+    return np.arctan2(across, np.einsum("ij,ij->i", behind, ahead))

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..sheets import after_turns
 from .fans import ASIDE, in_radians
+from .levels import GRID
 
 
 @dataclass(frozen=True)
@@ -15,7 +16,7 @@ class Crossings:
 
     Attributes
     ----------
-    edges, phases, levels : (c,) edge, phase of the edge's lower vertex, and which multiple of pi
+    edges, phases, levels : (c,) edge, phase of the edge's lower vertex, and label of the level (:class:`Levels`)
     shares : (c,) how far along the edge
     starts, counts : (e,) the crossings of each edge follow one another
     """
@@ -28,26 +29,25 @@ class Crossings:
     counts: np.ndarray
 
 
-def crossings_of(phases):
+def crossings_of(phases, levels=GRID):
     """All :class:`Crossings`; ends of an edge are never on a line but at a centre, which does not count."""
     mesh, count = phases.mesh, phases.phase_count
     begin = phases.arguments[mesh.edges[:, 0]]
     end = begin + phases.changes
     end = np.where(np.abs(end - np.rint(end)) < ASIDE / 4, np.rint(end), end)  # a centre, but for rounding
-    low, high = np.minimum(begin, end), np.maximum(begin, end)
-    first = np.floor(low) + 1
-    counts = np.maximum(np.ceil(high) - first, 0).astype(int).ravel()
+    first = levels.above(np.minimum(begin, end))
+    counts = np.maximum(levels.not_below(np.maximum(begin, end)) - first, 0).ravel()
     which = np.repeat(np.arange(len(counts)), counts)
-    levels = first.ravel()[which] + np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts)
+    numbers = first.ravel()[which] + np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts)
     edges, phase = which // count, which % count
-    shares = (levels - begin.ravel()[which]) / phases.changes.ravel()[which]
+    shares = (levels.value(numbers) - begin.ravel()[which]) / phases.changes.ravel()[which]
     # Two lines at the same place: an order, no matter which, that both triangles of the edge see.
     order = np.lexsort((phase, shares, edges))
     per_edge = np.bincount(edges, minlength=len(mesh.edges))
     return Crossings(
         edges[order],
         phase[order],
-        levels[order].astype(int),
+        levels.label(numbers)[order],
         shares[order],
         np.cumsum(per_edge) - per_edge,
         per_edge,
@@ -74,17 +74,46 @@ class Chords:
         return Chords(self.triangles[which], self.phases[which], self.ends[which], self.ranks[which])
 
 
-def chords_of(fans, crossings):
-    """Join the crossings on each triangle's rim that are of the same line."""
-    triangle, side, crossing, rank = _rims(fans.mesh, crossings)
-    phase, level, regular, values = _seen_from_first_corners(fans, crossings, triangle, side, crossing)
-    order = np.lexsort((rank, level, phase, triangle))
-    order = order[regular[order]]
-    triangle, phase, level, rank, crossing = (a[order] for a in (triangle, phase, level, rank, crossing))
+@dataclass(frozen=True)
+class Rims:
+    """Crossings as they stand around the triangles, each once for every triangle at its edge.
+
+    Attributes
+    ----------
+    triangles, sides, crossings : (r,)
+    ranks : (r,) where on the rim, increasing counterclockwise
+    phases, levels : (r,) phase and label of the level for the triangle's first corner
+    values : (m, 4, k) phases at the triangles' corners and back at the first one, for it, in units of pi
+    numbers : (m, k) dislocation numbers
+    """
+
+    triangles: np.ndarray
+    sides: np.ndarray
+    crossings: np.ndarray
+    ranks: np.ndarray
+    phases: np.ndarray
+    levels: np.ndarray
+    values: np.ndarray
+    numbers: np.ndarray
+
+
+def rims_of(fans, crossings):
+    """:class:`Rims` of the triangles of :class:`Fans`."""
+    triangle, side, crossing, rank = _places_on_rims(fans.mesh, crossings)
+    phase, level, values, numbers = _seen_from_first_corners(fans, crossings, triangle, side, crossing)
+    return Rims(triangle, side, crossing, rank, phase, level, values, numbers)
+
+
+def chords_of(fans, crossings, rims):
+    """Join the crossings on each triangle's rim that are of the same line, but for dislocations."""
+    order = np.lexsort((rims.ranks, rims.levels, rims.phases, rims.triangles))
+    order = order[rims.numbers[rims.triangles, rims.phases][order] == 0]
+    columns = (rims.triangles, rims.phases, rims.levels, rims.ranks, rims.crossings)
+    triangle, phase, level, rank, crossing = (column[order] for column in columns)
     first = np.flatnonzero((np.diff(triangle) == 0) & (np.diff(phase) == 0) & (np.diff(level) == 0))
     alone = np.ones(len(order), bool)
     alone[first] = alone[first + 1] = False
-    alone &= (fans.fans[triangle] >= 0) & (np.rint(values[triangle, 2, phase] / np.pi) == level)
+    alone &= (fans.fans[triangle] >= 0) & (np.rint(rims.values[triangle, 2, phase]) == level)
     centre = len(crossings.edges) + fans.mesh.triangles[triangle[alone], 2] - fans.first_centre
     pairs = np.column_stack([crossing[first], crossing[first + 1]]), np.column_stack([crossing[alone], centre])
     # The centre is the last corner: it comes after the first two sides.
@@ -103,8 +132,26 @@ def stride(crossings):
     return int(crossings.counts.max(initial=0)) + 1
 
 
-def _rims(mesh, crossings):
-    """Crossings as they stand around the triangles: (r,) triangle, side, crossing and rank."""
+def on_rim(mesh, triangles, sides, shares):
+    """(k, 3) barycentric coordinates of places on sides, shares of the way from the edge's lower vertex."""
+    along = np.where(mesh.triangle_edge_signs[triangles, sides] > 0, shares, 1 - shares)
+    return (1 - along)[:, None] * np.eye(3)[sides] + along[:, None] * np.eye(3)[(sides + 1) % 3]
+
+
+def chord_ends(fans, crossings, chords):
+    """(h, 2, 3) barycentric coordinates of the chords' ends in their triangles."""
+    ends = np.zeros((len(chords.ends), 2, 3))
+    for k in range(2):
+        at_centre = chords.ends[:, k] >= len(crossings.edges)
+        crossing = np.where(at_centre, 0, chords.ends[:, k])
+        sides = np.minimum(chords.ranks[:, k] // stride(crossings), 2)
+        rim = on_rim(fans.mesh, chords.triangles, sides, crossings.shares[crossing])
+        ends[:, k] = np.where(at_centre[:, None], [0.0, 0.0, 1.0], rim)
+    return ends
+
+
+def _places_on_rims(mesh, crossings):
+    """(r,) triangle, side, crossing and rank of the places on the triangles' rims."""
     edges = mesh.triangle_edges.ravel()
     counts = crossings.counts[edges]
     half = np.repeat(np.arange(len(edges)), counts)
@@ -115,8 +162,8 @@ def _rims(mesh, crossings):
 
 
 def _seen_from_first_corners(fans, crossings, triangle, side, crossing):
-    """Phase and level of crossings for the first corner of their triangle, whether the triangle has no dislocation
-    of that phase, and the (m, 4, 2) values at the triangles' corners."""
+    """Phase and level of crossings for the first corner of their triangle, the values at the triangles' corners and
+    the dislocation numbers."""
     mesh, phases = fans.mesh, fans.phases
     radians = in_radians(phases)
     values, _ = radians.around(mesh.triangles)
@@ -136,6 +183,6 @@ def _seen_from_first_corners(fans, crossings, triangle, side, crossing):
     offsets = values[triangle, corner] / np.pi - after_turns(phases.arguments[vertex], -turned)
     direction = (crossings.phases[crossing] + turned) % (2 * phases.phase_count)
     phase = direction % phases.phase_count
-    offset = np.rint(offsets[np.arange(len(phase)), phase]).astype(int)
+    offset = np.rint(offsets[np.arange(len(phase)), phase])
     level = np.where(direction < phases.phase_count, 1, -1) * crossings.levels[crossing] + offset
-    return phase, level, numbers[triangle, phase] == 0, values
+    return phase, level, values / np.pi, numbers

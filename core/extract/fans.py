@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A quad pattern made ready for tracing: no vertex on a line, disclination triangles split at their centres."""
+"""A pattern made ready for tracing: no vertex on a line, disclination triangles split at their centres."""
 
 from dataclasses import dataclass, replace
 
@@ -8,6 +8,7 @@ import numpy as np
 from ..geometry import TriangleMesh
 from ..interpolate import EdgePhases, disclination_centres, dislocation_numbers
 from ..sheets import after_turns
+from .levels import GRID
 
 # Phases this near to a line are moved off it, in units of pi.
 ASIDE = 1e-7
@@ -25,7 +26,7 @@ class Fans:
     places : (m, 3, 3) barycentric coordinates of its corners there
     fans : (m,) which third of its parent, -1 for whole triangles; the centre is the last corner of a third
     first_centre : the lowest vertex that is a centre
-    valences : lines that should meet at each centre
+    turns : (c,) how the phases come back to themselves around each centre (:meth:`EdgePhases.around`)
     """
 
     mesh: TriangleMesh
@@ -34,19 +35,20 @@ class Fans:
     places: np.ndarray
     fans: np.ndarray
     first_centre: int
-    valences: np.ndarray
+    turns: np.ndarray
 
 
-def moved_aside(edge_phases):
-    """Phases in units of pi, none of them on a line; on the boundary, lines go outside."""
+def moved_aside(edge_phases, levels=GRID, lines_outside=True):
+    """Phases in units of pi, none of them on a line; on the boundary, lines go outside, or all inside."""
     mesh = edge_phases.mesh
     arguments, changes = edge_phases.arguments / np.pi, edge_phases.changes / np.pi
     i, j = mesh.edges.T
     inward = np.zeros_like(arguments)
     np.add.at(inward, i, changes)
     np.add.at(inward, j, -after_turns(changes, edge_phases.matchings))
-    near = np.abs(arguments - np.rint(arguments)) < ASIDE
-    moved = np.where(near, np.rint(arguments) + np.where(inward < 0, -ASIDE, ASIDE), arguments)
+    nearest = levels.nearest(arguments)
+    upward = (inward < 0) != lines_outside
+    moved = np.where(np.abs(arguments - nearest) < ASIDE, nearest + np.where(upward, ASIDE, -ASIDE), arguments)
     by = moved - arguments
     changes = changes + after_turns(by[j], -edge_phases.matchings) - by[i]
     return EdgePhases(mesh, moved, changes, edge_phases.matchings)
@@ -87,8 +89,7 @@ def split_at_disclinations(phases):
         np.concatenate([np.tile(np.eye(3), (len(whole), 1, 1)), np.tile(places, (len(singular), 1, 1))]),
         np.concatenate([np.full(len(whole), -1), np.tile(np.arange(3), len(singular))]),
         mesh.vertex_count,
-        # Turning once around, A^g is a quarter turn short for g = 3, and one too much for g = 1.
-        np.array([4, 5, 2, 3])[turns],
+        turns,
     )
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .border import border_of
-from .chords import chords_of, crossings_of, stride
+from .chords import chord_ends, chords_of, crossings_of, on_rim, rims_of, stride
 from .fans import moved_aside, split_at_disclinations
 from .line_graph import LineGraph
 
@@ -46,7 +46,7 @@ def grid_lines(edge_phases):
     """:class:`GridLines` of :class:`EdgePhases` with two phases a vertex."""
     fans = split_at_disclinations(moved_aside(edge_phases))
     crossings = crossings_of(fans.phases)
-    chords = chords_of(fans, crossings)
+    chords = chords_of(fans, crossings, rims_of(fans, crossings))
     return _graph(fans, crossings, chords)
 
 
@@ -87,7 +87,8 @@ def _graph(fans, crossings, chords):
     )
     triangles, weights = _places(fans, crossings, chords, first, second, corner_vertices)
     valences = np.full(len(triangles), 4)
-    valences[rim_count : rim_count + centre_count] = fans.valences
+    # Turning once around, A^g is a quarter turn short for g = 3, and one too much for g = 1.
+    valences[rim_count : rim_count + centre_count] = np.array([4, 5, 2, 3])[fans.turns]
     return GridLines(graph, triangles, weights, valences)
 
 
@@ -124,10 +125,10 @@ def _places(fans, crossings, chords, first, second, corner_vertices):
     half_of = np.zeros(len(mesh.edges), int)
     half_of[mesh.triangle_edges.ravel()] = np.arange(3 * mesh.triangle_count)
     half = half_of[crossings.edges]
-    rims = _on_rim(mesh, half // 3, half % 3, crossings.shares)
+    rims = on_rim(mesh, half // 3, half % 3, crossings.shares)
     thirds = np.flatnonzero(fans.fans == 0)  # in the order of the centres
     centres = np.tile([0.0, 0.0, 1.0], (len(thirds), 1))
-    ends = [_chord_ends(fans, crossings, chords[which]) for which in (first, second)]
+    ends = [chord_ends(fans, crossings, chords[which]) for which in (first, second)]
     meetings = _meetings(*ends)
     corner_of = np.zeros(mesh.vertex_count, int)
     corner_of[mesh.triangles.ravel()] = np.arange(3 * mesh.triangle_count)
@@ -135,24 +136,6 @@ def _places(fans, crossings, chords, first, second, corner_vertices):
     triangles = np.concatenate([half // 3, thirds, chords.triangles[first], corner // 3])
     weights = np.concatenate([rims, centres, meetings, np.eye(3)[corner % 3]])
     return fans.parents[triangles], np.einsum("nk,nkx->nx", weights, fans.places[triangles])
-
-
-def _on_rim(mesh, triangles, sides, shares):
-    """(k, 3) barycentric coordinates of places on sides, shares of the way from the edge's lower vertex."""
-    along = np.where(mesh.triangle_edge_signs[triangles, sides] > 0, shares, 1 - shares)
-    return (1 - along)[:, None] * np.eye(3)[sides] + along[:, None] * np.eye(3)[(sides + 1) % 3]
-
-
-def _chord_ends(fans, crossings, chords):
-    """(h, 2, 3) barycentric coordinates of the chords' ends in their triangles."""
-    ends = np.zeros((len(chords.ends), 2, 3))
-    for k in range(2):
-        at_centre = chords.ends[:, k] >= len(crossings.edges)
-        crossing = np.where(at_centre, 0, chords.ends[:, k])
-        sides = np.minimum(chords.ranks[:, k] // stride(crossings), 2)
-        rim = _on_rim(fans.mesh, chords.triangles, sides, crossings.shares[crossing])
-        ends[:, k] = np.where(at_centre[:, None], [0.0, 0.0, 1.0], rim)
-    return ends
 
 
 def _meetings(first, second):

@@ -50,6 +50,13 @@ class QuadMesh:
         return np.column_stack([self.corner_vertices, self.corner_vertices[self.next_corners]])
 
     @property
+    def is_simple(self):
+        """Whether no face passes a vertex twice, and no two edges join the same two vertices."""
+        corners = np.column_stack([self.corner_faces, self.corner_vertices])
+        ways = np.unique(self.half_edges, axis=0)
+        return len(np.unique(corners, axis=0)) == len(corners) and len(ways) == len(corners)
+
+    @property
     def edges(self):
         """(e, 2) vertices, the lower first, and (e,) faces at each."""
         return np.unique(np.sort(self.half_edges, axis=1), axis=0, return_counts=True)
@@ -79,32 +86,47 @@ def _with_whole_centres(lines, positions):
         degree = np.count_nonzero(graph.tails == centre)
         if degree == 1:
             graph = _attached(graph, centre, positions)
-        elif degree == 3:
+        elif degree in (3, 4):
             graph = _united(graph, centre, positions)
     return replace(graph, kept=lines.graph.kept).cleaned()
 
 
 def _attached(graph, centre, positions):
-    """A line that ends at a centre leads to the nearest node of the face around it instead."""
+    """A line that ends at a centre leads to a node of the face around it instead.
+
+    In a hexagon that is the opposite corner, which leaves two quads; otherwise the nearest one.
+    """
     (loose,) = np.flatnonzero(graph.tails == centre)
-    around = np.flatnonzero(graph.face_labels == graph.face_labels[loose])
-    others = around[~np.isin(graph.tails[around], [centre, graph.heads[loose]]) & ~graph.kept[graph.tails[around]]]
+    rim = _rim(graph, loose)
+    opposite = rim[len(rim) // 2]
+    others = rim[~np.isin(graph.tails[rim], [centre, graph.heads[loose]]) & ~graph.kept[graph.tails[rim]]]
     if len(others) == 0:
         return graph
     distances = np.linalg.norm(positions[graph.tails[others]] - positions[centre], axis=1)
-    place = others[distances.argmin()]
+    # The rim of a hexagon passes the loose line on both sides.
+    place = opposite if len(rim) == 8 and opposite in others else others[distances.argmin()]
     return _turned_to(graph, np.array([loose]), place, None)
 
 
+def _rim(graph, dart):
+    """The darts of a face in order, from one of them on."""
+    rim = [dart]
+    while graph.next[rim[-1]] != dart:
+        rim.append(graph.next[rim[-1]])
+    return np.array(rim)
+
+
 def _united(graph, centre, positions):
-    """A centre and the crossing next to it become one node."""
+    """A centre and a crossing beside it become one node of five edges: the nearest, better one between pentagons."""
     leaving = np.flatnonzero(graph.tails == centre)
     heads = graph.heads[leaving]
-    near = np.linalg.norm(positions[heads] - positions[centre], axis=1)
-    near[(graph.degrees[heads] != 4) | (heads == centre)] = np.inf
-    if not np.isfinite(near).any():
+    fitting = (graph.degrees[heads] + len(leaving) == 7) & (heads != centre)
+    if not fitting.any():
         return graph
-    way = leaving[near.argmin()]
+    sizes = np.bincount(graph.face_labels)
+    between = (sizes[graph.face_labels[leaving]] == 5) & (sizes[graph.face_labels[leaving ^ 1]] == 5)
+    near = np.linalg.norm(positions[heads] - positions[centre], axis=1)
+    way = leaving[np.lexsort((near, ~between, ~fitting))[0]]
     others = np.setdiff1d(leaving, way)
     later = graph.keys[others] > graph.keys[way]
     others = others[np.lexsort((graph.keys[others], ~later))]

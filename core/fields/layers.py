@@ -12,11 +12,11 @@ from ..connection import Connection, circle_transports
 from ..errors import ContradictionError, SettingError
 from ..geometry.tet_mesh import TetMesh
 from ..interpolate import TURN, EdgePhases
-from ..interpolate_solid import face_numbers, tet_phases
+from ..interpolate_solid import TetPhases, face_numbers, tet_phases
 from ..problem import SynchronizationProblem, Targets
 from ..solve import Solution, solve
 from .groups import TOLERANCE, Links, contracted, joined_links
-from .poisson import potential
+from .potentials import potential
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class LayerGroup:
 
     Attributes
     ----------
-    vertices : (k,) indices of those that share a phase
+    vertices : (k,) indices of those that share a phase, ascending
     triangles : (f, 3) faces among them, over which the phase does not change
     phase : radians; None for a phase that is left to the solver, one for each connected piece of the triangles
     name : what messages call the group
@@ -38,7 +38,7 @@ class LayerGroup:
 
     @classmethod
     def of_vertices(cls, mesh, chosen, phase=None, name="the group"):
-        """The boundary's triangles with three chosen corners, and the inner ones with a chosen corner inside.
+        """Triangles with three chosen corners: of the boundary, and inner ones not all of whose corners lie on it.
 
         Parameters
         ----------
@@ -50,14 +50,13 @@ class LayerGroup:
             raise SettingError(
                 f"{name} has {chosen.size} values and the solid {mesh.vertex_count} vertices: give each a truth value"
             )
-        on_boundary = np.zeros(len(mesh.faces), bool)
-        on_boundary[mesh.boundary_faces] = True
-        on_boundary |= ~mesh.boundary_vertices[mesh.faces].all(axis=1)
-        return cls(np.flatnonzero(chosen), mesh.faces[on_boundary & chosen[mesh.faces].all(axis=1)], phase, name)
+        is_surface = ~mesh.boundary_vertices[mesh.faces].all(axis=1)
+        is_surface[mesh.boundary_faces] = True
+        return cls(np.flatnonzero(chosen), mesh.faces[is_surface & chosen[mesh.faces].all(axis=1)], phase, name)
 
     @classmethod
     def of_triangles(cls, triangles, phase=None, name="the group"):
-        """The given faces of the solid, (f, 3) vertices."""
+        """The given faces of the solid, (f, 3) vertices, where a group of vertices would join too many."""
         triangles = np.asarray(triangles, int).reshape(-1, 3)
         return cls(np.unique(triangles), triangles, phase, name)
 
@@ -68,15 +67,14 @@ class LayerGroup:
 
     @property
     def links(self):
-        """Each vertex follows the first one of its connected piece."""
-        ends = np.searchsorted(self.vertices, self.sides).T
+        """Every vertex follows the first one of its piece."""
         count = len(self.vertices)
-        graph = coo_matrix((np.ones(ends.shape[1]), ends), shape=(count, count))
-        _, first, piece = np.unique(
-            connected_components(graph, directed=False)[1], return_index=True, return_inverse=True
-        )
-        roots = self.vertices[first[piece]]
-        return Links(roots, self.vertices, np.zeros(count), np.zeros(count, bool), np.full(count, self.name, object))
+        ends = np.searchsorted(self.vertices, self.sides)
+        graph = coo_matrix((np.ones(len(ends)), ends.T), shape=(count, count))
+        pieces = connected_components(graph, directed=False)[1]
+        roots = self.vertices[np.unique(pieces, return_index=True)[1][pieces]]
+        names = np.full(count, self.name, object)
+        return Links(roots, self.vertices, np.zeros(count), np.zeros(count, bool), names)
 
 
 @dataclass(frozen=True)
@@ -86,7 +84,7 @@ class SolidGrowth:
     Attributes
     ----------
     mesh : TetMesh
-    rates : (n, 3) phase per unit length as a vector: 2 pi / spacing in the direction in which layers follow one another
+    rates : (n, 3) phase per unit length: 2 pi / spacing, in the direction in which the layers follow one another
     """
 
     mesh: TetMesh
@@ -94,19 +92,21 @@ class SolidGrowth:
 
     @classmethod
     def of(cls, mesh, directions, spacing):
-        """From (n, 3) unit vectors, zero where the phase should not change, and a spacing or one at each vertex."""
+        """From (n, 3) unit vectors, and a spacing in the solid's units or (n,) of them.
+
+        A vector of zero asks for no change there.
+        """
         directions = np.asarray(directions, float)
-        if directions.shape != mesh.vertices.shape:
+        if directions.shape != mesh.vertices.shape or not np.isfinite(directions).all():
             raise SettingError(
-                f"the directions have the shape {directions.shape}: give one vector to each of the "
-                f"{mesh.vertex_count} vertices"
+                f"the directions of the solid have the shape {directions.shape}: "
+                f"give {mesh.vertex_count} vectors of finite numbers"
             )
-        spacing = _checked_spacing(mesh, spacing)
-        return cls(mesh, directions * (TURN / spacing)[:, None])
+        return cls(mesh, directions * (TURN / _checked_spacing(mesh, spacing))[:, None])
 
     @cached_property
     def changes(self):
-        """(e,) phase change asked for from the lower to the higher vertex: the trapezoidal rule over the two ends."""
+        """(e,) phase change asked for from the lower to the higher vertex: the trapezoidal rule over its ends."""
         i, j = self.mesh.edges.T
         return 0.5 * np.einsum("ex,ex->e", self.rates[i] + self.rates[j], self.mesh.edge_vectors)
 
@@ -121,9 +121,157 @@ class SolidGrowth:
         """Share of the edges along which the phase should turn by more than half a period."""
         return float((np.abs(self.changes) > np.pi).mean())
 
+    def edge_phases(self, phases, groups=()):
+        """:class:`EdgePhases` of (n,) complex phases; along the triangles of groups nothing changes."""
+        asked = self.changes.copy()
+        for group in groups:
+            asked[self.mesh.edges_between(*group.sides.T)] = 0
+        return EdgePhases.of(self.mesh, phases[:, None], asked[:, None], np.zeros(len(asked), int))
+
+
+@dataclass(frozen=True)
+class Spacings:
+    """Distances between layers over the solid's volume: 2 pi / |grad theta|.
+
+    Tetrahedra that a dislocation curve punctures do not count, nor those in which the phase changes so little that no
+    second layer would fit into the solid.
+
+    Attributes
+    ----------
+    mean, deviation, thinnest, thickest : lengths
+    counted : share of the volume
+    distances : (m,) in each tetrahedron, nan where it does not count
+    """
+
+    mean: float
+    deviation: float
+    thinnest: float
+    thickest: float
+    counted: float
+    distances: np.ndarray
+
+
+@dataclass(frozen=True)
+class LayerPattern:
+    """Phases at the vertices of a solid; layers are where they are multiples of 2 pi.
+
+    Attributes
+    ----------
+    mesh : TetMesh
+    solution : Solution
+    edge_phases : EdgePhases, the phase changes along every edge
+    """
+
+    mesh: TetMesh
+    solution: Solution
+    edge_phases: EdgePhases
+
     @property
-    def forced_dislocations(self):
-        """How many dislocations of the faces the directions force: the circulation of the rates, in turns, all told."""
-        asked = self.edge_phases(np.ones(self.mesh.vertex_count), wrapped=False)
-        values, _ = asked.around(self.mesh.faces)
-        return float(np.abs(values[:, 3] - values[:, 0]).sum() / TURN)
+    def vertex_phases(self):
+        """(n,) radians."""
+        return self.edge_phases.arguments[:, 0]
+
+    @cached_property
+    def face_numbers(self):
+        """(f,) dislocation numbers of the faces, along their vertices in increasing order."""
+        return face_numbers(self.edge_phases)
+
+    @cached_property
+    def tet_phases(self) -> TetPhases:
+        """What it takes to evaluate the phase anywhere."""
+        return tet_phases(self.edge_phases)
+
+    @cached_property
+    def heights(self):
+        """(n,) position along the growth, in radians, 0 at the lowest place of each piece: the function without
+        dislocations whose changes are nearest to the phase's."""
+        return potential(self.mesh, self.edge_phases.changes[:, 0])
+
+    @property
+    def spacings(self):
+        """:class:`Spacings` of the layers."""
+        steepness = np.linalg.norm(self.tet_phases.gradients(self.mesh), axis=1)
+        counts = ~self.tet_phases.punctured & (steepness > TURN / _extent(self.mesh))
+        distances = np.full(self.mesh.tet_count, np.nan)
+        distances[counts] = TURN / steepness[counts]
+        if not counts.any():
+            return Spacings(np.nan, np.nan, np.nan, np.nan, 0.0, distances)
+        met, volumes = distances[counts], self.mesh.volumes[counts]
+        mean = np.average(met, weights=volumes)
+        deviation = np.sqrt(np.average((met - mean) ** 2, weights=volumes))
+        share = volumes.sum() / self.mesh.volumes.sum()
+        return Spacings(float(mean), float(deviation), float(met.min()), float(met.max()), float(share), distances)
+
+
+def layer_problem(mesh, directions, spacing, groups=()):
+    """The synchronization problem of layers.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+    directions : (n, 3) unit vectors in which layers follow one another (:mod:`core.fields.solid_guidance`)
+    spacing : distance between layers in the solid's units, or (n,) one at each vertex
+    groups : LayerGroups; the boundary is free elsewhere
+
+    Raises
+    ------
+    SettingError
+        for directions or spacings that do not fit
+    ContradictionError
+        where groups ask for different phases
+    """
+    return _problem(SolidGrowth.of(mesh, directions, spacing), groups)
+
+
+def solve_layers(mesh, directions, spacing, groups=(), options=None, callback=None):
+    """Solve for a :class:`LayerPattern`; arguments as :func:`layer_problem` and :func:`core.solve.solve`."""
+    growth = SolidGrowth.of(mesh, directions, spacing)
+    solution = solve(_problem(growth, groups), options, callback)
+    return LayerPattern(mesh, solution, growth.edge_phases(solution.phases, groups))
+
+
+def _problem(growth, groups):
+    links = joined_links([group.links for group in groups if group.phase is None])
+    fixed = _fixed_phases([group for group in groups if group.phase is not None])
+    fixed, merged = contracted(growth.mesh.vertex_count, links, fixed)
+    return SynchronizationProblem(growth.connection, growth.mesh.vertex_masses, merged, fixed)
+
+
+def _fixed_phases(groups):
+    """Targets of the groups' vertices, each once, or None."""
+    if not groups:
+        return None
+    nodes = np.concatenate([group.vertices for group in groups])
+    values = np.concatenate([np.full(len(group.vertices), np.exp(1j * group.phase)) for group in groups])
+    names = np.concatenate([np.full(len(group.vertices), group.name, object) for group in groups])
+    unique, first, place = np.unique(nodes, return_index=True, return_inverse=True)
+    apart = np.abs(values - values[first][place]) > TOLERANCE
+    if apart.any():
+        other = np.flatnonzero(apart)[0]
+        raise ContradictionError(
+            f"{names[first[place[other]]]} and {names[other]} fix {{vertices}} to different phases: "
+            "take them out of one of the groups",
+            nodes[apart],
+        )
+    return Targets(unique, values[first]) if len(unique) else None
+
+
+def _extent(mesh):
+    """Diagonal of the solid's bounding box."""
+    return float(np.linalg.norm(np.ptp(mesh.vertices[np.unique(mesh.tets)], axis=0)))
+
+
+def _checked_spacing(mesh, spacing):
+    """(n,) distances; refuses those between which no layer fits."""
+    spacing = np.asarray(spacing, float)
+    if spacing.shape not in ((), (mesh.vertex_count,)):
+        raise SettingError(f"{spacing.size} spacings are given for {mesh.vertex_count} vertices: give each one, or one")
+    spacing = np.broadcast_to(spacing, mesh.vertex_count)
+    bad = np.flatnonzero(~(np.isfinite(spacing) & (spacing > 0)))
+    if len(bad):
+        raise SettingError(f"the spacing is {spacing[bad[0]]:g} at vertex {bad[0]}: give a positive length")
+    if spacing.min() > _extent(mesh):
+        raise SettingError(
+            f"the spacing {spacing.min():g} is larger than the solid ({_extent(mesh):g}): no layer would fit, reduce it"
+        )
+    return spacing

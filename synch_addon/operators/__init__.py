@@ -4,7 +4,7 @@
 import bpy
 
 from .. import jobs
-from . import defects, directions, field_io, field_operator, quads, stripes, variations
+from . import bake, clebsch, defects, directions, field_io, field_operator, isolines, quads, stripes, variations
 
 _CLASSES = (
     directions.SYNCH_OT_directions,
@@ -14,6 +14,9 @@ _CLASSES = (
     field_operator.SYNCH_OT_cancel,
     *variations.CLASSES,
     *defects.CLASSES,
+    *clebsch.CLASSES,
+    *isolines.CLASSES,
+    bake.SYNCH_OT_bake,
 )
 
 

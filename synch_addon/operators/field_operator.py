@@ -105,7 +105,7 @@ class FieldOperator:
         manager = context.window_manager
         manager.progress_begin(0, 1)
         try:
-            report = api.run(self.command, context.active_object, self._settings(), _progress_of(manager))
+            report = api.run(self.command, context.active_object, self._settings(), progress_of(manager))
         finally:
             manager.progress_end()
         return self._announce(report)
@@ -173,7 +173,7 @@ def _over_sidebar(context, event):
     )
 
 
-def _progress_of(manager):
+def progress_of(manager):
     def update(stage, fraction):
         manager.progress_update(fraction)
         return True

@@ -97,10 +97,11 @@ def test_at_45_degrees_either_axis_is_the_first_but_everywhere_the_same():
     assert spacings[rising][0] != pytest.approx(spacings[~rising][0])
 
 
-def test_y_decides_where_x_is_out_of_reach():
+@pytest.mark.parametrize("seed", range(4))
+def test_y_decides_where_x_is_out_of_reach(seed):
     flat = square(5)
     upright = TriangleMesh(flat.vertices[:, [2, 0, 1]], flat.triangles)  # the plane of Y and Z
-    turns = random_turns(upright)
+    turns = (random_turns(upright) + seed) % 4
     vectors = np.array([[0, 1, 0], [0, 0, 1], [0, -1, 0], [0, 0, -1.0]])
     growth = Growth.of(upright, given_directions(upright, 4, vectors[turns]), np.array([[0.2, 0.5]]))
     # A first phase grows a quarter turn further than the direction that its vertex knows.
@@ -169,6 +170,26 @@ def test_spokes_at_even_distances_force_as_many_dislocations_as_the_rims_differ(
         assert Growth.of(mesh, field, np.pi / 16).forced_dislocations == pytest.approx(2 * forced, rel=1e-9)
     # The trapezoidal rule is off by the length of an edge to the third power in each triangle.
     assert 0 < errors[0] < 0.03 and errors[1] < 0.6 * errors[0]
+
+
+@pytest.mark.parametrize("build", SURFACES)
+def test_triangles_around_which_phases_change_places_force_nothing(build):
+    """The others by a walk with matrices around each."""
+    mesh = build()
+    growth = Growth.of(mesh, turned_crosses(direction_field(mesh, 4), random_turns(mesh)), 0.3)
+    lookup = {tuple(edge): e for e, edge in enumerate(mesh.edges.tolist())}
+    total = 0.0
+    for triangle in mesh.triangles.tolist():
+        walked, turns = np.zeros(2), 0
+        for i, j in zip(triangle, np.roll(triangle, -1), strict=True):
+            e = lookup[min(i, j), max(i, j)]
+            change, matching = growth.changes[e], growth.matchings[e]
+            if i > j:
+                change, matching = -np.linalg.matrix_power(A, matching) @ change, -matching
+            walked = walked + np.linalg.matrix_power(A, -turns % 4) @ change
+            turns += matching
+        total += np.abs(walked).sum() / (2 * np.pi) * (turns % 4 == 0)
+    assert growth.forced_dislocations == pytest.approx(total, rel=1e-9)
 
 
 def test_spacing_that_grows_along_the_lines_forces_dislocations():

@@ -67,7 +67,9 @@ def is_surface(quads):
     _, forward, backward = edges_of(quads)
     faces = quads.corner_faces * len(quads.vertices) + quads.corner_vertices
     return bool(
-        max(forward.max(), backward.max()) == 1 and len(np.unique(faces)) == len(faces) and (fans(quads) == 1).all()
+        max(forward.max(initial=0), backward.max(initial=0)) == 1
+        and len(np.unique(faces)) == len(faces)
+        and (fans(quads) == 1).all()
     )
 
 

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Paths for a tool to follow on each layer: curves along which a function on the solid takes evenly spaced values."""
+
+import numpy as np
+
+from ..errors import SettingError
+from ..geometry import TriangleMesh
+from ..interpolate import TURN, EdgePhases
+from .isolines import isolines
+
+
+def toolpaths(layers, values, step):
+    """Curves on layers where a function is a multiple of a step, ordered by layer.
+
+    They are as far apart as the step where the function changes by one per unit length along the layer.
+
+    Parameters
+    ----------
+    layers : LayerSurfaces
+    values : (n,) at the solid's vertices, such as the distance along an axis or from a surface
+    step : positive, in the values' unit
+
+    Returns
+    -------
+    lines : Isolines over the layers' triangles
+    numbers : (l,) layer of each line
+
+    Raises
+    ------
+    SettingError
+        for a step that is not positive
+    """
+    if not (np.isfinite(step) and step > 0):
+        raise SettingError(f"the step between paths is {step:g}: give a positive number")
+    mesh = TriangleMesh(layers.vertices, layers.triangles)
+    angles = TURN / step * layers.interpolated(np.asarray(values, float))
+    i, j = mesh.edges.T
+    changes = (angles[j] - angles[i])[:, None]
+    lines = isolines(EdgePhases.of(mesh, np.exp(1j * angles)[:, None], changes, np.zeros(len(changes), int)))
+    numbers = layers.layers[lines.triangles[lines.starts]]
+    order = np.argsort(numbers, kind="stable")
+    points = np.argsort(np.argsort(order, kind="stable")[lines.numbers], kind="stable")
+    sorted_lines = type(lines)(
+        mesh, lines.triangles[points], lines.weights[points], lines.sizes[order], lines.ends[order]
+    )
+    return sorted_lines, numbers[order]

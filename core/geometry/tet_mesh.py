@@ -1,0 +1,304 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A solid of tetrahedra as arrays: any number of pieces, cavities and handles.
+
+Corner ``k`` of a tetrahedron is opposite to its face ``k``. An edge ``e = (i, j)`` is stored once with ``i < j``, and
+every quantity on edges (transport, phase change) is meant in that direction.
+"""
+
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from ..errors import MeshError, name_elements
+from .touching import separated_fans
+from .triangle_mesh import TriangleMesh
+
+# Corners of the six edges of a tetrahedron, and of its four faces: face k is opposite to corner k and counterclockwise
+# from outside where the tetrahedron is positive.
+TET_EDGES = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
+TET_FACES = ((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))
+# A tetrahedron whose volume is below this share of its longest edge cubed has no usable gradients.
+FLAT_TET = 1e-12
+# Eq. (2) needs positive weights. Dihedral angles count as if they were at least this far from 0 and 180 degrees, less
+# than any that stuffing makes: slivers, with their negative weights gone, would outweigh the rest of the mesh.
+SHARPEST_ANGLE = np.radians(10)
+# The mean cotangent around an edge is at least this. The long edges of a body-centred lattice have weight 0.
+SMALLEST_COTANGENT = 1e-4
+
+
+class TetMesh:
+    """Vertices and positively oriented tetrahedra with everything derived from them, computed when first asked for.
+
+    Parameters
+    ----------
+    vertices : (n, 3) float array, in scene units
+    tets : (m, 4) int array: seen from the first corner, the other three run clockwise; :func:`positive` sees to it
+
+    Raises
+    ------
+    MeshError
+        for arrays of another shape, no tetrahedra, one of a vertex that is not there, or one that is flat or inverted
+    """
+
+    def __init__(self, vertices, tets):
+        self.vertices = _rows(vertices, 3, np.float64, "vertices are points in space")
+        self.tets = _rows(tets, 4, np.int64, "split other cells into tetrahedra")
+        _refuse_indices(self.vertices, self.tets)
+        _refuse_flat(self.vertices, self.tets, self.volumes)
+
+    @property
+    def vertex_count(self):
+        return len(self.vertices)
+
+    @property
+    def tet_count(self):
+        return len(self.tets)
+
+    # Connectivity
+
+    @cached_property
+    def _edge_data(self):
+        tails, heads = np.moveaxis(self.tets[:, TET_EDGES], -1, 0)
+        keys = np.minimum(tails, heads) * self.vertex_count + np.maximum(tails, heads)
+        keys, inverse = np.unique(keys.ravel(), return_inverse=True)
+        return np.column_stack(np.divmod(keys, max(self.vertex_count, 1))), inverse.reshape(-1, 6)
+
+    @property
+    def edges(self):
+        """(e, 2) vertex indices, the lower one first, sorted."""
+        return self._edge_data[0]
+
+    @property
+    def tet_edges(self):
+        """(m, 6) edges between the pairs of corners in the order of ``TET_EDGES``."""
+        return self._edge_data[1]
+
+    def edges_between(self, tails, heads):
+        """Indices of the edges that join pairs of vertices, whichever way; the pairs must be edges."""
+        keys = self.edges[:, 0] * self.vertex_count + self.edges[:, 1]
+        return np.searchsorted(keys, np.minimum(tails, heads) * self.vertex_count + np.maximum(tails, heads))
+
+    @cached_property
+    def _face_data(self):
+        corners = self.tets[:, TET_FACES].reshape(-1, 3)
+        even = (corners[:, 0] < corners[:, 1]) ^ (corners[:, 1] < corners[:, 2]) ^ (corners[:, 0] < corners[:, 2])
+        corners.sort(axis=1)
+        # Three vertices in one integer: the index of the edge between the lower two, and the highest.
+        keys = self.edges_between(corners[:, 0], corners[:, 1]) * self.vertex_count + corners[:, 2]
+        _, first, inverse, counts = np.unique(keys, return_index=True, return_inverse=True, return_counts=True)
+        faces, inverse = corners[first], inverse.reshape(-1)
+        halves = np.full((len(faces), 2), -1)
+        halves[:, 0] = first
+        later = np.flatnonzero(first[inverse] != np.arange(len(inverse)))
+        halves[inverse[later], 1] = later
+        _refuse_overlaps(faces, halves, counts, even)
+        return faces, inverse.reshape(-1, 4), halves
+
+    @property
+    def faces(self):
+        """(f, 3) vertex indices of each triangle, once, in increasing order, sorted."""
+        return self._face_data[0]
+
+    @property
+    def tet_faces(self):
+        """(m, 4) faces, the one opposite to corner k at place k."""
+        return self._face_data[1]
+
+    @cached_property
+    def face_tets(self):
+        """(f, 2) tetrahedra on the two sides, the lower index first; -1 outside."""
+        halves = self._face_data[2]
+        return np.where(halves < 0, -1, halves // 4)
+
+    @cached_property
+    def tet_neighbours(self):
+        """(m, 4) tetrahedron on the other side of each face, -1 outside."""
+        sides = self.face_tets[self.tet_faces]
+        return np.where(sides[..., 0] == np.arange(self.tet_count)[:, None], sides[..., 1], sides[..., 0])
+
+    @cached_property
+    def boundary_faces(self):
+        """Indices of the faces that have one tetrahedron only."""
+        return np.flatnonzero(self._face_data[2][:, 1] < 0)
+
+    @cached_property
+    def boundary_triangles(self):
+        """(b, 3) vertices of the boundary faces, in their order, counterclockwise from outside."""
+        tets, corners = np.divmod(self._face_data[2][self.boundary_faces, 0], 4)
+        return self.tets[tets[:, None], np.array(TET_FACES)[corners]]
+
+    @cached_property
+    def boundary_vertices(self):
+        """(n,) bool."""
+        mask = np.zeros(self.vertex_count, bool)
+        mask[self.boundary_triangles] = True
+        return mask
+
+    @cached_property
+    def boundary_surface(self):
+        """The boundary as a :class:`TriangleMesh` whose triangles are ``boundary_faces`` in their order, and (b,) the
+        vertex here of each of its vertices, in increasing order.
+
+        A vertex where the surface touches itself stands there once for each of its fans of triangles.
+        """
+        source, triangles = separated_fans(self.boundary_triangles)
+        return TriangleMesh(self.vertices[source], triangles), source
+
+    @cached_property
+    def pieces(self):
+        """(n,) label of the connected piece of each vertex."""
+        i, j = self.edges.T
+        graph = coo_matrix((np.ones(len(i)), (i, j)), shape=(self.vertex_count, self.vertex_count))
+        return connected_components(graph, directed=False)[1]
+
+    @cached_property
+    def loose_vertices(self):
+        """Indices of the vertices without a tetrahedron; they carry no field."""
+        return np.flatnonzero(np.bincount(self.tets.ravel(), minlength=self.vertex_count) == 0)
+
+    @property
+    def euler_characteristic(self):
+        """V - E + F - T over all pieces, loose vertices left out; half of the boundary surface's."""
+        vertices = self.vertex_count - len(self.loose_vertices)
+        return vertices - len(self.edges) + len(self.faces) - self.tet_count
+
+    # Lengths, volumes and gradients
+
+    @cached_property
+    def edge_vectors(self):
+        """(e, 3) from the lower to the higher vertex."""
+        return self.vertices[self.edges[:, 1]] - self.vertices[self.edges[:, 0]]
+
+    @cached_property
+    def edge_lengths(self):
+        """(e,)"""
+        return np.linalg.norm(self.edge_vectors, axis=1)
+
+    @cached_property
+    def volumes(self):
+        """(m,) all positive."""
+        return signed_volumes(self.vertices, self.tets)
+
+    @cached_property
+    def hat_gradients(self):
+        """(m, 4, 3) gradient of the function that is 1 at a corner and 0 at the others, one over length."""
+        a, b, c, d = np.moveaxis(self.vertices[self.tets], 1, 0)
+        gradients = np.empty((self.tet_count, 4, 3))
+        gradients[:, 1] = np.cross(c - a, d - a)
+        gradients[:, 2] = np.cross(d - a, b - a)
+        gradients[:, 3] = np.cross(b - a, c - a)
+        gradients[:, 1:] /= 6 * self.volumes[:, None, None]
+        gradients[:, 0] = -gradients[:, 1:].sum(axis=1)
+        return gradients
+
+    @cached_property
+    def vertex_masses(self):
+        """(n,) a quarter of the volume around each vertex, positive."""
+        shares = np.repeat(self.volumes / 4, 4)
+        masses = np.bincount(self.tets.ravel(), weights=shares, minlength=self.vertex_count)
+        return np.maximum(masses, 1e-9 * masses.mean())
+
+    @cached_property
+    def _cotangents(self):
+        """(m, 6) cotangents of the dihedral angles at the edges opposite to each, (m, 6) a sixth of their lengths."""
+        g = self.hat_gradients
+        products = np.stack([np.einsum("tx,tx->t", g[:, i], g[:, j]) for i, j in TET_EDGES], axis=1)
+        opposite = self.edge_lengths[self.tet_edges[:, ::-1]] / 6
+        # The gradients of two corners are normal to the faces that meet in the opposite edge.
+        return -products * self.volumes[:, None] / opposite, opposite
+
+    @cached_property
+    def cotangent_weights(self):
+        """(e,) a sixth of the sum, over the tetrahedra at an edge, of the opposite edge's length times the cotangent of
+        the dihedral angle there: minus the entries of the stiffness matrix of linear elements. Either sign."""
+        cotangents, sixths = self._cotangents
+        return self._sum_at_edges(cotangents * sixths)
+
+    @cached_property
+    def weights(self):
+        """(e,) ``cotangent_weights`` with angles kept ``SHARPEST_ANGLE`` away from flat, and the sums positive.
+
+        An edge of negative weight counts for next to nothing, instead of asking its ends to disagree. A field that
+        can be met exactly still is: its energy vanishes edge by edge, whatever the weights.
+        """
+        cotangents, sixths = self._cotangents
+        limit = 1 / np.tan(SHARPEST_ANGLE)
+        sums = self._sum_at_edges(np.clip(cotangents, -limit, limit) * sixths)
+        return np.maximum(sums, SMALLEST_COTANGENT * self._sum_at_edges(sixths))
+
+    def _sum_at_edges(self, values):
+        return np.bincount(self.tet_edges.ravel(), weights=values.ravel(), minlength=len(self.edges))
+
+
+def signed_volumes(vertices, tets):
+    """(m,) volumes, negative where a tetrahedron is inverted."""
+    a, b, c, d = np.moveaxis(np.asarray(vertices)[tets], 1, 0)
+    return np.einsum("tx,tx->t", np.cross(b - a, c - a), d - a) / 6
+
+
+def positive(vertices, tets):
+    """(m, 4) tetrahedra with the last two corners swapped where they are inverted; files come either way round."""
+    tets = np.array(tets, np.int64)
+    inverted = signed_volumes(vertices, tets) < 0
+    tets[inverted] = tets[inverted][:, [0, 1, 3, 2]]
+    return tets
+
+
+def _rows(values, width, dtype, remedy):
+    array = np.asarray(values)
+    if array.size and (array.ndim != 2 or array.shape[1] != width):
+        raise MeshError(f"an array of shape {array.shape} where (n, {width}) is needed: {remedy}")
+    return np.ascontiguousarray(array, dtype=dtype).reshape(-1, width)
+
+
+def _refusal(message, vertices):
+    error = MeshError(message)
+    error.vertices = np.unique(vertices)
+    return error
+
+
+def _refuse_indices(vertices, tets):
+    if not len(tets):
+        raise MeshError("the solid has no tetrahedra: a field in a solid needs one at least")
+    outside = np.flatnonzero(((tets < 0) | (tets >= len(vertices))).any(axis=1))
+    if len(outside):
+        raise MeshError(
+            f"tetrahedron {outside[0]} has the vertices {tets[outside[0]].tolist()} and there are {len(vertices)}: "
+            "count them from 0"
+        )
+    lost = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
+    if len(lost):
+        verb = "has" if len(lost) == 1 else "have"
+        raise _refusal(f"{name_elements('vertex', lost)} {verb} no finite position: set the coordinates", lost)
+
+
+def _refuse_flat(vertices, tets, volumes):
+    corners = vertices[tets]
+    reach = np.max([((corners[:, i] - corners[:, j]) ** 2).sum(axis=1) for i, j in TET_EDGES], axis=0, initial=0)
+    limit = FLAT_TET * reach**1.5
+    for bad, what, remedy in (
+        (np.abs(volumes) <= limit, "no volume", "collapse its shortest edge, or mesh the solid again"),
+        (volumes < 0, "its corners in the wrong order", "swap two of them"),
+    ):
+        bad = np.flatnonzero(bad)
+        if len(bad):
+            name = name_elements("tetrahedron", bad).replace("tetrahedrons", "tetrahedra")
+            verb = "has" if len(bad) == 1 else "have"
+            raise _refusal(f"{name} {verb} {what}: {remedy}", tets[bad])
+
+
+def _refuse_overlaps(faces, halves, counts, even):
+    """A face separates two tetrahedra at most, one on either side."""
+    crowded = np.flatnonzero(counts > 2)
+    inside = np.flatnonzero((counts == 2) & (halves[:, 1] >= 0))
+    same_side = inside[even[halves[inside, 0]] == even[halves[inside, 1]]]
+    for bad, what in ((crowded, "more than two"), (same_side, "two on the same side")):
+        if len(bad):
+            more = f" and {len(bad) - 1} more" if len(bad) > 1 else ""
+            raise _refusal(
+                f"the triangle of vertices {', '.join(map(str, faces[bad[0]]))}{more} has {what} tetrahedra "
+                f"(one is {halves[bad[0], 0] // 4}): remove those that overlap",
+                faces[bad],
+            )

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where a solid or its surface touches itself in a vertex or an edge, each side gets vertices of its own."""
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+
+def separated_fans(triangles):
+    """Triangles of a closed surface renumbered so that those around every vertex form one fan.
+
+    Triangles of one fan share edges. Where more than two meet in an edge, all of them stay together.
+
+    Parameters
+    ----------
+    triangles : (b, 3) int array
+
+    Returns
+    -------
+    source : (v,) number of each vertex among the given ones, in increasing order
+    triangles : (b, 3) in the numbering of ``source``
+    """
+    tails, heads = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+    keys = np.minimum(tails, heads) * (triangles.max(initial=0) + 1) + np.maximum(tails, heads)
+    order = np.argsort(keys, kind="stable")
+    meet = keys[order[1:]] == keys[order[:-1]]
+    halves, others = order[:-1][meet], order[1:][meet]
+    corners = np.arange(len(tails)).reshape(-1, 3)
+    following = np.roll(corners, -1, axis=1).ravel()
+    opposite = tails[halves] != tails[others]
+    links = [
+        (halves, np.where(opposite, following[others], others)),
+        (following[halves], np.where(opposite, others, following[others])),
+    ]
+    return _merged(triangles, links)
+
+
+def separated_solid(mesh, at):
+    """Vertices doubled where the tetrahedra around them do not hang together by faces.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+    at : (n,) bool, the vertices to look at, all of whose tetrahedra are there
+
+    Returns
+    -------
+    vertices : (n + k, 3) with k copies
+    tets : (m, 4)
+    """
+    corners = mesh.tets.ravel()
+    links = []
+    for k in range(3):
+        shared = (mesh.face_tets[:, 1] >= 0) & at[mesh.faces[:, k]]
+        sides = mesh.face_tets[shared].T
+        links.append([4 * t + (mesh.tets[t] == mesh.faces[shared, k, None]).argmax(axis=1) for t in sides])
+    others = np.flatnonzero(~at[corners])
+    representatives = np.zeros(mesh.vertex_count, int)
+    representatives[corners[others]] = others
+    links.append([others, representatives[corners[others]]])
+    source, numbers = _merged(mesh.tets, links)
+    is_copy = np.append(False, source[1:] == source[:-1])
+    names = np.where(is_copy, mesh.vertex_count + np.cumsum(is_copy) - 1, source)
+    return np.concatenate([mesh.vertices, mesh.vertices[source[is_copy]]]), names[numbers]
+
+
+def _merged(cells, links):
+    """Vertices from corners of cells: corners that are linked, one way or another, make one vertex."""
+    rows, columns = (np.concatenate(ends) for ends in zip(*links, strict=True))
+    graph = coo_matrix((np.ones(len(rows), bool), (rows, columns)), shape=(cells.size, cells.size))
+    count, labels = connected_components(graph, directed=False)
+    source, numbers = np.unique(cells.ravel() * count + labels, return_inverse=True)
+    return source // max(count, 1), numbers.reshape(cells.shape)

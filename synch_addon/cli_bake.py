@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command ``bake`` of the command line: the pattern of an object of a .blend file as images."""
+
+from ..core.errors import SettingError
+from . import api, files
+from .bake_settings import MAPS, SIZES, SUFFIXES, BakeSettings
+
+_DEFAULT = BakeSettings()
+
+
+def add_parser(commands, add_input):
+    """Add the command to the parser's."""
+    command = commands.add_parser(
+        "bake", help="the pattern of an object as images", description="Bake solved stripes or quads into images."
+    )
+    add_input(command)
+    command.add_argument(
+        "--maps", default=",".join(_DEFAULT.maps), metavar="MAPS", help=f"some of {','.join(MAPS)} (%(default)s)"
+    )
+    command.add_argument(
+        "--folder", default="", help="where the images go; default: packed into the .blend of --output"
+    )
+    command.add_argument("--name", default=_DEFAULT.naming, help="of each image; {object} and {map} are filled in")
+    command.add_argument("--format", choices=SUFFIXES, default=_DEFAULT.file_format, help="(%(default)s)")
+    command.add_argument(
+        "--size", type=int, default=_DEFAULT.size, metavar="PIXELS", help=f"from {SIZES[0]} to {SIZES[1]} (%(default)s)"
+    )
+    command.add_argument(
+        "--margin", type=int, default=_DEFAULT.margin, metavar="PIXELS", help="around UV islands (%(default)s)"
+    )
+    command.add_argument("--samples", type=int, default=_DEFAULT.samples, metavar="N", help="a pixel (%(default)s)")
+    command.add_argument("--uv-map", default="", metavar="NAME", help="default: the active one")
+    command.add_argument("--unwrap", action="store_true", help="make the UV map by Smart UV Project if it is missing")
+    command.add_argument("--material", action="store_true", help="show the images in place of the pattern")
+    command.add_argument("--displacement", action="store_true", help="the material displaces by the height, too")
+    command.add_argument("--output", metavar="FILE.blend", help="save the scene with the result")
+    command.add_argument("--report", metavar="FILE.json", help="write files, sizes and times")
+    command.add_argument("--quiet", action="store_true", help="no progress on stderr")
+
+
+def run(options, open_object, progress):
+    """Run the command; the report and the lines to print."""
+    settings = BakeSettings(
+        maps=options.maps,
+        size=options.size,
+        margin=options.margin,
+        samples=options.samples,
+        uv_map=options.uv_map,
+        unwrap=options.unwrap,
+        folder=options.folder,
+        naming=options.name,
+        file_format=options.format,
+        material=options.material,
+        displacement=options.displacement,
+    )
+    files.check_outputs(options.output, report=options.report)
+    if not (options.folder or options.output):
+        raise SettingError("the images have nowhere to go: add --folder, or --output for a .blend that holds them")
+    report = api.run_bake(open_object(), settings, progress)
+    lines = [f"baked {report['pattern']} of {report['object']}: {report['size']} pixels, {report['seconds']:.1f} s"]
+    for name, entry in report["maps"].items():
+        lines.append(f"{name}: {entry['bytes'] / 2**20:.2f} MB, {entry['seconds']:.1f} s")
+    lines += [f"warning: {line}" for line in report["warnings"]]
+    written = [entry["file"] for entry in report["maps"].values() if "file" in entry]
+    if options.output:
+        written.append(files.save_blend(options.output))
+    return report, lines + [f"wrote {path}" for path in written + ([options.report] if options.report else [])]

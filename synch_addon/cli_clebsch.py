@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command ``clebsch`` of the command line: vortices of a flow."""
+
+import bpy
+
+from . import files
+from .clebsch import SHOWN, ClebschSettings, clebsch
+from .report import counted
+
+
+def add_parser(commands):
+    """Add the command to the parser's."""
+    default = ClebschSettings()
+    command = commands.add_parser(
+        "clebsch", help="vortex filaments or tubes of a flow", description="Show the vortices of a flow in space."
+    )
+    command.add_argument("input", help=".vdb or .npz file with a velocity, or a .blend file with curves")
+    command.add_argument(
+        "--object", nargs="+", metavar="NAME", help="volume, or curves that stand for filaments, of a .blend file"
+    )
+    command.add_argument("--show", choices=SHOWN, default=default.show, help="%(default)s by default")
+    command.add_argument(
+        "--resolution", type=int, default=default.resolution, help="nodes along the longest side (%(default)s)"
+    )
+    command.add_argument(
+        "--count",
+        type=float,
+        default=default.count,
+        metavar="N",
+        help="filaments through the plane with most vorticity (%(default)s)",
+    )
+    command.add_argument("--quantum", type=float, metavar="H", help="circulation of one filament; goes before --count")
+    command.add_argument(
+        "--point", nargs=3, type=float, metavar=("X", "Y", "Z"), help="of the sphere, from which it is seen"
+    )
+    command.add_argument(
+        "--opening", type=float, default=default.opening, metavar="DEG", help="width of tubes (%(default)s)"
+    )
+    command.add_argument("--smoothing", type=int, default=default.smoothing, help="of filaments (%(default)s)")
+    command.add_argument("--method", choices=("sdp", "spectral", "diffusion"), default=default.method)
+    command.add_argument("--seed", type=int, default=default.seed)
+    command.add_argument("--target-gap", type=float, default=default.target_gap, metavar="X")
+    command.add_argument("--time-limit", type=float, metavar="SECONDS")
+    command.add_argument("--output", metavar="FILE.blend", help="save the scene with the result")
+    command.add_argument("--report", metavar="FILE.json", help="write energies, bounds, filaments and times")
+    command.add_argument("--quiet", action="store_true", help="no progress on stderr")
+
+
+def run(options, progress):
+    """Run the command; the report and the lines to print."""
+    files.check_outputs(options.output, report=options.report)
+    names = [name for name in ClebschSettings.__annotations__ if hasattr(options, name)]
+    settings = {name: getattr(options, name) for name in names}
+    source = options.input
+    if str(options.input).lower().endswith(".blend"):
+        files.open_input(options.input)
+        chosen = options.object or [obj.name for obj in bpy.context.scene.objects if obj.type in ("CURVE", "VOLUME")]
+        source = [files.named_object(name) for name in chosen]
+        source = source[0] if len(source) == 1 else source
+    else:
+        bpy.ops.wm.read_homefile(use_empty=True)
+    report = clebsch(source, progress, **settings)
+    written = [files.save_blend(options.output)] if options.output else []
+    written += [options.report] if options.report else []
+    return report, summary(report) + [f"wrote {path}" for path in written]
+
+
+def summary(report):
+    """The lines that a person wants to read."""
+    shape = " x ".join(str(count) for count in report["shape"])
+    lines = [f"clebsch on {report['source']}: {shape} nodes, filaments of circulation {report['quantum']:.4g}"]
+    bound = f"lower bound {report['lower_bound']:.6g} ({report['certificate']})"
+    lines.append(f"energy {report['energy']:.6g}, {bound}: {report['status']}")
+    if "filaments" in report:
+        closed = sum(line["closed"] for line in report["filaments"])
+        lines.append(f"{report['object']}: {counted(len(report['filaments']), 'filament')}, {closed} of them closed")
+    else:
+        lines.append(f"{report['object']}: {counted(report['tubes']['pieces'], 'tube')}, {report['tubes']['faces']} faces")
+    lines.append(f"{report['times']['total']:.2f} s")
+    return lines

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators that make something to print of the active object's pattern: a curve object of its lines, and relief."""
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
+
+from ...core.errors import SynchError
+from .. import api, memory
+from ..isolines import LineSettings
+from ..report import counted
+from .field_operator import unready
+
+_DEFAULT = LineSettings()
+
+
+class SYNCH_OT_isolines(bpy.types.Operator):
+    """Make a curve object of the lines of the last solve: stripes by their middles or edges, quads by their grid"""
+
+    bl_idname = "synch.isolines"
+    bl_label = "Lines as Curves"
+    bl_options = {"REGISTER", "UNDO"}
+
+    width: FloatProperty(
+        name="Width",
+        description="Part of a period that is stripe and whose edges are drawn; 0 for the middles of stripes, "
+        "1 for those of gaps. Quads have grid lines: 0",
+        default=_DEFAULT.width,
+        min=0.0,
+        max=1.0,
+    )
+    distance: FloatProperty(
+        name="Distance",
+        description="Between the points of a line, in spacings; 0 for where it crosses the mesh's edges",
+        default=_DEFAULT.distance,
+        min=0.0,
+        soft_max=1.0,
+    )
+    smoothing: IntProperty(
+        name="Smoothing",
+        description="How often points move to the middle of their neighbours, before they are put back on the surface",
+        default=_DEFAULT.smoothing,
+        min=0,
+        soft_max=50,
+    )
+    radius: FloatProperty(
+        name="Radius",
+        description="Of tubes around the lines, in spacings; 0 for none",
+        default=_DEFAULT.radius,
+        min=0.0,
+        soft_max=0.5,
+    )
+    spline: EnumProperty(
+        name="Spline",
+        description="What the lines are made of",
+        items=[
+            ("POLY", "Poly", "Straight from point to point, with the tilt of the surface: ribbons lie on it"),
+            ("BEZIER", "Bezier", "Smooth through the points"),
+            ("NURBS", "NURBS", "Smooth along the points"),
+        ],
+        default=_DEFAULT.spline.upper(),
+    )
+
+    @classmethod
+    def poll(cls, context):
+        reason = unready(context)
+        if reason is None and not memory.holds(context.active_object):
+            reason = f"{context.active_object.name} has not been solved since the file was opened: solve it first"
+        if reason:
+            cls.poll_message_set(reason)
+        return reason is None
+
+    def execute(self, context):
+        settings = {name: getattr(self, name) for name in ("width", "distance", "smoothing", "radius")}
+        try:
+            report = api.isolines(context.active_object, spline=self.spline.lower(), **settings)
+        except SynchError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"{report['object']}: {counted(report['lines'], 'line')}")
+        return {"FINISHED"}
+
+
+class SYNCH_OT_relief(bpy.types.Operator):
+    """Raise the surface by the pattern, with a modifier that subdivides it; its inputs can be changed at any time"""
+
+    bl_idname = "synch.relief"
+    bl_label = "Relief"
+    bl_options = {"REGISTER", "UNDO"}
+
+    height: FloatProperty(
+        name="Height",
+        description="How high the pattern stands out of the surface, in spacings; below 0 it is cut in",
+        default=0.15,
+        soft_min=-0.5,
+        soft_max=0.5,
+    )
+    width: FloatProperty(
+        name="Width",
+        description="Part of a period that is raised, or of the area of quads",
+        default=0.5,
+        min=0.0,
+        max=1.0,
+    )
+    profile: IntProperty(
+        name="Profile",
+        description="Stripes: rounded, cord, flat, ridge, wave. Quads: grid lines, checker, weave, dots",
+        min=0,
+        max=4,
+    )
+    level: IntProperty(
+        name="Level",
+        description="How often the mesh is subdivided; where it is not set, as often as its edges need",
+        min=0,
+        max=6,
+    )
+    smooth: BoolProperty(name="Smooth", description="Round the surface while it is subdivided")
+
+    @classmethod
+    def poll(cls, context):
+        reason = unready(context)
+        if reason:
+            cls.poll_message_set(reason)
+        return reason is None
+
+    def execute(self, context):
+        level = self.level if self.properties.is_property_set("level") else None
+        try:
+            report = api.relief(context.active_object, self.height, self.width, self.profile, level, self.smooth)
+        except SynchError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.level = report["level"]
+        self.report({"INFO"}, f"{report['modifier']}: {report['profile']}, subdivided {report['level']} times")
+        return {"FINISHED"}
+
+
+CLASSES = (SYNCH_OT_isolines, SYNCH_OT_relief)

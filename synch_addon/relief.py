@@ -1,0 +1,282 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Relief: geometry node groups that subdivide a mesh and raise it by the profile of its pattern.
+
+They read the attributes alone, as the shaders do, so that relief and colour lie on each other. At a corner of a small
+face the attributes have the values of the place in the large face that it came from, linear in a triangle and bilinear
+in a quad, and the phase is evaluated there by the same formula. From face to face its sign and its multiples of 2 pi
+differ, but no profile sees them: the heights at the corners of a vertex agree, and the mean of them moves it.
+"""
+
+import math
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+
+from ..core.errors import SettingError, SynchError
+from .canvas import Canvas, Expression, Socket, declare, group_tree
+from .defect_empties import mean_scale
+from .nodes import VERSION, PhaseAttributes, phase_group, rounded
+from .quad_profiles import PROFILES as QUAD_PROFILES
+from .quad_profiles import phase_attributes, profile_shapes
+
+# In the order of the numbers that choose them.
+STRIPE_PROFILES = ("rounded", "cord", "flat", "ridge", "wave")
+
+# Part of the stripe's half width over which the edge of a flat one rises.
+_EDGE = 0.25
+# Edges that a period should have, and the faces up to which the mesh is subdivided for them.
+_EDGES_PER_PERIOD = 12
+_MOST_FACES = 1_500_000
+_DEEPEST = 6
+
+
+class GeometryCanvas(Canvas):
+    """A geometry node tree that is being drawn."""
+
+    tree_type, group_type = "GeometryNodeTree", "GeometryNodeGroup"
+    _TYPES = {"Fac": "FLOAT", "Vector": "FLOAT_VECTOR", "Color": "FLOAT_COLOR"}
+
+    def attribute(self, name, *outputs):
+        """Read the mesh attribute `name` as the shader's Attribute node gives it; absent is zero, Alpha too."""
+        node = self.place("GeometryNodeInputNamedAttribute", 0, name, rows=4)
+        node.data_type = self._TYPES[outputs[0]]
+        node.inputs["Name"].default_value = name
+        read = [Expression(self, node.outputs["Attribute"], 0)]
+        if "Alpha" in outputs:
+            parts = self.place("FunctionNodeSeparateColor", 1, "alpha", rows=4)
+            self.connect(read[0], parts.inputs[0])
+            read.append(Expression(self, parts.outputs["Alpha"], 1))
+        return read
+
+    def on_corners(self, value):
+        """A number evaluated at the corners of faces, whatever it is used on."""
+        node = self.place("GeometryNodeFieldOnDomain", value.depth + 1, "on corners", rows=3)
+        node.data_type, node.domain = "FLOAT", "CORNER"
+        self.connect(value, node.inputs["Value"])
+        return Expression(self, node.outputs["Value"], value.depth + 1)
+
+    def node(self, type_name, depth, label="", inputs=(), **settings):
+        """Add a node with these settings and values of its inputs, by their names."""
+        node = self.place(type_name, depth, label, rows=4)
+        for name, value in settings.items():
+            setattr(node, name, value)
+        for name, value in dict(inputs).items():
+            self.connect(value, node.inputs[name])
+        return node
+
+
+class _Kind(NamedTuple):
+    """What relief there is of a kind of pattern: its group's name, profiles, and the attribute that tells it."""
+
+    name: str
+    profiles: tuple
+    attribute: str
+
+
+KINDS = {
+    "stripes": _Kind("Synch Relief", STRIPE_PROFILES, "synch_phase"),
+    "quads": _Kind("Synch Quad Relief", QUAD_PROFILES, "synch_phase_x"),
+}
+_OUTPUTS = (Socket("Geometry", "Geometry", "The mesh with its relief"),)
+
+
+def _inputs(profiles):
+    return (
+        Socket("Geometry", "Geometry", "A mesh with a pattern"),
+        Socket("Height", "Float", "How high the pattern stands out of the surface; below 0 it is cut in", 0.05),
+        Socket("Width", "Float", "Part of a period, or of the area of quads, that is raised", 0.5, (0.0, 1.0)),
+        Socket(
+            "Profile",
+            "Int",
+            ", ".join(f"{number}: {name}" for number, name in enumerate(profiles)),
+            0,
+            (0, len(profiles) - 1),
+        ),
+        Socket("Level", "Int", "How often the mesh is subdivided: each time, edges are halved", 2, (0, _DEEPEST)),
+        Socket("Smooth", "Bool", "Round the surface while it is subdivided", False),
+    )
+
+
+def relief_group(kind) -> bpy.types.GeometryNodeTree:
+    """The group "Synch Relief" of stripes or "Synch Quad Relief", built when missing, rebuilt when outdated."""
+    name, profiles, _ = KINDS[kind]
+    tree, is_current = group_tree(name, f"{VERSION}", GeometryCanvas.tree_type)
+    phases = _phase_groups(kind)
+    if is_current:
+        return tree
+    declare(tree, _inputs(profiles), _OUTPUTS)
+    tree.interface.items_tree["Height"].subtype = "DISTANCE"
+    tree.is_modifier = True
+    canvas = GeometryCanvas(tree)
+    with canvas.band("Phase"):
+        inputs = canvas.inputs()
+        phases = [canvas.group(phase) for phase in phases]
+    height = _stripe_height(canvas, phases, inputs) if kind == "stripes" else _quad_height(canvas, phases, inputs)
+    with canvas.band("Relief"):
+        canvas.outputs(Geometry=_raised(canvas, inputs, canvas.on_corners(height)))
+    return tree
+
+
+def _phase_groups(kind):
+    if kind == "stripes":
+        return [phase_group("Synch Relief Phase", PhaseAttributes(), GeometryCanvas)]
+    return [phase_group(f"Synch Relief Phase {a.upper()}", phase_attributes(a), GeometryCanvas) for a in "xy"]
+
+
+def _stripe_height(canvas, phases, inputs):
+    """Heights from 0 to 1; each but the last is 0 outside the stripe, which ends half a width from its middle."""
+    with canvas.band("Profiles"):
+        half = (inputs["Width"] * 0.5).named("half width")
+        away = (phases[0]["Phase"].ping_pong(math.pi) / (2 * math.pi)).named("periods to the middle")
+        inside = (half - away).named("inside")
+        share = (inside / half.maximum(1e-6)).clamped().named("from edge to middle")
+        cord = (share * (2.0 - share)).root()
+        edge = (share / _EDGE).clamped()
+        flat = edge * edge * (3.0 - 2.0 * edge)
+        wave = phases[0]["Cosine"] * 0.5 + 0.5
+        return _chosen(inputs["Profile"], STRIPE_PROFILES, (rounded(inside, half), cord, flat, share, wave))
+
+
+def _quad_height(canvas, phases, inputs):
+    with canvas.band("Pattern"):
+        x, y = (phase["Phase"] for phase in phases)
+        pattern = (phases[0]["Cosine"] * phases[1]["Cosine"]).named("cos x cos y")
+    shapes = profile_shapes(canvas, x, y, pattern, inputs["Width"])
+    with canvas.band("Chosen profile"):
+        return _chosen(inputs["Profile"], QUAD_PROFILES, [shape.height for shape in shapes])
+
+
+def _chosen(profile, names, heights):
+    """The height with the number `profile`."""
+    chosen = heights[-1]
+    for number in reversed(range(len(heights) - 1)):
+        chosen = (profile < number + 0.5).named(f"{names[number]}?").choose(heights[number], chosen)
+    return chosen.named("height")
+
+
+def _raised(canvas, inputs, height):
+    """The subdivided mesh, moved along its normals.
+
+    Subdividing leaves faces flat, and the normals of the given mesh are carried over to round the relief; a mesh that
+    is rounded has normals of its own.
+    """
+    capture = canvas.node("GeometryNodeCaptureAttribute", 1, "smooth normals", domain="POINT")
+    capture.capture_items.new("VECTOR", "Normal")
+    normal = Expression(canvas, canvas.node("GeometryNodeInputNormal", 0).outputs["Normal"], 0)
+    canvas.connect(inputs["Geometry"], capture.inputs["Geometry"])
+    canvas.connect(normal, capture.inputs["Normal"])
+    captured = Expression(canvas, capture.outputs["Geometry"], 1)
+    meshes = []
+    for depth, name in ((2, "GeometryNodeSubdivideMesh"), (3, "GeometryNodeSubdivisionSurface")):
+        node = canvas.node(name, depth, inputs={"Mesh": captured, "Level": inputs["Level"]})
+        meshes.append(Expression(canvas, node.outputs["Mesh"], depth))
+    normals = [Expression(canvas, capture.outputs["Normal"], 1), normal]
+    mesh, normal = (
+        Expression(
+            canvas,
+            canvas.node(
+                "GeometryNodeSwitch",
+                4,
+                "smooth?",
+                inputs={"Switch": inputs["Smooth"], "False": flat, "True": smooth},
+                input_type=input_type,
+            ).outputs["Output"],
+            4,
+        )
+        for input_type, (flat, smooth) in (("GEOMETRY", meshes), ("VECTOR", normals))
+    )
+    unit = canvas.node("ShaderNodeVectorMath", 5, "unit normal", inputs={0: normal}, operation="NORMALIZE")
+    unit = Expression(canvas, unit.outputs["Vector"], 5)
+    length = (height * inputs["Height"]).named("way")
+    depth = max(length.depth, unit.depth) + 1
+    offset = canvas.node("ShaderNodeVectorMath", depth, "offset", operation="SCALE", inputs={0: unit, "Scale": length})
+    offset = Expression(canvas, offset.outputs["Vector"], depth)
+    moved = canvas.node("GeometryNodeSetPosition", depth + 1, inputs={"Geometry": mesh, "Offset": offset})
+    return Expression(canvas, moved.outputs["Geometry"], depth + 1)
+
+
+def add_relief(obj, height, width, profile, level, smooth):
+    """Give an object a modifier with the relief of its pattern, or set the one that it has.
+
+    Arguments as :func:`api.relief`. Returns the modifier's name and what its inputs are set to, for the report.
+    """
+    kind = _kind_of(obj)
+    spacing = obj["synch_spacing"] / mean_scale(obj)
+    values = {
+        "Height": _number("height", height, -math.inf, math.inf) * spacing,
+        "Width": _number("width", width, 0, 1),
+        "Profile": _profile(kind, profile),
+        "Level": _level_for(obj, spacing) if level is None else _whole("level", level, _DEEPEST),
+        "Smooth": bool(smooth),
+    }
+    group = relief_group(kind)
+    modifier = relief_modifier(obj) or obj.modifiers.new(group.name, "NODES")
+    modifier.node_group = group
+    for name, value in values.items():
+        _set_input(modifier, name, value)
+    chosen = KINDS[kind].profiles[values["Profile"]]
+    return {"modifier": modifier.name, **{name.lower(): value for name, value in values.items()}, "profile": chosen}
+
+
+def _number(name, value, least, most):
+    if not isinstance(value, int | float) or not (math.isfinite(value) and least <= value <= most):
+        between = f" from {least:g} to {most:g}" if math.isfinite(least) else ""
+        raise SettingError(f"the {name} is {value!r}: give a number{between}")
+    return float(value)
+
+
+def _whole(name, value, most):
+    if not isinstance(value, int) or not 0 <= value <= most:
+        raise SettingError(f"the {name} is {value!r}: give a whole number from 0 to {most}")
+    return value
+
+
+def _profile(kind, profile):
+    """The number of a profile that is given by its name or number."""
+    names = KINDS[kind].profiles
+    if profile in names:
+        return names.index(profile)
+    if isinstance(profile, int) and 0 <= profile < len(names):
+        return profile
+    raise SettingError(f"the profile {profile!r} is unknown: use one of {', '.join(names)}")
+
+
+def relief_modifier(obj):
+    """The modifier of an object that uses one of the groups, or None."""
+    names = [kind.name for kind in KINDS.values()]
+    for modifier in obj.modifiers:
+        if modifier.type == "NODES" and modifier.node_group is not None and modifier.node_group.name in names:
+            return modifier
+    return None
+
+
+def _kind_of(obj):
+    for name, kind in KINDS.items():
+        if kind.attribute in obj.data.attributes and "synch_spacing" in obj:
+            return name
+    raise SynchError(f"{obj.name} has no stripes or quads: solve one of them first")
+
+
+def _level_for(obj, spacing):
+    """As often as edges have to be halved for a period to have enough of them, as long as the faces stay few enough."""
+    data = obj.data
+    ends = np.empty((len(data.edges), 2), np.int32)
+    data.edges.foreach_get("vertices", ends.ravel())
+    places = np.empty((len(data.vertices), 3), np.float32)
+    data.attributes["position"].data.foreach_get("vector", places.ravel())
+    edge = np.median(np.linalg.norm(places[ends[:, 0]] - places[ends[:, 1]], axis=1))
+    wanted = math.ceil(math.log2(max(_EDGES_PER_PERIOD * edge / spacing, 1)))
+    # The first level gives a face to each corner.
+    carried = 1 + math.floor(math.log(max(_MOST_FACES / len(data.loops), 1), 4))
+    return min(wanted, carried, _DEEPEST)
+
+
+def _set_input(modifier, name, value):
+    """Set an input of a modifier's group, by its name."""
+    identifier = modifier.node_group.interface.items_tree[name].identifier
+    if hasattr(modifier, "properties"):  # from 5.2 on
+        getattr(modifier.properties.inputs, identifier).value = value
+    else:
+        modifier[identifier] = value
+    modifier.id_data.update_tag()

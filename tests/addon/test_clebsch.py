@@ -1,0 +1,191 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Vortices of flows in Blender: files, volumes and curves go in, curves and meshes come out."""
+
+import json
+
+import bpy
+import numpy as np
+import pytest
+
+from synch_fields.core.errors import SettingError
+from synch_fields.core.fields.biot_savart import filament_velocity
+from synch_fields.core.geometry.grid import Grid
+from synch_fields.synch_addon import flows
+from synch_fields.synch_addon.clebsch import clebsch
+from synch_fields.synch_addon.cli import main
+
+
+@pytest.fixture(autouse=True)
+def empty():
+    bpy.ops.wm.read_homefile(use_empty=True)
+
+
+def circle(radius=1.0, location=(0, 0, 0), strength=1.0, segments=100):
+    """A curve object, a circle about its local z axis, counterclockwise."""
+    data = bpy.data.curves.new("Circle", "CURVE")
+    data.dimensions = "3D"
+    spline = data.splines.new("POLY")
+    spline.points.add(segments - 1)
+    turn = np.arange(segments) * 2 * np.pi / segments
+    points = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), 0 * turn, np.ones(segments)])
+    spline.points.foreach_set("co", points.ravel())
+    spline.use_cyclic_u = True
+    obj = bpy.data.objects.new("Circle", data)
+    obj.location = location
+    obj[flows.STRENGTH] = strength
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.update()
+    return obj
+
+
+def ring_grid():
+    grid = Grid((24, 24, 14), spacing=0.1, origin=(-1.15, -1.15, -0.65))
+    turn = np.linspace(0, 2 * np.pi, 201)
+    ring = np.column_stack([0.7 * np.cos(turn), 0.7 * np.sin(turn), 0.02 + 0 * turn])
+    return grid, filament_velocity(grid.places, [(ring, 2.0)], 0.1)
+
+
+def spline_points(obj, number=0):
+    points = obj.data.splines[number].points
+    places = np.empty(4 * len(points), np.float32)
+    points.foreach_get("co", places)
+    return places.reshape(-1, 4)[:, :3]
+
+
+def test_a_curve_comes_back_as_a_filament():
+    obj = circle(location=(0.3, 0, 1.0), strength=2.5)
+    report = clebsch(obj, quantum=2.5, resolution=28, smoothing=0)
+    made = bpy.data.objects[report["object"]]
+    assert made.type == "CURVE" and made[flows.STRENGTH] == 2.5 and bpy.context.active_object == made
+    (spline,) = made.data.splines
+    assert spline.use_cyclic_u and report["filaments"][0]["closed"] and report["filaments"][0]["strength"] == 2.5
+    away = spline_points(made) - [0.3, 0, 1.0]
+    cell = 3.4 / 27
+    assert np.abs(np.hypot(away[:, 0], away[:, 1]) - 1).max() < cell and np.abs(away[:, 2]).max() < 0.5 * cell
+    turn = np.cross(away[:-1], away[1:])[:, 2]
+    assert turn.sum() > 0  # in its direction
+    assert report["lower_bound"] <= report["energy"] and report["status"] != "failed"
+
+
+def test_arrays_and_a_volume_give_the_same_vortex(tmp_path):
+    grid, velocity = ring_grid()
+    np.savez(tmp_path / "ring.npz", velocity=velocity.reshape(*grid.shape, 3), spacing=0.1, origin=grid.origin)
+    vdb = flows._openvdb()
+    volume = vdb.Vec3SGrid()
+    volume.name = "velocity"
+    volume.copyFromArray(velocity.reshape(*grid.shape, 3).astype(np.float32))
+    volume.transform = vdb.createLinearTransform([[0.1, 0, 0, 0], [0, 0.1, 0, 0], [0, 0, 0.1, 0], [*grid.origin, 1]])
+    vdb.write(str(tmp_path / "ring.vdb"), grids=[volume])
+    bpy.ops.object.volume_import(filepath=str(tmp_path / "ring.vdb"))
+    found = bpy.context.active_object
+    found.location.z = 3.0
+    bpy.context.view_layer.update()
+    for source, height in ((tmp_path / "ring.npz", 0.02), (tmp_path / "ring.vdb", 0.02), (found, 3.02)):
+        report = clebsch(source, quantum=2.0, resolution=24)
+        points = spline_points(bpy.data.objects[report["object"]])
+        assert [line["closed"] for line in report["filaments"]] == [True]
+        assert np.abs(points[:, 2] - height).max() < 0.1
+        assert np.linalg.norm(points[:, :2], axis=1) == pytest.approx(0.65, abs=0.12)
+
+
+def test_tubes_are_a_closed_surface_in_the_colours_of_the_sphere(tmp_path):
+    grid, velocity = ring_grid()
+    np.savez(tmp_path / "ring.npz", velocity=3 * velocity.reshape(*grid.shape, 3), spacing=0.1, origin=grid.origin)
+    report = clebsch(tmp_path / "ring.npz", show="tubes", quantum=2.0, opening=80)
+    made = bpy.data.objects[report["object"]]
+    assert (
+        made.type == "MESH" and not made.data.validate() and report["tubes"]["faces"] == len(made.data.polygons) > 100
+    )
+    shown = np.empty(3 * len(made.data.vertices), np.float32)
+    made.data.attributes["synch_sphere"].data.foreach_get("vector", shown)
+    shown = shown.reshape(-1, 3)
+    np.testing.assert_allclose(np.linalg.norm(shown, axis=1), 1, atol=1e-3)
+    assert (shown[:, 2] < -np.cos(np.radians(80)) + 0.1).all()  # around the antipode of the point
+    assert report["lower_bound"] <= report["sphere_energy"] <= report["energy"]
+
+
+def test_the_command_line(tmp_path, capfd):
+    grid, velocity = ring_grid()
+    np.savez(tmp_path / "ring.npz", velocity=velocity.reshape(*grid.shape, 3), spacing=0.1, origin=grid.origin)
+    out, report = tmp_path / "out.blend", tmp_path / "report.json"
+    arguments = ["clebsch", str(tmp_path / "ring.npz"), "--quantum", "2", "--quiet"]
+    assert main([*arguments, "--output", str(out), "--report", str(report)]) == 0
+    facts = json.loads(report.read_text())
+    assert facts["command"] == "clebsch" and len(facts["filaments"]) == 1 and out.is_file()
+    assert "1 filament, 1 of them closed" in capfd.readouterr().out
+    circle()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "curves.blend"))
+    assert main(["clebsch", str(tmp_path / "curves.blend"), "--quantum", "1", "--resolution", "20", "--quiet"]) == 0
+    assert main(["clebsch", str(tmp_path / "none.npz"), "--quiet"]) == 1
+    assert "no such file" in capfd.readouterr().err
+
+
+def refuse_files(tmp_path):
+    """Files that are no flow, and what has to be said about each."""
+    vdb = flows._openvdb()
+    scalar, nothing, broken = vdb.FloatGrid(), vdb.Vec3SGrid(), vdb.Vec3SGrid()
+    scalar.name, nothing.name, broken.name = "density", "velocity", "velocity"
+    scalar.fill((0, 0, 0), (4, 4, 4), 1.0)
+    broken.fill((0, 0, 0), (4, 4, 4), (1.0, 2.0, 3.0))
+    broken.getAccessor().setValueOn((2, 2, 2), (np.nan, 0.0, 0.0))
+    for name, grid in (("scalar", scalar), ("empty", nothing), ("nan", broken)):
+        vdb.write(str(tmp_path / f"{name}.vdb"), grids=[grid])
+    (tmp_path / "text.vdb").write_text("no volume")
+    np.savez(tmp_path / "other.npz", speed=np.ones(3))
+    np.savez(tmp_path / "shape.npz", velocity=np.ones((4, 4, 3)))
+    bad = np.ones((5, 5, 5, 3))
+    bad[1, 2, 3, 0] = np.inf
+    np.savez(tmp_path / "inf.npz", velocity=bad)
+    np.savez(tmp_path / "still.npz", velocity=np.ones((5, 5, 5, 3)))
+    return {
+        "scalar.vdb": r"no grid of vectors \(it has density",
+        "empty.vdb": "is empty",
+        "nan.vdb": "not numbers",
+        "text.vdb": "choose an OpenVDB file",
+        "missing.vdb": "no such file",
+        "other.npz": "no array 'velocity' .it has speed",
+        "shape.npz": r"shape \(4, 4, 3\)",
+        "inf.npz": r"node \(1, 2, 3\) \(1 in all\) is not a number",
+        "still.npz": "no vorticity",
+        "flow.txt": "read from .vdb and .npz",
+    }
+
+
+def test_what_is_no_flow_is_refused_in_one_line(tmp_path):
+    for name, message in refuse_files(tmp_path).items():
+        with pytest.raises(SettingError, match=message) as caught:
+            clebsch(tmp_path / name, resolution=12)
+        assert "\n" not in str(caught.value)
+    assert not bpy.data.objects
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"show": "smoke"}, "show 'smoke' is unknown"),
+        ({"count": 0}, "the count is 0"),
+        ({"opening": 200}, "the whole sphere has 180"),
+        ({"point": (0, 0, 0)}, "three numbers that are not all 0"),
+        ({"show": "tubes", "method": "spectral"}, "use the method sdp"),
+        ({"resolution": 3}, "a resolution of 3 nodes"),
+        ({"colour": 1}, "'colour' is unknown"),
+    ],
+)
+def test_settings_out_of_range_are_refused(settings, message):
+    obj = circle()
+    with pytest.raises(SettingError, match=message):
+        clebsch(obj, **settings)
+    assert len(bpy.data.objects) == 1
+
+
+def test_the_operator_takes_the_selected_curves():
+    obj = circle()
+    obj.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+    assert bpy.ops.synch.clebsch(resolution=20, count=1) == {"FINISHED"}
+    assert bpy.context.active_object.type == "CURVE" and bpy.context.active_object != obj
+    for other in bpy.data.objects:
+        other.select_set(False)
+    with pytest.raises(RuntimeError, match="nothing has a flow"):
+        bpy.ops.synch.clebsch()

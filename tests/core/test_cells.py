@@ -1,0 +1,152 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Numbers of stripes, one for each line along their middle, and of quads, one for each region between grid lines."""
+
+import numpy as np
+import pytest
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from synch_fields.core.extract.cells import cells
+from synch_fields.core.fields import direction_field
+from synch_fields.core.fields.patterns import solve_pattern
+from synch_fields.core.geometry.polygons import Polygons
+from synch_fields.core.interpolate import EdgePhases, evaluate, face_phases
+
+from .crosses import plane_edge_phases
+from .meshes import annulus, bent_square, cube, icosphere, mixed_torus, quad_cube, quad_torus, square, torus
+
+
+def as_triangles(mesh):
+    return mesh, Polygons.of_triangles(mesh)
+
+
+SURFACES = {
+    "triangles-sphere": lambda: as_triangles(icosphere(2)),
+    "triangles-torus": lambda: as_triangles(torus()),
+    "triangles-bounded": lambda: as_triangles(bent_square()),
+    "triangles-cube": lambda: as_triangles(cube(4)),
+    "quads-torus": lambda: quad_torus(None),
+    "quads-cube": quad_cube,
+    "mixed": mixed_torus,
+}
+
+
+def solved(build, symmetry, share):
+    """A surface with a pattern, coarse enough for defects of both kinds."""
+    mesh, polygons = build()
+    spacing = np.linalg.norm(np.ptp(mesh.vertices, axis=0)) / share
+    return polygons, solve_pattern(mesh, direction_field(mesh, symmetry), spacing).on_faces(polygons)
+
+
+def has_defect(phases, polygons):
+    """(m,) bool: triangles of faces in which phases turn."""
+    turns = [phase.index | phase.index_2 | phase.disclination.any(axis=1) for phase in phases]
+    return np.any(turns, axis=0)[polygons.triangle_faces]
+
+
+def flooded(phases, polygons, parts=36):
+    """Dense places in cells, clear of their borders, and the connected regions that they fall into.
+
+    Points of a lattice on every triangle are neighbours along its lines; those on an edge are points of both triangles.
+    Of stripes these are places near their middle, outside faces with a defect, where two lines may come close; of quads
+    those off the grid lines, but for the neighbourhood of dislocations, where phases turn faster than any lattice.
+    """
+    i, j = (a.ravel() for a in np.meshgrid(np.arange(parts + 1), np.arange(parts + 1), indexing="ij"))
+    lattice = np.column_stack([i, j, parts - i - j])[i + j <= parts]
+    steps = np.argwhere(np.triu(np.abs(lattice[:, None] - lattice).sum(axis=2) == 2))
+    count, size = len(polygons.triangle_faces), len(lattice)
+    triangles = np.repeat(np.arange(count), size)
+    weights = np.tile(lattice / parts, (count, 1))
+    inside = 0.999 * weights + 0.001 / 3
+    values = np.stack([evaluate(phase, polygons, triangles, inside) for phase in phases])
+    odd = has_defect(phases, polygons)[triangles]
+    if len(phases) == 2:
+        usable = (np.abs(np.sin(values)) > np.sin(0.35)).all(axis=0) & ~(odd & (1 - 3 * weights.min(axis=1) < 0.2))
+    else:
+        usable = (np.cos(values[0]) > 0.96) & ~odd
+    places = np.rint(weights * parts).astype(int)
+    keys = np.sort(np.where(places == 0, 10**9, polygons.triangles[triangles] * (2 * parts) + places), axis=1)
+    alone = np.flatnonzero((places > 0).all(axis=1))
+    keys[alone] = -1 - alone[:, None]
+    nodes = np.unique(keys, axis=0, return_inverse=True)[1].reshape(-1)
+    ends = (np.arange(count)[:, None, None] * size + steps).reshape(-1, 2)
+    ends = ends[usable[ends].all(axis=1)]
+    graph = coo_array((np.ones(len(ends)), nodes[ends].T), shape=(nodes.max() + 1,) * 2)
+    _, labels = connected_components(graph, directed=False)
+    return triangles[usable], inside[usable], labels[nodes[usable]]
+
+
+@pytest.mark.parametrize("symmetry, share", [(2, 9), (4, 7)], ids=["stripes", "quads"])
+@pytest.mark.parametrize("name", SURFACES)
+def test_a_flood_of_the_surface_stays_in_one_stripe_or_quad(name, symmetry, share):
+    polygons, phases = solved(SURFACES[name], symmetry, share)
+    assert has_defect(phases, polygons).any() or name in ("quads-torus", "triangles-bounded")
+    found = cells(phases, polygons)
+    triangles, weights, floods = flooded(phases, polygons)
+    numbers = found.at(triangles, weights)
+    known = numbers > 0
+    assert known.mean() > 0.999 and numbers.max() <= found.count
+    met = np.unique(np.column_stack([floods, numbers])[known], axis=0)
+    assert (np.bincount(met[:, 0]) <= 1).all(), "one region with two numbers"
+    if symmetry == 4:
+        sizes = np.bincount(floods)
+        regions = met[sizes[met[:, 0]] > 60]  # the rest are specks at borders
+        assert (np.bincount(regions[:, 1]) <= 1).all(), "one number in two regions"
+
+
+def striped(mesh, growing, turning=0.0):
+    """Stripes where ``growing + turning``, in periods at the vertices, is a whole number; ``turning`` wraps around.
+
+    Returns the cells, and at the middle of each triangle the number and the periods less the nearest whole one.
+    """
+    i, j = mesh.edges.T
+    turning = np.broadcast_to(turning, len(growing))
+    changes = growing[j] - growing[i] + (turning[j] - turning[i] + 0.5) % 1 - 0.5
+    values = 2 * np.pi * (growing + turning)[:, None]
+    edge_phases = EdgePhases(mesh, values, 2 * np.pi * changes[:, None], np.zeros(len(i), int))
+    polygons = Polygons.of_triangles(mesh)
+    phases = face_phases(edge_phases, polygons)
+    found = cells(phases, polygons)
+    middle = np.arange(mesh.triangle_count), np.full((mesh.triangle_count, 3), 1 / 3)
+    periods = evaluate(phases[0], polygons, *middle) / (2 * np.pi)
+    return found, found.at(*middle), periods - np.rint(periods)
+
+
+def test_parallel_stripes_have_one_number_each():
+    mesh = square(12)
+    across = 5.2 * (mesh.vertices[:, 0] - 0.5)
+    found, numbers, _ = striped(mesh, across)
+    # Lines at -2 ... 2 periods from the middle of the square, and a fringe without one at either side.
+    assert found.count == 7
+    period = np.rint(across[mesh.triangles].mean(axis=1))
+    assert {len(np.unique(period[numbers == number])) for number in np.unique(numbers)} == {1}
+    assert {len(np.unique(numbers[period == whole])) for whole in np.unique(period)} == {1}
+
+
+def test_rings_are_counted_and_a_spiral_is_one_stripe():
+    mesh = annulus(1.0, 2.0, rings=24, segments=96)
+    radius = np.linalg.norm(mesh.vertices[:, :2], axis=1)
+    assert striped(mesh, 4 * radius + 0.5)[0].count == 4
+    turn = np.arctan2(mesh.vertices[:, 1], mesh.vertices[:, 0]) / (2 * np.pi)
+    _, numbers, off = striped(mesh, 4 * radius, turn)  # once around, and so one line from rim to rim
+    assert len(np.unique(numbers[np.abs(off) < 0.2])) == 1
+
+
+def test_a_stripe_that_ends_in_a_dislocation_has_a_number_of_its_own():
+    mesh = square(24)
+    x, y = (mesh.vertices[:, :2] - (0.51, 0.507)).T
+    found, numbers, off = striped(mesh, 4 * x + 0.064, np.arctan2(y, x) / (2 * np.pi))
+    assert np.abs(found.phases[0].index).sum() == 1
+    across, height = (values[mesh.triangles].mean(axis=1) for values in (x, y))
+    shown = (np.abs(off) < 0.2) & (across < 0.4)  # at the right, another line comes in from the side
+    below, above = (set(numbers[shown & side]) for side in (height < -0.47, height > 0.45))
+    assert len(below) == 4 and len(above) == 3
+    assert above < below
+
+
+def test_quads_of_a_plane_are_its_squares():
+    mesh = square(20)
+    phases = face_phases(plane_edge_phases(mesh, 0.0, 0.5, origin=(0.01, 0.02, 0)), Polygons.of_triangles(mesh))
+    found = cells(phases, Polygons.of_triangles(mesh))
+    assert found.count == 25
