@@ -24,7 +24,7 @@ from synch_fields.synch_addon.quad_profiles import PROFILES, QUADS_NAME
 from synch_fields.synch_addon.render import render_picture
 
 # Name of a mesh, where it is seen from, and its period's part of the longest side.
-WAVES = (("spot", (230, 15), 12), ("fertility", (-20, 10), 18), ("rocker-arm", (60, 20), 20))
+WAVES = (("spot", (230, 15), 12), ("fertility", (-20, 10), 18), ("rocker-arm", (30, 20), 16))
 MESHES = (("spot", (230, 15), 14), ("fertility", (-20, 10), 24), ("stanford-bunny", (-20, 12), 20))
 PATTERNED = ("spot", (230, 15), 12)
 
@@ -75,7 +75,7 @@ def figure4(meshes, folder, path):
             obj.data.materials.clear()
             obj.data.materials.append(wave_material())
             picture = folder / f"{name} {method}.png"
-            pictures.append(render_picture(obj, picture, view=view, resolution=(640, 560), samples=24, markers=False))
+            pictures.append(render_picture(obj, picture, view=view, resolution=(640, 520), samples=24, markers=False))
         sheets.append(folder / f"{name}.png")
         beside(pictures, sheets[-1])
     beside(sheets, path, vertical=True)

@@ -31,7 +31,7 @@ def bake_maps(obj, settings, callback=None):
     callback : callable(stage, fraction) -> bool, optional; False cancels
     """
     start = time.perf_counter()
-    kind, folder = _check(obj, settings), _folder(obj, settings)
+    kind, folder = _kind(obj), _folder(obj, settings)
     report = {"status": "baked", "command": "bake", "object": obj.name, "pattern": kind, "size": settings.size}
     report |= {"margin": settings.margin, "samples": settings.samples, "maps": {}, "warnings": []}
     report["uv_map"], coordinates = _layer(obj, settings, report["warnings"])
@@ -54,11 +54,8 @@ def bake_maps(obj, settings, callback=None):
     return report | {"seconds": time.perf_counter() - start, "versions": versions()}
 
 
-# What is refused before any work
-
-
-def _check(obj, settings):
-    """The kind of the object's pattern."""
+def _kind(obj):
+    """The kind of the object's pattern, refusing what cannot be baked at all."""
     if not hasattr(bpy.context.scene, "cycles"):
         raise SettingError("Cycles is switched off: enable Cycles Render Engine in Preferences > Add-ons")
     kind = bake_index.pattern_kind(obj)
@@ -119,9 +116,6 @@ def _judge(obj, name, coordinates, warnings):
         warnings.append(f"{outside:.1%} of the corners lie outside the image in the UV map {name!r}")
     if area * (1 - outside) > 1:
         warnings.append(f"faces overlap in the UV map {name!r}: one image cannot show them all")
-
-
-# The work
 
 
 def _bake_all(obj, kind, settings, coordinates, folder, report, callback):

@@ -194,7 +194,7 @@ class BakeProperties:
     )
     material: BoolProperty(
         name="Material of Images",
-        description="Show the images in place of the pattern, whose material stays in the file and is what is baked again",
+        description="Show the images in place of the pattern; its material is kept, and is what the next bake shows",
     )
     displacement: BoolProperty(
         name="Displacement", description="Let the new material displace the surface by the height when it is rendered"

@@ -17,7 +17,7 @@ from pathlib import Path
 import bpy
 
 from ..core.errors import SettingError, SynchError
-from . import api, cli_bake, cli_clebsch, files
+from . import api, cli_bake, cli_clebsch, cli_lines, files
 from .constraints import from_plain
 from .demo import add_demo_object
 from .field_io import check_triangles
@@ -106,8 +106,19 @@ def _run_bake(options, loaded):
     return cli_bake.run(options, lambda: _open(options, loaded), None if options.quiet else _show_progress)
 
 
+def _run_isolines(options, loaded):
+    progress = None if options.quiet else _show_progress
+    return cli_lines.run(options, lambda: _open(options, loaded), _settings(options), progress)
+
+
 _FIELDS = ("stripes", "directions", "quads", "quad_mesh")
-_OTHERS = {"bake": _run_bake, "clebsch": _run_clebsch, "demo": _run_demo, "info": _run_info}
+_OTHERS = {
+    "bake": _run_bake,
+    "clebsch": _run_clebsch,
+    "demo": _run_demo,
+    "info": _run_info,
+    "isolines": _run_isolines,
+}
 _COMMANDS = dict.fromkeys(_FIELDS, _run_field) | _OTHERS
 
 
@@ -233,6 +244,7 @@ def _parser(loaded):
             suffixes = ", ".join(files.MESH_SUFFIXES)
             command.add_argument("--export-mesh", metavar="FILE.obj", help=f"write the quads as a file ({suffixes})")
         command.add_argument("--quiet", action="store_true", help="no progress on stderr")
+    cli_lines.add_parser(commands, _add_input, _add_settings, _add_view)
     cli_clebsch.add_parser(commands)
     cli_bake.add_parser(commands, _add_input)
     command = commands.add_parser("info", help="what a mesh can carry", description="Describe a mesh.")

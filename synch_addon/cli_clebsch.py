@@ -75,6 +75,8 @@ def summary(report):
         closed = sum(line["closed"] for line in report["filaments"])
         lines.append(f"{report['object']}: {counted(len(report['filaments']), 'filament')}, {closed} of them closed")
     else:
-        lines.append(f"{report['object']}: {counted(report['tubes']['pieces'], 'tube')}, {report['tubes']['faces']} faces")
+        lines.append(
+            f"{report['object']}: {counted(report['tubes']['pieces'], 'tube')}, {report['tubes']['faces']} faces"
+        )
     lines.append(f"{report['times']['total']:.2f} s")
     return lines

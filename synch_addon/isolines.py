@@ -13,7 +13,7 @@ from ..core.errors import SettingError
 from ..core.extract.isolines import End
 from ..core.extract.isolines import isolines as traced_lines
 from .quad_object import barycentric, nearest, surface_tree
-from .report import versions
+from .report import counted, versions
 
 SPLINES = ("poly", "bezier", "nurbs")
 
@@ -51,6 +51,8 @@ class LineSettings:
             value = getattr(self, name)
             if not isinstance(value, int | float) or not 0 <= value < math.inf:
                 raise SettingError(f"the {name} is {value!r}: give a number from 0 on")
+        if self.width > 1:
+            raise SettingError(f"the width is {self.width:g}: give a part of a period from 0 (middles) to 1 (of gaps)")
         if not isinstance(self.smoothing, int) or self.smoothing < 0:
             raise SettingError(f"the smoothing is {self.smoothing!r}: give a whole number from 0 on")
         if self.spline not in SPLINES:
@@ -183,3 +185,11 @@ def _report(made, lines, length, settings):
         "settings": asdict(settings),
         "versions": versions(),
     }
+
+
+def summary_line(report):
+    """What a person wants to read of the report."""
+    at = {"boundary": "on the boundary", "dislocation": "at dislocations", "disclination": "at disclinations"}
+    ends = [f"{count} {at[end]}" for end, count in report["ends"].items() if count]
+    lines = f"{report['object']}: {counted(report['lines'], 'line')}, {report['length']:.4g} long in all"
+    return f"{lines}, {report['closed']} closed" + (f"; ends: {', '.join(ends)}" if ends else "")

@@ -244,11 +244,13 @@ def _profile(kind, profile):
 
 def relief_modifier(obj):
     """The modifier of an object that uses one of the groups, or None."""
-    names = [kind.name for kind in KINDS.values()]
-    for modifier in obj.modifiers:
-        if modifier.type == "NODES" and modifier.node_group is not None and modifier.node_group.name in names:
-            return modifier
-    return None
+    return next((modifier for modifier in obj.modifiers if is_relief(modifier)), None)
+
+
+def is_relief(modifier):
+    """Whether a modifier uses one of the groups."""
+    group = modifier.node_group if modifier.type == "NODES" else None
+    return group is not None and group.name in [kind.name for kind in KINDS.values()]
 
 
 def _kind_of(obj):

@@ -16,6 +16,7 @@ import scipy
 
 from ..core.errors import name_elements, plural
 from ..core.solve.solution import Clock, relative_gap
+from .relief import is_relief
 
 _MANIFEST = Path(__file__).parent.parent / "blender_manifest.toml"
 VERSION = tomllib.loads(_MANIFEST.read_text(encoding="utf-8"))["version"]
@@ -57,7 +58,7 @@ class Report:
                 f"{name_elements('vertex', loose)} without a face get no field: "
                 "remove loose geometry with Mesh > Clean Up > Delete Loose"
             )
-        changing = [m.name for m in obj.modifiers if m.show_viewport and m.type in _CHANGES_FACES]
+        changing = [m.name for m in obj.modifiers if m.show_viewport and m.type in _CHANGES_FACES and not is_relief(m)]
         if changing:
             self.warn(
                 f"the pattern is solved on the mesh before its modifiers ({', '.join(changing)}): "

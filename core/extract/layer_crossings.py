@@ -67,7 +67,7 @@ def crossings_of(edge_phases, offset=0.0):
     levels = first[edges] + np.where(rising, 1, -1)[edges] * (np.arange(len(edges)) - starts[edges])
     shares = np.clip((levels - begins[edges]) / changes[edges], 0, 1)
     at_begin = near[i][edges] & (levels == np.rint(begins[edges]))
-    at_end = near[j][edges] & (levels == np.rint(ends[edges])) & ~(at_begin & (sides[i][edges] > 0))
+    at_end = near[j][edges] & (levels == np.rint(ends[edges]))
     nodes = np.arange(len(edges))
     nodes[at_begin] = len(edges) + i[edges[at_begin]]
     nodes[at_end] = len(edges) + j[edges[at_end]]

@@ -69,8 +69,9 @@ def layer_surfaces(edge_phases, heights, offset=0.0):
     # Crossings, vertices, centres of faces, centres of tetrahedra.
     node_of = np.append(crossings.nodes, np.arange(len(mesh.faces) + mesh.tet_count) + count + mesh.vertex_count)
     inner = node_of[np.concatenate([triangles, _halves(crossings, quads), sheets])]
-    inner = _without_doubles(inner[(inner != np.roll(inner, 1, axis=1)).all(axis=1)])
-    return _numbered(crossings, np.concatenate([inner, count + crossings.faces]), len(inner), heights)
+    faces = count + crossings.faces
+    inner = _without_doubles(inner[(inner != np.roll(inner, 1, axis=1)).all(axis=1)], faces)
+    return _numbered(crossings, np.concatenate([inner, faces]), len(inner), heights)
 
 
 def _halves(crossings, quads):
@@ -83,15 +84,17 @@ def _halves(crossings, quads):
     return np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
 
 
-def _without_doubles(triangles):
-    """Triangles without pairs of the same corners that face each other: a sheet that touches itself."""
-    if len(triangles) == 0:
-        return triangles
+def _without_doubles(triangles, faces):
+    """Triangles without those that are faces of the boundary already, and without pairs of the same corners that face
+    each other: a sheet that touches itself."""
+    both = np.sort(np.concatenate([triangles, faces]), axis=1)
+    label = np.unique(both, axis=0, return_inverse=True)[1].reshape(-1)
     a, b, c = triangles.T
     sign = np.where((b > a) ^ (c > b) ^ (c > a), 1, -1)
-    _, label = np.unique(np.sort(triangles, axis=1), axis=0, return_inverse=True)
-    label = label.reshape(-1)
-    return triangles[np.bincount(label, sign)[label] * sign > 0]
+    label, covered = label[: len(triangles)], label[len(triangles) :]
+    net = np.bincount(label, sign, minlength=len(both))
+    net[covered] = 0
+    return triangles[net[label] * sign > 0]
 
 
 def _links(triangles, inner_count):

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is left of a tetrahedron of the body-centred lattice inside a surface that cuts it.
 
-Labelle and Shewchuk, "Isosurface Stuffing: Fast Tetrahedral Meshes with Good Dihedral Angles", SIGGRAPH 2007,
-Section 3.3 and Figure 4. A corner is inside (1), on the surface (0) or outside (-1); an edge whose ends lie on
-different sides has a cut point. Corners 0 and 1 are the ends of one long edge, 2 and 3 those of the other.
+After Labelle and Shewchuk, "Isosurface Stuffing: Fast Tetrahedral Meshes with Good Dihedral Angles", SIGGRAPH 2007. A
+corner is inside (1), on the surface (0) or outside (-1); an edge whose ends lie on different sides has a cut point.
+Corners 0 and 1 are the ends of one long edge, 2 and 3 those of the other.
 
 The rest of a cut triangle with two corners inside is a quadrilateral, and both tetrahedra beside it have to split it
 along the same diagonal: the one that ends at the long edge's cut point where the cut edges are a long and a short one,

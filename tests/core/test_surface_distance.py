@@ -91,7 +91,7 @@ def test_beside_sharp_tips_and_rims_the_sign_is_right(heights, tip, spread):
     points = (np.array(tip) + np.random.default_rng(4).normal(size=(2000, 3)) * spread) @ skew
     heights_above = (points[:, None] - mesh.vertices[mesh.triangles[:, 0]]) * mesh.face_normals
     inside = heights_above.sum(axis=2).max(axis=1) < 0
-    assert 100 < inside.sum() < 1900
+    assert 50 < inside.sum() < 1900
     np.testing.assert_array_equal(SurfaceDistance(mesh)(points) < 0, inside)
 
 

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command ``isolines`` of the command line: a pattern solved, and its lines made into curves or tubes."""
+
+from dataclasses import asdict
+
+import bpy
+
+from ..core.errors import SettingError
+from . import api, files
+from .isolines import SPLINES, LineSettings, summary_line
+from .report import summary
+
+_DEFAULT = LineSettings()
+
+
+def add_parser(commands, add_input, add_settings, add_view):
+    """Add the command to the parser's."""
+    command = commands.add_parser(
+        "isolines",
+        help="curves or tubes along stripes or quads",
+        description="Solve stripes or quads on a mesh and make a curve object of their lines.",
+    )
+    add_input(command)
+    command.add_argument("--pattern", choices=("stripes", "quads"), default="stripes", help="whose lines (%(default)s)")
+    add_settings(command, "isolines")
+    command.add_argument(
+        "--width",
+        type=float,
+        default=_DEFAULT.width,
+        metavar="X",
+        help="part of a period that is stripe, whose edges are drawn; 0: middles of stripes, 1: of gaps (%(default)s)",
+    )
+    command.add_argument(
+        "--distance",
+        type=float,
+        default=_DEFAULT.distance,
+        metavar="X",
+        help="between the points of a line, in spacings; 0: where it crosses the mesh's edges (%(default)s)",
+    )
+    command.add_argument(
+        "--smoothing",
+        dest="line_smoothing",
+        type=int,
+        default=_DEFAULT.smoothing,
+        metavar="N",
+        help="how often points move to the middle of their neighbours (%(default)s)",
+    )
+    command.add_argument(
+        "--radius",
+        type=float,
+        default=_DEFAULT.radius,
+        metavar="X",
+        help="of tubes around the lines, in spacings; 0: none (%(default)s)",
+    )
+    command.add_argument("--spline", choices=SPLINES, default=_DEFAULT.spline, help="(%(default)s)")
+    command.add_argument("--output", metavar="FILE.blend", help="save the scene with the result")
+    command.add_argument("--render", metavar="FILE.png", help="render a picture of the tubes")
+    add_view(command)
+    suffixes = ", ".join(files.MESH_SUFFIXES)
+    command.add_argument("--export-mesh", metavar="FILE.stl", help=f"write the tubes as a mesh ({suffixes})")
+    command.add_argument("--report", metavar="FILE.json", help="write energies, bounds, defects, lines and times")
+    command.add_argument("--quiet", action="store_true", help="no progress on stderr")
+
+
+def run(options, open_object, settings, progress):
+    """Run the command; the report and the lines to print."""
+    lines = LineSettings(options.width, options.distance, options.line_smoothing, options.radius, options.spline)
+    if lines.radius == 0 and (options.render or options.export_mesh):
+        raise SettingError("lines without a radius have no faces to show or write: give --radius a part of the spacing")
+    if lines.width and options.pattern == "quads":
+        raise SettingError("quads are drawn by their grid lines, which have no width: leave --width out")
+    files.check_outputs(options.output, options.render, options.report, mesh=options.export_mesh)
+    obj = open_object()
+    report = api.run(options.pattern, obj, settings, progress)
+    made = api.isolines(obj, **asdict(lines))
+    report |= {"command": "isolines", "pattern": options.pattern, "isolines": made}
+    tubes, written = bpy.data.objects[made["object"]], []
+    if options.export_mesh:
+        _export(tubes, options.export_mesh)
+        written.append(options.export_mesh)
+    if options.output:
+        written.append(files.save_blend(options.output))
+    if options.render:
+        from .render import render_picture
+
+        written.append(render_picture(tubes, options.render, view=options.view, markers=False))
+    written += [options.report] if options.report else []
+    warnings = [f"warning: {line}" for line in report["warnings"]]
+    return report, [*summary(report), summary_line(made), *warnings, *(f"wrote {path}" for path in written)]
+
+
+def _export(tubes, path):
+    """Write the tubes as a mesh, which not every exporter makes of a curve by itself."""
+    evaluated = tubes.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    mesh = bpy.data.meshes.new_from_object(evaluated)
+    copy = bpy.data.objects.new(tubes.name, mesh)
+    copy.matrix_world = tubes.matrix_world
+    bpy.context.scene.collection.objects.link(copy)
+    files.export_mesh(copy, path)
+    bpy.data.objects.remove(copy)
+    bpy.data.meshes.remove(mesh)
