@@ -26,7 +26,6 @@ WAYS = {
     "polished": Options(),
 }
 COLUMNS = (
-    Column("quanta", "quanta", "d"),
     Column("EIG", "eig", ".2f"),
     Column("SDP-SVD", "svd", ".2f"),
     Column("SDP-RR", "random", ".2f"),
@@ -48,12 +47,14 @@ def main(nodes=40):
         lengths = [np.linalg.norm(np.diff(line.points, axis=0), axis=1).sum() for line in lines]
         row = {name: found.energy for name, found in maps.items()}
         bound = maps["polished"].solution.lower_bound
-        rows.append(row | {"quanta": quanta, "bound": bound, "filaments": len(lines), "length": sum(lengths)})
+        rows.append(
+            row | {"label": f"{quanta} quanta", "bound": bound, "filaments": len(lines), "length": sum(lengths)}
+        )
     print_table(f"Trefoil on {shape[0]} x {shape[1]} x {shape[2]} nodes", COLUMNS, rows)
     for row in rows:
         ordered = [row[name] for name in ("bound", "polished", "random", "svd", "eig")]
         if ordered != sorted(ordered):
-            print(f"out of order at {row['quanta']} quanta: {ordered}")
+            print(f"out of order at {row['label']}: {ordered}")
 
 
 if __name__ == "__main__":
