@@ -4,8 +4,8 @@
     python bench/quad_gallery.py MESHES --folder docs [--only figure4 | quad_mesh | quads]
 
 Figure 4: cos x cos y along one cross field, the spectral relaxation on the left and the semidefinite one on the right;
-its energies are printed. MESHES holds spot.obj, fertility.obj, rocker-arm.obj and stanford-bunny.obj. Needs Blender as a
-module (bpy).
+its energies are printed. MESHES holds spot.obj, fertility.obj, rocker-arm.obj and stanford-bunny.obj. Needs Blender as
+a module (bpy).
 """
 
 import argparse

@@ -3,9 +3,9 @@
 
     python bench/quads.py MESHES [--only NAME ...]
 
-Patterns: along the cross field of each MESHES/*.obj, at periods of the longest side over 15 and over 30. Every violated
-inequality of Eq. (23) is printed below the table. Quad meshes: at a period of the longest side over 25, but at least four
-median edges, and QuadriFlow's mesh of as many faces; both are measured by the same functions. Needs Blender as a
+Patterns: along the cross field of each MESHES/*.obj, at periods of the longest side over 15 and over 30. Every
+violated inequality of Eq. (23) is printed below the table. Quad meshes: at a period of the longest side over 25, but at
+least four median edges, and QuadriFlow's mesh of as many faces; the same functions measure both. Needs Blender as a
 module (bpy).
 """
 

@@ -76,7 +76,7 @@ class Stage:
         layers.active = layers[name]
 
     def unwrapped(self, margin):
-        """(c, 2) coordinates of the faces' corners by Smart UV Project, islands apart by twice a share of the map."""
+        """(c, 2) coordinates of the faces' corners by Smart UV Project, islands apart by a share of the map."""
         layer = self.obj.data.uv_layers.new(name="Synch Bake", do_init=False)
         layer.active = True
         with self._context():
@@ -90,7 +90,8 @@ class Stage:
                     )
             finally:
                 bpy.ops.object.mode_set(mode="OBJECT")
-        return read_uv(self.obj.data.uv_layers.active)
+        coordinates = read_uv(self.obj.data.uv_layers.active)
+        return coordinates / max(coordinates.max(initial=0.0), 1.0)  # many islands far apart do not fit
 
     def _context(self):
         return bpy.context.temp_override(

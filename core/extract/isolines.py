@@ -3,7 +3,7 @@
 
 A line runs from edge to edge, straight inside each triangle. It closes, or ends on the boundary, at a disclination that
 lies on it, or in a triangle with a dislocation: with the number N of that, |N| lines of each level in a period end
-there. Several of them meet at the centre; one alone goes straight on to where it passes the centre. Which crossings a
+there. They meet at the centre; where a line is alone, it goes straight on to where it passes the centre. Which crossings a
 line joins is decided by counting (:mod:`.chords`); in a triangle with a dislocation the shortest way to join them all
 is taken, in which no two lines cross.
 """
@@ -143,7 +143,7 @@ class Isolines:
         """Without the points that follow another one at less than a distance; ends stay."""
         steps, starts = self.steps, self.starts
         last = starts + self.sizes - 1
-        keep = np.concatenate([[True], steps[:-1] >= distance])
+        keep = np.roll(steps >= distance, 1)
         keep[starts] = True
         keep[last[self.closed & (steps[last] < distance) & (self.sizes > 1)]] = False
         # The end of an open line takes the place of the point before it.
@@ -174,7 +174,8 @@ def isolines(edge_phases, width=0.0):
     fans = split_at_disclinations(moved_aside(edge_phases, levels, lines_outside=False))
     crossings = crossings_of(fans.phases, levels)
     lines = _with_straight_ends(_traced(edge_phases.mesh, fans, _pieces(fans, crossings)))
-    return lines.chosen(lines.lengths > _SPECK * edge_phases.mesh.edge_lengths.mean())
+    at_defect = np.isin(lines.ends, [End.DISLOCATION, End.DISCLINATION]).any(axis=1)
+    return lines.chosen(at_defect | (lines.lengths > _SPECK * edge_phases.mesh.edge_lengths.mean()))
 
 
 def _levels(edge_phases, width):
@@ -291,11 +292,12 @@ def _traced(mesh, fans, pieces):
 
 
 def _with_straight_ends(lines):
-    """Lines that end alone at a dislocation go on straight there until they are beside the centre."""
+    """Lines that are alone in a triangle with a dislocation go on straight there until they are beside the centre."""
     starts, last = lines.starts, lines.starts + lines.sizes - 1
     at = np.column_stack([starts, last])[lines.ends == End.DISLOCATION]
-    _, which, counts = np.unique(lines.triangles[at], return_inverse=True, return_counts=True)
-    at = at[(counts[which] == 1) & (lines.sizes[lines.numbers[at]] > 2)]
+    passing = lines.next != np.arange(len(lines.triangles))
+    pieces = np.bincount(lines.triangles[passing], minlength=lines.mesh.triangle_count)
+    at = at[(pieces[lines.triangles[at]] == 1) & (lines.sizes[lines.numbers[at]] > _BACK + 2)]
     line = lines.numbers[at]
     towards = np.where(at == starts[line], 1, -1)
     entry = at + towards

@@ -13,7 +13,7 @@ from synch_fields.core.fields.layers import LayerGroup, solve_layers
 from synch_fields.core.fields.solid_guidance import axis_directions, distance_directions
 from synch_fields.core.geometry.tet_mesh import TetMesh, positive
 from synch_fields.core.interpolate import EdgePhases
-from synch_fields.core.interpolate_solid import evaluate_in_tets, tet_phases
+from synch_fields.core.interpolate_solid import evaluate_in_tets, face_numbers, tet_phases
 
 from .layered_solids import bent_bar, block, random_phases, shell
 from .meshes import icosphere
@@ -86,12 +86,22 @@ def is_singular(layers, edges):
     return (np.sort((layers.weights[edges] > 0).sum(axis=2), axis=1) == [3, 4]).all(axis=1)
 
 
-def faces_carried(layers, triangles):
-    """How often each of the solid's triangles is a triangle of a layer."""
+def vertices_met(layers):
+    """(t, 3) vertices of the solid at the triangles' corners, -1 where there is none."""
     at_vertex = layers.weights.max(axis=1) == 1
     vertex = np.where(at_vertex, layers.corners[np.arange(len(layers.corners)), layers.weights.argmax(axis=1)], -1)
-    found = [tuple(row) for row in np.sort(vertex[layers.triangles], axis=1).tolist()]
+    return vertex[layers.triangles]
+
+
+def faces_carried(layers, triangles):
+    """How often each of the solid's triangles is a triangle of a layer."""
+    found = [tuple(row) for row in np.sort(vertices_met(layers), axis=1).tolist()]
     return [found.count(tuple(sorted(row))) for row in np.asarray(triangles).tolist()]
+
+
+def on_faces(layers, vertices):
+    """(t,) triangles with corners at these vertices only."""
+    return np.isin(vertices_met(layers), vertices).all(axis=1)
 
 
 # Planes
@@ -185,7 +195,8 @@ def test_between_concentric_spheres_every_layer_is_a_closed_sphere(count):
         assert len(np.unique(piece)) - len(piece) // 2 == 2
 
 
-def test_tetrahedra_with_all_corners_on_the_surface_do_not_hide_it():
+@pytest.mark.parametrize("sign", [1, -1])
+def test_tetrahedra_with_all_corners_on_the_surface_do_not_hide_it(sign):
     """A ball whose tetrahedra all have their faces on the surface but for the centre, and some have nothing else."""
     ball = icosphere(1)
     tets = np.column_stack([ball.triangles, np.full(ball.triangle_count, ball.vertex_count)])
@@ -197,8 +208,10 @@ def test_tetrahedra_with_all_corners_on_the_surface_do_not_hide_it():
     mesh = TetMesh(vertices, positive(vertices, tets))
     group = LayerGroup.of_vertices(mesh, mesh.boundary_vertices, 0.0)
     assert len(group.triangles) == len(mesh.boundary_triangles) == ball.triangle_count + 2
-    pattern = solve_layers(mesh, distance_directions(mesh, mesh.boundary_vertices), 1.7, [group])
+    inwards = distance_directions(mesh, mesh.boundary_vertices)
+    pattern = solve_layers(mesh, sign * inwards, 1.7, [group])
     layers = surfaces_of(pattern)
+    assert layers.count == 1 and len(layers.triangles) == len(group.triangles)
     assert faces_carried(layers, group.triangles) == [1] * len(group.triangles)
     assert len(rims(layers)) == 0
 
@@ -218,6 +231,14 @@ def test_a_layer_goes_on_where_its_surface_ends():
     assert np.ptp(layers.vertices[lowest][:, :, 0]) == 2
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_level_that_is_only_touched_is_no_layer(sign):
+    mesh = block((3, 3, 4))
+    z = mesh.vertices[:, 2]
+    assert layer_surfaces(phases_of(mesh, sign * np.abs(z - 0.5)), z).count == 0
+    assert layer_surfaces(phases_of(mesh, sign * (z - 0.5)), z).count == 1
+
+
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("noise", NOISES)
 def test_a_surface_is_whole_whatever_is_beside_it(noise, seed):
@@ -233,7 +254,8 @@ def test_a_surface_is_whole_whatever_is_beside_it(noise, seed):
         edge_phases.changes[edge] = 0
     layers = layer_surfaces(edge_phases, z)
     for group in groups:
-        assert min(faces_carried(layers, group.triangles)) >= 1
+        assert faces_carried(layers, group.triangles) == [1] * len(group.triangles)
+        assert len(np.unique(layers.layers[on_faces(layers, group.vertices)])) == 1
     rims(layers)
     assert is_manifold_at_vertices(layers)
     assert (np.linalg.norm(normals(layers), axis=1) > 0).all()
@@ -300,6 +322,73 @@ def test_in_regular_tetrahedra_layers_lie_where_the_interpolant_says(rate, noise
         assert normal @ phases.gradients(mesh)[tet] > 0
         checked += 1
     assert checked > 50
+
+
+@pytest.mark.parametrize("seed", range(1, 4))
+def test_on_punctured_faces_lines_join_what_the_interpolant_joins(seed):
+    """Brute force: which crossings lie on the same level line of a fine grid on the face."""
+    mesh = block((2, 2, 2), jitter=0.2)
+    edge_phases = random_phases(mesh, 6, seed)
+    layers, phases, numbers = (
+        layer_surfaces(edge_phases, mesh.vertices[:, 2]),
+        tet_phases(edge_phases),
+        face_numbers(edge_phases),
+    )
+    edges = rims(layers)
+    supports = [frozenset(layers.corners[edge][layers.weights[edge] > 0].tolist()) for edge in edges]
+    grid, cells = fine_triangle(150)
+    punctured = mesh.boundary_faces[numbers[mesh.boundary_faces] != 0]
+    turned_around, met = 0, 0
+    for face in punctured:
+        vertices = mesh.faces[face].tolist()
+        lines = edges[[support <= set(vertices) and len(support) == 3 for support in supports]]
+        tet = mesh.face_tets[face, 0]
+        weights = np.zeros((len(grid), 4))
+        weights[:, [mesh.tets[tet].tolist().index(vertex) for vertex in vertices]] = grid
+        line_of = level_lines(wrap(evaluate_in_tets(phases, np.full(len(grid), tet), weights)), grid, cells)
+        for line in lines:
+            places = [[layers.weights[v][layers.corners[v] == vertex].sum() for vertex in vertices] for v in line]
+            inner = [np.ptp(place) < 1e-9 for place in places]
+            ends = [line_of(np.array(place)) for place, centre in zip(places, inner, strict=True) if not centre]
+            assert len(set(ends)) == 1 and (any(inner) == (ends[0] == "centre"))
+            turned_around += not any(inner)
+            met += any(inner)
+    assert met == np.abs(numbers[punctured]).sum() and turned_around > 3
+
+
+def fine_triangle(count):
+    """Barycentric grid points of a triangle, and the small triangles between them."""
+    places = [(i, j) for i in range(count + 1) for j in range(count + 1 - i)]
+    number = {place: k for k, place in enumerate(places)}
+    up = [(number[i, j], number[i + 1, j], number[i, j + 1]) for i, j in places if i + j < count]
+    down = [(number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]) for i, j in places if i + j < count - 1]
+    i, j = np.array(places).T / count
+    return np.column_stack([1 - i - j, i, j]), np.array(up + down)
+
+
+def level_lines(values, grid, cells):
+    """A function from places to the name of the line nearby on which the values are 0: all that come to the middle of
+    the triangle are the same one."""
+    around = values[cells]
+    crossed = (around.min(axis=1) < 0) & (around.max(axis=1) > 0) & (np.abs(around).max(axis=1) < 1.5)
+    middles = grid[cells].mean(axis=1)
+    crossed &= np.abs(middles - 1 / 3).max(axis=1) > 0.03
+    sides = np.sort(cells[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    owners = np.repeat(np.arange(len(cells)), 3)
+    passed = crossed[owners] & (np.sign(values[sides[:, 0]]) != np.sign(values[sides[:, 1]]))
+    keys, owners = sides[passed] @ [len(grid), 1], owners[passed]
+    order = np.argsort(keys, kind="stable")
+    pair = np.flatnonzero(np.diff(keys[order]) == 0)
+    graph = coo_matrix((np.ones(len(pair)), (owners[order][pair], owners[order][pair + 1])), shape=(len(cells),) * 2)
+    label = connected_components(graph, directed=False)[1]
+    central = np.unique(label[crossed & (np.abs(middles - 1 / 3).max(axis=1) < 0.07)])
+    crossed = np.flatnonzero(crossed)
+
+    def line_of(place):
+        found = label[crossed[np.abs(middles[crossed] - place).sum(axis=1).argmin()]]
+        return "centre" if found in central else int(found)
+
+    return line_of
 
 
 def test_a_screw_joins_all_layers_to_one_ramp():

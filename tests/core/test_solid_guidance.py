@@ -166,6 +166,18 @@ def test_vectors_are_extended_where_there_are_none(counts):
     np.testing.assert_allclose(found, expected / np.linalg.norm(expected, axis=1)[:, None], atol=1e-8)
 
 
+def test_gradients_at_vertices_are_means_over_the_volume():
+    mesh = block((3, 3, 3), jitter=0.3)
+    values = np.random.default_rng(2).standard_normal(mesh.vertex_count)
+    sums = np.zeros_like(mesh.vertices)
+    for tet in mesh.tets:
+        edges = mesh.vertices[tet[1:]] - mesh.vertices[tet[0]]
+        slope = np.linalg.solve(edges, values[tet[1:]] - values[tet[0]])
+        sums[tet] += slope * np.linalg.det(edges)
+    expected = sums / np.linalg.norm(sums, axis=1)[:, None]
+    np.testing.assert_allclose(gradient_directions(mesh, values), expected, atol=1e-9)
+
+
 def test_on_a_ridge_of_the_guiding_values_directions_are_those_beside_it_or_none():
     mesh = block((6, 6, 6))
     x = mesh.vertices[:, 0]
