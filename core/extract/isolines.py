@@ -3,9 +3,9 @@
 
 A line runs from edge to edge, straight inside each triangle. It closes, or ends on the boundary, at a disclination that
 lies on it, or in a triangle with a dislocation: with the number N of that, |N| lines of each level in a period end
-there. They meet at the centre; where a line is alone, it goes straight on to where it passes the centre. Which crossings a
-line joins is decided by counting (:mod:`.chords`); in a triangle with a dislocation the shortest way to join them all
-is taken, in which no two lines cross.
+there. Several meet at the centre; a single one goes straight on to where it passes the centre. Which crossings a line
+joins is decided by counting (:mod:`.chords`); in a triangle with a dislocation the shortest way to join them all is
+taken, in which no two lines cross.
 """
 
 from dataclasses import dataclass, replace
@@ -130,12 +130,12 @@ class Isolines:
         point = np.clip(point, self.starts[line], last[line])
         step = np.maximum(self.steps[point], np.finfo(float).tiny)
         share = np.clip((along - self.arc_lengths[point]) / step, 0, 1)[:, None]
-        weights = (1 - share) * self.weights[point] + share * self._ahead[point]
+        weights = (1 - share) * self.weights[point] + share * self.ahead[point]
         return replace(self, triangles=self.triangles[point], weights=weights, sizes=sizes)
 
     @property
-    def _ahead(self):
-        """(n, 3) coordinates of the next point of a traced line in the triangle of each."""
+    def ahead(self):
+        """(n, 3) barycentric coordinates of the point after each one, in the triangle of that one, as traced."""
         here, there = (self.mesh.triangles[self.triangles[points]] for points in (slice(None), self.next))
         return np.einsum("nk,nkj->nj", self.weights[self.next], there[:, :, None] == here[:, None])
 
@@ -243,7 +243,7 @@ def _dislocated(fans, crossings, rims):
     away = np.einsum("nk,nkx->nx", weights - 1 / 3, mesh.vertices[mesh.triangles[triangles]])
     grows = rims.values[triangles, sides + 1, phases] > rims.values[triangles, sides, phases]
     first = np.flatnonzero(np.diff(triangles, prepend=-1) | np.diff(phases, prepend=-1))
-    pairs = [np.empty((0, 2), int)]
+    joined = [np.empty((0, 2), int)]
     # Few triangles hold one.
     for group in np.split(np.arange(len(found)), first[1:]):
         many, few = group[grows[group]], group[~grows[group]]
@@ -252,8 +252,8 @@ def _dislocated(fans, crossings, rims):
         to_few = np.linalg.norm(away[many, None] - away[few], axis=2)
         to_centre = np.repeat(np.linalg.norm(away[many], axis=1)[:, None], len(many) - len(few), axis=1)
         rows, columns = linear_sum_assignment(np.hstack([to_few, to_centre]))
-        pairs.append(np.column_stack([many[rows], np.append(few, np.full(len(many) - len(few), -1))[columns]]))
-    pairs = np.concatenate(pairs)
+        joined.append(np.column_stack([many[rows], np.append(few, np.full(len(many) - len(few), -1))[columns]]))
+    pairs = np.concatenate(joined)
     return np.where(pairs < 0, -1, found[pairs]), weights[pairs]
 
 
@@ -292,12 +292,11 @@ def _traced(mesh, fans, pieces):
 
 
 def _with_straight_ends(lines):
-    """Lines that are alone in a triangle with a dislocation go on straight there until they are beside the centre."""
+    """Lines that end alone at a dislocation go on straight there until they are beside the centre."""
     starts, last = lines.starts, lines.starts + lines.sizes - 1
     at = np.column_stack([starts, last])[lines.ends == End.DISLOCATION]
-    passing = lines.next != np.arange(len(lines.triangles))
-    pieces = np.bincount(lines.triangles[passing], minlength=lines.mesh.triangle_count)
-    at = at[(pieces[lines.triangles[at]] == 1) & (lines.sizes[lines.numbers[at]] > _BACK + 2)]
+    _, which, counts = np.unique(lines.triangles[at], return_inverse=True, return_counts=True)
+    at = at[(counts[which] == 1) & (lines.sizes[lines.numbers[at]] > _BACK + 2)]
     line = lines.numbers[at]
     towards = np.where(at == starts[line], 1, -1)
     entry = at + towards
@@ -309,9 +308,30 @@ def _with_straight_ends(lines):
     share = np.einsum("ij,ij->i", ahead, to_centre) / np.maximum(np.einsum("ij,ij->i", ahead, ahead), 1e-300)
     end = points[entry] + np.maximum(share, 0)[:, None] * ahead
     corners = lines.mesh.vertices[lines.mesh.triangles[lines.triangles[at]]]
+    begin = _barycentric(corners, points[entry])
+    end = _inside(_barycentric(corners, end), begin)
+    free = ~_crossed(lines, np.minimum(at, entry), begin, end)
     weights = lines.weights.copy()
-    weights[at] = _inside(_barycentric(corners, end), _barycentric(corners, points[entry]))
+    weights[at[free]] = end[free]
     return replace(lines, weights=weights)
+
+
+def _crossed(lines, pieces, begin, end):
+    """(k,) bool: whether another piece of line in the triangle of each piece crosses the way from begin to end."""
+    others = np.flatnonzero(lines.next != np.arange(len(lines.triangles)))
+    others = others[np.argsort(lines.triangles[others], kind="stable")]
+    first, stop = (np.searchsorted(lines.triangles[others], lines.triangles[pieces], side=s) for s in ("left", "right"))
+    which = np.repeat(np.arange(len(pieces)), stop - first)
+    place = np.arange(len(which)) - np.repeat(np.cumsum(stop - first) - (stop - first), stop - first)
+    other = others[first[which] + place]
+    p, q, r, s = begin[which], end[which], lines.weights[other], lines.ahead[other]
+    apart = (_side(p, q, r) != _side(p, q, s)) & (_side(r, s, p) != _side(r, s, q))
+    return np.bincount(which, apart & (other != pieces[which]), len(pieces)) > 0
+
+
+def _side(p, q, r):
+    """Whether places r lie to the left of the way from p to q, in barycentric coordinates."""
+    return (q[:, 0] - p[:, 0]) * (r[:, 1] - p[:, 1]) > (q[:, 1] - p[:, 1]) * (r[:, 0] - p[:, 0])
 
 
 def _barycentric(corners, points):

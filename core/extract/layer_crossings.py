@@ -123,11 +123,10 @@ def polygons_in(crossings, tets):
     levels = first[row] + np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
     pattern = (values[row] > levels[:, None]) @ (1 << np.arange(4))
     parts = []
-    for size, (patterns, table) in _POLYGONS.items():
+    for patterns, table in _POLYGONS:
         chosen = np.isin(pattern, patterns)
         local = table[pattern[chosen]]
         parts.append(_crossings_at(crossings, corners, edges, values, row[chosen, None], levels[chosen, None], local))
-        assert parts[-1].shape[1] == size
     return tuple(parts)
 
 
@@ -143,7 +142,7 @@ def _crossings_at(crossings, corners, edges, values, row, levels, local):
 
 
 def _polygon_tables():
-    """Of each size the patterns of corners above (bits) and (16, size) local edges around the polygon."""
+    """Of triangles and of quads, the patterns of corners above (bits) and (16, size) local edges around the polygon."""
     number = np.zeros((4, 4), int)
     for edge, (i, j) in enumerate(EDGE_CORNERS):
         number[i, j] = number[j, i] = edge
@@ -154,7 +153,7 @@ def _polygon_tables():
     for a, b, c, d in [(0, 1, 2, 3), (0, 2, 3, 1), (0, 3, 1, 2), (2, 3, 0, 1), (1, 3, 2, 0), (1, 2, 0, 3)]:
         quads[(1 << a) + (1 << b)] = number[[a, b, b, a], [c, c, d, d]]
     sizes = np.array([bin(k).count("1") for k in range(16)])
-    return {3: (np.flatnonzero(sizes % 2), triangles), 4: (np.flatnonzero(sizes == 2), quads)}
+    return (np.flatnonzero(sizes % 2), triangles), (np.flatnonzero(sizes == 2), quads)
 
 
 _POLYGONS = _polygon_tables()
