@@ -15,8 +15,8 @@ from .bake_settings import MAPS, NEW_MAP
 from .bake_stage import read_uv, staged, write_uv
 from .report import versions
 
-# How far apart the islands of a new map are at most: part of the map.
-_FARTHEST = 0.02
+# How far apart the islands of a new map are at most, in pixels: of a curved surface there are hundreds.
+_APART = 4
 # How many UV maps a mesh can have.
 _MOST_MAPS = 8
 
@@ -43,7 +43,7 @@ def bake_maps(obj, settings, callback=None):
             if is_new:
                 _ask(callback, "unwrap", 0.0)
                 with staged(obj, modifiers=False) as stage:
-                    coordinates = stage.unwrapped(min(max(settings.margin, 1) / settings.size, _FARTHEST))
+                    coordinates = stage.unwrapped(min(max(settings.margin, 1), _APART) / settings.size)
             _bake_all(obj, kind, settings, coordinates, Path(temporary), report, callback)
             images = _kept(obj, settings, Path(temporary), folder, report)
     except OSError as error:

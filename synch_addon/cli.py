@@ -71,9 +71,10 @@ def _fail(options, line):
 def _run_field(options, loaded):
     settings = _settings(options)
     export_mesh = getattr(options, "export_mesh", None)
-    files.check_outputs(options.output, options.render, options.report, options.export_field, export_mesh)
+    export_field = getattr(options, "export_field", None)
+    files.check_outputs(options.output, options.render, options.report, export_field, export_mesh)
     obj = _open(options, loaded)
-    if options.export_field:
+    if export_field:
         check_triangles(read_polygons(obj))
     report = api.run(options.command, obj, settings, None if options.quiet else _show_progress)
     made = bpy.data.objects[report["quad_mesh"]["object"]] if "quad_mesh" in report else obj
@@ -237,9 +238,10 @@ def _parser(loaded):
         command.add_argument("--render", metavar="FILE.png", help="render a picture of the result")
         _add_view(command)
         command.add_argument("--report", metavar="FILE.json", help="write energies, bounds, defects and times")
-        command.add_argument(
-            "--export-field", metavar="FILE.rawfield", help="write the directions on triangles, also as .rosy"
-        )
+        if name != "quad_mesh":  # which writes no directions on the mesh
+            command.add_argument(
+                "--export-field", metavar="FILE.rawfield", help="write the directions on triangles, also as .rosy"
+            )
         if name == "quad_mesh":
             suffixes = ", ".join(files.MESH_SUFFIXES)
             command.add_argument("--export-mesh", metavar="FILE.obj", help=f"write the quads as a file ({suffixes})")

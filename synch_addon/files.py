@@ -19,7 +19,9 @@ _IMPORTERS = {
 }
 _EXPORTERS = {
     ".obj": lambda path: bpy.ops.wm.obj_export(filepath=path, export_selected_objects=True, export_materials=False),
-    ".ply": lambda path: bpy.ops.wm.ply_export(filepath=path, export_selected_objects=True),
+    ".ply": lambda path: bpy.ops.wm.ply_export(
+        filepath=path, export_selected_objects=True, export_uv=False, export_normals=False, export_colors="NONE"
+    ),
     ".stl": lambda path: bpy.ops.wm.stl_export(filepath=path, export_selected_objects=True),
 }
 MESH_SUFFIXES = tuple(_EXPORTERS)

@@ -110,10 +110,12 @@ def smoothed(lines, times):
     previous[following] = np.arange(len(following))
     free = np.ones(len(following), bool)
     free[ends] = False
-    points = lines.points
+    points, normals = lines.points, lines.normals
     for _ in range(times):
-        middles = 0.5 * (points[following] + points[previous])
-        points[free] += _STEP * (middles - points)[free]
+        # Along the surface only: from inside a convex one, the nearest points jump from face to face.
+        step = _STEP * (0.5 * (points[following] + points[previous]) - points)
+        step -= np.einsum("ij,ij->i", step, normals)[:, None] * normals
+        points[free] += step[free]
     places, triangles = nearest(surface_tree(mesh.vertices, mesh.triangles), points[free])
     moved = replace(lines, triangles=lines.triangles.copy(), weights=lines.weights.copy())
     moved.triangles[free], moved.weights[free] = triangles, barycentric(mesh, triangles, places)

@@ -55,6 +55,11 @@ def pattern_material(obj, kind, *, spacing=None, assign_faces=False) -> bpy.type
     return material
 
 
+def shows_pattern(material):
+    """Whether a material shows stripes or quads, which only a solved mesh has."""
+    return any(_shows(material, look) for look in _LOOKS.values())
+
+
 def _store_spacing(obj, spacing):
     if spacing is not None:
         obj[_SPACING] = float(spacing)

@@ -8,10 +8,11 @@ from .guide_panel import draw_guidance
 from .scene_io import refusal
 
 
-def draw_directions(layout, settings, obj):
-    """Settings of the direction field; ``settings`` are the object's or an operator's."""
+def draw_directions(layout, settings, obj, of_quads=False):
+    """Settings of the direction field; ``settings`` are the object's or an operator's. Quads have no symmetry."""
     column = property_column(layout)
-    column.prop(settings, "symmetry")
+    if not of_quads:
+        column.prop(settings, "symmetry")
     if hasattr(settings, "guides"):
         draw_guidance(column, settings)
     else:
@@ -39,13 +40,17 @@ def draw_pattern(layout, settings):
     column.prop(settings, "spacing_map")
     if settings.spacing_map:
         column.prop(settings, "spacing_range")
-    column.prop(settings, "assign_material")
+
+
+def draw_faces(layout, settings):
+    """Which faces show the pattern."""
+    property_column(layout).prop(settings, "assign_material")
 
 
 def draw_quads(layout, settings):
-    """Settings of quads: those of every pattern, and how long they are."""
-    draw_pattern(layout, settings)
-    property_column(layout).prop(settings, "aspect")
+    """What only quads have."""
+    column = property_column(layout)
+    column.prop(settings, "aspect")
 
 
 def draw_quad_mesh(layout, settings):
@@ -73,9 +78,8 @@ def property_column(layout):
 def draw_progress(layout, work):
     """A bar for the job that runs."""
     layout.progress(factor=work.fraction, text=work.line)
-    row = layout.row()
-    row.label(text=work.times, icon="TIME")
-    row.operator("synch.cancel", icon="EVENT_ESC")
+    layout.label(text=work.times, icon="TIME")
+    layout.operator("synch.cancel", icon="EVENT_ESC")
 
 
 class SidebarPanel:
@@ -99,6 +103,9 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
             draw_progress(self.layout, jobs.running)
             return
         draw_directions(self.layout, obj.synch, obj)
+        draw_pattern(self.layout, obj.synch)
+        draw_faces(self.layout, obj.synch)
+        self.layout.label(text="Quads", icon="MESH_GRID")
         draw_quads(self.layout, obj.synch)
         draw_quad_mesh(self.layout, obj.synch)
         column = self.layout.column(align=True)

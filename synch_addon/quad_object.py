@@ -10,9 +10,16 @@ from mathutils.bvhtree import BVHTree
 from ..core.errors import SettingError
 from ..core.extract.quad_quality import quality
 from . import scene_io
+from .defect_empties import defect_empties
+from .materials import shows_pattern
 
-# Share of the way to the middle of its neighbours that a vertex moves at once.
-_STEP = 0.5
+# Shares of the way to the middle of its neighbours that a vertex moves at once, forth and back: uneven places are
+# smoothed, but nothing shrinks (Taubin 1995).
+_STEPS = 0.5, -0.53
+# A vertex nearer than this to a mirror plane, as a share of the object's size, lies on it.
+_ON_PLANE = 1e-5
+# Cosine of the angle between the normals of neighbours beyond which both stay where they are: rims keep their shape.
+_SHARP = 0.5
 # A vertex of the quad mesh nearer to an edge than this, as a barycentric coordinate, lies on it.
 _ON_EDGE = 1e-3
 # How far from a corner, towards the middle of its face, the values of corners are read: on the face's side of a seam.
@@ -24,7 +31,8 @@ _SMOOTH = {"FLOAT", "FLOAT2", "FLOAT_VECTOR", "FLOAT_COLOR", "BYTE_COLOR"}
 def smoothed(quads, task):
     """Vertices moved towards the middle of their neighbours and back onto the surface, as often as the task says.
 
-    Those on the boundary, and on lines that were asked for, stay there. Refuses a pattern without any face.
+    Those on the boundary, on lines that were asked for, on mirror planes and at sharp edges stay there. Refuses a
+    pattern without any face, and one whose faces would meet themselves.
     """
     if len(quads.sizes) == 0:
         raise SettingError("no grid lines cross on the mesh: reduce the spacing")
@@ -34,15 +42,21 @@ def smoothed(quads, task):
     edges, counts = quads.edges
     free = ~_on_lines(quads, mesh, task.rows)
     free[edges[counts == 1]] = False
+    in_object = quads.vertices @ np.linalg.inv(task.given.stretch).T
+    for axis in task.settings.mirror:
+        free &= np.abs(in_object[:, "XYZ".index(axis)]) > _ON_PLANE * np.ptp(in_object, axis=0).max()
+    normals = mesh.face_normals[quads.triangles]
+    free[edges[np.einsum("ij,ij->i", normals[edges[:, 0]], normals[edges[:, 1]]) < _SHARP]] = False
     tree = surface_tree(mesh.vertices, mesh.triangles)
     degrees = np.bincount(edges.ravel(), minlength=len(quads.vertices))[:, None]
     for _ in range(task.settings.smoothing):
-        sums = np.zeros_like(quads.vertices)
-        np.add.at(sums, edges[:, 0], quads.vertices[edges[:, 1]])
-        np.add.at(sums, edges[:, 1], quads.vertices[edges[:, 0]])
-        moved = quads.vertices + _STEP * (sums / degrees - quads.vertices)
-        places, triangles = nearest(tree, moved[free])
-        quads = _moved(quads, mesh, free, places, triangles)
+        for step in _STEPS:
+            sums = np.zeros_like(quads.vertices)
+            np.add.at(sums, edges[:, 0], quads.vertices[edges[:, 1]])
+            np.add.at(sums, edges[:, 1], quads.vertices[edges[:, 0]])
+            moved = quads.vertices + step * (sums / degrees - quads.vertices)
+            places, triangles = nearest(tree, moved[free])
+            quads = _moved(quads, mesh, free, places, triangles)
     return quads
 
 
@@ -64,15 +78,16 @@ def _moved(quads, mesh, which, places, triangles):
 
 
 def barycentric(mesh, triangles, places):
-    """(k, 3) barycentric coordinates of places on triangles."""
+    """(k, 3) barycentric coordinates of places in the planes of triangles, negative beyond a side."""
     corners = mesh.vertices[mesh.triangles[triangles]]
-    weights = np.stack([_double_areas(places, corners[:, k - 2], corners[:, k - 1]) for k in range(3)], axis=1)
+    normals = mesh.face_normals[triangles]
+    weights = np.stack([_double_areas(places, corners[:, k - 2], corners[:, k - 1], normals) for k in range(3)], axis=1)
     sums = weights.sum(axis=1, keepdims=True)
     return np.divide(weights, sums, out=np.full_like(weights, 1 / 3), where=sums > 0)
 
 
-def _double_areas(a, b, c):
-    return np.linalg.norm(np.cross(b - a, c - a), axis=1)
+def _double_areas(a, b, c, normals):
+    return np.einsum("ij,ij->i", np.cross(b - a, c - a), normals)
 
 
 def surface_tree(vertices, faces):
@@ -94,9 +109,11 @@ def write(obj, task, quads):
     inverse = np.linalg.inv(task.given.stretch)
     ends = np.cumsum(quads.sizes)
     faces = [quads.corner_vertices[start:end].tolist() for start, end in zip(quads.starts, ends, strict=True)]
-    data.from_pydata((quads.vertices @ inverse.T).tolist(), [], faces)
+    data.from_pydata((quads.vertices @ inverse.T).tolist(), [], faces, shade_flat=False)
     made = bpy.data.objects.new(f"{obj.name} Quads", data)
-    made.matrix_world = obj.matrix_world
+    # In the same place as the given one: a parent may shear it.
+    made.parent, made.parent_type, made.parent_bone = obj.parent, obj.parent_type, obj.parent_bone
+    made.matrix_parent_inverse, made.matrix_basis = obj.matrix_parent_inverse, obj.matrix_basis
     for collection in obj.users_collection:
         collection.objects.link(made)
     tree = surface_tree(mesh.vertices, mesh.triangles)
@@ -114,14 +131,15 @@ def write(obj, task, quads):
 def _carry(obj, made, given, quads, centres, under, tree):
     """Materials, vertex groups and attributes go over: those of vertices and corners interpolated, those of faces from
     the face under the middle. Where a quad lies across a UV seam its coordinates are those of both sides."""
-    for material in obj.data.materials:
+    kept = [None if shows_pattern(slot.material) else slot.material for slot in obj.material_slots]
+    for material in kept if any(kept) else ():
         made.data.materials.append(material)
     corners = given.source[given.mesh.triangles[quads.triangles]]
     faces = given.polygons.triangle_faces[under]
     pulled = quads.vertices[quads.corner_vertices]
     pulled = pulled + _INSIDE * (centres[quads.corner_faces] - pulled)
-    inside, triangles = nearest(tree, pulled)
-    weights = barycentric(given.mesh, triangles, inside)
+    _, triangles = nearest(tree, pulled)
+    weights = barycentric(given.mesh, triangles, quads.vertices[quads.corner_vertices])
     loops = given.polygons.triangle_corners[triangles]
     for attribute in list(obj.data.attributes):
         name, domain, data_type = attribute.name, attribute.domain, attribute.data_type
@@ -139,6 +157,7 @@ def _carry(obj, made, given, quads, centres, under, tree):
         else:
             continue
         scene_io.write_attribute(made, name, domain, data_type, values)
+    scene_io.show_same_maps(obj, made)
     for group in obj.vertex_groups:
         weights = scene_io.read_weights(obj, group.name)[corners]
         scene_io.write_weights(made, group.name, np.einsum("nk,nk->n", quads.weights, weights))
@@ -152,6 +171,9 @@ def _show_instead(obj, made):
     if obj.name in layer.objects:
         obj.select_set(False)
         obj.hide_set(True)
+        for empty in defect_empties(obj):
+            if empty.name in layer.objects:
+                empty.hide_set(True)
     if made.name in layer.objects:
         made.select_set(True)
         layer.objects.active = made

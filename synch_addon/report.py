@@ -62,7 +62,7 @@ class Report:
         if changing:
             self.warn(
                 f"the pattern is solved on the mesh before its modifiers ({', '.join(changing)}): "
-                "apply them first if stripes should follow the result"
+                "apply them first if it should follow the result"
             )
         rows = self.settings.all_constraints
         unheard = [row.label for row in rows if row.what in ("along", "across", "angle")]
@@ -88,7 +88,7 @@ class Report:
         if np.any(task.turn) and self.settings.mirror:
             self.warn("the angle turns directions the same way on both sides of the mirror: set it to 0")
         users = obj.data.users - obj.data.use_fake_user
-        if users > 1:
+        if users > 1 and self.command != "quad_mesh":
             self.warn(f"the mesh {obj.data.name} is shared by {users} users, which all get the pattern")
 
     def finish(self, field, pattern, defects):

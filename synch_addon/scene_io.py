@@ -260,6 +260,21 @@ def remove_attribute(obj, name):
         obj.data.attributes.remove(attribute)
 
 
+def show_same_maps(obj, made):
+    """Of another mesh's UV maps and colours, the same are the active and the rendered ones as of the given one."""
+    layers, others = obj.data.uv_layers, made.data.uv_layers
+    for layer in layers:
+        if layer.active_render and layer.name in others:
+            others[layer.name].active_render = True
+    if layers.active is not None and layers.active.name in others:
+        others.active = others[layers.active.name]
+    colors, others = obj.data.color_attributes, made.data.color_attributes
+    if colors.active_color_name in others:
+        others.active_color_name = colors.active_color_name
+    if 0 <= colors.render_color_index < len(colors) and colors[colors.render_color_index].name in others:
+        others.render_color_index = others.find(colors[colors.render_color_index].name)
+
+
 def split_faces(obj, polygons, faces):
     """Replace faces by the triangles that draw them, keeping all their corner and face data.
 

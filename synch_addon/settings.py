@@ -95,7 +95,7 @@ class Settings:
             raise SettingError(f"the angle is {self.angle}: give a finite one")
         for name in ("spacing_range", "aspect"):
             value = getattr(self, name)
-            if not (math.isfinite(value) and value > 0):
+            if value is None or not (math.isfinite(value) and value > 0):
                 raise SettingError(f"the {name.replace('_', ' ')} is {value}: give a positive factor")
         if not isinstance(self.mirror, str) or set(self.mirror) - set("XYZ"):
             raise SettingError(f"the mirror is {self.mirror!r}: use axes of X, Y and Z, such as X or XY")

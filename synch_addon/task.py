@@ -88,7 +88,7 @@ def gather(command, obj, settings):
     else:
         directions = scene_io.read_vectors(obj, settings.exact_attribute, given)
     for row in settings.all_constraints:
-        if settings.symmetry == "cross" and row.where == "attribute" and row.what == "phase":
+        if PATTERNS.get(command) is quad_pattern and row.where == "attribute" and row.what == "phase":
             raise SettingError(f"{row.label} gives one phase a vertex, and quads have two: remove the row")
     rows = constraints.rows_of(obj, given, settings.all_constraints)
     mirrors = read_mirrors(given, settings.mirror)

@@ -193,6 +193,9 @@ def _show(context, text):
 
 def _headline(report):
     """What the status bar says after a run."""
+    made = report.get("quad_mesh")
+    if made is not None:
+        return f"{made['object']}: {made['faces']} faces, {made['quad_share']:.1%} of them quads"
     counts = ", ".join(counted(len(report[kind + "s"]), kind) for kind in ("disclination", "dislocation"))
     if report["energy"] is None:
         return counts

@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..panels import draw_directions, draw_quad_mesh, draw_quads
+from ..panels import draw_directions, draw_faces, draw_pattern, draw_quad_mesh, draw_quads
 from ..settings import SettingProperties
 from .field_operator import FieldOperator
 
@@ -16,8 +16,10 @@ class SYNCH_OT_quads(FieldOperator, SettingProperties, bpy.types.Operator):
     command = "quads"
 
     def draw(self, context):
-        draw_directions(self.layout, self, context.active_object)
+        draw_directions(self.layout, self, context.active_object, of_quads=True)
+        draw_pattern(self.layout, self)
         draw_quads(self.layout, self)
+        draw_faces(self.layout, self)
 
 
 class SYNCH_OT_quad_mesh(FieldOperator, SettingProperties, bpy.types.Operator):
@@ -28,6 +30,7 @@ class SYNCH_OT_quad_mesh(FieldOperator, SettingProperties, bpy.types.Operator):
     command = "quad_mesh"
 
     def draw(self, context):
-        draw_directions(self.layout, self, context.active_object)
+        draw_directions(self.layout, self, context.active_object, of_quads=True)
+        draw_pattern(self.layout, self)
         draw_quads(self.layout, self)
         draw_quad_mesh(self.layout, self)

@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..panels import draw_directions, draw_pattern
+from ..panels import draw_directions, draw_faces, draw_pattern
 from ..settings import SettingProperties
 from .field_operator import FieldOperator
 
@@ -18,3 +18,4 @@ class SYNCH_OT_stripes(FieldOperator, SettingProperties, bpy.types.Operator):
     def draw(self, context):
         draw_directions(self.layout, self, context.active_object)
         draw_pattern(self.layout, self)
+        draw_faces(self.layout, self)
