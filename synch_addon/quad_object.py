@@ -177,3 +177,4 @@ def _show_instead(obj, made):
     if made.name in layer.objects:
         made.select_set(True)
         layer.objects.active = made
+    layer.update()  # so that its place in the world is known at once
