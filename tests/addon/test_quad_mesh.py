@@ -327,11 +327,11 @@ def test_a_free_boundary_keeps_its_corners():
     assert sum(p.area for p in made.data.polygons) == pytest.approx(4, rel=1e-5)
 
 
-@pytest.mark.parametrize("build", [lambda: sphere(4), torus], ids=["sphere", "torus"])
+@pytest.mark.parametrize("build", [lambda: sphere(5), torus], ids=["sphere", "torus"])
 def test_smoothing_evens_angles_and_lengths_and_changes_no_face(build):
     obj = build()
-    rough, plain = made_from(obj, spacing=0.4, smoothing=0)
-    smooth, better = made_from(obj, spacing=0.4, smoothing=10)
+    rough, plain = made_from(obj, spacing=0.3, smoothing=0)
+    smooth, better = made_from(obj, spacing=0.3, smoothing=10)
     np.testing.assert_array_equal(corner_vertices(rough), corner_vertices(smooth))
     for figure in ("angle_deviation", "length_spread"):
         assert better["quad_mesh"][figure] < plain["quad_mesh"][figure]
