@@ -41,7 +41,7 @@ def draw_bake(layout, settings, obj):
         column.prop(settings, name)
     column.prop_search(settings, "uv_map", obj.data, "uv_layers", icon="GROUP_UVS")
     column.prop(settings, "unwrap")
-    column.prop(settings, "folder", placeholder="packed into the .blend")
+    column.prop(settings, "folder", placeholder="in the .blend")
     column.prop(settings, "naming")
     column.prop(settings, "file_format")
     column.prop(settings, "material")

@@ -129,7 +129,7 @@ class BakeProperties:
 
     maps: EnumProperty(
         name="Maps",
-        description="Images to bake",
+        description="Images to bake; click with Shift to choose several",
         items=[
             ("MASK", "Mask", "1 in a stripe or on a line, 0 elsewhere, on all faces", "MOD_MASK", 1),
             ("COLOUR", "Color", "The base color of what is rendered", "COLOR", 2),

@@ -14,8 +14,8 @@ from .defect_empties import defect_empties
 from .materials import shows_pattern
 
 # Shares of the way to the middle of its neighbours that a vertex moves at once, forth and back: uneven places are
-# smoothed, but nothing shrinks (Taubin 1995).
-_STEPS = 0.5, -0.53
+# smoothed, and little shrinks (after Taubin 1995).
+_STEPS = 0.5, -0.4
 # A vertex nearer than this to a mirror plane, as a share of the object's size, lies on it.
 _ON_PLANE = 1e-5
 # Cosine of the angle between the normals of neighbours beyond which both stay where they are: rims keep their shape.

@@ -328,13 +328,12 @@ def test_a_free_boundary_keeps_its_corners():
 
 
 @pytest.mark.parametrize("build", [lambda: sphere(5), torus], ids=["sphere", "torus"])
-def test_smoothing_evens_angles_and_lengths_and_changes_no_face(build):
+def test_smoothing_makes_angles_right_and_changes_no_face(build):
     obj = build()
     rough, plain = made_from(obj, spacing=0.3, smoothing=0)
     smooth, better = made_from(obj, spacing=0.3, smoothing=10)
     np.testing.assert_array_equal(corner_vertices(rough), corner_vertices(smooth))
-    for figure in ("angle_deviation", "length_spread"):
-        assert better["quad_mesh"][figure] < plain["quad_mesh"][figure]
+    assert better["quad_mesh"]["angle_deviation"] < 0.97 * plain["quad_mesh"]["angle_deviation"]
 
 
 def test_a_spacing_at_which_nothing_crosses_is_refused():
