@@ -30,6 +30,10 @@ class SYNCH_PT_result(SidebarPanel, bpy.types.Panel):
             row.prop(synch, "variation")
             row.operator("synch.draw_variation", text="", icon="FILE_REFRESH")
             self.layout.operator("synch.place_defect", icon="PIVOT_CURSOR")
+            if json.loads(synch.result)["command"] != "directions":
+                row = self.layout.row(align=True)
+                row.operator("synch.isolines", icon="MOD_CURVE")
+                row.operator("synch.relief", icon="MOD_DISPLACE")
         row = self.layout.row(align=True)
         row.operator("synch.select_defects", text="Select", icon="RESTRICT_SELECT_OFF")
         row.operator("synch.next_defect", text="Next", icon="VIEWZOOM")

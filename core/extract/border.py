@@ -45,9 +45,9 @@ def border_of(mesh, crossings, met, node_count):
             hit += [False, *met[passed]]
             vertex = head
         if nodes:
-            nodes = np.array(nodes)
-            pieces.append(np.column_stack([nodes, np.roll(nodes, -1)]))
-            chosen = nodes[_corners(np.concatenate(points), np.array(hit), nodes >= node_count)]
+            loop = np.array(nodes)
+            pieces.append(np.column_stack([loop, np.roll(loop, -1)]))
+            chosen = loop[_corners(np.concatenate(points), np.array(hit), loop >= node_count)]
             corners[chosen - node_count] = True
     return np.concatenate([np.empty((0, 2), int), *pieces]), corners, vertices
 

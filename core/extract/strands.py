@@ -51,7 +51,7 @@ def joined_strands(numbers, cell_faces, outward):
     after, cell_after, entered = np.full(len(faces), -1), np.full(len(faces), -1), np.zeros(len(faces), bool)
     after[coming[1]], cell_after[coming[1]] = leaving[1], coming[0]
     entered[leaving[1]] = True
-    courses = {}
+    courses: dict[tuple, int] = {}
     waiting = np.ones(len(faces), bool)
     for first in [*np.flatnonzero(~entered).tolist(), *range(len(faces))]:
         strands, strand = [], first

@@ -98,8 +98,7 @@ class LiftedField:
                 )
         values = self.lifted[rows.ravel()]
         _, sizes, axes = np.linalg.svd(values)
-        held = int((sizes > TINY).sum())
-        return axes[held:].conj().T
+        return axes[np.count_nonzero(sizes > TINY) :].conj().T
 
     def phases(self, direction):
         """(n,) complex phases: the projection on a direction, normalized; 1 where it vanishes."""
