@@ -26,7 +26,7 @@ from synch_fields.synch_addon.render import render_picture
 SIZE, CLOSE_SIZE = 2048, 4096
 COLUMNS = (Column("s", "seconds", ".1f"), Column("MB", "mb", ".2f"))
 # Of each picture in the row, and how many times the pixels of the close one are enlarged.
-TILE, TIMES = 600, 5
+TILE, TIMES = 512, 4
 
 
 def main():
@@ -73,11 +73,9 @@ def pixels_of(path):
 
 
 def block_means(values):
-    """The middle of an image, as wide as so many tiles of pixels, each the mean of a block."""
+    """An image made smaller to the width of a tile: each pixel is the mean of a block."""
     factor = len(values) // TILE
-    start = (len(values) - factor * TILE) // 2
-    part = values[start : start + factor * TILE, start : start + factor * TILE]
-    return part.reshape(TILE, factor, TILE, factor, 3).mean(axis=(1, 3))
+    return values.reshape(TILE, factor, TILE, factor, 3).mean(axis=(1, 3))
 
 
 def close_up(obj, values, dislocations):

@@ -79,14 +79,13 @@ def numbers_at(stage, polygons, coordinates, phases, size, margin):
         weights = np.tile(np.eye(3)[corner], len(corners))
         scene_io.write_attribute(stage.obj, f"weight_{corner}", "CORNER", "FLOAT", weights)
     material = glowing_attributes("triangle", "weight_0", "weight_1")
-    seen = stage.bake("EMIT", [material], size, samples=1, margin=0).reshape(-1, 4).astype(float)
-    covered = np.flatnonzero(seen[:, 0] > 0.5)
-    triangles = np.rint(seen[covered, 0]).astype(int) - 1
-    weights = np.column_stack([seen[covered, 1], seen[covered, 2], 1 - seen[covered, 1] - seen[covered, 2]])
+    seen = stage.bake("EMIT", [material], size, samples=1, margin=0)
+    inside = seen[:, :, 0] > 0.5
+    triangles, weights = np.rint(seen[inside, 0]).astype(int) - 1, seen[inside, 1:3].astype(float)
+    weights = np.column_stack([weights, 1 - weights.sum(axis=1)])
     found = cells(phases, polygons)
-    numbers = np.zeros(size * size, int)
-    numbers[covered] = found.at(triangles, weights)
-    numbers, inside = numbers.reshape(size, size), (seen[:, 0] > 0.5).reshape(size, size)
+    numbers = np.zeros((size, size), int)
+    numbers[inside] = found.at(triangles, weights)
     return _extended(numbers, inside, margin), found.count
 
 

@@ -30,6 +30,8 @@ _INSIDE = 1e-4
 _BORDER = 0.02
 # Points nearer to the middle of a stripe than this (1/2) are on the line along it.
 _MIDDLE = 0.49
+# Points that are looked at at once.
+_AT_ONCE = 2_000_000
 # Values on the two sides of an edge that differ by more belong to a pattern that is cut there.
 _SAME = 0.05
 
@@ -70,9 +72,8 @@ class Cells:
 def cells(phases, polygons):
     """The :class:`Cells` of one or two :class:`FacePhases`."""
     fans = _Fans(tuple(phases), polygons)
-    contacts = [_across_edges(fans), _around_centres(fans)]
-    pairs = np.concatenate([pairs for pairs, _, _ in contacts])
-    nearness, on_line = (np.concatenate([contact[k] for contact in contacts]) for k in (1, 2))
+    contacts = [*_across_edges(fans), *_around_centres(fans)]
+    pairs, nearness, on_line = (np.concatenate(parts) for parts in zip(*contacts, strict=True))
     pieces, touching = np.unique(pairs.reshape(-1, pairs.shape[2]), axis=0, return_inverse=True)
     touching = touching.reshape(-1, 2)
     if len(fans.phases) == 2:
@@ -190,8 +191,13 @@ def _samples(fans):
     return np.concatenate([[0.002], (np.arange(count) + 0.5) / count, [0.998]])
 
 
+def _blocks(items, along):
+    """Parts of an array small enough for so many points to be looked at for each item."""
+    return np.array_split(items, max(1, len(items) * len(along) // _AT_ONCE))
+
+
 def _across_edges(fans):
-    """What :func:`_contacts` finds at points of edges."""
+    """What :func:`_contacts` finds at points of edges, for one block of edges after the other."""
     triangles = fans.polygons.triangles
     ends = np.stack([triangles[:, [1, 2, 0]], triangles[:, [2, 0, 1]]], axis=2).reshape(-1, 2)
     low_first = ends[:, 0] < ends[:, 1]
@@ -199,28 +205,29 @@ def _across_edges(fans):
     edges = np.sort(ends, axis=1)[order]
     same = np.flatnonzero((edges[:-1] == edges[1:]).all(axis=1))
     along = _samples(fans)
-    sides = []
-    for half in (order[same], order[same + 1]):
-        from_low = np.where(low_first[half, None], along, 1 - along)
-        weights = _rim(half[:, None] % 3 + from_low)
-        sides.append(_seen(fans, np.repeat(half // 3, len(along)), weights.reshape(-1, 3)))
-    differ = np.abs(sides[0][2] - sides[1][2]).max(axis=1).reshape(-1, len(along)).max(axis=1) > _SAME
-    return _contacts(sides, len(along), ~np.repeat(differ, len(along)))
+    for block in _blocks(same, along):
+        sides = []
+        for half in (order[block], order[block + 1]):
+            from_low = np.where(low_first[half, None], along, 1 - along)
+            weights = _rim(half[:, None] % 3 + from_low)
+            sides.append(_seen(fans, np.repeat(half // 3, len(along)), weights.reshape(-1, 3)))
+        differ = np.abs(sides[0][2] - sides[1][2]).max(axis=1).reshape(-1, len(along)).max(axis=1) > _SAME
+        yield _contacts(sides, len(along), ~np.repeat(differ, len(along)))
 
 
 def _around_centres(fans):
     """What :func:`_contacts` finds at points between the sectors of fans."""
-    split = np.flatnonzero(fans.split)
     rays = np.arange(3 * _PARTS) / _PARTS
     along = _samples(fans)
-    triangles = np.repeat(split, len(rays) * len(along))
-    centres = np.broadcast_to(fans.centres(split)[:, None, None], (len(split), len(rays), len(along), 3))
-    sides = []
-    for aside in (-_INSIDE, _INSIDE):
-        rim = _rim(rays + aside)[None, :, None]
-        places = centres + along[:, None] * (rim - centres)
-        sides.append(_seen(fans, triangles, places.reshape(-1, 3)))
-    return _contacts(sides, len(along), True)
+    for split in _blocks(np.flatnonzero(fans.split), np.repeat(along, len(rays))):
+        triangles = np.repeat(split, len(rays) * len(along))
+        centres = np.broadcast_to(fans.centres(split)[:, None, None], (len(split), len(rays), len(along), 3))
+        sides = []
+        for aside in (-_INSIDE, _INSIDE):
+            rim = _rim(rays + aside)[None, :, None]
+            places = centres + along[:, None] * (rim - centres)
+            sides.append(_seen(fans, triangles, places.reshape(-1, 3)))
+        yield _contacts(sides, len(along), True)
 
 
 def _seen(fans, triangles, weights):
@@ -229,7 +236,7 @@ def _seen(fans, triangles, weights):
 
 
 def _contacts(sides, count, kept):
-    """Pieces on two sides of the same points, ``count`` of them along each line.
+    """Pieces on two sides of the same points, ``count`` of them along each line; each pair once.
 
     Returns (q, 2, 1 + k) pieces, (q,) how near the point is to the middle of a piece (0 is the border, 1/2 the middle),
     and (q,) whether the middle is met there, or on the way to the point before or after.
@@ -243,4 +250,10 @@ def _contacts(sides, count, kept):
     on_line[:, 1:] |= met
     on_line[:, :-1] |= met
     clear = (nearness > _BORDER) & kept
-    return np.stack([first, second], axis=1)[clear], nearness[clear], on_line.ravel()[clear]
+    both = np.column_stack([first, second])[clear]
+    pairs, which = np.unique(both, axis=0, return_inverse=True)
+    nearest = np.zeros(len(pairs))
+    np.maximum.at(nearest, which.reshape(-1), nearness[clear])
+    joined = np.zeros(len(pairs), bool)
+    joined[which.reshape(-1)[on_line.ravel()[clear]]] = True
+    return pairs.reshape(len(pairs), 2, first.shape[1]), nearest, joined
