@@ -15,8 +15,9 @@ from .bake_settings import MAPS, NEW_MAP
 from .bake_stage import read_uv, staged, write_uv
 from .report import versions
 
-# How far apart the islands of a new map are at most, in pixels: of a curved surface there are hundreds.
-_APART = 4
+# How far apart the islands of a new map are at most, in pixels: of a curved surface there are hundreds. In an image
+# smaller than this they are as far apart as in one of this size, for not to vanish.
+_APART, _SMALL = 4, 256
 # How many UV maps a mesh can have.
 _MOST_MAPS = 8
 
@@ -43,7 +44,7 @@ def bake_maps(obj, settings, callback=None):
             if is_new:
                 _ask(callback, "unwrap", 0.0)
                 with staged(obj, modifiers=False) as stage:
-                    coordinates = stage.unwrapped(min(max(settings.margin, 1), _APART) / settings.size)
+                    coordinates = stage.unwrapped(min(max(settings.margin, 1), _APART) / max(settings.size, _SMALL))
             _bake_all(obj, kind, settings, coordinates, Path(temporary), report, callback)
             images = _kept(obj, settings, Path(temporary), folder, report)
     except OSError as error:
