@@ -129,11 +129,13 @@ def test_each_piece_has_its_own_first_axis():
 def test_disclinations_that_exchange_the_axes_refuse_two_spacings():
     sphere, flat = icosphere(2), square(4)
     field = direction_field(sphere, 4)
-    with pytest.raises(SettingError, match="two different spacings need .* disclinations: use the same for both"):
+    with pytest.raises(
+        SettingError, match=r"two different spacings need .* disclinations on the piece of vertex 0: use"
+    ):
         Growth.of(sphere, field, np.array([[0.2, 0.3]]))
     np.testing.assert_allclose(Growth.of(sphere, field, np.array([[0.2, 0.2]])).rates, 2 * np.pi / 0.2)
     both = together(flat, sphere)
-    with pytest.raises(SettingError, match=f"at vertex {flat.vertex_count}'s piece"):
+    with pytest.raises(SettingError, match=f"on the piece of vertex {flat.vertex_count}: use the same"):
         Growth.of(both, direction_field(both, 4), np.array([[0.2, 0.3]]))
 
 
