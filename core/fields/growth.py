@@ -135,8 +135,8 @@ def _on_axes(mesh, angles, matched, spacing):
     if not apart.all():
         raise SettingError(
             "two different spacings need a cross field whose two directions never change places, but here they do, "
-            f"around disclinations on the piece of vertex {np.flatnonzero(~apart)[0]}: use the same for both, an aspect "
-            "of 1"
+            f"around disclinations on the piece of vertex {np.flatnonzero(~apart)[0]}: use the same for both "
+            "(an aspect of 1)"
         )
     # Each piece of the mesh chooses the axis that runs nearer to X as its first; Y and Z decide where X does not.
     x, y = mesh.tangent_frames
