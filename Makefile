@@ -66,6 +66,7 @@ pictures: demo
 	$(python) -m synch_fields stripes $(MESHES)/stanford-bunny.obj --view -20 12 --render docs/bunny.png
 	$(python) bench/figures.py $(MESHES) --folder docs
 	$(python) bench/gallery.py $(MESHES) --folder docs
+	$(python) bench/quad_gallery.py $(MESHES) --folder docs
 
 environment: $(environment)
 
