@@ -67,6 +67,7 @@ pictures: demo
 	$(python) bench/figures.py $(MESHES) --folder docs
 	$(python) bench/gallery.py $(MESHES) --folder docs
 	$(python) bench/quad_gallery.py $(MESHES) --folder docs
+	$(python) bench/bake_picture.py $(MESHES) --folder docs
 
 environment: $(environment)
 
