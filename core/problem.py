@@ -10,12 +10,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_matrix, csr_matrix, diags_array
+from scipy.sparse import coo_matrix, diags_array
 from scipy.sparse.csgraph import connected_components
 
 from .connection import compose
 from .errors import SettingError
 from .gauge import balance
+from .piece import Piece
 
 
 @dataclass(frozen=True)
@@ -45,83 +46,6 @@ def joined_targets(parts):
     arrays = [np.concatenate(columns) for columns in zip(*parts, strict=True)]
     drawing = arrays[2] > 0 if arrays else np.empty(0, bool)
     return Targets(*(array[drawing] for array in arrays)) if drawing.any() else None
-
-
-@dataclass(frozen=True)
-class Piece:
-    """One connected piece in the coordinates that are solved.
-
-    Attributes
-    ----------
-    matrix : (N, N) CSR, complex Hermitian (block 1) or real symmetric, N = nodes * block
-    factor : CSR, matrix = factor^H factor apart from the ground's unused rows
-    mass : (nodes,) positive
-    block : rows per node
-    is_complex : whether the one row of a node is a complex number
-    ground : index of the ground node among the piece's nodes, or None
-    rows : (N,) rows of the whole problem's coordinates
-    """
-
-    matrix: csr_matrix
-    factor: csr_matrix
-    mass: np.ndarray
-    block: int
-    is_complex: bool
-    ground: int | None
-    rows: np.ndarray
-
-    @property
-    def node_count(self):
-        return len(self.mass)
-
-    @property
-    def is_circle(self):
-        """Whether a node's unit vector is a point of the circle."""
-        return self.is_complex or self.block == 2
-
-    @property
-    def row_mass(self):
-        """(N,) the mass of each row's node."""
-        return np.repeat(self.mass, self.block)
-
-    @cached_property
-    def total_weight(self):
-        """Sum of the matrix's diagonal, without the ground's unused rows."""
-        diagonal = np.abs(self.matrix.diagonal())
-        return float(diagonal.sum() - diagonal[self.unused_rows].sum())
-
-    @property
-    def stiffness(self):
-        """Mean diagonal of the matrix per mass: an upper scale for eigenvalues, times and shifts."""
-        return self.total_weight / float(self.row_mass.sum())
-
-    def scaled(self):
-        """The piece at a mean diagonal and a mean mass of 1, and what its energies were divided by."""
-        weight = self.total_weight / self.matrix.shape[0]
-        matrix, factor = self.matrix / weight, self.factor / np.sqrt(weight)
-        return replace(self, matrix=matrix, factor=factor, mass=self.mass / self.mass.mean()), weight
-
-    @property
-    def noise(self):
-        """What rounding alone makes of the quadratic form <x, L x>: below it only sums of squares tell energies."""
-        return 1e-13 * self.total_weight
-
-    @property
-    def perfect(self):
-        """Energy, as a sum of squares, below which the fit counts as perfect."""
-        return 1e-18 * self.total_weight
-
-    @property
-    def unused_rows(self):
-        """Rows of the ground's block beyond its first: zero at every feasible start and optimum."""
-        if self.ground is None:
-            return np.empty(0, int)
-        return self.ground * self.block + np.arange(1, self.block)
-
-    def energy(self, columns):
-        """(k,) energies of (N, k) columns, as sums of squares: exact zero for a perfect fit."""
-        differences = self.factor @ columns
-        return (differences.real**2 + differences.imag**2).sum(axis=0) if self.is_complex else (differences**2).sum(0)
 
 
 class SynchronizationProblem:

@@ -12,7 +12,8 @@ from scipy.sparse.linalg import eigsh
 
 from synch_fields.core.connection import compose
 from synch_fields.core.fields.directions import direction_problem
-from synch_fields.core.problem import Merged, Piece, SynchronizationProblem, Targets
+from synch_fields.core.piece import Piece
+from synch_fields.core.problem import Merged, SynchronizationProblem, Targets
 from synch_fields.core.solve import metric as metric_module
 from synch_fields.core.solve.coarsening import StrongGraph, aggregates, graph_laplacian, turning_laplacian
 from synch_fields.core.solve.metric import Hierarchy, Metric
