@@ -31,8 +31,6 @@ PATTERNED = ("spot", (230, 15), 12)
 WAVE_NODES = ("ShaderNodeGroup", "ShaderNodeMapRange", "ShaderNodeMixRGB", "ShaderNodeGamma")
 # The value of cos x cos y with a pure colour, and the power by which colours are mixed as the eye sees them.
 CONTRAST, GAMMA = 0.7, 2.2
-# In mean edges.
-EDGE_THICKNESS = 0.14
 
 
 def main():
@@ -117,22 +115,11 @@ def quad_mesh(meshes, folder, path):
         obj, size = opened(meshes, name)
         report = api.quad_mesh(obj, spacing=size / count)["quad_mesh"]
         made = bpy.data.objects[report["object"]]
-        made.data.shade_smooth()
         made.data.materials.clear()
-        for color in (WARM_IVORY, INK_BLUE):
-            made.data.materials.append(plain_material("Quads", color))
-        draw_edges(made, report["edge_length"])
         picture = folder / f"{name}.png"
-        pictures.append(render_picture(made, picture, view=view, resolution=(640, 620), samples=32))
+        pictures.append(render_picture(made, picture, view=view, resolution=(640, 620), edges=True))
         print(f"{name} {count}: {report['faces']} faces, {report['quad_share']:.1%} quads")
     beside(pictures, path)
-
-
-def draw_edges(obj, length):
-    """Rods along the edges, in the second material."""
-    rods = obj.modifiers.new("Edges", "WIREFRAME")
-    rods.use_replace, rods.use_even_offset, rods.material_offset = False, False, 1
-    rods.thickness = EDGE_THICKNESS * length
 
 
 def quads(meshes, folder, path):

@@ -139,7 +139,7 @@ def _deliver(obj, shown, report, options):
     if options.render:
         from .render import render_picture
 
-        render_picture(shown, options.render, view=options.view)
+        render_picture(shown, options.render, view=options.view, edges="quad_mesh" in report)
         written.append(options.render)
     if getattr(options, "export_field", None):
         api.export_field(obj, options.export_field, getattr(options, "symmetry", "cross"))

@@ -14,6 +14,7 @@ from mathutils import Euler, Matrix, Vector
 
 from ..core.errors import MeshError, SettingError
 from .defect_empties import KINDS, defect_empties
+from .nodes import INK_BLUE, WARM_IVORY
 
 # Part of the picture that stays free at each edge.
 _MARGIN = 0.07
@@ -31,16 +32,20 @@ _LIGHTS = {
     "rim": ((0.6, 0.8, -0.9), 2.0, 4.4, 200.0, (1.0, 0.98, 0.95)),
 }
 _WORLD_STRENGTH = 0.22
+# Thickness of drawn edges, in mean edges.
+_EDGE_THICKNESS = 0.14
 
 
-def render_picture(obj, path, *, resolution=(1200, 900), samples=32, markers=True, view=(-25.0, 14.0)) -> Path:
+def render_picture(
+    obj, path, *, resolution=(1200, 900), samples=32, markers=True, edges=False, view=(-25.0, 14.0)
+) -> Path:
     """Render `obj`, as its modifiers and materials show it, to the image file `path`.
 
     `resolution` is in pixels, `samples` per pixel (denoised where Blender can); `markers` puts a
-    small coloured shape at every defect empty of the object. `view` is the direction to look from,
-    in degrees: azimuth 0 is Blender's front view and grows to the right, elevation 90 the top view.
-    Returns the path. Raises SettingError where the file cannot be written, MeshError for an object
-    without faces.
+    small coloured shape at every defect empty of the object, `edges` a rod along every edge. `view`
+    is the direction to look from, in degrees: azimuth 0 is Blender's front view and grows to the
+    right, elevation 90 the top view. Returns the path. Raises SettingError where the file cannot be
+    written, MeshError for an object without faces.
     """
     path = Path(path).absolute()
     if path.suffix.lower() not in _FORMATS:
@@ -48,7 +53,10 @@ def render_picture(obj, path, *, resolution=(1200, 900), samples=32, markers=Tru
     with only_for_now():
         scene = bpy.data.scenes.new("Synch Picture")
         scene.frame_set(bpy.context.scene.frame_current)
-        matrix, points = _evaluate(_stand_in(obj, scene), scene)
+        shown = _stand_in(obj, scene)
+        if edges:
+            _draw_edges(shown)
+        matrix, points = _evaluate(shown, scene)
         extent = _add_markers(defect_empties(obj), matrix, points, scene) if markers else points
         orientation = _orientation(view)
         camera = _add_camera(scene, orientation, extent, resolution)
@@ -84,6 +92,24 @@ def _stand_in(obj, scene):
     copy.hide_render = copy.hide_viewport = False
     scene.collection.objects.link(copy)
     return copy
+
+
+def _draw_edges(obj):
+    """Rods along the edges of a mesh object that may be changed, smoothly shaded."""
+    mesh = obj.data = obj.data.copy()
+    mesh.shade_smooth()
+    if not any(mesh.materials):
+        mesh.materials.clear()
+        mesh.materials.append(_matte("Synch Faces", WARM_IVORY))
+    rods = obj.modifiers.new("Synch Edges", "WIREFRAME")
+    rods.use_replace, rods.use_even_offset, rods.material_offset = False, False, len(mesh.materials)
+    for _ in range(rods.material_offset):
+        mesh.materials.append(_matte("Synch Edges", INK_BLUE))
+    ends = np.array([edge.vertices[:] for edge in mesh.edges])
+    places = np.empty(len(mesh.vertices) * 3, np.float32)
+    mesh.attributes["position"].data.foreach_get("vector", places)
+    tails, heads = places.reshape(-1, 3)[ends.T]
+    rods.thickness = _EDGE_THICKNESS * np.linalg.norm(heads - tails, axis=1).mean()
 
 
 def _evaluate(obj, scene):

@@ -87,7 +87,7 @@ def test_stripes_from_obj_to_blend_and_report(files, tmp_path):
 def test_picture_is_asked_of_the_renderer(files, tmp_path, capfd, monkeypatch):
     """What the picture looks like is tested where it is made."""
 
-    def render_picture(obj, path, *, view):
+    def render_picture(obj, path, *, view, edges):
         assert "synch_phase" in obj.data.attributes and view == [40.0, -5.0]
         (tmp_path / "asked").write_text(str(path))
         return path

@@ -354,12 +354,13 @@ def contents():
     return {(name, block.name, block.users) for name in lists for block in getattr(bpy.data, name)}
 
 
-def test_picture_leaves_the_file_as_it_was(tmp_path):
+@pytest.mark.parametrize("edges", [False, True])
+def test_picture_leaves_the_file_as_it_was(edges, tmp_path):
     obj = FACES["regular quad"].build()
     pattern_material(obj, "stripes")
     write_defects(obj, some_defects())
     before, scene = contents(), bpy.context.scene
-    path = render_picture(obj, tmp_path / "picture.png", resolution=(64, 48), samples=1)
+    path = render_picture(obj, tmp_path / "picture.png", resolution=(64, 48), samples=1, edges=edges)
     assert contents() == before and bpy.context.scene == scene
     image = bpy.data.images.load(str(path))
     assert tuple(image.size) == (64, 48)

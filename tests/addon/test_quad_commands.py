@@ -257,7 +257,7 @@ def read_obj(path):
 
 def test_quads_write_scene_report_picture_and_field(ball, tmp_path, capfd, monkeypatch):
     asked = []
-    monkeypatch.setattr(render, "render_picture", lambda obj, path, *, view: asked.append((obj.name, path, view)))
+    monkeypatch.setattr(render, "render_picture", lambda obj, path, **look: asked.append((obj.name, path, look)))
     blend, report_file, picture, field = (tmp_path / f"out.{kind}" for kind in ("blend", "json", "png", "rawfield"))
     outputs = ["--output", blend, "--report", report_file, "--render", picture, "--export-field", field]
     status, out, err = run(capfd, "quads", ball, "--spacing", 0.4, "--seed", 2, *outputs)
@@ -266,7 +266,7 @@ def test_quads_write_scene_report_picture_and_field(ball, tmp_path, capfd, monke
     assert (report["command"], report["seed"], report["nodes"]) == ("quads", 2, 642)
     assert report["settings"]["symmetry"] == "cross" and report["settings"]["spacing"] == 0.4
     assert sum(d["index"] for d in report["disclinations"]) == 2 and "quad_mesh" not in report
-    assert asked == [("ball", str(picture), (-25.0, 14.0))]
+    assert asked == [("ball", str(picture), {"view": (-25.0, 14.0), "edges": False})]
     assert out.startswith("quads on ball: 642 vertices") and "%" in err and "%" not in out.split("wrote")[1]
     for path in (blend, report_file, picture, field):
         assert f"wrote {path}" in out
@@ -279,14 +279,14 @@ def test_quads_write_scene_report_picture_and_field(ball, tmp_path, capfd, monke
 
 def test_a_quad_mesh_goes_to_a_scene_and_to_a_file_where_the_given_one_was(ball, tmp_path, capfd, monkeypatch):
     asked = []
-    monkeypatch.setattr(render, "render_picture", lambda obj, path, *, view: asked.append(obj.name))
+    monkeypatch.setattr(render, "render_picture", lambda obj, path, *, view, edges: asked.append((obj.name, edges)))
     blend, report_file, picture, mesh = (tmp_path / f"out.{kind}" for kind in ("blend", "json", "png", "obj"))
     outputs = ["--output", blend, "--report", report_file, "--render", picture, "--export-mesh", mesh]
     status, out, err = run(capfd, "quad_mesh", ball, "--spacing", 0.4, "--smoothing", 5, *outputs)
     assert status == 0, err
     figures = json.loads(report_file.read_text())["quad_mesh"]
     assert json.loads(report_file.read_text())["settings"]["smoothing"] == 5
-    assert f"ball Quads: {figures['faces']} faces" in out and asked == ["ball Quads"]
+    assert f"ball Quads: {figures['faces']} faces" in out and asked == [("ball Quads", True)]
     vertices, faces = read_obj(mesh)
     assert (len(vertices), len(faces)) == (figures["vertices"], figures["faces"])
     assert np.mean([len(face) == 4 for face in faces]) == pytest.approx(figures["quad_share"]) and len(faces) > 200
