@@ -20,7 +20,7 @@ from .bake import bake_maps
 from .bake_settings import BakeSettings
 from .relief import add_relief
 from .report import Report, result_line, versions
-from .settings import from_names
+from .settings import Settings, from_names
 from .task import PATTERNS, gather, settings_for, solve_directions, solve_pattern
 
 
@@ -117,6 +117,26 @@ def place_defects(obj, vertices):
         return with_defects(solved.pattern, vertices)
 
     return _show(obj, place)
+
+
+def trace_quads(obj, smoothing=Settings.smoothing):
+    """Make the mesh of the quads that an object shows, variations and placed defects included, without another solve.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object with quads that were solved since the file was opened; it is hidden
+    smoothing : how often a vertex moves to the middle of its neighbours on the surface
+
+    Result and errors as :func:`quad_mesh`.
+    """
+    refuse(obj)
+    with _object_mode(obj):
+        solved = memory.recall(obj)
+        if solved.task.command != "quads":
+            raise SynchError(f"{obj.name} shows no quads: solve quads first")
+        task = replace(solved.task, settings=replace(solved.task.settings, smoothing=smoothing))
+        report = solved.report.again("quad_mesh")
+        return _write_quads(obj, task, solved.field, solved.pattern, _traced(task, solved.pattern, report), report)
 
 
 def isolines(obj, **settings):
@@ -224,6 +244,24 @@ def _write(obj, task, field, pattern, report, number=0):
     return plain
 
 
+def _traced(task, pattern, report):
+    """The quad mesh of a pattern's grid lines."""
+    with report.clock("extract"):
+        return quad_object.smoothed(traced_quads(pattern.edge_phases), task)
+
+
+def _write_quads(obj, task, field, pattern, quads, report):
+    """Make the quad mesh's object; returns the report."""
+    with report.clock("write"):
+        defects = write.reported_defects(obj, task, field, pattern)
+        report.quad_mesh = quad_object.write(obj, task, quads)
+    plain = report.finish(field, pattern, defects)
+    made = bpy.data.objects[report.quad_mesh["object"]]
+    if hasattr(made, "synch"):  # as long as the extension is registered
+        made.synch.result = result_line(plain)
+    return plain
+
+
 def refuse(obj):
     """Raise SynchError for an object that cannot be given a field."""
     reason = scene_io.refusal(obj)
@@ -314,9 +352,7 @@ class FieldJob:
         if not alone:
             self._pattern = solve_pattern(self._task, self._field, self._report, _portion(callback, 0.4, 0.55))
         if self.command == "quad_mesh":
-            with self._report.clock("extract"):
-                traced = traced_quads(self._pattern.edge_phases)
-                self._quads = quad_object.smoothed(traced, self._task)
+            self._quads = _traced(self._task, self._pattern, self._report)
 
     def write(self, obj):
         """Write the result to the object at once; returns the report."""
@@ -325,10 +361,7 @@ class FieldJob:
                 raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
             if self._quads is None:
                 return _write(obj, self._task, self._field, self._pattern, self._report)
-            with self._report.clock("write"):
-                defects = write.reported_defects(obj, self._task, self._field, self._pattern)
-                self._report.quad_mesh = quad_object.write(obj, self._task, self._quads)
-            return self._report.finish(self._field, self._pattern, defects)
+            return _write_quads(obj, self._task, self._field, self._pattern, self._quads, self._report)
 
 
 def _portion(callback, start, share):

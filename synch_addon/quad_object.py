@@ -12,6 +12,7 @@ from ..core.extract.quad_quality import quality
 from . import scene_io
 from .defect_empties import defect_empties
 from .materials import shows_pattern
+from .settings import PROPERTY_NAMES
 
 # Shares of the way to the middle of its neighbours that a vertex moves at once, forth and back: uneven places are
 # smoothed, and little shrinks (after Taubin 1995).
@@ -116,6 +117,9 @@ def write(obj, task, quads):
     made.matrix_parent_inverse, made.matrix_basis = obj.matrix_parent_inverse, obj.matrix_basis
     for collection in obj.users_collection:
         collection.objects.link(made)
+    if hasattr(obj, "synch"):  # as long as the extension is registered
+        for name in (*PROPERTY_NAMES, "automatic_spacing"):
+            setattr(made.synch, name, getattr(obj.synch, name))
     tree = surface_tree(mesh.vertices, mesh.triangles)
     centres = np.add.reduceat(quads.vertices[quads.corner_vertices], quads.starts) / quads.sizes[:, None]
     at_centres, under = nearest(tree, centres)

@@ -39,9 +39,10 @@ class Report:
         self._start = time.perf_counter()
         self._task = None
 
-    def again(self):
+    def again(self, command=None):
         """A report of the same run for another result of its solve: new times, no warnings yet."""
         fresh = copy(self)
+        fresh.command = command or self.command
         fresh.clock, fresh.warnings, fresh._start = Clock(), [], time.perf_counter()
         return fresh
 

@@ -30,7 +30,10 @@ class SYNCH_PT_result(SidebarPanel, bpy.types.Panel):
             row.prop(synch, "variation")
             row.operator("synch.draw_variation", text="", icon="FILE_REFRESH")
             self.layout.operator("synch.place_defect", icon="PIVOT_CURSOR")
-            if json.loads(synch.result)["command"] != "directions":
+            command = json.loads(synch.result)["command"]
+            if command == "quads":
+                self.layout.operator("synch.trace_quads", icon="MOD_REMESH")
+            if command != "directions":
                 row = self.layout.row(align=True)
                 row.operator("synch.isolines", icon="MOD_CURVE")
                 row.operator("synch.relief", icon="MOD_DISPLACE")

@@ -9,6 +9,7 @@ from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_
 
 from ...core.errors import SynchError
 from .. import api, memory, scene_io
+from ..settings import Settings
 from .field_operator import unready
 
 # Numbers that the dice draw: from here on every one is another random projection.
@@ -54,6 +55,27 @@ class SYNCH_OT_variation(_SolvedOperator, bpy.types.Operator):
 
     def execute(self, context):
         return self._show(api.vary, context.active_object, self.number)
+
+
+class SYNCH_OT_trace_quads(_SolvedOperator, bpy.types.Operator):
+    """Make a new mesh of the quads that the object shows, without solving again, and hide the object"""
+
+    bl_idname = "synch.trace_quads"
+    bl_label = "Mesh of These Quads"
+
+    smoothing: IntProperty(
+        name="Smoothing",
+        description="How often vertices move to the middle of their neighbours, on the surface",
+        default=Settings.smoothing,
+        min=0,
+    )
+
+    def invoke(self, context, _event):
+        self.smoothing = context.active_object.synch.smoothing
+        return self.execute(context)
+
+    def execute(self, context):
+        return self._show(api.trace_quads, context.active_object, self.smoothing)
 
 
 class SYNCH_OT_draw_variation(_SolvedOperator, bpy.types.Operator):
@@ -125,4 +147,4 @@ def vertex_under(context, event):
     return scene_io.nearest_vertex(obj, face, place)
 
 
-CLASSES = (SYNCH_OT_variation, SYNCH_OT_draw_variation, SYNCH_OT_place_defect)
+CLASSES = (SYNCH_OT_variation, SYNCH_OT_draw_variation, SYNCH_OT_place_defect, SYNCH_OT_trace_quads)
