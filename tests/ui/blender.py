@@ -1,0 +1,155 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A Blender with a window, driven as a user does it: read by its texts, clicked, typed at.
+
+Places are pixels of the window, x to the right and y up from the bottom left, as Blender's events count.
+"""
+
+import json
+import os
+import shlex
+import shutil
+import subprocess
+import time
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from . import reading
+
+# Seconds after which what is waited for counts as missing, and that an event needs to reach the window.
+PATIENCE, SETTLING = 600, 0.3
+# Points of the interface's font.
+_POINTS = 11
+
+
+class Blender:
+    """Blender in a window that fills a screen.
+
+    Parameters
+    ----------
+    command : what starts Blender, as a shell would split it
+    screen : Screen
+    folder : Path, empty; the user's own, and the way to the Blender inside
+    """
+
+    def __init__(self, command, screen, folder):
+        self.screen, self.folder = screen, folder
+        self._template = cache(self._drawn)
+        width, height = screen.size
+        environment = {
+            **os.environ,
+            "DISPLAY": screen.name,
+            "HOME": str(folder),
+            "XDG_RUNTIME_DIR": str(folder),
+            "BLENDER_USER_RESOURCES": str(folder / "user"),
+            "LIBGL_ALWAYS_SOFTWARE": "1",
+            "SYNCH_UI_FOLDER": str(folder),
+        }
+        environment.pop("PYTHONPATH", None)  # the extension is tested, not the checkout
+        inside = shutil.copy(Path(__file__).with_name("inside.py"), folder)
+        arguments = ["--factory-startup", "--gpu-backend", "opengl", "--enable-event-simulate"]
+        arguments += ["--window-geometry", "0", "0", str(width), str(height), "--python", inside]
+        self._log = folder / "blender.log"
+        with self._log.open("wb") as log:
+            self._process = subprocess.Popen([*shlex.split(command), *arguments], env=environment, stdout=log, stderr=log)
+        self.run("")
+
+    def run(self, source):
+        """Execute Python inside; returns what it leaves in ``answer``, which JSON can hold."""
+        command, answer = self.folder / "command", self.folder / "answer"
+        (self.folder / "command.part").write_text(source)
+        (self.folder / "command.part").rename(command)
+        end = time.monotonic() + PATIENCE
+        while not answer.exists():
+            if self._process.poll() is not None or time.monotonic() > end:
+                raise RuntimeError(f"Blender does not answer: {self._log.read_text()[-2000:]}")
+            time.sleep(0.01)
+        result = json.loads(answer.read_text())
+        answer.unlink()
+        if "error" in result:
+            raise RuntimeError(result["error"])
+        return result["answer"]
+
+    def value(self, expression):
+        """A Python expression's value inside."""
+        return self.run(f"answer = {expression}")
+
+    def until(self, expression):
+        """Wait for a Python expression to be true inside; returns its value."""
+        return self._until(lambda: self.value(expression), expression)
+
+    def region(self, kind="UI"):
+        """x, y, width and height of a region of the 3D view: the sidebar UI, the view WINDOW, HEADER ..."""
+        return self.value(f"region({kind!r})")
+
+    def picture(self, kind=None):
+        """What the screen, or a region of the 3D view, shows: (height, width, 3) bytes, first row on top."""
+        picture = self.screen.picture()
+        if kind is None:
+            return picture
+        x, y, width, height = self.region(kind)
+        top = self.screen.size[1] - y - height
+        return picture[top : top + height, x : x + width]
+
+    def places(self, text, kind="UI", tab=False):
+        """Where a region shows a text, (k, 2) middles, the topmost first; the names of tabs are read downwards."""
+        x, y, _, height = self.region(kind)
+        found = reading.places(self.picture(kind), self._template(text, tab))
+        return found * (1, -1) + (x, y + height)
+
+    def shows(self, text, kind="UI"):
+        """Whether a region shows a text."""
+        return len(self.places(text, kind)) > 0
+
+    def wait_for(self, text, kind="UI", tab=False):
+        """Wait for a region to show a text; returns its middle, the topmost if there are several."""
+        return self._until(lambda: self.places(text, kind, tab), f"the text {text!r}")[0]
+
+    def click(self, place, kind="UI", tab=False):
+        """Click on a text of a region, or at x, y."""
+        self.move(self.wait_for(place, kind, tab) if isinstance(place, str) else place)
+        self.press("LEFTMOUSE")
+
+    def move(self, place):
+        """Move the mouse to x, y."""
+        self._event("MOUSEMOVE", "NOTHING", place)
+
+    def hold(self, button="LEFTMOUSE"):
+        """Press a button or key and keep it down, where the mouse is."""
+        self._event(button, "PRESS")
+
+    def release(self, button="LEFTMOUSE"):
+        """Let a button or key go."""
+        self._event(button, "RELEASE")
+
+    def press(self, key, **modifiers):
+        """Press a key or button and let it go; modifiers: ctrl, shift, alt."""
+        self._event(key, "PRESS", **modifiers)
+        self._event(key, "RELEASE", **modifiers)
+
+    def close(self):
+        """End Blender."""
+        self._process.terminate()
+        self._process.wait(PATIENCE)
+
+    def _event(self, kind, value, place=None, **modifiers):
+        if place is not None:
+            self._mouse = [round(float(number)) for number in place]
+        self.run(f"event({kind!r}, {value!r}, *{self._mouse}, **{modifiers})")
+        time.sleep(SETTLING)
+
+    def _until(self, condition, wish):
+        end = time.monotonic() + PATIENCE
+        while True:
+            value = condition()
+            if np.size(value) and np.all(value):
+                return value
+            if time.monotonic() > end:
+                raise TimeoutError(f"waited {PATIENCE} s for {wish}")
+            time.sleep(0.05)
+
+    def _drawn(self, text, tab):
+        drawn = np.array(self.value(f"drawn_text({text!r}, {_POINTS})"), np.uint8)
+        return np.rot90(drawn, -1) if tab else drawn
