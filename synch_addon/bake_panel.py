@@ -21,7 +21,7 @@ class SYNCH_PT_bake(SidebarPanel, bpy.types.Panel):
     bl_label = "Bake"
     bl_parent_id = "SYNCH_PT_fields"
     bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 3
+    bl_order = 4
 
     @classmethod
     def poll(cls, context):

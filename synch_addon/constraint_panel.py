@@ -5,7 +5,7 @@ import bpy
 from bpy.props import EnumProperty
 
 from . import jobs
-from .panels import SidebarPanel, property_column
+from .panels import SettingsPanel, property_column
 from .scene_io import refusal
 
 
@@ -91,15 +91,12 @@ class SYNCH_UL_constraints(bpy.types.UIList):
         line.prop(item, "enabled", text="")
 
 
-class SYNCH_PT_constraints(SidebarPanel, bpy.types.Panel):
+class SYNCH_PT_constraints(SettingsPanel, bpy.types.Panel):
     """What is asked of the pattern along lines of the mesh"""
 
     bl_label = "Constraints"
-    bl_parent_id = "SYNCH_PT_fields"
-
-    @classmethod
-    def poll(cls, context):
-        return _editable(context)
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 1
 
     def draw(self, context):
         obj = context.active_object

@@ -8,6 +8,8 @@ from ..core.errors import Cancelled
 
 # Share of the work after which its time can be told.
 _TELLING = 0.15
+# Of the threads.
+_NAME = "synch"
 # The job that the window is waiting for, or None: the panel shows its progress.
 running = None
 
@@ -18,7 +20,9 @@ def stop():
     work, running = running, None
     if work is not None:
         work.cancel()
-        work.wait()
+    for thread in threading.enumerate():
+        if thread.name == _NAME:  # those that were cancelled, too: their code goes
+            thread.join()
 
 
 class BackgroundSolve:
@@ -35,7 +39,7 @@ class BackgroundSolve:
         self.stage, self.fraction, self.error = "", 0.0, None
         self._start = time.monotonic()
         self._cancelled = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="synch", daemon=True)
+        self._thread = threading.Thread(target=self._run, name=_NAME, daemon=True)
         self._thread.start()
 
     def _run(self):
@@ -51,8 +55,13 @@ class BackgroundSolve:
         return not self._cancelled.is_set()
 
     def cancel(self):
-        """Ask the solve to stop; it does so at its next iteration."""
+        """Ask the solve to stop; it does so at its next iteration, and nobody has to wait for that."""
         self._cancelled.set()
+
+    @property
+    def cancelled(self):
+        """Whether it was asked to stop."""
+        return self._cancelled.is_set()
 
     @property
     def line(self):

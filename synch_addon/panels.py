@@ -77,9 +77,13 @@ def property_column(layout):
 
 def draw_progress(layout, work):
     """A bar for the job that runs."""
-    layout.progress(factor=work.fraction, text=work.line)
+    layout.progress(factor=work.fraction, text=_capitalized(work.line))
     layout.label(text=work.times, icon="TIME")
     layout.operator("synch.cancel", icon="EVENT_ESC")
+
+
+def _capitalized(line):
+    return line[:1].upper() + line[1:]
 
 
 class SidebarPanel:
@@ -97,17 +101,11 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
         obj = context.active_object
         reason = refusal(obj)
         if reason:
-            self.layout.label(text=reason[0].upper() + reason[1:], icon="INFO")
+            self.layout.label(text=_capitalized(reason), icon="INFO")
             return
         if jobs.running is not None:
             draw_progress(self.layout, jobs.running)
             return
-        draw_directions(self.layout, obj.synch, obj)
-        draw_pattern(self.layout, obj.synch)
-        draw_faces(self.layout, obj.synch)
-        self.layout.label(text="Quads", icon="MESH_GRID")
-        draw_quads(self.layout, obj.synch)
-        draw_quad_mesh(self.layout, obj.synch)
         column = self.layout.column(align=True)
         column.scale_y = 1.3
         row = column.row(align=True)
@@ -118,23 +116,65 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
         row.operator("synch.quad_mesh", icon="MOD_REMESH")
 
 
-class SYNCH_PT_solver(SidebarPanel, bpy.types.Panel):
-    """How the fields are optimized"""
+class SettingsPanel(SidebarPanel):
+    """Mixed into panels of an object's settings, which hide while there is nothing to set."""
 
-    bl_label = "Solver"
     bl_parent_id = "SYNCH_PT_fields"
-    bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 1  # below the constraints
 
     @classmethod
     def poll(cls, context):
         return refusal(context.active_object) is None and jobs.running is None
 
+
+class SYNCH_PT_directions(SettingsPanel, bpy.types.Panel):
+    """What the stripes run along"""
+
+    bl_label = "Directions"
+    bl_order = 1
+
+    def draw(self, context):
+        obj = context.active_object
+        draw_directions(self.layout, obj.synch, obj)
+
+
+class SYNCH_PT_pattern(SettingsPanel, bpy.types.Panel):
+    """How far stripes are from one another, and which faces show them"""
+
+    bl_label = "Pattern"
+    bl_order = 1
+
+    def draw(self, context):
+        obj = context.active_object
+        draw_pattern(self.layout, obj.synch)
+        if len(obj.data.materials) > 1:
+            draw_faces(self.layout, obj.synch)
+
+
+class SYNCH_PT_quads(SettingsPanel, bpy.types.Panel):
+    """What only quads have"""
+
+    bl_label = "Quads"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 1
+
+    def draw(self, context):
+        settings = context.active_object.synch
+        draw_quads(self.layout, settings)
+        draw_quad_mesh(self.layout, settings)
+
+
+class SYNCH_PT_solver(SettingsPanel, bpy.types.Panel):
+    """How the fields are optimized"""
+
+    bl_label = "Solver"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 2  # below the constraints
+
     def draw(self, context):
         draw_solver(self.layout, context.active_object.synch)
 
 
-_CLASSES = (SYNCH_PT_fields, SYNCH_PT_solver)
+_CLASSES = (SYNCH_PT_fields, SYNCH_PT_directions, SYNCH_PT_pattern, SYNCH_PT_quads, SYNCH_PT_solver)
 
 
 def register():

@@ -24,37 +24,63 @@ class SYNCH_PT_result(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context):
         synch = context.active_object.synch
-        draw_figures(self.layout, json.loads(synch.result))
-        if memory.holds(context.active_object):
+        result = json.loads(synch.result)
+        if result["command"] != "directions":
+            draw_shading(self.layout, context.space_data.shading)
+        held = memory.holds(context.active_object)
+        draw_figures(self.layout, result, held)
+        if held:
             row = property_column(self.layout).row(align=True)
             row.prop(synch, "variation")
             row.operator("synch.draw_variation", text="", icon="FILE_REFRESH")
             self.layout.operator("synch.place_defect", icon="PIVOT_CURSOR")
-            command = json.loads(synch.result)["command"]
-            if command == "quads":
+            if result["command"] == "quads":
                 self.layout.operator("synch.trace_quads", icon="MOD_REMESH")
-            if command != "directions":
+            if result["command"] != "directions":
                 row = self.layout.row(align=True)
                 row.operator("synch.isolines", icon="MOD_CURVE")
                 row.operator("synch.relief", icon="MOD_DISPLACE")
         row = self.layout.row(align=True)
-        row.operator("synch.select_defects", text="Select", icon="RESTRICT_SELECT_OFF")
-        row.operator("synch.next_defect", text="Next", icon="VIEWZOOM")
-        row.operator("synch.copy_report", text="Report", icon="COPYDOWN")
+        row.operator("synch.select_defects", text="Select Defects", icon="RESTRICT_SELECT_OFF")
+        row.operator("synch.next_defect", text="Next Defect", icon="VIEWZOOM")
 
 
-def draw_figures(layout, result):
-    """Energy, bound and counts; ``result`` is what :func:`report.result_line` keeps."""
+def draw_shading(layout, shading):
+    """Buttons that show the pattern in a view which does not draw materials; ``shading`` is the view's."""
+    if shading.type in {"MATERIAL", "RENDERED"}:
+        return
+    layout.label(text="To see the pattern:", icon="HIDE_OFF")
+    row = layout.row(align=True)
+    row.scale_y = 1.3
+    row.prop_enum(shading, "type", "MATERIAL", text="Preview")
+    row.prop_enum(shading, "type", "RENDERED", text="Rendered")
+
+
+def draw_figures(layout, result, held):
+    """Energy, bound and counts.
+
+    ``result`` is what :func:`report.result_line` keeps. Where its whole report is held, the lines say in their tooltips
+    what they mean, and copy it when they are clicked.
+    """
     column = layout.column(align=True)
+
+    def line(text, icon, about):
+        row = column.row()
+        row.alignment = "LEFT"
+        if held:
+            row.operator("synch.copy_report", text=text, icon=icon, emboss=False).about = about
+        else:
+            row.label(text=text, icon=icon)
+
     if result["energy"] is not None:
-        column.label(text=f"Energy {result['energy']:.4g}", icon="SORTTIME")
+        line(f"Energy {result['energy']:.4g}", "SORTTIME", "energy")
         if result["certificate"] == "proved":
-            column.label(text=f"Proved: no field saves more than {result['gap']:.0%}", icon="CHECKMARK")
+            line(f"Proved: no field saves more than {result['gap']:.0%}", "CHECKMARK", "proved")
         elif result["certificate"] == "estimated":
-            column.label(text=f"About {result['gap']:.0%} above the bound", icon="QUESTION")
+            line(f"About {result['gap']:.0%} above the bound", "QUESTION", "estimated")
     for kind in ("disclination", "dislocation"):
-        column.label(text=counted(result[kind + "s"], kind), icon="DOT")
-    column.label(text=f"{result['seconds']:.2f} s, {counted(result['nodes'], 'vertex')}", icon="TIME")
+        line(counted(result[kind + "s"], kind), "DOT", kind)
+    line(f"{result['seconds']:.2f} s, {counted(result['nodes'], 'vertex')}", "TIME", "time")
 
 
 def register():

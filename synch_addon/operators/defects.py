@@ -5,6 +5,7 @@ the report of the last solve."""
 import json
 
 import bpy
+from bpy.props import StringProperty
 
 from .. import memory, scene_io
 from ..defect_empties import defect_empties
@@ -12,6 +13,18 @@ from .field_operator import unready
 
 # Distance from which a defect is looked at, in sizes of its empty.
 _VIEWED = 30
+
+
+# What the figures of the box Result mean.
+_MEANINGS = {
+    "energy": "What is left of the wish for even stripes along the directions: 0 is a perfect pattern",
+    "proved": "No field at all on this mesh has less energy than this one by more than this share: its bound is "
+    "proved by a factorization in double precision",
+    "estimated": "How much of the energy lies above the lower bound; the bound is estimated, not proved",
+    "disclination": "Points around which the directions turn: by a half for lines, by a quarter for crosses",
+    "dislocation": "Points where a stripe begins or ends",
+    "time": "How long the last solve took, and on how many vertices",
+}
 
 
 class _DefectOperator:
@@ -76,6 +89,13 @@ class SYNCH_OT_copy_report(bpy.types.Operator):
 
     bl_idname = "synch.copy_report"
     bl_label = "Copy Report"
+
+    about: StringProperty(description="Figure whose meaning the tooltip says", options={"HIDDEN", "SKIP_SAVE"})
+
+    @classmethod
+    def description(cls, context, properties):
+        meaning = _MEANINGS.get(properties.about)
+        return f"{meaning}.\nClick to copy the full report as JSON" if meaning else cls.__doc__
 
     @classmethod
     def poll(cls, context):

@@ -74,9 +74,9 @@ class FieldOperator:
         work = jobs.running
         if event.type == "ESC" and event.value == "PRESS":
             work.cancel()
-        elif event.type == "TIMER" and work.finished:
+        if work.cancelled or (event.type == "TIMER" and work.finished):
             return self._reporting(self._finish, context)
-        elif event.type == "TIMER":
+        if event.type == "TIMER":
             _show(context, f"{self.bl_label}: {work.line}   {work.times}   Esc: cancel")
             context.window_manager.progress_update(work.fraction)
         free = event.type in _NAVIGATION or (event.type in _POINTING and _over_sidebar(context, event))
@@ -84,7 +84,7 @@ class FieldOperator:
 
     def cancel(self, context):
         """The window or the file is being closed."""
-        self._leave(context)
+        self._leave(context).cancel()
 
     def _reporting(self, step, context):
         """Run a step; an error becomes one line and CANCELLED."""
@@ -121,6 +121,8 @@ class FieldOperator:
 
     def _finish(self, context):
         work = self._leave(context)
+        if work.cancelled:
+            raise Cancelled("cancelled: nothing was changed")
         if work.error is not None:
             raise work.error
         obj = bpy.data.objects.get(self._object_name)
@@ -129,10 +131,8 @@ class FieldOperator:
         return self._announce(work.job.write(obj))
 
     def _leave(self, context):
-        """Give the window back; returns the job, whose thread has ended."""
+        """Give the window back; returns the job. A thread that was cancelled ends by itself: it writes nothing."""
         work, jobs.running = jobs.running, None
-        work.cancel()
-        work.wait()
         context.window_manager.event_timer_remove(self._timer)
         context.window_manager.progress_end()
         _show(context, None)

@@ -53,7 +53,9 @@ class Blender:
         arguments += ["--window-geometry", "0", "0", str(width), str(height), "--python", inside]
         self._log = folder / "blender.log"
         with self._log.open("wb") as log:
-            self._process = subprocess.Popen([*shlex.split(command), *arguments], env=environment, stdout=log, stderr=log)
+            self._process = subprocess.Popen(
+                [*shlex.split(command), *arguments], env=environment, stdout=log, stderr=log
+            )
         self.run("")
 
     def run(self, source):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Finds a text in a picture by what Blender's own font draws for it: correlation, so colours and shades do not count."""
+"""Finds a text in a picture, as Blender's own font draws it, in any colour: by correlation."""
 
 import numpy as np
 from scipy.ndimage import shift, uniform_filter
@@ -33,7 +33,7 @@ def places(picture, template):
     while score.max() >= _ALIKE:
         row, column = np.unravel_index(score.argmax(), score.shape)
         found.append((column + width / 2, row + height / 2))
-        score[max(row - height // 2, 0) : row + height // 2 + 1, max(column - width // 2, 0) : column + width // 2 + 1] = 0
+        score[max(row - height // 2, 0) : row + height // 2, max(column - width // 2, 0) : column + width // 2] = 0
     return np.array(sorted(found, key=lambda place: place[1])).reshape(-1, 2)
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A virtual display, and pictures of it. Xvfb keeps the screen as an X window dump in a file: no tool is needed to read it."""
+"""A virtual display, and pictures of it: Xvfb keeps the screen as an X window dump in a file."""
 
 import os
 import shutil
