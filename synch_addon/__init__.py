@@ -12,6 +12,7 @@ from . import (
     operators,
     overlay_view,
     panels,
+    refine,
     result_panel,
     settings,
 )
@@ -21,6 +22,7 @@ _MODULES = (
     guide_list,
     settings,
     memory,
+    refine,
     operators,
     guide_panel,
     panels,

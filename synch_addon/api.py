@@ -18,6 +18,7 @@ from . import field_io, memory, quad_object, scene_io, write
 from . import isolines as line_object
 from .bake import bake_maps
 from .bake_settings import BakeSettings
+from .refine import offered_levels, subdivide
 from .relief import add_relief
 from .report import Report, result_line, versions
 from .settings import Settings, from_names
@@ -191,6 +192,33 @@ def relief(obj, height=0.15, width=0.5, profile=0, level=None, smooth=False):
     with _object_mode(obj):
         made = add_relief(obj, height, width, profile, level, smooth)
     return {"status": "made", "command": "relief", "object": obj.name, **made, "versions": versions()}
+
+
+def refine(obj, levels=None):
+    """Subdivide an object's mesh without changing its shape, so that it carries the spacing that is set.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+    levels : how often every edge is halved; None for as often as its spacing needs, at least once
+
+    Returns
+    -------
+    dict, the report with ``levels``, ``faces_before`` and ``faces``
+
+    Raises
+    ------
+    SynchError
+        with one line that names the element and the remedy; nothing is changed
+    """
+    refuse(obj)
+    with _object_mode(obj):
+        levels = max(offered_levels(obj), 1) if levels is None else levels
+        before = len(obj.data.polygons)
+        subdivide(obj, levels)
+    memory.forget(obj)
+    counts = {"levels": levels, "faces_before": before, "faces": len(obj.data.polygons)}
+    return {"status": "made", "command": "refine", "object": obj.name, **counts, "versions": versions()}
 
 
 def bake(obj, callback=None, **settings):

@@ -5,6 +5,7 @@ import bpy
 
 from . import jobs
 from .guide_panel import draw_guidance
+from .refine import draw_warning
 from .scene_io import refusal
 
 
@@ -146,6 +147,7 @@ class SYNCH_PT_pattern(SettingsPanel, bpy.types.Panel):
     def draw(self, context):
         obj = context.active_object
         draw_pattern(self.layout, obj.synch)
+        draw_warning(self.layout, obj)
         if len(obj.data.materials) > 1:
             draw_faces(self.layout, obj.synch)
 

@@ -138,7 +138,12 @@ def automatic_spacing(command, mesh):
     A period has one stripe, and two quads.
     """
     size = np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max()
-    median, long = np.quantile(mesh.edge_lengths, [0.5, 1 - COARSE_SHARE])
     per_period = 2 if PATTERNS.get(command) is quad_pattern else 1
-    spacing = max(per_period * size / LINES_ACROSS, EDGES_PER_PERIOD * median, 2 * long)
+    spacing = max(per_period * size / LINES_ACROSS, carried_spacing(mesh.edge_lengths))
     return float(min(spacing, per_period * size / FEWEST_LINES))
+
+
+def carried_spacing(lengths):
+    """The finest spacing for (e,) lengths of edges: four edges to it as a rule, and two where they are longest."""
+    median, long = np.quantile(lengths, [0.5, 1 - COARSE_SHARE])
+    return float(max(EDGES_PER_PERIOD * median, 2 * long))

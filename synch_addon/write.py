@@ -35,6 +35,15 @@ def results(obj, task, field, pattern, report):
     return [_plain(obj, d) for d in defects], polygons
 
 
+def clear(obj):
+    """Take away the pattern and the defects that were written for other faces; directions stay, as guidance."""
+    for name in [a.name for a in obj.data.attributes if a.name.startswith("synch_") and a.name != "synch_direction"]:
+        scene_io.remove_attribute(obj, name)
+    write_defects(obj, [])
+    if hasattr(obj, "synch"):  # as long as the extension is registered
+        obj.synch.result = ""
+
+
 def reported_defects(obj, task, field, pattern):
     """The defects of a solved pattern for the report, without writing anything."""
     return [_plain(obj, d) for d in _defects(task.given, field, pattern, task.given.polygons)]

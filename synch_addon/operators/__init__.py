@@ -4,7 +4,7 @@
 import bpy
 
 from .. import jobs
-from . import bake, clebsch, defects, directions, field_io, field_operator, isolines, quads, stripes, variations
+from . import bake, clebsch, defects, directions, field_io, field_operator, isolines, quads, refine, stripes, variations
 
 _CLASSES = (
     directions.SYNCH_OT_directions,
@@ -17,6 +17,7 @@ _CLASSES = (
     *clebsch.CLASSES,
     *isolines.CLASSES,
     bake.SYNCH_OT_bake,
+    refine.SYNCH_OT_refine,
 )
 
 

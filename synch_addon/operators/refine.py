@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operator: subdivide a mesh that is too coarse for the spacing of its pattern."""
+
+import bpy
+from bpy.props import IntProperty
+
+from ...core.errors import SynchError
+from .. import api, refine
+from .field_operator import unready
+
+
+class SYNCH_OT_refine(bpy.types.Operator):
+    """Subdivide the mesh without changing its shape, so that it carries the spacing. UV maps, groups and attributes \
+go over; a pattern on it has to be solved again"""
+
+    bl_idname = "synch.refine"
+    bl_label = "Subdivide for Spacing"
+    bl_options = {"REGISTER", "UNDO"}
+
+    levels: IntProperty(
+        name="Level",
+        description="How often every edge is halved; where it is not set, as often as the spacing needs",
+        default=1,
+        min=1,
+        max=refine.MOST_LEVELS,
+    )
+
+    @classmethod
+    def poll(cls, context):
+        reason = unready(context)
+        if reason is None and context.active_object.data.shape_keys:
+            reason = f"{context.active_object.name} has shape keys, which subdivision would lose: apply them first"
+        if reason:
+            cls.poll_message_set(reason)
+        return reason is None
+
+    def execute(self, context):
+        try:
+            levels = self.levels if self.properties.is_property_set("levels") else None
+            report = api.refine(context.active_object, levels)
+        except SynchError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.levels = report["levels"]
+        self.report({"INFO"}, f"{report['object']} has {report['faces']:,} faces, before {report['faces_before']:,}")
+        return {"FINISHED"}
