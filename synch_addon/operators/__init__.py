@@ -4,7 +4,20 @@
 import bpy
 
 from .. import jobs
-from . import bake, clebsch, defects, directions, field_io, field_operator, isolines, quads, refine, stripes, variations
+from . import (
+    bake,
+    clebsch,
+    defects,
+    directions,
+    field_io,
+    field_operator,
+    isolines,
+    quads,
+    refine,
+    samples,
+    stripes,
+    variations,
+)
 
 _CLASSES = (
     directions.SYNCH_OT_directions,
@@ -18,6 +31,7 @@ _CLASSES = (
     *isolines.CLASSES,
     bake.SYNCH_OT_bake,
     refine.SYNCH_OT_refine,
+    samples.SYNCH_OT_add_sample,
 )
 
 
