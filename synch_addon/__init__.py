@@ -9,11 +9,13 @@ from . import (
     guide_list,
     guide_panel,
     memory,
+    menus,
     operators,
     overlay_view,
     panels,
     refine,
     result_panel,
+    setting_presets,
     settings,
 )
 
@@ -24,6 +26,8 @@ _MODULES = (
     memory,
     refine,
     operators,
+    menus,
+    setting_presets,
     guide_panel,
     panels,
     result_panel,

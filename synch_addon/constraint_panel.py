@@ -64,7 +64,9 @@ class SYNCH_OT_constraint_move(_ActiveRowOperator, bpy.types.Operator):
     bl_idname = "synch.constraint_move"
     bl_label = "Move Constraint"
 
-    direction: EnumProperty(items=(("UP", "Up", ""), ("DOWN", "Down", "")))
+    direction: EnumProperty(
+        name="Direction", description="Where the row goes", items=(("UP", "Up", ""), ("DOWN", "Down", ""))
+    )
 
     def execute(self, context):
         stored = context.active_object.synch

@@ -7,6 +7,7 @@ from . import jobs
 from .guide_panel import draw_guidance
 from .refine import draw_warning
 from .scene_io import refusal
+from .setting_presets import SYNCH_PT_presets
 
 
 def draw_directions(layout, settings, obj, of_quads=False):
@@ -97,6 +98,10 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
     """Direction fields, stripes and quads"""
 
     bl_label = "Synch Fields"
+
+    def draw_header_preset(self, context):
+        if refusal(context.active_object) is None and jobs.running is None:
+            SYNCH_PT_presets.draw_panel_header(self.layout)
 
     def draw(self, context):
         obj = context.active_object

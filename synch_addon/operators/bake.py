@@ -16,7 +16,7 @@ class SYNCH_OT_bake(BakeProperties, bpy.types.Operator):
 
     bl_idname = "synch.bake"
     bl_label = "Bake"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"REGISTER", "UNDO", "PRESET"}
 
     @classmethod
     def poll(cls, context):

@@ -33,7 +33,7 @@ def unready(context):
 class FieldOperator:
     """Mixed into an operator with the setting properties; ``command`` names the API function."""
 
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"REGISTER", "UNDO", "PRESET"}
     command = ""
 
     guidance: StringProperty(

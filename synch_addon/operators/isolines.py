@@ -18,7 +18,7 @@ class SYNCH_OT_isolines(bpy.types.Operator):
 
     bl_idname = "synch.isolines"
     bl_label = "Lines as Curves"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"REGISTER", "UNDO", "PRESET"}
 
     width: FloatProperty(
         name="Width",
@@ -85,7 +85,7 @@ class SYNCH_OT_relief(bpy.types.Operator):
 
     bl_idname = "synch.relief"
     bl_label = "Relief"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"REGISTER", "UNDO", "PRESET"}
 
     height: FloatProperty(
         name="Height",

@@ -1,0 +1,9 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import bpy
+
+synch = bpy.context.active_object.synch
+
+synch.guidance = "SMOOTH"
+synch.symmetry = "LINE"
+synch.angle = 0.0
+synch.boundary = "PHASE"
