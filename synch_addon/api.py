@@ -5,7 +5,6 @@ Each gathers arrays, calls the core, and only then writes; an error or a cancell
 scene as it was. All return the report that the command line writes as JSON.
 """
 
-from contextlib import contextmanager
 from dataclasses import replace
 
 import bpy
@@ -18,7 +17,7 @@ from . import field_io, memory, quad_object, scene_io, write
 from . import isolines as line_object
 from .bake import bake_maps
 from .bake_settings import BakeSettings
-from .refine import offered_levels, subdivide
+from .refine import refine as refine
 from .relief import add_relief
 from .report import Report, result_line, versions
 from .settings import Settings, from_names
@@ -131,7 +130,7 @@ def trace_quads(obj, smoothing=Settings.smoothing):
     Result and errors as :func:`quad_mesh`.
     """
     refuse(obj)
-    with _object_mode(obj):
+    with scene_io.object_mode(obj):
         solved = memory.recall(obj)
         if solved.task.command != "quads":
             raise SynchError(f"{obj.name} shows no quads: solve quads first")
@@ -159,7 +158,7 @@ def isolines(obj, **settings):
     """
     refuse(obj)
     settings = line_object.from_names(settings)
-    with _object_mode(obj):
+    with scene_io.object_mode(obj):
         solved = memory.recall(obj)
         if solved.pattern is None:
             raise SynchError("lines are drawn of stripes and quads: solve one of them first")
@@ -189,36 +188,9 @@ def relief(obj, height=0.15, width=0.5, profile=0, level=None, smooth=False):
         with one line that names the element and the remedy; nothing is made
     """
     refuse(obj)
-    with _object_mode(obj):
+    with scene_io.object_mode(obj):
         made = add_relief(obj, height, width, profile, level, smooth)
     return {"status": "made", "command": "relief", "object": obj.name, **made, "versions": versions()}
-
-
-def refine(obj, levels=None):
-    """Subdivide an object's mesh without changing its shape, so that it carries the spacing that is set.
-
-    Parameters
-    ----------
-    obj : bpy.types.Object
-    levels : how often every edge is halved; None for as often as its spacing needs, at least once
-
-    Returns
-    -------
-    dict, the report with ``levels``, ``faces_before`` and ``faces``
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is changed
-    """
-    refuse(obj)
-    with _object_mode(obj):
-        levels = max(offered_levels(obj), 1) if levels is None else levels
-        before = len(obj.data.polygons)
-        subdivide(obj, levels)
-    memory.forget(obj)
-    counts = {"levels": levels, "faces_before": before, "faces": len(obj.data.polygons)}
-    return {"status": "made", "command": "refine", "object": obj.name, **counts, "versions": versions()}
 
 
 def bake(obj, callback=None, **settings):
@@ -245,21 +217,21 @@ def bake(obj, callback=None, **settings):
 def run_bake(obj, settings, callback=None):
     """Bake with ready :class:`BakeSettings`."""
     refuse(obj)
-    with _object_mode(obj):
+    with scene_io.object_mode(obj):
         return bake_maps(obj, settings, callback)
 
 
 def _show(obj, change, number=0):
     refuse(obj)
-    with _object_mode(obj):
+    with scene_io.object_mode(obj):
         solved = memory.recall(obj)
         report = solved.report.again()
         with report.clock("round"):
             field, pattern = solved.showing(change(solved))
-        return _write(obj, solved.task, field, pattern, report, number)
+        return write_result(obj, solved.task, field, pattern, report, number)
 
 
-def _write(obj, task, field, pattern, report, number=0):
+def write_result(obj, task, field, pattern, report, number=0):
     """Write a field and remember it as variation ``number`` of its solve; returns the report."""
     with report.clock("write"):
         defects, polygons = write.results(obj, task, field, pattern, report)
@@ -310,7 +282,7 @@ def import_field(obj, path):
         with one line that names the element and the remedy; nothing is written
     """
     refuse(obj)
-    with _object_mode(obj):
+    with scene_io.object_mode(obj):
         return field_io.import_directions(obj, path)
 
 
@@ -331,13 +303,13 @@ def export_field(obj, path, symmetry="line"):
     refuse(obj)
     if symmetry not in SYMMETRIES:
         raise SettingError(f"symmetry {symmetry!r} is unknown: use one of {', '.join(SYMMETRIES)}")
-    with _object_mode(obj):
+    with scene_io.object_mode(obj):
         field_io.export_directions(obj, path, symmetry)
 
 
 def select(obj, vertices):
     """Select vertices and nothing else of an object's mesh, in object or edit mode."""
-    with _object_mode(obj):
+    with scene_io.object_mode(obj):
         scene_io.select_vertices(obj, vertices)
 
 
@@ -355,7 +327,7 @@ class FieldJob:
         self.command = command
         self._report = Report(command, obj, settings)
         self._field = self._pattern = self._quads = None
-        with _object_mode(obj), self._report.clock("read"):
+        with scene_io.object_mode(obj), self._report.clock("read"):
             self._task = gather(command, obj, settings)
             self._report.warn_about(obj, self._task)
 
@@ -384,11 +356,11 @@ class FieldJob:
 
     def write(self, obj):
         """Write the result to the object at once; returns the report."""
-        with _object_mode(obj):
+        with scene_io.object_mode(obj):
             if not scene_io.is_unchanged(obj, self._task.given):
                 raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
             if self._quads is None:
-                return _write(obj, self._task, self._field, self._pattern, self._report)
+                return write_result(obj, self._task, self._field, self._pattern, self._report)
             return _write_quads(obj, self._task, self._field, self._pattern, self._quads, self._report)
 
 
@@ -397,20 +369,3 @@ def _portion(callback, start, share):
     if callback is None:
         return None
     return lambda stage, fraction: callback(stage, start + share * fraction)
-
-
-@contextmanager
-def _object_mode(obj):
-    """Leave edit mode while attributes are read and written, and come back to it."""
-    editing = obj.mode == "EDIT"
-    if editing:
-        if bpy.context.view_layer.objects.active != obj:
-            raise SynchError(
-                f"{obj.name} is in edit mode and not active: make it the active object, or leave edit mode"
-            )
-        bpy.ops.object.mode_set(mode="OBJECT")
-    try:
-        yield
-    finally:
-        if editing and bpy.context.view_layer.objects.active == obj:  # not where a new object took its place
-            bpy.ops.object.mode_set(mode="EDIT")

@@ -11,7 +11,8 @@ import bpy
 import numpy as np
 
 from ..core.errors import SettingError, SynchError
-from . import scene_io, write
+from . import memory, scene_io, write
+from .report import versions
 from .task import LINES_ACROSS, carried_spacing
 
 # Faces that are looked at, spread over all of them.
@@ -37,6 +38,35 @@ class Carried:
 
     spacing: float
     size: float
+
+
+def refine(obj, levels=None):
+    """Subdivide an object's mesh without changing its shape, so that it carries the spacing that is set.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+    levels : how often every edge is halved; None for as often as its spacing needs, at least once
+
+    Returns
+    -------
+    dict, the report with ``levels``, ``faces_before`` and ``faces``
+
+    Raises
+    ------
+    SynchError
+        with one line that names the element and the remedy; nothing is changed
+    """
+    reason = scene_io.refusal(obj)
+    if reason:
+        raise SynchError(reason)
+    with scene_io.object_mode(obj):
+        levels = max(offered_levels(obj), 1) if levels is None else levels
+        before = len(obj.data.polygons)
+        _subdivide(obj, levels)
+    memory.forget(obj)
+    counts = {"levels": levels, "faces_before": before, "faces": len(obj.data.polygons)}
+    return {"status": "made", "command": "refine", "object": obj.name, **counts, "versions": versions()}
 
 
 def carried(obj):
@@ -74,7 +104,7 @@ def offered_levels(obj):
     return max(levels, 0)
 
 
-def subdivide(obj, levels):
+def _subdivide(obj, levels):
     """Subdivide the mesh of an object in object mode, without smoothing, and take the pattern of the old faces away.
 
     UV maps, colours, groups, seams, materials and attributes go over; other users of the mesh keep theirs.

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The only door between Blender's data and the core's arrays."""
 
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import bmesh
 import bpy
 import numpy as np
 
-from ..core.errors import MeshError, SettingError
+from ..core.errors import MeshError, SettingError, SynchError
 from ..core.geometry import TriangleMesh
 from ..core.geometry.check import check_mesh
 from ..core.geometry.polygons import Polygons
@@ -64,6 +65,23 @@ def refusal(obj):
         if not owner.is_editable:
             return f"the {kind} {owner.name} is linked: make it local with Object > Relations > Make Local"
     return None
+
+
+@contextmanager
+def object_mode(obj):
+    """Leave edit mode while attributes are read and written, and come back to it."""
+    editing = obj.mode == "EDIT"
+    if editing:
+        if bpy.context.view_layer.objects.active != obj:
+            raise SynchError(
+                f"{obj.name} is in edit mode and not active: make it the active object, or leave edit mode"
+            )
+        bpy.ops.object.mode_set(mode="OBJECT")
+    try:
+        yield
+    finally:
+        if editing and bpy.context.view_layer.objects.active == obj:  # not where a new object took its place
+            bpy.ops.object.mode_set(mode="EDIT")
 
 
 def read_mesh(obj):
