@@ -30,41 +30,22 @@ def unready(context):
     return reason
 
 
-class FieldOperator:
-    """Mixed into an operator with the setting properties; ``command`` names the API function."""
+class BackgroundOperator:
+    """Mixed into an operator that solves: blocking from a script, in a thread from the window.
+
+    A subclass says what it runs: ``_take`` (its settings from where the panel keeps them), ``_job`` (reads the scene,
+    see :class:`jobs.BackgroundSolve`), ``_write`` (puts a job's result into the scene) and ``_announce``.
+    """
 
     bl_options = {"REGISTER", "UNDO", "PRESET"}
-    command = ""
-
-    guidance: StringProperty(
-        name="Guidance",
-        description="smooth, or what the directions follow, such as curvature-max=2,axis:Z",
-        default="smooth",
-    )
-
-    @classmethod
-    def poll(cls, context):
-        reason = unready(context)
-        if reason:
-            cls.poll_message_set(reason)
-        return reason is None
 
     def invoke(self, context, event):
-        """From the window: take the object's settings and solve in the background."""
+        """From the window: take the panel's settings and solve in the background."""
         return self._reporting(self._begin, context)
 
     def _begin(self, context):
-        stored = context.active_object.synch
-        self.guidance = stored_guidance(stored)
-        for name in PROPERTY_NAMES:
-            if name != "spacing" or not stored.automatic_spacing:
-                setattr(self, name, getattr(stored, name))
-        if stored.automatic_spacing:
-            self.properties.property_unset("spacing")
-        if bpy.app.background:
-            return self._run(context)
-        self._object_name = context.active_object.name
-        return self._start(context)
+        self._take(context)
+        return self._run(context) if bpy.app.background else self._start(context)
 
     def execute(self, context):
         """From a script, or again from the redo panel: solve and write before returning."""
@@ -98,20 +79,19 @@ class FieldOperator:
                 api.select(context.active_object, error.vertices)
         return {"CANCELLED"}
 
-    def _settings(self):
-        return plain(self, self.spacing if self.properties.is_property_set("spacing") else None)
-
     def _run(self, context):
         manager = context.window_manager
         manager.progress_begin(0, 1)
         try:
-            report = api.run(self.command, context.active_object, self._settings(), progress_of(manager))
+            job = self._job(context)
+            job.solve(progress_of(manager))
+            report = self._write(job)
         finally:
             manager.progress_end()
         return self._announce(report)
 
     def _start(self, context):
-        job = api.FieldJob(self.command, context.active_object, self._settings())
+        job = self._job(context)
         manager = context.window_manager
         manager.progress_begin(0, 1)
         self._timer = manager.event_timer_add(0.1, window=context.window)
@@ -125,10 +105,7 @@ class FieldOperator:
             raise Cancelled("cancelled: nothing was changed")
         if work.error is not None:
             raise work.error
-        obj = bpy.data.objects.get(self._object_name)
-        if obj is None:
-            raise SynchError(f"the object {self._object_name} is gone: nothing was written")
-        return self._announce(work.job.write(obj))
+        return self._announce(self._write(work.job))
 
     def _leave(self, context):
         """Give the window back; returns the job. A thread that was cancelled ends by itself: it writes nothing."""
@@ -137,6 +114,47 @@ class FieldOperator:
         context.window_manager.progress_end()
         _show(context, None)
         return work
+
+
+class FieldOperator(BackgroundOperator):
+    """Mixed into an operator with the setting properties; ``command`` names the API function."""
+
+    command = ""
+
+    guidance: StringProperty(
+        name="Guidance",
+        description="smooth, or what the directions follow, such as curvature-max=2,axis:Z",
+        default="smooth",
+    )
+
+    @classmethod
+    def poll(cls, context):
+        reason = unready(context)
+        if reason:
+            cls.poll_message_set(reason)
+        return reason is None
+
+    def _take(self, context):
+        stored = context.active_object.synch
+        self.guidance = stored_guidance(stored)
+        for name in PROPERTY_NAMES:
+            if name != "spacing" or not stored.automatic_spacing:
+                setattr(self, name, getattr(stored, name))
+        if stored.automatic_spacing:
+            self.properties.property_unset("spacing")
+
+    def _settings(self):
+        return plain(self, self.spacing if self.properties.is_property_set("spacing") else None)
+
+    def _job(self, context):
+        self._object_name = context.active_object.name
+        return api.FieldJob(self.command, context.active_object, self._settings())
+
+    def _write(self, job):
+        obj = bpy.data.objects.get(self._object_name)
+        if obj is None:
+            raise SynchError(f"the object {self._object_name} is gone: nothing was written")
+        return job.write(obj)
 
     def _announce(self, report):
         self.spacing = report["settings"]["spacing"]
