@@ -4,6 +4,7 @@
 import importlib.util
 import sys
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import bpy
@@ -40,7 +41,7 @@ class Flow:
 
 
 def read_flow(source, resolution):
-    """The :class:`Flow` of a path, of a volume object, or of curve objects.
+    """The :class:`Flow` of anything that :func:`flow_source` takes.
 
     Parameters
     ----------
@@ -52,76 +53,151 @@ def read_flow(source, resolution):
     SettingError
         with one line that says what is wrong with the source
     """
+    check_resolution(resolution)
+    found = flow_source(source)
+    grid = found.grid(resolution)
+    return Flow(grid, found.integrals(grid), found.name)
+
+
+def check_resolution(resolution):
+    """Refuse a resolution that nothing can be seen at."""
     if resolution < 8:
         raise SettingError(f"a resolution of {resolution} nodes shows no vortex: give 8 or more")
+
+
+def flow_source(source):
+    """What a flow is read from, a :class:`VolumeFile`, :class:`ArrayFile` or :class:`FilamentCurves`.
+
+    All that Blender's data is needed for is read here; the grid and the integrals may be asked for in another thread.
+    """
     if isinstance(source, str | Path):
-        return _read_file(Path(source), resolution)
+        return _file(Path(source))
     if isinstance(source, bpy.types.Object) and source.type == "VOLUME":
         path = bpy.path.abspath(source.data.filepath, library=source.data.library)
         if not path:
             raise SettingError(f"the volume {source.name} has no file: save it as .vdb and choose that")
-        return _read_vdb(Path(path), resolution, np.array(source.matrix_world), source.name)
-    curves = [source] if isinstance(source, bpy.types.Object) else list(source)
-    return _around_curves(curves, resolution)
+        return VolumeFile(Path(path), np.array(source.matrix_world), source.name)
+    return FilamentCurves([source] if isinstance(source, bpy.types.Object) else list(source))
 
 
-def _read_file(path, resolution):
+def _file(path):
     if path.suffix.lower() not in SUFFIXES:
         raise SettingError(f"{path}: flows are read from {' and '.join(SUFFIXES)} files")
     if not path.is_file():
         raise SettingError(f"{path}: no such file")
-    if path.suffix.lower() == ".vdb":
-        return _read_vdb(path, resolution, np.eye(4), path.name)
-    return _read_arrays(path)
+    return VolumeFile(path, np.eye(4), path.name) if path.suffix.lower() == ".vdb" else ArrayFile(path)
 
 
-def _read_arrays(path):
+class ArrayFile:
     """A .npz file with velocity (nx, ny, nz, 3) or (nx, ny, 2), and optional spacing, origin and periodic."""
-    try:
-        with np.load(path, allow_pickle=False) as arrays:
-            found = {name: arrays[name] for name in arrays.files}
-    except (ValueError, OSError) as error:
-        raise SettingError(f"{path}: {error}: write it with numpy.savez") from None
-    if "velocity" not in found:
-        have = ", ".join(found) or "nothing"
-        raise SettingError(f"{path}: has no array 'velocity' (it has {have}): save the flow under that name")
-    velocity = found["velocity"]
-    if velocity.ndim not in (3, 4) or velocity.shape[-1] != velocity.ndim - 1:
-        raise SettingError(f"{path}: velocity has the shape {velocity.shape}: use (nx, ny, nz, 3) or (nx, ny, 2)")
-    more = {name: found[name] for name in ("spacing", "origin", "periodic") if name in found}
-    grid = Grid(velocity.shape[:-1], **more)
-    return Flow(grid, edge_integrals(grid, velocity.reshape(-1, velocity.shape[-1])), path.name)
+
+    def __init__(self, path):
+        self.path, self.name = path, path.name
+
+    @cached_property
+    def _arrays(self):
+        path = self.path
+        try:
+            with np.load(path, allow_pickle=False) as arrays:
+                found = {name: arrays[name] for name in arrays.files}
+        except (ValueError, OSError) as error:
+            raise SettingError(f"{path}: {error}: write it with numpy.savez") from None
+        if "velocity" not in found:
+            have = ", ".join(found) or "nothing"
+            raise SettingError(f"{path}: has no array 'velocity' (it has {have}): save the flow under that name")
+        velocity = found["velocity"]
+        if velocity.ndim not in (3, 4) or velocity.shape[-1] != velocity.ndim - 1:
+            raise SettingError(f"{path}: velocity has the shape {velocity.shape}: use (nx, ny, nz, 3) or (nx, ny, 2)")
+        return found
+
+    def grid(self, _resolution):
+        """The file's own grid."""
+        more = {name: self._arrays[name] for name in ("spacing", "origin", "periodic") if name in self._arrays}
+        return Grid(self._arrays["velocity"].shape[:-1], **more)
+
+    def integrals(self, grid):
+        """(e,) of the velocity along the grid's edges."""
+        velocity = self._arrays["velocity"]
+        return edge_integrals(grid, velocity.reshape(-1, velocity.shape[-1]))
 
 
-def _read_vdb(path, resolution, matrix, name):
-    """The first vector grid of a file, sampled on a grid along the world's axes."""
-    vdb = _openvdb()
-    try:
-        grids = vdb.readAllGridMetadata(str(path))
-        vectors = [grid for grid in grids if grid.valueTypeName.startswith("vec3")]
-        found = vdb.read(str(path), vectors[0].name) if vectors else None
-    except (OSError, KeyError, RuntimeError) as error:
-        raise SettingError(f"{path}: {error}: choose an OpenVDB file") from None
-    if found is None:
-        have = ", ".join(f"{grid.name} ({grid.valueTypeName})" for grid in grids) or "none"
-        raise SettingError(f"{path}: has no grid of vectors (it has {have}): export the velocity")
-    low, high = found.evalActiveVoxelBoundingBox()
-    counts = np.array(high) - low + 1
-    if found.activeVoxelCount() == 0 or (counts < 2).any():
-        raise SettingError(f"{path}: the grid {found.name} is empty: export a frame that has a flow")
-    values = np.empty((*counts, 3), np.float32)
-    found.copyToArray(values, ijk=low)
-    if not np.isfinite(values).all():
-        raise SettingError(f"{path}: the grid {found.name} has voxels that are not numbers: mend the simulation")
-    to_world = matrix @ _index_to_world(found)
-    corners = np.array(np.meshgrid(*zip(low, high, strict=True), indexing="ij")).reshape(3, -1)
-    world = to_world[:3, :3] @ corners + to_world[:3, 3:]
-    grid = _box_grid(world.min(axis=1), world.max(axis=1), resolution)
-    inverse = np.linalg.inv(to_world)
-    places = inverse[:3, :3] @ grid.places.T + inverse[:3, 3:] - np.array(low)[:, None]
-    sampled = [map_coordinates(values[..., k], places, order=1, mode="nearest") for k in range(3)]
-    velocity = np.stack(sampled, axis=1) @ matrix[:3, :3].T
-    return Flow(grid, edge_integrals(grid, velocity), name)
+class VolumeFile:
+    """The first vector grid of a .vdb file, under a 4 x 4 matrix."""
+
+    def __init__(self, path, matrix, name):
+        self.path, self.name, self._matrix = path, name, matrix
+
+    @cached_property
+    def _vectors(self):
+        """(nx, ny, nz, 3) values, the index of the first one, and the (4, 4) matrix that takes indices to the world."""
+        path, vdb = self.path, _openvdb()
+        if not path.is_file():
+            raise SettingError(f"{path}: no such file")
+        try:
+            grids = vdb.readAllGridMetadata(str(path))
+            vectors = [grid for grid in grids if grid.valueTypeName.startswith("vec3")]
+            found = vdb.read(str(path), vectors[0].name) if vectors else None
+        except (OSError, KeyError, RuntimeError) as error:
+            raise SettingError(f"{path}: {error}: choose an OpenVDB file") from None
+        if found is None:
+            have = ", ".join(f"{grid.name} ({grid.valueTypeName})" for grid in grids) or "none"
+            raise SettingError(f"{path}: has no grid of vectors (it has {have}): export the velocity")
+        low, high = found.evalActiveVoxelBoundingBox()
+        counts = np.array(high) - low + 1
+        if found.activeVoxelCount() == 0 or (counts < 2).any():
+            raise SettingError(f"{path}: the grid {found.name} is empty: export a frame that has a flow")
+        values = np.empty((*counts, 3), np.float32)
+        found.copyToArray(values, ijk=low)
+        if not np.isfinite(values).all():
+            raise SettingError(f"{path}: the grid {found.name} has voxels that are not numbers: mend the simulation")
+        return values, np.array(low), self._matrix @ _index_to_world(found)
+
+    @property
+    def box(self):
+        """Lowest and highest corner in the world."""
+        values, low, to_world = self._vectors
+        ends = low, low + values.shape[:3] - 1
+        corners = np.array(np.meshgrid(*zip(*ends, strict=True), indexing="ij")).reshape(3, -1)
+        world = to_world[:3, :3] @ corners + to_world[:3, 3:]
+        return world.min(axis=1), world.max(axis=1)
+
+    def grid(self, resolution):
+        """A grid along the world's axes, with so many nodes along its longest side."""
+        return box_grid(*self.box, resolution)
+
+    def integrals(self, grid):
+        """(e,) of the velocity, sampled at the grid's nodes, along its edges."""
+        values, low, to_world = self._vectors
+        inverse = np.linalg.inv(to_world)
+        places = inverse[:3, :3] @ grid.places.T + inverse[:3, 3:] - low[:, None]
+        sampled = [map_coordinates(values[..., k], places, order=1, mode="nearest") for k in range(3)]
+        return edge_integrals(grid, np.stack(sampled, axis=1) @ self._matrix[:3, :3].T)
+
+
+class FilamentCurves:
+    """Curve objects as vortex filaments, and the flow that they induce in a box around them."""
+
+    def __init__(self, objects):
+        self._curves = []
+        for obj in objects:
+            if obj.type not in SOURCE_TYPES:
+                raise SettingError(f"{obj.name} is no curve: choose curves, a volume, or a .vdb or .npz file")
+            strength = float(obj.get(STRENGTH, 1.0))
+            matrix = np.array(obj.matrix_world)
+            self._curves += [(line @ matrix[:3, :3].T + matrix[:3, 3], strength) for line in polylines(obj)]
+        if not self._curves:
+            raise SettingError("there is no curve with two points: draw the vortex filaments")
+        self.name = objects[0].name
+
+    def grid(self, resolution):
+        """A grid with so many nodes along the longest side of the box."""
+        points = np.concatenate([points for points, _ in self._curves])
+        margin = _MARGIN * np.ptp(points, axis=0).max()
+        return box_grid(points.min(axis=0) - margin, points.max(axis=0) + margin, resolution)
+
+    def integrals(self, grid):
+        """(e,) of the velocity along the grid's edges."""
+        return filament_integrals(grid, self._curves, _CORE * grid.spacing[0])
 
 
 def _index_to_world(grid):
@@ -151,24 +227,7 @@ def _openvdb():
     return openvdb
 
 
-def _around_curves(objects, resolution):
-    """The flow that curve objects induce as vortex filaments, in a box around them."""
-    curves = []
-    for obj in objects:
-        if obj.type not in SOURCE_TYPES:
-            raise SettingError(f"{obj.name} is no curve: choose curves, a volume, or a .vdb or .npz file")
-        strength = float(obj.get(STRENGTH, 1.0))
-        matrix = np.array(obj.matrix_world)
-        curves += [(line @ matrix[:3, :3].T + matrix[:3, 3], strength) for line in polylines(obj)]
-    if not curves:
-        raise SettingError("there is no curve with two points: draw the vortex filaments")
-    points = np.concatenate([points for points, _ in curves])
-    margin = _MARGIN * np.ptp(points, axis=0).max()
-    grid = _box_grid(points.min(axis=0) - margin, points.max(axis=0) + margin, resolution)
-    return Flow(grid, filament_integrals(grid, curves, _CORE * grid.spacing[0]), objects[0].name)
-
-
-def _box_grid(low, high, resolution):
+def box_grid(low, high, resolution):
     """A grid of cubes over a box, with so many nodes along its longest side."""
     size = np.maximum(high - low, 1e-9)
     spacing = size.max() / (resolution - 1)
