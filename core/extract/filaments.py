@@ -36,7 +36,9 @@ def filaments(found, smoothing=0):
     smoothing : how often each point moves to the middle of its neighbours
     """
     grid, numbers = found.grid, found.face_numbers
-    places = puncture_places(found)
+    places = np.empty((len(numbers), 3))
+    passed = np.flatnonzero(numbers)
+    places[passed] = puncture_places(found, passed)
     box = grid.spacing * grid.shape
     result = []
     for strand in joined_strands(numbers, grid.cell_faces, grid.outward):
@@ -54,7 +56,7 @@ def filaments(found, smoothing=0):
 def vortices(found):
     """Vortices of a :class:`ClebschMap` in two dimensions: (v, 2) places and (v,) their strengths."""
     punctured = np.flatnonzero(found.face_numbers)
-    return puncture_places(found)[punctured], found.quantum * found.face_numbers[punctured]
+    return puncture_places(found, punctured), found.quantum * found.face_numbers[punctured]
 
 
 def _pieces(points, jumps, is_closed):
@@ -65,22 +67,22 @@ def _pieces(points, jumps, is_closed):
     return runs
 
 
-def puncture_places(found):
-    """(f, d) where filaments pass the faces: the zero between the values at the four corners.
+def puncture_places(found, faces):
+    """(k, d) where filaments pass (k,) faces: the zero between the values at the four corners.
 
     What opposite edges ask for on average, the flow that passes the filament by, is taken off before; where no zero is
     left, the middle of the face is meant.
     """
     grid = found.grid
-    asked = TURN / found.quantum * found.integrals[grid.face_edges]
+    asked = TURN / found.quantum * found.integrals[grid.face_edges[faces]]
     across, upwards = 0.5 * (asked[:, 0] + asked[:, 2]), 0.5 * (asked[:, 1] + asked[:, 3])
     mean = np.column_stack([np.zeros(len(asked)), across, across + upwards, upwards])
-    values = found.phases[grid.faces] * np.exp(-1j * mean)
+    values = found.phases[grid.faces[faces]] * np.exp(-1j * mean)
     s, t = bilinear_zero(values)
-    corner = grid.places[grid.faces[:, 0]]
+    corner = grid.places[grid.faces[faces, 0]]
     places = corner.copy()
     rows = np.arange(len(corner))
-    for share, axis in zip((s, t), grid.face_planes.T, strict=True):
+    for share, axis in zip((s, t), grid.face_planes[faces].T, strict=True):
         places[rows, axis] += share * grid.spacing[axis]
     return places
 

@@ -38,11 +38,11 @@ def isosurface(grid, values, level):
 
     Cells that go around the end of a periodic axis are left out: the surface ends there.
     """
-    tets = _tetrahedra(grid)
     above = values - level
     nearly = np.abs(above) < ASIDE * np.abs(above).max(initial=0)
     above = np.where(nearly, ASIDE * np.abs(above).max(initial=1), above)
     inside = above > 0
+    tets = _tetrahedra(grid, inside)
     count = inside[tets].sum(axis=1)
     corners = []
     # Corners in front by value: one inside and three outside, or the reverse, or two and two.
@@ -59,7 +59,8 @@ def isosurface(grid, values, level):
             corners.append(np.stack([[a, c], [b, d], [b, c]]))
     pairs = np.concatenate([part.transpose(2, 0, 1) for part in corners])
     keys = np.sort(pairs, axis=2).reshape(-1, 2)
-    ends, vertex = np.unique(keys, axis=0, return_inverse=True)
+    numbers, vertex = np.unique(keys[:, 0] * grid.node_count + keys[:, 1], return_inverse=True)
+    ends = np.column_stack(np.divmod(numbers, grid.node_count))
     shares = above[ends[:, 0]] / (above[ends[:, 0]] - above[ends[:, 1]])
     points = (1 - shares)[:, None] * grid.places[ends[:, 0]] + shares[:, None] * grid.places[ends[:, 1]]
     triangles = vertex.reshape(-1, 3)
@@ -73,10 +74,14 @@ def isosurface(grid, values, level):
     return Isosurface(TriangleMesh(points, triangles), ends, shares)
 
 
-def _tetrahedra(grid):
-    """(6 c, 4) nodes: every cube as six tetrahedra around its diagonal, which fit those of its neighbours."""
-    corner = grid.numbers[:-1, :-1, :-1].ravel()
-    steps = np.array([grid.numbers[1, 0, 0], grid.numbers[0, 1, 0], grid.numbers[0, 0, 1]])
+def _tetrahedra(grid, inside):
+    """(6 c, 4) nodes of the cubes that the surface passes, each as six tetrahedra around its diagonal, which fit those
+    of its neighbours."""
+    numbers, corners = grid.numbers, inside.reshape(grid.shape)
+    whole = [slice(None, -1), slice(1, None)]
+    found = sum(corners[i, j, k].astype(np.int8) for i in whole for j in whole for k in whole)
+    corner = numbers[:-1, :-1, :-1][(found > 0) & (found < 8)]
+    steps = np.array([numbers[1, 0, 0], numbers[0, 1, 0], numbers[0, 0, 1]])
     parts = []
     for first, second, third in permutations(range(3)):
         ways = np.cumsum([0, steps[first], steps[second], steps[third]])
