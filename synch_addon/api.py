@@ -17,6 +17,7 @@ from . import field_io, memory, quad_object, scene_io, write
 from . import isolines as line_object
 from .bake import bake_maps
 from .bake_settings import BakeSettings
+from .jobs import portion
 from .refine import refine as refine
 from .relief import add_relief
 from .report import Report, result_line, versions
@@ -348,9 +349,9 @@ class FieldJob:
 
     def _solve(self, callback):
         alone = self.command not in PATTERNS
-        self._field = solve_directions(self._task, callback if alone else _portion(callback, 0.0, 0.4))
+        self._field = solve_directions(self._task, callback if alone else portion(callback, 0.0, 0.4))
         if not alone:
-            self._pattern = solve_pattern(self._task, self._field, self._report, _portion(callback, 0.4, 0.55))
+            self._pattern = solve_pattern(self._task, self._field, self._report, portion(callback, 0.4, 0.55))
         if self.command == "quad_mesh":
             self._quads = _traced(self._task, self._pattern, self._report)
 
@@ -362,10 +363,3 @@ class FieldJob:
             if self._quads is None:
                 return write_result(obj, self._task, self._field, self._pattern, self._report)
             return _write_quads(obj, self._task, self._field, self._pattern, self._quads, self._report)
-
-
-def _portion(callback, start, share):
-    """A callback for a part of the whole work."""
-    if callback is None:
-        return None
-    return lambda stage, fraction: callback(stage, start + share * fraction)

@@ -9,16 +9,15 @@ import bpy
 import numpy as np
 
 from ..core.errors import SettingError
-from ..core.extract.filaments import filaments
-from ..core.extract.isosurface import isosurface
-from ..core.fields.clebsch import circulations, clebsch_map, quantum_for, spherical_map
+from ..core.fields.clebsch import ClebschMap, SphericalMap, circulations, clebsch_map, quantum_for, spherical_map
 from ..core.solve import METHODS, Options
-from .flows import STRENGTH, read_flow
+from ..core.solve.monitor import Monitor
+from .flows import check_resolution, flow_source
+from .jobs import portion
 from .report import peak_memory, quality, versions
+from .vortex_objects import facts, make_filaments, make_tubes, showing
 
-SHOWN = ("filaments", "tubes")
-# Radius of a filament's tube in cells of the grid.
-_THICKNESS = 0.25
+SHOWN = ("filaments", "tubes", "both")
 
 
 @dataclass(frozen=True)
@@ -27,7 +26,7 @@ class ClebschSettings:
 
     Attributes
     ----------
-    show : "filaments" or "tubes"
+    show : "filaments", "tubes" or "both"
     resolution : nodes along the longest side that files and curves are resampled to
     count : filaments through the plane of the grid with most vorticity, unless a quantum is given
     quantum : circulation of one filament, None for one that makes ``count`` of them
@@ -62,8 +61,8 @@ class ClebschSettings:
             raise SettingError(f"the opening is {self.opening:g} degrees: the whole sphere has 180, give less")
         if self.point is not None and (len(self.point) != 3 or not np.linalg.norm(self.point) > 0):
             raise SettingError(f"the point of the sphere is {self.point!r}: give three numbers that are not all 0")
-        if self.show == "tubes" and self.method != "sdp":
-            raise SettingError("tubes come from the relaxation: use the method sdp")
+        if (self.show != "filaments" or self.point is not None) and self.method != "sdp":
+            raise SettingError("tubes and points of the sphere come from the relaxation: use the method sdp")
 
     @property
     def options(self):
@@ -71,58 +70,104 @@ class ClebschSettings:
 
 
 class ClebschJob:
-    """One run in three steps: reading when it is made, :meth:`solve` on arrays alone, :meth:`write` into the scene."""
+    """One run in three steps: what Blender's data is needed for is read when it is made, :meth:`solve` may run in
+    another thread, :meth:`write` makes objects."""
 
     def __init__(self, source, settings):
         self._start = time.perf_counter()
         self.settings = settings
-        self._flow = read_flow(source, settings.resolution)
-        if self._flow.grid.dimension != 3:
-            raise SettingError(f"{self._flow.name}: a flow in a plane has no filaments to show: give one in space")
+        check_resolution(settings.resolution)
+        self._source = flow_source(source)
 
     def solve(self, callback=None):
-        """Solve for the map, and the sphere where it is asked for."""
-        settings, flow = self.settings, self._flow
+        """Solve for the map and, where the method can, the sphere.
+
+        Raises
+        ------
+        Cancelled
+            when the callback returns False
+        SettingError
+            with one line that says what is wrong with the source
+        """
+        settings = self.settings
+        grid, integrals = _interruptible(self._read, "flow", callback)
         quantum = settings.quantum
         if quantum is None:
-            quantum = quantum_for(flow.grid, flow.integrals, settings.count)
-        self._found = clebsch_map(flow.grid, flow.integrals, quantum, settings.options, callback)
-        self._sphere = None
-        if settings.show == "tubes" or settings.point is not None:
-            self._sphere = spherical_map(self._found, callback)
+            quantum = quantum_for(grid, integrals, settings.count)
+        found = clebsch_map(grid, integrals, quantum, settings.options, portion(callback, 0.1, 0.7))
+        sphere = spherical_map(found, portion(callback, 0.8, 0.15)) if settings.method == "sdp" else None
+        self._solved = SolvedFlow(self._source.name, found, sphere, settings)
+        self._shown = _interruptible(lambda: showing(found, sphere, settings), "vortices", callback, 0.95)
 
-    def write(self, _obj=None):
-        """Make the object; returns the report."""
-        settings, shown = self.settings, self._found
-        facts = {}
-        if settings.show == "tubes":
-            made, facts["tubes"] = _write_tubes(self._flow, self._sphere, settings)
-        else:
-            if settings.point is not None:
-                shown = self._sphere.seen_from(settings.point)
-            made, facts["filaments"] = _write_filaments(self._flow, shown, settings)
-        vorticity = np.abs(circulations(shown.grid, shown.integrals)).sum()
-        caught = shown.quantum * np.abs(shown.face_numbers).sum()
-        return {
-            "status": shown.solution.status.value,
-            "command": "clebsch",
-            "source": self._flow.name,
-            "object": made.name,
-            "nodes": shown.grid.node_count,
-            "edges": len(shown.grid.edges),
-            "shape": list(shown.grid.shape),
-            "quantum": shown.quantum,
-            **quality(shown.solution),
-            "energy": shown.energy,
-            "sphere_energy": self._sphere.energy if self._sphere else None,
-            "vorticity_share": float(caught / vorticity) if vorticity else None,
-            **facts,
-            "times": shown.solution.times | {"total": time.perf_counter() - self._start},
-            "peak_memory_mb": peak_memory(),
-            "settings": asdict(settings),
-            "warnings": [],
-            "versions": versions(),
-        }
+    def _read(self):
+        grid = self._source.grid(self.settings.resolution)
+        if grid.dimension != 3:
+            raise SettingError(f"{self._source.name}: a flow in a plane has no filaments to show: give one in space")
+        return grid, self._source.integrals(grid)
+
+    def write(self):
+        """Make the objects; returns the report."""
+        solved, shown = self._solved, self._shown
+        made = []
+        if shown.tubes is not None:
+            made.append(make_tubes(f"{solved.name} Tubes", shown))
+        if shown.lines is not None:
+            made.append(make_filaments(f"{solved.name} Filaments", shown))
+        _add(made)
+        return report_of(solved, shown, made, self._start)
+
+
+@dataclass(frozen=True)
+class SolvedFlow:
+    """A solved flow, of which every point of the sphere shows other vortices.
+
+    Attributes
+    ----------
+    name : of what the flow was read from
+    found : ClebschMap, the best
+    sphere : SphericalMap, None for methods without a relaxation
+    settings : ClebschSettings
+    """
+
+    name: str
+    found: ClebschMap
+    sphere: SphericalMap | None
+    settings: ClebschSettings
+
+
+def report_of(solved, shown, made, start):
+    """The report of a run that began at ``start`` and made, or filled anew, some objects; the last one is active."""
+    found = shown.found
+    vorticity = np.abs(circulations(found.grid, found.integrals)).sum()
+    caught = found.quantum * np.abs(found.face_numbers).sum()
+    return {
+        "status": found.solution.status.value,
+        "command": "clebsch",
+        "source": solved.name,
+        "object": made[-1].name,
+        "objects": [obj.name for obj in made],
+        "nodes": found.grid.node_count,
+        "edges": len(found.grid.edges),
+        "shape": list(found.grid.shape),
+        "quantum": found.quantum,
+        **quality(found.solution),
+        "energy": found.energy,
+        "sphere_energy": solved.sphere.energy if solved.sphere else None,
+        "vorticity_share": float(caught / vorticity) if vorticity else None,
+        **facts(shown),
+        "times": found.solution.times | {"total": time.perf_counter() - start},
+        "peak_memory_mb": peak_memory(),
+        "settings": asdict(solved.settings),
+        "warnings": [],
+        "versions": versions(),
+    }
+
+
+def _interruptible(work, stage, callback, fraction=0.0):
+    """The result of work that asks nobody whether it should stop; it is left behind when it should."""
+    monitor = Monitor(callback)
+    monitor.at(stage, fraction)
+    return monitor.during(work)
 
 
 def clebsch(source, callback=None, **settings):
@@ -152,61 +197,12 @@ def clebsch(source, callback=None, **settings):
     return job.write()
 
 
-def _write_filaments(flow, shown, settings):
-    """A curve object with a spline for every filament."""
-    found = filaments(shown, settings.smoothing)
-    data = bpy.data.curves.new("Vortex Filaments", "CURVE")
-    data.dimensions = "3D"
-    data.bevel_depth = _THICKNESS * float(shown.grid.spacing.min())
-    data.bevel_resolution = 3
-    for line in found:
-        spline = data.splines.new("POLY")
-        spline.points.add(len(line.points) - 1)
-        spline.points.foreach_set("co", np.column_stack([line.points, np.ones(len(line.points))]).ravel())
-        spline.use_cyclic_u = line.is_closed
-        # Thicker where several lie on each other.
-        spline.points.foreach_set("radius", np.full(len(line.points), np.sqrt(line.strength / shown.quantum)))
-    made = _add(f"{flow.name} Filaments", data)
-    made[STRENGTH] = shown.quantum
-    return made, [
-        {
-            "strength": line.strength,
-            "closed": line.is_closed,
-            "points": len(line.points),
-            "length": float(np.linalg.norm(np.diff(line.points, axis=0), axis=1).sum()),
-        }
-        for line in found
-    ]
-
-
-def _write_tubes(flow, sphere, settings):
-    """A mesh around where the map to the sphere shows the antipode of the chosen point, with the sphere as colour."""
-    point = np.array(settings.point if settings.point is not None else (0.0, 0.0, 1.0), float)
-    facing = sphere.sphere @ (-point / np.linalg.norm(point))
-    surface = isosurface(sphere.found.grid, facing, math.cos(math.radians(settings.opening)))
-    data = bpy.data.meshes.new("Vortex Tubes")
-    data.from_pydata(surface.mesh.vertices.tolist(), [], surface.mesh.triangles.tolist())
-    data.shade_smooth()
-    shown = surface.interpolated(sphere.sphere)
-    shown = shown / np.maximum(np.linalg.norm(shown, axis=1, keepdims=True), 1e-12)
-    colors = np.column_stack([0.5 + 0.5 * shown, np.ones(len(shown))])
-    for name, data_type, field, values in (
-        ("synch_sphere", "FLOAT_VECTOR", "vector", shown),
-        ("synch_color", "FLOAT_COLOR", "color", colors),
-    ):
-        attribute = data.attributes.new(name, data_type, "POINT")
-        attribute.data.foreach_set(field, values.astype(np.float32).ravel())
-    made = _add(f"{flow.name} Tubes", data)
-    made[STRENGTH] = sphere.found.quantum * 0.5 * (1 - math.cos(math.radians(settings.opening)))
-    return made, {"faces": surface.mesh.triangle_count, "pieces": int(surface.mesh.pieces.max(initial=-1)) + 1}
-
-
-def _add(name, data):
-    """A new object of the scene's collection, active and selected."""
-    made = bpy.data.objects.new(name, data)
-    bpy.context.scene.collection.objects.link(made)
+def _add(objects):
+    """Put new objects into the scene, selected, the last one active."""
     layer = bpy.context.view_layer
     for other in layer.objects:
-        other.select_set(other == made)
-    layer.objects.active = made
-    return made
+        other.select_set(False)
+    for made in objects:
+        bpy.context.scene.collection.objects.link(made)
+        made.select_set(True)
+    layer.objects.active = objects[-1]

@@ -83,3 +83,10 @@ class BackgroundSolve:
     def wait(self):
         """Until the thread has ended."""
         self._thread.join()
+
+
+def portion(callback, start, share):
+    """A callback for a part of the whole work."""
+    if callback is None:
+        return None
+    return lambda stage, fraction: callback(stage, start + share * fraction)

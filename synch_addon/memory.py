@@ -11,10 +11,51 @@ from . import scene_io
 from .report import Report
 from .task import Task
 
-# Objects whose solves are kept, the latest ones: some hundred bytes a vertex each.
-MOST = 8
+# Objects whose solves are kept, the latest ones: some hundred bytes a vertex each, of flows a kilobyte a node.
+MOST, MOST_FLOWS = 8, 4
 
-_solved = {}
+
+class Shelf:
+    """What was computed for objects, of the latest of them."""
+
+    def __init__(self, most):
+        self._most, self._kept = most, {}
+
+    def put(self, obj, solved):
+        """Keep something for an object, in place of what there was."""
+        self.drop(obj)
+        self._kept[obj.session_uid] = solved
+        while len(self._kept) > self._most:
+            del self._kept[next(iter(self._kept))]
+
+    def get(self, obj):
+        """What is kept for an object.
+
+        Raises
+        ------
+        SynchError
+            where there is nothing
+        """
+        if not self.holds(obj):
+            raise SynchError(f"{obj.name} has not been solved since the file was opened: solve it first")
+        return self._kept[obj.session_uid]
+
+    def drop(self, obj):
+        """Keep it no longer."""
+        self._kept.pop(obj.session_uid, None)
+
+    def holds(self, obj):
+        """Whether anything is kept for an object."""
+        return obj is not None and obj.session_uid in self._kept
+
+    def clear(self):
+        """Keep nothing."""
+        self._kept.clear()
+
+
+_fields = Shelf(MOST)
+# Of the objects that show the vortices of a flow.
+flows = Shelf(MOST_FLOWS)
 
 
 @dataclass
@@ -48,10 +89,7 @@ class Solved:
 
 def remember(obj, solved):
     """Keep the solve that an object shows now."""
-    forget(obj)
-    _solved[obj.session_uid] = solved
-    while len(_solved) > MOST:
-        del _solved[next(iter(_solved))]
+    _fields.put(obj, solved)
 
 
 def recall(obj):
@@ -62,9 +100,7 @@ def recall(obj):
     SynchError
         where there is none, or the mesh has changed since
     """
-    solved = _solved.get(obj.session_uid)
-    if solved is None:
-        raise SynchError(f"{obj.name} has not been solved since the file was opened: solve it first")
+    solved = _fields.get(obj)
     if not scene_io.is_unchanged(obj, solved.task.given):
         raise SynchError(f"the mesh or the scale of {obj.name} has changed since it was solved: solve it again")
     return solved
@@ -72,17 +108,18 @@ def recall(obj):
 
 def forget(obj):
     """Keep the solve of an object no longer."""
-    _solved.pop(obj.session_uid, None)
+    _fields.drop(obj)
 
 
 def holds(obj):
     """Whether there is a solve of an object, be its mesh changed or not."""
-    return obj is not None and obj.session_uid in _solved
+    return _fields.holds(obj)
 
 
 @bpy.app.handlers.persistent
 def _forget_all(*_):
-    _solved.clear()
+    _fields.clear()
+    flows.clear()
 
 
 def register():
@@ -91,4 +128,4 @@ def register():
 
 def unregister():
     bpy.app.handlers.load_post.remove(_forget_all)
-    _solved.clear()
+    _forget_all()

@@ -24,6 +24,12 @@ class Filament:
     strength: float
     is_closed: bool
 
+    @property
+    def length(self):
+        """Along it, once around a closed one."""
+        ends = self.points[:1] if self.is_closed else self.points[-1:]
+        return float(np.linalg.norm(np.diff(self.points, axis=0, append=ends), axis=1).sum())
+
 
 def filaments(found, smoothing=0):
     """Filaments of a :class:`ClebschMap` in three dimensions, through the points where they pass the grid's faces.

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is shown of a solved flow: filaments as a curve object, tubes as a mesh coloured by the sphere.
+
+First plain arrays (:func:`showing`), which may be computed in another thread, then the objects, made or filled anew.
+"""
+
+import math
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ..core.extract.filaments import Filament, filaments
+from ..core.extract.isosurface import isosurface
+from ..core.fields.clebsch import ClebschMap, SphericalMap
+from .flows import STRENGTH
+
+# Radius of a filament's tube in cells of the grid.
+_THICKNESS = 0.25
+NORTH = (0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Tubes:
+    """A surface around vortices.
+
+    Attributes
+    ----------
+    vertices, triangles : (n, 3) and (m, 3)
+    sphere : (n, 3) point of the sphere at each vertex
+    strength : circulation around one that the map covers once
+    pieces : connected parts
+    """
+
+    vertices: np.ndarray
+    triangles: np.ndarray
+    sphere: np.ndarray
+    strength: float
+    pieces: int
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What is shown of a solve.
+
+    Attributes
+    ----------
+    found : the ClebschMap that the filaments are of
+    lines : list of Filament, or None where they are not asked for
+    tubes : Tubes, or None
+    """
+
+    found: ClebschMap
+    lines: list[Filament] | None
+    tubes: Tubes | None
+
+
+def showing(found: ClebschMap, sphere: SphericalMap | None, settings) -> Shown:
+    """What settings ask to see of a solved flow; the sphere may be missing where only the best filaments are."""
+    if settings.point is not None:
+        found = sphere.seen_from(settings.point)
+    lines = filaments(found, settings.smoothing) if settings.show != "tubes" else None
+    tubes = _tubes(sphere, settings.point or NORTH, settings.opening) if settings.show != "filaments" else None
+    return Shown(found, lines, tubes)
+
+
+def _tubes(sphere, point, opening):
+    point, width = np.array(point, float), math.cos(math.radians(opening))
+    facing = sphere.sphere @ (-point / np.linalg.norm(point))
+    surface = isosurface(sphere.found.grid, facing, width)
+    shown = surface.interpolated(sphere.sphere)
+    shown /= np.maximum(np.linalg.norm(shown, axis=1, keepdims=True), 1e-12)
+    strength = sphere.found.quantum * 0.5 * (1 - width)
+    pieces = int(surface.mesh.pieces.max(initial=-1)) + 1
+    return Tubes(surface.mesh.vertices, surface.mesh.triangles, shown, strength, pieces)
+
+
+def make_filaments(name, shown):
+    """A curve object with a spline for every filament."""
+    data = bpy.data.curves.new(name, "CURVE")
+    data.dimensions = "3D"
+    data.bevel_depth = _THICKNESS * float(shown.found.grid.spacing.min())
+    data.bevel_resolution = 3
+    fill_filaments(data, shown)
+    made = bpy.data.objects.new(name, data)
+    made[STRENGTH] = shown.found.quantum
+    return made
+
+
+def fill_filaments(data, shown):
+    """Put filaments into a curve in place of what it has."""
+    data.splines.clear()
+    for line in shown.lines:
+        spline = data.splines.new("POLY")
+        spline.points.add(len(line.points) - 1)
+        points = np.column_stack([line.points, np.ones(len(line.points))]).astype(np.float32)
+        spline.points.foreach_set("co", points.ravel())
+        spline.use_cyclic_u = line.is_closed
+        # Thicker where several lie on each other.
+        thickness = math.sqrt(line.strength / shown.found.quantum)
+        spline.points.foreach_set("radius", np.full(len(points), thickness, np.float32))
+
+
+def make_tubes(name, shown):
+    """A mesh object with the tubes."""
+    data = bpy.data.meshes.new(name)
+    fill_tubes(data, shown)
+    made = bpy.data.objects.new(name, data)
+    made[STRENGTH] = shown.tubes.strength
+    return made
+
+
+def fill_tubes(data, shown):
+    """Put tubes into a mesh in place of what it has; its materials stay."""
+    tubes = shown.tubes
+    data.clear_geometry()
+    corners = len(tubes.triangles) * 3
+    data.vertices.add(len(tubes.vertices))
+    data.loops.add(corners)
+    data.polygons.add(len(tubes.triangles))
+    data.vertices.foreach_set("co", tubes.vertices.astype(np.float32).ravel())
+    data.loops.foreach_set("vertex_index", tubes.triangles.astype(np.int32).ravel())
+    data.polygons.foreach_set("loop_start", np.arange(0, corners, 3, dtype=np.int32))
+    data.update(calc_edges=True)
+    data.shade_smooth()
+    colors = np.column_stack([0.5 + 0.5 * tubes.sphere, np.ones(len(tubes.sphere))])
+    for attribute, kind, field, values in (
+        ("synch_sphere", "FLOAT_VECTOR", "vector", tubes.sphere),
+        ("synch_color", "FLOAT_COLOR", "color", colors),
+    ):
+        data.attributes.new(attribute, kind, "POINT").data.foreach_set(field, values.astype(np.float32).ravel())
+
+
+def facts(shown):
+    """What a report says about the filaments and the tubes."""
+    result = {}
+    if shown.lines is not None:
+        result["filaments"] = [
+            {
+                "strength": line.strength,
+                "closed": line.is_closed,
+                "points": len(line.points),
+                "length": line.length,
+            }
+            for line in shown.lines
+        ]
+    if shown.tubes is not None:
+        result["tubes"] = {"faces": len(shown.tubes.triangles), "pieces": shown.tubes.pieces}
+    return result
