@@ -60,9 +60,16 @@ def filaments(found, smoothing=0):
 
 
 def vortices(found):
-    """Vortices of a :class:`ClebschMap` in two dimensions: (v, 2) places and (v,) their strengths."""
-    punctured = np.flatnonzero(found.face_numbers)
-    return puncture_places(found, punctured), found.quantum * found.face_numbers[punctured]
+    """Vortices of a :class:`ClebschMap` in two dimensions.
+
+    Returns
+    -------
+    faces : (v,) that they lie in
+    places : (v, 2), on a surface (v, 3)
+    strengths : (v,) circulation, counterclockwise seen from a face's front
+    """
+    faces = np.flatnonzero(found.face_numbers)
+    return faces, puncture_places(found, faces), found.quantum * found.face_numbers[faces]
 
 
 def _pieces(points, jumps, is_closed):
@@ -74,12 +81,14 @@ def _pieces(points, jumps, is_closed):
 
 
 def puncture_places(found, faces):
-    """(k, d) where filaments pass (k,) faces: the zero between the values at the four corners.
+    """(k, d), on a surface (k, 3), where filaments pass (k,) faces: the zero between the values at the four corners.
 
     What opposite edges ask for on average, the flow that passes the filament by, is taken off before; where no zero is
     left, the middle of the face is meant.
     """
     grid = found.grid
+    if grid.faces.shape[1] == 3:
+        return _triangle_places(found, faces)
     asked = TURN / found.quantum * found.integrals[grid.face_edges[faces]]
     across, upwards = 0.5 * (asked[:, 0] + asked[:, 2]), 0.5 * (asked[:, 1] + asked[:, 3])
     mean = np.column_stack([np.zeros(len(asked)), across, across + upwards, upwards])
@@ -91,6 +100,27 @@ def puncture_places(found, faces):
     for share, axis in zip((s, t), grid.face_planes[faces].T, strict=True):
         places[rows, axis] += share * grid.spacing[axis]
     return places
+
+
+def _triangle_places(found, faces):
+    """The same in triangles, where what the edges ask for around is taken off them in equal parts."""
+    grid = found.grid
+    asked = TURN / found.quantum * grid.face_signs[faces] * found.integrals[grid.face_edges[faces]]
+    asked = asked - asked.mean(axis=1, keepdims=True)
+    passed = np.column_stack([np.zeros(len(asked)), asked[:, 0], asked[:, 0] + asked[:, 1]])
+    corners = grid.faces[faces]
+    shares = linear_zero(found.phases[corners] * np.exp(-1j * passed))
+    return np.einsum("fk,fkx->fx", shares, grid.places[corners])
+
+
+def linear_zero(values):
+    """(k, 3) barycentric places where linear functions of (k, 3) complex corner values are zero, thirds where they are
+    nowhere in the triangle."""
+    following = np.roll(values, -1, axis=1)
+    shares = np.roll((values.conj() * following).imag, -1, axis=1)
+    total = shares.sum(axis=1, keepdims=True)
+    shares = np.divide(shares, total, out=np.full_like(shares, -1), where=total != 0)
+    return np.where((shares >= 0).all(axis=1, keepdims=True), shares, 1 / 3)
 
 
 def bilinear_zero(values):

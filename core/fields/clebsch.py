@@ -8,13 +8,15 @@ their Hopf map to S^2 shows vortex tubes, and each of its projections is a map w
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
 from ..connection import Connection, circle_transports
 from ..defects import wrap
-from ..errors import SettingError
+from ..errors import SettingError, name_elements
 from ..geometry.grid import Grid
+from ..geometry.surface import Surface
 from ..problem import SynchronizationProblem
 from ..solve import Solution, solve
 from ..solve.lifted import lifted_of_rank
@@ -27,8 +29,8 @@ def edge_integrals(grid, velocity):
 
     Parameters
     ----------
-    grid : Grid
-    velocity : (n, d) at the nodes
+    grid : Grid, or Surface
+    velocity : (n, d) at the nodes; of a surface (n, 3), of which the tangential part counts
 
     Raises
     ------
@@ -36,6 +38,8 @@ def edge_integrals(grid, velocity):
         for another shape, or values that are not numbers, naming the first node
     """
     velocity = np.asarray(velocity, float)
+    if isinstance(grid, Surface):
+        return _surface_integrals(grid.mesh, velocity)
     if velocity.shape != (grid.node_count, grid.dimension):
         raise SettingError(
             f"velocities of the shape {velocity.shape} on a grid of {grid.node_count} nodes in {grid.dimension} "
@@ -53,28 +57,39 @@ def edge_integrals(grid, velocity):
     return 0.5 * grid.spacing[axes] * (velocity[i, axes] + velocity[j, axes])
 
 
+def _surface_integrals(mesh, velocity):
+    """The same on a surface, where an edge lies at known angles in the tangent planes of both its ends."""
+    if velocity.shape != mesh.vertices.shape:
+        raise SettingError(
+            f"velocities of the shape {velocity.shape} on {mesh.vertex_count} vertices: give three numbers a vertex"
+        )
+    bad = np.flatnonzero(~np.isfinite(velocity).all(axis=1))
+    if len(bad):
+        raise SettingError(f"the velocity at {name_elements('vertex', bad)} is not a number: give finite vectors")
+    numbers = mesh.tangent_numbers(velocity)
+    i, j = mesh.edges.T
+    at_tail, at_head = (numbers[[i, j]] * np.exp(-1j * mesh.edge_directions.T)).real
+    return 0.5 * mesh.edge_lengths * (at_tail - at_head)
+
+
 def circulations(grid, integrals):
     """(f,) circulation around each face, which is the vorticity through it."""
-    around = integrals[grid.face_edges]
-    return around[:, 0] + around[:, 1] - around[:, 2] - around[:, 3]
+    return (integrals[grid.face_edges] * grid.face_signs).sum(axis=1)
 
 
 def quantum_for(grid, integrals, count):
     """The circulation h of one filament so that about ``count`` of them pass the plane with most vorticity.
+
+    In two dimensions there is one plane. What passes it one way counts, the way in which more does.
 
     Raises
     ------
     SettingError
         for a flow without vorticity
     """
-    flux = np.maximum(circulations(grid, integrals), 0)
-    largest = 0.0
-    for plane in np.unique(grid.face_planes, axis=0):
-        inside = (grid.face_planes == plane).all(axis=1)
-        normals = [axis for axis in range(grid.dimension) if axis not in plane]
-        layer = grid.faces[inside, 0]
-        layers = np.unravel_index(layer, grid.shape)[normals[0]] if normals else np.zeros(len(layer), int)
-        largest = max(largest, np.bincount(layers, flux[inside]).max())
+    flux = circulations(grid, integrals)
+    layers = grid.face_layers if grid.dimension == 3 else np.zeros(len(flux), int)
+    largest = max(np.bincount(layers, np.maximum(way, 0)).max(initial=0) for way in (flux, -flux))
     if largest <= 1e-9 * np.abs(integrals).sum():  # what rounding makes of a flow without any
         raise SettingError("the flow has no vorticity: there are no vortices to show")
     return largest / count
@@ -94,7 +109,7 @@ class ClebschMap:
 
     Attributes
     ----------
-    grid : Grid
+    grid : Grid, or Surface
     integrals : (e,) of the velocity along the edges
     quantum : circulation of one filament
     problem : SynchronizationProblem
@@ -102,7 +117,7 @@ class ClebschMap:
     phases : (n,) complex, the solution's or others (:meth:`showing`)
     """
 
-    grid: Grid
+    grid: Grid | Surface
     integrals: np.ndarray
     quantum: float
     problem: SynchronizationProblem
@@ -167,9 +182,8 @@ class SphericalMap:
     @cached_property
     def face_areas(self):
         """(f,) signed area of S^2 that the map covers on each face, over 4 pi: vorticity through it, in quanta."""
-        corners = self.sphere[self.found.grid.faces]
-        a, b, c, d = np.moveaxis(corners, 1, 0)
-        return (_solid_angles(a, b, c) + _solid_angles(a, c, d)) / (4 * np.pi)
+        first, *others = np.moveaxis(self.sphere[self.found.grid.faces], 1, 0)
+        return sum(_solid_angles(first, b, c) for b, c in pairwise(others)) / (4 * np.pi)
 
 
 def spherical_map(found, callback=None):
@@ -193,7 +207,7 @@ def clebsch_map(grid, integrals, quantum, options=None, callback=None, start=Non
 
     Parameters
     ----------
-    grid : Grid
+    grid : Grid, or Surface
     integrals : (e,) of the velocity along the edges (:func:`edge_integrals`)
     quantum : circulation of one filament
     options, callback, start : see :func:`core.solve.solve`

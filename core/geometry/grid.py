@@ -137,7 +137,7 @@ class Grid:
 
     @cached_property
     def face_edges(self):
-        """(f, 4) edges around each face; the first two are passed forwards, the other two backwards."""
+        """(f, 4) edges around each face, passed in the sense of :attr:`face_signs`."""
         parts, start = [], 0
         for first, second in _PLANES[self.dimension]:
             count = len(self._cells([first, second]))
@@ -155,11 +155,23 @@ class Grid:
             )
         return np.concatenate(parts)
 
+    @property
+    def face_signs(self):
+        """(4,) +1 where a face's edge is passed forwards, else -1."""
+        return np.array([1, 1, -1, -1])
+
     @cached_property
     def face_planes(self):
         """(f, 2) axes that each face extends along."""
         planes = _PLANES[self.dimension]
         return np.repeat(planes, [len(self._cells(plane)) for plane in planes], axis=0)
+
+    @cached_property
+    def face_layers(self):
+        """(f,) in three dimensions, the plane across the grid that each face is in; those of one normal in a row."""
+        normals = 3 - self.face_planes.sum(axis=1)
+        places = np.array(np.unravel_index(self.faces[:, 0], self.shape))
+        return np.cumsum((0, *self.shape[:2]))[normals] + places[normals, np.arange(len(normals))]
 
     @cached_property
     def cell_faces(self):

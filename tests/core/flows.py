@@ -20,18 +20,20 @@ def line_integrals(grid, centre, circulation=1.0):
     return circulation / (2 * np.pi) * ((angles[j] - angles[i] + np.pi) % (2 * np.pi) - np.pi)
 
 
+def rankine_velocity(places):
+    """(n, 3) rigid rotation with curl 1 inside the unit disk about z, no curl outside (Figure 7)."""
+    squares = (places[:, :2] ** 2).sum(axis=1)
+    return 0.5 / np.maximum(squares, 1)[:, None] * np.cross([0, 0, 1], places)
+
+
 def linking_number(first, second):
     """Gauss's integral over two closed polylines, pair of segments by pair (Klenin and Langowski 2000)."""
-    total = 0.0
-    for a, b in zip(first, np.roll(first, -1, axis=0), strict=True):
-        for c, d in zip(second, np.roll(second, -1, axis=0), strict=True):
-            corners = [c - a, d - a, d - b, c - b]
-            normals = [np.cross(u, v) for u, v in zip(corners, [*corners[1:], corners[0]], strict=True)]
-            lengths = [np.linalg.norm(n) for n in normals]
-            if min(lengths) == 0:
-                continue
-            normals = [n / length for n, length in zip(normals, lengths, strict=True)]
-            pairs = zip(normals, [*normals[1:], normals[0]], strict=True)
-            angle = sum(np.arcsin(np.clip(u @ v, -1, 1)) for u, v in pairs)
-            total += np.sign(np.cross(d - c, b - a) @ (c - a)) * angle
-    return total / (4 * np.pi)
+    a, c = first[:, None], second[None]
+    b, d = np.roll(first, -1, axis=0)[:, None], np.roll(second, -1, axis=0)[None]
+    corners = [c - a, d - a, d - b, c - b]
+    normals = [np.cross(u, v) for u, v in zip(corners, [*corners[1:], corners[0]], strict=True)]
+    normals = [n / np.maximum(np.linalg.norm(n, axis=-1, keepdims=True), 1e-300) for n in normals]
+    pairs = zip(normals, [*normals[1:], normals[0]], strict=True)
+    angles = sum(np.arcsin(np.clip((u * v).sum(axis=-1), -1, 1)) for u, v in pairs)
+    sides = np.sign((np.cross(d - c, b - a) * (c - a)).sum(axis=-1))
+    return (sides * angles).sum() / (4 * np.pi)

@@ -18,7 +18,7 @@ from synch_fields.core.fields.clebsch import (
 from synch_fields.core.geometry.grid import Grid
 from synch_fields.core.solve import Options
 
-from .flows import line_integrals, linking_number, ring_curve
+from .flows import line_integrals, linking_number, rankine_velocity, ring_curve
 
 BOX = Grid((24, 24, 16), spacing=1 / 23, origin=(-0.5, -0.5, -0.326))
 
@@ -71,6 +71,14 @@ def test_linked_rings_stay_linked():
     assert round(linking_number(lines[0].points, lines[1].points)) == expected
 
 
+def test_a_filament_down_an_axis_counts_as_one_up_it():
+    grid = Grid((9, 9, 6), spacing=1 / 8, origin=(-0.5, -0.5, 0))
+    up, down = (line_integrals(grid, [0.03, -0.01], circulation) for circulation in (1.0, -1.0))
+    assert quantum_for(grid, up, 2) == pytest.approx(0.5) == quantum_for(grid, down, 2)
+    (line,) = filaments(clebsch_map(grid, down, 1.0))
+    assert line.points[0, 2] > line.points[-1, 2]
+
+
 def test_filaments_cancel_around_every_cell_for_any_phases():
     found = found_ring(ring_curve())
     random = np.random.default_rng(3)
@@ -113,9 +121,7 @@ def test_rounding_is_ordered_as_in_figure_5():
 def rankine(count, shape=60):
     """Rigid rotation inside the unit disk, none outside (Figure 7), cut into a number of quanta."""
     grid = Grid((shape, shape), spacing=4 / (shape - 1), origin=-2)
-    radius = np.linalg.norm(grid.places, axis=1)
-    turning = np.where(radius < 1, 0.5, 0.5 / np.maximum(radius, 1e-9) ** 2)
-    velocity = turning[:, None] * np.column_stack([-grid.places[:, 1], grid.places[:, 0]])
+    velocity = rankine_velocity(np.column_stack([grid.places, np.zeros(grid.node_count)]))[:, :2]
     return clebsch_map(grid, edge_integrals(grid, velocity), np.pi / count)
 
 
@@ -127,7 +133,7 @@ def test_the_sphere_is_covered_about_as_often_as_there_are_quanta(count):
     np.testing.assert_allclose(np.linalg.norm(sphere.sphere, axis=1), 1, atol=1e-12)
     assert found.solution.lower_bound * (1 - 1e-9) <= sphere.energy <= found.energy
     assert abs(sphere.face_areas.sum() - count) < 1.2
-    places, strengths = vortices(found)
+    _, places, strengths = vortices(found)
     assert (strengths > 0).all() and np.linalg.norm(places, axis=1).max() < 1.2
 
 
