@@ -60,7 +60,7 @@ class Cancelled(SynchError):
 
 def plural(noun):
     """ "edges", "vertices", "irregular vertices" """
-    return noun[:-2] + "ices" if noun.endswith("vertex") else noun + "s"
+    return noun[:-2] + "ices" if noun.endswith(("vertex", "vortex")) else noun + "s"
 
 
 def name_elements(kind, indices):

@@ -15,6 +15,7 @@ from ..core.solve.monitor import Monitor
 from .flows import check_resolution, flow_source
 from .jobs import portion
 from .report import peak_memory, quality, versions
+from .surface_flows import VELOCITY, surface_flow
 from .vortex_objects import facts, make_filaments, make_tubes, showing
 
 SHOWN = ("filaments", "tubes", "both")
@@ -30,6 +31,7 @@ class ClebschSettings:
     resolution : nodes along the longest side that files and curves are resampled to
     count : filaments through the plane of the grid with most vorticity, unless a quantum is given
     quantum : circulation of one filament, None for one that makes ``count`` of them
+    attribute : velocity on the vertices of a mesh, which then shows the map itself
     point : of the sphere, from which tubes are seen: they are around where the map shows its antipode; for filaments
         None shows the best map, a point the projection along it
     opening : degrees around the antipode that are inside a tube
@@ -41,6 +43,7 @@ class ClebschSettings:
     resolution: int = 48
     count: float = 4.0
     quantum: float | None = None
+    attribute: str = VELOCITY
     point: tuple[float, float, float] | None = None
     opening: float = 60.0
     smoothing: int = 2
@@ -175,7 +178,8 @@ def clebsch(source, callback=None, **settings):
 
     Parameters
     ----------
-    source : path of a .vdb or .npz file, a volume object, a curve object, or a list of curve objects
+    source : path of a .vdb or .npz file, a volume object, a mesh object with faces, a curve object, or a list of
+        curve objects
     callback : callable(stage, fraction) -> bool, optional; False cancels
     settings : see :class:`ClebschSettings`
 
@@ -192,9 +196,17 @@ def clebsch(source, callback=None, **settings):
     for name in settings:
         if name not in known:
             raise SettingError(f"the setting {name!r} is unknown: use one of {', '.join(known)}")
-    job = ClebschJob(source, ClebschSettings(**settings))
+    job = job_for(source, ClebschSettings(**settings))
     job.solve(callback)
     return job.write()
+
+
+def job_for(source, settings):
+    """The job of a source: a :class:`SurfaceJob` of a surface or plane, otherwise a :class:`ClebschJob`."""
+    from .surface_vortices import SurfaceJob
+
+    surface = surface_flow(source, settings.attribute)
+    return ClebschJob(source, settings) if surface is None else SurfaceJob(surface, settings)
 
 
 def _add(objects):

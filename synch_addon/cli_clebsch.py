@@ -12,11 +12,14 @@ def add_parser(commands):
     """Add the command to the parser's."""
     default = ClebschSettings()
     command = commands.add_parser(
-        "clebsch", help="vortex filaments or tubes of a flow", description="Show the vortices of a flow in space."
+        "clebsch", help="vortex filaments or tubes of a flow", description="Show the vortices of a flow."
     )
-    command.add_argument("input", help=".vdb or .npz file with a velocity, or a .blend file with curves")
+    command.add_argument("input", help=".vdb or .npz file with a velocity, or a .blend file with curves or meshes")
     command.add_argument(
-        "--object", nargs="+", metavar="NAME", help="volume, or curves that stand for filaments, of a .blend file"
+        "--object", nargs="+", metavar="NAME", help="volume, mesh, or curves that stand for filaments, of a .blend file"
+    )
+    command.add_argument(
+        "--attribute", default=default.attribute, metavar="NAME", help="velocity on a mesh's vertices (%(default)s)"
     )
     command.add_argument("--show", choices=SHOWN, default=default.show, help="%(default)s by default")
     command.add_argument(
@@ -67,11 +70,14 @@ def run(options, progress):
 
 def summary(report):
     """The lines that a person wants to read."""
-    shape = " x ".join(str(count) for count in report["shape"])
+    shape = " x ".join(str(count) for count in report["shape"] or [report["nodes"]])
     lines = [f"clebsch on {report['source']}: {shape} nodes, filaments of circulation {report['quantum']:.4g}"]
     bound = f"lower bound {report['lower_bound']:.6g} ({report['certificate']})"
     lines.append(f"energy {report['energy']:.6g}, {bound}: {report['status']}")
-    if "filaments" in report:
+    if "vortices" in report:
+        covered = f", the sphere is covered {report['coverage']:.2f} times" if "coverage" in report else ""
+        lines.append(f"{report['object']}: {counted(len(report['vortices']), 'vortex')}{covered}")
+    elif "filaments" in report:
         closed = sum(line["closed"] for line in report["filaments"])
         lines.append(f"{report['object']}: {counted(len(report['filaments']), 'filament')}, {closed} of them closed")
     else:

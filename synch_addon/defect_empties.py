@@ -8,7 +8,7 @@ from typing import NamedTuple
 import bpy
 from mathutils import Matrix, Vector
 
-KINDS = ("disclination", "dislocation")
+KINDS = ("disclination", "dislocation", "vortex")
 COLLECTION_NAME = "Synch Defects"
 
 _KIND, _INDEX, _FACE, _PHASE = "synch_kind", "synch_index", "synch_face", "synch_phase"
@@ -18,8 +18,9 @@ _MARK = "synch_defects"
 COLORS = {
     "disclination": ((1.0, 0.19, 0.05, 1.0), (0.02, 0.32, 1.0, 1.0)),
     "dislocation": ((1.0, 0.55, 0.0, 1.0), (0.0, 0.65, 0.55, 1.0)),
+    "vortex": ((0.9, 0.05, 0.25, 1.0), (0.1, 0.1, 0.8, 1.0)),
 }
-_DISPLAY = {"disclination": ("SPHERE", 0.3), "dislocation": ("SINGLE_ARROW", 0.5)}
+_DISPLAY = {"disclination": ("SPHERE", 0.3), "dislocation": ("SINGLE_ARROW", 0.5), "vortex": ("CIRCLE", 0.3)}
 
 
 class Defect(NamedTuple):

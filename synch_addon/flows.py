@@ -117,8 +117,13 @@ class ArrayFile:
 
     def integrals(self, grid):
         """(e,) of the velocity along the grid's edges."""
+        return edge_integrals(grid, self.velocity)
+
+    @property
+    def velocity(self):
+        """(n, 3) or (n, 2) at the nodes."""
         velocity = self._arrays["velocity"]
-        return edge_integrals(grid, velocity.reshape(-1, velocity.shape[-1]))
+        return velocity.reshape(-1, velocity.shape[-1])
 
 
 class VolumeFile:

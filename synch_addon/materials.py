@@ -7,6 +7,7 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
+from .globe import GLOBE_NAME, globe_group
 from .nodes import STRIPES_NAME, WARM_IVORY, stripes_group
 from .quad_profiles import QUADS_NAME, quads_group
 
@@ -27,11 +28,12 @@ class _Look(NamedTuple):
 _LOOKS = {
     "stripes": _Look(STRIPES_NAME, stripes_group, 0.05),
     "quads": _Look(QUADS_NAME, quads_group, 0.035),
+    "globe": _Look(GLOBE_NAME, globe_group, 0.0),
 }
 
 
 def pattern_material(obj, kind, *, spacing=None, assign_faces=False) -> bpy.types.Material:
-    """Give a mesh object the material of a `kind` of pattern, "stripes" or "quads", and return it.
+    """Give a mesh object the material of a `kind` of pattern, "stripes", "quads" or "globe", and return it.
 
     - A slot holds it already (or another material that uses its node group): nothing changes, so
       what the user has made of its look survives a second run.
@@ -56,7 +58,7 @@ def pattern_material(obj, kind, *, spacing=None, assign_faces=False) -> bpy.type
 
 
 def shows_pattern(material):
-    """Whether a material shows stripes or quads, which only a solved mesh has."""
+    """Whether a material shows one of these patterns, which only a solved mesh has."""
     return any(_shows(material, look) for look in _LOOKS.values())
 
 

@@ -22,7 +22,7 @@ _LENS, _SENSOR = 70.0, 36.0
 _FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".exr": "OPEN_EXR", ".tif": "TIFF", ".webp": "WEBP"}
 _WITH_FACES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 # Radius of a marker by the size of its empty: small enough to leave the branching stripes in view.
-_MARKER_SIZE = {"disclination": 0.75, "dislocation": 0.45}
+_MARKER_SIZE = {"disclination": 0.75, "dislocation": 0.45, "vortex": 0.75}
 _BACKDROP_COLOR = (0.72, 0.71, 0.695, 1.0)
 # Direction from the object (right, up, towards the camera), size and distance in radii of the
 # object, watts for a radius of 1, colour.
@@ -266,8 +266,8 @@ def _add_markers(empties, parent_matrix, points, scene):
 
 
 def _marker_mesh(kind):
-    """A ball for a disclination, a diamond for a dislocation; radius 1, in the object's color."""
-    around, along = (32, 16) if kind == "disclination" else (4, 2)
+    """A diamond for a dislocation, otherwise a ball; radius 1, in the object's color."""
+    around, along = (4, 2) if kind == "dislocation" else (32, 16)
     polar = np.linspace(0.0, math.pi, along + 1)[:, None]
     azimuth = np.arange(around) * (2.0 * math.pi / around)
     points = np.stack(
@@ -278,7 +278,7 @@ def _marker_mesh(kind):
     faces = np.stack([corner, corner + around, after + around, after], axis=-1)
     mesh = bpy.data.meshes.new(f"Synch {kind}")
     mesh.from_pydata(points.reshape(-1, 3).tolist(), [], faces.reshape(-1, 4).tolist())
-    if kind == "disclination":
+    if kind != "dislocation":
         mesh.shade_smooth()
     mesh.materials.append(_marker_material())
     return mesh

@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 from mathutils import Vector
 
+from ..core.interpolate import face_phases
 from . import scene_io
-from .defect_empties import Defect, write_defects
+from .defect_empties import KINDS, Defect, write_defects
 from .materials import pattern_material
 
 # Attributes of each phase, and their suffixes by how many phases a vertex has.
@@ -23,10 +24,10 @@ def results(obj, task, field, pattern, report):
     given, spacing = task.given, task.spacing
     polygons = given.polygons
     if pattern is not None:
-        polygons = _write_pattern(obj, given, pattern, report)
+        polygons = write_phases(obj, given, pattern.edge_phases, report.warn)
     defects = _defects(given, field, pattern, polygons)
     _write_field(obj, given, field, polygons, [d for d in defects if d.kind == "disclination"])
-    kinds = ("disclination",) if pattern is None else ("disclination", "dislocation")
+    kinds = ("disclination",) if pattern is None else KINDS
     write_defects(obj, defects, kinds=kinds, length=spacing)
     if pattern is not None:
         all_faces = task.settings.assign_material or _has_one_material(obj)
@@ -64,20 +65,23 @@ def _write_field(obj, given, field, polygons, disclinations):
     scene_io.write_attribute(obj, "synch_singularity", "FACE", "FLOAT", singularity)
 
 
-def _write_pattern(obj, given, pattern, report):
-    """Write the phases; returns the faces as they are now."""
+def write_phases(obj, given, edge_phases, warn):
+    """Write the phases that an :class:`EdgePhases` of the measured mesh has; returns the faces as they are now.
+
+    ``warn`` is called with a line about the faces that had to be split, if any.
+    """
     polygons = given.polygons
-    phases = pattern.on_faces(polygons)
+    phases = face_phases(edge_phases, polygons)
     unfit = phases[0].unfit
     if len(unfit):
-        report.warn(
+        warn(
             f"{len(unfit)} faces with a defect were split into triangles, first face "
             f"{unfit[0]}: corner values carry one disclination, or two dislocations, in at most four corners"
         )
         old_corners = scene_io.split_faces(obj, polygons, unfit)
         polygons = replace(scene_io.read_polygons(obj), corner_vertices=polygons.corner_vertices[old_corners])
-        phases = pattern.on_faces(polygons)
-    vertex_phases = pattern.vertex_phases[: given.uncut.vertex_count]
+        phases = face_phases(edge_phases, polygons)
+    vertex_phases = edge_phases.arguments[: given.uncut.vertex_count]
     suffixes = _SUFFIXES[len(phases)]
     other = _SUFFIXES[3 - len(phases)]
     for name in [name.format(suffix) for name in _PER_PHASE for suffix in other] + ["synch_closing"]:

@@ -20,6 +20,11 @@ class Surface:
         return self.mesh.vertex_count
 
     @property
+    def shape(self):
+        """(1,) the nodes, in one row."""
+        return (self.node_count,)
+
+    @property
     def places(self):
         """(n, 3) coordinates of the nodes."""
         return self.mesh.vertices

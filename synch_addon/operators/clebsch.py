@@ -7,11 +7,12 @@ from bpy.props import EnumProperty, FloatProperty, FloatVectorProperty, IntPrope
 from ...core.errors import SynchError
 from ..clebsch import clebsch
 from ..strokes import SOURCE_TYPES
+from ..surface_flows import VELOCITY
 from .field_operator import progress_of
 
 
 class SYNCH_OT_clebsch(bpy.types.Operator):
-    """Show the vortices of the active volume, of a file, or of the flow that the selected curves induce"""
+    """Show the vortices of the active volume or mesh, of a file, or of the flow that the selected curves induce"""
 
     bl_idname = "synch.clebsch"
     bl_label = "Vortices"
@@ -19,6 +20,11 @@ class SYNCH_OT_clebsch(bpy.types.Operator):
 
     filepath: StringProperty(
         name="File", description="OpenVDB or NumPy file with a velocity; empty for the objects", subtype="FILE_PATH"
+    )
+    attribute: StringProperty(
+        name="Attribute",
+        description="Velocity on the vertices of the active mesh, which then shows the map itself",
+        default=VELOCITY,
     )
     show: EnumProperty(
         name="Show",
@@ -55,7 +61,7 @@ class SYNCH_OT_clebsch(bpy.types.Operator):
     def draw(self, context):
         column = self.layout.column()
         column.use_property_split = True
-        names = ("filepath", "show", "resolution", "count")
+        names = ("filepath", "attribute", "show", "resolution", "count")
         for name in names + (("opening", "point") if self.show == "TUBES" else ("smoothing",)):
             column.prop(self, name)
 
@@ -66,6 +72,7 @@ class SYNCH_OT_clebsch(bpy.types.Operator):
             report = clebsch(
                 self._source(context),
                 progress_of(manager),
+                attribute=self.attribute,
                 show=self.show.lower(),
                 resolution=self.resolution,
                 count=self.count,
@@ -89,7 +96,7 @@ class SYNCH_OT_clebsch(bpy.types.Operator):
             return active
         chosen = [obj for obj in context.selected_objects if obj.type in SOURCE_TYPES]
         if not chosen:
-            raise SynchError("nothing has a flow: choose a file, a volume, or curves that stand for vortex filaments")
+            raise SynchError("nothing has a flow: choose a file, a volume, a mesh, or curves that stand for filaments")
         return chosen
 
 

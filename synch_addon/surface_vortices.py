@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Clebsch maps of a flow on a surface, written to its mesh: phases with their vortices, and the map to the sphere."""
+
+import time
+
+import numpy as np
+
+from ..core.extract.filaments import vortices
+from ..core.fields.clebsch import clebsch_map, quantum_for, spherical_map
+from ..core.interpolate import EdgePhases
+from . import scene_io
+from .clebsch import SolvedFlow, report_of
+from .defect_empties import Defect, write_defects
+from .flows import STRENGTH
+from .globe import SPHERE
+from .jobs import portion
+from .materials import pattern_material
+from .vortex_objects import Shown
+from .write import write_phases
+
+
+class SurfaceJob:
+    """One run on a :class:`SurfaceFlow`: :meth:`solve` may run in another thread, :meth:`write` changes the mesh."""
+
+    def __init__(self, source, settings):
+        self._start = time.perf_counter()
+        self._source, self.settings = source, settings
+
+    def solve(self, callback=None):
+        """Solve for the map and, where the method can, the sphere; errors as :meth:`ClebschJob.solve`."""
+        settings, surface = self.settings, self._source.surface
+        integrals = self._source.integrals(surface)
+        quantum = settings.quantum or quantum_for(surface, integrals, settings.count)
+        found = clebsch_map(surface, integrals, quantum, settings.options, portion(callback, 0.0, 0.8))
+        sphere = spherical_map(found, portion(callback, 0.8, 0.2)) if settings.method == "sdp" else None
+        self._solved = SolvedFlow(self._source.name, found, sphere, settings)
+        self._shown = found if settings.point is None else sphere.seen_from(settings.point)
+
+    def write(self):
+        """Write the map to the mesh, which is made for a plane; returns the report.
+
+        Raises
+        ------
+        SettingError
+            when the object is gone or has changed since it was read; nothing is written
+        """
+        shown, sphere, warnings = self._shown, self._solved.sphere, list(self._source.warnings)
+        obj, given = self._source.target(), self._source.given
+        changes, matchings = shown.changes[:, None], np.zeros(len(given.mesh.edges), int)
+        phases = EdgePhases(given.mesh, np.angle(shown.phases)[:, None], changes, matchings)
+        polygons = write_phases(obj, given, phases, warnings.append)
+        period = _period(given.mesh, shown)
+        facts = {"vortices": _write_vortices(obj, given, shown, polygons, period)}
+        if sphere is not None:
+            _write_sphere(obj, sphere.sphere)
+            facts["coverage"] = float(np.abs(sphere.face_areas).sum())  # either way
+        pattern_material(obj, "stripes" if self.settings.show == "filaments" else "globe", spacing=period)
+        scene_io.update(obj)
+        report = report_of(self._solved, Shown(shown, None, None), [obj], self._start)
+        return report | facts | {"warnings": warnings}
+
+
+def _write_sphere(obj, points):
+    scene_io.write_attribute(obj, SPHERE, "POINT", "FLOAT_VECTOR", points)
+    colors = np.column_stack([0.5 + 0.5 * points, np.ones(len(points))])
+    scene_io.write_attribute(obj, "synch_color", "POINT", "FLOAT_COLOR", colors)
+
+
+def _write_vortices(obj, given, shown, polygons, period):
+    """An empty for every vortex, and the circulation within each face; returns them for the report."""
+    triangles, places, strengths = vortices(shown)
+    faces = scene_io.faces_of_triangles(polygons, given.mesh.triangles[triangles])
+    scene_io.write_attribute(obj, STRENGTH, "FACE", "FLOAT", np.bincount(faces, strengths, len(polygons.starts)))
+    normals = given.mesh.face_normals[triangles] @ given.stretch  # they go the other way round than points
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    numbers = shown.face_numbers[triangles]
+    records = zip(faces, numbers, places @ np.linalg.inv(given.stretch), normals, strict=True)
+    found = [
+        Defect("vortex", int(face), int(number), tuple(place.tolist()), tuple(normal.tolist()))
+        for face, number, place, normal in records
+    ]
+    empties = write_defects(obj, found, kinds=("dislocation", "vortex"), length=period)
+    plain = []
+    for defect, empty, strength in zip(found, empties, strengths.tolist(), strict=True):
+        empty[STRENGTH] = strength
+        position = list(obj.matrix_world @ empty.location)
+        plain.append({"face": defect.face, "strength": strength, "position": position})
+    return plain
+
+
+def _period(mesh, shown):
+    """A usual distance between two stripes of the phase, but no more than a quarter of the surface."""
+    speeds = shown.integrals / mesh.edge_lengths
+    usual = shown.quantum / np.sqrt(2 * np.mean(speeds**2))
+    return float(min(usual, 0.25 * np.ptp(mesh.vertices, axis=0).max()))
