@@ -17,6 +17,8 @@ from . import (
     result_panel,
     setting_presets,
     settings,
+    vortex_panel,
+    vortex_settings,
 )
 
 _MODULES = (
@@ -25,6 +27,7 @@ _MODULES = (
     settings,
     memory,
     refine,
+    vortex_settings,
     operators,
     menus,
     setting_presets,
@@ -34,6 +37,7 @@ _MODULES = (
     constraint_panel,
     overlay_view,
     bake_panel,
+    vortex_panel,
     cli,
 )
 

@@ -17,12 +17,14 @@ from . import field_io, memory, quad_object, scene_io, write
 from . import isolines as line_object
 from .bake import bake_maps
 from .bake_settings import BakeSettings
+from .clebsch import clebsch as clebsch
 from .jobs import portion
 from .refine import refine as refine
 from .relief import add_relief
 from .report import Report, result_line, versions
 from .settings import Settings, from_names
 from .task import PATTERNS, gather, settings_for, solve_directions, solve_pattern
+from .vortex_choice import choose_point as choose_point
 
 
 def directions(obj, callback=None, **settings):

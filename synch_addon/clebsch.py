@@ -3,20 +3,23 @@
 
 import math
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
 
 from ..core.errors import SettingError
-from ..core.fields.clebsch import ClebschMap, SphericalMap, circulations, clebsch_map, quantum_for, spherical_map
+from ..core.fields.clebsch import clebsch_map, quantum_for, spherical_map
 from ..core.solve import METHODS, Options
 from ..core.solve.monitor import Monitor
 from .flows import check_resolution, flow_source
 from .jobs import portion
-from .report import peak_memory, quality, versions
 from .surface_flows import VELOCITY, surface_flow
-from .vortex_objects import facts, make_filaments, make_tubes, showing
+from .surface_vortices import SurfaceJob
+from .vortex_choice import remember
+from .vortex_frames import SequenceJob
+from .vortex_objects import facts, fill, make_filaments, make_tubes, seen, showing
+from .vortex_report import SolvedFlow, report_of
 
 SHOWN = ("filaments", "tubes", "both")
 
@@ -36,6 +39,7 @@ class ClebschSettings:
         None shows the best map, a point the projection along it
     opening : degrees around the antipode that are inside a tube
     smoothing : how often points of filaments move to the middle of their neighbours
+    frames : first and last frame of a sequence, None for what the source is now
     method, seed, target_gap, time_limit : as for fields
     """
 
@@ -47,6 +51,7 @@ class ClebschSettings:
     point: tuple[float, float, float] | None = None
     opening: float = 60.0
     smoothing: int = 2
+    frames: tuple[int, int] | None = None
     method: str = "sdp"
     seed: int = 0
     target_gap: float = 1e-2
@@ -60,6 +65,10 @@ class ClebschSettings:
             value = getattr(self, name)
             if not (isinstance(value, int | float) and math.isfinite(value) and value > 0):
                 raise SettingError(f"the {name} is {value!r}: give a positive number")
+        if not isinstance(self.smoothing, int) or self.smoothing < 0:
+            raise SettingError(f"the smoothing is {self.smoothing!r}: give a whole number from 0 on")
+        if self.frames is not None and not self.frames[0] <= self.frames[1]:
+            raise SettingError(f"the frames {self.frames[0]} to {self.frames[1]} are none: give the first one first")
         if self.opening >= 180:
             raise SettingError(f"the opening is {self.opening:g} degrees: the whole sphere has 180, give less")
         if self.point is not None and (len(self.point) != 3 or not np.linalg.norm(self.point) > 0):
@@ -100,7 +109,8 @@ class ClebschJob:
         found = clebsch_map(grid, integrals, quantum, settings.options, portion(callback, 0.1, 0.7))
         sphere = spherical_map(found, portion(callback, 0.8, 0.15)) if settings.method == "sdp" else None
         self._solved = SolvedFlow(self._source.name, found, sphere, settings)
-        self._shown = _interruptible(lambda: showing(found, sphere, settings), "vortices", callback, 0.95)
+        self._seen = seen(found, sphere, settings.point)
+        self._shown = _interruptible(lambda: showing(self._seen, sphere, settings), "vortices", callback, 0.95)
 
     def _read(self):
         grid = self._source.grid(self.settings.resolution)
@@ -117,53 +127,9 @@ class ClebschJob:
         if shown.lines is not None:
             made.append(make_filaments(f"{solved.name} Filaments", shown))
         _add(made)
-        return report_of(solved, shown, made, self._start)
-
-
-@dataclass(frozen=True)
-class SolvedFlow:
-    """A solved flow, of which every point of the sphere shows other vortices.
-
-    Attributes
-    ----------
-    name : of what the flow was read from
-    found : ClebschMap, the best
-    sphere : SphericalMap, None for methods without a relaxation
-    settings : ClebschSettings
-    """
-
-    name: str
-    found: ClebschMap
-    sphere: SphericalMap | None
-    settings: ClebschSettings
-
-
-def report_of(solved, shown, made, start):
-    """The report of a run that began at ``start`` and made, or filled anew, some objects; the last one is active."""
-    found = shown.found
-    vorticity = np.abs(circulations(found.grid, found.integrals)).sum()
-    caught = found.quantum * np.abs(found.face_numbers).sum()
-    return {
-        "status": found.solution.status.value,
-        "command": "clebsch",
-        "source": solved.name,
-        "object": made[-1].name,
-        "objects": [obj.name for obj in made],
-        "nodes": found.grid.node_count,
-        "edges": len(found.grid.edges),
-        "shape": list(found.grid.shape),
-        "quantum": found.quantum,
-        **quality(found.solution),
-        "energy": found.energy,
-        "sphere_energy": solved.sphere.energy if solved.sphere else None,
-        "vorticity_share": float(caught / vorticity) if vorticity else None,
-        **facts(shown),
-        "times": found.solution.times | {"total": time.perf_counter() - start},
-        "peak_memory_mb": peak_memory(),
-        "settings": asdict(solved.settings),
-        "warnings": [],
-        "versions": versions(),
-    }
+        report = report_of(solved, self._seen, made, self._start) | facts(shown)
+        remember(solved, made, report, fill)
+        return report
 
 
 def _interruptible(work, stage, callback, fraction=0.0):
@@ -178,8 +144,8 @@ def clebsch(source, callback=None, **settings):
 
     Parameters
     ----------
-    source : path of a .vdb or .npz file, a volume object, a mesh object with faces, a curve object, or a list of
-        curve objects
+    source : path of a .vdb or .npz file, #### for the numbers of frames; a volume object, a mesh object with faces, a
+        curve object, or a list of curve objects
     callback : callable(stage, fraction) -> bool, optional; False cancels
     settings : see :class:`ClebschSettings`
 
@@ -202,9 +168,10 @@ def clebsch(source, callback=None, **settings):
 
 
 def job_for(source, settings):
-    """The job of a source: a :class:`SurfaceJob` of a surface or plane, otherwise a :class:`ClebschJob`."""
-    from .surface_vortices import SurfaceJob
-
+    """The job of a source: a :class:`SequenceJob` of frames, a :class:`SurfaceJob` of a surface or plane, otherwise a
+    :class:`ClebschJob`."""
+    if settings.frames is not None:
+        return SequenceJob(source, settings)
     surface = surface_flow(source, settings.attribute)
     return ClebschJob(source, settings) if surface is None else SurfaceJob(surface, settings)
 

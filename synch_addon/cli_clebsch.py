@@ -5,7 +5,7 @@ import bpy
 
 from . import files
 from .clebsch import SHOWN, ClebschSettings, clebsch
-from .report import counted
+from .vortex_report import summary
 
 
 def add_parser(commands):
@@ -40,6 +40,13 @@ def add_parser(commands):
         "--opening", type=float, default=default.opening, metavar="DEG", help="width of tubes (%(default)s)"
     )
     command.add_argument("--smoothing", type=int, default=default.smoothing, help="of filaments (%(default)s)")
+    command.add_argument(
+        "--frames",
+        nargs=2,
+        type=int,
+        metavar=("FIRST", "LAST"),
+        help="a range of a sequence: files with # for each digit of the number, smoke_####.vdb, or a volume's",
+    )
     command.add_argument("--method", choices=("sdp", "spectral", "diffusion"), default=default.method)
     command.add_argument("--seed", type=int, default=default.seed)
     command.add_argument("--target-gap", type=float, default=default.target_gap, metavar="X")
@@ -62,27 +69,8 @@ def run(options, progress):
         source = source[0] if len(source) == 1 else source
     else:
         bpy.ops.wm.read_homefile(use_empty=True)
+    settings["frames"] = tuple(options.frames) if options.frames else None
     report = clebsch(source, progress, **settings)
     written = [files.save_blend(options.output)] if options.output else []
     written += [options.report] if options.report else []
     return report, summary(report) + [f"wrote {path}" for path in written]
-
-
-def summary(report):
-    """The lines that a person wants to read."""
-    shape = " x ".join(str(count) for count in report["shape"] or [report["nodes"]])
-    lines = [f"clebsch on {report['source']}: {shape} nodes, filaments of circulation {report['quantum']:.4g}"]
-    bound = f"lower bound {report['lower_bound']:.6g} ({report['certificate']})"
-    lines.append(f"energy {report['energy']:.6g}, {bound}: {report['status']}")
-    if "vortices" in report:
-        covered = f", the sphere is covered {report['coverage']:.2f} times" if "coverage" in report else ""
-        lines.append(f"{report['object']}: {counted(len(report['vortices']), 'vortex')}{covered}")
-    elif "filaments" in report:
-        closed = sum(line["closed"] for line in report["filaments"])
-        lines.append(f"{report['object']}: {counted(len(report['filaments']), 'filament')}, {closed} of them closed")
-    else:
-        lines.append(
-            f"{report['object']}: {counted(report['tubes']['pieces'], 'tube')}, {report['tubes']['faces']} faces"
-        )
-    lines.append(f"{report['times']['total']:.2f} s")
-    return lines

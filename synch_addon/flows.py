@@ -4,7 +4,7 @@
 import importlib.util
 import sys
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from pathlib import Path
 
 import bpy
@@ -21,7 +21,7 @@ SUFFIXES = (".vdb", ".npz")
 # Custom property of a curve object: the circulation around it.
 STRENGTH = "synch_strength"
 # Space around curves, as a share of their longest side, and the radius of their cores in cells.
-_MARGIN, _CORE = 0.35, 0.5
+MARGIN, _CORE = 0.35, 0.5
 
 
 @dataclass(frozen=True)
@@ -135,7 +135,7 @@ class VolumeFile:
     @cached_property
     def _vectors(self):
         """(nx, ny, nz, 3) values, the index of the first one, and the (4, 4) matrix that takes indices to the world."""
-        path, vdb = self.path, _openvdb()
+        path, vdb = self.path, openvdb_module()
         if not path.is_file():
             raise SettingError(f"{path}: no such file")
         try:
@@ -155,16 +155,13 @@ class VolumeFile:
         found.copyToArray(values, ijk=low)
         if not np.isfinite(values).all():
             raise SettingError(f"{path}: the grid {found.name} has voxels that are not numbers: mend the simulation")
-        return values, np.array(low), self._matrix @ _index_to_world(found)
+        return values, np.array(low), self._matrix @ index_to_world(found)
 
     @property
     def box(self):
         """Lowest and highest corner in the world."""
         values, low, to_world = self._vectors
-        ends = low, low + values.shape[:3] - 1
-        corners = np.array(np.meshgrid(*zip(*ends, strict=True), indexing="ij")).reshape(3, -1)
-        world = to_world[:3, :3] @ corners + to_world[:3, 3:]
-        return world.min(axis=1), world.max(axis=1)
+        return world_box(low, low + values.shape[:3] - 1, to_world)
 
     def grid(self, resolution):
         """A grid along the world's axes, with so many nodes along its longest side."""
@@ -197,7 +194,7 @@ class FilamentCurves:
     def grid(self, resolution):
         """A grid with so many nodes along the longest side of the box."""
         points = np.concatenate([points for points, _ in self._curves])
-        margin = _MARGIN * np.ptp(points, axis=0).max()
+        margin = MARGIN * np.ptp(points, axis=0).max()
         return box_grid(points.min(axis=0) - margin, points.max(axis=0) + margin, resolution)
 
     def integrals(self, grid):
@@ -205,7 +202,14 @@ class FilamentCurves:
         return filament_integrals(grid, self._curves, _CORE * grid.spacing[0])
 
 
-def _index_to_world(grid):
+def world_box(low, high, to_world):
+    """Lowest and highest corner in the world of a box of indices."""
+    corners = np.array(np.meshgrid(*zip(low, high, strict=True), indexing="ij")).reshape(3, -1)
+    world = to_world[:3, :3] @ corners + to_world[:3, 3:]
+    return world.min(axis=1), world.max(axis=1)
+
+
+def index_to_world(grid):
     """(4, 4) matrix of a grid's linear transform."""
     origin = np.array(grid.transform.indexToWorld((0, 0, 0)))
     matrix = np.eye(4)
@@ -215,7 +219,8 @@ def _index_to_world(grid):
     return matrix
 
 
-def _openvdb():
+@cache
+def openvdb_module():
     """Blender's own OpenVDB module, which the bpy wheel keeps beside its scripts."""
     try:
         import openvdb

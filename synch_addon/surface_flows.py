@@ -78,7 +78,10 @@ class SurfaceFlow:
         SettingError
             when it is gone or has changed since it was read
         """
-        obj = bpy.data.objects.get(self.name)
+        return self.of_object(bpy.data.objects.get(self.name))
+
+    def of_object(self, obj):
+        """An object that the mesh is of; errors as :meth:`target`."""
         if obj is None or not scene_io.is_unchanged(obj, self.given):
             raise SettingError(f"the mesh {self.name} has changed since its flow was read: run it again")
         return obj
@@ -117,6 +120,8 @@ def _squares(grid):
     polygons = Polygons(
         corners.ravel(), starts, np.full(len(corners), 4), triangle_corners, np.repeat(np.arange(len(corners)), 2)
     )
-    mesh = TriangleMesh(np.pad(grid.places, ((0, 0), (0, 1))), polygons.triangles)
+    # Rounded as the object's vertices are, which tell later whether it has changed.
+    places = grid.places.astype(np.float32).astype(float)
+    mesh = TriangleMesh(np.pad(places, ((0, 0), (0, 1))), polygons.triangles)
     check_mesh(mesh, polygons.triangle_faces)
     return scene_io.MeshInput(mesh, polygons, np.eye(3), mesh, np.arange(mesh.vertex_count))

@@ -2,6 +2,7 @@
 """Clebsch maps of a flow on a surface, written to its mesh: phases with their vortices, and the map to the sphere."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 
@@ -9,13 +10,14 @@ from ..core.extract.filaments import vortices
 from ..core.fields.clebsch import clebsch_map, quantum_for, spherical_map
 from ..core.interpolate import EdgePhases
 from . import scene_io
-from .clebsch import SolvedFlow, report_of
 from .defect_empties import Defect, write_defects
 from .flows import STRENGTH
 from .globe import SPHERE
 from .jobs import portion
 from .materials import pattern_material
-from .vortex_objects import Shown
+from .vortex_choice import remember
+from .vortex_objects import seen
+from .vortex_report import SolvedFlow, report_of
 from .write import write_phases
 
 
@@ -33,8 +35,7 @@ class SurfaceJob:
         quantum = settings.quantum or quantum_for(surface, integrals, settings.count)
         found = clebsch_map(surface, integrals, quantum, settings.options, portion(callback, 0.0, 0.8))
         sphere = spherical_map(found, portion(callback, 0.8, 0.2)) if settings.method == "sdp" else None
-        self._solved = SolvedFlow(self._source.name, found, sphere, settings)
-        self._shown = found if settings.point is None else sphere.seen_from(settings.point)
+        self._solved = SolvedFlow(self._source.name, found, sphere, settings, list(self._source.warnings))
 
     def write(self):
         """Write the map to the mesh, which is made for a plane; returns the report.
@@ -44,20 +45,30 @@ class SurfaceJob:
         SettingError
             when the object is gone or has changed since it was read; nothing is written
         """
-        shown, sphere, warnings = self._shown, self._solved.sphere, list(self._source.warnings)
-        obj, given = self._source.target(), self._source.given
+        solved = self._solved
+        shown = seen(solved.found, solved.sphere, solved.settings.point)
+        obj = self._source.target()
+        facts = self._fill(solved, shown, [obj])
+        report = report_of(solved, shown, [obj], self._start) | facts
+        remember(solved, [obj], report, self._fill)
+        return report
+
+    def _fill(self, solved, shown, objects):
+        """Show a map of the solve on the mesh; returns the facts."""
+        source, warnings = self._source, solved.warnings
+        obj, given, sphere = source.of_object(objects[0]), source.given, solved.sphere
         changes, matchings = shown.changes[:, None], np.zeros(len(given.mesh.edges), int)
         phases = EdgePhases(given.mesh, np.angle(shown.phases)[:, None], changes, matchings)
         polygons = write_phases(obj, given, phases, warnings.append)
+        source.given = replace(given, polygons=polygons)
         period = _period(given.mesh, shown)
         facts = {"vortices": _write_vortices(obj, given, shown, polygons, period)}
         if sphere is not None:
             _write_sphere(obj, sphere.sphere)
             facts["coverage"] = float(np.abs(sphere.face_areas).sum())  # either way
-        pattern_material(obj, "stripes" if self.settings.show == "filaments" else "globe", spacing=period)
+        pattern_material(obj, "stripes" if solved.settings.show == "filaments" else "globe", spacing=period)
         scene_io.update(obj)
-        report = report_of(self._solved, Shown(shown, None, None), [obj], self._start)
-        return report | facts | {"warnings": warnings}
+        return facts
 
 
 def _write_sphere(obj, points):

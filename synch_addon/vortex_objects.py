@@ -41,27 +41,32 @@ class Tubes:
 
 @dataclass(frozen=True)
 class Shown:
-    """What is shown of a solve.
+    """What is shown of a map.
 
     Attributes
     ----------
-    found : the ClebschMap that the filaments are of
     lines : list of Filament, or None where they are not asked for
     tubes : Tubes, or None
+    quantum : circulation of one filament
+    thickness : radius of one, in scene units
     """
 
-    found: ClebschMap
     lines: list[Filament] | None
     tubes: Tubes | None
+    quantum: float
+    thickness: float
+
+
+def seen(found: ClebschMap, sphere: SphericalMap | None, point) -> ClebschMap:
+    """The map that a point of the sphere gives, the best one for None."""
+    return found if point is None else sphere.seen_from(point)
 
 
 def showing(found: ClebschMap, sphere: SphericalMap | None, settings) -> Shown:
-    """What settings ask to see of a solved flow; the sphere may be missing where only the best filaments are."""
-    if settings.point is not None:
-        found = sphere.seen_from(settings.point)
+    """What settings ask to see of a map and the sphere; that may be missing where there are only filaments."""
     lines = filaments(found, settings.smoothing) if settings.show != "tubes" else None
     tubes = _tubes(sphere, settings.point or NORTH, settings.opening) if settings.show != "filaments" else None
-    return Shown(found, lines, tubes)
+    return Shown(lines, tubes, found.quantum, _THICKNESS * float(found.grid.spacing.min()))
 
 
 def _tubes(sphere, point, opening):
@@ -79,16 +84,17 @@ def make_filaments(name, shown):
     """A curve object with a spline for every filament."""
     data = bpy.data.curves.new(name, "CURVE")
     data.dimensions = "3D"
-    data.bevel_depth = _THICKNESS * float(shown.found.grid.spacing.min())
+    data.bevel_depth = shown.thickness
     data.bevel_resolution = 3
-    fill_filaments(data, shown)
     made = bpy.data.objects.new(name, data)
-    made[STRENGTH] = shown.found.quantum
+    fill_filaments(made, shown)
     return made
 
 
-def fill_filaments(data, shown):
-    """Put filaments into a curve in place of what it has."""
+def fill_filaments(obj, shown):
+    """Put filaments into a curve object in place of what it has."""
+    data = obj.data
+    obj[STRENGTH] = shown.quantum
     data.splines.clear()
     for line in shown.lines:
         spline = data.splines.new("POLY")
@@ -97,22 +103,21 @@ def fill_filaments(data, shown):
         spline.points.foreach_set("co", points.ravel())
         spline.use_cyclic_u = line.is_closed
         # Thicker where several lie on each other.
-        thickness = math.sqrt(line.strength / shown.found.quantum)
+        thickness = math.sqrt(line.strength / shown.quantum)
         spline.points.foreach_set("radius", np.full(len(points), thickness, np.float32))
 
 
 def make_tubes(name, shown):
     """A mesh object with the tubes."""
-    data = bpy.data.meshes.new(name)
-    fill_tubes(data, shown)
-    made = bpy.data.objects.new(name, data)
-    made[STRENGTH] = shown.tubes.strength
+    made = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+    fill_tubes(made, shown)
     return made
 
 
-def fill_tubes(data, shown):
-    """Put tubes into a mesh in place of what it has; its materials stay."""
-    tubes = shown.tubes
+def fill_tubes(obj, shown):
+    """Put tubes into a mesh object in place of what it has; its materials stay."""
+    data, tubes = obj.data, shown.tubes
+    obj[STRENGTH] = tubes.strength
     data.clear_geometry()
     corners = len(tubes.triangles) * 3
     data.vertices.add(len(tubes.vertices))
@@ -129,6 +134,17 @@ def fill_tubes(data, shown):
         ("synch_color", "FLOAT_COLOR", "color", colors),
     ):
         data.attributes.new(attribute, kind, "POINT").data.foreach_set(field, values.astype(np.float32).ravel())
+
+
+def fill(solved, found, objects):
+    """Show a map of a solved flow in the objects that were made for it; returns the facts."""
+    shown = showing(found, solved.sphere, solved.settings)
+    for obj in objects:
+        if obj.type == "CURVE" and shown.lines is not None:
+            fill_filaments(obj, shown)
+        elif obj.type == "MESH" and shown.tubes is not None:
+            fill_tubes(obj, shown)
+    return facts(shown)
 
 
 def facts(shown):

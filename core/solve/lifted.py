@@ -114,10 +114,10 @@ class LiftedField:
         return problem.expand(coordinates)
 
 
-def lifted_of_rank(problem, solution, rank, callback=None):
+def lifted_of_rank(problem, solution, rank, callback=None, start=None):
     """(N, rank) lifted field of less energy than all nearby ones of the same rank (Eq. 24 at a given r).
 
-    It starts from the leading columns of a solved relaxation.
+    It starts from the leading columns of a solved relaxation, unless a start is given.
 
     Parameters
     ----------
@@ -125,8 +125,9 @@ def lifted_of_rank(problem, solution, rank, callback=None):
     solution : its Solution by the method sdp
     rank : columns, 2 for a spherical Clebsch map
     callback : see :func:`core.solve.solve`
+    start : (N, rank) lifted field of a nearby problem, optional
     """
-    result = np.array(LiftedField(problem, solution).lifted[:, :rank])
+    result = np.array(LiftedField(problem, solution).lifted[:, :rank] if start is None else start)
     if result.shape[1] < rank:
         result = np.hstack([result, np.zeros((len(result), rank - result.shape[1]), result.dtype)])
     monitor = Monitor(callback)

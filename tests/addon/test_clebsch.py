@@ -71,7 +71,7 @@ def test_a_curve_comes_back_as_a_filament():
 def test_arrays_and_a_volume_give_the_same_vortex(tmp_path):
     grid, velocity = ring_grid()
     np.savez(tmp_path / "ring.npz", velocity=velocity.reshape(*grid.shape, 3), spacing=0.1, origin=grid.origin)
-    vdb = flows._openvdb()
+    vdb = flows.openvdb_module()
     volume = vdb.Vec3SGrid()
     volume.name = "velocity"
     volume.copyFromArray(velocity.reshape(*grid.shape, 3).astype(np.float32))
@@ -123,7 +123,7 @@ def test_the_command_line(tmp_path, capfd):
 
 def refuse_files(tmp_path):
     """Files that are no flow, and what has to be said about each."""
-    vdb = flows._openvdb()
+    vdb = flows.openvdb_module()
     scalar, nothing, broken = vdb.FloatGrid(), vdb.Vec3SGrid(), vdb.Vec3SGrid()
     scalar.name, nothing.name, broken.name = "density", "velocity", "velocity"
     scalar.fill((0, 0, 0), (4, 4, 4), 1.0)

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The box "Vortices" of the sidebar tab: settings, an estimate, what was found, and the choice of a point."""
+
+import math
+
+import bpy
+
+from . import jobs, memory
+from .flow_choice import expected_shape
+from .panels import SidebarPanel, draw_progress, property_column
+from .report import counted
+
+# Bytes that a solve takes for each node at its peak, with a proved bound, which is tried up to so many nodes, and
+# without: measured on 24^3 to 64^3 nodes.
+_PROVED, _PROVED_NODES, _ESTIMATED = 22_000, 36_000, 5_000
+
+
+class SYNCH_PT_vortices(SidebarPanel, bpy.types.Panel):
+    """Vortex filaments and tubes of a flow in space"""
+
+    bl_label = "Vortices"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 10
+
+    def draw(self, context):
+        settings = context.scene.synch_vortices
+        if jobs.running is not None:
+            draw_progress(self.layout, jobs.running)
+            return
+        draw_vortices(self.layout, settings)
+        draw_estimate(self.layout, context, settings)
+        column = self.layout.column()
+        column.scale_y = 1.3
+        column.operator("synch.clebsch", icon="FORCE_VORTEX")
+
+
+class SYNCH_PT_vortex_result(SidebarPanel, bpy.types.Panel):
+    """What the last solve of the active object's vortices found"""
+
+    bl_label = "Result"
+    bl_parent_id = "SYNCH_PT_vortices"
+
+    @classmethod
+    def poll(cls, context):
+        obj = context.active_object
+        return obj is not None and bool(obj.synch_vortices.result) and jobs.running is None
+
+    def draw(self, context):
+        obj = context.active_object
+        draw_figures(self.layout, obj.synch_vortices.figures)
+        if memory.flows.holds(obj):
+            draw_choice(self.layout, obj.synch_vortices)
+
+
+def draw_vortices(layout, settings):
+    """What is solved; ``settings`` are the scene's or an operator's."""
+    column = property_column(layout)
+    column.prop(settings, "filepath", placeholder="chosen objects")
+    column.prop(settings, "show")
+    column.prop(settings, "resolution")
+    column.prop(settings, "attribute")
+    column.prop(settings, "by")
+    column.prop(settings, "count" if settings.by == "COUNT" else "quantum")
+    if settings.show != "FILAMENTS":
+        column.prop(settings, "opening")
+    if settings.show != "TUBES":
+        column.prop(settings, "smoothing")
+    column.prop(settings, "use_frames")
+    if settings.use_frames:
+        row = column.row(align=True)
+        row.prop(settings, "frame_start", text="First, Last")
+        row.prop(settings, "frame_end", text="")
+    column.prop(settings, "method")
+    column.prop(settings, "seed")
+    if settings.method == "SDP":
+        column.prop(settings, "target_gap")
+
+
+def draw_estimate(layout, context, settings):
+    """How many nodes and how much memory a solve will take, where that can be told beforehand."""
+    shape = expected_shape(context, settings.filepath, settings.resolution)
+    if shape is None:
+        return
+    nodes = math.prod(shape)
+    memory_of_it = max(min(nodes, _PROVED_NODES) * _PROVED * (nodes <= _PROVED_NODES), nodes * _ESTIMATED)
+    text = f"{' × '.join(map(str, shape))} nodes, about {memory_of_it / 2**30:.1f} GB"
+    layout.label(text=text, icon="ERROR" if nodes > 2_000_000 else "INFO")
+
+
+def draw_figures(layout, found):
+    """Energy, bound, counts and what of the vorticity the filaments carry."""
+    column = layout.column(align=True)
+    column.label(text=f"Energy {found['energy']:.4g}", icon="SORTTIME")
+    if found["certificate"] == "proved":
+        column.label(text=f"Proved: no map saves more than {found['gap']:.0%}", icon="CHECKMARK")
+    elif found["certificate"] == "estimated":
+        column.label(text=f"About {found['gap']:.0%} above the bound", icon="QUESTION")
+    if "filaments" in found:
+        closed = f"{found['closed']} closed, {found['length']:.3g} long in all"
+        column.label(text=f"{counted(found['filaments'], 'filament')}, {closed}", icon="CURVE_DATA")
+    if "vortices" in found:
+        column.label(text=counted(found["vortices"], "vortex"), icon="DOT")
+    if "tubes" in found:
+        column.label(text=counted(found["tubes"], "tube"), icon="MESH_CYLINDER")
+    share = found["vorticity_share"]
+    if share is not None:
+        column.label(text=f"Circulation {found['quantum']:.4g} each: {share:.0%} of the vorticity", icon="FORCE_VORTEX")
+    column.label(text=f"{found['seconds']:.1f} s, {found['nodes']} nodes", icon="TIME")
+
+
+def draw_choice(layout, look):
+    """The ball with the point of the sphere, and what else is shown at once."""
+    row = layout.row()
+    row.prop(look, "point", text="")
+    column = row.column(align=True)
+    column.use_property_split = False
+    north, east = look.place
+    column.label(text=f"{abs(north):.0f}° {'N' if north >= 0 else 'S'}, {abs(east):.0f}° {'E' if east >= 0 else 'W'}")
+    column.prop(look, "opening")
+    column.prop(look, "smoothing")
+    column.operator("synch.best_vortices", icon="LOOP_BACK")
+
+
+_CLASSES = (SYNCH_PT_vortices, SYNCH_PT_vortex_result)
+
+
+def register():
+    for panel in _CLASSES:
+        bpy.utils.register_class(panel)
+
+
+def unregister():
+    for panel in reversed(_CLASSES):
+        bpy.utils.unregister_class(panel)

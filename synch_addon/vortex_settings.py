@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings of vortices as Blender properties: what is solved, kept by the scene, and what is seen, kept by objects."""
+
+import json
+import math
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+from . import memory
+from .clebsch import ClebschSettings
+from .vortex_choice import choose_point, is_filling
+from .vortex_objects import NORTH
+
+_DEFAULT = ClebschSettings()
+_OPENING = {
+    "name": "Width",
+    "description": "How much of the sphere is inside a tube, degrees around the chosen point's antipode",
+    "default": _DEFAULT.opening,
+    "min": 1.0,
+    "max": 179.0,
+}
+_SMOOTHING = {
+    "name": "Smoothing",
+    "description": "How often points of filaments move to the middle of their neighbours",
+    "default": _DEFAULT.smoothing,
+    "min": 0,
+    "soft_max": 20,
+}
+
+
+class VortexProperties:
+    """What is solved, shared by the panel's storage and the operator."""
+
+    filepath: StringProperty(
+        name="File",
+        description="OpenVDB or NumPy file with a velocity, #### for frame numbers; empty for the chosen objects",
+        subtype="FILE_PATH",
+    )
+    attribute: StringProperty(
+        name="Attribute",
+        description="Velocity on the vertices of the chosen mesh, which then shows the map itself",
+        default=_DEFAULT.attribute,
+    )
+    show: EnumProperty(
+        name="Show",
+        description="How vortices are shown",
+        items=[
+            ("FILAMENTS", "Filaments", "Curves that carry the same circulation each"),
+            ("TUBES", "Tubes", "Surfaces around the vorticity, coloured by the map to the sphere"),
+            ("BOTH", "Both", "Filaments and tubes, of one solve"),
+        ],
+    )
+    resolution: IntProperty(
+        name="Resolution",
+        description="Nodes of the grid along its longest side",
+        default=_DEFAULT.resolution,
+        min=8,
+        soft_max=128,
+    )
+    by: EnumProperty(
+        name="Quantum",
+        description="How the circulation of one filament is chosen",
+        items=[
+            ("COUNT", "Filaments", "So many pass the plane with most vorticity"),
+            ("CIRCULATION", "Circulation", "It is given"),
+        ],
+    )
+    count: FloatProperty(
+        name="Filaments",
+        description="So many through the plane with most vorticity",
+        default=_DEFAULT.count,
+        min=0.1,
+        soft_max=32,
+    )
+    quantum: FloatProperty(
+        name="Circulation",
+        description="Of one filament, in the units of the velocity times length",
+        default=1.0,
+        min=1e-6,
+        soft_max=100,
+        precision=4,
+    )
+    opening: FloatProperty(**_OPENING)
+    smoothing: IntProperty(**_SMOOTHING)
+    method: EnumProperty(
+        name="Method",
+        description="How the map is optimized",
+        items=[
+            (
+                "SDP",
+                "Semidefinite",
+                "Best filaments, with a bound on what could be gained; the only one for tubes",
+            ),
+            ("SPECTRAL", "Spectral", "Fast and rough: one eigenvector"),
+            ("DIFFUSION", "Diffusion", "Repeated smoothing and normalizing, without a useful bound"),
+        ],
+    )
+    seed: IntProperty(name="Seed", description="Another seed gives other filaments of about the same quality", min=0)
+    target_gap: FloatProperty(
+        name="Target Gap",
+        description="How closely the relaxation's optimum is bracketed, as a share of its energy",
+        default=_DEFAULT.target_gap,
+        min=1e-6,
+        max=0.5,
+        precision=4,
+    )
+    use_frames: BoolProperty(
+        name="Frames", description="Solve a range of frames, each from the one before: one object a frame"
+    )
+    frame_start: IntProperty(name="First Frame", description="Of the range", default=1)
+    frame_end: IntProperty(name="Last Frame", description="Of the range", default=24)
+
+
+PROPERTY_NAMES = tuple(VortexProperties.__annotations__)
+
+
+def plain(properties):
+    """Keyword arguments for :class:`ClebschSettings` from an operator's properties."""
+    names = ("attribute", "resolution", "count", "opening", "smoothing", "seed", "target_gap")
+    values = {name: getattr(properties, name) for name in names}
+    values |= {name: getattr(properties, name).lower() for name in ("show", "method")}
+    values["quantum"] = properties.quantum if properties.by == "CIRCULATION" else None
+    values["frames"] = (properties.frame_start, properties.frame_end) if properties.use_frames else None
+    return values
+
+
+class SynchVortices(VortexProperties, bpy.types.PropertyGroup):
+    """Settings of vortices, kept in the file."""
+
+
+def _show(look, _context):
+    """The objects of the solve show what the sliders of one of them are set to."""
+    obj = look.id_data
+    if memory.flows.holds(obj) and not is_filling():
+        choose_point(obj, tuple(look.point), opening=look.opening, smoothing=look.smoothing)
+
+
+class SynchVortexLook(bpy.types.PropertyGroup):
+    """What an object shows of its solve, and what was found; a slider shows it at once, without a solve."""
+
+    point: FloatVectorProperty(
+        name="Point",
+        description="Point of the sphere: filaments are where the map shows its antipode, tubes around that",
+        subtype="DIRECTION",
+        default=NORTH,
+        update=_show,
+    )
+    opening: FloatProperty(**_OPENING, update=_show)
+    smoothing: IntProperty(**_SMOOTHING, update=_show)
+    result: StringProperty(name="Result", description="What the panel shows of the solve, as JSON")
+
+    @property
+    def place(self):
+        """Latitude and longitude of the point in degrees."""
+        x, y, z = self.point
+        return math.degrees(math.asin(max(-1.0, min(1.0, z)))), math.degrees(math.atan2(y, x))
+
+    @property
+    def figures(self):
+        """What was found, {} where nothing was."""
+        return json.loads(self.result) if self.result else {}
+
+
+_CLASSES = (SynchVortices, SynchVortexLook)
+
+
+def register():
+    for cls in _CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.Scene.synch_vortices = PointerProperty(type=SynchVortices)
+    bpy.types.Object.synch_vortices = PointerProperty(type=SynchVortexLook)
+
+
+def unregister():
+    del bpy.types.Object.synch_vortices
+    del bpy.types.Scene.synch_vortices
+    for cls in reversed(_CLASSES):
+        bpy.utils.unregister_class(cls)
