@@ -10,6 +10,7 @@ import numpy as np
 from .globe import GLOBE_NAME, globe_group
 from .nodes import STRIPES_NAME, WARM_IVORY, stripes_group
 from .quad_profiles import QUADS_NAME, quads_group
+from .vortex_nodes import TUBES_NAME, tubes_group
 
 _SPACING = "synch_spacing"
 
@@ -29,11 +30,12 @@ _LOOKS = {
     "stripes": _Look(STRIPES_NAME, stripes_group, 0.05),
     "quads": _Look(QUADS_NAME, quads_group, 0.035),
     "globe": _Look(GLOBE_NAME, globe_group, 0.0),
+    "tubes": _Look(TUBES_NAME, tubes_group, 0.0),
 }
 
 
 def pattern_material(obj, kind, *, spacing=None, assign_faces=False) -> bpy.types.Material:
-    """Give a mesh object the material of a `kind` of pattern, "stripes", "quads" or "globe", and return it.
+    """Give a mesh object the material of a `kind` of pattern, one of `_LOOKS`, and return it.
 
     - A slot holds it already (or another material that uses its node group): nothing changes, so
       what the user has made of its look survives a second run.

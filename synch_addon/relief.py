@@ -214,7 +214,7 @@ def add_relief(obj, height, width, profile, level, smooth):
     modifier = relief_modifier(obj) or obj.modifiers.new(group.name, "NODES")
     modifier.node_group = group
     for name, value in values.items():
-        _set_input(modifier, name, value)
+        set_input(modifier, name, value)
     chosen = KINDS[kind].profiles[values["Profile"]]
     return {"modifier": modifier.name, **{name.lower(): value for name, value in values.items()}, "profile": chosen}
 
@@ -274,7 +274,7 @@ def _level_for(obj, spacing):
     return min(wanted, carried, _DEEPEST)
 
 
-def _set_input(modifier, name, value):
+def set_input(modifier, name, value):
     """Set an input of a modifier's group, by its name."""
     identifier = modifier.node_group.interface.items_tree[name].identifier
     if hasattr(modifier, "properties"):  # from 5.2 on

@@ -8,6 +8,7 @@ import numpy as np
 from mathutils.bvhtree import BVHTree
 
 from ..core.errors import SettingError
+from .vortex_nodes import is_of_filaments
 
 SOURCE_TYPES = {"CURVE", "GREASEPENCIL", "MESH"}
 
@@ -48,7 +49,7 @@ def polylines(source):
     evaluated = source.evaluated_get(bpy.context.evaluated_depsgraph_get())
     if source.type == "GREASEPENCIL":
         lines = [line for layer in evaluated.data.layers for line in _drawn(layer)]
-    elif source.type == "CURVE" and _is_thick(source.data):
+    elif source.type == "CURVE" and (_is_thick(source.data) or any(map(is_of_filaments, source.modifiers))):
         with _middle_line(source) as thin:
             lines = _chains(thin)
     else:

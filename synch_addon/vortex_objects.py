@@ -14,6 +14,9 @@ from ..core.extract.filaments import Filament, filaments
 from ..core.extract.isosurface import isosurface
 from ..core.fields.clebsch import ClebschMap, SphericalMap
 from .flows import STRENGTH
+from .globe import SPHERE
+from .materials import pattern_material
+from .vortex_nodes import COLOR_NAME, add_filaments_modifier
 
 # Radius of a filament's tube in cells of the grid.
 _THICKNESS = 0.25
@@ -84,10 +87,9 @@ def make_filaments(name, shown):
     """A curve object with a spline for every filament."""
     data = bpy.data.curves.new(name, "CURVE")
     data.dimensions = "3D"
-    data.bevel_depth = shown.thickness
-    data.bevel_resolution = 3
     made = bpy.data.objects.new(name, data)
     fill_filaments(made, shown)
+    add_filaments_modifier(made, shown.thickness, shown.quantum)
     return made
 
 
@@ -111,6 +113,7 @@ def make_tubes(name, shown):
     """A mesh object with the tubes."""
     made = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     fill_tubes(made, shown)
+    pattern_material(made, "tubes")
     return made
 
 
@@ -130,8 +133,8 @@ def fill_tubes(obj, shown):
     data.shade_smooth()
     colors = np.column_stack([0.5 + 0.5 * tubes.sphere, np.ones(len(tubes.sphere))])
     for attribute, kind, field, values in (
-        ("synch_sphere", "FLOAT_VECTOR", "vector", tubes.sphere),
-        ("synch_color", "FLOAT_COLOR", "color", colors),
+        (SPHERE, "FLOAT_VECTOR", "vector", tubes.sphere),
+        (COLOR_NAME, "FLOAT_COLOR", "color", colors),
     ):
         data.attributes.new(attribute, kind, "POINT").data.foreach_set(field, values.astype(np.float32).ravel())
 
