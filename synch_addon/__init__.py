@@ -6,6 +6,7 @@ from . import (
     cli,
     constraint_list,
     constraint_panel,
+    favourite_list,
     guide_list,
     guide_panel,
     memory,
@@ -24,6 +25,7 @@ from . import (
 _MODULES = (
     constraint_list,
     guide_list,
+    favourite_list,
     settings,
     memory,
     refine,

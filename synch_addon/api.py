@@ -19,6 +19,7 @@ from .bake import bake_maps
 from .bake_settings import BakeSettings
 from .clebsch import clebsch as clebsch
 from .jobs import portion
+from .read_back import shown_pattern
 from .refine import refine as refine
 from .relief import add_relief
 from .report import Report, result_line, versions
@@ -143,11 +144,11 @@ def trace_quads(obj, smoothing=Settings.smoothing):
 
 
 def isolines(obj, **settings):
-    """Make a curve object of the lines of an object's last solve: middles or edges of stripes, grid lines of quads.
+    """Make a curve object of the lines that an object shows: middles or edges of stripes, grid lines of quads.
 
     Parameters
     ----------
-    obj : bpy.types.Object with stripes or quads that were solved since the file was opened
+    obj : bpy.types.Object with stripes or quads
     settings : see :class:`LineSettings`
 
     Returns
@@ -162,10 +163,7 @@ def isolines(obj, **settings):
     refuse(obj)
     settings = line_object.from_names(settings)
     with scene_io.object_mode(obj):
-        solved = memory.recall(obj)
-        if solved.pattern is None:
-            raise SynchError("lines are drawn of stripes and quads: solve one of them first")
-        return line_object.write(obj, solved.task, solved.pattern, settings)
+        return line_object.write(obj, *shown_pattern(obj), settings)
 
 
 def relief(obj, height=0.15, width=0.5, profile=0, level=None, smooth=False):

@@ -202,10 +202,11 @@ def _quad_line(made):
 
 
 def result_line(report):
-    """What the panel shows of a report, as JSON."""
+    """What the panel shows of a report, and the settings with which it can be read back, as JSON."""
     names = ("command", "energy", "lower_bound", "gap", "certificate", "status", "nodes")
     counts = {kind: len(report[kind]) for kind in ("disclinations", "dislocations")}
-    return json.dumps({name: report[name] for name in names} | counts | {"seconds": report["times"]["total"]})
+    kept = {"seconds": report["times"]["total"], "settings": report["settings"]}
+    return json.dumps({name: report[name] for name in names} | counts | kept)
 
 
 def counted(count, noun):

@@ -36,10 +36,11 @@ class SYNCH_PT_result(SidebarPanel, bpy.types.Panel):
             self.layout.operator("synch.place_defect", icon="PIVOT_CURSOR")
             if result["command"] == "quads":
                 self.layout.operator("synch.trace_quads", icon="MOD_REMESH")
-            if result["command"] != "directions":
-                row = self.layout.row(align=True)
-                row.operator("synch.isolines", icon="MOD_CURVE")
-                row.operator("synch.relief", icon="MOD_DISPLACE")
+        if result["command"] != "directions":
+            draw_favourites(self.layout, synch.favourites)
+            row = self.layout.row(align=True)
+            row.operator("synch.isolines", icon="MOD_CURVE")
+            row.operator("synch.relief", icon="MOD_DISPLACE")
         row = self.layout.row(align=True)
         row.operator("synch.select_defects", text="Select Defects", icon="RESTRICT_SELECT_OFF")
         row.operator("synch.next_defect", text="Next Defect", icon="VIEWZOOM")
@@ -54,6 +55,18 @@ def draw_shading(layout, shading):
     row.scale_y = 1.3
     row.prop_enum(shading, "type", "MATERIAL", text="Preview")
     row.prop_enum(shading, "type", "RENDERED", text="Rendered")
+
+
+def draw_favourites(layout, favourites):
+    """A button that keeps what is shown, and a row for everything that is kept."""
+    layout.operator("synch.keep_favourite", icon="FUND")
+    column = layout.column(align=True)
+    for favourite in favourites:
+        row = column.row(align=True)
+        row.operator("synch.show_favourite", text="", icon="HIDE_OFF").name = favourite.name
+        row.prop(favourite, "name", text="")
+        row.label(text=f"{json.loads(favourite.result)['energy']:.4g}")
+        row.operator("synch.remove_favourite", text="", icon="X").name = favourite.name
 
 
 def draw_figures(layout, result, held):

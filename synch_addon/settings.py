@@ -21,6 +21,7 @@ from ..core.fields.directions import SYMMETRIES
 from ..core.solve import METHODS, Options
 from .constraint_list import SynchConstraint
 from .constraints import Constraint, from_plain
+from .favourite_list import SynchFavourite
 from .guidance import exact_attribute, parse
 from .guide_list import GUIDE_ITEMS, SynchGuide, suggest_numbers
 
@@ -281,6 +282,7 @@ class SynchSettings(SettingProperties, bpy.types.PropertyGroup):
         soft_max=20,
         update=_show_variation,
     )
+    favourites: CollectionProperty(name="Favourites", description="Variations that are kept", type=SynchFavourite)
     result: StringProperty(name="Result", description="What the panel shows of the last solve, as JSON")
 
 

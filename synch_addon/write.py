@@ -43,6 +43,7 @@ def clear(obj):
     write_defects(obj, [])
     if hasattr(obj, "synch"):  # as long as the extension is registered
         obj.synch.result = ""
+        obj.synch.favourites.clear()
 
 
 def reported_defects(obj, task, field, pattern):

@@ -27,14 +27,14 @@ class Pattern:
     Attributes
     ----------
     growth : Growth that was asked for
-    problem : SynchronizationProblem of the phases
-    solution : Solution of it
+    problem : SynchronizationProblem of the phases, or None for phases that were given
+    solution : Solution of it, or None
     phases : (k n,) complex, the solution's or others (:meth:`showing`)
     """
 
     growth: Growth
-    problem: SynchronizationProblem
-    solution: Solution
+    problem: SynchronizationProblem | None
+    solution: Solution | None
     phases: np.ndarray
 
     @property
@@ -43,8 +43,8 @@ class Pattern:
 
     @property
     def energy(self):
-        """Of the phases that are shown."""
-        return self.problem.energy(self.phases)
+        """Of the phases that are shown; None for given ones."""
+        return None if self.problem is None else self.problem.energy(self.phases)
 
     def showing(self, phases):
         """The pattern with other phases of the same problem: a variation, or with a defect at a chosen place."""

@@ -5,7 +5,8 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
 from ...core.errors import SynchError
-from .. import api, memory
+from .. import api
+from ..bake_index import pattern_kind
 from ..isolines import LineSettings
 from ..report import counted
 from .field_operator import unready
@@ -14,7 +15,7 @@ _DEFAULT = LineSettings()
 
 
 class SYNCH_OT_isolines(bpy.types.Operator):
-    """Make a curve object of the lines of the last solve: stripes by their middles or edges, quads by their grid"""
+    """Make a curve object of the lines of the pattern: stripes by their middles or edges, quads by their grid"""
 
     bl_idname = "synch.isolines"
     bl_label = "Lines as Curves"
@@ -63,8 +64,8 @@ class SYNCH_OT_isolines(bpy.types.Operator):
     @classmethod
     def poll(cls, context):
         reason = unready(context)
-        if reason is None and not memory.holds(context.active_object):
-            reason = f"{context.active_object.name} has not been solved since the file was opened: solve it first"
+        if reason is None and pattern_kind(context.active_object) is None:
+            reason = f"{context.active_object.name} has no pattern: solve stripes or quads on it first"
         if reason:
             cls.poll_message_set(reason)
         return reason is None

@@ -272,7 +272,7 @@ def with_one_stripe():
 @pytest.mark.parametrize(
     ("build", "settings", "says"),
     [
-        (unsolved, {}, "solve it first"),
+        (unsolved, {}, "solve stripes or quads on it first"),
         (with_directions_alone, {}, "stripes and quads"),
         (changed, {}, "solve it again"),
         (with_quads, {"width": 0.5}, "grid lines"),

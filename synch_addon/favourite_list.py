@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The favourites of an object as Blender properties, which it keeps in the file."""
+
+import bpy
+from bpy.props import IntProperty, StringProperty
+
+
+class SynchFavourite(bpy.types.PropertyGroup):
+    """A configuration of defects that was kept; its phases and directions are attributes of the mesh."""
+
+    name: StringProperty(name="Name", description="What the favourite is called")
+    number: IntProperty(name="Number", description="The one in the names of its attributes", min=1)
+    variation: IntProperty(name="Variation", description="What the slider said", min=0)
+    result: StringProperty(name="Result", description="What the panel shows of it, as JSON")
+
+    @property
+    def attributes(self):
+        """Start of its attributes' names."""
+        return f"synch_favourite_{self.number}_"
+
+
+def register():
+    bpy.utils.register_class(SynchFavourite)
+
+
+def unregister():
+    bpy.utils.unregister_class(SynchFavourite)

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Favourites: configurations of defects that are kept as attributes of the mesh, and shown again without a solve.
+
+A favourite is the directions and the phases at the vertices (:mod:`.read_back`), so that it survives saving, and costs
+some bytes a vertex.
+"""
+
+import json
+
+import numpy as np
+
+from ..core.errors import SynchError
+from . import api, memory, scene_io, write
+from .read_back import DIRECTION, PHASE, SUFFIXES, is_cut, read_back
+from .report import Report
+from .settings import from_names
+
+# How far directions may be off those of a solve in memory to be its own: single precision.
+_SAME = 1e-4
+
+
+def keep(obj, name=""):
+    """Keep what an object's stripes or quads show under a name, or one that says which variation it is.
+
+    Returns
+    -------
+    str, the name: another one where it is taken
+
+    Raises
+    ------
+    SynchError
+        with one line that names the element and the remedy; nothing is kept
+    """
+    api.refuse(obj)
+    result = json.loads(obj.synch.result) if obj.synch.result else {}
+    if result.get("command") not in SUFFIXES:
+        raise SynchError(f"{obj.name} shows no stripes or quads: solve them first")
+    if is_cut(from_names(result["settings"])):
+        raise SynchError(f"the pattern of {obj.name} has cuts, which attributes of vertices cannot tell: use the seed")
+    stored = obj.synch.favourites
+    name = _unused(name or f"Variation {obj.synch.variation}", [other.name for other in stored])
+    with scene_io.object_mode(obj):
+        values = {to: scene_io.read_values(obj, source, "POINT") for source, to in _names(result["command"])}
+        if any(part is None for part in values.values()):
+            raise SynchError(f"attributes of the pattern of {obj.name} are missing: solve it again")
+        favourite = stored.add()
+        favourite.number = max((other.number for other in stored), default=0) + 1
+        favourite.name, favourite.variation, favourite.result = name, obj.synch.variation, obj.synch.result
+        for to, part in values.items():
+            kind = "FLOAT_VECTOR" if part.ndim > 1 else "FLOAT"
+            scene_io.write_attribute(obj, favourite.attributes + to, "POINT", kind, part)
+    return name
+
+
+def show(obj, name):
+    """Show a favourite; returns what :func:`report.result_line` keeps of it, as a dict.
+
+    Where it comes from the solve that is in memory, that stays there, and the slider goes on from it.
+
+    Raises
+    ------
+    SynchError
+        with one line that names the element and the remedy; nothing is written
+    """
+    api.refuse(obj)
+    favourite = _favourite(obj, name)
+    result, start = favourite.result, favourite.attributes
+    with scene_io.object_mode(obj):
+        task, field, pattern = read_back(obj, result, start + "direction", start + "phase")
+        solved = _solve_of(obj, task, field)
+        if solved is not None:
+            shown, report = solved.pattern.showing(pattern.phases), solved.report.again()
+            api.write_result(obj, solved.task, solved.field, shown, report, favourite.variation)
+        else:
+            report = Report(task.command, obj, task.settings)
+            write.results(obj, task, field, pattern, report)
+            memory.forget(obj)
+            obj.synch.variation, obj.synch.result = favourite.variation, result
+    return json.loads(obj.synch.result)
+
+
+def remove(obj, name):
+    """Remove a favourite with its attributes."""
+    api.refuse(obj)
+    favourite = _favourite(obj, name)
+    with scene_io.object_mode(obj):
+        for attribute in [a.name for a in obj.data.attributes if a.name.startswith(favourite.attributes)]:
+            scene_io.remove_attribute(obj, attribute)
+    obj.synch.favourites.remove(obj.synch.favourites.find(name))
+
+
+def _names(command):
+    """Names of the attributes that a pattern is kept in, and those that a favourite has for them."""
+    return [(DIRECTION, "direction"), *((PHASE + suffix, "phase" + suffix) for suffix in SUFFIXES[command])]
+
+
+def _favourite(obj, name):
+    found = obj.synch.favourites.get(name)
+    if found is None:
+        names = ", ".join(other.name for other in obj.synch.favourites) or "none yet"
+        raise SynchError(f"{obj.name} has no favourite {name!r}: choose one of its own ({names})")
+    return found
+
+
+def _solve_of(obj, task, field):
+    """The solve in memory, where it is one of a task's command and spacing along the directions of a field."""
+    try:
+        solved = memory.recall(obj)
+    except SynchError:
+        return None
+    same = solved.task.command == task.command and len(solved.field.angles) == len(field.angles)
+    same = same and np.array_equal(solved.task.spacings, task.spacings)
+    return solved if same and np.abs(solved.field.vectors - field.vectors).max(initial=0) < _SAME else None
+
+
+def _unused(name, taken):
+    number, candidate = 1, name
+    while candidate in taken:
+        number += 1
+        candidate = f"{name} ({number})"
+    return candidate

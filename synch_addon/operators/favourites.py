@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators that keep variations under names, show them again and remove them."""
+
+import bpy
+from bpy.props import StringProperty
+
+from ...core.errors import SynchError
+from .. import favourites
+from ..bake_index import pattern_kind
+from .field_operator import unready
+
+
+class _FavouriteOperator:
+    """Mixed into operators on the favourite of a name."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    name: StringProperty(name="Name", description="What the favourite is called")
+
+    @classmethod
+    def poll(cls, context):
+        reason = unready(context) or cls.lacking(context.active_object)
+        if reason:
+            cls.poll_message_set(reason)
+        return reason is None
+
+    @classmethod
+    def lacking(cls, obj):
+        """Why there is nothing to be done with an object's favourites, or None."""
+        return None if obj.synch.favourites else f"{obj.name} has no favourites: keep a variation first"
+
+    def execute(self, context):
+        try:
+            self.report({"INFO"}, self.done(context.active_object))
+        except SynchError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class SYNCH_OT_keep_favourite(_FavouriteOperator, bpy.types.Operator):
+    """Keep the variation that is shown, as attributes of the mesh: it can be shown again at any time, also after \
+the file was saved and opened"""
+
+    bl_idname = "synch.keep_favourite"
+    bl_label = "Keep as Favourite"
+
+    @classmethod
+    def lacking(cls, obj):
+        if pattern_kind(obj) is None or not obj.synch.result:
+            return f"{obj.name} shows no pattern: solve stripes or quads on it first"
+        return None
+
+    def done(self, obj):
+        self.name = favourites.keep(obj, self.name)
+        return f"{self.name} is kept"
+
+
+class SYNCH_OT_show_favourite(_FavouriteOperator, bpy.types.Operator):
+    """Show this favourite again, without a solve"""
+
+    bl_idname = "synch.show_favourite"
+    bl_label = "Show Favourite"
+
+    def done(self, obj):
+        result = favourites.show(obj, self.name)
+        return f"{self.name}: energy {result['energy']:.4g}, {result['dislocations']} dislocations"
+
+
+class SYNCH_OT_remove_favourite(_FavouriteOperator, bpy.types.Operator):
+    """Remove this favourite and its attributes; what is shown stays"""
+
+    bl_idname = "synch.remove_favourite"
+    bl_label = "Remove Favourite"
+
+    def done(self, obj):
+        favourites.remove(obj, self.name)
+        return f"{self.name} is removed"
+
+
+CLASSES = (SYNCH_OT_keep_favourite, SYNCH_OT_show_favourite, SYNCH_OT_remove_favourite)
