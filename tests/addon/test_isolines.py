@@ -273,7 +273,7 @@ def with_one_stripe():
     ("build", "settings", "says"),
     [
         (unsolved, {}, "solve stripes or quads on it first"),
-        (with_directions_alone, {}, "stripes and quads"),
+        (with_directions_alone, {}, "stripes (and|or) quads"),
         (changed, {}, "solve it again"),
         (with_quads, {"width": 0.5}, "grid lines"),
         (with_one_stripe, {}, "reduce the spacing"),
