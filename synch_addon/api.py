@@ -332,6 +332,21 @@ class FieldJob:
             self._task = gather(command, obj, settings)
             self._report.warn_about(obj, self._task)
 
+    @property
+    def vertex_count(self):
+        """Of the mesh that is solved on."""
+        return self._task.given.mesh.vertex_count
+
+    def solve_early(self, callback=None):
+        """A first result by one eigenvector each, for :func:`write.results`: task, field, pattern and a report; None
+        for a command that shows no pattern. Errors as :meth:`solve`."""
+        if self.command not in ("stripes", "quads"):
+            return None
+        task = replace(self._task, settings=replace(self._task.settings, method="spectral"))
+        report = self._report.again()
+        field = solve_directions(task, portion(callback, 0.0, 0.5))
+        return task, field, solve_pattern(task, field, report, portion(callback, 0.5, 0.5)), report
+
     def solve(self, callback=None):
         """Solve on the arrays alone.
 

@@ -4,12 +4,16 @@
 import threading
 import time
 
-from ..core.errors import Cancelled
+import bpy
+
+from ..core.errors import Cancelled, SynchError
 
 # Share of the work after which its time can be told.
 _TELLING = 0.15
 # Of the threads.
 _NAME = "synch"
+# Vertices from which on a first, spectral result is worth its time: a fifth to a third of all.
+EARLY_FROM, EARLY_SHARE = 10_000, 0.25
 # The job that the window is waiting for, or None: the panel shows its progress.
 running = None
 
@@ -25,18 +29,35 @@ def stop():
             thread.join()
 
 
+@bpy.app.handlers.persistent
+def _cancel(*_):
+    """Another file is about to be opened: the running job is of no use any more."""
+    if running is not None:
+        running.cancel()
+
+
+def register():
+    bpy.app.handlers.load_pre.append(_cancel)
+
+
+def unregister():
+    bpy.app.handlers.load_pre.remove(_cancel)
+    stop()
+
+
 class BackgroundSolve:
     """Solves a :class:`FieldJob` in a thread, which touches no Blender data.
 
     Attributes
     ----------
     stage, fraction : how far it is
+    early : a first result, as soon as there is one: what ``job.solve_early`` gives, where it has that and is large
     error : what stopped it, or None
     """
 
     def __init__(self, job):
         self.job = job
-        self.stage, self.fraction, self.error = "", 0.0, None
+        self.stage, self.fraction, self.error, self.early = "", 0.0, None, None
         self._start = time.monotonic()
         self._cancelled = threading.Event()
         self._thread = threading.Thread(target=self._run, name=_NAME, daemon=True)
@@ -44,11 +65,23 @@ class BackgroundSolve:
 
     def _run(self):
         try:
-            self.job.solve(self._callback)
+            self.job.solve(self._after_early())
         except BaseException as error:  # handed to the window's thread
             self.error = error
         if self._cancelled.is_set() and self.error is None:
             self.error = Cancelled("cancelled: nothing was changed")
+
+    def _after_early(self):
+        """Make a first result where that pays; returns the callback for what is left to be done."""
+        if getattr(self.job, "vertex_count", 0) < EARLY_FROM:
+            return self._callback
+        try:
+            self.early = self.job.solve_early(portion(self._callback, 0.0, EARLY_SHARE))
+        except Cancelled:
+            raise
+        except SynchError:  # what is wrong is told by the solve itself
+            return self._callback
+        return portion(self._callback, EARLY_SHARE, 1 - EARLY_SHARE)
 
     def _callback(self, stage, fraction):
         self.stage, self.fraction = stage, fraction

@@ -74,14 +74,14 @@ def render_picture(
 @contextmanager
 def only_for_now():
     """Remove every datablock that appears inside, on success and on failure alike."""
-    before = set(_all_data())
+    before = set(all_data())
     try:
         yield
     finally:
-        bpy.data.batch_remove([block for pointer, block in _all_data().items() if pointer not in before])
+        bpy.data.batch_remove([block for pointer, block in all_data().items() if pointer not in before])
 
 
-def _all_data():
+def all_data():
     """Every datablock of the file, by address: the render result and the like included."""
     lists = (p.identifier for p in bpy.data.bl_rna.properties if p.type == "COLLECTION")
     return {block.as_pointer(): block for name in lists for block in getattr(bpy.data, name)}

@@ -3,7 +3,6 @@
 
 import bpy
 
-from .. import jobs
 from . import (
     bake,
     clebsch,
@@ -44,7 +43,6 @@ def register():
 
 
 def unregister():
-    jobs.stop()
     field_io.unregister()
     for operator in reversed(_CLASSES):
         bpy.utils.unregister_class(operator)

@@ -9,7 +9,7 @@ import bpy
 from bpy.props import StringProperty
 
 from ...core.errors import Cancelled, SynchError
-from .. import api, jobs
+from .. import api, jobs, preview
 from ..guide_list import stored_guidance
 from ..report import counted
 from ..scene_io import refusal
@@ -58,6 +58,9 @@ class BackgroundOperator:
         if work.cancelled or (event.type == "TIMER" and work.finished):
             return self._reporting(self._finish, context)
         if event.type == "TIMER":
+            if work.early is not None:
+                early, work.early = work.early, None
+                self._show_early(early)
             _show(context, f"{self.bl_label}: {work.line}   {work.times}   Esc: cancel")
             context.window_manager.progress_update(work.fraction)
         free = event.type in _NAVIGATION or (event.type in _POINTING and _over_sidebar(context, event))
@@ -107,9 +110,13 @@ class BackgroundOperator:
             raise work.error
         return self._announce(self._write(work.job))
 
+    def _show_early(self, early):
+        """Show a first result of the job."""
+
     def _leave(self, context):
         """Give the window back; returns the job. A thread that was cancelled ends by itself: it writes nothing."""
         work, jobs.running = jobs.running, None
+        preview.hide()
         context.window_manager.event_timer_remove(self._timer)
         context.window_manager.progress_end()
         _show(context, None)
@@ -149,6 +156,9 @@ class FieldOperator(BackgroundOperator):
     def _job(self, context):
         self._object_name = context.active_object.name
         return api.FieldJob(self.command, context.active_object, self._settings())
+
+    def _show_early(self, early):
+        preview.show(bpy.data.objects.get(self._object_name), *early)
 
     def _write(self, job):
         obj = bpy.data.objects.get(self._object_name)

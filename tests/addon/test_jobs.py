@@ -3,13 +3,15 @@
 """The job that the window waits for: it solves in a thread, stops when asked, and writes only what still fits."""
 
 import time
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
 
 from synch_fields.core.errors import Cancelled, SynchError
-from synch_fields.synch_addon import api, jobs
+from synch_fields.synch_addon import api, jobs, preview
+from synch_fields.synch_addon.operators import field_operator
 from synch_fields.synch_addon.settings import Settings
 
 from .scenes import attribute, set_vectors, snapshot, sphere
@@ -75,3 +77,173 @@ def test_taking_the_extension_out_ends_the_job():
     work = jobs.running
     jobs.stop()
     assert jobs.running is None and work.finished
+
+
+class Loop:
+    """As much of a window as an operator needs: it is told of its timer and of what keys do to it."""
+
+    def __init__(self):
+        self.window = self.workspace = None
+        self.window_manager = self
+        self.windows, self.areas, self.timers, self.handlers = [], [], 0, 0
+        self.screen = self
+        self.longest = 0.0
+
+    def event_timer_add(self, seconds, window):
+        self.timers += 1
+
+    def event_timer_remove(self, timer):
+        self.timers -= 1
+
+    def modal_handler_add(self, operator):
+        self.handlers += 1
+
+    def progress_begin(self, *_):
+        pass
+
+    progress_update = progress_begin
+
+    def progress_end(self):
+        pass
+
+    @property
+    def active_object(self):
+        return bpy.context.active_object
+
+    def send(self, operator, kind, value="NOTHING"):
+        start = time.perf_counter()
+        result = operator.modal(self, SimpleNamespace(type=kind, value=value, mouse_x=0, mouse_y=0))
+        self.longest = max(self.longest, time.perf_counter() - start)
+        return result
+
+    def run(self, operator, until=lambda: False):
+        """Until the operator ends, or something has happened; returns what it gave at last."""
+        result = {"RUNNING_MODAL"}
+        while result == {"RUNNING_MODAL"} and not until():
+            time.sleep(0.01)
+            result = self.send(operator, "TIMER")
+        return result
+
+
+class Stripes(field_operator.FieldOperator):
+    """The operator as the window runs it, without being one of Blender's."""
+
+    bl_label, command = "Stripes", "stripes"
+
+    def __init__(self, **settings):
+        self.settings, self.reports, self.spacing = Settings(spacing=0.4, **settings), [], 0.0
+
+    def _settings(self):
+        return self.settings
+
+    def report(self, kind, text):
+        self.reports.append((kind, text))
+
+
+def begun(obj, **settings):
+    """An operator whose job has been started in a loop of its own."""
+    loop, operator = Loop(), Stripes(**settings)
+    assert operator._start(loop) == {"RUNNING_MODAL"}
+    assert loop.timers == loop.handlers == 1
+    return loop, operator
+
+
+def test_window_gets_what_a_script_gets():
+    obj = sphere()
+    loop, operator = begun(obj)
+    assert loop.run(operator) == {"FINISHED"}
+    assert jobs.running is None and loop.timers == 0
+    phases = attribute(obj, "synch_phase")
+    api.stripes(obj, spacing=0.4)
+    np.testing.assert_array_equal(phases, attribute(obj, "synch_phase"))
+
+
+@pytest.mark.parametrize("subdivisions", [3, 5])
+@pytest.mark.parametrize("button", [False, True])
+def test_escape_and_button_cancel_at_once(subdivisions, button):
+    obj = sphere(subdivisions)
+    before = snapshot()
+    loop, operator = begun(obj, seed=3)
+    loop.run(operator, until=lambda: jobs.running.fraction > 0.1)
+    start = time.perf_counter()
+    if button:
+        bpy.ops.synch.cancel()
+        result = loop.send(operator, "TIMER")
+    else:
+        result = loop.send(operator, "ESC", "PRESS")
+    assert result == {"CANCELLED"} and time.perf_counter() - start < 0.2
+    assert operator.reports == [({"INFO"}, "cancelled: nothing was changed")]
+    assert jobs.running is None and loop.timers == 0 and snapshot() == before
+
+
+def test_second_job_is_refused_with_the_reason():
+    obj = sphere()
+    loop, operator = begun(obj)
+    assert not bpy.ops.synch.stripes.poll()
+    with pytest.raises(RuntimeError, match="is being solved: wait for it, or cancel it with Esc"):
+        bpy.ops.synch.quads()
+    loop.send(operator, "ESC", "PRESS")
+    assert bpy.ops.synch.stripes.poll()
+
+
+@pytest.fixture
+def early(monkeypatch):
+    """First results for small meshes too."""
+    monkeypatch.setattr(jobs, "EARLY_FROM", 0)
+
+
+@pytest.mark.parametrize("end", ["FINISHED", "CANCELLED"])
+def test_first_result_is_shown_and_gone_at_the_end(early, end):
+    obj = sphere(4)
+    obj.data.materials.append(bpy.data.materials.new("Mine"))
+    name, before = obj.name, snapshot()
+    loop, operator = begun(obj)
+    loop.run(operator, until=lambda: preview.shown is not None)
+    (copy,) = [other for other in bpy.data.objects if other.type == "MESH" and other != obj]
+    assert attribute(copy, "synch_phase").any() and copy.visible_get() and not obj.visible_get()
+    assert "synch_phase" not in obj.data.attributes and bpy.context.active_object == obj
+    first = jobs.running.fraction
+    if end == "CANCELLED":
+        assert loop.send(operator, "ESC", "PRESS") == {"CANCELLED"} and snapshot() == before
+    else:
+        assert loop.run(operator) == {"FINISHED"} and first < 0.7
+        assert [o.name for o in bpy.data.objects if o.type == "MESH"] == [name]
+        report = api.stripes(obj, spacing=0.4)
+        assert not report["warnings"] and len(bpy.data.materials) == 2
+    assert preview.shown is None and obj.visible_get() and obj.select_get()
+
+
+def test_saving_meanwhile_leaves_the_first_result_out(early, tmp_path):
+    obj = sphere(4)
+    loop, operator = begun(obj)
+    loop.run(operator, until=lambda: preview.shown is not None)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "mid.blend"), copy=True)
+    assert preview.shown is None and [o.name for o in bpy.data.objects] == [obj.name]
+    assert loop.run(operator) == {"FINISHED"}
+    with bpy.data.libraries.load(str(tmp_path / "mid.blend")) as (kept, _):
+        assert kept.objects == [obj.name]
+
+
+@pytest.mark.parametrize("first", [False, True])
+def test_opening_another_file_ends_the_job(first, monkeypatch):
+    if first:
+        monkeypatch.setattr(jobs, "EARLY_FROM", 0)
+    loop, operator = begun(sphere(4))
+    if first:
+        loop.run(operator, until=lambda: preview.shown is not None)
+    work = jobs.running
+    bpy.ops.wm.read_homefile(use_empty=True)
+    assert work.cancelled and preview.shown is None
+    operator.cancel(loop)  # as Blender tells every operator that runs
+    assert jobs.running is None and loop.timers == 0
+    work.wait()
+    assert not bpy.data.objects and isinstance(work.error, Cancelled)
+
+
+def test_object_that_is_gone_is_said_in_one_line():
+    obj = sphere()
+    loop, operator = begun(obj)
+    bpy.data.objects.remove(obj)
+    jobs.running.wait()
+    assert loop.run(operator) == {"CANCELLED"}
+    assert operator.reports[-1][0] == {"ERROR"} and "is gone: nothing was written" in operator.reports[-1][1]
