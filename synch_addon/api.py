@@ -123,6 +123,18 @@ def place_defects(obj, vertices):
     return _show(obj, place)
 
 
+def show_again(obj, shown, number):
+    """Show a state of an object's last solve that :func:`memory.recall` has given, as variation ``number``.
+
+    Errors as :func:`vary`.
+    """
+    refuse(obj)
+    with _object_mode(obj):
+        task = memory.recall(obj).task
+        write.results(obj, task, shown.field, shown.pattern, shown.report.again())
+        _keep(obj, replace(shown, task=task), number)
+
+
 def trace_quads(obj, smoothing=Settings.smoothing):
     """Make the mesh of the quads that an object shows, variations and placed defects included, without another solve.
 
@@ -238,11 +250,16 @@ def write_result(obj, task, field, pattern, report, number=0):
         defects, polygons = write.results(obj, task, field, pattern, report)
     task = replace(task, given=replace(task.given, polygons=polygons))
     plain = report.finish(field, pattern, defects)
+    _keep(obj, memory.Solved(task, field, pattern, report, plain), number)
+    return plain
+
+
+def _keep(obj, solved, number):
+    """Remember what an object shows now."""
     memory.forget(obj)  # so that setting the slider asks for nothing
     if hasattr(obj, "synch"):  # as long as the extension is registered
-        obj.synch.variation, obj.synch.result = number, result_line(plain)
-    memory.remember(obj, memory.Solved(task, field, pattern, report, plain))
-    return plain
+        obj.synch.variation, obj.synch.result = number, result_line(solved.plain)
+    memory.remember(obj, solved)
 
 
 def _traced(task, pattern, report):

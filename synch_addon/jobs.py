@@ -99,7 +99,7 @@ class BackgroundSolve:
     @property
     def line(self):
         """How far it is, for the progress bar."""
-        return f"{self.stage or 'starting'} {self.fraction:.0%}"
+        return f"{self.fraction:.0%}  {self.stage or 'starting'}"
 
     @property
     def times(self):

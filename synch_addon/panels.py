@@ -79,13 +79,9 @@ def property_column(layout):
 
 def draw_progress(layout, work):
     """A bar for the job that runs."""
-    layout.progress(factor=work.fraction, text=_capitalized(work.line))
+    layout.progress(factor=work.fraction, text=work.line)
     layout.label(text=work.times, icon="TIME")
     layout.operator("synch.cancel", icon="EVENT_ESC")
-
-
-def _capitalized(line):
-    return line[:1].upper() + line[1:]
 
 
 class SidebarPanel:
@@ -107,7 +103,7 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
         obj = context.active_object
         reason = refusal(obj)
         if reason:
-            self.layout.label(text=_capitalized(reason), icon="INFO")
+            self.layout.label(text=reason[0].upper() + reason[1:], icon="INFO")
             return
         if jobs.running is not None:
             draw_progress(self.layout, jobs.running)

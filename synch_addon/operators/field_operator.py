@@ -16,7 +16,6 @@ from ..scene_io import refusal
 from ..settings import PROPERTY_NAMES, plain
 
 _POINTING = {"LEFTMOUSE", "MOUSEMOVE"}
-# What reaches the window while a job runs: navigation, but nothing that could change the mesh.
 _NAVIGATION = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE"}
 
 
@@ -63,7 +62,7 @@ class BackgroundOperator:
                 self._show_early(early)
             _show(context, f"{self.bl_label}: {work.line}   {work.times}   Esc: cancel")
             context.window_manager.progress_update(work.fraction)
-        free = event.type in _NAVIGATION or (event.type in _POINTING and _over_sidebar(context, event))
+        free = navigates(event) or (event.type in _POINTING and over_sidebar(context, event))
         return {"PASS_THROUGH"} if free else {"RUNNING_MODAL"}
 
     def cancel(self, context):
@@ -189,8 +188,13 @@ class SYNCH_OT_cancel(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def _over_sidebar(context, event):
-    """Whether the mouse is over a sidebar, where the button is that cancels."""
+def navigates(event):
+    """Whether an event can only move the view: others could change the mesh while an operator waits."""
+    return event.type in _NAVIGATION or event.type.startswith("NUMPAD_")
+
+
+def over_sidebar(context, event):
+    """Whether the mouse is over a sidebar, which lies over the view."""
     return any(
         region.type == "UI"
         and 0 <= event.mouse_x - region.x < region.width

@@ -10,7 +10,7 @@ from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_
 from ...core.errors import SynchError
 from .. import api, memory, scene_io
 from ..settings import Settings
-from .field_operator import unready
+from .field_operator import navigates, over_sidebar, unready
 
 # Numbers that the dice draw: from here on every one is another random projection.
 _DRAWN = (100, 1_000_000)
@@ -100,7 +100,13 @@ class SYNCH_OT_place_defect(_SolvedOperator, bpy.types.Operator):
         if context.region is None or context.region.type != "WINDOW":
             self.report({"ERROR"}, "defects are placed in a 3D view: run this with the mouse over one")
             return {"CANCELLED"}
-        self._before = context.active_object.synch.variation
+        obj = context.active_object
+        try:
+            self._before = memory.recall(obj), obj.synch.variation
+        except SynchError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self._object_name = obj.name
         self._vertices, self._held = [], False
         context.window_manager.modal_handler_add(self)
         context.workspace.status_text_set("Click: place a defect   Drag: move it   Enter: done   Esc: as before")
@@ -110,24 +116,27 @@ class SYNCH_OT_place_defect(_SolvedOperator, bpy.types.Operator):
         if event.type in {"RET", "NUMPAD_ENTER", "RIGHTMOUSE"} and event.value == "PRESS":
             return self._leave(context, {"FINISHED"} if self._vertices else {"CANCELLED"})
         if event.type == "ESC":
-            self._show(api.vary, context.active_object, self._before)
+            if self._vertices:
+                api.show_again(bpy.data.objects[self._object_name], *self._before)
             return self._leave(context, {"CANCELLED"})
         if event.type == "LEFTMOUSE":
-            self._held = event.value == "PRESS"
-            vertex = vertex_under(context, event) if self._held else None
-            if vertex is not None:
-                self._try(context, [*self._vertices, vertex])
+            pressed = event.value == "PRESS" and not over_sidebar(context, event)
+            self._held = pressed and self._put(context, event, self._vertices)
             return {"RUNNING_MODAL"}
-        if event.type == "MOUSEMOVE" and self._held and self._vertices:
-            vertex = vertex_under(context, event)
-            if vertex is not None and vertex != self._vertices[-1]:
-                self._try(context, [*self._vertices[:-1], vertex])
-            return {"RUNNING_MODAL"}
-        return {"PASS_THROUGH"}
+        if event.type == "MOUSEMOVE" and self._held:
+            self._put(context, event, self._vertices[:-1])
+        return {"PASS_THROUGH"} if navigates(event) else {"RUNNING_MODAL"}
 
-    def _try(self, context, vertices):
-        if self._show(api.place_defects, context.active_object, vertices) == {"FINISHED"}:
+    def _put(self, context, event, others):
+        """Put a defect at the vertex under the mouse, beside those at others; returns whether one is there now."""
+        vertex = vertex_under(context, event)
+        if vertex is None or vertex in self._vertices:
+            return vertex is not None
+        vertices = [*others, vertex]
+        placed = self._show(api.place_defects, context.active_object, vertices) == {"FINISHED"}
+        if placed:
             self._vertices = vertices
+        return placed
 
     def _leave(self, context, result):
         context.workspace.status_text_set(None)

@@ -36,7 +36,7 @@ class Blender:
 
     def __init__(self, command, screen, folder):
         self.screen, self.folder = screen, folder
-        self._template = cache(self._drawn)
+        self._template, self._mouse = cache(self._drawn), [0, 0]
         width, height = screen.size
         environment = {
             **os.environ,
@@ -105,14 +105,24 @@ class Blender:
         """Whether a region shows a text."""
         return len(self.places(text, kind)) > 0
 
-    def wait_for(self, text, kind="UI", tab=False):
-        """Wait for a region to show a text; returns its middle, the topmost if there are several."""
-        return self._until(lambda: self.places(text, kind, tab), f"the text {text!r}")[0]
+    def wait_for(self, text, kind="UI", tab=False, last=False):
+        """Wait for a region to show a text; returns its middle, the topmost or the last if there are several."""
+        return self._until(lambda: self.places(text, kind, tab), f"the text {text!r}")[-1 if last else 0]
 
-    def click(self, place, kind="UI", tab=False):
-        """Click on a text of a region, or at x, y."""
-        self.move(self.wait_for(place, kind, tab) if isinstance(place, str) else place)
+    def click(self, place, kind="UI", tab=False, last=False):
+        """Click on a text of a region, the topmost or the last, or at x, y."""
+        self.move(self.wait_for(place, kind, tab, last) if isinstance(place, str) else place)
         self.press("LEFTMOUSE")
+
+    def scroll_to(self, text):
+        """Turn the wheel over the sidebar until it shows a text."""
+        x, y, width, height = self.region()
+        self.move((x + width / 3, y + height / 2))
+        while not self.shows(text):
+            before = self.picture("UI")
+            self.press("WHEELDOWNMOUSE")
+            if np.array_equal(before, self.picture("UI")):
+                self.wait_for(text)
 
     def move(self, place):
         """Move the mouse to x, y."""
@@ -130,6 +140,14 @@ class Blender:
         """Press a key or button and let it go; modifiers: ctrl, shift, alt."""
         self._event(key, "PRESS", **modifiers)
         self._event(key, "RELEASE", **modifiers)
+
+    def open_panel(self):
+        """Open the sidebar of the 3D view and its tab "Synch"."""
+        x, y, width, height = self.region("WINDOW")
+        self.move((x + width / 2, y + height / 2))
+        self.press("N")
+        self.click("Synch", tab=True)
+        self.wait_for("Synch Fields")
 
     def close(self):
         """End Blender."""

@@ -6,15 +6,18 @@ SYNCH_UI_FOLDER names the folder. A command is a file `command` with Python sour
 what the source leaves in the variable `answer`, or the traceback, as JSON.
 """
 
+import hashlib
 import json
 import os
+import sys
+import time
 import traceback
 
 import blf
 import bpy
 import gpu
 import numpy as np
-from mathutils import Matrix
+from mathutils import Matrix, Vector
 
 _FOLDER = os.environ["SYNCH_UI_FOLDER"]
 _COMMAND, _ANSWER = (os.path.join(_FOLDER, name) for name in ("command", "answer"))
@@ -59,7 +62,62 @@ def drawn_text(text, points):
     return np.array(pixels, np.uint8).reshape(height, width, 4)[::-1, :, 0].tolist()
 
 
-_scope = {"bpy": bpy, "event": event, "region": region, "drawn_text": drawn_text}
+def part(name):
+    """A module of the extension, such as "jobs"."""
+    return sys.modules[f"bl_ext.user_default.synch_fields.synch_addon.{name}"]
+
+
+def active():
+    """The active object."""
+    return bpy.context.view_layer.objects.active
+
+
+def state():
+    """All that an operator of the extension changes of the active object: two are equal only if nothing has changed."""
+    obj = active()
+    return {
+        "attributes": {attribute.name: _digest(attribute) for attribute in obj.data.attributes},
+        "materials": [material and material.name for material in obj.data.materials],
+        "children": sorted([child.name, *map(float, child.location)] for child in obj.children),
+        "collections": sorted(collection.name for collection in bpy.data.collections),
+        "result": obj.synch.result,
+        "variation": obj.synch.variation,
+    }
+
+
+def _digest(attribute):
+    field = {"FLOAT_VECTOR": "vector", "FLOAT_COLOR": "color", "FLOAT2": "vector"}.get(attribute.data_type, "value")
+    width = {"FLOAT_VECTOR": 3, "FLOAT_COLOR": 4, "FLOAT2": 2, "INT32_2D": 2}.get(attribute.data_type, 1)
+    values = np.zeros(len(attribute.data) * width, np.float32 if "FLOAT" in attribute.data_type else np.int32)
+    attribute.data.foreach_get(field, values)
+    return hashlib.sha1(values).hexdigest()
+
+
+def pixel(point):
+    """Where the 3D view shows a point of the scene: x and y in the window."""
+    x, y, width, height = region("WINDOW")
+    area = next(area for area in bpy.context.window_manager.windows[0].screen.areas if area.type == "VIEW_3D")
+    seen = area.spaces[0].region_3d.perspective_matrix @ Vector((*point, 1.0))
+    return [x + width * (1 + seen.x / seen.w) / 2, y + height * (1 + seen.y / seen.w) / 2]
+
+
+def time_cancelling():
+    """From now on, ``seconds`` gets how long a running job's operator takes to be gone once it hears of Esc."""
+    operator = part("operators.field_operator").FieldOperator
+    modal = operator.modal
+
+    def timed(self, context, heard):
+        start = time.monotonic()
+        result = modal(self, context, heard)
+        if heard.type == "ESC" and part("jobs").running is None:
+            _scope["seconds"].append(time.monotonic() - start)
+        return result
+
+    operator.modal = timed
+
+
+_scope = {"bpy": bpy, "seconds": []}
+_scope |= {f.__name__: f for f in (event, region, drawn_text, part, active, state, pixel, time_cancelling)}
 
 
 def _poll():

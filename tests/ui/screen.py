@@ -3,7 +3,6 @@
 """A virtual display, and pictures of it: Xvfb keeps the screen as an X window dump in a file."""
 
 import os
-import shutil
 import struct
 import subprocess
 import zlib
@@ -49,11 +48,6 @@ class Screen:
         """End the display."""
         self._process.terminate()
         self._process.wait(_PATIENCE)
-
-
-def available():
-    """Whether a virtual display can be had."""
-    return shutil.which("Xvfb") is not None
 
 
 def write_png(path, picture):

@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tests in a real Blender window on a virtual display.
+
+SYNCH_BLENDER is the command that starts a Blender whose Python has SciPy: `blender`, or a wrapper around one in a
+container that sees the folder of temporary files (TMPDIR) under the same path, and the display. Xvfb has to be on the
+PATH. Where one of them is missing, the tests are skipped. The pictures that they take are left in out/ui.
+"""
+
+import importlib.util
+import os
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+
+from .blender import Blender
+from .screen import Screen, write_png
+
+ROOT = Path(__file__).resolve().parents[2]
+SIZE = 1400, 1000
+
+
+@pytest.fixture(scope="session")
+def window(tmp_path_factory):
+    """A Blender with the extension, as `tools/extension.py` builds it, installed into a folder of its own."""
+    command = os.environ.get("SYNCH_BLENDER")
+    if not command:
+        pytest.skip("no Blender with a window: name the command that starts one in SYNCH_BLENDER")
+    if shutil.which("Xvfb") is None:
+        pytest.skip("no virtual display: install Xvfb")
+    if importlib.util.find_spec("bpy") is None:
+        pytest.skip("the extension cannot be built: bpy is not installed")
+    folder = tmp_path_factory.mktemp("window")
+    screen = Screen(folder, SIZE)
+    try:
+        blender = Blender(command, screen, folder)
+        try:
+            install = "bpy.ops.extensions.package_install_files"
+            blender.run(f"{install}(filepath={_built(folder)!r}, repo='user_default', enable_on_install=True)")
+            yield blender
+        finally:
+            blender.close()
+    finally:
+        screen.close()
+
+
+@pytest.fixture
+def blender(window):
+    """The window with Blender's own first scene, the default cube gone."""
+    window.run("bpy.ops.wm.read_homefile()")
+    window.until("region('WINDOW')[2] > 1")
+    window.run("bpy.data.objects.remove(bpy.data.objects['Cube'])")
+    return window
+
+
+@pytest.fixture
+def panel(blender):
+    """The window with the tab "Synch" opened, as a user does it."""
+    blender.open_panel()
+    return blender
+
+
+@pytest.fixture
+def keep():
+    """Keeps a picture: keep(name, picture)."""
+    folder = ROOT / "out" / "ui"
+    folder.mkdir(parents=True, exist_ok=True)
+    return lambda name, picture: write_png(folder / f"{name}.png", picture)
+
+
+def _built(folder):
+    sys.path.insert(0, str(ROOT / "tools"))
+    try:
+        from extension import build
+    finally:
+        sys.path.pop(0)
+    (archive,) = build(folder, with_wheels=False)
+    return str(archive)
