@@ -17,9 +17,10 @@ from pathlib import Path
 import numpy as np
 
 from . import reading
+from .screen import write_png
 
 # Seconds after which what is waited for counts as missing, and that an event needs to reach the window.
-PATIENCE, SETTLING = 600, 0.3
+PATIENCE, SETTLING = 300, 0.3
 # Points of the interface's font.
 _POINTS = 11
 
@@ -167,7 +168,8 @@ class Blender:
             if np.size(value) and np.all(value):
                 return value
             if time.monotonic() > end:
-                raise TimeoutError(f"waited {PATIENCE} s for {wish}")
+                write_png(picture := self.folder / "missing.png", self.screen.picture())
+                raise TimeoutError(f"waited {PATIENCE} s for {wish}; the screen then: {picture}")
             time.sleep(0.05)
 
     def _drawn(self, text, tab):
