@@ -38,7 +38,7 @@ class ClebschSettings:
     point : of the sphere, from which tubes are seen: they are around where the map shows its antipode; for filaments
         None shows the best map, a point the projection along it
     opening : degrees around the antipode that are inside a tube
-    smoothing : how often points of filaments move to the middle of their neighbours
+    smoothing : how often points of filaments, and vertices of tubes, move to the middle of their neighbours
     frames : first and last frame of a sequence, None for what the source is now
     method, seed, target_gap, time_limit : as for fields
     """
@@ -50,7 +50,7 @@ class ClebschSettings:
     attribute: str = VELOCITY
     point: tuple[float, float, float] | None = None
     opening: float = 60.0
-    smoothing: int = 2
+    smoothing: int = 5
     frames: tuple[int, int] | None = None
     method: str = "sdp"
     seed: int = 0

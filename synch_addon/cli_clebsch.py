@@ -39,7 +39,7 @@ def add_parser(commands):
     command.add_argument(
         "--opening", type=float, default=default.opening, metavar="DEG", help="width of tubes (%(default)s)"
     )
-    command.add_argument("--smoothing", type=int, default=default.smoothing, help="of filaments (%(default)s)")
+    command.add_argument("--smoothing", type=int, default=default.smoothing, help="of what is shown (%(default)s)")
     command.add_argument(
         "--frames",
         nargs=2,

@@ -52,7 +52,7 @@ def choose_point(obj, point=None, *, opening=None, smoothing=None):
     obj : bpy.types.Object, filaments, tubes or a surface with a map that were solved since the file was opened
     point : three numbers, not all 0; None for the filaments of least energy, and tubes seen from the north
     opening : degrees around the antipode that are inside a tube; None for what was chosen before
-    smoothing : how often points of filaments move to the middle of their neighbours; None as before
+    smoothing : how often points move to the middle of their neighbours; None as before
 
     Returns
     -------

@@ -20,7 +20,7 @@ _BRASS, _CRIMSON = (0.60, 0.33, 0.09, 1.0), (0.42, 0.02, 0.05, 1.0)
 
 _TUBES_INPUTS = (
     Socket("Wheel", "Float", "0 for the globe, 1 for hues by longitude in bands of latitude", 0.0, (0.0, 1.0)),
-    Socket("Saturation", "Float", "Of the wheel's hues", 0.72, (0.0, 1.0)),
+    Socket("Saturation", "Float", "Of the wheel's hues", 0.8, (0.0, 1.0)),
 )
 _TUBES_OUTPUTS = (
     Socket("Color", "Color", "Color of the point of the sphere that the map shows"),
@@ -57,7 +57,7 @@ def tubes_group() -> bpy.types.ShaderNodeTree:
         # Six bands of latitude, every other one darker, and darker towards the south.
         latitude = canvas.math("ARCSINE", z.minimum(1.0).maximum(-1.0))
         band = ((latitude / (math.pi / 6)).ping_pong(1.0) > 0.5).named("band")
-        value = ((z * 0.22 + 0.62) * (1.0 - band * 0.16)).named("value")
+        value = ((z * 0.16 + 0.5) * (1.0 - band * 0.2)).named("value")
         wheel = _hue(canvas, hue, inputs["Saturation"], value)
     with canvas.band("Chosen"):
         color = canvas.color_mix(inputs["Wheel"], globe["Color"], wheel)

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 from ..core.extract.filaments import Filament, filaments
-from ..core.extract.isosurface import isosurface
+from ..core.extract.isosurface import evened, isosurface
 from ..core.fields.clebsch import ClebschMap, SphericalMap
 from .flows import STRENGTH
 from .globe import SPHERE
@@ -68,19 +68,24 @@ def seen(found: ClebschMap, sphere: SphericalMap | None, point) -> ClebschMap:
 def showing(found: ClebschMap, sphere: SphericalMap | None, settings) -> Shown:
     """What settings ask to see of a map and the sphere; that may be missing where there are only filaments."""
     lines = filaments(found, settings.smoothing) if settings.show != "tubes" else None
-    tubes = _tubes(sphere, settings.point or NORTH, settings.opening) if settings.show != "filaments" else None
+    tubes = _tubes(sphere, settings) if settings.show != "filaments" else None
     return Shown(lines, tubes, found.quantum, _THICKNESS * float(found.grid.spacing.min()))
 
 
-def _tubes(sphere, point, opening):
-    point, width = np.array(point, float), math.cos(math.radians(opening))
-    facing = sphere.sphere @ (-point / np.linalg.norm(point))
-    surface = isosurface(sphere.found.grid, facing, width)
-    shown = surface.interpolated(sphere.sphere)
-    shown /= np.maximum(np.linalg.norm(shown, axis=1, keepdims=True), 1e-12)
-    strength = sphere.found.quantum * 0.5 * (1 - width)
+def _tubes(sphere, settings):
+    axis = -np.array(settings.point or NORTH, float)
+    axis /= np.linalg.norm(axis)
+    angle = math.radians(settings.opening)
+    surface = isosurface(sphere.found.grid, sphere.sphere @ axis, math.cos(angle))
+    between = evened(surface.mesh, surface.interpolated(sphere.sphere), settings.smoothing)
+    # The map is on the circle there: only how far around it is taken from between the nodes.
+    around = between - (between @ axis)[:, None] * axis
+    around /= np.maximum(np.linalg.norm(around, axis=1, keepdims=True), 1e-12)
+    shown = math.cos(angle) * axis + math.sin(angle) * around
+    places = evened(surface.mesh, surface.mesh.vertices, settings.smoothing)
+    strength = sphere.found.quantum * 0.5 * (1 - math.cos(angle))
     pieces = int(surface.mesh.pieces.max(initial=-1)) + 1
-    return Tubes(surface.mesh.vertices, surface.mesh.triangles, shown, strength, pieces)
+    return Tubes(places, surface.mesh.triangles, shown, strength, pieces)
 
 
 def make_filaments(name, shown):

@@ -63,8 +63,7 @@ def draw_vortices(layout, settings):
     column.prop(settings, "count" if settings.by == "COUNT" else "quantum")
     if settings.show != "FILAMENTS":
         column.prop(settings, "opening")
-    if settings.show != "TUBES":
-        column.prop(settings, "smoothing")
+    column.prop(settings, "smoothing")
     column.prop(settings, "use_frames")
     if settings.use_frames:
         row = column.row(align=True)

@@ -30,7 +30,7 @@ _OPENING = {
 }
 _SMOOTHING = {
     "name": "Smoothing",
-    "description": "How often points of filaments move to the middle of their neighbours",
+    "description": "How often points of filaments and tubes move to the middle of their neighbours",
     "default": _DEFAULT.smoothing,
     "min": 0,
     "soft_max": 20,

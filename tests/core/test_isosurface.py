@@ -5,7 +5,8 @@
 import numpy as np
 import pytest
 
-from synch_fields.core.extract.isosurface import isosurface
+from synch_fields.core.extract.isosurface import evened, isosurface
+from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.check import check_mesh
 from synch_fields.core.geometry.grid import Grid
 
@@ -46,3 +47,20 @@ def test_a_plane_ends_at_the_sides_of_the_grid(level):
 def test_nothing_is_found_where_there_is_nothing():
     found = isosurface(BOX, np.zeros(BOX.node_count), 1.0)
     assert found.mesh.triangle_count == 0
+
+
+def test_evening_takes_the_cells_off_a_sphere_and_leaves_its_size():
+    coarse = Grid((12, 12, 12), spacing=0.2, origin=-1.1)
+    found = isosurface(coarse, -(np.linalg.norm(coarse.places, axis=1) ** 4), -(0.7**4))
+    places = evened(found.mesh, found.mesh.vertices, 10)
+    before, after = (np.linalg.norm(v, axis=1) for v in (found.mesh.vertices, places))
+    assert after.std() < 0.65 * before.std()
+    assert volume(TriangleMesh(places, found.mesh.triangles)) == pytest.approx(volume(found.mesh), rel=0.02)
+
+
+def test_evening_holds_the_boundary():
+    found = isosurface(BOX, BOX.places[:, 0] + 0.01 * np.sin(40 * BOX.places[:, 1]), 0.03)
+    edge = found.mesh.boundary_vertices
+    places = evened(found.mesh, found.mesh.vertices, 5)
+    np.testing.assert_array_equal(places[edge], found.mesh.vertices[edge])
+    assert np.std(places[~edge, 0]) < 0.85 * np.std(found.mesh.vertices[~edge, 0])

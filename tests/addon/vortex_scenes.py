@@ -1,0 +1,49 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flows of vortex rings as files, for tests in Blender."""
+
+import numpy as np
+
+from synch_fields.core.fields.biot_savart import filament_velocity
+from synch_fields.core.geometry.grid import Grid
+from synch_fields.synch_addon import flows
+
+# So coarse that a solve takes a second, and fine enough for half a cell to tell.
+SHAPE, SPACING, RADIUS = (18, 18, 14), 0.1, 0.5
+QUICK = {"quantum": 1.0, "target_gap": 0.05}
+
+
+def ring_flow(height=0.0, circulation=2.0):
+    """A grid and the velocity of a ring around the z axis at a height."""
+    grid = Grid(SHAPE, SPACING, -0.5 * SPACING * (np.array(SHAPE) - 1))
+    turn = np.linspace(0, 2 * np.pi, 121)
+    ring = np.column_stack([RADIUS * np.cos(turn), RADIUS * np.sin(turn), height + 0 * turn])
+    return grid, filament_velocity(grid.places, [(ring, circulation)], 0.11).reshape(*SHAPE, 3)
+
+
+def write_npz(path, height=0.0, circulation=2.0):
+    """A .npz file with such a flow; returns its path."""
+    grid, velocity = ring_flow(height, circulation)
+    np.savez(path, velocity=velocity, spacing=SPACING, origin=grid.origin)
+    return path
+
+
+def write_vdb(path, height=0.0, first=0, last=None):
+    """A .vdb file with such a flow, or the slices ``first`` to ``last`` along x of it; returns its path."""
+    grid, velocity = ring_flow(height)
+    velocity = velocity[first:last]
+    vdb = flows.openvdb_module()
+    volume = vdb.Vec3SGrid()
+    volume.name = "velocity"
+    volume.copyFromArray(velocity.astype(np.float32))
+    origin = grid.origin + [first * SPACING, 0, 0]
+    rows = [[SPACING, 0, 0, 0], [0, SPACING, 0, 0], [0, 0, SPACING, 0], [*origin, 1]]
+    volume.transform = vdb.createLinearTransform(rows)
+    vdb.write(str(path), grids=[volume])
+    return path
+
+
+def points_of(obj):
+    """(p, 3) points of all splines."""
+    places = [np.array([point.co[:3] for point in spline.points]) for spline in obj.data.splines]
+    return np.concatenate(places) if places else np.empty((0, 3))
