@@ -87,7 +87,7 @@ def measure_slack(workspace, metric, duals, random, monitor, enough=-np.inf, cou
     vector = metric.solve(weight * vector)
     for step in range(steps):
         monitor.check()
-        vector -= (basis[:step].conj() @ (matrix @ vector + shift * vector)) @ basis[:step]
+        vector -= _inner(basis[:step], matrix @ vector + shift * vector) @ basis[:step]
         image = matrix @ vector + shift * vector
         length = np.sqrt(np.vdot(vector, image).real)
         if not length > 0:
@@ -95,7 +95,7 @@ def measure_slack(workspace, metric, duals, random, monitor, enough=-np.inf, cou
         basis[step] = vector / length
         filled = step + 1
         for products, other in ((weighted, weight * basis[step]), (measured, image / length)):
-            products[:filled, step] = basis[:filled].conj() @ other
+            products[:filled, step] = _inner(basis[:filled], other)
             products[step, :filled] = products[:filled, step].conj()
         try:
             values, combinations = eigh(weighted[:filled, :filled], measured[:filled, :filled])
@@ -110,6 +110,11 @@ def measure_slack(workspace, metric, duals, random, monitor, enough=-np.inf, cou
     order = np.argsort(values)[::-1][:count]
     directions = combinations[:, order].T @ basis[: len(values)]
     return Slack(float(values[-1] - 1), float(error), directions[values[order] > 1].T)
+
+
+def _inner(vectors, other):
+    """(k,) inner products of (k, N) vectors with another one, without a conjugated copy of them."""
+    return (vectors @ other.conj()).conj()
 
 
 def provable_width(piece):

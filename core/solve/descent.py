@@ -96,11 +96,11 @@ def _two_loop(spheres, memory, gradient, metric, point):
     shares = []
     for move, change, inverse in reversed(memory):
         share = inverse * spheres.inner(move, vector)
-        vector -= share.astype(vector.dtype) * change
+        spheres.add(vector, -share, change)
         shares.append(share)
     vector = spheres.precondition(vector, metric, point)
     for (move, change, inverse), share in zip(memory, reversed(shares), strict=True):
-        vector += (share - inverse * spheres.inner(change, vector)).astype(vector.dtype) * move
+        spheres.add(vector, share - inverse * spheres.inner(change, vector), move)
     return vector
 
 

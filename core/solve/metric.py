@@ -152,10 +152,17 @@ class Metric:
             return self._smallest.solve(np.asfortranarray(right)).astype(self.dtype, order="C")
         matrix, damping, prolongation, restriction = self._steps[depth]
         guess = damping * right
-        residual = right - matrix @ guess
-        guess += prolongation @ self._cycle(restriction @ residual, depth + 1)
-        guess += damping * (right - matrix @ guess)
+        guess += prolongation @ self._cycle(restriction @ _residual(matrix, guess, right), depth + 1)
+        change = _residual(matrix, guess, right)
+        change *= damping
+        guess += change
         return guess
+
+
+def _residual(matrix, guess, right):
+    """right - matrix guess, in one new array: on large grids memory's speed is what a cycle costs."""
+    image = matrix @ guess
+    return np.subtract(right, image, out=image)
 
 
 def _scaled(matrix, row_scale, column_scale):

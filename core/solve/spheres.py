@@ -13,6 +13,7 @@ each column (k values).
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg.blas import get_blas_funcs
 
 
 def candidates(block, is_circle):
@@ -66,6 +67,12 @@ class Lifted:
         return np.array([np.vdot(first, second)], float)
 
     @staticmethod
+    def add(vector, shares, other):
+        """Add a multiple of another tangent vector, in place and in one pass through memory."""
+        axpy = get_blas_funcs("axpy", (vector, other))
+        axpy(other.ravel(), vector.ravel(), a=shares[0])
+
+    @staticmethod
     def _project(point, vector):
         return vector - point * np.einsum("ij,ij->i", point, vector)[:, None]
 
@@ -78,6 +85,11 @@ class _Fields:
         """(k,) inner products of tangent vectors."""
         # A product with ones is the fast way to add up long columns.
         return (np.ones(len(first), first.dtype) @ (first * second)).astype(float)
+
+    @staticmethod
+    def add(vector, shares, other):
+        """Add multiples of another tangent vector's columns, in place."""
+        vector += shares.astype(vector.dtype) * other
 
 
 @dataclass(frozen=True)

@@ -27,8 +27,9 @@ SHIFT = 0.1
 FIRST_SHIFT = 1e-3
 LEVEL_STEPS = 300
 # Predicted relative decrease at which a level's descent ends, as a share of the target gap to the power 3/2:
-# the multipliers, and with them the bound, are off by the root of what the energy is off by.
-FIRST_TOLERANCE = 0.03
+# the multipliers, and with them the bound, are off by the root of what the energy is off by. Where no factorization
+# proves (False), more digits at first are cheaper than a second search for negative directions.
+FIRST_TOLERANCE = {True: 0.03, False: 0.01}
 TIGHTENING = 0.3
 # Nodes of the smallest stage that is solved on the way, and the tolerance of descents on coarser stages.
 SMALLEST_START = 300
@@ -80,7 +81,7 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
     provable = width is not None
     try:
         for attempt in range(LEVELS):
-            tolerance = FIRST_TOLERANCE * target_gap**1.5 * TIGHTENING**attempt
+            tolerance = FIRST_TOLERANCE[provable] * target_gap**1.5 * TIGHTENING**attempt
             with clock("relax"):
                 for descent in _descents(workspace, point, metric, tolerance, precise, memory, monitor):
                     point, steps, products = descent.point, steps + descent.steps, products + descent.products

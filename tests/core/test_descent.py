@@ -59,6 +59,17 @@ def unit_lengths(spheres, point):
 
 
 @pytest.mark.parametrize(("spheres", "kind", "columns"), SPHERES)
+@pytest.mark.parametrize("precision", [np.float32, np.float64])
+def test_multiples_are_added_in_place(spheres, kind, columns, precision):
+    piece, point, random = random_point(spheres, kind, columns, 0)
+    first, second = (random_tangent(spheres, point, piece.matrix @ point, random).astype(precision) for _ in range(2))
+    shares = np.arange(1, len(spheres.inner(first, second)) + 1) / 4
+    expected = first + shares * second
+    spheres.add(first, shares, second)
+    np.testing.assert_allclose(first, expected, rtol=1e-5, atol=1e-6)
+
+
+@pytest.mark.parametrize(("spheres", "kind", "columns"), SPHERES)
 def test_points_are_unit_vectors_and_zero_stays_zero(spheres, kind, columns):
     piece, _, random = random_point(spheres, kind, columns, seed=0)
     rough = random_columns(piece, columns, random)
