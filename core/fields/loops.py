@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Circulations along loops of a grid: how well filaments stand for the flow that they come from (paper, Eq. 9)."""
+
+import numpy as np
+
+from .clebsch import circulations
+
+
+def through_squares(grid, fluxes, size):
+    """(l,) sum of what passes the faces inside every square loop of ``size`` edges a side, in all planes of the grid.
+
+    Loops that would go around the end of a periodic axis are left out; none is left where the grid is too small.
+
+    Parameters
+    ----------
+    grid : Grid
+    fluxes : (f,) through the faces
+    size : edges
+    """
+    parts = []
+    for plane in np.unique(grid.face_planes, axis=0):
+        shape = [count - (axis in plane and not grid.periodic[axis]) for axis, count in enumerate(grid.shape)]
+        values = fluxes[(grid.face_planes == plane).all(axis=1)].reshape(shape)
+        for axis in plane:
+            sums = np.cumsum(np.insert(values, 0, 0, axis=axis), axis=axis, dtype=float)
+            values = np.take(sums, np.arange(size, sums.shape[axis]), axis) - np.take(
+                sums, np.arange(max(sums.shape[axis] - size, 0)), axis
+            )
+        parts.append(values.ravel())
+    return np.concatenate(parts)
+
+
+def loop_error(found, size):
+    """Root mean square difference, in quanta, between the filaments through all such loops and the flow's circulation
+    along them; NaN where there is no loop.
+
+    Parameters
+    ----------
+    found : ClebschMap on a Grid
+    size : edges a side
+    """
+    missing = circulations(found.grid, found.integrals) / found.quantum - found.face_numbers
+    differences = through_squares(found.grid, missing, size)
+    return float(np.sqrt(np.mean(differences**2))) if len(differences) else float("nan")
