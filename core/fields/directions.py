@@ -15,6 +15,7 @@ from ..errors import SettingError
 from ..geometry import TriangleMesh
 from ..problem import SynchronizationProblem, Targets, joined_targets
 from ..solve import Solution, solve
+from .frames import carried_angles, in_sheets_of, next_solution
 from .groups import contracted
 from .guidance import Guide, blended
 from .mirror import LEAN, Mirror, on_mirror, snapped, split_links, with_loops
@@ -106,7 +107,7 @@ def direction_problem(mesh, symmetry, wishes=None):
     return SynchronizationProblem(connection, mesh.vertex_masses, merged, fixed, joined_targets(drawn))
 
 
-def direction_field(mesh, symmetry, wishes=None, options=None, callback=None):
+def direction_field(mesh, symmetry, wishes=None, options=None, callback=None, before=None):
     """The smoothest direction field that follows the wishes.
 
     Parameters
@@ -115,13 +116,22 @@ def direction_field(mesh, symmetry, wishes=None, options=None, callback=None):
     symmetry : 1, 2 or 4
     wishes : DirectionWishes, optional
     options, callback : see :func:`core.solve.solve`
+    before : DirectionField on another shape of the mesh, optional: the field is then the one that descent reaches
+        from there, in its sheets (see :mod:`.frames`)
     """
     problem = direction_problem(mesh, symmetry, wishes)
-    solution = solve(problem, options, callback)
+    if before is None:
+        solution = solve(problem, options, callback)
+    else:
+        carried = carried_angles(before.angles - before.turn, before.mesh, mesh)
+        solution = next_solution(problem, np.exp(1j * symmetry * carried), options, callback)
     mirrors = () if wishes is None else wishes.mirrors
     _, loops = split_links(mesh.vertex_count, [mirror.direction_links(symmetry) for mirror in mirrors])
     solution = snapped(problem, solution, loops)
-    return DirectionField(mesh, symmetry, np.angle(solution.phases) / symmetry, solution, problem)
+    angles = np.angle(solution.phases) / symmetry
+    if before is not None:
+        angles = in_sheets_of(angles, carried, symmetry)
+    return DirectionField(mesh, symmetry, angles, solution, problem)
 
 
 def given_directions(mesh, symmetry, vectors):

@@ -14,6 +14,7 @@ from ..errors import ContradictionError, SettingError
 from ..interpolate import dislocation_numbers, face_phases
 from ..problem import SynchronizationProblem, joined_targets
 from ..solve import Solution, solve
+from .frames import next_solution
 from .groups import TOLERANCE
 from .growth import Growth
 from .mirror import LEAN, on_mirror, snapped, split_links, with_loops
@@ -114,11 +115,23 @@ def pattern_problem(mesh, field, spacing, rows=(), mirrors=()):
     return SynchronizationProblem(connection, growth.masses, merged, fixed, joined_targets(drawn))
 
 
-def solve_pattern(mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None):
-    """Solve for a :class:`Pattern`; arguments as :func:`pattern_problem` and :func:`core.solve.solve`."""
+def solve_pattern(mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None, before=None, hold=0.0):
+    """Solve for a :class:`Pattern`; arguments as :func:`pattern_problem` and :func:`core.solve.solve`.
+
+    Parameters
+    ----------
+    before : Pattern on another shape of the mesh along a field in the same sheets, optional: the pattern is then the
+        one that descent reaches from there (see :mod:`.frames`)
+    hold : how strongly the phases are drawn to those before, per mass and in units of 1 / spacing^2
+    """
     problem = pattern_problem(mesh, field, spacing, rows, mirrors)
     growth = Growth.of(mesh, field, spacing)
-    solution = snapped(problem, solve(problem, options, callback), _mirror_links(growth, mirrors)[1])
+    if before is None:
+        solution = solve(problem, options, callback)
+    else:
+        weights = hold * growth.masses * (growth.rates.ravel() / (2 * np.pi)) ** 2
+        solution = next_solution(problem, before.phases, options, callback, weights)
+    solution = snapped(problem, solution, _mirror_links(growth, mirrors)[1])
     return Pattern(growth, problem, solution, solution.phases)
 
 

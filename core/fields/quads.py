@@ -14,10 +14,10 @@ def quad_problem(mesh, field, spacing, rows=(), mirrors=()):
     return pattern_problem(mesh, field, spacing, rows, mirrors)
 
 
-def quad_pattern(mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None):
+def quad_pattern(mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None, **frame):
     """Quads along a cross field; arguments as :func:`solve_pattern`."""
     _check_symmetry(field)
-    return solve_pattern(mesh, field, spacing, rows, mirrors, options, callback)
+    return solve_pattern(mesh, field, spacing, rows, mirrors, options, callback, **frame)
 
 
 def _check_symmetry(field):

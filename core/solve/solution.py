@@ -9,6 +9,7 @@ from enum import Enum
 import numpy as np
 
 METHODS = ("sdp", "spectral", "diffusion")
+DESCENT = "descent"
 ROUNDINGS = ("continuation", "polish", "random", "svd")
 
 
@@ -29,7 +30,7 @@ class Options:
 
     Attributes
     ----------
-    method : "sdp", "spectral" or "diffusion"
+    method : "sdp", "spectral" or "diffusion"; or "descent", which only goes on from a start, without a bound
     rounding : how the lifted field of "sdp" becomes phases: "svd"; "random", the best of ``samples``
         projections (Eq. 29); "polish", those followed by descent; "continuation", the default,
         with rounds of a seeded continuation before

@@ -11,7 +11,7 @@ from . import rounding
 from .diffusion import diffuse
 from .metric import SMALLEST_SHIFT
 from .monitor import Monitor, OutOfTime
-from .solution import METHODS, ROUNDINGS, Clock, Options, Solution, Status, relative_gap
+from .solution import DESCENT, METHODS, ROUNDINGS, Clock, Options, Solution, Status, relative_gap
 from .spectral import smallest_eigenpair
 from .spheres import candidates, random_columns
 from .stage import Workspace
@@ -128,7 +128,9 @@ def _check(options, problem, start):
         value = getattr(options, name)
         if not isinstance(value, int | float | np.number):
             raise SettingError(f"{name} is {value!r}: give a number")
-    if options.method not in METHODS:
+    if options.method == DESCENT and start is None:
+        raise SettingError("the method 'descent' goes on from a start: give one")
+    if options.method not in (*METHODS, DESCENT):
         raise SettingError(f"method {options.method!r} is unknown: use one of {', '.join(METHODS)}")
     if options.rounding not in ROUNDINGS:
         raise SettingError(f"rounding {options.rounding!r} is unknown: use one of {', '.join(ROUNDINGS)}")
@@ -141,7 +143,7 @@ def _check(options, problem, start):
 
 
 def _check_start(problem, start, options):
-    if options.method != "sdp":
+    if options.method not in ("sdp", DESCENT):
         raise SettingError(f"a start is given to method {options.method!r}, which has no use for it: take 'sdp'")
     phases = np.asarray(start.phases if isinstance(start, Solution) else start)
     count, block = problem.connection.node_count, problem.connection.block
@@ -191,6 +193,8 @@ def _solve_by_method(piece, options, monitor, clock, start):
         workspace = monitor.during(partial(Workspace, piece))
     if options.method == "diffusion":
         return _solve_diffusion(workspace, options, monitor, clock)
+    if options.method == DESCENT:
+        return _solve_descent(workspace, monitor, clock, start.column)
     return _solve_sdp(workspace, options, monitor, clock, start)
 
 
@@ -236,6 +240,17 @@ def _solve_diffusion(workspace, options, monitor, clock):
     return _finished(
         piece, columns, bound=bound, spectral_bound=bound, certificate="estimated", status=Status.UNCERTIFIED
     )
+
+
+def _solve_descent(workspace, monitor, clock, start):
+    """The local optimum that descent reaches."""
+    piece = workspace.piece
+    with clock("round"):
+        monitor.at("descent", 0.0)
+        density = float(piece.energy(start)[0]) / piece.mass.sum()
+        metric = monitor.during(partial(workspace.stages[0].candidate_metric, rounding.SHIFT * density))
+        column = rounding.finish(workspace, start, metric, monitor)
+    return _finished(piece, column, certificate="none", status=Status.UNCERTIFIED)
 
 
 def _solve_sdp(workspace, options, monitor, clock, start):
