@@ -19,6 +19,8 @@ from .bake import bake_maps
 from .bake_settings import BakeSettings
 from .clebsch import clebsch as clebsch
 from .jobs import portion
+from .layer_settings import LayerSettings
+from .layers import LayerJob
 from .read_back import shown_pattern
 from .refine import refine as refine
 from .relief import add_relief
@@ -79,6 +81,37 @@ def run(command, obj, settings, callback=None):
     job = FieldJob(command, obj, settings)
     job.solve(callback)
     return job.write(obj)
+
+
+def layers(obj, callback=None, solid=None, **settings):
+    """Fill a closed mesh object and solve evenly spaced layers in it, made as new objects; the given one is hidden.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+    callback : callable(stage, fraction) -> bool, optional; False cancels
+    solid : TetMesh in the object's space whose boundary is its surface, in place of the one that would fill it
+    settings : see :class:`LayerSettings`
+
+    Returns
+    -------
+    dict, the report: `layers_object`, `curves_object` and `surface_object` are names
+
+    Raises
+    ------
+    SynchError
+        with one line that names the element and the remedy; nothing is written
+    """
+    job = layer_job(obj, LayerSettings.from_names(settings), solid)
+    job.solve(callback)
+    return job.write(obj)
+
+
+def layer_job(obj, settings, solid=None):
+    """A :class:`LayerJob` of ready :class:`LayerSettings`."""
+    refuse(obj)
+    with scene_io.object_mode(obj):
+        return LayerJob(obj, settings, solid)
 
 
 def vary(obj, number):

@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The last solve of each object, kept while Blender runs: variations and placed defects need no other."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
+import numpy as np
 
 from ..core.errors import SynchError
 from ..core.fields import DirectionField, Pattern
 from . import scene_io
 from .report import Report
+from .solids import Layering
 from .task import Task
 
-# Objects whose solves are kept, the latest ones: some hundred bytes a vertex each, of flows a kilobyte a node.
-MOST, MOST_FLOWS = 8, 4
+# Objects whose solves are kept, the latest ones: some hundred bytes a vertex each, of flows a kilobyte a node, and of
+# solids up to a kilobyte a tetrahedron.
+MOST, MOST_FLOWS, MOST_SOLIDS = 8, 4, 2
 
 
 class Shelf:
@@ -56,6 +59,7 @@ class Shelf:
 _fields = Shelf(MOST)
 # Of the objects that show the vortices of a flow.
 flows = Shelf(MOST_FLOWS)
+_solids = Shelf(MOST_SOLIDS)
 
 
 @dataclass
@@ -106,6 +110,39 @@ def recall(obj):
     return solved
 
 
+def remember_layers(obj, given, layering):
+    """Keep the :class:`Layering` that was solved in an object, whose mesh was a :class:`MeshInput`."""
+    _solids.put(obj, (given, layering))
+
+
+def recall_layers(obj) -> Layering:
+    """The last :class:`Layering` of an object, where the object is now.
+
+    Raises
+    ------
+    SynchError
+        where there is none, or the mesh has changed since
+    """
+    if not holds_layers(obj):
+        raise SynchError(f"no layers were solved in {obj.name} since the file was opened: solve them first")
+    given, layering = _solids.get(obj)
+    if not scene_io.is_unchanged(obj, given):
+        raise SynchError(f"the mesh or the scale of {obj.name} has changed since its layers were solved: solve again")
+    return replace(layering, matrix=solid_matrix(obj, given))
+
+
+def holds_layers(obj):
+    """Whether there is a :class:`Layering` of an object, be its mesh changed or not."""
+    return _solids.holds(obj)
+
+
+def solid_matrix(obj, given):
+    """(4, 4) from the space in which an object was measured to the world."""
+    unscaled = np.eye(4)
+    unscaled[:3, :3] = np.linalg.inv(given.stretch)
+    return np.array(obj.matrix_world, float) @ unscaled
+
+
 def forget(obj):
     """Keep the solve of an object no longer."""
     _fields.drop(obj)
@@ -120,6 +157,7 @@ def holds(obj):
 def _forget_all(*_):
     _fields.clear()
     flows.clear()
+    _solids.clear()
 
 
 def register():

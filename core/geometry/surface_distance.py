@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Signed distance to a closed triangle surface, by NumPy and SciPy alone; Blender has its own.
+"""Signed distance to a closed triangle surface, by NumPy and SciPy alone, or with another program's nearest triangles.
 
 The nearest triangle is found among those whose pieces are near, and proved to be the nearest by the size of the pieces.
 The sign is that of the angle-weighted normal at the nearest point (Bærentzen and Aanæs, "Signed distance computation
@@ -27,6 +27,7 @@ class SurfaceDistance:
     Parameters
     ----------
     mesh : TriangleMesh, closed, not meeting itself; all faces outwards (inwards around a cavity), or all turned round
+    nearest : callable, (k, 3) points -> (k,) the triangle nearest to each, in place of the search here; optional
 
     Raises
     ------
@@ -34,11 +35,13 @@ class SurfaceDistance:
         as :func:`check_mesh`, and for open edges, whose vertices it carries
     """
 
-    def __init__(self, mesh):
+    def __init__(self, mesh, nearest=None):
         check_mesh(mesh)
         _refuse_open(mesh)
-        self.mesh = mesh
+        self.mesh, self._nearest = mesh, nearest
         self._corners = mesh.vertices[mesh.triangles]
+        if nearest is not None:
+            return
         self._radius = 1.2 * np.sqrt(self.area / max(FEWEST_PIECES, mesh.triangle_count))
         centres, self._owners = _pieces(self._corners, self._radius)
         self._tree = cKDTree(centres)
@@ -67,6 +70,9 @@ class SurfaceDistance:
     def __call__(self, points):
         points = np.asarray(points, float)
         signed = np.empty(len(points))
+        if self._nearest is not None:
+            self._measure_from(self._nearest(points)[:, None], points, signed, np.arange(len(points)))
+            return signed if self._signed_volume > 0 else -signed
         waiting, count = np.arange(len(points)), FIRST_CANDIDATES
         while len(waiting):
             count = min(count, self._tree.n)
@@ -79,6 +85,12 @@ class SurfaceDistance:
         """Fill in the distances of some points as far as so many pieces near each tell: (k,) bool, where they do."""
         ways, pieces = self._tree.query(points[at], k=count)
         ways, triangles = ways.reshape(len(at), count), self._owners[pieces.reshape(len(at), count)]
+        distances = self._measure_from(triangles, points, signed, at)
+        # A piece that was not looked at is farther than the last one by centre, and has no point beyond its radius.
+        return (ways[:, -1] >= distances + self._radius) | (count == self._tree.n)
+
+    def _measure_from(self, triangles, points, signed, at):
+        """Fill in the distances of some points from the nearest of (k, c) triangles; (k,) these without their signs."""
         here = points[at][:, None]
         shares = nearest_in_triangles(here, np.moveaxis(self._corners[triangles], -2, 0))
         offsets = here - np.einsum("pcx,pcxy->pcy", shares, self._corners[triangles])
@@ -86,26 +98,35 @@ class SurfaceDistance:
         best = np.argmin(squares, axis=1)
         rows = np.arange(len(at))
         distances = np.sqrt(squares[rows, best])
-        normals = self._normals_at(triangles[rows, best], shares[rows, best])
+        normals = normals_at(self.mesh, triangles[rows, best], shares[rows, best])
         outside = np.einsum("py,py->p", offsets[rows, best], normals) >= 0
         signed[at] = np.where(outside, distances, -distances)
-        # A piece that was not looked at is farther than the last one by centre, and has no point beyond its radius.
-        return (ways[:, -1] >= distances + self._radius) | (count == self._tree.n)
+        return distances
 
-    def _normals_at(self, triangles, shares):
-        """(k, 3) normals of the vertex, edge or face that points of triangles lie on."""
-        mesh, inner = self.mesh, shares > 0
-        count = inner.sum(axis=1)
-        normals = mesh.face_normals[triangles]
-        on_edge, on_vertex = np.flatnonzero(count == 2), np.flatnonzero(count == 1)
-        # Edge k of a triangle lies between its corners k and k + 1: corner k + 2 has no share there.
-        edge = (np.argmin(inner[on_edge], axis=1) + 1) % 3
-        halves = 3 * triangles[on_edge] + edge
-        normals[on_edge] += mesh.face_normals[mesh.twins[halves] // 3]
-        normals[on_vertex] = mesh.vertex_normals[
-            mesh.triangles[triangles[on_vertex], np.argmax(inner[on_vertex], axis=1)]
-        ]
-        return normals
+
+def normals_at(mesh, triangles, shares):
+    """Normals of the vertex, edge or face that points of triangles lie on, of any length.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh, manifold
+    triangles : (k,)
+    shares : (k, 3) of their corners, exactly 0 for those that do not count
+
+    Returns
+    -------
+    (k, 3)
+    """
+    inner = shares > 0
+    count = inner.sum(axis=1)
+    normals = mesh.face_normals[triangles]
+    on_edge, on_vertex = np.flatnonzero(count == 2), np.flatnonzero(count == 1)
+    # Edge k of a triangle lies between its corners k and k + 1: corner k + 2 has no share there.
+    edge = (np.argmin(inner[on_edge], axis=1) + 1) % 3
+    twins = mesh.twins[3 * triangles[on_edge] + edge]
+    normals[on_edge[twins >= 0]] += mesh.face_normals[twins[twins >= 0] // 3]
+    normals[on_vertex] = mesh.vertex_normals[mesh.triangles[triangles[on_vertex], np.argmax(inner[on_vertex], axis=1)]]
+    return normals
 
 
 def nearest_in_triangles(points, corners):

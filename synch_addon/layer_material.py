@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The look of layers: coloured from bottom to top, every other one darker, and cut open by a plane."""
+
+import bpy
+
+from .canvas import Canvas, Expression, Socket, declare, group_tree
+
+LAYERS_NAME = "Synch Layers"
+CURVES_NAME = "Synch Dislocations"
+COUNT = "synch_layers"
+# In the stamp of the group: raise it when what is built here changes.
+VERSION = 1
+# From the bottom to the top: deep blue, teal, sand, coral; linear.
+_COLORS = (
+    (0.0, (0.012, 0.045, 0.16, 1.0)),
+    (0.35, (0.03, 0.27, 0.32, 1.0)),
+    (0.7, (0.80, 0.62, 0.32, 1.0)),
+    (1.0, (0.72, 0.13, 0.06, 1.0)),
+)
+_CURVE_COLOR = (1.0, 0.04, 0.02, 1.0)
+_INPUTS = (
+    Socket("Alternate", "Float", "How much darker every other layer is", 0.45, (0.0, 1.0)),
+    Socket("Cut", "Float", "Part of the object that is cut away along X, from the right", 0.0, (0.0, 1.0)),
+)
+_OUTPUTS = (
+    Socket("Height", "Float", "0 at the lowest layer, 1 at the highest"),
+    Socket("Shade", "Float", "1, less on every other layer"),
+    Socket("Visible", "Float", "0 where the object is cut away"),
+)
+
+
+def layer_material(obj, count):
+    """Give an object of layers its material, if it has none, and the number of layers."""
+    obj[COUNT] = count
+    layers_group()
+    if not any(slot.material for slot in obj.material_slots):
+        material = bpy.data.materials.get(LAYERS_NAME) or _new_layer_material()
+        obj.data.materials.clear()
+        obj.data.materials.append(material)
+
+
+def curve_material(obj):
+    """Give an object of dislocation curves its material, if it has none."""
+    if not any(slot.material for slot in obj.material_slots):
+        material = bpy.data.materials.get(CURVES_NAME) or _new_curve_material()
+        obj.data.materials.clear()
+        obj.data.materials.append(material)
+
+
+def layers_group():
+    """The node group "Synch Layers", built when missing and rebuilt in place when outdated."""
+    tree, is_current = group_tree(LAYERS_NAME, f"{VERSION}")
+    if is_current:
+        return tree
+    declare(tree, _INPUTS, _OUTPUTS)
+    canvas = Canvas(tree)
+    inputs = canvas.inputs()
+    (layer,) = canvas.attribute("synch_layer", "Fac")
+    count = canvas.place("ShaderNodeAttribute", 0, "number of layers")
+    count.attribute_type, count.attribute_name = "OBJECT", COUNT
+    total = Expression(canvas, count.outputs["Fac"], 0)
+    height = (layer / (total - 1.0).maximum(1.0)).named("height")
+    odd = (layer.ping_pong(1.0)).named("odd?")
+    shade = (1.0 - odd * inputs["Alternate"]).named("shade")
+    place = canvas.place("ShaderNodeTexCoord", 0, "place in the object's box")
+    x, _, _ = canvas.separate(Expression(canvas, place.outputs["Generated"], 0))
+    visible = (x < 1.0 - inputs["Cut"] + 1e-4).named("kept?")
+    canvas.outputs(Height=height, Shade=shade, Visible=visible)
+    return tree
+
+
+def _new_layer_material():
+    material = _new_material(LAYERS_NAME, _COLORS[1][1])
+    tree = material.node_tree
+    surface, output = tree.nodes["Principled BSDF"], tree.nodes["Material Output"]
+    surface.inputs["Roughness"].default_value = 0.55
+    surface.location, output.location = (60, 0), (560, 0)
+    group = tree.nodes.new("ShaderNodeGroup")
+    group.node_tree, group.location, group.width = layers_group(), (-760, 0), 180
+    ramp = tree.nodes.new("ShaderNodeValToRGB")
+    ramp.location = (-540, 120)
+    elements = ramp.color_ramp.elements
+    for place, _ in _COLORS[1:-1]:
+        elements.new(place)
+    for element, (place, color) in zip(elements, _COLORS, strict=True):
+        element.position, element.color = place, color
+    shaded = tree.nodes.new("ShaderNodeVectorMath")
+    shaded.operation, shaded.location = "SCALE", (-180, 60)
+    clear = tree.nodes.new("ShaderNodeBsdfTransparent")
+    clear.location = (60, 120)
+    mixed = tree.nodes.new("ShaderNodeMixShader")
+    mixed.location = (360, 60)
+    links = tree.links
+    links.new(group.outputs["Height"], ramp.inputs["Fac"])
+    links.new(ramp.outputs["Color"], shaded.inputs[0])
+    links.new(group.outputs["Shade"], shaded.inputs["Scale"])
+    links.new(shaded.outputs["Vector"], surface.inputs["Base Color"])
+    links.new(group.outputs["Visible"], mixed.inputs[0])
+    links.new(clear.outputs[0], mixed.inputs[1])
+    links.new(surface.outputs[0], mixed.inputs[2])
+    links.new(mixed.outputs[0], output.inputs["Surface"])
+    return material
+
+
+def _new_curve_material():
+    material = _new_material(CURVES_NAME, _CURVE_COLOR)
+    surface = material.node_tree.nodes["Principled BSDF"]
+    surface.inputs["Base Color"].default_value = _CURVE_COLOR
+    surface.inputs["Roughness"].default_value = 0.4
+    return material
+
+
+def _new_material(name, color):
+    material = bpy.data.materials.new(name)
+    if material.node_tree is None:
+        material.use_nodes = True
+    material.diffuse_color = color
+    return material

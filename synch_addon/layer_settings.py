@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What can be set for layers in a solid: as plain data, and as text for operators and the command line."""
+
+import csv
+import math
+from dataclasses import dataclass, fields
+
+from ..core.errors import SettingError
+from ..core.solve import METHODS, Options
+from .guidance import AXES, BOUNDARY
+
+_GROUP = "a vertex group"
+# What each kind of guide needs names of.
+KINDS = {
+    "axis": ("X, Y or Z",),
+    "harmonic": (_GROUP, "another one"),
+    "distance": (f"a vertex group, a mesh object, or {BOUNDARY}",),
+    "curve": ("a curve object",),
+    "around": ("a curve object",),
+    "attribute": ("a vector attribute",),
+}
+# What a boundary group may ask for.
+HELD, CONSTANT = "layer", "constant"
+WISHES = (HELD, CONSTANT)
+
+
+@dataclass(frozen=True)
+class LayerGuide:
+    """What layers follow.
+
+    Attributes
+    ----------
+    kind : one of ``KINDS``
+    names : of the axis, vertex groups, object or attribute
+    """
+
+    kind: str
+    names: tuple[str, ...]
+
+    @classmethod
+    def of_text(cls, text):
+        """From text such as ``axis:Z`` or ``harmonic:Bottom:Top``; names with a colon or quotes go in double quotes."""
+        kind, *names = _split(text, ":", "guidance")
+        if kind not in KINDS:
+            raise SettingError(f"the guidance {kind!r} is unknown: use one of {', '.join(KINDS)}")
+        needed = KINDS[kind]
+        if len(names) != len(needed) or not all(names):
+            raise SettingError(f"the guidance {text!r} is incomplete: write {kind}: and {', : and '.join(needed)}")
+        if kind == "axis" and names[0] not in AXES:
+            raise SettingError(f"the axis {names[0]!r} is unknown: use X, Y or Z")
+        return cls(kind, tuple(names))
+
+    def __str__(self):
+        return ":".join([self.kind, *(quoted(name, ":") for name in self.names)])
+
+
+@dataclass(frozen=True)
+class Flush:
+    """What is asked of the layers on a vertex group's faces, or on the whole boundary.
+
+    Attributes
+    ----------
+    group : name of the vertex group, or "boundary"
+    wish : "layer" (one lies exactly on it) or "constant" (the same phase on each piece of it, whichever)
+    """
+
+    group: str
+    wish: str
+
+    def __post_init__(self):
+        if self.wish not in WISHES:
+            raise SettingError(
+                f"the wish {self.wish!r} of the group {self.group!r} is unknown: use {' or '.join(WISHES)}"
+            )
+
+    def __str__(self):
+        return quoted(f"{self.group}={self.wish}", ",")
+
+
+def groups_of_text(text):
+    """Tuple of :class:`Flush` from text such as ``Top=layer,Bottom=constant``, empty for none."""
+    rows = []
+    for part in _split(text, ",", "groups") if text.strip() else ():
+        group, _, wish = part.rpartition("=")
+        if not group:
+            raise SettingError(f"the group {part!r} lacks its name or its wish: write NAME=layer or NAME=constant")
+        rows.append(Flush(group.strip(), wish.strip()))
+    return tuple(rows)
+
+
+def text_of_groups(groups):
+    """The text that :func:`groups_of_text` reads."""
+    return ",".join(str(row) for row in groups)
+
+
+@dataclass(frozen=True)
+class LayerSettings:
+    """Settings of the operator, the command line and the API alike.
+
+    Attributes
+    ----------
+    guidance : what the layers follow, as :meth:`LayerGuide.of_text` reads it
+    groups : what is asked of parts of the boundary, as :func:`groups_of_text` reads it
+    spacing : distance between layers in scene units; None for an automatic one
+    spacing_map : name of a float attribute on the vertices, a factor on the spacing, or of a vertex group; "" for none
+    spacing_range : factor on the spacing where the vertex group's weight is 1
+    size : of the tetrahedra, their longest edge in scene units; None for an automatic one
+    method : "sdp", "spectral" or "diffusion"
+    seed : of every random choice
+    target_gap : relative gap of the relaxation to prove
+    time_limit : seconds for the solve, None for no limit
+    """
+
+    guidance: str = "axis:Z"
+    groups: str = ""
+    spacing: float | None = None
+    spacing_map: str = ""
+    spacing_range: float = 2.0
+    size: float | None = None
+    method: str = "sdp"
+    seed: int = 0
+    target_gap: float = 1e-2
+    time_limit: float | None = None
+
+    def __post_init__(self):
+        if self.method not in METHODS:
+            raise SettingError(f"method {self.method!r} is unknown: use one of {', '.join(METHODS)}")
+        for name in ("spacing", "size", "spacing_range", "target_gap", "time_limit"):
+            value, label = getattr(self, name), name.replace("_", " ")
+            if value is None and name != "spacing_range":
+                continue
+            if not isinstance(value, int | float) or not (math.isfinite(value) and value > 0):
+                raise SettingError(f"the {label} is {value!r}: give a positive number")
+        if not isinstance(self.seed, int) or self.seed < 0:
+            raise SettingError(f"the seed is {self.seed!r}: give a whole number from 0 on")
+        for name in ("guidance", "groups"):
+            if not isinstance(getattr(self, name), str):
+                raise SettingError(f"the {name} is {getattr(self, name)!r}: give a text such as {_EXAMPLES[name]}")
+        _ = self.guide, self.flush
+
+    @classmethod
+    def from_names(cls, values):
+        """From keyword arguments, refusing names that do not exist."""
+        known = [field.name for field in fields(cls)]
+        for name in values:
+            if name not in known:
+                raise SettingError(f"the setting {name!r} is unknown: use one of {', '.join(known)}")
+        return cls(**values)
+
+    @property
+    def guide(self):
+        """The :class:`LayerGuide`."""
+        return LayerGuide.of_text(self.guidance)
+
+    @property
+    def flush(self):
+        """Tuple of :class:`Flush`."""
+        return groups_of_text(self.groups)
+
+    @property
+    def options(self):
+        """Options of the core's solver."""
+        return Options(method=self.method, seed=self.seed, target_gap=self.target_gap, time_limit=self.time_limit)
+
+
+_EXAMPLES = {"guidance": "'axis:Z'", "groups": "'Top=layer'"}
+
+
+def quoted(name, special):
+    """A name as it is written where some characters separate names."""
+    if not set(name) & set(special + '"') and name == name.strip():
+        return name
+    return '"' + name.replace('"', '""') + '"'
+
+
+def _split(text, separator, what):
+    try:
+        return next(csv.reader([text], delimiter=separator, strict=True, skipinitialspace=True), [""])
+    except csv.Error as error:
+        raise SettingError(f"the {what} {text!r} cannot be read ({error}): close every double quote") from None

@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One run of layers in a solid: read the object, fill it and solve, write objects (paper, Section 3.4)."""
+
+import time
+from dataclasses import asdict
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+
+from ..core.errors import SettingError, SynchError
+from ..core.extract.defect_curves import defect_curves
+from ..core.extract.layer_surfaces import layer_surfaces
+from ..core.fields.layers import LayerGroup, SolidGrowth, solve_layers
+from ..core.geometry.tet_mesh import TetMesh
+from ..core.solve.monitor import Monitor
+from ..core.solve.solution import Clock
+from . import layer_objects, memory, scene_io
+from .carried import Carried
+from .layer_guides import read_area, read_guide
+from .layer_report import layer_report
+from .layer_settings import HELD
+from .solids import LOST_VOLUME, Layering, estimate, read_surface, refuse_size
+from .surface_phases import surface_phases
+from .task import COARSE_SHARE, LINES_ACROSS
+from .vertex_maps import read_factors
+
+# Edges of the solid to a layer: where one of spacing and size follows from the other, and at least.
+EDGES_PER_LAYER = 3.0
+FEWEST_EDGES = 2.0
+# How far the boundary of a given solid may be from the object's surface, as a share of its size.
+_FITTING = 1e-3
+# Where the parts of the work begin, as shares of it.
+_GUIDANCE, _PHASES, _SURFACES = 0.15, 0.25, 0.9
+
+
+class Lengths(NamedTuple):
+    """Distance between layers and longest edge of the tetrahedra, in scene units."""
+
+    spacing: float
+    size: float
+
+
+class LayerJob:
+    """One run in three steps, of which only the middle one takes long and touches no Blender data.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object in object mode
+    settings : LayerSettings
+    solid : TetMesh in the object's space whose boundary is its surface, None to fill the surface
+    """
+
+    def __init__(self, obj, settings, solid=None):
+        self._clock, self.warnings, self.settings = Clock(), [], settings
+        self._start = time.perf_counter()
+        bpy.context.view_layer.update()  # a script may have scaled the object just now
+        with self._clock("read"):
+            self._surface = read_surface(obj)
+            given = self._surface.given
+            self._solid = None if solid is None else _fitting(obj, self._surface, solid)
+            self._guide = read_guide(obj, self._surface, settings.guide)
+            self._areas = [(row, read_area(obj, self._surface, row.group)) for row in settings.flush]
+            self._factors = None
+            if settings.spacing_map:
+                self._factors = read_factors(obj, given, settings.spacing_map, settings.spacing_range)
+            self.lengths = self._checked_lengths()
+            changing = [m.name for m in obj.modifiers if m.show_viewport]
+            if changing:
+                self.warn(
+                    f"layers are solved in the mesh before its modifiers ({', '.join(changing)}): apply them first"
+                )
+
+    def warn(self, line):
+        """Add a line that the user should read although the run succeeds."""
+        self.warnings.append(line)
+
+    def _checked_lengths(self):
+        distance, settings = self._surface.distance, self.settings
+        lowest = 1.0 if self._factors is None else float(self._factors.min())
+        if self._solid is not None:
+            lengths = _automatic(settings.spacing, float(np.median(self._solid.edge_lengths)), distance, lowest)
+        elif settings.size is not None:
+            lengths = _automatic(settings.spacing, settings.size, distance, lowest)
+        else:
+            size = estimate(distance).size
+            if settings.spacing is not None:
+                size = min(size, settings.spacing * lowest / EDGES_PER_LAYER)
+            lengths = _automatic(settings.spacing, size, distance, lowest)
+        if lengths.spacing > self._surface.reach:
+            raise SettingError(
+                f"the spacing {lengths.spacing:g} is larger than the object ({self._surface.reach:g}): "
+                "no layer would fit, reduce it"
+            )
+        if lengths.spacing * lowest < FEWEST_EDGES * lengths.size:
+            finest = lengths.spacing * lowest
+            raise SettingError(
+                f"the spacing {finest:g} is finer than tetrahedra of size {lengths.size:g} can carry: give a size up to "
+                f"{finest / EDGES_PER_LAYER:.3g}, or a spacing from {FEWEST_EDGES * lengths.size / lowest:.3g} on"
+            )
+        if self._solid is None:
+            refuse_size(distance, lengths.size)
+        return lengths
+
+    def solve(self, callback=None):
+        """Fill the surface and solve on arrays alone.
+
+        Parameters
+        ----------
+        callback : callable(stage, fraction) -> bool, optional; False cancels
+
+        Raises
+        ------
+        Cancelled
+            when the callback returns False
+        SynchError
+            with one line that says what is wrong and the remedy
+        """
+        monitor, clock, surface = Monitor(callback), self._clock, self._surface
+        monitor.at("filling the surface", 0.0)
+        with clock("fill"):
+            solid = self._solid
+            if solid is None:
+                solid = monitor.during(lambda: surface.filled(self.lengths.size))
+        self._warn_about_loss(solid)
+        monitor.at("guidance", _GUIDANCE)
+        with clock("build"):
+            directions, spacings, groups = monitor.during(lambda: self._asked(Carried(surface, solid)))
+            growth = SolidGrowth.of(solid, directions, spacings)
+        if growth.coarse_share > COARSE_SHARE:
+            self.warn(
+                f"the spacing is finer than the solid can carry on {growth.coarse_share:.0%} of its edges: "
+                "increase it, or make the solid of smaller tetrahedra"
+            )
+        solving = _portion(callback, _PHASES, _SURFACES - _PHASES)
+        pattern = solve_layers(solid, directions, spacings, groups, self.settings.options, solving)
+        monitor.at("layers", _SURFACES)
+        with clock("extract"):
+            surfaces = monitor.during(lambda: layer_surfaces(pattern.edge_phases, pattern.heights))
+            if surfaces.count == 0:
+                raise SettingError("no layer lies in the solid: reduce the spacing")
+            curves = tuple(defect_curves(solid, pattern.face_numbers))
+            self._phases = monitor.during(lambda: surface_phases(surface.mesh, pattern, growth))
+        self._found = solid, pattern, surfaces, curves
+
+    def _asked(self, carried):
+        """Directions, spacings and groups on the solid."""
+        try:
+            directions = self._guide(carried)
+        except SettingError as error:
+            raise SettingError(f"{self.settings.guidance}: {error}") from None
+        spacings = self.lengths.spacing
+        if self._factors is not None:
+            spacings = spacings * carried.inside(self._factors)
+        groups = [
+            LayerGroup.of_triangles(carried.faces_on(area), 0.0 if row.wish == HELD else None, area.name)
+            for row, area in self._areas
+        ]
+        return directions, spacings, groups
+
+    def _warn_about_loss(self, solid):
+        lost = self._surface.lost_share(solid)
+        if lost > LOST_VOLUME:
+            self.warn(
+                f"the solid lacks {lost:.0%} of the surface's volume: what is thinner than {self.lengths.size:.3g} is "
+                "lost, reduce the size of its tetrahedra"
+            )
+
+    def write(self, obj):
+        """Write the result at once; returns the report."""
+        given = self._surface.given
+        if not scene_io.is_unchanged(obj, given):
+            raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
+        spacing = self.lengths.spacing
+        layering = Layering(*self._found, memory.solid_matrix(obj, given))
+        with self._clock("write"):
+            shown = layer_objects.write_surface(obj, layering, given, self._phases, self, spacing)
+            curves = layer_objects.write_curves(obj, layering, spacing)
+            made = layer_objects.write_layers(obj, layering, spacing)
+            layer_objects.show_layers(obj, made, [shown] if shown != obj else [])
+        if shown != obj:  # writing the phase may have split faces
+            memory.remember_layers(obj, given, layering)
+        else:
+            memory.remember_layers(obj, scene_io.read_mesh(obj), layering)
+        names = {
+            "layers_object": made.name,
+            "curves_object": curves.name if curves else None,
+            "surface_object": shown.name,
+        }
+        settings = asdict(self.settings) | self.lengths._asdict()
+        report = layer_report(layering, obj, names, settings, self._clock, self.warnings)
+        report["times"]["total"] = time.perf_counter() - self._start
+        return report
+
+
+def _automatic(spacing, size, distance, lowest):
+    """Lengths with the spacing that a size can carry, where none is given."""
+    if spacing is None:
+        extent = float(np.ptp(distance.bounds, axis=0).max())
+        spacing = max(extent / LINES_ACROSS, EDGES_PER_LAYER * size / lowest)
+    return Lengths(float(spacing), float(size))
+
+
+def _fitting(obj, surface, solid):
+    """A given solid in the measured space; refuses one that is not the object's."""
+    solid = TetMesh(solid.vertices @ surface.given.stretch.T, solid.tets)
+    apart = np.abs(surface.distance(solid.vertices[solid.boundary_vertices])).max()
+    if apart > _FITTING * surface.reach:
+        raise SettingError(
+            f"the solid's boundary is up to {apart:.3g} from the surface of {obj.name}: give the solid of this object"
+        )
+    return solid
+
+
+def _portion(callback, start, share):
+    if callback is None:
+        return None
+    return lambda stage, fraction: callback(stage, start + share * fraction)
