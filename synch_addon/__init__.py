@@ -10,6 +10,8 @@ from . import (
     guide_list,
     guide_panel,
     jobs,
+    layer_panel,
+    layer_properties,
     memory,
     menus,
     operators,
@@ -29,6 +31,7 @@ _MODULES = (
     guide_list,
     favourite_list,
     settings,
+    layer_properties,
     memory,
     refine,
     vortex_settings,
@@ -44,6 +47,7 @@ _MODULES = (
     overlay_view,
     bake_panel,
     vortex_panel,
+    layer_panel,
     cli,
 )
 

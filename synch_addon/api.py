@@ -110,8 +110,7 @@ def layers(obj, callback=None, solid=None, **settings):
 def layer_job(obj, settings, solid=None):
     """A :class:`LayerJob` of ready :class:`LayerSettings`."""
     refuse(obj)
-    with scene_io.object_mode(obj):
-        return LayerJob(obj, settings, solid)
+    return LayerJob(obj, settings, solid)
 
 
 def vary(obj, number):

@@ -17,7 +17,7 @@ from pathlib import Path
 import bpy
 
 from ..core.errors import SettingError, SynchError
-from . import api, cli_bake, cli_clebsch, cli_lines, files
+from . import api, cli_bake, cli_clebsch, cli_layers, cli_lines, files
 from .constraints import from_plain
 from .demo import add_demo_object
 from .field_io import check_triangles
@@ -112,6 +112,10 @@ def _run_isolines(options, loaded):
     return cli_lines.run(options, lambda: _open(options, loaded), _settings(options), progress)
 
 
+def _run_layers(options, loaded):
+    return cli_layers.run(options, lambda: _open(options, loaded), None if options.quiet else _show_progress)
+
+
 _FIELDS = ("stripes", "directions", "quads", "quad_mesh")
 _OTHERS = {
     "bake": _run_bake,
@@ -119,6 +123,7 @@ _OTHERS = {
     "demo": _run_demo,
     "info": _run_info,
     "isolines": _run_isolines,
+    "layers": _run_layers,
 }
 _COMMANDS = dict.fromkeys(_FIELDS, _run_field) | _OTHERS
 
@@ -248,6 +253,7 @@ def _parser(loaded):
         command.add_argument("--quiet", action="store_true", help="no progress on stderr")
     cli_lines.add_parser(commands, _add_input, _add_settings, _add_view)
     cli_clebsch.add_parser(commands)
+    cli_layers.add_parser(commands, _add_input, _add_view)
     cli_bake.add_parser(commands, _add_input)
     command = commands.add_parser("info", help="what a mesh can carry", description="Describe a mesh.")
     _add_input(command)

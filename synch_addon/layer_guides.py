@@ -84,7 +84,7 @@ def _distance(obj, surface, name):
     if other is None or other == obj or other.type != "MESH":
         groups = ", ".join(g.name for g in obj.vertex_groups) or "none yet"
         raise SettingError(
-            f"{name!r} is neither a vertex group of {obj.name} nor another mesh object: choose a vertex group ({groups}), "
+            f"{name!r} is neither a vertex group of {obj.name} nor another mesh object: choose a group ({groups}), "
             f"a mesh, or {BOUNDARY}"
         )
     base = _seen_mesh(other, _into(obj, surface.given))

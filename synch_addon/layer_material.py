@@ -7,7 +7,7 @@ from .canvas import Canvas, Expression, Socket, declare, group_tree
 
 LAYERS_NAME = "Synch Layers"
 CURVES_NAME = "Synch Dislocations"
-COUNT = "synch_layers"
+COUNT = "synch_layer_count"
 # In the stamp of the group: raise it when what is built here changes.
 VERSION = 1
 # From the bottom to the top: deep blue, teal, sand, coral; linear.

@@ -46,7 +46,7 @@ class LayerJob:
 
     Parameters
     ----------
-    obj : bpy.types.Object in object mode
+    obj : bpy.types.Object
     settings : LayerSettings
     solid : TetMesh in the object's space whose boundary is its surface, None to fill the surface
     """
@@ -55,7 +55,7 @@ class LayerJob:
         self._clock, self.warnings, self.settings = Clock(), [], settings
         self._start = time.perf_counter()
         bpy.context.view_layer.update()  # a script may have scaled the object just now
-        with self._clock("read"):
+        with scene_io.object_mode(obj), self._clock("read"):
             self._surface = read_surface(obj)
             given = self._surface.given
             self._solid = None if solid is None else _fitting(obj, self._surface, solid)
@@ -95,7 +95,7 @@ class LayerJob:
         if lengths.spacing * lowest < FEWEST_EDGES * lengths.size:
             finest = lengths.spacing * lowest
             raise SettingError(
-                f"the spacing {finest:g} is finer than tetrahedra of size {lengths.size:g} can carry: give a size up to "
+                f"the spacing {finest:g} is finer than tetrahedra of size {lengths.size:g} can carry: give a size of "
                 f"{finest / EDGES_PER_LAYER:.3g}, or a spacing from {FEWEST_EDGES * lengths.size / lowest:.3g} on"
             )
         if self._solid is None:
@@ -168,6 +168,10 @@ class LayerJob:
 
     def write(self, obj):
         """Write the result at once; returns the report."""
+        with scene_io.object_mode(obj):
+            return self._write(obj)
+
+    def _write(self, obj):
         given = self._surface.given
         if not scene_io.is_unchanged(obj, given):
             raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")

@@ -122,7 +122,7 @@ def _refuse_crossings(given, tree):
         faces = np.unique(given.polygons.triangle_faces[met])
         verb = "meets" if len(faces) == 1 else "meet"
         error = MeshError(
-            f"{name_elements('face', faces)} {verb} other faces of the mesh, so that inside and outside cannot be told: "
+            f"{name_elements('face', faces)} {verb} other faces of the mesh, where inside and outside cannot be told: "
             "join the parts with a Boolean union or a Remesh modifier, and apply it"
         )
         error.vertices = np.unique(triangles[met])

@@ -41,7 +41,7 @@ class SurfacePhases:
 
 
 def surface_phases(mesh, pattern, growth):
-    """The phase of a pattern on a surface mesh, if its edges are short enough to carry it, else on the solid's boundary.
+    """The phase of a pattern on a surface mesh, if its edges are short enough for it, else on the solid's boundary.
 
     Parameters
     ----------

@@ -12,6 +12,7 @@ from . import (
     field_io,
     field_operator,
     isolines,
+    layers,
     quads,
     refine,
     samples,
@@ -33,6 +34,7 @@ _CLASSES = (
     bake.SYNCH_OT_bake,
     refine.SYNCH_OT_refine,
     samples.SYNCH_OT_add_sample,
+    layers.SYNCH_OT_layers,
 )
 
 

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operator: layers in the solid of the active object, or of the one whose layers it shows."""
+
+import bpy
+from bpy.props import StringProperty
+
+from .. import api
+from ..layer_objects import solid_of
+from ..layer_properties import LENGTHS, PROPERTY_NAMES, LayerProperties, plain, stored_groups, stored_guidance
+from ..layer_report import headline
+from .field_operator import JobOperator
+
+
+class SYNCH_OT_layers(JobOperator, LayerProperties, bpy.types.Operator):
+    """Fill the closed mesh with evenly spaced layers that follow a direction and end flush with chosen surfaces"""
+
+    bl_idname = "synch.layers"
+    bl_label = "Layers"
+
+    guidance: StringProperty(
+        name="Guidance", description="What the layers follow, such as axis:Z or harmonic:Bottom:Top", default="axis:Z"
+    )
+    groups: StringProperty(
+        name="Groups", description="What is asked of parts of the surface, such as Top=layer,Bottom=constant"
+    )
+
+    def _target(self, context):
+        return solid_of(context.active_object)
+
+    def _take_settings(self, context):
+        stored = self._target(context).synch_layering
+        self.guidance, self.groups = stored_guidance(stored), stored_groups(stored)
+        for name in PROPERTY_NAMES:
+            if name in LENGTHS and getattr(stored, LENGTHS[name]):
+                self.properties.property_unset(name)
+            else:
+                setattr(self, name, getattr(stored, name))
+
+    def _job(self, context):
+        lengths = {name: getattr(self, name) if self.properties.is_property_set(name) else None for name in LENGTHS}
+        settings = plain(self, lengths, self.guidance, self.groups)
+        return api.layer_job(self._target(context), settings)
+
+    def _announce(self, report):
+        for name in LENGTHS:
+            setattr(self, name, report["settings"][name])
+        for warning in report["warnings"]:
+            self.report({"WARNING"}, warning)
+        self.report({"INFO"}, headline(report))
+        return {"FINISHED"}
+
+    def draw(self, context):
+        column = self.layout.column()
+        column.use_property_split = True
+        for name in ("guidance", "groups", *PROPERTY_NAMES):
+            column.prop(self, name)
