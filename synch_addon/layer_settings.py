@@ -45,7 +45,7 @@ class LayerGuide:
             raise SettingError(f"the guidance {kind!r} is unknown: use one of {', '.join(KINDS)}")
         needed = KINDS[kind]
         if len(names) != len(needed) or not all(names):
-            raise SettingError(f"the guidance {text!r} is incomplete: write {kind}: and {', : and '.join(needed)}")
+            raise SettingError(f"the guidance {text!r} is incomplete: write {kind}:, {', :, '.join(needed)}")
         if kind == "axis" and names[0] not in AXES:
             raise SettingError(f"the axis {names[0]!r} is unknown: use X, Y or Z")
         return cls(kind, tuple(names))
