@@ -23,6 +23,9 @@ from .factorization import front_width, is_positive_definite
 # A factorization in double precision is tried as a proof up to this many rows, and rows of a front, of complex numbers
 # (True) or of real ones: some ten seconds.
 LARGEST_PROOF, WIDEST_PROOF = 400_000, {True: 1_000, False: 1_600}
+# In solids, whose fronts are wider than this many roots of the rows, no order of elimination is much better than a
+# sweep: a proof is tried up to so many rows times their front's width squared, ten seconds too (2e9 a second).
+SURFACE_FRONT, LARGEST_SWEEP = 3.0, 2e10
 # Rounding of a row in a factorization, in units of the diagonal's last digit: so many for each row of a front.
 ROUNDINGS = 4
 # Rows up to which the space that is searched for negative directions is kept in double precision.
@@ -121,7 +124,9 @@ def provable_width(piece):
     """Rows of the widest front if a proof by factorization is affordable, otherwise None."""
     if piece.matrix.shape[0] > LARGEST_PROOF:
         return None
-    width = front_width(piece.matrix)
+    rows, width = piece.matrix.shape[0], front_width(piece.matrix)
+    if width > SURFACE_FRONT * np.sqrt(rows) and rows * width**2 > LARGEST_SWEEP:
+        return None
     return width if width <= WIDEST_PROOF[piece.is_complex] else None
 
 
