@@ -114,6 +114,7 @@ def write_surface(obj, layering, given, phases, report, spacing):
 def show_layers(obj, made, others):
     """The layers are active and selected; the given object and others are hidden, where the scene lets it."""
     layer = bpy.context.view_layer
+    layer.update()  # forgets what has been removed
     for other in layer.objects:
         other.select_set(False)
     for hidden in (obj, *others):

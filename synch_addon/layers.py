@@ -92,7 +92,7 @@ class LayerJob:
                 f"the spacing {lengths.spacing:g} is larger than the object ({self._surface.reach:g}): "
                 "no layer would fit, reduce it"
             )
-        if lengths.spacing * lowest < FEWEST_EDGES * lengths.size:
+        if self._solid is None and lengths.spacing * lowest < FEWEST_EDGES * lengths.size:
             finest = lengths.spacing * lowest
             raise SettingError(
                 f"the spacing {finest:g} is finer than tetrahedra of size {lengths.size:g} can carry: give a size of "
