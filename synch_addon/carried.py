@@ -82,7 +82,7 @@ class Carried:
         is_on[vertices[apart <= ON_FACES * self.surface.reach]] = True
         triangles = triangles[is_on[triangles].all(axis=1)]
         # Between vertices of the area there may be other faces.
-        _, under = self._nearest(self.solid.vertices[triangles].mean(axis=1))
+        under = self.surface.nearest(self.solid.vertices[triangles].mean(axis=1))
         triangles = triangles[np.isin(under, area.triangles)]
         if len(triangles) == 0:
             raise SettingError(
@@ -114,12 +114,5 @@ class Carried:
     def _places(self):
         """(b,) triangles of the surface nearest to the boundary's vertices, and (b, 3) weights of their corners."""
         mesh, points = self.surface.mesh, self.solid.vertices[self.solid.boundary_vertices]
-        _, triangles = self._nearest(points)
+        triangles = self.surface.nearest(points)
         return triangles, nearest_in_triangles(points, np.moveaxis(mesh.vertices[mesh.triangles[triangles]], 1, 0))
-
-    @cached_property
-    def _tree(self):
-        return surface_tree(self.surface.mesh.vertices, self.surface.mesh.triangles)
-
-    def _nearest(self, points):
-        return nearest(self._tree, points)

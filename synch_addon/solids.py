@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Solids of mesh objects: a closed surface filled with tetrahedra, and what was solved in it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -10,6 +11,7 @@ from ..core.errors import MeshError, SettingError, name_elements
 from ..core.extract.defect_curves import DefectCurve
 from ..core.extract.layer_surfaces import LayerSurfaces
 from ..core.fields.layers import LayerPattern
+from ..core.geometry.features import sharpened
 from ..core.geometry.stuffing import MOST_CUBES, estimated_bytes, estimated_tets, stuffed
 from ..core.geometry.surface_distance import SurfaceDistance
 from ..core.geometry.tet_mesh import TetMesh
@@ -71,10 +73,12 @@ class Surface:
     ----------
     given : MeshInput
     distance : SurfaceDistance to it, in scene units along the object's axes
+    nearest : callable, (k, 3) points -> (k,) its nearest triangles
     """
 
     given: scene_io.MeshInput
     distance: SurfaceDistance
+    nearest: Callable
 
     @property
     def mesh(self):
@@ -86,8 +90,8 @@ class Surface:
         return float(np.linalg.norm(np.ptp(self.distance.bounds, axis=0)))
 
     def filled(self, size):
-        """The TetMesh inside, its edges as long as a size."""
-        return stuffed(self.distance, self.distance.bounds, size)
+        """The TetMesh inside, its edges as long as a size, with the surface's sharp edges."""
+        return sharpened(stuffed(self.distance, self.distance.bounds, size), self.mesh, self.nearest)
 
     def lost_share(self, solid):
         """Share of the volume that a solid does not have."""
@@ -105,11 +109,15 @@ def read_surface(obj):
     given = scene_io.read_mesh(obj)
     mesh = given.mesh
     tree = surface_tree(mesh.vertices, mesh.triangles)
-    distance = SurfaceDistance(mesh, lambda points: nearest(tree, points)[1])
+
+    def nearest_triangles(points):
+        return nearest(tree, points)[1]
+
+    distance = SurfaceDistance(mesh, nearest_triangles)
     _refuse_crossings(given, tree)
     if distance.volume <= 1e-9 * float(np.ptp(distance.bounds, axis=0).max()) ** 3:
         raise MeshError(f"{obj.name} encloses no volume: give it thickness, with Solidify for instance")
-    return Surface(given, distance)
+    return Surface(given, distance, nearest_triangles)
 
 
 def _refuse_crossings(given, tree):
