@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ..core.errors import SettingError
 from ..core.fields.potentials import extended
@@ -69,18 +70,8 @@ class Carried:
         SettingError
             where there is none
         """
-        mesh = self.surface.mesh
         triangles = self.solid.boundary_triangles
-        vertices = np.unique(triangles)
-        marked = mesh.triangles[area.triangles]
-        points = self.solid.vertices[vertices]
-        _, found = nearest(surface_tree(mesh.vertices, marked), points)
-        corners = mesh.vertices[marked[found]]
-        shares = nearest_in_triangles(points, np.moveaxis(corners, 1, 0))
-        apart = np.linalg.norm(points - np.einsum("pc,pcx->px", shares, corners), axis=1)
-        is_on = np.zeros(self.solid.vertex_count, bool)
-        is_on[vertices[apart <= ON_FACES * self.surface.reach]] = True
-        triangles = triangles[is_on[triangles].all(axis=1)]
+        triangles = triangles[self._lies_on(area)[triangles].all(axis=1)]
         # Between vertices of the area there may be other faces.
         under = self.surface.nearest(self.solid.vertices[triangles].mean(axis=1))
         triangles = triangles[np.isin(under, area.triangles)]
@@ -91,10 +82,25 @@ class Carried:
         return triangles
 
     def vertices_on(self, area):
-        """(n,) bool, the solid's vertices on an :class:`Area`; errors as :meth:`faces_on`."""
-        chosen = np.zeros(self.solid.vertex_count, bool)
-        chosen[self.faces_on(area)] = True
+        """(n,) bool, the solid's vertices on an :class:`Area`, those nearest to its triangles where there are none."""
+        chosen = self._lies_on(area)
+        if not chosen.any():
+            boundary = np.flatnonzero(self.solid.boundary_vertices)
+            centres = self.surface.mesh.vertices[self.surface.mesh.triangles[area.triangles]].mean(axis=1)
+            chosen[boundary[cKDTree(self.solid.vertices[boundary]).query(centres)[1]]] = True
         return chosen
+
+    def _lies_on(self, area):
+        """(n,) bool, whether vertices of the solid's boundary lie on an :class:`Area`."""
+        mesh, boundary = self.surface.mesh, np.flatnonzero(self.solid.boundary_vertices)
+        marked, points = mesh.triangles[area.triangles], self.solid.vertices[boundary]
+        _, found = nearest(surface_tree(mesh.vertices, marked), points)
+        corners = mesh.vertices[marked[found]]
+        shares = nearest_in_triangles(points, np.moveaxis(corners, 1, 0))
+        apart = np.linalg.norm(points - np.einsum("pc,pcx->px", shares, corners), axis=1)
+        result = np.zeros(self.solid.vertex_count, bool)
+        result[boundary[apart <= ON_FACES * self.surface.reach]] = True
+        return result
 
     def on_boundary(self, values):
         """(n, ...) values at the solid's boundary vertices from those at the surface's vertices; 0 inside."""

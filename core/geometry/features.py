@@ -18,6 +18,8 @@ from .tet_mesh import TET_EDGES, TET_FACES, TetMesh, signed_volumes
 SHARP = np.cos(np.radians(35))
 # Farthest that a vertex moves, in mean edge lengths of the solid.
 FARTHEST = 0.8
+# How often all are tried, and how many vertices for each corner.
+ROUNDS, CANDIDATES = 3, 8
 
 
 def sharpened(solid, mesh, nearest):
@@ -36,29 +38,17 @@ def sharpened(solid, mesh, nearest):
     sharp = sharp_edges(mesh)
     if len(sharp) == 0:
         return solid
-    moves = _Moves(solid)
+    moves, reach = _Moves(solid), FARTHEST * solid.edge_lengths.mean()
     boundary = np.flatnonzero(solid.boundary_vertices)
-    reach = FARTHEST * solid.edge_lengths.mean()
-    tree = cKDTree(solid.vertices[boundary])
-    for place in mesh.vertices[corners_of(mesh, sharp)]:
-        ways, rows = tree.query(place, k=min(8, len(boundary)), distance_upper_bound=reach)
-        for row in rows[np.isfinite(ways)]:
-            if moves.attempt(boundary[row], place):
-                break
     regions = np.full(solid.vertex_count, -1)
     regions[boundary] = smooth_regions(mesh, sharp)[nearest(solid.vertices[boundary])]
     sides = np.unique(np.sort(solid.boundary_triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
     crossing = sides[regions[sides[:, 0]] != regions[sides[:, 1]]]
-    ends = np.unique(crossing)
-    places = _on_segments(mesh.vertices[mesh.edges[sharp]], solid.vertices[ends], reach)
-    ways = np.linalg.norm(places - solid.vertices[ends], axis=1)
-    others: dict[int, list[int]] = {end: [] for end in ends.tolist()}
-    for i, j in crossing.tolist():
-        others[i].append(j)
-        others[j].append(i)
-    for row in np.argsort(ways)[: np.count_nonzero(ways <= reach)]:
-        if not moves.done[others[ends[row]]].all():
-            moves.attempt(ends[row], places[row])
+    corners, segments = mesh.vertices[corners_of(mesh, sharp)], mesh.vertices[mesh.edges[sharp]]
+    # What has moved makes room for others.
+    for _ in range(ROUNDS):
+        corners = _to_corners(moves, boundary, corners, reach)
+        _to_edges(moves, crossing, segments, reach)
     return TetMesh(moves.vertices, solid.tets)
 
 
@@ -97,6 +87,31 @@ def _sides(mesh):
     return order.reshape(-1, 2) // 3
 
 
+def _to_corners(moves, boundary, corners, reach):
+    """Move to each corner the nearest vertex that can; returns the corners that are left."""
+    tree, left = cKDTree(moves.vertices[boundary]), []
+    for place in corners:
+        ways, rows = tree.query(place, k=min(CANDIDATES, len(boundary)), distance_upper_bound=reach)
+        if not any(moves.attempt(vertex, place, for_good=True) for vertex in boundary[rows[np.isfinite(ways)]]):
+            left.append(place)
+    return np.array(left).reshape(-1, 3)
+
+
+def _to_edges(moves, crossing, segments, reach):
+    """Move to the nearest places of sharp edges one end of each edge that crosses them, nearest ones first."""
+    crossing = crossing[~moves.done[crossing].any(axis=1)]
+    ends = np.unique(crossing)
+    places = _on_segments(segments, moves.vertices[ends], reach)
+    ways = np.linalg.norm(places - moves.vertices[ends], axis=1)
+    others: dict[int, list[int]] = {end: [] for end in ends.tolist()}
+    for i, j in crossing.tolist():
+        others[i].append(j)
+        others[j].append(i)
+    for row in np.argsort(ways)[: np.count_nonzero(ways <= reach)]:
+        if not moves.done[others[ends[row]]].all():
+            moves.attempt(ends[row], places[row])
+
+
 def _on_segments(segments, points, reach):
     """(k, 3) points of (s, 2, 3) segments nearest to points, where they are within reach; far away otherwise."""
     begin, along = segments[:, 0], segments[:, 1] - segments[:, 0]
@@ -117,7 +132,7 @@ def _on_segments(segments, points, reach):
 
 
 class _Moves:
-    """Vertices of a solid that move one after the other, each only if the tetrahedra around it stay well shaped.
+    """Vertices of a solid that move one after the other, each only if the tetrahedra around it stay within the bounds.
 
     Attributes
     ----------
@@ -127,21 +142,23 @@ class _Moves:
 
     def __init__(self, solid):
         self._tets = solid.tets
-        self.vertices, self.done = solid.vertices.copy(), np.zeros(solid.vertex_count, bool)
+        self.vertices = solid.vertices.copy()
+        self.done, self._stays = np.zeros((2, solid.vertex_count), bool)
         self._order = np.argsort(solid.tets.ravel(), kind="stable") // 4
         self._ends = np.cumsum(np.bincount(solid.tets.ravel(), minlength=solid.vertex_count))
 
-    def attempt(self, vertex, place):
-        """Move a vertex that has not moved yet; whether it has."""
-        if self.done[vertex]:
+    def attempt(self, vertex, place, for_good=False):
+        """Move a vertex, unless it has been moved for good; whether it has moved."""
+        if self._stays[vertex]:
             return False
         start = self._ends[vertex - 1] if vertex else 0
         old = self.vertices[vertex].copy()
         self.vertices[vertex] = place
-        self.done[vertex] = _within_bounds(self.vertices, self._tets[self._order[start : self._ends[vertex]]])
-        if not self.done[vertex]:
+        if not _within_bounds(self.vertices, self._tets[self._order[start : self._ends[vertex]]]):
             self.vertices[vertex] = old
-        return self.done[vertex]
+            return False
+        self.done[vertex], self._stays[vertex] = True, for_good
+        return True
 
 
 def _within_bounds(vertices, tets):
