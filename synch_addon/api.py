@@ -161,7 +161,7 @@ def show_again(obj, shown, number):
     Errors as :func:`vary`.
     """
     refuse(obj)
-    with _object_mode(obj):
+    with scene_io.object_mode(obj):
         task = memory.recall(obj).task
         write.results(obj, task, shown.field, shown.pattern, shown.report.again())
         _keep(obj, replace(shown, task=task), number)

@@ -86,7 +86,7 @@ def write_curves(obj, layering, spacing):
     return made
 
 
-def write_surface(obj, layering, given, phases, report, spacing):
+def write_surface(obj, layering, given, phases, warn, spacing):
     """The phase on the given mesh, or on a new object of the solid's boundary; returns the object that has it."""
     if phases.is_own:
         data = bpy.data.meshes.new(f"{obj.data.name} Surface")
@@ -105,7 +105,7 @@ def write_surface(obj, layering, given, phases, report, spacing):
         memory.forget(obj)
         if hasattr(obj, "synch"):
             obj.synch.variation, obj.synch.result = 0, ""
-    write.write_pattern(shown, given, phases, report)
+    write.write_phases(shown, given, phases.edge_phases, warn)
     pattern_material(shown, "stripes", spacing=spacing, assign_faces=phases.is_own)
     scene_io.update(shown)
     return shown

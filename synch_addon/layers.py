@@ -17,6 +17,7 @@ from ..core.solve.monitor import Monitor
 from ..core.solve.solution import Clock
 from . import layer_objects, memory, scene_io
 from .carried import Carried
+from .jobs import portion
 from .layer_guides import read_area, read_guide
 from .layer_report import layer_report
 from .layer_settings import HELD
@@ -132,7 +133,7 @@ class LayerJob:
                 f"the spacing is finer than the solid can carry on {growth.coarse_share:.0%} of its edges: "
                 "increase it, or make the solid of smaller tetrahedra"
             )
-        solving = _portion(callback, _PHASES, _SURFACES - _PHASES)
+        solving = portion(callback, _PHASES, _SURFACES - _PHASES)
         pattern = solve_layers(solid, directions, spacings, groups, self.settings.options, solving)
         monitor.at("layers", _SURFACES)
         with clock("extract"):
@@ -178,7 +179,7 @@ class LayerJob:
         spacing = self.lengths.spacing
         layering = Layering(*self._found, memory.solid_matrix(obj, given))
         with self._clock("write"):
-            shown = layer_objects.write_surface(obj, layering, given, self._phases, self, spacing)
+            shown = layer_objects.write_surface(obj, layering, given, self._phases, self.warn, spacing)
             curves = layer_objects.write_curves(obj, layering, spacing)
             made = layer_objects.write_layers(obj, layering, spacing)
             layer_objects.show_layers(obj, made, [shown] if shown != obj else [])
@@ -214,9 +215,3 @@ def _fitting(obj, surface, solid):
             f"the solid's boundary is up to {apart:.3g} from the surface of {obj.name}: give the solid of this object"
         )
     return solid
-
-
-def _portion(callback, start, share):
-    if callback is None:
-        return None
-    return lambda stage, fraction: callback(stage, start + share * fraction)

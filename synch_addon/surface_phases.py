@@ -7,7 +7,7 @@ import numpy as np
 
 from ..core.geometry import TriangleMesh
 from ..core.geometry.surface_distance import nearest_in_triangles
-from ..core.interpolate import EdgePhases, face_phases
+from ..core.interpolate import EdgePhases
 from ..core.interpolate_solid import evaluate_in_tets
 from .quad_object import nearest, surface_tree
 from .task import COARSE_SHARE
@@ -29,15 +29,6 @@ class SurfacePhases:
     @property
     def mesh(self) -> TriangleMesh:
         return self.edge_phases.mesh
-
-    @property
-    def vertex_phases(self):
-        """(n, 1) radians."""
-        return self.edge_phases.arguments
-
-    def on_faces(self, polygons):
-        """One :class:`FacePhases`, for the faces that the mesh's triangles draw."""
-        return face_phases(self.edge_phases, polygons)
 
 
 def surface_phases(mesh, pattern, growth):

@@ -78,8 +78,12 @@ class BackgroundOperator:
         except SynchError as error:
             self.report({"ERROR"}, str(error))
             if len(error.vertices):
-                api.select(context.active_object, error.vertices)
+                api.select(self._target(context), error.vertices)
         return {"CANCELLED"}
+
+    def _target(self, context):
+        """The object that errors name vertices of."""
+        return context.active_object
 
     def _run(self, context):
         manager = context.window_manager
