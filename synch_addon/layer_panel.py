@@ -36,11 +36,11 @@ class SYNCH_PT_layers(SidebarPanel, bpy.types.Panel):
             return
         if obj != context.active_object:
             self.layout.label(text=f"Layers of {obj.name}", icon="OBJECT_DATA")
-        draw_layers(self.layout, obj.synch_layering)
-        _draw_estimate(self.layout, obj)
         row = self.layout.row()
         row.scale_y = 1.3
         row.operator("synch.layers", icon="ALIGN_JUSTIFY")
+        _draw_estimate(self.layout, obj)
+        draw_layers(self.layout, obj.synch_layering)
 
 
 def draw_layers(layout, stored):
@@ -133,7 +133,7 @@ class SYNCH_OT_layer_group_remove(_RowOperator, bpy.types.Operator):
     bl_idname = "synch.layer_group_remove"
     bl_label = "Remove Group"
 
-    number: IntProperty(min=0)
+    number: IntProperty(name="Row", description="Which of the rows, from 0 on", min=0)
 
     def execute(self, context):
         groups = solid_of(context.active_object).synch_layering.groups

@@ -66,6 +66,9 @@ class LayerJob:
             if settings.spacing_map:
                 self._factors = read_factors(obj, given, settings.spacing_map, settings.spacing_range)
             self.lengths = self._checked_lengths()
+            users = obj.data.users - obj.data.use_fake_user
+            if users > 1:
+                self.warn(f"the mesh {obj.data.name} is shared by {users} users, which all get the phase")
             changing = [m.name for m in obj.modifiers if m.show_viewport]
             if changing:
                 self.warn(

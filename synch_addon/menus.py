@@ -14,6 +14,7 @@ _ENTRIES = (
         ("synch.quad_mesh", "Remesh to Quads", "MOD_REMESH"),
         ("synch.directions", "Direction Field", "ORIENTATION_NORMAL"),
     ),
+    (("synch.layers", "Layers in the Solid", "ALIGN_JUSTIFY"),),
     (("synch.refine", "Subdivide for Spacing", "MOD_SUBSURF"),),
     (
         ("synch.draw_variation", "Another Variation", "FILE_REFRESH"),

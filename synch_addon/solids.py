@@ -20,8 +20,10 @@ from .quad_object import nearest, surface_tree
 
 # A solid has about so many tetrahedra where no size is given.
 AUTOMATIC_TETS = 100_000
-# More than that take hours.
-MOST_TETS = 5_000_000
+# More than that take hours, and more memory than most machines have.
+MOST_TETS = 4_000_000
+# Measured while layers are solved, for 100 000 to 500 000 tetrahedra: 1600 to 2100.
+SOLVED_BYTES = 2000
 # A solid that has lost more than this share of the surface's volume has lost a part that can be seen.
 LOST_VOLUME = 0.1
 
@@ -54,7 +56,7 @@ class Estimate(NamedTuple):
     ----------
     size : longest edge of a tetrahedron well inside, scene units
     tets : number of tetrahedra
-    bytes : memory while they are made
+    bytes : memory while they are made and layers solved in them
     """
 
     size: float
@@ -147,7 +149,7 @@ def estimate(distance, size=None):
     """
     size = _size_of(distance, AUTOMATIC_TETS) if size is None else size
     tets = estimated_tets(distance.volume, size, distance.area)
-    return Estimate(size, tets, estimated_bytes(tets, distance.bounds, size))
+    return Estimate(size, tets, max(SOLVED_BYTES * tets, estimated_bytes(tets, distance.bounds, size)))
 
 
 def _size_of(distance, tets):
