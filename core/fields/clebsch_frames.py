@@ -68,14 +68,14 @@ def potential(grid, differences):
     flow = grid.weights * differences
     sources = np.bincount(j, flow, grid.node_count) - np.bincount(i, flow, grid.node_count)
     values = (sources / grid.masses).reshape(grid.shape)
-    stiffness = 0.0
+    stiffness = np.zeros(grid.shape)
     for axis, (count, spacing) in enumerate(zip(grid.shape, grid.spacing, strict=True)):
         is_periodic = grid.periodic[axis]
         values = fft(values, axis=axis) if is_periodic else dct(values, type=1, axis=axis)
         turn = np.arange(count) * (2 * np.pi / count if is_periodic else np.pi / (count - 1))
         along = [1] * grid.dimension
         along[axis] = count
-        stiffness = stiffness + ((2 - 2 * np.cos(turn)) / spacing**2).reshape(along)
+        stiffness += ((2 - 2 * np.cos(turn)) / spacing**2).reshape(along)
     stiffness[(0,) * grid.dimension] = np.inf  # a constant is free
     values = values / stiffness
     for axis in range(grid.dimension):
