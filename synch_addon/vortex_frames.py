@@ -130,7 +130,7 @@ def _facts(file, found, shown):
         "filaments": None if shown.lines is None else len(shown.lines),
         "length": None if shown.lines is None else sum(line.length for line in shown.lines),
         "tubes": None if shown.tubes is None else shown.tubes.pieces,
-        "vorticity_share": vorticity_share(found),
+        "vorticity_share": vorticity_share(found, found.vorticity),
         "seconds": sum(solution.times.values()),
     }
 

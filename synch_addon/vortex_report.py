@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
-from ..core.fields.clebsch import ClebschMap, SphericalMap, circulations
+from ..core.fields.clebsch import ClebschMap, SphericalMap
 from ..core.solve.solution import relative_gap
 from .report import counted, peak_memory, quality, versions
 
@@ -37,7 +37,7 @@ def report_of(solved, found, made, start):
 
     ``found`` is the map whose filaments are shown.
     """
-    solution = found.solution
+    solution, energy = found.solution, found.energy
     return {
         "status": solution.status.value,
         "command": "clebsch",
@@ -49,10 +49,10 @@ def report_of(solved, found, made, start):
         "shape": list(found.grid.shape),
         "quantum": found.quantum,
         **quality(solution),
-        "energy": found.energy,
-        "gap": relative_gap(found.energy, solution.lower_bound, solution.noise),
+        "energy": energy,
+        "gap": relative_gap(energy, solution.lower_bound, solution.noise),
         "sphere_energy": solved.sphere.energy if solved.sphere else None,
-        "vorticity_share": vorticity_share(found),
+        "vorticity_share": vorticity_share(found, solved.found.vorticity),
         "times": solution.times | {"total": time.perf_counter() - start},
         "peak_memory_mb": peak_memory(),
         "settings": asdict(solved.settings),
@@ -61,9 +61,8 @@ def report_of(solved, found, made, start):
     }
 
 
-def vorticity_share(found):
-    """Vorticity through all faces that the filaments carry, over that of the flow; None for a flow without any."""
-    vorticity = np.abs(circulations(found.grid, found.integrals)).sum()
+def vorticity_share(found, vorticity):
+    """What of the flow's vorticity through all faces the filaments carry; None for a flow without any."""
     caught = found.quantum * np.abs(found.face_numbers).sum()
     return float(caught / vorticity) if vorticity else None
 

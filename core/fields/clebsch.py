@@ -74,7 +74,8 @@ def _surface_integrals(mesh, velocity):
 
 def circulations(grid, integrals):
     """(f,) circulation around each face, which is the vorticity through it."""
-    return (integrals[grid.face_edges] * grid.face_signs).sum(axis=1)
+    signs = np.broadcast_to(grid.face_signs, grid.face_edges.shape)
+    return sum(sign * integrals[edge] for sign, edge in zip(signs.T, grid.face_edges.T, strict=True))
 
 
 def quantum_for(grid, integrals, count):
@@ -134,6 +135,11 @@ class ClebschMap:
         return replace(self, phases=phases)
 
     @cached_property
+    def vorticity(self):
+        """Of the flow through all faces, whichever way."""
+        return float(np.abs(circulations(self.grid, self.integrals)).sum())
+
+    @cached_property
     def changes(self):
         """(e,) phase change along each edge, the nearest to what the flow asks for."""
         i, j = self.grid.edges.T
@@ -162,7 +168,7 @@ class SphericalMap:
     lifted: np.ndarray
     energy: float
 
-    @property
+    @cached_property
     def sphere(self):
         """(n, 3) unit vectors, the Hopf map: vortex tubes are where it goes around a point."""
         first, second = self.lifted.T
