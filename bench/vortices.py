@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures of vortices: the paper's Figures 5 and 7 again, and a knot of tubes.
+
+    python bench/vortices.py [--folder docs] [--only figure5 | figure7 | vortices]
+
+Figure 5: a trefoil knot on 40 x 40 x 20 nodes at five circulations of a filament, filaments above, tubes below.
+Figure 7: a flow in the plane whose curl is constant in the unit disk. The map to the sphere, drawn as a globe; and four
+singular maps of the same solve, each with as many vortices as the sphere is covered: they are where the map shows a
+point of the globe, marked in the same colour. Needs Blender as a module (bpy).
+"""
+
+import argparse
+import tempfile
+from pathlib import Path
+
+import bpy
+import numpy as np
+from figures import beside
+from grids import QUANTA, trefoil_velocity
+from mathutils import Euler, Matrix
+
+from synch_fields import register, unregister
+from synch_fields.core.geometry.grid import Grid
+from synch_fields.synch_addon.clebsch import clebsch
+from synch_fields.synch_addon.globe import SPHERE, globe_group
+from synch_fields.synch_addon.nodes import STRIPES_NAME
+from synch_fields.synch_addon.render import only_for_now, render_picture
+
+# Filaments that the knot is cut into.
+CUTS = (6, 4, 3, 2, 1)
+VIEW = (-20, 38)
+SMALL, SAMPLES = (330, 290), 16
+# Figure 7: quanta of the disk, nodes and half the side of the plane, colours of the points on the globe.
+DISK_QUANTA, NODES, HALF = 5, 120, 1.6
+COLORS = ((1.0, 0.25, 0.05, 1), (1.0, 0.75, 0.05, 1), (0.75, 0.1, 0.75, 1), (0.05, 0.75, 0.75, 1))
+FLAT = 440
+# Outside the disk the map stays near one point: the globe is turned so that it is in a sea, and seen from behind it.
+TURN, SEEN = (np.array(Euler(angles).to_matrix()) for angles in ((0.0, 1.75, 0.9), (-1.1, 0.0, 0.3)))
+
+
+def main():
+    """Make the pictures."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--folder", type=Path, default=Path("docs"), help="where the pictures go (%(default)s)")
+    parser.add_argument("--only", choices=PICTURES, help="the name of one picture")
+    options = parser.parse_args()
+    register()
+    for name, make in PICTURES.items():
+        if options.only in (None, name):
+            with tempfile.TemporaryDirectory() as folder:
+                make(Path(folder), options.folder / f"{name}.png")
+    unregister()
+
+
+# The trefoil
+
+
+def figure5(folder, path):
+    """Filaments and tubes of the knot at five circulations."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    source = save_trefoil(folder, 40)
+    sheets = []
+    for show in ("filaments", "tubes"):
+        pictures = []
+        for cut in CUTS:
+            report = clebsch(source, quantum=2 * np.pi * QUANTA / cut, show=show, smoothing=4)
+            obj = bpy.data.objects[report["object"]]
+            obj = in_hues(obj) if show == "tubes" else obj
+            picture = folder / f"{show}{cut}.png"
+            pictures.append(render_picture(obj, picture, resolution=SMALL, samples=SAMPLES, view=VIEW))
+            print(f"{show}, knot of {cut} quanta: energy {report['energy']:.2f}, {report['vorticity_share']:.0%}")
+        sheets.append(folder / f"{show}.png")
+        beside(pictures, sheets[-1])
+    beside(sheets, path, vertical=True)
+
+
+def knot(folder, path):
+    """Tubes of one quantum on a finer grid, in the colours of the sphere."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    report = clebsch(save_trefoil(folder, 80), quantum=2 * np.pi * QUANTA / 2, show="tubes", opening=70, smoothing=4)
+    obj = in_hues(bpy.data.objects[report["object"]])
+    render_picture(obj, path, resolution=(1000, 720), samples=24, view=VIEW)
+
+
+def save_trefoil(folder, nodes):
+    """A .npz file with the velocity around the knot."""
+    shape = np.array([nodes, nodes, nodes // 2])
+    grid = Grid(shape, 1 / (nodes - 1), -0.5 * (shape - 1) / (nodes - 1))
+    velocity = trefoil_velocity(grid.places).reshape(*shape, 3)
+    np.savez(folder / "trefoil.npz", velocity=velocity, spacing=grid.spacing, origin=grid.origin)
+    return folder / "trefoil.npz"
+
+
+def in_hues(obj):
+    """A tube in hues instead of the globe."""
+    tree = obj.active_material.node_tree
+    group = next(node for node in tree.nodes if node.type == "GROUP")
+    group.inputs["Wheel"].default_value = 1.0
+    return obj
+
+
+# The disk
+
+
+def figure7(folder, path):
+    """The globe and the map to it on the left, four singular maps on the right."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    quantum = np.pi / DISK_QUANTA
+    report = clebsch(save_disk(folder), quantum=quantum, show="tubes")
+    plane = bpy.data.objects[report["object"]]
+    print(f"the sphere is covered {report['coverage']:.2f} times, energy {report['sphere_energy']:.2f}")
+    maps, marks = [], []
+    for place, color in zip(places_on_globe(), COLORS, strict=True):
+        point = tuple((-place @ SEEN @ TURN).tolist())
+        seen = clebsch(plane, quantum=quantum, point=point)
+        found = [(vortex["position"], color) for vortex in seen["vortices"]]
+        print(f"from {np.round(point, 2)}: {len(found)} vortices, energy {seen['energy']:.2f}")
+        maps.append(render_flat(plane, bpy.data.node_groups[STRIPES_NAME], found, folder / f"map{len(maps)}.png"))
+        marks += found
+    sphere = plane.data.attributes[SPHERE]
+    values = np.empty(3 * len(sphere.data), np.float32)
+    sphere.data.foreach_get("vector", values)
+    sphere.data.foreach_set("vector", (values.reshape(-1, 3) @ TURN.T).astype(np.float32).ravel())
+    drawn = render_flat(plane, globe_group(), marks, folder / "plane.png")
+    rows = [folder / "below.png", folder / "above.png"]
+    beside([drawn, *maps[2:]], rows[0])
+    beside([render_globe(folder / "globe.png"), *maps[:2]], rows[1])
+    beside(rows[::-1], path, vertical=True)
+
+
+def save_disk(folder):
+    """A .npz file with rigid rotation in the unit disk and no vorticity outside."""
+    axis = np.linspace(-HALF, HALF, NODES)
+    x, y = np.meshgrid(axis, axis, indexing="ij")
+    squares = np.maximum(x**2 + y**2, 1)
+    velocity = np.stack([-y, x], axis=-1) / (2 * squares[..., None])
+    np.savez(folder / "disk.npz", velocity=velocity, spacing=axis[1] - axis[0], origin=-HALF)
+    return folder / "disk.npz"
+
+
+def render_flat(obj, group, marks, path):
+    """A mesh in the plane from above, in the colours of a node group without light, with marks at places."""
+    with only_for_now():
+        scene = flat_scene(path, 1.06 * max(obj.dimensions))
+        copy = obj.copy()
+        copy.data = obj.data.copy()
+        scene.collection.objects.link(copy)
+        copy.data.materials.clear()
+        copy.data.materials.append(glowing(group))
+        for place, color in marks:
+            add_mark(scene, place, 0.062, color, 0.01)
+        bpy.ops.render.render(write_still=True, scene=scene.name)
+    return path
+
+
+def render_globe(path):
+    """The globe, with the points that vortices lie at."""
+    with only_for_now():
+        scene = flat_scene(path, 2.3)
+        globe = add_ball(scene, (0, 0, 0), 1, 1, glowing(globe_group()))
+        places = np.array([vertex.co for vertex in globe.data.vertices], np.float32)
+        globe.data.attributes.new(SPHERE, "FLOAT_VECTOR", "POINT").data.foreach_set("vector", places.ravel())
+        globe.rotation_euler = Matrix(SEEN).to_euler()
+        for place, color in zip(places_on_globe(), COLORS, strict=True):
+            add_mark(scene, place, 0.06, color, 1)
+        bpy.ops.render.render(write_still=True, scene=scene.name)
+    return path
+
+
+def places_on_globe():
+    """Four places on the side of the globe that is seen, in the directions of the picture."""
+    turns = np.pi / 2 * np.arange(4) + 0.5
+    return [np.array([0.6 * np.cos(turn), 0.6 * np.sin(turn), 0.8]) for turn in turns]
+
+
+def add_mark(scene, place, size, color, height):
+    """A disk of a colour with a white rim, above a place."""
+    for share, shade in ((1, (1, 1, 1, 1)), (0.72, color)):
+        add_ball(scene, (*place[:2], (2 - share) * height), share * size, 0.01, glowing(shade))
+
+
+def flat_scene(path, width):
+    """A scene without light, seen straight from above."""
+    scene = bpy.data.scenes.new("Flat")
+    scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    scene.camera.data.type, scene.camera.data.ortho_scale, scene.camera.location.z = "ORTHO", width, 10
+    scene.collection.objects.link(scene.camera)
+    scene.world = bpy.data.worlds.new("White")
+    if scene.world.node_tree is None:
+        scene.world.use_nodes = True
+    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (1, 1, 1, 1)
+    scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", SAMPLES, False
+    scene.render.resolution_x = scene.render.resolution_y = FLAT
+    scene.render.filepath, scene.view_settings.view_transform = str(path), "Standard"
+    return scene
+
+
+def add_ball(scene, place, radius, height, material):
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=128, ring_count=64)
+    obj = bpy.context.active_object
+    bpy.context.scene.collection.objects.unlink(obj)
+    obj.data.shade_smooth()
+    obj.data.materials.append(material)
+    obj.location, obj.scale = place, (radius, radius, height)
+    scene.collection.objects.link(obj)
+    return obj
+
+
+def glowing(color):
+    """A material that shows the colours of a node group, or a colour, without light."""
+    material = bpy.data.materials.new("Glowing")
+    if material.node_tree is None:
+        material.use_nodes = True
+    tree = material.node_tree
+    light = tree.nodes.new("ShaderNodeEmission")
+    if isinstance(color, bpy.types.NodeTree):
+        node = tree.nodes.new("ShaderNodeGroup")
+        node.node_tree = color
+        tree.links.new(node.outputs["Color"], light.inputs["Color"])
+    else:
+        light.inputs["Color"].default_value = color
+    tree.links.new(light.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    return material
+
+
+PICTURES = {"figure5": figure5, "figure7": figure7, "vortices": knot}
+
+if __name__ == "__main__":
+    main()
