@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Clebsch maps: known filaments are found, spheres are covered as often as there is vorticity."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -58,6 +60,25 @@ def test_an_open_filament_ends_on_the_boundary():
     (line,) = filaments(clebsch_map(grid, line_integrals(grid, [0.03, -0.01]), 1.0))
     assert not line.is_closed
     np.testing.assert_allclose(line.points[[0, -1], 2], [0, 7 / 16], atol=1e-12)  # upwards, as its vorticity
+
+
+def test_a_ring_across_the_sides_of_a_periodic_grid():
+    grid = Grid((12, 12, 10), spacing=1 / 12, periodic=True)
+    box = grid.spacing * grid.shape
+    centre = np.array([0.03, 0.52, 0.44])
+    ring = ring_curve(0.27, centre, 2, segments=48)
+    images = [(ring + box * shift, 1.0) for shift in product((-1, 0, 1), repeat=3)]
+    found = clebsch_map(grid, filament_integrals(grid, images, 0.01), 1.0)
+    assert set(np.unique(found.face_numbers)) == {-1, 0, 1}
+    around = found.face_numbers[grid.cell_faces] * grid.outward
+    assert not around.sum(axis=1).any()
+    lines = filaments(found)
+    assert len(lines) == 2 and not any(line.is_closed for line in lines)  # cut where it leaves the box
+    away = np.concatenate([line.points for line in lines]) - centre
+    away -= box * np.round(away / box)
+    assert np.abs(np.hypot(away[:, 0], away[:, 1]) - 0.27).max() < 0.5 / 12 and np.abs(away[:, 2]).max() < 0.5 / 12
+    lengths = sum(np.linalg.norm(np.diff(line.points, axis=0), axis=1).sum() for line in lines)
+    assert lengths == pytest.approx(2 * np.pi * 0.27, rel=0.15)
 
 
 def test_linked_rings_stay_linked():
