@@ -13,7 +13,7 @@ from ..core.errors import ContradictionError, SettingError, SynchError
 from ..core.extract.quad_mesh import quad_mesh as traced_quads
 from ..core.fields.directions import SYMMETRIES
 from ..core.fields.placement import variation, with_defects
-from . import field_io, memory, quad_object, scene_io, write
+from . import field_io, memory, quad_object, scene_io, stripe_numbers, write
 from . import isolines as line_object
 from .bake import bake_maps
 from .bake_settings import BakeSettings
@@ -218,8 +218,8 @@ def relief(obj, height=0.15, width=0.5, profile=0, level=None, smooth=False):
     obj : bpy.types.Object with stripes or quads
     height : in spacings; below 0 the pattern is cut in
     width : part of a period that is raised, or of the area of quads
-    profile : of stripes "rounded", "cord", "flat", "ridge" or "wave", of quads "grid lines", "checker", "weave" or
-        "dots"; or its number
+    profile : of stripes "sine", "square", "triangle", "rounded" or "thread", of quads "grid lines", "checker",
+        "weave" or "dots"; or its number
     level : how often the mesh is subdivided; None for as often as its edges need
     smooth : round the surface while it is subdivided
 
@@ -236,6 +236,29 @@ def relief(obj, height=0.15, width=0.5, profile=0, level=None, smooth=False):
     with scene_io.object_mode(obj):
         made = add_relief(obj, height, width, profile, level, smooth)
     return {"status": "made", "command": "relief", "object": obj.name, **made, "versions": versions()}
+
+
+def number_stripes(obj):
+    """Number the stripes of an object's last solve and write coordinates along them, for shaders and relief.
+
+    What is written follows every later solve and variation of the object.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object with stripes that were solved since the file was opened
+
+    Returns
+    -------
+    int, how many stripes there are: number k is that of spline k - 1 of :func:`isolines`
+
+    Raises
+    ------
+    SynchError
+        with one line that names the element and the remedy; nothing is written
+    """
+    refuse(obj)
+    with _object_mode(obj):
+        return stripe_numbers.write_numbers(obj)
 
 
 def bake(obj, callback=None, **settings):
@@ -283,6 +306,7 @@ def write_result(obj, task, field, pattern, report, number=0):
     task = replace(task, given=replace(task.given, polygons=polygons))
     plain = report.finish(field, pattern, defects)
     _keep(obj, memory.Solved(task, field, pattern, report, plain), number)
+    stripe_numbers.renew_numbers(obj)
     return plain
 
 

@@ -60,6 +60,9 @@ class Expression:
     def sine(self):
         return self.canvas.math("SINE", self)
 
+    def arcsine(self):
+        return self.canvas.math("ARCSINE", self)
+
     def root(self):
         return self.canvas.math("SQRT", self)
 
@@ -138,6 +141,13 @@ class Canvas:
 
     def mix(self, factor, first, second):
         return self._node("ShaderNodeMix", (factor, first, second), _float_inputs)
+
+    def noise(self, value):
+        """A number from 0 to 1 for a whole number: the same for the same one, nothing alike for others."""
+        node = self.place("ShaderNodeTexWhiteNoise", value.depth + 1, "random", rows=3)
+        node.noise_dimensions = "1D"
+        self.connect(value, node.inputs["W"])
+        return Expression(self, node.outputs["Value"], value.depth + 1)
 
     def color_mix(self, factor, first, second):
         depth = max(value.depth for value in (factor, first, second)) + 1

@@ -15,6 +15,7 @@ from dataclasses import astuple, dataclass
 import bpy
 
 from .canvas import Canvas, Socket, declare, group_tree
+from .stripe_profiles import PROFILE_TIP, PROFILES, THREAD_TIP, chosen, place_in_stripe, profile_heights
 
 STRIPES_NAME = "Synch Stripes"
 PHASE_NAME = "Synch Phase"
@@ -22,7 +23,7 @@ INK_BLUE = (0.0075, 0.024, 0.085, 1.0)
 WARM_IVORY = (0.86, 0.77, 0.60, 1.0)
 
 # In the stamp of every group: raise it when what is built here changes.
-VERSION = 2
+VERSION = 3
 _THIRD = math.pi / 3.0
 # Smallest divisor: ell is undefined at the centre of a singular triangle, and any value will do.
 _TINY = 1e-6
@@ -111,6 +112,7 @@ _PHASE_OUTPUTS = (
     Socket("Cosine", "Float", "cos(theta), continuous across faces"),
 )
 _STRIPES_INPUTS = (
+    Socket("Profile", "Int", PROFILE_TIP, 0, (0, len(PROFILES) - 1)),
     Socket("Width", "Float", "Part of a period that is stripe", 0.5, (0.0, 1.0)),
     Socket(
         "Softness",
@@ -121,12 +123,22 @@ _STRIPES_INPUTS = (
     ),
     Socket("Color", "Color", "Color of the stripes", INK_BLUE),
     Socket("Background", "Color", "Color between the stripes", WARM_IVORY),
+    Socket("Strands", "Int", THREAD_TIP, 2, (0, 64)),
 )
 _STRIPES_OUTPUTS = (
     Socket("Color", "Color", "Stripe and background colors, mixed by the factor"),
     Socket("Factor", "Float", "1 in a stripe, 0 between stripes"),
-    Socket("Height", "Float", "Rounded profile, 1 along the middle of a stripe, 0 between"),
+    Socket("Height", "Float", "The profile, from 0 between stripes to 1 along their middles"),
     *_PHASE_OUTPUTS,
+    Socket(
+        "Across",
+        "Float",
+        "Place in a period, from -1 in a gap over 0 in the middle of the stripe to 1; without a sign where stripes are "
+        "not numbered",
+    ),
+    Socket("Along", "Float", "Way along the stripe in spacings, once stripes are numbered; round ones are whole"),
+    Socket("Index", "Float", "Number of the stripe, once stripes are numbered: it ends where the line along it does"),
+    Socket("Random", "Float", "A number from 0 to 1 for each stripe, once stripes are numbered"),
 )
 
 
@@ -177,13 +189,18 @@ def stripes_group() -> bpy.types.ShaderNodeTree:
         return tree
     declare(tree, _STRIPES_INPUTS, _STRIPES_OUTPUTS)
     canvas = Canvas(tree)
-    inputs = canvas.inputs()
-    phase = canvas.group(phase_tree)
-    width, softness = inputs["Width"], inputs["Softness"]
-    # Periods to the edge of a stripe, a function of cos(theta): the middle is Width / 2 inside.
-    inside = ((width - phase["Phase"].ping_pong(math.pi) / math.pi) * 0.5).named("inside")
-    factor = faded(inside, softness, width.minimum(1.0 - width))
-    height = rounded(inside, width * 0.5)
-    color = canvas.color_mix(factor, inputs["Background"], inputs["Color"])
-    canvas.outputs(Color=color, Factor=factor, Height=height, **phase)
+    with canvas.band("Place in the stripe"):
+        inputs = canvas.inputs()
+        phase = canvas.group(phase_tree)
+        place = place_in_stripe(canvas, phase["Phase"])
+        named = {"Across": place.across * 2.0, "Along": place.along, "Index": place.index}
+        named["Random"] = canvas.noise(place.index)
+    with canvas.band("Profile"):
+        width, softness = inputs["Width"], inputs["Softness"]
+        named["Height"] = chosen(inputs["Profile"], profile_heights(place, width, inputs["Strands"]))
+    with canvas.band("Colors"):
+        # Periods to the edge of a stripe: the middle is Width / 2 inside.
+        factor = faded((width * 0.5 - place.away).named("inside"), softness, width.minimum(1.0 - width))
+        color = canvas.color_mix(factor, inputs["Background"], inputs["Color"])
+        canvas.outputs(Color=color, Factor=factor, **named, **phase)
     return tree

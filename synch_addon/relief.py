@@ -16,15 +16,12 @@ import numpy as np
 from ..core.errors import SettingError, SynchError
 from .canvas import Canvas, Expression, Socket, declare, group_tree
 from .defect_empties import mean_scale
-from .nodes import VERSION, PhaseAttributes, phase_group, rounded
+from .nodes import VERSION, PhaseAttributes, phase_group
 from .quad_profiles import PROFILES as QUAD_PROFILES
 from .quad_profiles import phase_attributes, profile_shapes
+from .stripe_profiles import PROFILES as STRIPE_PROFILES
+from .stripe_profiles import THREAD_TIP, chosen, place_in_stripe, profile_heights
 
-# In the order of the numbers that choose them.
-STRIPE_PROFILES = ("rounded", "cord", "flat", "ridge", "wave")
-
-# Part of the stripe's half width over which the edge of a flat one rises.
-_EDGE = 0.25
 # Edges that a period should have, and the faces up to which the mesh is subdivided for them.
 _EDGES_PER_PERIOD = 12
 _MOST_FACES = 1_500_000
@@ -81,8 +78,8 @@ KINDS = {
 _OUTPUTS = (Socket("Geometry", "Geometry", "The mesh with its relief"),)
 
 
-def _inputs(profiles):
-    return (
+def _inputs(kind, profiles):
+    sockets = (
         Socket("Geometry", "Geometry", "A mesh with a pattern"),
         Socket("Height", "Float", "How high the pattern stands out of the surface; below 0 it is cut in", 0.05),
         Socket("Width", "Float", "Part of a period, or of the area of quads, that is raised", 0.5, (0.0, 1.0)),
@@ -96,6 +93,7 @@ def _inputs(profiles):
         Socket("Level", "Int", "How often the mesh is subdivided: each time, edges are halved", 2, (0, _DEEPEST)),
         Socket("Smooth", "Bool", "Round the surface while it is subdivided", False),
     )
+    return sockets if kind == "quads" else (*sockets, Socket("Strands", "Int", THREAD_TIP, 2, (0, 64)))
 
 
 def relief_group(kind) -> bpy.types.GeometryNodeTree:
@@ -105,7 +103,7 @@ def relief_group(kind) -> bpy.types.GeometryNodeTree:
     phases = _phase_groups(kind)
     if is_current:
         return tree
-    declare(tree, _inputs(profiles), _OUTPUTS)
+    declare(tree, _inputs(kind, profiles), _OUTPUTS)
     tree.interface.items_tree["Height"].subtype = "DISTANCE"
     tree.is_modifier = True
     canvas = GeometryCanvas(tree)
@@ -125,17 +123,10 @@ def _phase_groups(kind):
 
 
 def _stripe_height(canvas, phases, inputs):
-    """Heights from 0 to 1; each but the last is 0 outside the stripe, which ends half a width from its middle."""
+    """Heights from 0 to 1."""
     with canvas.band("Profiles"):
-        half = (inputs["Width"] * 0.5).named("half width")
-        away = (phases[0]["Phase"].ping_pong(math.pi) / (2 * math.pi)).named("periods to the middle")
-        inside = (half - away).named("inside")
-        share = (inside / half.maximum(1e-6)).clamped().named("from edge to middle")
-        cord = (share * (2.0 - share)).root()
-        edge = (share / _EDGE).clamped()
-        flat = edge * edge * (3.0 - 2.0 * edge)
-        wave = phases[0]["Cosine"] * 0.5 + 0.5
-        return _chosen(inputs["Profile"], STRIPE_PROFILES, (rounded(inside, half), cord, flat, share, wave))
+        place = place_in_stripe(canvas, phases[0]["Phase"])
+        return chosen(inputs["Profile"], profile_heights(place, inputs["Width"], inputs["Strands"]))
 
 
 def _quad_height(canvas, phases, inputs):
@@ -144,15 +135,7 @@ def _quad_height(canvas, phases, inputs):
         pattern = (phases[0]["Cosine"] * phases[1]["Cosine"]).named("cos x cos y")
     shapes = profile_shapes(canvas, x, y, pattern, inputs["Width"])
     with canvas.band("Chosen profile"):
-        return _chosen(inputs["Profile"], QUAD_PROFILES, [shape.height for shape in shapes])
-
-
-def _chosen(profile, names, heights):
-    """The height with the number `profile`."""
-    chosen = heights[-1]
-    for number in reversed(range(len(heights) - 1)):
-        chosen = (profile < number + 0.5).named(f"{names[number]}?").choose(heights[number], chosen)
-    return chosen.named("height")
+        return chosen(inputs["Profile"], [shape.height for shape in shapes], QUAD_PROFILES)
 
 
 def _raised(canvas, inputs, height):
@@ -215,8 +198,8 @@ def add_relief(obj, height, width, profile, level, smooth):
     modifier.node_group = group
     for name, value in values.items():
         set_input(modifier, name, value)
-    chosen = KINDS[kind].profiles[values["Profile"]]
-    return {"modifier": modifier.name, **{name.lower(): value for name, value in values.items()}, "profile": chosen}
+    named = KINDS[kind].profiles[values["Profile"]]
+    return {"modifier": modifier.name, **{name.lower(): value for name, value in values.items()}, "profile": named}
 
 
 def _number(name, value, least, most):

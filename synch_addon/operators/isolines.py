@@ -104,7 +104,7 @@ class SYNCH_OT_relief(bpy.types.Operator):
     )
     profile: IntProperty(
         name="Profile",
-        description="Stripes: rounded, cord, flat, ridge, wave. Quads: grid lines, checker, weave, dots",
+        description="Stripes: sine, square, triangle, rounded, thread. Quads: grid lines, checker, weave, dots",
         min=0,
         max=4,
     )
