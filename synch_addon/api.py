@@ -13,7 +13,7 @@ from ..core.errors import ContradictionError, SettingError, SynchError
 from ..core.extract.quad_mesh import quad_mesh as traced_quads
 from ..core.fields.directions import SYMMETRIES
 from ..core.fields.placement import variation, with_defects
-from . import field_io, memory, quad_object, scene_io, stripe_numbers, write
+from . import field_io, memory, presets, quad_object, scene_io, stripe_numbers, write
 from . import isolines as line_object
 from .bake import bake_maps
 from .bake_settings import BakeSettings
@@ -257,8 +257,50 @@ def number_stripes(obj):
         with one line that names the element and the remedy; nothing is written
     """
     refuse(obj)
-    with _object_mode(obj):
+    with scene_io.object_mode(obj):
         return stripe_numbers.write_numbers(obj)
+
+
+def preset(obj, name, callback=None, solve=False, **settings):
+    """Show one of the presets on an object: on the pattern that it has, or on one that is solved for it.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+    name : "zebra", "corduroy", "wood-cut", "knit", "cane" or "fingerprint"
+    callback : callable(stage, fraction) -> bool, optional; False cancels the solve
+    solve : solve the pattern that the preset is made for, also where the object has one that can show it
+    settings : of the solve, in place of the preset's; see :class:`Settings`
+
+    Returns
+    -------
+    dict, the report: the material's name, and in ``solve`` the report of the solve or None
+
+    Raises
+    ------
+    SynchError
+        with one line that names the element and the remedy; nothing is written
+    """
+    refuse(obj)
+    wanted = presets.chosen(name)
+    solved = None
+    with scene_io.object_mode(obj):
+        is_there = presets.fits(obj, wanted) and not (solve or settings)
+        if not is_there:
+            settings = presets.solve_settings(obj, wanted) | settings
+    if not is_there:
+        solved = run(wanted.kind, obj, from_names(settings), callback)
+    with scene_io.object_mode(obj):
+        shown = presets.show(obj, name, bool(settings.get("assign_material")))
+    return {
+        "status": "shown",
+        "command": "preset",
+        "object": obj.name,
+        "preset": name,
+        "material": shown.name,
+        "solve": solved,
+        "versions": versions(),
+    }
 
 
 def bake(obj, callback=None, **settings):

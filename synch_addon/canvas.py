@@ -150,17 +150,29 @@ class Canvas:
         return Expression(self, node.outputs["Value"], value.depth + 1)
 
     def color_mix(self, factor, first, second):
-        depth = max(value.depth for value in (factor, first, second)) + 1
+        depth = max(value.depth for value in (factor, first, second) if isinstance(value, Expression)) + 1
         node = self.place("ShaderNodeMix", depth, "Color", rows=5)
         node.data_type = "RGBA"
         for value, index in ((factor, 0), (first, 6), (second, 7)):
             self.connect(value, node.inputs[index])
         return Expression(self, node.outputs[2], depth)
 
-    def group(self, tree, depth=0):
-        """Use another node group; its outputs as expressions by name."""
+    def node(self, type_name, depth, label="", inputs=(), **settings):
+        """Add a node with these settings and values of its inputs, by their names."""
+        node = self.place(type_name, depth, label, rows=4)
+        for name, value in settings.items():
+            setattr(node, name, value)
+        for name, value in dict(inputs).items():
+            self.connect(value, node.inputs[name])
+        return node
+
+    def group(self, tree, depth=0, inputs=()):
+        """Use another node group with these values of its inputs; its outputs as expressions by name."""
+        depth = max([depth, *(value.depth + 1 for value in dict(inputs).values() if isinstance(value, Expression))])
         node = self.place(self.group_type, depth, rows=4)
         node.node_tree = tree
+        for name, value in dict(inputs).items():
+            self.connect(value, node.inputs[name])
         return {output.name: Expression(self, output, depth) for output in node.outputs}
 
     def inputs(self):

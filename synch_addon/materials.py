@@ -7,15 +7,16 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
+from .canvas import Canvas
 from .globe import GLOBE_NAME, globe_group
 from .nodes import STRIPES_NAME, WARM_IVORY, stripes_group
 from .quad_profiles import QUADS_NAME, quads_group
 from .vortex_nodes import TUBES_NAME, tubes_group
 
-_SPACING = "synch_spacing"
+SPACING = "synch_spacing"
 
 
-class _Look(NamedTuple):
+class _Kind(NamedTuple):
     """What shows a kind of pattern: the name of its node group and material, and the height of its relief.
 
     The relief is given in spacings: enough for light to catch, too little to look carved.
@@ -26,16 +27,16 @@ class _Look(NamedTuple):
     relief: float
 
 
-_LOOKS = {
-    "stripes": _Look(STRIPES_NAME, stripes_group, 0.05),
-    "quads": _Look(QUADS_NAME, quads_group, 0.035),
-    "globe": _Look(GLOBE_NAME, globe_group, 0.0),
-    "tubes": _Look(TUBES_NAME, tubes_group, 0.0),
+_KINDS = {
+    "stripes": _Kind(STRIPES_NAME, stripes_group, 0.05),
+    "quads": _Kind(QUADS_NAME, quads_group, 0.035),
+    "globe": _Kind(GLOBE_NAME, globe_group, 0.0),
+    "tubes": _Kind(TUBES_NAME, tubes_group, 0.0),
 }
 
 
 def pattern_material(obj, kind, *, spacing=None, assign_faces=False) -> bpy.types.Material:
-    """Give a mesh object the material of a `kind` of pattern, one of `_LOOKS`, and return it.
+    """Give a mesh object the material of a `kind` of pattern, one of `_KINDS`, and return it.
 
     - A slot holds it already (or another material that uses its node group): nothing changes, so
       what the user has made of its look survives a second run.
@@ -49,88 +50,105 @@ def pattern_material(obj, kind, *, spacing=None, assign_faces=False) -> bpy.type
     a part of the object's size.
     """
     _store_spacing(obj, spacing)
-    look = _LOOKS[kind]
-    look.group()
-    present = next((slot for slot in obj.material_slots if _shows(slot.material, look)), None)
-    material = present.material if present else _shared_material(look)
-    slot = present.slot_index if present else _place(obj, material)
-    if assign_faces and not all(_shows(slot.material, look) for slot in obj.material_slots):
-        _assign_all_faces(obj, slot)
-    return material
+    _KINDS[kind].group()
+    present = next((slot.material for slot in obj.material_slots if _shows(slot.material, _KINDS[kind])), None)
+    return _give(obj, present or _shared_material(kind), present is None, _KINDS[kind], assign_faces)
+
+
+def show_material(obj, material, kind, *, assign_faces=False):
+    """Give a mesh object this material in place of those that show a pattern; else as :func:`pattern_material`."""
+    _store_spacing(obj, None)
+    _give(obj, material, True, _KINDS[kind], assign_faces)
 
 
 def shows_pattern(material):
     """Whether a material shows one of these patterns, which only a solved mesh has."""
-    return any(_shows(material, look) for look in _LOOKS.values())
+    return any(_shows(material, kind) for kind in _KINDS.values())
+
+
+def new_material(name, kind, draw) -> bpy.types.Material:
+    """A material that shows a `kind` of pattern.
+
+    ``draw(canvas, group)`` adds its nodes, one of them the pattern's node group, and returns a dict of expressions or
+    values for inputs of a Principled BSDF, and with them "Height" and "Relief", the height in spacings where that is 1.
+    """
+    kind = _KINDS[kind]
+    material = bpy.data.materials.new(name)
+    if material.node_tree is None:
+        material.use_nodes = True
+    # Solid viewport shading cannot show patterns; a calm colour there is better than white.
+    material.diffuse_color, material.roughness = WARM_IVORY, 0.6
+    tree = material.node_tree
+    canvas = Canvas(tree)
+    inputs = draw(canvas, kind.group())
+    height, relief = inputs.pop("Height"), inputs.pop("Relief")
+    (spacing,) = canvas.attribute(SPACING, "Fac")
+    spacing.socket.node.attribute_type = "OBJECT"
+    distance = (spacing * relief).named("Relief")
+    depth = 1 + max(value.depth for value in (height, distance))
+    bump = canvas.node("ShaderNodeBump", depth, inputs={"Height": height, "Distance": distance, "Strength": 0.6})
+    surface, output = tree.nodes["Principled BSDF"], tree.nodes["Material Output"]
+    for number, node in enumerate((surface, output), start=1):
+        node.location = (bump.location.x + 220 * number + 80 * (number > 1), 0)
+    tree.links.new(bump.outputs["Normal"], surface.inputs["Normal"])
+    for socket, value in inputs.items():
+        canvas.connect(value, surface.inputs[socket])
+    for node in tree.nodes:
+        node.select = node.type == "GROUP"
+        if node.select:
+            tree.nodes.active = node
+    return material
+
+
+def _plain_look(relief):
+    """The look of a pattern as it is solved, without a preset."""
+
+    def draw(canvas, group):
+        pattern = canvas.group(group, 1)
+        return {"Base Color": pattern["Color"], "Roughness": 0.42, "Height": pattern["Height"], "Relief": relief}
+
+    return draw
 
 
 def _store_spacing(obj, spacing):
     if spacing is not None:
-        obj[_SPACING] = float(spacing)
-    elif _SPACING not in obj and any(obj.dimensions):
-        obj[_SPACING] = max(obj.dimensions) / 30.0
+        obj[SPACING] = float(spacing)
+    elif SPACING not in obj and any(obj.dimensions):
+        obj[SPACING] = max(obj.dimensions) / 30.0
 
 
-def _shows(material, look):
+def _shows(material, kind):
     if material is None or material.node_tree is None:
         return False
     trees = [getattr(node, "node_tree", None) for node in material.node_tree.nodes]
-    return any(tree is not None and tree.name == look.name and tree.library is None for tree in trees)
+    return any(tree is not None and tree.name == kind.name and tree.library is None for tree in trees)
 
 
-def _shared_material(look):
-    """The file's own material of a look, made on first use."""
+def _shared_material(kind):
+    """The file's own material of a kind, made on first use."""
+    name = _KINDS[kind].name
     for material in bpy.data.materials:
-        if material.library is None and material.name.startswith(look.name) and _shows(material, look):
+        if material.library is None and material.name.startswith(name) and _shows(material, _KINDS[kind]):
             return material
-    return _new_material(look)
+    return new_material(name, kind, _plain_look(_KINDS[kind].relief))
 
 
-def _new_material(look):
-    material = bpy.data.materials.new(look.name)
-    if material.node_tree is None:
-        material.use_nodes = True
-    # Solid viewport shading cannot show patterns; the ground colour there is calmer than white.
-    material.diffuse_color = WARM_IVORY
-    material.roughness = 0.6
-    tree = material.node_tree
-    surface = tree.nodes["Principled BSDF"]
-    surface.location = (0, 0)
-    surface.inputs["Roughness"].default_value = 0.42
-    tree.nodes["Material Output"].location = (320, 0)
-    pattern = tree.nodes.new("ShaderNodeGroup")
-    pattern.node_tree = look.group()
-    pattern.location, pattern.width = (-520, 0), 200
-    tree.links.new(pattern.outputs["Color"], surface.inputs["Base Color"])
-    bump = _add_bump(tree, look.relief)
-    tree.links.new(pattern.outputs["Height"], bump.inputs["Height"])
-    tree.links.new(bump.outputs["Normal"], surface.inputs["Normal"])
-    for node in tree.nodes:
-        node.select = node == pattern
-    tree.nodes.active = pattern
+def _give(obj, material, is_new, kind, assign_faces):
+    """Show a material of a kind on an object: in its present slots, or where it can be placed."""
+    slots = obj.material_slots
+    if is_new:
+        slot = _place(obj, material)
+    else:
+        slot = next(slot.slot_index for slot in slots if _shows(slot.material, kind))
+    if assign_faces and not all(_shows(slot.material, kind) for slot in slots):
+        _assign_all_faces(obj, slot)
     return material
-
-
-def _add_bump(tree, part):
-    """A Bump node whose distance is a part of the spacing of the object that it is seen on."""
-    spacing = tree.nodes.new("ShaderNodeAttribute")
-    spacing.attribute_type, spacing.attribute_name = "OBJECT", _SPACING
-    spacing.label, spacing.location = "Spacing", (-520, -320)
-    relief = tree.nodes.new("ShaderNodeMath")
-    relief.operation, relief.label, relief.location = "MULTIPLY", "Relief", (-340, -320)
-    relief.inputs[1].default_value = part
-    bump = tree.nodes.new("ShaderNodeBump")
-    bump.location = (-170, -200)
-    bump.inputs["Strength"].default_value = 0.6
-    tree.links.new(spacing.outputs["Fac"], relief.inputs[0])
-    tree.links.new(relief.outputs[0], bump.inputs["Distance"])
-    return bump
 
 
 def _place(obj, material):
     """Put a material in slots that are free for it, or in a new one; returns the first of them."""
     slots = obj.material_slots
-    free = [slot for slot in slots if any(_shows(slot.material, look) for look in _LOOKS.values())]
+    free = [slot for slot in slots if shows_pattern(slot.material)]
     if not free and all(slot.material is None for slot in slots):
         free = list(slots)
     if not free:

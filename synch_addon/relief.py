@@ -53,15 +53,6 @@ class GeometryCanvas(Canvas):
         self.connect(value, node.inputs["Value"])
         return Expression(self, node.outputs["Value"], value.depth + 1)
 
-    def node(self, type_name, depth, label="", inputs=(), **settings):
-        """Add a node with these settings and values of its inputs, by their names."""
-        node = self.place(type_name, depth, label, rows=4)
-        for name, value in settings.items():
-            setattr(node, name, value)
-        for name, value in dict(inputs).items():
-            self.connect(value, node.inputs[name])
-        return node
-
 
 class _Kind(NamedTuple):
     """What relief there is of a kind of pattern: its group's name, profiles, and the attribute that tells it."""

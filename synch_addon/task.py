@@ -132,14 +132,14 @@ def solve_pattern(task, field, report, callback):
     return solve(mesh, field, task.spacings, task.rows, task.mirrors, settings.options, callback)
 
 
-def automatic_spacing(command, mesh):
-    """About forty stripes or quads across the object, or as many as its edges can carry, but two at least.
+def automatic_spacing(command, mesh, across=LINES_ACROSS):
+    """About this many stripes or quads across the object, or as many as its edges can carry, but two at least.
 
     A period has one stripe, and two quads.
     """
     size = np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max()
     per_period = 2 if PATTERNS.get(command) is quad_pattern else 1
-    spacing = max(per_period * size / LINES_ACROSS, carried_spacing(mesh.edge_lengths))
+    spacing = max(per_period * size / across, carried_spacing(mesh.edge_lengths))
     return float(min(spacing, per_period * size / FEWEST_LINES))
 
 

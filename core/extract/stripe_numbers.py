@@ -3,8 +3,8 @@
 
 A shader knows the phase of a point up to whole periods of its face. So each face keeps a value for each of
 :data:`SLOTS` periods, in the slot of the period's number modulo :data:`SLOTS`, and the shader takes that of the period
-which it is in. A stripe is the line along its middle, which ends at defects; pieces of faces that no line passes belong to the
-stripe of the piece that they touch nearest to its middle.
+which it is in. A stripe is the line along its middle, which ends at defects; pieces of faces that no line passes belong
+to the stripe of the piece that they touch nearest to its middle.
 
 The coordinate of a vertex along a stripe is the place on that line which is nearest to the vertex. It depends on the
 vertex and the stripe alone, so that it goes on from face to face for as long as the stripe does. Closed lines hold a

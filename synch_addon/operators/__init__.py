@@ -3,6 +3,7 @@
 
 import bpy
 
+from .. import jobs
 from . import (
     bake,
     clebsch,
@@ -16,6 +17,11 @@ from . import (
     quads,
     refine,
     samples,
+    field_io,
+    field_operator,
+    isolines,
+    presets,
+    quads,
     stripes,
     variations,
 )
@@ -31,6 +37,7 @@ _CLASSES = (
     *defects.CLASSES,
     *clebsch.CLASSES,
     *isolines.CLASSES,
+    *presets.CLASSES,
     bake.SYNCH_OT_bake,
     refine.SYNCH_OT_refine,
     samples.SYNCH_OT_add_sample,

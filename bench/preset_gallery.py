@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The presets on six shapes, for the product page; and their thumbnails, which ship with the extension.
+
+    python bench/preset_gallery.py MESHES --folder docs [--only gallery | thumbnails]
+
+Writes gallery.png to the folder and the thumbnails to synch_addon/thumbnails. MESHES holds spot.obj,
+stanford-bunny.obj, botijo.obj and bumpy-cube.obj. Needs Blender as a module (bpy).
+"""
+
+import argparse
+import tempfile
+from pathlib import Path
+
+import bpy
+from figures import beside
+
+import synch_fields
+from synch_fields.synch_addon import api, assets, files, presets
+from synch_fields.synch_addon.render import render_picture
+
+# Preset, shape, how often it is subdivided, and where it is seen from.
+SHAPES = (
+    ("zebra", "spot", 1, (215, 12)),
+    ("corduroy", "stanford-bunny", 0, (-20, 12)),
+    ("wood-cut", "Suzanne", 3, (-22, 8)),
+    ("knit", "spot", 2, (150, 12)),
+    ("cane", "botijo", 0, (-30, 18)),
+    ("fingerprint", "bumpy-cube", 0, (-30, 20)),
+)
+TILE = (400, 380)
+THUMBNAIL = 128
+# Stripes or quads across the sphere of a thumbnail: what can be told apart in it.
+ACROSS = 11
+
+
+def main():
+    """Run from the command line."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("meshes", type=Path, help="folder with the meshes")
+    parser.add_argument("--folder", type=Path, default=Path("docs"), help="where the gallery goes (%(default)s)")
+    parser.add_argument("--only", choices=("gallery", "thumbnails"), help="one of both")
+    options = parser.parse_args()
+    synch_fields.register()
+    try:
+        if options.only != "gallery":
+            thumbnails()
+        if options.only != "thumbnails":
+            gallery(options.meshes, options.folder / "gallery.png")
+    finally:
+        synch_fields.unregister()
+
+
+def gallery(meshes, path):
+    """Each preset on a shape of its own, three in a row."""
+    with tempfile.TemporaryDirectory() as folder:
+        pictures = []
+        for name, shape, level, view in SHAPES:
+            obj = opened(meshes, shape, level)
+            api.preset(obj, name)
+            picture = Path(folder) / f"{name}.png"
+            pictures.append(render_picture(obj, picture, view=view, resolution=TILE, samples=48, markers=False))
+        rows = [Path(folder) / f"row{start}.png" for start in (0, 3)]
+        for start, row in zip((0, 3), rows, strict=True):
+            beside(pictures[start : start + 3], row)
+        beside(rows, path, vertical=True)
+
+
+def opened(meshes, shape, level):
+    """A smooth object of a shape."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    if shape == "Suzanne":
+        bpy.ops.mesh.primitive_monkey_add()
+    else:
+        files.open_input(str(meshes / f"{shape}.obj"))
+    obj = bpy.context.object if shape == "Suzanne" else files.choose_object(None)
+    bpy.context.view_layer.objects.active = obj
+    if level:
+        obj.modifiers.new("Fine", "SUBSURF").levels = level
+        bpy.ops.object.modifier_apply(modifier="Fine")
+    obj.data.shade_smooth()
+    return obj
+
+
+def thumbnails():
+    """A sphere for each preset, and for each node group of the asset library."""
+    assets.THUMBNAILS.mkdir(exist_ok=True)
+    for name, preset in presets.PRESETS.items():
+        obj = sphere()
+        spacing = spacing_across(obj, preset.kind)
+        api.preset(obj, name, spacing=spacing)
+        picture(obj, name)
+    for _, name in assets.GROUPS.values():
+        obj = sphere()
+        kind = "quads" if "quad" in name else "stripes"
+        getattr(api, kind)(obj, spacing=spacing_across(obj, kind))
+        if "relief" in name:
+            obj.data.materials.clear()
+            api.relief(obj, height=0.3 if kind == "stripes" else 0.2, level=2)
+        picture(obj, name)
+
+
+def sphere():
+    """A smooth sphere."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=6, radius=1)
+    bpy.context.object.data.shade_smooth()
+    return bpy.context.object
+
+
+def spacing_across(obj, kind):
+    """The period of so many stripes or quads; one of quads has two."""
+    return max(obj.dimensions) / ACROSS * (2 if kind == "quads" else 1)
+
+
+def picture(obj, name):
+    size = (THUMBNAIL, THUMBNAIL)
+    render_picture(obj, assets.THUMBNAILS / f"{name}.png", resolution=size, samples=96, view=(-25, 22), markers=False)
+
+
+if __name__ == "__main__":
+    main()

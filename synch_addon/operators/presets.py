@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators: a preset on the active object, solved for it where it has to be; the library of assets."""
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty
+
+from ...core.errors import SynchError
+from .. import api, assets, presets
+from ..preset_panel import PRESET
+from ..settings import SettingProperties
+from .field_operator import FieldOperator
+
+
+class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
+    """Show a preset on the active object; where its pattern cannot, one is solved for it"""
+
+    bl_idname = "synch.preset"
+    bl_label = "Apply Preset"
+
+    preset: EnumProperty(name="Preset", description="What the object looks like", items=PRESET)
+    solve: BoolProperty(
+        name="Solve",
+        description="Solve the pattern that the preset is made for, also where the object has one that can show it",
+    )
+
+    @property
+    def command(self):
+        return self._chosen.kind
+
+    @property
+    def _chosen(self):
+        return presets.chosen(self.preset)
+
+    def invoke(self, context, event):
+        """From the window: solve in the background where that is needed."""
+        self.preset = context.scene.synch_preset
+        return self._reporting(self._begin_preset, context)
+
+    def execute(self, context):
+        return self._reporting(self._run_preset, context)
+
+    def _begin_preset(self, context):
+        if self._fits(context) or bpy.app.background:
+            return self._run_preset(context)
+        self._take_settings(context)
+        self._object_name = context.active_object.name
+        return self._start(context)
+
+    def _run_preset(self, context):
+        if self._fits(context):
+            return self._announce_look(context.active_object)
+        self._take_settings(context)
+        return self._run(context)
+
+    def _fits(self, context):
+        return not self.solve and presets.fits(context.active_object, self._chosen)
+
+    def _take_settings(self, context):
+        """The preset's settings, as those of the solve and of the object's panel."""
+        for name, value in presets.solve_settings(context.active_object, self._chosen).items():
+            setattr(self, name, value.upper() if name == "symmetry" else value)
+
+    def _announce(self, report):
+        super()._announce(report)
+        return self._announce_look(bpy.data.objects[report["object"]])
+
+    def _announce_look(self, obj):
+        report = api.preset(obj, self.preset)
+        self.report({"INFO"}, f"{report['object']}: {report['material']}")
+        return {"FINISHED"}
+
+    def draw(self, context):
+        column = self.layout.column()
+        column.prop(self, "preset")
+        column.prop(self, "solve")
+
+
+class SYNCH_OT_asset_library(bpy.types.Operator):
+    """List the library of presets and node groups that comes with the extension in the preferences"""
+
+    bl_idname = "synch.asset_library"
+    bl_label = "Add Asset Library"
+    bl_options = {"REGISTER"}
+
+    def execute(self, context):
+        try:
+            library = assets.register_library(context.preferences)
+        except SynchError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"asset library {library.name}: choose it in the asset browser")
+        return {"FINISHED"}
+
+
+CLASSES = (SYNCH_OT_preset, SYNCH_OT_asset_library)

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The presets: each a material, and the settings of the solve that it is made for."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import bpy
+
+from ..core.errors import SettingError
+from . import looks, memory, scene_io, stripe_numbers
+from .bake_index import pattern_kind
+from .materials import new_material, show_material
+from .stripe_profiles import NUMBER
+from .task import automatic_spacing
+
+# Custom property of a material: the preset that it was made for.
+_PROPERTY = "synch_preset"
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A look, and how the pattern for it is solved.
+
+    Attributes
+    ----------
+    label, description : for the panel
+    kind : "stripes" or "quads"
+    across : stripes or quads across the object
+    draw : what :func:`new_material` calls
+    numbered : whether the look tells stripes apart
+    settings : of the solve
+    """
+
+    label: str
+    description: str
+    kind: str
+    across: int
+    draw: Callable
+    numbered: bool = False
+    settings: Mapping = field(default_factory=dict)
+
+
+PRESETS = {
+    "zebra": Preset("Zebra", "Black and white hair, bold stripes with frayed edges", "stripes", 20, looks.zebra),
+    "corduroy": Preset("Corduroy", "Ribs of velvet, worn on top", "stripes", 44, looks.corduroy, True),
+    "wood-cut": Preset(
+        "Wood-Cut",
+        "Lines of ink along the least curvature, which swell where the surface is turned from the light",
+        "stripes",
+        56,
+        looks.wood_cut,
+        settings={"guidance": "curvature-min"},
+    ),
+    "knit": Preset("Knit Ribs", "Columns of stitches of a thick yarn", "stripes", 30, looks.knit, True),
+    "cane": Preset("Woven Cane", "Strips of rattan, over and under in turn", "quads", 34, looks.cane),
+    "fingerprint": Preset(
+        "Fingerprint", "Ridges in ink, which break off and have pores", "stripes", 46, looks.fingerprint, True
+    ),
+}
+
+
+def chosen(name):
+    """The :class:`Preset` of this name, refusing others."""
+    if name not in PRESETS:
+        raise SettingError(f"the preset {name!r} is unknown: use one of {', '.join(PRESETS)}")
+    return PRESETS[name]
+
+
+def fits(obj, preset):
+    """Whether an object's present pattern can show a preset, without another solve."""
+    if pattern_kind(obj) != preset.kind:
+        return False
+    return not preset.numbered or NUMBER in obj.data.attributes or memory.holds(obj)
+
+
+def solve_settings(obj, preset):
+    """Settings of the solve that a preset is made for, its spacing included."""
+    spacing = automatic_spacing(preset.kind, scene_io.read_mesh(obj).mesh, preset.across)
+    return {"symmetry": "line", **preset.settings, "spacing": spacing}
+
+
+def show(obj, name, assign_faces=False):
+    """Show a preset on an object whose pattern fits it; returns the material."""
+    preset = chosen(name)
+    if preset.numbered and NUMBER not in obj.data.attributes:
+        stripe_numbers.write_numbers(obj)
+    made = preset_material(name)
+    show_material(obj, made, preset.kind, assign_faces=assign_faces)
+    scene_io.update(obj)
+    return made
+
+
+def preset_material(name) -> bpy.types.Material:
+    """The file's material of a preset, made on first use."""
+    for material in bpy.data.materials:
+        if material.library is None and material.get(_PROPERTY) == name:
+            return material
+    preset = chosen(name)
+    made = new_material(f"Synch {preset.label}", preset.kind, preset.draw)
+    made[_PROPERTY] = name
+    return made
