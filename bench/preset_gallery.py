@@ -13,6 +13,7 @@ from pathlib import Path
 
 import bpy
 from figures import beside
+from quad_gallery import plain_material
 
 import synch_fields
 from synch_fields.synch_addon import api, assets, files, presets
@@ -29,8 +30,9 @@ SHAPES = (
 )
 TILE = (400, 380)
 THUMBNAIL = 128
-# Stripes or quads across the sphere of a thumbnail: what can be told apart in it.
-ACROSS = 11
+# Stripes or quads across the sphere of a thumbnail, as many as can be told apart in it.
+ACROSS, FINE = 11, 16
+CLAY = (0.50, 0.44, 0.37, 1.0)
 
 
 def main():
@@ -86,15 +88,15 @@ def thumbnails():
     assets.THUMBNAILS.mkdir(exist_ok=True)
     for name, preset in presets.PRESETS.items():
         obj = sphere()
-        spacing = spacing_across(obj, preset.kind)
-        api.preset(obj, name, spacing=spacing)
+        across = FINE if name in ("wood-cut", "fingerprint") else ACROSS
+        api.preset(obj, name, spacing=spacing_across(obj, preset.kind, across))
         picture(obj, name)
     for _, name in assets.GROUPS.values():
         obj = sphere()
         kind = "quads" if "quad" in name else "stripes"
         getattr(api, kind)(obj, spacing=spacing_across(obj, kind))
         if "relief" in name:
-            obj.data.materials.clear()
+            obj.active_material = plain_material("Clay", CLAY)
             api.relief(obj, height=0.3 if kind == "stripes" else 0.2, level=2)
         picture(obj, name)
 
@@ -102,14 +104,14 @@ def thumbnails():
 def sphere():
     """A smooth sphere."""
     bpy.ops.wm.read_homefile(use_empty=True)
-    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=6, radius=1)
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=5, radius=1)
     bpy.context.object.data.shade_smooth()
     return bpy.context.object
 
 
-def spacing_across(obj, kind):
+def spacing_across(obj, kind, across=ACROSS):
     """The period of so many stripes or quads; one of quads has two."""
-    return max(obj.dimensions) / ACROSS * (2 if kind == "quads" else 1)
+    return max(obj.dimensions) / across * (2 if kind == "quads" else 1)
 
 
 def picture(obj, name):

@@ -57,11 +57,10 @@ def corduroy(canvas, group):
     texture = _Texture(canvas)
     pile = texture.noise(7.0, 3.0)
     pattern = canvas.group(group, inputs={"Profile": STRIPE_PROFILES.index("rounded"), "Width": 0.9, "Softness": 0.3})
-    worn = (
-        pattern["Height"] * 0.85 + pile * 0.10 + texture.noise(0.3) * 0.10 + (pattern["Random"] - 0.5) * 0.14
-    ).clamped()
+    top = (pattern["Height"] * pattern["Height"]).named("top")
+    worn = top * 0.85 + pile * 0.13 + texture.noise(0.3) * 0.09 + (pattern["Random"] - 0.5) * 0.14
     return {
-        "Base Color": canvas.color_mix(worn, (0.055, 0.014, 0.006, 1), (0.46, 0.155, 0.042, 1)),
+        "Base Color": canvas.color_mix(worn.clamped(), (0.045, 0.011, 0.005, 1), (0.36, 0.115, 0.034, 1)),
         "Roughness": 0.85,
         "Specular IOR Level": 0.2,
         "Sheen Weight": 0.7,
@@ -145,7 +144,7 @@ def fingerprint(canvas, group):
     pattern = canvas.group(group, inputs={"Profile": STRIPE_PROFILES.index("sine"), "Width": width, "Softness": 0.16})
     along = pattern["Along"].ping_pong(0.5)
     pore = (along * along + pattern["Across"] * pattern["Across"] * 0.25).root().named("to the pore")
-    closed = ((pore - 0.04 - grain * 0.05) * 16.0).clamped()
+    closed = ((pore + 0.01 - grain * 0.06) * 24.0).clamped()
     ridge = (pattern["Factor"] * (pattern["Index"] > 0.5).choose(closed, 1.0)).named("ridge")
     density = (1.02 + blotch * 0.05 + texture.noise(9.0, 2.0) * 0.09).clamped()
     return {

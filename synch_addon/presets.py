@@ -42,7 +42,9 @@ class Preset:
 
 PRESETS = {
     "zebra": Preset("Zebra", "Black and white hair, bold stripes with frayed edges", "stripes", 20, looks.zebra),
-    "corduroy": Preset("Corduroy", "Ribs of velvet, worn on top", "stripes", 44, looks.corduroy, True),
+    "corduroy": Preset(
+        "Corduroy", "Ribs of velvet, worn on top", "stripes", 44, looks.corduroy, True, {"guidance": "axis:Z"}
+    ),
     "wood-cut": Preset(
         "Wood-Cut",
         "Lines of ink along the least curvature, which swell where the surface is turned from the light",

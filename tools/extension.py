@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Build the extension: stage what belongs in it, validate it strictly, pack it; prints the path of every zip.
+"""Build the extension: stage what belongs in it, make its assets, validate it strictly, pack it; prints the path of every zip.
 
     python tools/extension.py [--wheels] [--output-dir out]
 
@@ -47,6 +47,7 @@ def build(output_dir: Path, with_wheels: bool) -> list[Path]:
         packed.mkdir()
         stage_tree(stage, with_wheels)
         tags = blender_file("scripts/modules/_bpy_internal/extensions/tags.py")
+        run_tool(ROOT / "tools/assets.py", "--folder", stage / "synch_addon/assets")
         blender_ext("validate", "--valid-tags", tags, stage)
         split = ["--split-platforms"] if with_wheels else []
         blender_ext("build", "--valid-tags", tags, "--source-dir", stage, "--output-dir", packed, *split)
@@ -116,10 +117,14 @@ def blender_file(path: str) -> Path:
 
 def blender_ext(*arguments: str | Path) -> None:
     """Run Blender's own extension tool; it prints its findings to standard output."""
-    tool = blender_file("scripts/addons_core/bl_pkg/cli/blender_ext.py")
+    run_tool(blender_file("scripts/addons_core/bl_pkg/cli/blender_ext.py"), *arguments)
+
+
+def run_tool(tool: Path, *arguments: str | Path) -> None:
+    """Run a script of Python, which must succeed."""
     result = subprocess.run([sys.executable, str(tool), *map(str, arguments)], capture_output=True, text=True)
     if result.returncode:
-        raise BuildError(f"{arguments[0]} failed: {first_error(result.stdout + result.stderr)}")
+        raise BuildError(f"{tool.name} failed: {first_error(result.stdout + result.stderr)}")
 
 
 def first_error(output: str) -> str:

@@ -28,6 +28,8 @@ _PARTS = 4
 _MOST_STEPS = 40
 # Differences of whole periods between the two sides of an edge; it is cut where they differ by more.
 _SAME = 0.05
+# Weight of what is beside a slot's part of a face, when it is asked on which side the phase grows.
+_OUTSIDE = 1e-3
 # Periods between an edge and the middle of a stripe that the edge still meets.
 _MET = 1e-3
 
@@ -225,7 +227,8 @@ class _Arcs:
         """
         _, point = self.tree.query(np.column_stack([feet, self.apart * lines]))
         before = np.arange(len(self.points))
-        before[self.following] = np.arange(len(self.points))
+        goes_on = np.flatnonzero(self.following != before)
+        before[self.following[goes_on]] = goes_on
         point = self._descended(point, before, places)
         best = np.full(len(places), np.inf)
         ways, tangents = np.zeros(len(places)), np.zeros((len(places), 3))
@@ -233,7 +236,9 @@ class _Arcs:
             leg = self.points[self.following[start]] - self.points[start]
             squares = np.einsum("ij,ij->i", leg, leg)
             share = np.einsum("ij,ij->i", places - self.points[start], leg) / np.maximum(squares, np.finfo(float).tiny)
-            share = np.clip(share, 0, 1)
+            # Beyond its ends a line goes on straight.
+            is_first, is_last = before[start] == start, self.following[self.following[start]] == self.following[start]
+            share = np.clip(share, np.where(is_first, -np.inf, 0), np.where(is_last, np.inf, 1))
             off = np.linalg.norm(self.points[start] + share[:, None] * leg - places, axis=1)
             nearer = (off < best) & (squares > 0)
             best[nearer] = off[nearer]
@@ -330,9 +335,10 @@ def _sides(phase, polygons, along):
     thetas = thetas - TURN * np.rint((thetas - thetas[:, :, :1]) / TURN)
     periods = np.rint(thetas.mean(axis=2) / TURN).astype(int) % SLOTS
     coordinates = np.einsum("wk,mks->mws", weights, along[polygons.triangle_corners])[:, small]
-    coordinates = np.take_along_axis(coordinates, periods[:, :, None, None], axis=3)[:, :, :, 0]
-    way, growth = (np.diff(values, axis=2) for values in (coordinates, thetas))
+    way, growth = np.diff(coordinates, axis=2), np.diff(thetas, axis=2)[..., None]
     turned = way[:, :, 0] * growth[:, :, 1] - way[:, :, 1] * growth[:, :, 0]
-    keys = polygons.triangle_faces[:, None] * SLOTS + periods
-    votes = np.bincount(keys.ravel(), turned.ravel(), len(polygons.starts) * SLOTS)
-    return np.where(votes.reshape(-1, SLOTS) < 0, -1, 1)
+    # What is outside of a slot's part counts where there is next to nothing inside.
+    weight = np.where(periods[:, :, None] == np.arange(SLOTS), 1.0, _OUTSIDE)
+    votes = np.zeros((len(polygons.starts), SLOTS))
+    np.add.at(votes, polygons.triangle_faces, (weight * turned).sum(axis=1))
+    return np.where(votes < 0, -1, 1)

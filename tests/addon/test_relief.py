@@ -60,8 +60,10 @@ def randomly_patterned(obj, kind):
     return polygons, phases
 
 
-def wave(theta):
-    return 0.5 + 0.5 * np.cos(theta[0])
+def sine(theta):
+    """Height of stripes that take half a period."""
+    away = np.abs(theta[0] / (2 * np.pi) - np.rint(theta[0] / (2 * np.pi)))
+    return 0.5 - 0.5 * np.cos(np.pi * np.clip(1 - 4 * away, 0, 1))
 
 
 def grid_lines(theta, width=0.5):
@@ -71,7 +73,7 @@ def grid_lines(theta, width=0.5):
     return 0.5 - 0.5 * np.cos(np.pi * np.clip(1 - away / half, 0, 1))
 
 
-KINDS = {"stripes": ("wave", wave, ("",)), "quads": ("grid lines", grid_lines, ("_x", "_y"))}
+KINDS = {"stripes": ("sine", sine, ("",)), "quads": ("grid lines", grid_lines, ("_x", "_y"))}
 
 
 def flat_and_raised(obj, kind, smooth=False):
@@ -159,11 +161,11 @@ def periods_to_middle(obj, y):
 
 
 SHAPES = {
-    "rounded": lambda s, d: 0.5 - 0.5 * np.cos(np.pi * s),
-    "cord": lambda s, d: np.sqrt(s * (2 - s)),
-    "flat": lambda s, d: np.clip(4 * s, 0, 1) ** 2 * (3 - 2 * np.clip(4 * s, 0, 1)),
-    "ridge": lambda s, d: s,
-    "wave": lambda s, d: 0.5 + 0.5 * np.cos(2 * np.pi * d),
+    "sine": lambda s: 0.5 - 0.5 * np.cos(np.pi * s),
+    "square": lambda s: np.clip(4 * s, 0, 1) ** 2 * (3 - 2 * np.clip(4 * s, 0, 1)),
+    "triangle": lambda s: s,
+    "rounded": lambda s: np.sqrt(s * (2 - s)),
+    "thread": lambda s: np.sqrt(s * (2 - s)),  # as long as stripes have no numbers
 }
 
 
@@ -176,8 +178,8 @@ def test_profiles_of_straight_stripes(profile, width):
     points = Evaluated(obj).places
     distance = periods_to_middle(obj, points[:, 1])
     share = np.clip(1 - distance / (0.5 * width), 0, 1)
-    expected = 0.1 * SHAPES[profile](share, distance)
-    slope = {"cord": 0.02}.get(profile, 2e-3)  # a cord begins upright
+    expected = 0.1 * SHAPES[profile](share)
+    slope = {"rounded": 0.02, "thread": 0.02}.get(profile, 2e-3)  # these begin upright
     np.testing.assert_allclose(points[:, 2], expected, atol=slope * 0.1)
     assert len(points) == (16 * 8 + 1) ** 2
 
@@ -208,7 +210,7 @@ def test_height_is_in_scene_units_whatever_the_scale():
     obj.scale = (3, 3, 3)
     bpy.context.view_layer.update()
     api.stripes(obj, spacing=0.75, guidance="axis:X")
-    api.relief(obj, height=0.2, profile="wave", level=5)
+    api.relief(obj, height=0.2, width=1.0, profile="sine", level=5)
     assert 3 * np.ptp(Evaluated(obj).places[:, 2]) == pytest.approx(0.15, rel=1e-2)
 
 
@@ -264,7 +266,7 @@ def test_a_second_run_sets_the_modifier_that_is_there_and_other_modifiers_stay()
     obj.modifiers.new("Mine", "WAVE")
     api.stripes(obj)
     first = api.relief(obj, height=0.1, level=1)
-    second = api.relief(obj, height=0.2, level=2, profile="flat")
+    second = api.relief(obj, height=0.2, level=2, profile="square")
     assert [m.name for m in obj.modifiers] == ["Mine", "Synch Relief"]
     assert second["height"] == pytest.approx(2 * first["height"]) and second["modifier"] == first["modifier"]
     groups = sorted(group.name for group in bpy.data.node_groups if group.bl_idname == "GeometryNodeTree")
@@ -291,7 +293,8 @@ def test_groups_are_whole_and_have_the_inputs_that_are_promised(kind):
         node.bl_idname == "NodeUndefined" for node in tree.nodes
     )
     names = [item.name for item in tree.interface.items_tree if item.in_out == "INPUT"]
-    assert names == ["Geometry", "Height", "Width", "Profile", "Level", "Smooth"]
+    promised = ["Geometry", "Height", "Width", "Profile", "Level", "Smooth"]
+    assert names == promised + (["Strands"] if kind == "stripes" else [])
 
 
 def test_it_is_there_after_saving_and_loading(tmp_path):
