@@ -96,6 +96,4 @@ def register_library(preferences):
     for library in libraries:
         if Path(library.path) == FOLDER:
             return library
-    library = libraries.new(name=NAME, directory=str(FOLDER))
-    library.import_method = "APPEND_REUSE"
-    return library
+    return libraries.new(name=NAME, directory=str(FOLDER))

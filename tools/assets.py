@@ -4,8 +4,8 @@
 
     python tools/assets.py [--folder synch_addon/assets]
 
-`tools/extension.py` does this for the zip; in a checkout the library is only there once this was run. Needs Blender as a
-module (bpy).
+`tools/extension.py` does this for the zip; in a checkout the library is only there once this was run. Needs Blender as
+a module (bpy).
 """
 
 import argparse

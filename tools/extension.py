@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Build the extension: stage what belongs in it, make its assets, validate it strictly, pack it; prints the path of every zip.
+"""Build the extension: stage it, make its assets, validate it strictly, pack it; prints the path of every zip.
 
     python tools/extension.py [--wheels] [--output-dir out]
 

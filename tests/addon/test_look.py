@@ -236,6 +236,69 @@ def test_height_is_one_along_the_middle_of_a_stripe_and_zero_outside(tmp_path):
     assert np.abs(row - expected).max() < 1e-5
 
 
+SHAPES = {
+    "sine": lambda s, a: 0.5 - 0.5 * np.cos(np.pi * s),
+    "square": lambda s, a: np.clip(4 * s, 0, 1) ** 2 * (3 - 2 * np.clip(4 * s, 0, 1)),
+    "triangle": lambda s, a: s,
+    "rounded": lambda s, a: np.sqrt(s * (2 - s)),
+    "thread": lambda s, a: np.sqrt(s * (2 - s)) * (1 - 0.38 * (1 - np.abs(np.sin(3 * np.pi * a)))),
+}
+
+
+def numbered_square():
+    """A square with two and a half periods from left to right, stripes of the numbers 7, 4 and 9, going upwards."""
+    obj = Face([(-1, -1), (1, -1), (1, 1), (-1, 1)], (-np.pi, 4 * np.pi, 4 * np.pi, -np.pi)).build()
+    # Periods 0, 1 and 2 in their slots; the phase of the second grows to the right of its direction.
+    obj.data.attributes.new("synch_number", "FLOAT_VECTOR", "FACE").data[0].vector = (7, -4, 9)
+    along = obj.data.attributes.new("synch_along", "FLOAT_VECTOR", "CORNER")
+    along.data.foreach_set("vector", np.float32([(0, 2, 0), (0, 2, 0), (3, -1, 3), (3, -1, 3)]).ravel())
+    return obj
+
+
+def places_in_stripes():
+    """Periods from the left, the stripe that each is in, and periods along the stripes, at the pixels."""
+    line = (np.arange(PIXELS) + 0.5) / PIXELS
+    periods, along = np.meshgrid(2.5 * line - 0.5, 3 * line)
+    slot = np.rint(periods).astype(int)
+    return periods, slot, np.where(slot == 1, 2 - along, along)
+
+
+def test_place_in_a_numbered_stripe(tmp_path):
+    obj = numbered_square()
+    periods, slot, along = places_in_stripes()
+    sure = np.abs(periods - slot) < 0.49
+    expected = {
+        "Across": 2 * (periods - slot) * np.choose(slot, [1, -1, 1]),
+        "Along": along,
+        "Index": np.choose(slot, [7, 4, 9]),
+    }
+    for name, values in expected.items():
+        obj.data.materials.clear()
+        show_socket(obj, name)
+        found = point_samples(tmp_path)
+        np.testing.assert_allclose(found[sure], values[sure], atol=2e-4)
+    obj.data.materials.clear()
+    show_socket(obj, "Random")
+    found = point_samples(tmp_path)
+    for one in range(3):
+        assert np.ptp(found[sure & (slot == one)]) < 1e-5
+    assert len({round(float(value), 3) for value in found[sure]}) == 3 and 0 <= found.min() < found.max() <= 1
+
+
+@pytest.mark.parametrize("profile", SHAPES)
+def test_profiles_have_their_closed_forms(profile, tmp_path):
+    obj = numbered_square()
+    group = show_socket(obj, "Height")
+    group.inputs["Profile"].default_value = list(SHAPES).index(profile)
+    group.inputs["Width"].default_value = 0.8
+    group.inputs["Strands"].default_value = 3
+    periods, slot, along = places_in_stripes()
+    offset = (periods - slot) * np.choose(slot, [1, -1, 1])
+    share = np.clip(1 - np.abs(offset) / 0.4, 0, 1)
+    twist = along + np.arcsin(np.clip(offset / 0.4, -1, 1)) / (3 * np.pi)
+    np.testing.assert_allclose(point_samples(tmp_path), SHAPES[profile](share, twist), atol=2e-3)
+
+
 def test_group_is_reused_and_an_outdated_one_is_rebuilt_with_its_users_settings():
     group = show_socket(FACES["regular quad"].build(), "Cosine")
     group.inputs["Width"].default_value = 0.3
