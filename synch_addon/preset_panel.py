@@ -6,6 +6,7 @@ import bpy.utils.previews
 from bpy.props import EnumProperty
 
 from . import assets, jobs
+from .bake_index import pattern_kind
 from .panels import SidebarPanel
 from .presets import PRESETS
 from .scene_io import refusal
@@ -36,6 +37,8 @@ class SYNCH_PT_presets(SidebarPanel, bpy.types.Panel):
         layout = self.layout
         layout.template_icon_view(context.scene, "synch_preset", show_labels=True, scale=5.0, scale_popup=5.0)
         layout.operator("synch.preset", text=PRESETS[context.scene.synch_preset].label, icon="MATERIAL")
+        if pattern_kind(context.active_object) == "stripes":
+            layout.operator("synch.number_stripes", icon="LINENUMBERS_ON")
         if not assets.is_registered(context.preferences):
             layout.operator("synch.asset_library", icon="ASSET_MANAGER")
 

@@ -78,7 +78,17 @@ def fits(obj, preset):
 def solve_settings(obj, preset):
     """Settings of the solve that a preset is made for, its spacing included."""
     spacing = automatic_spacing(preset.kind, scene_io.read_mesh(obj).mesh, preset.across)
-    return {"symmetry": "line", **preset.settings, "spacing": spacing}
+    return {"symmetry": "line", "guidance": "smooth", **preset.settings, "spacing": spacing}
+
+
+def store_settings(stored, settings):
+    """Put what :func:`solve_settings` gives into the settings of an object's panel."""
+    kind, _, axis = settings["guidance"].partition(":")
+    stored.guidance = kind.upper().replace("-", "_")
+    if axis:
+        stored.guide.axis = axis
+    stored.symmetry = settings["symmetry"].upper()
+    stored.spacing, stored.automatic_spacing = settings["spacing"], False
 
 
 def show(obj, name, assign_faces=False):

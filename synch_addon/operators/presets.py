@@ -5,10 +5,12 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty
 
 from ...core.errors import SynchError
-from .. import api, assets, presets
+from .. import api, assets, memory, presets
+from ..bake_index import pattern_kind
 from ..preset_panel import PRESET
-from ..settings import SettingProperties
-from .field_operator import FieldOperator
+from ..report import counted
+from ..settings import PROPERTY_NAMES, SettingProperties
+from .field_operator import FieldOperator, unready
 
 
 class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
@@ -56,13 +58,18 @@ class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
         return not self.solve and presets.fits(context.active_object, self._chosen)
 
     def _take_settings(self, context):
-        """The preset's settings, as those of the solve and of the object's panel."""
-        for name, value in presets.solve_settings(context.active_object, self._chosen).items():
+        """The settings of the object's panel, but for those of the preset."""
+        obj = context.active_object
+        for name in PROPERTY_NAMES:
+            setattr(self, name, getattr(obj.synch, name))
+        for name, value in presets.solve_settings(obj, self._chosen).items():
             setattr(self, name, value.upper() if name == "symmetry" else value)
 
     def _announce(self, report):
         super()._announce(report)
-        return self._announce_look(bpy.data.objects[report["object"]])
+        obj = bpy.data.objects[report["object"]]
+        presets.store_settings(obj.synch, report["settings"])
+        return self._announce_look(obj)
 
     def _announce_look(self, obj):
         report = api.preset(obj, self.preset)
@@ -73,6 +80,34 @@ class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
         column = self.layout.column()
         column.prop(self, "preset")
         column.prop(self, "solve")
+
+
+class SYNCH_OT_number_stripes(bpy.types.Operator):
+    """Give each stripe of the last solve a number, and its points a place along it, for materials and relief"""
+
+    bl_idname = "synch.number_stripes"
+    bl_label = "Number Stripes"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        reason = unready(context)
+        if reason is None and pattern_kind(context.active_object) != "stripes":
+            reason = f"{context.active_object.name} has no stripes: solve them first"
+        if reason is None and not memory.holds(context.active_object):
+            reason = f"{context.active_object.name} has not been solved since the file was opened: solve it first"
+        if reason:
+            cls.poll_message_set(reason)
+        return reason is None
+
+    def execute(self, context):
+        try:
+            count = api.number_stripes(context.active_object)
+        except SynchError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, counted(count, "stripe"))
+        return {"FINISHED"}
 
 
 class SYNCH_OT_asset_library(bpy.types.Operator):
@@ -92,4 +127,4 @@ class SYNCH_OT_asset_library(bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (SYNCH_OT_preset, SYNCH_OT_asset_library)
+CLASSES = (SYNCH_OT_preset, SYNCH_OT_number_stripes, SYNCH_OT_asset_library)

@@ -92,6 +92,11 @@ def test_operator_shows_and_undoes():
     sphere(3)
     bpy.ops.ed.undo_push(message="before")
     before = snapshot()
+    assert bpy.ops.synch.preset(preset="wood-cut") == {"FINISHED"}
+    stored = bpy.context.active_object.synch
+    assert (stored.guidance, stored.symmetry, stored.automatic_spacing) == ("CURVATURE_MIN", "LINE", False)
+    assert bpy.ops.synch.preset(preset="corduroy", solve=True) == {"FINISHED"}
+    assert (stored.guidance, stored.guide.axis) == ("AXIS", "Z")
     assert bpy.ops.synch.preset(preset="knit") == {"FINISHED"}
     assert attribute(bpy.context.active_object, "synch_number").any()
     assert bpy.context.active_object.active_material.name == "Synch Knit Ribs"
@@ -119,6 +124,7 @@ def test_numbers_follow_later_solves_and_go_with_the_stripes():
     obj = sphere(3)
     api.stripes(obj, spacing=0.4)
     assert "synch_number" not in obj.data.attributes
+    assert bpy.ops.synch.number_stripes() == {"FINISHED"}
     count = api.number_stripes(obj)
     assert count == api.isolines(obj)["lines"] == np.abs(attribute(obj, "synch_number")).max()
     make_active(obj)
@@ -131,6 +137,8 @@ def test_numbers_follow_later_solves_and_go_with_the_stripes():
     assert not {"synch_number", "synch_along"} & set(obj.data.attributes.keys())
     with pytest.raises(SynchError, match="solve stripes first"):
         api.number_stripes(obj)
+    with pytest.raises(RuntimeError, match="has no stripes: solve them first"):
+        bpy.ops.synch.number_stripes()
 
 
 def test_numbered_presets_do_without_a_solve_as_long_as_the_numbers_are_there(tmp_path):
