@@ -26,6 +26,7 @@ from .refine import refine as refine
 from .relief import add_relief
 from .report import Report, result_line, versions
 from .settings import Settings, from_names
+from .stripe_numbers import number_stripes as number_stripes
 from .task import PATTERNS, gather, settings_for, solve_directions, solve_pattern
 from .vortex_choice import choose_point as choose_point
 
@@ -238,31 +239,8 @@ def relief(obj, height=0.15, width=0.5, profile=0, level=None, smooth=False):
     return {"status": "made", "command": "relief", "object": obj.name, **made, "versions": versions()}
 
 
-def number_stripes(obj):
-    """Number the stripes of an object's last solve and write coordinates along them, for shaders and relief.
-
-    What is written follows every later solve and variation of the object.
-
-    Parameters
-    ----------
-    obj : bpy.types.Object with stripes that were solved since the file was opened
-
-    Returns
-    -------
-    int, how many stripes there are: number k is that of spline k - 1 of :func:`isolines`
-
-    Raises
-    ------
-    SynchError
-        with one line that names the element and the remedy; nothing is written
-    """
-    refuse(obj)
-    with scene_io.object_mode(obj):
-        return stripe_numbers.write_numbers(obj)
-
-
 def preset(obj, name, callback=None, solve=False, **settings):
-    """Show one of the presets on an object: on the pattern that it has, or on one that is solved for it.
+    """Show one of the :data:`presets.PRESETS` on an object: on its pattern, or on one that is solved for it.
 
     Parameters
     ----------
@@ -282,21 +260,10 @@ def preset(obj, name, callback=None, solve=False, **settings):
         with one line that names the element and the remedy; nothing is written
     """
     refuse(obj)
-    wanted = presets.chosen(name)
-    solved = None
-    with scene_io.object_mode(obj):
-        is_there = presets.fits(obj, wanted) and not (solve or settings)
-        if not is_there:
-            settings = presets.solve_settings(obj, wanted) | settings
-    if not is_there:
-        solved = run(wanted.kind, obj, from_names(settings), callback)
-    with scene_io.object_mode(obj):
-        shown = presets.show(obj, name, bool(settings.get("assign_material")))
-    return {
-        "status": "shown",
-        "command": "preset",
-        "object": obj.name,
-        "preset": name,
+    needed = presets.solve_for(obj, name, solve or bool(settings))
+    solved = None if needed is None else run(needed.pop("command"), obj, from_names(needed | settings), callback)
+    shown = presets.show(obj, name, bool(settings.get("assign_material")))
+    return {"status": "shown", "command": "preset", "object": obj.name, "preset": name} | {
         "material": shown.name,
         "solve": solved,
         "versions": versions(),

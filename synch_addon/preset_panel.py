@@ -23,10 +23,10 @@ def _with_icons(_owner, _context):
     return _items
 
 
-class SYNCH_PT_presets(SidebarPanel, bpy.types.Panel):
+class SYNCH_PT_material_presets(SidebarPanel, bpy.types.Panel):
     """Materials in one click"""
 
-    bl_label = "Presets"
+    bl_label = "Material Presets"
     bl_parent_id = "SYNCH_PT_fields"
 
     @classmethod
@@ -52,12 +52,12 @@ def register():
     bpy.types.Scene.synch_preset = EnumProperty(
         name="Preset", description="What the object looks like", items=_with_icons
     )
-    bpy.utils.register_class(SYNCH_PT_presets)
+    bpy.utils.register_class(SYNCH_PT_material_presets)
 
 
 def unregister():
     global _icons
-    bpy.utils.unregister_class(SYNCH_PT_presets)
+    bpy.utils.unregister_class(SYNCH_PT_material_presets)
     del bpy.types.Scene.synch_preset
     _items.clear()
     bpy.utils.previews.remove(_icons)

@@ -91,14 +91,24 @@ def store_settings(stored, settings):
     stored.spacing, stored.automatic_spacing = settings["spacing"], False
 
 
+def solve_for(obj, name, always=False):
+    """Command and settings of the solve that a preset needs on an object, None where the present pattern fits."""
+    preset = chosen(name)
+    with scene_io.object_mode(obj):
+        if fits(obj, preset) and not always:
+            return None
+        return {"command": preset.kind, **solve_settings(obj, preset)}
+
+
 def show(obj, name, assign_faces=False):
     """Show a preset on an object whose pattern fits it; returns the material."""
     preset = chosen(name)
     if preset.numbered and NUMBER not in obj.data.attributes:
-        stripe_numbers.write_numbers(obj)
-    made = preset_material(name)
-    show_material(obj, made, preset.kind, assign_faces=assign_faces)
-    scene_io.update(obj)
+        stripe_numbers.number_stripes(obj)
+    with scene_io.object_mode(obj):
+        made = preset_material(name)
+        show_material(obj, made, preset.kind, assign_faces=assign_faces)
+        scene_io.update(obj)
     return made
 
 

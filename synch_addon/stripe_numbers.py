@@ -12,8 +12,32 @@ from .stripe_profiles import ALONG, NUMBER
 _STEP = 0.1
 
 
-def write_numbers(obj):
-    """Number the stripes of an object's last solve; returns how many there are."""
+def number_stripes(obj):
+    """Number the stripes of an object's last solve and write coordinates along them, for shaders and relief.
+
+    What is written follows every later solve and variation of the object.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object with stripes that were solved since the file was opened
+
+    Returns
+    -------
+    int, how many stripes there are: number k is that of spline k - 1 of :func:`api.isolines`
+
+    Raises
+    ------
+    SynchError
+        with one line that names the element and the remedy; nothing is written
+    """
+    reason = scene_io.refusal(obj)
+    if reason:
+        raise SynchError(reason)
+    with scene_io.object_mode(obj):
+        return _write(obj)
+
+
+def _write(obj):
     solved = memory.recall(obj)
     if solved.pattern is None or pattern_kind(obj) != "stripes":
         raise SynchError("stripes are numbered: solve stripes first")
@@ -34,7 +58,7 @@ def renew_numbers(obj):
     if NUMBER not in obj.data.attributes:
         return
     try:
-        write_numbers(obj)
+        _write(obj)
     except SynchError:
         for name in (NUMBER, ALONG):
             scene_io.remove_attribute(obj, name)

@@ -318,14 +318,14 @@ def _sides(phase, polygons, along):
     lattice = np.array([(i, j, _PARTS - i - j) for i in range(_PARTS + 1) for j in range(_PARTS + 1 - i)])
     index = {tuple(place): number for number, place in enumerate(lattice.tolist())}
     up, down = np.array([(1, 0, 0), (0, 1, 0), (0, 0, 1)]), np.array([(-1, 0, 0), (0, -1, 0), (0, 0, -1)])
-    small = []
+    found = []
     for steps, total in ((up, _PARTS - 1), (down, _PARTS + 1)):
         for i in range(total + 1):
             for j in range(total + 1 - i):
                 corners = [index.get(tuple(corner)) for corner in (np.array((i, j, total - i - j)) + steps).tolist()]
                 if None not in corners:
-                    small.append(corners)
-    small = np.array(small)
+                    found.append(corners)
+    small = np.array(found)
     # Small triangles are turned like the large one.
     weights = lattice / _PARTS
     count = len(polygons.triangle_faces)

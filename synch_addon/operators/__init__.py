@@ -3,7 +3,6 @@
 
 import bpy
 
-from .. import jobs
 from . import (
     bake,
     clebsch,
@@ -14,14 +13,10 @@ from . import (
     field_operator,
     isolines,
     layers,
+    presets,
     quads,
     refine,
     samples,
-    field_io,
-    field_operator,
-    isolines,
-    presets,
-    quads,
     stripes,
     variations,
 )

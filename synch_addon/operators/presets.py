@@ -9,7 +9,7 @@ from .. import api, assets, memory, presets
 from ..bake_index import pattern_kind
 from ..preset_panel import PRESET
 from ..report import counted
-from ..settings import PROPERTY_NAMES, SettingProperties
+from ..settings import SettingProperties
 from .field_operator import FieldOperator, unready
 
 
@@ -36,33 +36,29 @@ class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
     def invoke(self, context, event):
         """From the window: solve in the background where that is needed."""
         self.preset = context.scene.synch_preset
-        return self._reporting(self._begin_preset, context)
+        return self._reporting(self._begin, context)
 
     def execute(self, context):
-        return self._reporting(self._run_preset, context)
+        return self._reporting(self._execute, context)
 
-    def _begin_preset(self, context):
-        if self._fits(context) or bpy.app.background:
-            return self._run_preset(context)
-        self._take_settings(context)
-        self._object_name = context.active_object.name
-        return self._start(context)
-
-    def _run_preset(self, context):
+    def _begin(self, context):
         if self._fits(context):
             return self._announce_look(context.active_object)
-        self._take_settings(context)
+        return super()._begin(context)
+
+    def _execute(self, context):
+        if self._fits(context):
+            return self._announce_look(context.active_object)
+        self._take(context)
         return self._run(context)
 
     def _fits(self, context):
         return not self.solve and presets.fits(context.active_object, self._chosen)
 
-    def _take_settings(self, context):
+    def _take(self, context):
         """The settings of the object's panel, but for those of the preset."""
-        obj = context.active_object
-        for name in PROPERTY_NAMES:
-            setattr(self, name, getattr(obj.synch, name))
-        for name, value in presets.solve_settings(obj, self._chosen).items():
+        super()._take(context)
+        for name, value in presets.solve_settings(context.active_object, self._chosen).items():
             setattr(self, name, value.upper() if name == "symmetry" else value)
 
     def _announce(self, report):
