@@ -15,7 +15,7 @@ from ..core.fields.directions import SYMMETRIES
 from ..core.fields.placement import variation, with_defects
 from . import field_io, memory, presets, quad_object, scene_io, stripe_numbers, write
 from . import isolines as line_object
-from .bake import bake_maps
+from .bake import BakeJob
 from .bake_settings import BakeSettings
 from .clebsch import clebsch as clebsch
 from .jobs import portion
@@ -294,8 +294,9 @@ def bake(obj, callback=None, **settings):
 def run_bake(obj, settings, callback=None):
     """Bake with ready :class:`BakeSettings`."""
     refuse(obj)
-    with scene_io.object_mode(obj):
-        return bake_maps(obj, settings, callback)
+    job = BakeJob(obj, settings)
+    job.solve(callback)
+    return job.report
 
 
 def _show(obj, change, number=0):

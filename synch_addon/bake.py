@@ -22,38 +22,66 @@ _APART, _SMALL = 4, 256
 _MOST_MAPS = 8
 
 
-def bake_maps(obj, settings, callback=None):
-    """Bake an object in object mode; returns the report.
+class BakeJob:
+    """A bake in pieces, between which a window can be drawn and the whole be cancelled.
 
     Everything that can be is refused before work begins. Files and images come to be when all maps are baked, so that
     an error or a cancellation leaves neither.
 
     Parameters
     ----------
+    obj : bpy.types.Object with a pattern
     settings : BakeSettings
-    callback : callable(stage, fraction) -> bool, optional; False cancels
     """
-    start = time.perf_counter()
-    kind, folder = _kind(obj), _folder(obj, settings)
-    report = {"status": "baked", "command": "bake", "object": obj.name, "pattern": kind, "size": settings.size}
-    report |= {"margin": settings.margin, "samples": settings.samples, "maps": {}, "warnings": []}
-    report["uv_map"], coordinates = _layer(obj, settings, report["warnings"])
-    try:
+
+    def __init__(self, obj, settings):
+        self._pieces, self.report = _baking(obj, settings), None
+
+    def advance(self):
+        """Do the piece that was named last; returns what comes next and the share that is done, None at the end."""
+        try:
+            return next(self._pieces)
+        except StopIteration as end:
+            self.report = end.value
+            return None
+        except OSError as error:
+            raise SynchError(f"{error.filename or 'a file'}: {error.strerror or error}") from error
+
+    def solve(self, callback=None):
+        """Do all of it, unless ``callback`` cancels by returning False between two pieces."""
+        try:
+            while (piece := self.advance()) is not None:
+                if callback is not None and not callback(*piece):
+                    raise Cancelled("cancelled: nothing was changed")
+        finally:
+            self.close()
+
+    def close(self):
+        """Leave no trace of a bake that has not come to its end."""
+        self._pieces.close()
+
+
+def _baking(obj, settings):
+    """Bake, yielding each piece's name before it is done and the share that is; returns the report."""
+    with scene_io.object_mode(obj):
+        start = time.perf_counter()
+        kind, folder = _kind(obj), _folder(obj, settings)
+        report = {"status": "baked", "command": "bake", "object": obj.name, "pattern": kind, "size": settings.size}
+        report |= {"margin": settings.margin, "samples": settings.samples, "maps": {}, "warnings": []}
+        report["uv_map"], coordinates = _layer(obj, settings, report["warnings"])
+        is_new = coordinates is None
         with tempfile.TemporaryDirectory(prefix=".synch_", dir=folder) as temporary:
-            is_new = coordinates is None
             if is_new:
-                _ask(callback, "unwrap", 0.0)
+                yield "unwrap", 0.0
                 with staged(obj, modifiers=False) as stage:
                     coordinates = stage.unwrapped(min(max(settings.margin, 1), _APART) / max(settings.size, _SMALL))
-            _bake_all(obj, kind, settings, coordinates, Path(temporary), report, callback)
+            yield from _bake_all(obj, kind, settings, coordinates, Path(temporary), report)
             images = _kept(obj, settings, Path(temporary), folder, report)
-    except OSError as error:
-        raise SynchError(f"{error.filename or 'a file'}: {error.strerror or error}") from error
-    if is_new:
-        _add_layer(obj, report["uv_map"], coordinates)
-    if settings.material:
-        shown = bake_images.baked_materials(obj, kind, images, report["uv_map"], settings.displacement)
-        report["materials"] = [material.name for material in shown]
+        if is_new:
+            _add_layer(obj, report["uv_map"], coordinates)
+        if settings.material:
+            shown = bake_images.baked_materials(obj, kind, images, report["uv_map"], settings.displacement)
+            report["materials"] = [material.name for material in shown]
     return report | {"seconds": time.perf_counter() - start, "versions": versions()}
 
 
@@ -121,8 +149,8 @@ def _judge(obj, name, coordinates, warnings):
         warnings.append(f"faces overlap in the UV map {name!r}: one image cannot show them all")
 
 
-def _bake_all(obj, kind, settings, coordinates, folder, report, callback):
-    """Bake all maps to files in a folder and add them to the report."""
+def _bake_all(obj, kind, settings, coordinates, folder, report):
+    """Bake all maps to files in a folder and add them to the report; yields as :func:`_baking`."""
     phases = bake_index.read_phases(obj, kind)
     polygons = scene_io.read_polygons(obj)
     materials = bake_shaders.sources(obj) or [None]
@@ -136,21 +164,21 @@ def _bake_all(obj, kind, settings, coordinates, folder, report, callback):
         ("NORMAL", lambda: bake_shaders.as_rendered(materials), settings.samples, {"normal": [0, 1, 2]}),
         ("EMIT", lambda: bake_shaders.glowing_phase(materials, kind, is_signed), 1, {"phase": [0, 1, 2]}),
     )
-    with staged(obj) as stage:
-        stage.use_map(report["uv_map"], coordinates)
-        for bake_type, glowing, samples, channels in passes:
-            wanted = [name for name in channels if name in settings.maps]
-            if not wanted:
-                continue
-            _ask(callback, wanted[0], len(report["maps"]) / len(settings.maps))
-            start = time.perf_counter()
+    for bake_type, glowing, samples, channels in passes:
+        wanted = [name for name in channels if name in settings.maps]
+        if not wanted:
+            continue
+        yield wanted[0], len(report["maps"]) / len(settings.maps)
+        start = time.perf_counter()
+        with staged(obj) as stage:
+            stage.use_map(report["uv_map"], coordinates)
             values = stage.bake(bake_type, glowing(), settings.size, samples, settings.margin)
             for name in wanted:
                 path = folder / settings.file_name(obj, name)
                 bake_images.save(values[:, :, channels[name]], path, settings, name, stage.scene)
-            _describe(report, wanted, settings, start)
+        _describe(report, wanted, settings, start)
     if "index" in settings.maps:
-        _ask(callback, "index", len(report["maps"]) / len(settings.maps))
+        yield "index", len(report["maps"]) / len(settings.maps)
         start = time.perf_counter()
         with staged(obj, modifiers=False) as stage:
             found = bake_index.numbers_at(stage, polygons, coordinates, phases, settings.size, settings.margin)
@@ -158,7 +186,7 @@ def _bake_all(obj, kind, settings, coordinates, folder, report, callback):
             path = folder / settings.file_name(obj, "index")
             bake_images.save(values[:, :, None], path, settings, "index", stage.scene)
         _describe(report, ["index"], settings, start)
-    _ask(callback, "write", 1.0)
+    yield "write", 1.0
 
 
 def _numbered(numbers, count, settings, report):
@@ -212,8 +240,3 @@ def _add_layer(obj, name, coordinates):
         layers.active = layers[active]
         layers[rendered].active_render = True
     scene_io.update(obj)
-
-
-def _ask(callback, stage, fraction):
-    if callback is not None and not callback(stage, fraction):
-        raise Cancelled("cancelled: nothing was changed")

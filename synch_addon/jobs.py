@@ -45,13 +45,13 @@ def unregister():
     stop()
 
 
-class BackgroundSolve:
-    """Solves a :class:`FieldJob` in a thread, which touches no Blender data.
+class _Work:
+    """A job that the window waits for.
 
     Attributes
     ----------
     stage, fraction : how far it is
-    early : a first result, as soon as there is one: what ``job.solve_early`` gives, where it has that and is large
+    early : a first result, as soon as there is one
     error : what stopped it, or None
     """
 
@@ -60,6 +60,37 @@ class BackgroundSolve:
         self.stage, self.fraction, self.error, self.early = "", 0.0, None, None
         self._start = time.monotonic()
         self._cancelled = threading.Event()
+
+    def cancel(self):
+        """Ask it to stop; nobody has to wait for that."""
+        self._cancelled.set()
+
+    @property
+    def cancelled(self):
+        """Whether it was asked to stop."""
+        return self._cancelled.is_set()
+
+    @property
+    def line(self):
+        """How far it is, for the progress bar."""
+        return f"{self.fraction:.0%}  {self.stage or 'starting'}"
+
+    @property
+    def times(self):
+        """Seconds that have passed, and about how many are left, once that can be told."""
+        passed = time.monotonic() - self._start
+        left = f", about {passed * (1 / self.fraction - 1):.0f} s left" if self.fraction > _TELLING else ""
+        return f"{passed:.0f} s{left}"
+
+
+class BackgroundSolve(_Work):
+    """Solves a :class:`FieldJob` in a thread, which touches no Blender data.
+
+    A large one that has ``solve_early`` gives its first result as ``early``.
+    """
+
+    def __init__(self, job):
+        super().__init__(job)
         self._thread = threading.Thread(target=self._run, name=_NAME, daemon=True)
         self._thread.start()
 
@@ -87,26 +118,8 @@ class BackgroundSolve:
         self.stage, self.fraction = stage, fraction
         return not self._cancelled.is_set()
 
-    def cancel(self):
-        """Ask the solve to stop; it does so at its next iteration, and nobody has to wait for that."""
-        self._cancelled.set()
-
-    @property
-    def cancelled(self):
-        """Whether it was asked to stop."""
-        return self._cancelled.is_set()
-
-    @property
-    def line(self):
-        """How far it is, for the progress bar."""
-        return f"{self.fraction:.0%}  {self.stage or 'starting'}"
-
-    @property
-    def times(self):
-        """Seconds that have passed, and about how many are left, once that can be told."""
-        passed = time.monotonic() - self._start
-        left = f", about {passed * (1 / self.fraction - 1):.0f} s left" if self.fraction > _TELLING else ""
-        return f"{passed:.0f} s{left}"
+    def advance(self):
+        """Nothing: the thread goes on by itself."""
 
     @property
     def finished(self):
@@ -116,6 +129,32 @@ class BackgroundSolve:
     def wait(self):
         """Until the thread has ended."""
         self._thread.join()
+
+
+class Pieces(_Work):
+    """Does a job in the window's own thread, one piece at each tick of its timer, because it needs Blender's data.
+
+    The job has ``advance``, see :meth:`bake.BakeJob.advance`, and ``close``.
+    """
+
+    def __init__(self, job):
+        super().__init__(job)
+        self.finished = False
+
+    def advance(self):
+        """Do the next piece; what goes wrong is kept as the error."""
+        try:
+            piece = self.job.advance()
+        except BaseException as error:  # handed to the operator, as that of a thread
+            piece, self.error = None, error
+        self.finished = piece is None
+        if piece is not None:
+            self.stage, self.fraction = piece
+
+    def cancel(self):
+        """Stop it between two pieces, and leave no trace of it."""
+        super().cancel()
+        self.job.close()
 
 
 def portion(callback, start, share):

@@ -3,20 +3,20 @@
 
 import bpy
 
-from ...core.errors import SynchError
-from .. import api
+from .. import jobs
+from ..bake import BakeJob
 from ..bake_index import pattern_kind
 from ..bake_panel import draw_bake
-from ..bake_settings import PROPERTY_NAMES, BakeProperties, plain
-from .field_operator import progress_of, unready
+from ..bake_settings import PROPERTY_NAMES, BakeProperties, BakeSettings, plain
+from .field_operator import BackgroundOperator, unready
 
 
-class SYNCH_OT_bake(BakeProperties, bpy.types.Operator):
-    """Bake what the pattern shows into images over a UV map, with Cycles"""
+class SYNCH_OT_bake(BackgroundOperator, BakeProperties, bpy.types.Operator):
+    """Bake what the pattern shows into images over a UV map, with Cycles, one map after the other; Esc cancels"""
 
     bl_idname = "synch.bake"
     bl_label = "Bake"
-    bl_options = {"REGISTER", "UNDO", "PRESET"}
+    work = jobs.Pieces
 
     @classmethod
     def poll(cls, context):
@@ -27,22 +27,17 @@ class SYNCH_OT_bake(BakeProperties, bpy.types.Operator):
             cls.poll_message_set(reason)
         return reason is None
 
-    def invoke(self, context, event):
-        """From the window: take the scene's settings."""
+    def _take(self, context):
         for name in PROPERTY_NAMES:
             setattr(self, name, getattr(context.scene.synch_bake, name))
-        return self.execute(context)
 
-    def execute(self, context):
-        manager = context.window_manager
-        manager.progress_begin(0, 1)
-        try:
-            report = api.bake(context.active_object, progress_of(manager), **plain(self))
-        except SynchError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        finally:
-            manager.progress_end()
+    def _job(self, context):
+        return BakeJob(context.active_object, BakeSettings.from_names(plain(self)))
+
+    def _write(self, job):
+        return job.report
+
+    def _announce(self, report):
         for warning in report["warnings"]:
             self.report({"WARNING"}, warning)
         self.report({"INFO"}, f"baked {', '.join(report['maps'])} in {report['seconds']:.1f} s")

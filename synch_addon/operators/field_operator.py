@@ -37,6 +37,7 @@ class BackgroundOperator:
     """
 
     bl_options = {"REGISTER", "UNDO", "PRESET"}
+    work = jobs.BackgroundSolve
 
     def invoke(self, context, event):
         """From the window: take the panel's settings and solve in the background."""
@@ -54,6 +55,8 @@ class BackgroundOperator:
         work = jobs.running
         if event.type == "ESC" and event.value == "PRESS":
             work.cancel()
+        elif event.type == "TIMER" and not work.finished and not work.cancelled:
+            work.advance()
         if work.cancelled or (event.type == "TIMER" and work.finished):
             return self._reporting(self._finish, context)
         if event.type == "TIMER":
@@ -102,7 +105,7 @@ class BackgroundOperator:
         manager.progress_begin(0, 1)
         self._timer = manager.event_timer_add(0.1, window=context.window)
         manager.modal_handler_add(self)
-        jobs.running = jobs.BackgroundSolve(job)
+        jobs.running = self.work(job)
         return {"RUNNING_MODAL"}
 
     def _finish(self, context):

@@ -3,7 +3,6 @@
 """The job that the window waits for: it solves in a thread, stops when asked, and writes only what still fits."""
 
 import time
-from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -14,6 +13,7 @@ from synch_fields.synch_addon import api, jobs, preview
 from synch_fields.synch_addon.operators import field_operator
 from synch_fields.synch_addon.settings import Settings
 
+from .loop import Loop
 from .scenes import attribute, set_vectors, snapshot, sphere
 
 
@@ -77,52 +77,6 @@ def test_taking_the_extension_out_ends_the_job():
     work = jobs.running
     jobs.stop()
     assert jobs.running is None and work.finished
-
-
-class Loop:
-    """As much of a window as an operator needs: it is told of its timer and of what keys do to it."""
-
-    def __init__(self):
-        self.window = self.workspace = None
-        self.window_manager = self
-        self.windows, self.areas, self.timers, self.handlers = [], [], 0, 0
-        self.screen = self
-        self.longest = 0.0
-
-    def event_timer_add(self, seconds, window):
-        self.timers += 1
-
-    def event_timer_remove(self, timer):
-        self.timers -= 1
-
-    def modal_handler_add(self, operator):
-        self.handlers += 1
-
-    def progress_begin(self, *_):
-        pass
-
-    progress_update = progress_begin
-
-    def progress_end(self):
-        pass
-
-    @property
-    def active_object(self):
-        return bpy.context.active_object
-
-    def send(self, operator, kind, value="NOTHING"):
-        start = time.perf_counter()
-        result = operator.modal(self, SimpleNamespace(type=kind, value=value, mouse_x=0, mouse_y=0))
-        self.longest = max(self.longest, time.perf_counter() - start)
-        return result
-
-    def run(self, operator, until=lambda: False):
-        """Until the operator ends, or something has happened; returns what it gave at last."""
-        result = {"RUNNING_MODAL"}
-        while result == {"RUNNING_MODAL"} and not until():
-            time.sleep(0.01)
-            result = self.send(operator, "TIMER")
-        return result
 
 
 class Stripes(field_operator.FieldOperator):

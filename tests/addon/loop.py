@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""An event loop for operators of the window, where there is none."""
+
+import time
+from types import SimpleNamespace
+
+import bpy
+
+
+class Loop:
+    """As much of a window as an operator needs: it is told of its timer and of what keys do to it."""
+
+    def __init__(self):
+        self.window = self.workspace = None
+        self.window_manager = self
+        self.windows, self.areas, self.timers, self.handlers = [], [], 0, 0
+        self.screen = self
+        self.longest = 0.0
+
+    def event_timer_add(self, seconds, window):
+        self.timers += 1
+
+    def event_timer_remove(self, timer):
+        self.timers -= 1
+
+    def modal_handler_add(self, operator):
+        self.handlers += 1
+
+    def progress_begin(self, *_):
+        pass
+
+    progress_update = progress_begin
+
+    def progress_end(self):
+        pass
+
+    @property
+    def active_object(self):
+        return bpy.context.active_object
+
+    def send(self, operator, kind, value="NOTHING"):
+        start = time.perf_counter()
+        result = operator.modal(self, SimpleNamespace(type=kind, value=value, mouse_x=0, mouse_y=0))
+        self.longest = max(self.longest, time.perf_counter() - start)
+        return result
+
+    def run(self, operator, until=lambda: False):
+        """Until the operator ends, or something has happened; returns what it gave at last."""
+        result = {"RUNNING_MODAL"}
+        while result == {"RUNNING_MODAL"} and not until():
+            time.sleep(0.01)
+            result = self.send(operator, "TIMER")
+        return result
