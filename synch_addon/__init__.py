@@ -23,11 +23,13 @@ from . import (
     result_panel,
     setting_presets,
     settings,
+    translations,
     vortex_panel,
     vortex_settings,
 )
 
 _MODULES = (
+    translations,
     constraint_list,
     guide_list,
     favourite_list,

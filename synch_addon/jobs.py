@@ -7,6 +7,7 @@ import time
 import bpy
 
 from ..core.errors import Cancelled, SynchError
+from .translations import said
 
 # Share of the work after which its time can be told.
 _TELLING = 0.15
@@ -73,14 +74,17 @@ class _Work:
     @property
     def line(self):
         """How far it is, for the progress bar."""
-        return f"{self.fraction:.0%}  {self.stage or 'starting'}"
+        name, comma, rest = (self.stage or "starting").partition(",")
+        return f"{self.fraction:.0%}  {said(name)}{comma}{rest}"
 
     @property
     def times(self):
         """Seconds that have passed, and about how many are left, once that can be told."""
         passed = time.monotonic() - self._start
-        left = f", about {passed * (1 / self.fraction - 1):.0f} s left" if self.fraction > _TELLING else ""
-        return f"{passed:.0f} s{left}"
+        if self.fraction <= _TELLING:
+            return said("{passed:.0f} s", passed=passed)
+        left = passed * (1 / self.fraction - 1)
+        return said("{passed:.0f} s, about {left:.0f} s left", passed=passed, left=left)
 
 
 class BackgroundSolve(_Work):

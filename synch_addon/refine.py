@@ -14,6 +14,7 @@ from ..core.errors import SettingError, SynchError
 from . import memory, scene_io, write
 from .report import versions
 from .task import LINES_ACROSS, carried_spacing
+from .translations import said
 
 # Faces that are looked at, spread over all of them.
 FACES_SEEN = 500
@@ -149,13 +150,13 @@ def draw_warning(layout, obj):
     column = layout.box().column(align=True)
     if obj.synch.automatic_spacing:
         across = max(round(found.size / found.spacing), 1)
-        column.label(text=f"The mesh carries about {across} lines across", icon="ERROR")
+        column.label(text=said("The mesh carries about {count} lines across", count=across), icon="ERROR")
     else:
         carries = bpy.utils.units.to_string(
             bpy.context.scene.unit_settings.system, "LENGTH", found.spacing, precision=3
         )
-        column.label(text=f"Too fine for the mesh, which carries {carries}", icon="ERROR")
-    text = f"Subdivide to {faces_after(obj, levels):,} Faces"
+        column.label(text=said("Too fine for the mesh, which carries {spacing}", spacing=carries), icon="ERROR")
+    text = said("Subdivide to {count:,} Faces", count=faces_after(obj, levels))
     column.operator("synch.refine", text=text, icon="MOD_SUBSURF").levels = levels
 
 

@@ -7,8 +7,8 @@ import bpy
 
 from . import jobs, memory
 from .panels import SidebarPanel, property_column
-from .report import counted
 from .scene_io import refusal
+from .translations import counted, said
 
 
 class SYNCH_PT_result(SidebarPanel, bpy.types.Panel):
@@ -86,11 +86,11 @@ def draw_figures(layout, result, held):
             row.label(text=text, icon=icon)
 
     if result["energy"] is not None:
-        line(f"Energy {result['energy']:.4g}", "SORTTIME", "energy")
+        line(said("Energy {energy:.4g}", energy=result["energy"]), "SORTTIME", "energy")
         if result["certificate"] == "proved":
-            line(f"Proved: no field saves more than {result['gap']:.0%}", "CHECKMARK", "proved")
+            line(said("Proved: no field saves more than {gap:.0%}", gap=result["gap"]), "CHECKMARK", "proved")
         elif result["certificate"] == "estimated":
-            line(f"About {result['gap']:.0%} above the bound", "QUESTION", "estimated")
+            line(said("About {gap:.0%} above the bound", gap=result["gap"]), "QUESTION", "estimated")
     for kind in ("disclination", "dislocation"):
         line(counted(result[kind + "s"], kind), "DOT", kind)
     line(f"{result['seconds']:.2f} s, {counted(result['nodes'], 'vertex')}", "TIME", "time")

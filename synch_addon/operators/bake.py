@@ -8,6 +8,7 @@ from ..bake import BakeJob
 from ..bake_index import pattern_kind
 from ..bake_panel import draw_bake
 from ..bake_settings import PROPERTY_NAMES, BakeProperties, BakeSettings, plain
+from ..translations import said
 from .field_operator import BackgroundOperator, unready
 
 
@@ -22,7 +23,7 @@ class SYNCH_OT_bake(BackgroundOperator, BakeProperties, bpy.types.Operator):
     def poll(cls, context):
         reason = unready(context)
         if reason is None and pattern_kind(context.active_object) is None:
-            reason = f"{context.active_object.name} has no pattern: solve stripes or quads on it first"
+            reason = said("{name} has no pattern: solve stripes or quads on it first", name=context.active_object.name)
         if reason:
             cls.poll_message_set(reason)
         return reason is None

@@ -9,6 +9,7 @@ from bpy.props import StringProperty
 
 from .. import memory, scene_io
 from ..defect_empties import defect_empties
+from ..translations import said
 from .field_operator import unready
 
 # Distance from which a defect is looked at, in sizes of its empty.
@@ -34,7 +35,9 @@ class _DefectOperator:
     def poll(cls, context):
         reason = unready(context)
         if reason is None and not defect_empties(context.active_object):
-            reason = f"{context.active_object.name} has no defects: its field is continuous, or not solved yet"
+            reason = said(
+                "{name} has no defects: its field is continuous, or not solved yet", name=context.active_object.name
+            )
         if reason:
             cls.poll_message_set(reason)
         return reason is None
@@ -95,13 +98,15 @@ class SYNCH_OT_copy_report(bpy.types.Operator):
     @classmethod
     def description(cls, context, properties):
         meaning = _MEANINGS.get(properties.about)
-        return f"{meaning}.\nClick to copy the full report as JSON" if meaning else cls.__doc__
+        if not meaning:
+            return said(cls.__doc__)
+        return said("{meaning}.\nClick to copy the full report as JSON", meaning=said(meaning))
 
     @classmethod
     def poll(cls, context):
         reason = unready(context)
         if reason is None and not memory.holds(context.active_object):
-            reason = "the report is kept while the file stays open: solve again to have one"
+            reason = said("the report is kept while the file stays open: solve again to have one")
         if reason:
             cls.poll_message_set(reason)
         return reason is None

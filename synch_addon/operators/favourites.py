@@ -7,6 +7,7 @@ from bpy.props import StringProperty
 from ...core.errors import SynchError
 from .. import favourites
 from ..bake_index import pattern_kind
+from ..translations import said
 from .field_operator import unready
 
 
@@ -27,7 +28,7 @@ class _FavouriteOperator:
     @classmethod
     def lacking(cls, obj):
         """Why there is nothing to be done with an object's favourites, or None."""
-        return None if obj.synch.favourites else f"{obj.name} has no favourites: keep a variation first"
+        return None if obj.synch.favourites else said("{name} has no favourites: keep a variation first", name=obj.name)
 
     def execute(self, context):
         try:
@@ -48,7 +49,7 @@ the file was saved and opened"""
     @classmethod
     def lacking(cls, obj):
         if pattern_kind(obj) is None or not obj.synch.result:
-            return f"{obj.name} shows no pattern: solve stripes or quads on it first"
+            return said("{name} shows no pattern: solve stripes or quads on it first", name=obj.name)
         return None
 
     def done(self, obj):

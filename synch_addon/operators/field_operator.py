@@ -14,6 +14,7 @@ from ..guide_list import stored_guidance
 from ..report import counted
 from ..scene_io import refusal
 from ..settings import PROPERTY_NAMES, plain
+from ..translations import said
 
 _POINTING = {"LEFTMOUSE", "MOUSEMOVE"}
 _NAVIGATION = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE"}
@@ -23,9 +24,9 @@ def unready(context):
     """Why the active object cannot be worked on now, in one line, or None."""
     reason = refusal(context.active_object)
     if reason is None and context.mode not in {"OBJECT", "EDIT_MESH"}:
-        reason = "leave the present mode: fields are solved in object or edit mode"
+        reason = said("leave the present mode: fields are solved in object or edit mode")
     if reason is None and jobs.running is not None:
-        reason = "a field is being solved: wait for it, or cancel it with Esc"
+        reason = said("a field is being solved: wait for it, or cancel it with Esc")
     return reason
 
 
@@ -63,7 +64,7 @@ class BackgroundOperator:
             if work.early is not None:
                 early, work.early = work.early, None
                 self._show_early(early)
-            _show(context, f"{self.bl_label}: {work.line}   {work.times}   Esc: cancel")
+            _show(context, f"{said(self.bl_label)}: {work.line}   {work.times}   {said('Esc: cancel')}")
             context.window_manager.progress_update(work.fraction)
         free = navigates(event) or (event.type in _POINTING and over_sidebar(context, event))
         return {"PASS_THROUGH"} if free else {"RUNNING_MODAL"}

@@ -9,6 +9,7 @@ from .. import api
 from ..bake_index import pattern_kind
 from ..isolines import LineSettings
 from ..report import counted
+from ..translations import said
 from .field_operator import unready
 
 _DEFAULT = LineSettings()
@@ -65,7 +66,7 @@ class SYNCH_OT_isolines(bpy.types.Operator):
     def poll(cls, context):
         reason = unready(context)
         if reason is None and pattern_kind(context.active_object) is None:
-            reason = f"{context.active_object.name} has no pattern: solve stripes or quads on it first"
+            reason = said("{name} has no pattern: solve stripes or quads on it first", name=context.active_object.name)
         if reason:
             cls.poll_message_set(reason)
         return reason is None

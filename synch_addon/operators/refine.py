@@ -6,6 +6,7 @@ from bpy.props import IntProperty
 
 from ...core.errors import SynchError
 from .. import api, refine
+from ..translations import said
 from .field_operator import unready
 
 
@@ -29,7 +30,9 @@ go over; a pattern on it has to be solved again"""
     def poll(cls, context):
         reason = unready(context)
         if reason is None and context.active_object.data.shape_keys:
-            reason = f"{context.active_object.name} has shape keys, which subdivision would lose: apply them first"
+            reason = said(
+                "{name} has shape keys, which subdivision would lose: apply them first", name=context.active_object.name
+            )
         if reason:
             cls.poll_message_set(reason)
         return reason is None

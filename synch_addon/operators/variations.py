@@ -10,6 +10,7 @@ from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_
 from ...core.errors import SynchError
 from .. import api, memory, scene_io
 from ..settings import Settings
+from ..translations import said
 from .field_operator import navigates, over_sidebar, unready
 
 # Numbers that the dice draw: from here on every one is another random projection.
@@ -25,7 +26,10 @@ class _SolvedOperator:
     def poll(cls, context):
         reason = unready(context)
         if reason is None and not memory.holds(context.active_object):
-            reason = f"{context.active_object.name} has not been solved since the file was opened: solve it first"
+            reason = said(
+                "{name} has not been solved since the file was opened: solve it first",
+                name=context.active_object.name,
+            )
         if reason:
             cls.poll_message_set(reason)
         return reason is None
@@ -109,7 +113,7 @@ class SYNCH_OT_place_defect(_SolvedOperator, bpy.types.Operator):
         self._object_name = obj.name
         self._vertices, self._held = [], False
         context.window_manager.modal_handler_add(self)
-        context.workspace.status_text_set("Click: place a defect   Drag: move it   Enter: done   Esc: as before")
+        context.workspace.status_text_set(said("Click: place a defect   Drag: move it   Enter: done   Esc: as before"))
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):

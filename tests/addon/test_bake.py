@@ -637,8 +637,9 @@ def test_panel_shows_for_objects_with_a_pattern_and_keeps_the_settings_with_the_
     stored = bpy.context.scene.synch_bake
     stored.size, stored.maps, stored.unwrap = 16, {"MASK"}, True
     # Without a window nothing is invoked.
-    operator = SimpleNamespace(execute=lambda context: api.bake(context.active_object, **plain_settings(operator)))
-    SYNCH_OT_bake.invoke(operator, bpy.context, None)
+    operator = SimpleNamespace()
+    SYNCH_OT_bake._take(operator, bpy.context)
+    api.bake(obj, **plain_settings(operator))
     (image,) = bpy.data.images
     assert tuple(image.size) == (16, 16) and image.name == f"{obj.name}_mask.png"
     sphere(2)

@@ -1,0 +1,308 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the interface says, in German. Words in braces are filled in."""
+
+PANELS = {
+    "Synch Fields": "Synch-Felder",
+    "Direction fields, stripes and quads": "Richtungsfelder, Streifen und Vierecke",
+    "Stripes, quads and direction fields on the active mesh": "Streifen, Vierecke und Richtungsfelder auf dem Netz",
+    "Synch Samples": "Synch-Beispiele",
+    "Shapes to try patterns on": "Formen, um Muster auszuprobieren",
+    "Synch Fields Presets": "Vorgaben für Synch-Felder",
+    "Settings of directions and patterns, kept under a name": "Unter einem Namen behaltene Einstellungen",
+    "Bake": "Backen",
+    "The pattern as images": "Das Muster als Bilder",
+    "Constraints": "Bedingungen",
+    "What is asked of the pattern along lines of the mesh": (
+        "Was entlang von Linien des Netzes vom Muster verlangt wird"
+    ),
+    "Directions": "Richtungen",
+    "What the stripes run along": "Woran die Streifen entlanglaufen",
+    "Overlay": "Einblendung",
+    "What is drawn over the active object": "Was über das aktive Objekt gezeichnet wird",
+    "Pattern": "Muster",
+    "How far stripes are from one another, and which faces show them": (
+        "Abstand der Streifen, und welche Flächen sie zeigen"
+    ),
+    "Quads": "Vierecke",
+    "What only quads have": "Was nur Vierecke haben",
+    "Result": "Ergebnis",
+    "What the last solve found": "Was die letzte Lösung gefunden hat",
+    "Solver": "Löser",
+    "How the fields are optimized": "Wie die Felder optimiert werden",
+    "Vortices": "Wirbel",
+    "Vortex filaments and tubes of a flow in space": "Wirbelfäden und -röhren einer Strömung im Raum",
+    "What the last solve of the active object's vortices found": "Was die letzte Lösung der Wirbel gefunden hat",
+}
+
+OPERATORS = {
+    "Stripes": "Streifen",
+    "Cover the mesh with evenly spaced stripes along a direction field, branching where they must": (
+        "Das Netz mit gleichmäßigen Streifen entlang eines Richtungsfelds bedecken, verzweigt, wo es sein muss"
+    ),
+    "Cover the mesh with a pattern of two crossing families of lines along a cross field": (
+        "Das Netz mit zwei sich kreuzenden Scharen von Linien entlang eines Kreuzfelds bedecken"
+    ),
+    "Quad Mesh": "Vierecksnetz",
+    "Make a new mesh of quads along the grid lines of a quad pattern, and hide the active one": (
+        "Ein neues Netz aus Vierecken entlang der Gitterlinien bilden und das aktive ausblenden"
+    ),
+    "Mesh of These Quads": "Netz aus diesen Vierecken",
+    "Make a new mesh of the quads that the object shows, without solving again, and hide the object": (
+        "Ein neues Netz aus den gezeigten Vierecken bilden, ohne neu zu lösen, und das Objekt ausblenden"
+    ),
+    "How often vertices move to the middle of their neighbours, on the surface": (
+        "Wie oft Punkte auf der Oberfläche zur Mitte ihrer Nachbarn rücken"
+    ),
+    "Find a direction at every vertex and mark the points where it cannot be continuous": (
+        "An jedem Punkt eine Richtung finden und markieren, wo sie nicht stetig sein kann"
+    ),
+    "Cancel": "Abbrechen",
+    "Stop the solve that runs; everything stays as it was": "Den laufenden Auftrag anhalten; alles bleibt, wie es war",
+    "Subdivide for Spacing": "Für den Abstand unterteilen",
+    "Subdivide the mesh without changing its shape, so that it carries the spacing. UV maps, groups and "
+    "attributes go over; a pattern on it has to be solved again": (
+        "Das Netz ohne Änderung der Form unterteilen, damit es den Abstand trägt. UV-Maps, Gruppen und Attribute "
+        "bleiben; ein Muster darauf muss neu gelöst werden"
+    ),
+    "Level": "Stufe",
+    "How often every edge is halved; where it is not set, as often as the spacing needs": (
+        "Wie oft jede Kante halbiert wird; ohne Angabe so oft, wie der Abstand es braucht"
+    ),
+    "Variation": "Variante",
+    "Show another near-optimal configuration of defects, from the last solve": (
+        "Eine andere fast optimale Anordnung der Defekte aus der letzten Lösung zeigen"
+    ),
+    "0 is the best one, the next are other good ones, high numbers are drawn at random": (
+        "0 ist die beste, die nächsten sind andere gute, hohe Nummern sind zufällig gezogen"
+    ),
+    "Draw Variation": "Variante ziehen",
+    "Show a configuration of defects that is drawn at random, from the last solve": (
+        "Eine zufällig gezogene Anordnung der Defekte aus der letzten Lösung zeigen"
+    ),
+    "Place Defects": "Defekte setzen",
+    "Click on the surface to put a dislocation there, drag to move it, click again for more; Enter ends, Esc undoes": (
+        "Klicken setzt eine Versetzung, Ziehen bewegt sie, erneutes Klicken setzt weitere; Eingabe beendet, Esc "
+        "verwirft"
+    ),
+    "Keep as Favourite": "Als Favorit behalten",
+    "Keep the variation that is shown, as attributes of the mesh: it can be shown again at any time, also after "
+    "the file was saved and opened": (
+        "Die gezeigte Variante als Attribute des Netzes behalten: Sie kann jederzeit wieder gezeigt werden, auch "
+        "nach dem Speichern und Öffnen der Datei"
+    ),
+    "What the favourite is called": "Wie der Favorit heißt",
+    "Show Favourite": "Favorit zeigen",
+    "Show this favourite again, without a solve": "Diesen Favoriten wieder zeigen, ohne zu lösen",
+    "Remove Favourite": "Favorit entfernen",
+    "Remove this favourite and its attributes; what is shown stays": (
+        "Diesen Favoriten und seine Attribute entfernen; das Gezeigte bleibt"
+    ),
+    "Select Defect Faces": "Flächen mit Defekten auswählen",
+    "Select the faces that hold a defect, in edit mode": "Die Flächen mit einem Defekt im Bearbeitungsmodus auswählen",
+    "Frame Next Defect": "Nächsten Defekt zeigen",
+    "Turn the view to the next defect and look at it from close by": (
+        "Die Ansicht zum nächsten Defekt drehen und ihn von Nahem zeigen"
+    ),
+    "Copy Report": "Bericht kopieren",
+    "Copy the full report of the last solve to the clipboard, as JSON": (
+        "Den ganzen Bericht der letzten Lösung als JSON in die Zwischenablage kopieren"
+    ),
+    "Figure whose meaning the tooltip says": "Zahl, deren Bedeutung der Tooltip sagt",
+    "Lines as Curves": "Linien als Kurven",
+    "Make a curve object of the lines of the pattern: stripes by their middles or edges, quads by their grid": (
+        "Ein Kurvenobjekt aus den Linien des Musters machen: Mitten oder Ränder der Streifen, Gitter der Vierecke"
+    ),
+    "Part of a period that is stripe and whose edges are drawn; 0 for the middles of stripes, 1 for those of "
+    "gaps. Quads have grid lines: 0": (
+        "Anteil des Streifens, dessen Ränder gezeichnet werden; 0 für die Mitten der Streifen, 1 für die der "
+        "Lücken. Vierecke haben Gitterlinien: 0"
+    ),
+    "Distance": "Entfernung",
+    "Between the points of a line, in spacings; 0 for where it crosses the mesh's edges": (
+        "Zwischen den Punkten einer Linie, in Abständen; 0 für die Stellen, wo sie Kanten kreuzt"
+    ),
+    "How often points move to the middle of their neighbours, before they are put back on the surface": (
+        "Wie oft Punkte zur Mitte ihrer Nachbarn rücken, bevor sie auf die Oberfläche zurückkehren"
+    ),
+    "Radius": "Radius",
+    "Of tubes around the lines, in spacings; 0 for none": "Der Röhren um die Linien, in Abständen; 0 für keine",
+    "Spline": "Spline",
+    "What the lines are made of": "Woraus die Linien bestehen",
+    "Poly": "Polygon",
+    "Straight from point to point, with the tilt of the surface: ribbons lie on it": (
+        "Gerade von Punkt zu Punkt, mit der Neigung der Oberfläche: Bänder liegen auf ihr"
+    ),
+    "Bezier": "Bézier",
+    "Smooth through the points": "Glatt durch die Punkte",
+    "NURBS": "NURBS",
+    "Smooth along the points": "Glatt an den Punkten entlang",
+    "Relief": "Relief",
+    "Raise the surface by the pattern, with a modifier that subdivides it; its inputs can be changed at any time": (
+        "Die Oberfläche durch das Muster heben, mit einem unterteilenden Modifikator; seine Werte sind jederzeit "
+        "änderbar"
+    ),
+    "How high the pattern stands out of the surface, in spacings; below 0 it is cut in": (
+        "Wie hoch das Muster aus der Oberfläche ragt, in Abständen; unter 0 ist es eingeschnitten"
+    ),
+    "Part of a period that is raised, or of the area of quads": "Gehobener Anteil einer Periode oder Vierecksfläche",
+    "Profile": "Profil",
+    "How often the mesh is subdivided; where it is not set, as often as its edges need": (
+        "Wie oft das Netz unterteilt wird; ohne Angabe so oft, wie seine Kanten es brauchen"
+    ),
+    "Smooth": "Glatt",
+    "Round the surface while it is subdivided": "Die Oberfläche beim Unterteilen runden",
+    "Bake what the pattern shows into images over a UV map, with Cycles, one map after the other; Esc cancels": (
+        "Mit Cycles in Bilder über eine UV-Map backen, was das Muster zeigt, eines nach dem anderen; Esc bricht ab"
+    ),
+    "Add Synch Sample": "Synch-Beispiel hinzufügen",
+    "Add a shape to try patterns on, with vertex groups and seams for constraints": (
+        "Eine Form zum Ausprobieren hinzufügen, mit Punktgruppen und Nähten für Bedingungen"
+    ),
+    "Shape": "Form",
+    "What is added": "Was hinzugefügt wird",
+    "Suzanne": "Suzanne",
+    "Blender's monkey as one smooth surface of even triangles": "Blenders Affe als eine glatte Fläche aus Dreiecken",
+    "Pretzel": "Brezel",
+    "A closed surface of quads with two holes, and seams that cut it in half": (
+        "Eine geschlossene Fläche aus Vierecken mit zwei Löchern und Nähten, die sie halbieren"
+    ),
+    "Vase": "Vase",
+    "A bent vase of quads, open at its rim, where a stripe is asked for": (
+        "Eine gebogene Vase aus Vierecken, am Rand offen, wo ein Streifen verlangt ist"
+    ),
+    "Longest side of the object": "Längste Seite des Objekts",
+    "Detail": "Feinheit",
+    "Each step makes four times as many faces": "Jede Stufe macht viermal so viele Flächen",
+    "Add Synch Fields Preset": "Vorgabe für Synch-Felder hinzufügen",
+    "Keep the active object's settings under a name, or remove those of a name": (
+        "Die Einstellungen des aktiven Objekts unter einem Namen behalten oder die eines Namens entfernen"
+    ),
+    "Import Direction Field": "Richtungsfeld importieren",
+    "Read directions on triangles from a file, as the active object's directions, and follow them": (
+        "Richtungen auf Dreiecken aus einer Datei als die des aktiven Objekts lesen und ihnen folgen"
+    ),
+    "Export Direction Field": "Richtungsfeld exportieren",
+    "Write the active object's directions to a file, for each of its triangles": (
+        "Die Richtungen des aktiven Objekts für jedes Dreieck in eine Datei schreiben"
+    ),
+}
+
+SETTINGS = {
+    "Symmetry": "Symmetrie",
+    "What is the same at a point: one direction, a line or a cross": (
+        "Was gleich ist: eine Richtung, Linie oder ein Kreuz"
+    ),
+    "Vector": "Vektor",
+    "One direction at each point": "Eine Richtung an jedem Punkt",
+    "Line": "Linie",
+    "A direction and its opposite count as the same, as for stripes and hatching": (
+        "Eine Richtung und ihre Gegenrichtung gelten als gleich, wie bei Streifen und Schraffuren"
+    ),
+    "Cross": "Kreuz",
+    "Four directions at right angles, as for quads": "Vier Richtungen im rechten Winkel, wie bei Vierecken",
+    "Guidance": "Führung",
+    "What the directions follow": "Wem die Richtungen folgen",
+    "smooth, or what the directions follow, such as curvature-max=2,axis:Z": (
+        "smooth, oder wem die Richtungen folgen, etwa curvature-max=2,axis:Z"
+    ),
+    "Smoothest": "Am glattesten",
+    "The field that turns least over the surface": "Das Feld, das sich über die Oberfläche am wenigsten dreht",
+    "Blend": "Mischung",
+    "Several guides, each with a strength": "Mehrere Führungen, jede mit einer Stärke",
+    "Angle": "Winkel",
+    "Turn the directions by this angle, counterclockwise seen from outside": (
+        "Die Richtungen um diesen Winkel drehen, von außen gesehen gegen den Uhrzeigersinn"
+    ),
+    "Angle Map": "Winkelkarte",
+    "Float attribute or vertex group on the vertices, radians added to the angle": (
+        "Gleitkommaattribut oder Punktgruppe, Bogenmaß zusätzlich zum Winkel"
+    ),
+    "Boundary": "Rand",
+    "What happens at open edges": "Was an offenen Kanten geschieht",
+    "Free": "Frei",
+    "Nothing is asked of the boundary": "Vom Rand wird nichts verlangt",
+    "Along": "Entlang",
+    "Directions run along the boundary": "Richtungen laufen am Rand entlang",
+    "Across": "Quer",
+    "Directions meet the boundary at a right angle": "Richtungen treffen im rechten Winkel auf den Rand",
+    "Line on It": "Linie darauf",
+    "Directions run along the boundary and a stripe or grid line lies exactly on it": (
+        "Richtungen laufen am Rand entlang, und ein Streifen oder eine Gitterlinie liegt genau darauf"
+    ),
+    "Vertex Group": "Punktgruppe",
+    "Restrict the boundary to open edges with both ends in this group": (
+        "Nur offene Kanten, deren beide Enden in dieser Gruppe sind"
+    ),
+    "Mirror": "Spiegel",
+    "Make the pattern its own mirror image in these axes of the object, whose mesh has to be symmetric": (
+        "Das Muster in diesen Achsen des Objekts, dessen Netz symmetrisch sein muss, zu seinem Spiegelbild machen"
+    ),
+    "Spacing": "Abstand",
+    "Distance from one stripe to the next; the object's scale counts": (
+        "Abstand von einem Streifen zum nächsten; die Skalierung des Objekts zählt"
+    ),
+    "Automatic Spacing": "Automatischer Abstand",
+    "About forty stripes across the object, or as many as the mesh can carry": (
+        "Etwa vierzig Streifen über das Objekt, oder so viele, wie das Netz trägt"
+    ),
+    "Spacing Map": "Abstandskarte",
+    "Float attribute, a factor on the spacing, or vertex group, which takes it from 1 to the range": (
+        "Gleitkommaattribut, ein Faktor auf den Abstand, oder Punktgruppe, die ihn von 1 bis zur Spanne führt"
+    ),
+    "Range": "Spanne",
+    "Factor on the spacing where the vertex group's weight is 1": (
+        "Faktor auf den Abstand beim Gewicht 1 der Punktgruppe"
+    ),
+    "Aspect": "Seitenverhältnis",
+    "Spacing of quads along their second direction over that along the first, the one nearer to X; only where "
+    "the two never change places around a disclination": (
+        "Abstand der Vierecke in der zweiten Richtung geteilt durch den in der ersten, die näher an X liegt; nur, "
+        "wo beide nie um eine Disklination die Plätze tauschen"
+    ),
+    "Smoothing": "Glättung",
+    "How often the quad mesh's vertices move to the middle of their neighbours on the surface": (
+        "Wie oft die Punkte des Vierecksnetzes auf der Oberfläche zur Mitte ihrer Nachbarn rücken"
+    ),
+    "Method": "Verfahren",
+    "How the field is optimized": "Wie das Feld optimiert wird",
+    "Semidefinite": "Semidefinit",
+    "Best patterns, with a proved bound on what could still be gained": (
+        "Die besten Muster, mit bewiesener Schranke für das, was noch zu gewinnen wäre"
+    ),
+    "Spectral": "Spektral",
+    "Fast and rough: one eigenvector": "Schnell und grob: ein Eigenvektor",
+    "Diffusion": "Diffusion",
+    "Repeated smoothing and normalizing, without a useful bound": (
+        "Wiederholtes Glätten und Normieren, ohne brauchbare Schranke"
+    ),
+    "Seed": "Startwert",
+    "Another seed gives another pattern of about the same quality": (
+        "Ein anderer gibt ein anderes, etwa gleich gutes Muster"
+    ),
+    "Target Gap": "Ziellücke",
+    "How closely the relaxation's optimum is bracketed, as a share of its energy": (
+        "Wie eng das Optimum der Relaxierung eingegrenzt wird, als Anteil seiner Energie"
+    ),
+    "Assign to All Faces": "Allen Flächen zuweisen",
+    "Show the pattern on all faces, also on an object with several materials": (
+        "Das Muster auf allen Flächen zeigen, auch auf einem Objekt mit mehreren Materialien"
+    ),
+    "Guide": "Führung",
+    "Guides": "Führungen",
+    "The only guide": "Die einzige Führung",
+    "The guides of a blend": "Die Führungen einer Mischung",
+    "Favourites": "Favoriten",
+    "Variations that are kept": "Behaltene Varianten",
+    "Active Constraint": "Aktive Bedingung",
+    "Row that the panel shows": "Zeile, die das Fenster zeigt",
+    "Other configurations of defects from the last solve: 0 is the best one, the next are other good ones, high "
+    "numbers are drawn at random": (
+        "Andere Anordnungen der Defekte aus der letzten Lösung: 0 ist die beste, die nächsten sind andere gute, "
+        "hohe Nummern sind zufällig gezogen"
+    ),
+    "What the panel shows of the last solve, as JSON": "Was von der letzten Lösung gezeigt wird, als JSON",
+    "What the panel shows of it, as JSON": "Was davon gezeigt wird, als JSON",
+    "What the slider said": "Was der Regler sagte",
+    "Number": "Nummer",
+    "The one in the names of its attributes": "Die in den Namen seiner Attribute",
+}

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is put together from parts, and why an operator cannot run, in German."""
+
+PARTS = {
+    "starting": "beginnt",
+    "relaxation": "Relaxierung",
+    "spectral relaxation": "spektrale Relaxierung",
+    "continuation": "Fortsetzung",
+    "polish": "Feinschliff",
+    "diffusion": "Diffusion",
+    "pattern": "Muster",
+    "unwrap": "Abwicklung",
+    "mask": "Maske",
+    "height": "Höhe",
+    "colour": "Farbe",
+    "normal": "Normale",
+    "phase": "Phase",
+    "index": "Nummern",
+    "write": "Schreiben",
+    "{passed:.0f} s": "{passed:.0f} s",
+    "{passed:.0f} s, about {left:.0f} s left": "{passed:.0f} s, noch etwa {left:.0f} s",
+    "Esc: cancel": "Esc: abbrechen",
+    "Energy {energy:.4g}": "Energie {energy:.4g}",
+    "Proved: no field saves more than {gap:.0%}": "Bewiesen: Kein Feld spart mehr als {gap:.0%}",
+    "About {gap:.0%} above the bound": "Etwa {gap:.0%} über der Schranke",
+    "disclination": "Disklination",
+    "disclinations": "Disklinationen",
+    "dislocation": "Versetzung",
+    "dislocations": "Versetzungen",
+    "vertex": "Punkt",
+    "vertices": "Punkte",
+    "The mesh carries about {count} lines across": "Das Netz trägt etwa {count} Linien",
+    "Too fine for the mesh, which carries {spacing}": "Zu fein für das Netz, das {spacing} trägt",
+    "Subdivide to {count:,} Faces": "In {count:,} Flächen unterteilen",
+    "Select Defects": "Defekte auswählen",
+    "Next Defect": "Nächster Defekt",
+    "To see the pattern:": "Um das Muster zu sehen:",
+    "Preview": "Vorschau",
+    "Rendered": "Gerendert",
+    "in the .blend": "in der .blend-Datei",
+    "chosen objects": "gewählte Objekte",
+    "First, Last": "Erstes, letztes",
+    "Quad Pattern": "Vierecksmuster",
+    "Remesh to Quads": "Zu Vierecken umnetzen",
+    "Direction Field": "Richtungsfeld",
+    "Another Variation": "Andere Variante",
+    "Bake to Images": "In Bilder backen",
+    "Direction Field (.rawfield, .rosy)": "Richtungsfeld (.rawfield, .rosy)",
+    "No active object: select a mesh object": "Kein aktives Objekt: Wählen Sie ein Netzobjekt aus",
+    "{meaning}.\nClick to copy the full report as JSON": "{meaning}.\nKlicken kopiert den ganzen Bericht als JSON",
+    "What is left of the wish for even stripes along the directions: 0 is a perfect pattern": (
+        "Was vom Wunsch nach gleichmäßigen Streifen entlang der Richtungen unerfüllt ist: 0 ist ein perfektes Muster"
+    ),
+    "No field at all on this mesh has less energy than this one by more than this share: its bound is proved by "
+    "a factorization in double precision": (
+        "Überhaupt kein Feld auf diesem Netz hat um mehr als diesen Anteil weniger Energie: Die Schranke ist durch "
+        "eine Zerlegung in doppelter Genauigkeit bewiesen"
+    ),
+    "How much of the energy lies above the lower bound; the bound is estimated, not proved": (
+        "Wie viel der Energie über der unteren Schranke liegt; sie ist geschätzt, nicht bewiesen"
+    ),
+    "Points around which the directions turn: by a half for lines, by a quarter for crosses": (
+        "Stellen, um die sich die Richtungen drehen: bei Linien um ein halbes, bei Kreuzen um ein viertel Mal"
+    ),
+    "Points where a stripe begins or ends": "Stellen, an denen ein Streifen beginnt oder endet",
+    "How long the last solve took, and on how many vertices": (
+        "Wie lange die letzte Lösung auf wie vielen Punkten brauchte"
+    ),
+    "Click: place a defect   Drag: move it   Enter: done   Esc: as before": (
+        "Klicken: Defekt setzen   Ziehen: bewegen   Eingabe: fertig   Esc: wie vorher"
+    ),
+}
+
+REASONS = {
+    "leave the present mode: fields are solved in object or edit mode": (
+        "verlassen Sie den jetzigen Modus: Felder werden im Objekt- oder Bearbeitungsmodus gelöst"
+    ),
+    "leave the present mode: samples are added in object mode": (
+        "verlassen Sie den jetzigen Modus: Beispiele werden im Objektmodus hinzugefügt"
+    ),
+    "a field is being solved: wait for it, or cancel it with Esc": (
+        "ein Feld wird gelöst: warten Sie darauf, oder brechen Sie es mit Esc ab"
+    ),
+    "{name} has no pattern: solve stripes or quads on it first": (
+        "{name} hat kein Muster: lösen Sie zuerst Streifen oder Vierecke darauf"
+    ),
+    "{name} shows no pattern: solve stripes or quads on it first": (
+        "{name} zeigt kein Muster: lösen Sie zuerst Streifen oder Vierecke darauf"
+    ),
+    "{name} has no favourites: keep a variation first": "{name} hat keine Favoriten: behalten Sie zuerst eine Variante",
+    "{name} has shape keys, which subdivision would lose: apply them first": (
+        "{name} hat Formschlüssel, die beim Unterteilen verloren gingen: wenden Sie sie zuerst an"
+    ),
+    "{name} has no defects: its field is continuous, or not solved yet": (
+        "{name} hat keine Defekte: das Feld ist stetig oder noch nicht gelöst"
+    ),
+    "{name} has not been solved since the file was opened: solve it first": (
+        "{name} wurde seit dem Öffnen der Datei nicht gelöst: lösen Sie es zuerst"
+    ),
+    "the report is kept while the file stays open: solve again to have one": (
+        "der Bericht bleibt, solange die Datei offen ist: lösen Sie neu, um einen zu haben"
+    ),
+}
