@@ -116,6 +116,7 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
         row = column.row(align=True)
         row.operator("synch.directions", icon="ORIENTATION_NORMAL")
         row.operator("synch.quad_mesh", icon="MOD_REMESH")
+        draw_warning(self.layout, obj)
 
 
 class SettingsPanel(SidebarPanel):
@@ -148,7 +149,6 @@ class SYNCH_PT_pattern(SettingsPanel, bpy.types.Panel):
     def draw(self, context):
         obj = context.active_object
         draw_pattern(self.layout, obj.synch)
-        draw_warning(self.layout, obj)
         if len(obj.data.materials) > 1:
             draw_faces(self.layout, obj.synch)
 

@@ -150,12 +150,12 @@ def draw_warning(layout, obj):
     column = layout.box().column(align=True)
     if obj.synch.automatic_spacing:
         across = max(round(found.size / found.spacing), 1)
-        column.label(text=said("The mesh carries about {count} lines across", count=across), icon="ERROR")
+        column.label(text=said("Coarse mesh: about {count} lines across", count=across), icon="ERROR")
     else:
         carries = bpy.utils.units.to_string(
             bpy.context.scene.unit_settings.system, "LENGTH", found.spacing, precision=3
         )
-        column.label(text=said("Too fine for the mesh, which carries {spacing}", spacing=carries), icon="ERROR")
+        column.label(text=said("Coarse mesh: carries {spacing}", spacing=carries), icon="ERROR")
     text = said("Subdivide to {count:,} Faces", count=faces_after(obj, levels))
     column.operator("synch.refine", text=text, icon="MOD_SUBSURF").levels = levels
 

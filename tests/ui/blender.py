@@ -115,15 +115,28 @@ class Blender:
         self.move(self.wait_for(place, kind, tab, last) if isinstance(place, str) else place)
         self.press("LEFTMOUSE")
 
-    def scroll_to(self, text):
-        """Turn the wheel over the sidebar until it shows a text."""
+    def wait_to_see(self, condition, kind):
+        """Wait for the picture of a region, which is drawn again and again, to fulfil a condition; returns it."""
+
+        def seen():
+            self.run("area().tag_redraw()")
+            return condition(self.picture(kind))
+
+        self._until(seen, condition.__doc__)
+        return self.picture(kind)
+
+    def scroll_to(self, text, count=1):
+        """Turn the wheel over the sidebar until it shows a text, this many times."""
         x, y, width, height = self.region()
         self.move((x + width / 3, y + height / 2))
-        while not self.shows(text):
-            before = self.picture("UI")
-            self.press("WHEELDOWNMOUSE")
-            if np.array_equal(before, self.picture("UI")):
-                self.wait_for(text)
+
+        def seen():
+            found = len(self.places(text)) >= count
+            if not found:
+                self.press("WHEELDOWNMOUSE")
+            return found
+
+        self._until(seen, f"the text {text!r} while scrolling")
 
     def move(self, place):
         """Move the mouse to x, y."""

@@ -32,10 +32,19 @@ def event(kind, value, x, y, **modifiers):
     bpy.context.window_manager.windows[0].event_simulate(type=kind, value=value, x=x, y=y, **modifiers)
 
 
+def area():
+    """The 3D view."""
+    return next(area for area in bpy.context.window_manager.windows[0].screen.areas if area.type == "VIEW_3D")
+
+
+def view():
+    """What the 3D view looks from."""
+    return area().spaces[0].region_3d
+
+
 def region(kind):
     """x, y, width and height of a region of the 3D view."""
-    area = next(area for area in bpy.context.window_manager.windows[0].screen.areas if area.type == "VIEW_3D")
-    found = next(region for region in area.regions if region.type == kind)
+    found = next(region for region in area().regions if region.type == kind)
     return found.x, found.y, found.width, found.height
 
 
@@ -96,8 +105,7 @@ def _digest(attribute):
 def pixel(point):
     """Where the 3D view shows a point of the scene: x and y in the window."""
     x, y, width, height = region("WINDOW")
-    area = next(area for area in bpy.context.window_manager.windows[0].screen.areas if area.type == "VIEW_3D")
-    seen = area.spaces[0].region_3d.perspective_matrix @ Vector((*point, 1.0))
+    seen = view().perspective_matrix @ Vector((*point, 1.0))
     return [x + width * (1 + seen.x / seen.w) / 2, y + height * (1 + seen.y / seen.w) / 2]
 
 
@@ -117,7 +125,7 @@ def time_cancelling():
 
 
 _scope = {"bpy": bpy, "seconds": []}
-_scope |= {f.__name__: f for f in (event, region, drawn_text, part, active, state, pixel, time_cancelling)}
+_scope |= {f.__name__: f for f in (event, area, view, region, drawn_text, part, active, state, pixel, time_cancelling)}
 
 
 def _poll():

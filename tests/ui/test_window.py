@@ -125,8 +125,7 @@ DEFECTS = """
 from mathutils import Vector
 
 def shown_vertex(x):
-    area = next(area for area in bpy.context.window_manager.windows[0].screen.areas if area.type == "VIEW_3D")
-    towards = area.spaces[0].region_3d.view_rotation @ Vector((x, 0.3, 1))
+    towards = view().view_rotation @ Vector((x, 0.3, 1))
     vertex = max(active().data.vertices, key=lambda vertex: vertex.co @ towards)
     return vertex.index, pixel(vertex.co)
 
@@ -168,9 +167,9 @@ def test_results_are_found_again_after_bake_save_and_load(panel, keep):
     panel.run("bake = bpy.context.scene.synch_bake; bake.size = 128; bake.samples = 1; bake.unwrap = True")
     panel.scroll_to("Bake")
     panel.click("Bake")
-    panel.scroll_to("Margin")
+    panel.scroll_to("Bake", count=2)  # the box and the button at its end
     panel.click("Bake", last=True)
-    panel.until("any('synch' in image.name.lower() for image in bpy.data.images)")
+    panel.until("any(image.size[0] == 128 for image in bpy.data.images)")
     before, images = panel.value("state()"), panel.value("sorted(image.name for image in bpy.data.images)")
     keep("bake", panel.picture("UI"))
     path = str(panel.folder / "found.blend")
@@ -186,3 +185,29 @@ def test_results_are_found_again_after_bake_save_and_load(panel, keep):
         panel.wait_for(text)
     panel.click("Stripes")  # what needs a solve comes back with one
     panel.wait_for("Variation")
+
+
+def stripes_are_seen(picture):
+    """Whether a picture has much of both colours that stripes have: a dark blue and a warm white."""
+    red, _, blue = (picture[..., channel].astype(int) for channel in range(3))
+    dark, light = (blue - red > 8) & (blue < 140), (red - blue > 3) & (red > 90)
+    return min(dark.sum(), light.sum()) > 2000
+
+
+def test_five_clicks_from_suzanne_to_a_striped_render(blender, keep):
+    """With nothing but what the panel says: the click list of the README."""
+    blender.run("bpy.ops.mesh.primitive_monkey_add()")
+    blender.run("from mathutils import Euler; view().view_rotation = Euler((1.25, 0, 0.5)).to_quaternion()")
+    blender.run("view().view_distance = 5")
+    assert not stripes_are_seen(blender.picture("WINDOW"))
+    blender.open_panel()  # 1: the key N; 2: the tab
+    keep("click_2", blender.picture("UI")[:330])
+    blender.click("Subdivide to")  # 3
+    blender.until("len(active().data.polygons) > 5000")
+    keep("click_3", blender.picture("UI")[:330])
+    blender.click("Stripes")  # 4
+    blender.wait_for("To see the pattern:")
+    keep("click_4", blender.picture("UI")[:330])
+    blender.click("Rendered")  # 5
+    blender.wait_to_see(stripes_are_seen, "WINDOW")
+    keep("click_5", blender.picture()[30:-110, : blender.region("WINDOW")[2]])
