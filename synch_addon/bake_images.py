@@ -51,6 +51,7 @@ def packed(path, name, map_name):
     older = bpy.data.images.get(name)
     image = bpy.data.images.load(str(path))
     image.pack()
+    image.use_fake_user = True  # nothing else may use it, and a file is saved without what is not used
     image.filepath_raw = f"//{name}"
     if older is not None and older.get(_MADE) == map_name:
         older.user_remap(image)

@@ -20,7 +20,7 @@ from . import reading
 from .screen import write_png
 
 # Seconds after which what is waited for counts as missing, and that an event needs to reach the window.
-PATIENCE, SETTLING = 300, 0.3
+PATIENCE, SETTLING = 200, 0.3
 # Points of the interface's font.
 _POINTS = 11
 
@@ -125,7 +125,7 @@ class Blender:
         self._until(seen, condition.__doc__)
         return self.picture(kind)
 
-    def scroll_to(self, text, count=1):
+    def scroll_to(self, text, count=1, up=False):
         """Turn the wheel over the sidebar until it shows a text, this many times."""
         x, y, width, height = self.region()
         self.move((x + width / 3, y + height / 2))
@@ -133,7 +133,7 @@ class Blender:
         def seen():
             found = len(self.places(text)) >= count
             if not found:
-                self.press("WHEELDOWNMOUSE")
+                self.press("WHEELUPMOUSE" if up else "WHEELDOWNMOUSE")
             return found
 
         self._until(seen, f"the text {text!r} while scrolling")
