@@ -2,6 +2,7 @@
 """Everything of Synch Fields that touches Blender; the mathematics is in ``core``."""
 
 from . import (
+    animation_panel,
     bake_panel,
     cli,
     constraint_list,
@@ -52,6 +53,7 @@ _MODULES = (
     bake_panel,
     vortex_panel,
     layer_panel,
+    animation_panel,
     cli,
 )
 

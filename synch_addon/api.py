@@ -13,8 +13,9 @@ from ..core.errors import ContradictionError, SettingError, SynchError
 from ..core.extract.quad_mesh import quad_mesh as traced_quads
 from ..core.fields.directions import SYMMETRIES
 from ..core.fields.placement import variation, with_defects
-from . import field_io, memory, presets, quad_object, scene_io, stripe_numbers, write
+from . import field_io, frame_nodes, memory, presets, quad_object, scene_io, stripe_numbers, write
 from . import isolines as line_object
+from .animation import HOLD, AnimationJob, Span
 from .bake import BakeJob
 from .bake_settings import BakeSettings
 from .clebsch import clebsch as clebsch
@@ -291,6 +292,31 @@ def bake(obj, callback=None, **settings):
     return run_bake(obj, BakeSettings.from_names(settings), callback)
 
 
+def animate(obj, callback=None, frames=None, pattern="stripes", hold=HOLD, **settings):
+    """Solve a pattern in each frame of a moving mesh, each frame from the one before; a modifier shows them.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object, whose shape keys and modifiers keep its faces
+    callback : callable(stage, fraction) -> bool, optional; False cancels
+    frames : first and last frame; None for the scene's
+    pattern, hold : see :class:`Span`
+    settings : see :class:`Settings`
+
+    Returns the report, whose ``frames`` are figures of each; errors as :func:`directions`.
+    """
+    scene = bpy.context.scene
+    frames = (scene.frame_start, scene.frame_end) if frames is None else frames
+    return run_animate(obj, from_names(settings), frames, pattern, hold, callback)
+
+
+def run_animate(obj, settings, frames, pattern, hold, callback=None):
+    """Animate with ready :class:`Settings`."""
+    job = AnimationJob(obj, settings, Span(*frames, pattern, hold), callback)
+    job.solve(callback)
+    return job.write(obj)
+
+
 def run_bake(obj, settings, callback=None):
     """Bake with ready :class:`BakeSettings`."""
     refuse(obj)
@@ -312,6 +338,7 @@ def _show(obj, change, number=0):
 def write_result(obj, task, field, pattern, report, number=0):
     """Write a field and remember it as variation ``number`` of its solve; returns the report."""
     with report.clock("write"):
+        frame_nodes.remove_frames(obj)
         defects, polygons = write.results(obj, task, field, pattern, report)
     task = replace(task, given=replace(task.given, polygons=polygons))
     plain = report.finish(field, pattern, defects)

@@ -17,7 +17,7 @@ from pathlib import Path
 import bpy
 
 from ..core.errors import SettingError, SynchError
-from . import api, cli_bake, cli_clebsch, cli_layers, cli_lines, files
+from . import api, cli_animate, cli_bake, cli_clebsch, cli_layers, cli_lines, files
 from .constraints import from_plain
 from .demo import add_demo_object
 from .field_io import check_triangles
@@ -116,8 +116,14 @@ def _run_layers(options, loaded):
     return cli_layers.run(options, lambda: _open(options, loaded), None if options.quiet else _show_progress)
 
 
+def _run_animate(options, loaded):
+    progress = None if options.quiet else _show_progress
+    return cli_animate.run(options, lambda: _open(options, loaded), _settings(options), progress)
+
+
 _FIELDS = ("stripes", "directions", "quads", "quad_mesh")
 _OTHERS = {
+    "animate": _run_animate,
     "bake": _run_bake,
     "clebsch": _run_clebsch,
     "demo": _run_demo,
@@ -252,6 +258,7 @@ def _parser(loaded):
             command.add_argument("--export-mesh", metavar="FILE.obj", help=f"write the quads as a file ({suffixes})")
         command.add_argument("--quiet", action="store_true", help="no progress on stderr")
     cli_lines.add_parser(commands, _add_input, _add_settings, _add_view)
+    cli_animate.add_parser(commands, _add_input, _add_settings)
     cli_clebsch.add_parser(commands)
     cli_layers.add_parser(commands, _add_input, _add_view)
     cli_bake.add_parser(commands, _add_input)

@@ -16,15 +16,10 @@ import scipy
 
 from ..core.errors import name_elements, plural
 from ..core.solve.solution import Clock, relative_gap
-from .relief import is_relief
+from .frame_nodes import changing_modifiers
 
 _MANIFEST = Path(__file__).parent.parent / "blender_manifest.toml"
 VERSION = tomllib.loads(_MANIFEST.read_text(encoding="utf-8"))["version"]
-# Modifiers after which the mesh that is seen has other faces than the one that is solved.
-_CHANGES_FACES = (
-    {"ARRAY", "BEVEL", "BOOLEAN", "BUILD", "DECIMATE", "EDGE_SPLIT", "EXPLODE", "MASK", "MIRROR", "MULTIRES"}
-    | {"NODES", "OCEAN", "REMESH", "SCREW", "SKIN", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WELD", "WIREFRAME"}
-)  # fmt: skip
 
 
 class Report:
@@ -59,8 +54,8 @@ class Report:
                 f"{name_elements('vertex', loose)} without a face get no field: "
                 "remove loose geometry with Mesh > Clean Up > Delete Loose"
             )
-        changing = [m.name for m in obj.modifiers if m.show_viewport and m.type in _CHANGES_FACES and not is_relief(m)]
-        if changing:
+        changing = [modifier.name for modifier in changing_modifiers(obj)]
+        if changing and self.command != "animate":  # which reads the mesh behind its modifiers
             self.warn(
                 f"the pattern is solved on the mesh before its modifiers ({', '.join(changing)}): "
                 "apply them first if it should follow the result"

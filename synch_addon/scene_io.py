@@ -84,8 +84,10 @@ def object_mode(obj):
             bpy.ops.object.mode_set(mode="EDIT")
 
 
-def read_mesh(obj):
+def read_mesh(obj, polygons=None):
     """Read the object's own mesh (before modifiers) in object mode, measured with the object's scale.
+
+    An evaluated object's own mesh is the one behind the modifiers. Its faces are read where they are not given.
 
     Raises
     ------
@@ -97,7 +99,7 @@ def read_mesh(obj):
             raise MeshError(f"the vertex group {group.name!r} of {obj.name} has a name of our attributes: rename it")
     stretch = _stretch(obj)
     vertices = _read(obj.data.attributes["position"]) if len(obj.data.vertices) else np.empty((0, 3))
-    polygons = read_polygons(obj)
+    polygons = read_polygons(obj) if polygons is None else polygons
     mesh = TriangleMesh(vertices.astype(float) @ stretch.T, polygons.triangles)
     check_mesh(mesh, polygons.triangle_faces)
     return MeshInput(mesh, polygons, stretch, mesh, np.arange(mesh.vertex_count))

@@ -71,9 +71,9 @@ def settings_for(command, obj, settings):
     return settings
 
 
-def gather(command, obj, settings):
-    """Read what the settings ask for; refuse what cannot be."""
-    given = constraints.cut_mesh(obj, scene_io.read_mesh(obj), settings.constraints)
+def gather(command, obj, settings, polygons=None):
+    """Read what the settings ask for; refuse what cannot be. The faces are read where they are not given."""
+    given = constraints.cut_mesh(obj, scene_io.read_mesh(obj, polygons), settings.constraints)
     spacing = automatic_spacing(command, given.mesh) if settings.spacing is None else settings.spacing
     spacings, turn, directions, guides = spacing, settings.angle, None, ()
     if settings.spacing_map:
@@ -104,20 +104,40 @@ def read_mirrors(given, axes):
         raise error.renumbered(given.source) from None
 
 
-def solve_directions(task, callback):
-    """The :class:`DirectionField` of a task, turned by its angle."""
+def solve_directions(task, callback, before=None):
+    """The :class:`DirectionField` of a task, turned by its angle; from the one of the frame before, if there is one."""
     mesh, settings = task.given.mesh, task.settings
     symmetry = SYMMETRIES[settings.symmetry]
     if task.directions is not None:
         return given_directions(mesh, symmetry, task.directions).turned(task.turn)
     wishes = DirectionWishes(tuple(guide.weighted for guide in task.guides), task.rows, task.mirrors)
-    return direction_field(mesh, symmetry, wishes, settings.options, callback).turned(task.turn)
+    return direction_field(mesh, symmetry, wishes, settings.options, callback, before).turned(task.turn)
 
 
-def solve_pattern(task, field, report, callback):
-    """The :class:`Pattern` of a task along a field."""
-    mesh, settings = task.given.mesh, task.settings
-    growth = Growth.of(mesh, field, task.spacings)
+def solve_pattern(task, field, report, callback, before=None, hold=0.0):
+    """The :class:`Pattern` of a task along a field; from the one of the frame before, if there is one.
+
+    What the spacing asks for is told to the report, where there is one.
+    """
+    if report is not None:
+        _judge_spacing(task, field, report, callback)
+    solve = PATTERNS[task.command]
+    settings = task.settings
+    return solve(
+        task.given.mesh,
+        field,
+        task.spacings,
+        task.rows,
+        task.mirrors,
+        settings.options,
+        callback,
+        before=before,
+        hold=hold,
+    )
+
+
+def _judge_spacing(task, field, report, callback):
+    growth = Growth.of(task.given.mesh, field, task.spacings)
     share = growth.coarse_share
     if share > COARSE_SHARE:
         finest = np.min(task.spacings)
@@ -128,8 +148,6 @@ def solve_pattern(task, field, report, callback):
     report.forced_dislocations = growth.forced_dislocations
     if callback is not None:  # what the map asks for is seen before the stripes are there; cancelling is the solver's
         callback(f"pattern, {report.forced_dislocations:.0f} dislocations asked for", 0.0)
-    solve = PATTERNS[task.command]
-    return solve(mesh, field, task.spacings, task.rows, task.mirrors, settings.options, callback)
 
 
 def automatic_spacing(command, mesh, across=LINES_ACROSS):

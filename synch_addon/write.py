@@ -11,9 +11,23 @@ from . import scene_io
 from .defect_empties import KINDS, Defect, write_defects
 from .materials import pattern_material
 
-# Attributes of each phase, and their suffixes by how many phases a vertex has.
+# Suffixes of each phase's attributes, by how many phases a vertex has, and the domains and types of those attributes.
 _SUFFIXES = {1: ("",), 2: ("_x", "_y")}
-_PER_PHASE = ("synch_phase{}", "synch_index{}", "synch_index{}_2", "synch_disclination{}", "synch_vertex_phase{}")
+_PER_PHASE = {
+    "synch_phase{}": ("CORNER", "FLOAT"),
+    "synch_index{}": ("FACE", "INT"),
+    "synch_index{}_2": ("FACE", "INT"),
+    "synch_disclination{}": ("FACE", "FLOAT_COLOR"),
+    "synch_vertex_phase{}": ("POINT", "FLOAT"),
+}
+
+
+def layout(count):
+    """Domain and type of each attribute of a pattern with so many phases at a vertex, by their names."""
+    names = {name.format(suffix): kind for suffix in _SUFFIXES[count] for name, kind in _PER_PHASE.items()}
+    closing = {"synch_closing": ("FACE", "FLOAT2")} if count == 2 else {}
+    places = {"synch_barycentric": ("CORNER", "FLOAT_VECTOR"), "synch_pattern": ("POINT", "FLOAT")}
+    return names | closing | places
 
 
 def results(obj, task, field, pattern, report):
@@ -30,7 +44,7 @@ def results(obj, task, field, pattern, report):
     kinds = ("disclination",) if pattern is None else KINDS
     write_defects(obj, defects, kinds=kinds, length=spacing)
     if pattern is not None:
-        all_faces = task.settings.assign_material or _has_one_material(obj)
+        all_faces = task.settings.assign_material or has_one_material(obj)
         pattern_material(obj, task.command, spacing=spacing, assign_faces=all_faces)
     scene_io.update(obj)
     return [_plain(obj, d) for d in defects], polygons
@@ -75,42 +89,53 @@ def write_phases(obj, given, edge_phases, warn):
     phases = face_phases(edge_phases, polygons)
     unfit = phases[0].unfit
     if len(unfit):
-        warn(
-            f"{len(unfit)} faces with a defect were split into triangles, first face "
-            f"{unfit[0]}: corner values carry one disclination, or two dislocations, in at most four corners"
-        )
+        warn(split_line(unfit))
         old_corners = scene_io.split_faces(obj, polygons, unfit)
         polygons = replace(scene_io.read_polygons(obj), corner_vertices=polygons.corner_vertices[old_corners])
         phases = face_phases(edge_phases, polygons)
-    vertex_phases = edge_phases.arguments[: given.uncut.vertex_count]
-    suffixes = _SUFFIXES[len(phases)]
-    other = _SUFFIXES[3 - len(phases)]
-    for name in [name.format(suffix) for name in _PER_PHASE for suffix in other] + ["synch_closing"]:
-        scene_io.remove_attribute(obj, name)
-    for suffix, phase, at_vertices in zip(suffixes, phases, vertex_phases.T, strict=True):
-        scene_io.write_attribute(obj, "synch_phase" + suffix, "CORNER", "FLOAT", phase.corner_phase)
-        scene_io.write_attribute(obj, "synch_index" + suffix, "FACE", "INT", phase.index)
-        scene_io.write_attribute(obj, "synch_vertex_phase" + suffix, "POINT", "FLOAT", at_vertices)
-        _write_if_any(obj, f"synch_index{suffix}_2", "INT", phase.index_2)
-        disclination = "synch_disclination" + suffix
-        if len(phases) == 1:
-            _write_if_any(obj, disclination, "FLOAT_COLOR", phase.disclination)
-        else:  # a face may be singular for the other phase alone: its values here have to be zero, not absent
-            scene_io.write_attribute(obj, disclination, "FACE", "FLOAT_COLOR", phase.disclination)
-    if len(phases) == 2:
-        closing = np.column_stack([phase.closing for phase in phases])
-        scene_io.write_attribute(obj, "synch_closing", "FACE", "FLOAT2", closing)
-    scene_io.write_attribute(obj, "synch_barycentric", "CORNER", "FLOAT_VECTOR", phases[0].corner_place)
-    scene_io.write_attribute(obj, "synch_pattern", "POINT", "FLOAT", np.cos(vertex_phases).prod(axis=1))
+    pattern_attributes(obj, attribute_values(phases, edge_phases.arguments[: given.uncut.vertex_count]))
     return polygons
 
 
-def _write_if_any(obj, name, data_type, values):
-    """A face attribute that only some meshes need: absent means zero to a shader."""
-    if values.any():
-        scene_io.write_attribute(obj, name, "FACE", data_type, values)
-    else:
+def split_line(faces):
+    """The warning that faces were split."""
+    return (
+        f"{len(faces)} faces with a defect were split into triangles, first face "
+        f"{faces[0]}: corner values carry one disclination, or two dislocations, in at most four corners"
+    )
+
+
+def attribute_values(phases, vertex_phases):
+    """Values of a pattern's attributes by their names, without those that only some meshes need.
+
+    Parameters
+    ----------
+    phases : tuple of k FacePhases
+    vertex_phases : (n, k) radians
+    """
+    suffixes = _SUFFIXES[len(phases)]
+    values = {"synch_barycentric": phases[0].corner_place, "synch_pattern": np.cos(vertex_phases).prod(axis=1)}
+    for suffix, phase, at_vertices in zip(suffixes, phases, vertex_phases.T, strict=True):
+        values["synch_phase" + suffix] = phase.corner_phase
+        values["synch_index" + suffix] = phase.index
+        values["synch_vertex_phase" + suffix] = at_vertices
+        if phase.index_2.any():  # absent means zero to a shader
+            values[f"synch_index{suffix}_2"] = phase.index_2
+        # A face may be singular for the other phase alone: its values here have to be zero, not absent.
+        if phase.disclination.any() or len(phases) == 2:
+            values["synch_disclination" + suffix] = phase.disclination
+    if len(phases) == 2:
+        values["synch_closing"] = np.column_stack([phase.closing for phase in phases])
+    return values
+
+
+def pattern_attributes(obj, values):
+    """Write a pattern's attributes, and remove those of another pattern that it lacks."""
+    kinds = layout(1) | layout(2)
+    for name in kinds.keys() - values.keys():
         scene_io.remove_attribute(obj, name)
+    for name, array in values.items():
+        scene_io.write_attribute(obj, name, *kinds[name], array)
 
 
 def _defect(given, pattern, defect, face):
@@ -134,7 +159,7 @@ def _plain(obj, defect):
     return plain | {"phase": defect.phase} if defect.phase else plain
 
 
-def _has_one_material(obj):
+def has_one_material(obj):
     """Whether showing the pattern on all faces loses no assignment of the user's."""
     used = np.empty(len(obj.data.polygons), np.int32)
     obj.data.polygons.foreach_get("material_index", used)

@@ -4,6 +4,7 @@
 import bpy
 
 from . import (
+    animate,
     bake,
     clebsch,
     defects,
@@ -37,6 +38,7 @@ _CLASSES = (
     refine.SYNCH_OT_refine,
     samples.SYNCH_OT_add_sample,
     layers.SYNCH_OT_layers,
+    animate.SYNCH_OT_animate,
 )
 
 

@@ -95,7 +95,7 @@ def test_a_rigid_motion_leaves_all_phases(symmetry, hold):
     assert after.solution.status is Status.UNCERTIFIED and after.solution.energy == pytest.approx(after.energy)
 
 
-@pytest.mark.parametrize("symmetry", [1, 2, 4])
+@pytest.mark.parametrize("symmetry", [2, 4])
 def test_a_gentle_motion_changes_little(symmetry):
     """Against solves of their own, whose lines lie elsewhere in every frame; the energies are as good."""
     mesh = bumpy_torus(10)

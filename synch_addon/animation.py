@@ -1,0 +1,301 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Patterns on a moving mesh: read in every frame, solved from frame to frame, and stored side by side.
+
+The mesh of a frame is the one behind the object's modifiers, as long as they keep its faces.
+"""
+
+import math
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+
+import bpy
+import numpy as np
+
+from ..core.errors import Cancelled, ContradictionError, MeshError, SettingError, SynchError
+from ..core.fields import given_directions
+from ..core.fields.directions import SYMMETRIES, DirectionField
+from ..core.fields.frames import carried_angles, is_moved
+from ..core.geometry import TriangleMesh
+from ..core.geometry.polygons import Polygons
+from ..core.interpolate import EdgePhases, face_phases
+from . import frame_nodes, memory, scene_io, write
+from .defect_empties import write_defects
+from .jobs import portion
+from .materials import pattern_material
+from .report import Report
+from .task import gather, settings_for, solve_directions, solve_pattern
+
+# How strongly a pattern holds on to the frame before. Measured: jumps become slides, at about a hundredth of energy.
+HOLD = 0.1
+# The first frame is searched for; the others only go on. What part of the work reading is, and the first frame's share.
+_READING, _FIRST = 0.1, 4
+
+
+@dataclass(frozen=True)
+class Span:
+    """Frames to solve, and what.
+
+    Attributes
+    ----------
+    first, last : frames
+    pattern : "stripes" or "quads"
+    hold : how strongly the phases are drawn to those of the frame before; 0 for not at all
+    """
+
+    first: int
+    last: int
+    pattern: str = "stripes"
+    hold: float = HOLD
+
+    def __post_init__(self):
+        if not (isinstance(self.first, int) and isinstance(self.last, int) and self.first <= self.last):
+            raise SettingError(f"the frames are {self.first!r} to {self.last!r}: give the first and the last, in order")
+        if self.pattern not in frame_nodes.NAMES:
+            raise SettingError(f"the pattern {self.pattern!r} is unknown: use one of {', '.join(frame_nodes.NAMES)}")
+        if not isinstance(self.hold, int | float) or not (math.isfinite(self.hold) and self.hold >= 0):
+            raise SettingError(f"the hold is {self.hold!r}: give a number from 0 on, such as {HOLD}")
+
+    @property
+    def frames(self):
+        return range(self.first, self.last + 1)
+
+
+@dataclass(frozen=True)
+class _Frame:
+    """What is kept of a solved frame."""
+
+    number: int
+    edge_phases: EdgePhases
+    polygons: Polygons
+    directions: np.ndarray
+    figures: dict
+
+
+class AnimationJob:
+    """A run in three steps like :class:`api.FieldJob`: reading all frames, solving them in any thread, writing.
+
+    The scene's frame is the same afterwards; nothing else changes before :meth:`write`.
+    """
+
+    def __init__(self, obj, settings, span, callback=None):
+        reason = scene_io.refusal(obj)
+        if reason is None and not obj.visible_get():
+            reason = f"{obj.name} is hidden and does not move: show it in the viewport"
+        if reason:
+            raise SynchError(reason)
+        settings = settings_for(span.pattern, obj, settings)
+        self._span, self._report = span, Report("animate", obj, settings)
+        self._solved = []
+        with scene_io.object_mode(obj), self._report.clock("read"):
+            self._base = scene_io.read_mesh(obj)
+            self._tasks = _read(obj, settings, span, self._base.polygons, callback)
+            self._report.warn_about(obj, self._tasks[0])
+
+    def solve(self, callback=None):
+        """Solve on the arrays alone; errors as those of :class:`api.FieldJob`, naming the frame."""
+        done, work = 0, len(self._tasks) + _FIRST - 1
+        field = pattern = None
+        for number, frame in enumerate(self._span.frames):
+            task, share = self._tasks[number], 1 if number else _FIRST
+            begin, whole = _READING + (1 - _READING) * done / work, (1 - _READING) * share / work
+            ask = portion(_saying(callback, frame), begin, whole)
+            try:
+                found = _solved(task, field, pattern, self._span.hold, self._report if number == 0 else None, ask)
+            except ContradictionError as error:
+                raise _in_frame(frame, error.renumbered(task.given.source)) from None
+            self._keep(frame, task, *found, pattern)
+            field, pattern = found
+            if number == 0:
+                self._first = found
+            else:
+                self._tasks[number] = None  # its mesh is not needed any more
+            done += share
+
+    def _keep(self, frame, task, field, pattern, before):
+        """Keep what is written of a frame; all frames share the mesh of the first, whose places do not count."""
+        phases, shared = pattern.edge_phases, self._tasks[0].given.mesh
+        if is_moved(shared, phases.mesh):
+            phases = replace(phases, mesh=shared)
+        figures = {
+            "frame": frame,
+            "energy": pattern.energy,
+            "direction_energy": field.energy,
+            "disclinations": len(field.disclinations),
+            "dislocations": len(pattern.dislocations),
+            "change": None if before is None else _change(before, pattern),
+        }
+        directions = task.given.to_object(field.vectors).astype(np.float32)
+        self._solved.append(_Frame(frame, phases, task.given.polygons, directions, figures))
+
+    def write(self, obj):
+        """Write all frames to the object at once; returns the report."""
+        with scene_io.object_mode(obj):
+            if not scene_io.is_unchanged(obj, self._base):
+                raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
+            task, (field, pattern) = self._tasks[0], self._first
+            defects = write.reported_defects(obj, task, field, pattern)
+            with self._report.clock("write"):
+                self._write(obj, task)
+        report = self._report.finish(field, pattern, defects)
+        return report | {
+            "pattern": self._span.pattern,
+            "hold": self._span.hold,
+            "frames": [frame.figures for frame in self._solved],
+        }
+
+    def _write(self, obj, task):
+        frame_nodes.remove_frames(obj)
+        corners = self._split(obj)
+        count = self._base.mesh.vertex_count
+        own = frame_nodes.frame_layout(self._span.pattern)
+        places, first = None, None
+        for frame in self._solved:
+            phases = face_phases(frame.edge_phases, corners(frame.polygons))
+            values = write.attribute_values(phases, frame.edge_phases.arguments[:count])
+            values["synch_direction"] = frame.directions
+            first = values if first is None else first
+            place = values["synch_barycentric"]
+            # A face's places are the same in all frames in which it is singular, and do not matter in others.
+            places = place if places is None else np.where(places.any(axis=1, keepdims=True), places, place)
+            for name in own.keys() & values.keys():
+                scene_io.write_attribute(obj, frame_nodes.frame_name(name, frame.number), *own[name], values[name])
+        directions = first.pop("synch_direction")
+        write.pattern_attributes(obj, first | {"synch_barycentric": places})
+        scene_io.write_attribute(obj, "synch_direction", *own["synch_direction"], directions)
+        scene_io.remove_attribute(obj, "synch_singularity")
+        write_defects(obj, [])  # they move
+        all_faces = task.settings.assign_material or write.has_one_material(obj)
+        pattern_material(obj, self._span.pattern, spacing=task.spacing, assign_faces=all_faces)
+        frame_nodes.add_frames(obj, self._span.pattern, self._span.first, self._span.last)
+        memory.forget(obj)
+        if hasattr(obj, "synch"):  # as long as the extension is registered
+            obj.synch.variation, obj.synch.result = 0, ""
+        scene_io.update(obj)
+
+    def _split(self, obj):
+        """Split the faces that cannot carry their defects in some frame; how polygons are afterwards."""
+        unfit = [face_phases(frame.edge_phases, frame.polygons)[0].unfit for frame in self._solved]
+        faces = np.unique(np.concatenate(unfit))
+        if len(faces) == 0:
+            return lambda polygons: polygons
+        self._report.warn(write.split_line(faces))
+        old_corners = scene_io.split_faces(obj, self._base.polygons, faces)
+        now = scene_io.read_polygons(obj)
+        return lambda polygons: replace(now, corner_vertices=polygons.corner_vertices[old_corners])
+
+
+def _solved(task, field, pattern, hold, report, ask):
+    """Directions and pattern of a frame, from those of the frame before, if there are any of the same triangles."""
+    if field is not None and not is_moved(field.mesh, task.given.mesh):  # other edges were cut
+        field = pattern = None
+    following = solve_directions(task, portion(ask, 0.0, 0.4), field)
+    return following, solve_pattern(task, following, report, portion(ask, 0.4, 0.6), pattern, hold)
+
+
+def _change(before, pattern):
+    """Mean difference of what is seen at the vertices."""
+    if len(before.vertex_phases) != len(pattern.vertex_phases):
+        return None
+    seen = [np.cos(shown.vertex_phases).prod(axis=1) for shown in (before, pattern)]
+    return float(np.abs(seen[1] - seen[0]).mean())
+
+
+# Reading
+
+
+def _read(obj, settings, span, polygons, callback):
+    """A :class:`Task` for each frame; the scene's frame is the same afterwards."""
+    scene = bpy.context.scene
+    present = scene.frame_current, scene.frame_subframe
+    rest = _rest_directions(obj, settings, span)
+    tasks = []
+    try:
+        with _hidden([m for m in obj.modifiers if frame_nodes.is_ours(m)]):
+            for number, frame in enumerate(span.frames):
+                if callback is not None and not callback(f"read frame {frame}", _READING * number / len(span.frames)):
+                    raise Cancelled("cancelled: nothing was changed")
+                scene.frame_set(frame)
+                task = _task(obj, frame, settings, span, polygons)
+                settings = replace(settings, spacing=task.spacing)  # an automatic one is that of the first frame
+                tasks.append(task if rest is None else _following(task, rest))
+    finally:
+        scene.frame_set(present[0], subframe=present[1])
+    return tasks
+
+
+def _task(obj, frame, settings, span, polygons):
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    if not _has_faces(evaluated, polygons):
+        modifier = _changing(obj, polygons)
+        raise SynchError(
+            f"frame {frame}: the modifier {modifier} of {obj.name} changes its faces: hide it in the viewport while "
+            "the animation is solved, or apply it"
+        )
+    try:
+        task = gather(span.pattern, evaluated, settings, polygons)
+    except MeshError as error:
+        raise _in_frame(frame, error) from None
+    given = task.given
+    uncut = _fresh(given.uncut)
+    mesh = uncut if given.mesh is given.uncut else _fresh(given.mesh)
+    return replace(task, given=replace(given, mesh=mesh, uncut=uncut))
+
+
+def _fresh(mesh):
+    """The mesh without all that has been computed of it, for many of them are kept."""
+    return TriangleMesh(mesh.vertices, mesh.triangles)
+
+
+def _in_frame(frame, error):
+    """The error with its frame."""
+    named = SynchError(f"frame {frame}: {error}")
+    named.vertices = error.vertices
+    return named
+
+
+def _rest_directions(obj, settings, span):
+    """The field of directions that an attribute gives on the mesh at rest, which go along with it; or None."""
+    if settings.exact_attribute is None:
+        return None
+    task = gather(span.pattern, obj, settings)
+    return given_directions(task.given.mesh, SYMMETRIES[settings.symmetry], task.directions)
+
+
+def _following(task, rest):
+    """The task along directions at rest that have gone along."""
+    mesh = task.given.mesh
+    return replace(task, directions=DirectionField(mesh, 1, carried_angles(rest.angles, rest.mesh, mesh)).vectors)
+
+
+def _has_faces(obj, polygons):
+    """Whether an object's mesh has these faces."""
+    now = scene_io.read_polygons(obj)
+    return np.array_equal(now.corner_vertices, polygons.corner_vertices) and np.array_equal(now.starts, polygons.starts)
+
+
+def _changing(obj, polygons):
+    """Name of the first modifier behind which the mesh has other faces."""
+    shown = [modifier for modifier in obj.modifiers if modifier.show_viewport]
+    for number, modifier in enumerate(shown):
+        with _hidden(shown[number + 1 :]):
+            if not _has_faces(obj.evaluated_get(bpy.context.evaluated_depsgraph_get()), polygons):
+                return modifier.name
+    return "that deforms it"
+
+
+@contextmanager
+def _hidden(modifiers):
+    """Evaluate without modifiers for a while."""
+    shown = [modifier for modifier in modifiers if modifier.show_viewport]
+    for modifier in shown:
+        modifier.show_viewport = False
+    try:
+        yield
+    finally:
+        for modifier in shown:
+            modifier.show_viewport = True
+
+
+def _saying(callback, frame):
+    """A callback that says which frame it is."""
+    return None if callback is None else lambda stage, fraction: callback(f"frame {frame}: {stage}", fraction)

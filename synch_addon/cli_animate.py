@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command ``animate`` of the command line: a pattern in each frame of a moving mesh of a .blend file."""
+
+import bpy
+
+from . import api, files
+from .animation import HOLD
+from .report import counted
+
+
+def add_parser(commands, add_input, add_settings):
+    """Add the command to the parser's."""
+    command = commands.add_parser(
+        "animate",
+        help="stripes or quads in each frame of a moving mesh",
+        description="Solve stripes or quads in each frame of a moving mesh, each from the one before.",
+    )
+    add_input(command)
+    command.add_argument("--pattern", choices=("stripes", "quads"), default="stripes", help="(%(default)s)")
+    command.add_argument("--frames", nargs=2, type=int, metavar=("FIRST", "LAST"), help="default: the scene's")
+    command.add_argument(
+        "--hold",
+        type=float,
+        default=HOLD,
+        metavar="X",
+        help="how strongly the pattern holds on to the frame before (%(default)s)",
+    )
+    add_settings(command, "animate")
+    command.add_argument("--output", metavar="FILE.blend", help="save the scene with the result")
+    command.add_argument("--report", metavar="FILE.json", help="write energies, defects and changes of each frame")
+    command.add_argument("--quiet", action="store_true", help="no progress on stderr")
+
+
+def run(options, open_object, settings, progress):
+    """Run the command; the report and the lines to print."""
+    files.check_outputs(options.output, report=options.report)
+    obj = open_object()
+    scene = bpy.context.scene
+    frames = options.frames or (scene.frame_start, scene.frame_end)
+    report = api.run_animate(obj, settings, frames, options.pattern, options.hold, progress)
+    written = [files.save_blend(options.output)] if options.output else []
+    written += [options.report] if options.report else []
+    warnings = [f"warning: {line}" for line in report["warnings"]]
+    return report, [*summary(report), *warnings, *(f"wrote {path}" for path in written)]
+
+
+def summary(report):
+    """The lines that a person wants to read."""
+    frames = report["frames"]
+    lines = [f"{report['pattern']} on {report['object']}: {report['nodes']} vertices, {counted(len(frames), 'frame')}"]
+    energies = [frame["energy"] for frame in frames]
+    lines.append(f"energies {min(energies):.6g} to {max(energies):.6g}")
+    changes = [frame["change"] for frame in frames if frame["change"] is not None]
+    if changes:
+        mean = sum(changes) / len(changes)
+        lines.append(f"change from frame to frame {mean:.3f} on average, {max(changes):.3f} at most")
+    return [*lines, f"{report['times']['total']:.2f} s"]

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operator: a pattern in each frame of the active mesh's motion."""
+
+import bpy
+
+from ..animation import AnimationJob
+from ..animation_panel import PROPERTY_NAMES, AnimationProperties, span_of
+from ..report import counted
+from ..settings import SettingProperties
+from .field_operator import FieldOperator
+
+
+class SYNCH_OT_animate(FieldOperator, AnimationProperties, SettingProperties, bpy.types.Operator):
+    """Solve the pattern in each frame of a moving or deforming mesh, each frame from the one before"""
+
+    bl_idname = "synch.animate"
+    bl_label = "Animate"
+    bl_options = {"UNDO"}  # without a redo panel: every change there would solve all frames again
+
+    def _take(self, context):
+        super()._take(context)
+        for name in PROPERTY_NAMES:
+            setattr(self, name, getattr(context.active_object.synch_animation, name))
+
+    def _job(self, context):
+        self._object_name = context.active_object.name
+        return AnimationJob(context.active_object, self._settings(), span_of(self, context.scene))
+
+    def _show_early(self, early):
+        """Nothing: the first frame is one of many."""
+
+    def _announce(self, report):
+        self.spacing = report["settings"]["spacing"]
+        for warning in report["warnings"]:
+            self.report({"WARNING"}, warning)
+        frames = report["frames"]
+        line = f"{report['pattern']} in {counted(len(frames), 'frame')}"
+        changes = [frame["change"] for frame in frames if frame["change"] is not None]
+        self.report({"INFO"}, f"{line}, at most {max(changes):.2f} of change at once" if changes else line)
+        return {"FINISHED"}
