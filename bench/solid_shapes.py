@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Solids for the benchmarks, each with two surfaces that layers are to follow: bunnies, and a ring with a wavy top."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from meshes import read_obj
+
+from synch_fields.core.fields.layers import LayerGroup
+from synch_fields.core.geometry import TriangleMesh
+from synch_fields.core.geometry.stuffing import stuffed
+from synch_fields.core.geometry.surface_distance import SurfaceDistance
+from synch_fields.core.geometry.tet_mesh import TetMesh, positive
+from synch_fields.core.tet_files import read_tets
+
+# Corners of a prism's three tetrahedra when its lower triangle's vertices increase.
+PRISM = ((0, 1, 2, 5), (0, 1, 4, 5), (0, 3, 4, 5))
+# Share of a bunny's height that counts as its base, and of that above which lie the tips of the ears.
+BASE, TIPS = 0.025, 0.965
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A solid, standing on its z axis, with (n,) bool for its vertices on the lower and the upper chosen surface."""
+
+    name: str
+    mesh: TetMesh
+    low: np.ndarray
+    high: np.ndarray
+
+    @property
+    def size(self):
+        """Diagonal of the box."""
+        return float(np.linalg.norm(np.ptp(self.mesh.vertices, axis=0)))
+
+    @property
+    def groups(self):
+        """A layer on either surface."""
+        both = ((self.low, "low"), (self.high, "high"))
+        return [LayerGroup.of_vertices(self.mesh, chosen, 0.0, name) for chosen, name in both]
+
+
+def solid_bunny(folder):
+    """The tetrahedra of bunny.mesh."""
+    return _standing("bunny.mesh", read_tets(Path(folder) / "bunny.mesh"))
+
+
+def stuffed_bunny(folder, size):
+    """The Stanford bunny with its holes closed, stuffed with tetrahedra of a size in its own unit: a unit of area."""
+    distance = SurfaceDistance(closed(read_obj(Path(folder) / "stanford-bunny.obj")))
+    return _standing("stanford-bunny, stuffed", stuffed(distance, distance.bounds, size))
+
+
+def closed(mesh):
+    """A surface with triangles between the vertices around each of its holes, which are nearly plane."""
+    tails, heads = mesh.triangles.ravel(), np.roll(mesh.triangles, -1, axis=1).ravel()
+    # Along the rim with the hole on the left.
+    following = dict(zip(heads[mesh.twins < 0].tolist(), tails[mesh.twins < 0].tolist(), strict=True))
+    lids = []
+    while following:
+        vertex, rim = next(iter(following)), []
+        while vertex in following:
+            rim.append(vertex)
+            vertex = following.pop(vertex)
+        lids += _ears(np.array(rim), mesh.vertices[rim])
+    return TriangleMesh(mesh.vertices, np.vstack([mesh.triangles, *lids]))
+
+
+def _ears(rim, points):
+    """Triangles of a polygon, cut off one after the other where they are fattest."""
+    across = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
+    plane = np.linalg.svd(across[None])[2][1:]
+    if np.linalg.det([*plane, across]) < 0:
+        plane = plane[::-1]
+    flat, triangles = points @ plane.T, []
+    left = np.arange(len(rim))
+    while len(left) >= 3:
+        before, after = np.roll(left, 1), np.roll(left, -1)
+        a, b, c = flat[before], flat[left], flat[after]
+        inside = _turn(a[:, None], b[:, None], flat[left]) >= 0
+        inside &= _turn(b[:, None], c[:, None], flat[left]) >= 0
+        inside &= _turn(c[:, None], a[:, None], flat[left]) >= 0
+        is_ear = (_turn(a, b, c) > 0) & (inside.sum(axis=1) <= 3)
+        sides = ((a - b) ** 2 + (b - c) ** 2 + (c - a) ** 2).sum(axis=1)
+        best = int(np.argmax(np.where(is_ear, _turn(a, b, c) / sides, -np.inf)))
+        triangles.append(rim[[before[best], left[best], after[best]]])
+        left = np.delete(left, best)
+    return triangles
+
+
+def _turn(a, b, c):
+    """Twice the signed area of triangles in the plane."""
+    u, v = b - a, c - a
+    return u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+
+
+def _standing(name, mesh):
+    """A bunny with its y axis, which points up, turned to z."""
+    mesh = TetMesh(mesh.vertices[:, [0, 2, 1]] * [1, -1, 1], mesh.tets)
+    height = mesh.vertices[:, 2] - mesh.vertices[:, 2].min()
+    share = height / height.max()
+    return Shape(name, mesh, mesh.boundary_vertices & (share < BASE), mesh.boundary_vertices & (share > TIPS))
+
+
+def ring(around=96, across=20, layers=20):
+    """A ring with a flat bottom and a wavy top, the two marked: three times as thick in some places as in others."""
+    turn, share, height = (np.linspace(0, top, n) for top, n in ((2 * np.pi, around + 1), (1, across + 1), (1, layers + 1)))
+    turn, share, height = np.meshgrid(turn[:-1], share, height, indexing="ij")
+    radius = 0.42 + 0.58 * share
+    top = 0.42 + 0.16 * np.cos(2 * turn) + 0.1 * np.sin(3 * turn + 0.6) * share + 0.08 * np.cos(np.pi * share)
+    places = np.stack([radius * np.cos(turn), radius * np.sin(turn), height * top], axis=-1).reshape(-1, 3)
+    number = np.arange(around * (across + 1) * (layers + 1)).reshape(around, across + 1, layers + 1)
+    a, b = number[:, :-1, :-1], np.roll(number, -1, axis=0)[:, :-1, :-1]
+    c, d = b + layers + 1, a + layers + 1
+    sides = np.concatenate([np.stack(t, axis=-1).reshape(-1, 3) for t in ((a, b, c), (a, c, d))])
+    lower = np.sort(sides, axis=1)
+    prism = np.column_stack([lower, lower + 1])
+    tets = np.concatenate([prism[:, corners] for corners in PRISM])
+    height = height.ravel()
+    return Shape("ring with a wavy top", TetMesh(places, positive(places, tets)), height == 0, height == 1)

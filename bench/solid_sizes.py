@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Layers in solids against size: the Stanford bunny, stuffed with finer and finer tetrahedra.
+
+    python bench/solid_sizes.py MESHES [SIZE ...]
+
+Sizes are those of the lattice, in units in which the surface has the area 1. Every size is measured in a process of its
+own, in seconds of processor time of all its threads, so that the load of the machine counts for little. "× LY" is the
+time in products of L with all columns of the lifted field, timed before and after in the same process; "s relaxation"
+is all but the rounding.
+"""
+
+import argparse
+import sys
+from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
+from statistics import median
+from time import process_time
+
+import numpy as np
+from measure import in_child, peak_megabytes, untouched
+from solid_shapes import stuffed_bunny
+from tables import Column, print_table
+
+from synch_fields.core.fields.layers import layer_problem
+from synch_fields.core.fields.solid_guidance import harmonic_directions
+from synch_fields.core.solve import Options, solve
+from synch_fields.core.solve.threads import one_blas_thread
+
+SIZES = (0.03, 0.02, 0.015, 0.0109, 0.0087, 0.0064)
+# Layers between the base and the tips of the ears, or so.
+COUNT = 16
+TARGET_GAP = 1e-2
+PRODUCTS = 9
+COLUMNS = (
+    Column("vertices", "nodes", "d"),
+    Column("tetrahedra", "tets", "d"),
+    Column("edges", "edges", "d"),
+    Column("s mesh", "mesh s", ".1f"),
+    Column("s guidance", "guidance s", ".1f"),
+    Column("s relaxation", "relaxation s", ".1f"),
+    Column("gap", "gap", ".1e"),
+    Column("certificate", "certificate", ""),
+    Column("rank", "rank", "d"),
+    Column("× LY", "LY", ".0f"),
+    Column("s solve", "solve s", ".1f"),
+    Column("solve × LY", "solve LY", ".0f"),
+    Column("energy", "energy", ".3f"),
+    Column("bound", "bound", ".3f"),
+    Column("MB relaxation", "MB relaxation", ".0f"),
+    Column("MB solve", "MB solve", ".0f"),
+)
+
+
+def main():
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("meshes", type=Path, help="folder with stanford-bunny.obj")
+    parser.add_argument("sizes", type=float, nargs="*", default=SIZES, help="%(default)s")
+    options = parser.parse_args()
+    rows = []
+    for size in options.sizes:
+        print(f"size {size}", file=sys.stderr, flush=True)
+        row = {"label": f"bunny {size}"}
+        try:
+            row |= in_child(measure, options.meshes, size)
+        except BrokenProcessPool:
+            row["certificate"] = "no result: the process was killed"
+        print(row, file=sys.stderr, flush=True)
+        rows.append(row)
+    print_table(f"Layers in the stuffed bunny, {COUNT} along its height", COLUMNS, rows)
+
+
+def measure(folder, size):
+    """A row of the table; runs in a process of its own."""
+    with one_blas_thread():
+        shape, mesh_seconds = processed(stuffed_bunny, folder, size)
+        mesh = shape.mesh
+        directions, guidance_seconds = processed(harmonic_directions, mesh, shape.low, shape.high)
+        problem = layer_problem(mesh, directions, np.ptp(mesh.vertices[:, 2]) / COUNT)
+        nodes = sum(piece.node_count for piece in problem.pieces)
+        row = {"nodes": nodes, "tets": mesh.tet_count, "edges": len(mesh.edges)}
+        row |= {"mesh s": mesh_seconds, "guidance s": guidance_seconds}
+        relaxation, row["relaxation s"] = processed(
+            solve, untouched(problem), Options(target_gap=TARGET_GAP, rounding="svd")
+        )
+        row |= {"gap": relaxation.sdp_gap, "certificate": relaxation.certificate, "rank": relaxation.rank}
+        row |= {"MB relaxation": peak_megabytes(), "times": relaxation.times, "iterations": relaxation.iterations}
+        products = product_times(problem, relaxation.rank)
+        solution, row["solve s"] = processed(solve, untouched(problem), Options(target_gap=TARGET_GAP))
+        products += product_times(problem, relaxation.rank)
+        product = median(products)
+        row |= {"LY": row["relaxation s"] / product, "solve LY": row["solve s"] / product}
+        return row | {"energy": solution.energy, "bound": solution.lower_bound, "MB solve": peak_megabytes(), "t2": solution.times}
+
+
+def processed(work, *arguments):
+    """Result and seconds of processor time of all threads."""
+    start = process_time()
+    result = work(*arguments)
+    return result, process_time() - start
+
+
+def product_times(problem, rank):
+    """Seconds of some products L Y with all columns at once."""
+    random, times = np.random.default_rng(0), []
+    work = [(p.matrix, random.standard_normal((len(p.rows), 2 * rank)).view(p.matrix.dtype)) for p in problem.pieces]
+    for _ in range(PRODUCTS):
+        times.append(sum(processed(matrix.__matmul__, columns)[1] for matrix, columns in work))
+    return times
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The paper's Figure 3 again: layers in solids, spectral, semidefinite, and flush with two surfaces.
+
+    python bench/solids.py MESHES --folder docs
+
+A ring with a wavy top, MESHES/bunny.mesh, and MESHES/stanford-bunny.obj with its holes closed and stuffed with
+tetrahedra. Layers follow the gradient of the harmonic function between two chosen surfaces: bottom and top of the
+ring, base and tips of the ears. Prints energies, bounds, dislocation curves and how far the layers are from the chosen
+surfaces, checks that the energies are in the order of Eq. (23), and makes figure3.png with cut-away solids. Needs
+Blender as a module (bpy).
+"""
+
+import argparse
+import tempfile
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+from scipy.spatial import cKDTree
+from solid_pictures import beside, picture_of_function, picture_of_layers
+from solid_shapes import ring, solid_bunny, stuffed_bunny
+from tables import Column, print_table
+
+from synch_fields.core.extract.defect_curves import defect_curves
+from synch_fields.core.extract.layer_surfaces import layer_surfaces
+from synch_fields.core.fields.layers import LayerPattern, SolidGrowth, solve_layers
+from synch_fields.core.fields.potentials import harmonic_function
+from synch_fields.core.fields.solid_guidance import gradient_directions
+from synch_fields.core.geometry.surface_distance import nearest_in_triangles
+from synch_fields.core.solve import Options
+
+# Size of the stuffed bunny's lattice, whose surface has an area of 1.
+BUNNY_SIZE = 0.014
+# Distance between layers over the diagonal of the solid's box, and the wedges that are cut off for the picture:
+# normals, and offsets in diagonals from the middle of the box.
+SPACINGS = {"ring": 0.021, "bunny.mesh": 0.06, "bunny": 0.035}
+WAYS = (("spectral", "spectral", False), ("SDP", "sdp", False), ("SDP, flush", "sdp", True))
+COLUMNS = (
+    Column("vertices", "vertices", "d"),
+    Column("tetrahedra", "tets", "d"),
+    Column("spectral bound", "spectral bound", ".3f"),
+    Column("lower bound", "bound", ".3f"),
+    Column("SDP", "sdp", ".3f"),
+    Column("energy", "energy", ".3f"),
+    Column("certificate", "certificate", ""),
+    Column("curves", "curves", "d"),
+    Column("their length / size", "length", ".2f"),
+    Column("layers", "layers", "d"),
+    Column("spacing off", "deviation", ".1%"),
+    Column("from the surfaces / size: mean", "mean off", ".1e"),
+    Column("worst", "worst off", ".1e"),
+    Column("s", "seconds", ".1f"),
+)
+# Triangles among which the nearest to a point is looked for, by their centres.
+CANDIDATES = 40
+
+
+def main():
+    """Make the picture and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("meshes", type=Path, help="folder with bunny.mesh and stanford-bunny.obj")
+    parser.add_argument("--folder", type=Path, default=Path("docs"), help="where the picture goes (%(default)s)")
+    parser.add_argument("--no-picture", action="store_true", help="print the table alone")
+    options = parser.parse_args()
+    shapes = {
+        "ring": ring(),
+        "bunny.mesh": solid_bunny(options.meshes),
+        "bunny": stuffed_bunny(options.meshes, BUNNY_SIZE),
+    }
+    rows, found = [], {}
+    for name, shape in shapes.items():
+        found[name] = compared(shape, SPACINGS[name] * shape.size)
+        rows += [row for row, _ in found[name][1]]
+        check_order([row for row, _ in found[name][1]])
+    print_table("Figure 3: layers in solids", COLUMNS, rows)
+    if not options.no_picture:
+        draw(shapes, found, options.folder / "figure3.png")
+
+
+def compared(shape, spacing):
+    """The harmonic function, and for each way a row of the table and the pattern."""
+    mesh = shape.mesh
+    function = harmonic_function(mesh, shape.low, shape.high)
+    directions = gradient_directions(mesh, function)
+    results = []
+    for name, method, is_flush in WAYS:
+        groups = shape.groups if is_flush else []
+        start = perf_counter()
+        pattern = solve_layers(mesh, directions, spacing, groups, Options(method=method))
+        seconds = perf_counter() - start
+        if not is_flush:
+            pattern = turned(pattern, SolidGrowth.of(mesh, directions, spacing), shape.low | shape.high)
+        row = measured(pattern, shape) | {"label": f"{shape.name}: {name}", "seconds": seconds}
+        results.append((row, pattern))
+    return function, results
+
+
+def turned(pattern, growth, vertices):
+    """The same solution with the common phase that brings its layers nearest to some vertices."""
+    common = pattern.solution.phases[vertices].sum()
+    return LayerPattern(pattern.mesh, pattern.solution, growth.edge_phases(pattern.solution.phases * np.exp(-1j * np.angle(common))))
+
+
+def measured(pattern, shape):
+    """What the table says of a pattern."""
+    mesh, solution = pattern.mesh, pattern.solution
+    curves = defect_curves(mesh, pattern.face_numbers)
+    assert all(curve.is_closed or ends_on_boundary(mesh, curve) for curve in curves)
+    surfaces = layer_surfaces(pattern.edge_phases, pattern.heights)
+    off = distances(mesh.vertices[shape.low | shape.high], surfaces) / shape.size
+    spacings = pattern.spacings
+    return {
+        "vertices": mesh.vertex_count,
+        "tets": mesh.tet_count,
+        "spectral bound": solution.spectral_bound,
+        "bound": solution.lower_bound if solution.spectral_bound is None else None,
+        "sdp": solution.sdp_value,
+        "energy": solution.energy,
+        "certificate": solution.certificate,
+        "curves": len(curves),
+        "length": sum(lengths(curve) for curve in curves) / shape.size,
+        "layers": surfaces.count,
+        "deviation": spacings.deviation / spacings.mean,
+        "mean off": off.mean(),
+        "worst off": off.max(),
+    }
+
+
+def ends_on_boundary(mesh, curve):
+    return np.isin(curve.faces[[0, -1]], mesh.boundary_faces).all()
+
+
+def lengths(curve):
+    points = np.vstack([curve.points, curve.points[:1]]) if curve.is_closed else curve.points
+    return np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
+
+
+def distances(points, surfaces):
+    """(k,) distances of points to the nearest layer, at most: of the triangles whose centres are near."""
+    corners = surfaces.vertices[surfaces.triangles]
+    _, near = cKDTree(corners.mean(axis=1)).query(points, k=CANDIDATES)
+    shares = nearest_in_triangles(points[:, None], np.moveaxis(corners[near], -2, 0))
+    places = np.einsum("pcx,pcxy->pcy", shares, corners[near])
+    return np.linalg.norm(places - points[:, None], axis=2).min(axis=1)
+
+
+def check_order(rows):
+    """Eq. (23): spectral bound, lower bound, value of the relaxation, energy, energy of the spectral phases."""
+    spectral, free, flush = rows
+    chain = [spectral["spectral bound"], free["bound"], free["sdp"], free["energy"], spectral["energy"]]
+    others = [free["bound"], flush["bound"], flush["sdp"], flush["energy"]]
+    for name, values in (("free", chain), ("flush", others)):
+        if (np.diff(values) < -1e-9 * abs(values[-1])).any():
+            print(f"out of order at {free['label']} ({name}): {values}")
+
+
+def draw(shapes, found, path):
+    """The guiding function and the three patterns of the ring above those of the stuffed bunny."""
+    with tempfile.TemporaryDirectory() as folder:
+        rows = []
+        for name in ("ring", "bunny"):
+            shape, (function, results) = shapes[name], found[name]
+            pictures = [picture_of_function(name, shape.mesh, function, Path(folder) / f"{name}.png")]
+            for k, (_, pattern) in enumerate(results):
+                pictures.append(picture_of_layers(name, pattern, k > 0, Path(folder) / f"{name} {k}.png"))
+            rows.append(pictures)
+        beside(rows, path)
+
+
+if __name__ == "__main__":
+    main()
