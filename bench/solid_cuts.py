@@ -10,6 +10,9 @@ from synch_fields.core.interpolate_solid import evaluate_in_tets
 
 # Triangles in punctured tetrahedra are cut into 4 so often: a corner attribute is linear.
 HALVINGS = 4
+# Of a triangle with one or two corners above a plane, what is above: pairs of corners between which its own lie, counted
+# from the corner that is alone.
+KEPT = {1: (((0, 0), (0, 1), (0, 2)),), 2: (((0, 1), (1, 1), (2, 2)), ((0, 1), (2, 2), (0, 2)))}
 
 
 @dataclass(frozen=True)
@@ -39,14 +42,14 @@ class Surface:
         above = values >= 0
         count = above.sum(axis=1)
         parts = [self.chosen(count == 3)]
-        for wanted, patterns in ((1, ((0, 0), (0, 1), (0, 2))), (2, ((0, 1), (1, 1), (2, 2)), ((0, 1), (2, 2), (0, 2)))):
+        for wanted, patterns in KEPT.items():
             rows = np.flatnonzero(count == wanted)
             # The corner that is alone comes first.
             first = np.argmax(above[rows] if wanted == 1 else ~above[rows], axis=1)
             order = (first[:, None] + np.arange(3)) % 3
             weights = np.take_along_axis(self.weights[rows], order[..., None], axis=1)
             heights = np.take_along_axis(values[rows], order, axis=1)
-            for pattern in patterns if wanted == 2 else (patterns,):
+            for pattern in patterns:
                 corners = [_between(weights, heights, i, j) for i, j in pattern]
                 parts.append(Surface(self.mesh, self.tets[rows], np.stack(corners, axis=1)))
         return parts[0].with_others(*parts[1:])
@@ -93,7 +96,6 @@ def section(mesh, normal, offset):
     """The plane normal . x = offset inside the solid."""
     heights = mesh.vertices[mesh.tets] @ normal - offset
     above = heights >= 0
-    count, eye = above.sum(axis=1), np.eye(4)
     parts = []
     for code in range(1, 15):
         pattern = np.array([code >> k & 1 for k in range(4)], bool)
@@ -103,13 +105,11 @@ def section(mesh, normal, offset):
             # Around the quad, neighbours share a corner.
             (a, b), (c, d) = np.flatnonzero(pattern), np.flatnonzero(~pattern)
             crossed = [(a, c), (b, c), (b, d), (a, d)]
-        every = np.tile(eye, (len(rows), 1, 1))
+        every = np.tile(np.eye(4), (len(rows), 1, 1))
         points = [_between(every, heights[rows], i, j) for i, j in crossed]
         for k in range(1, len(points) - 1):
             parts.append(Surface(mesh, rows, np.stack([points[0], points[k], points[k + 1]], axis=1)))
-    whole = parts[0].with_others(*parts[1:])
-    assert count.max(initial=0) <= 4
-    return whole
+    return parts[0].with_others(*parts[1:])
 
 
 def cut_away(mesh, cuts):

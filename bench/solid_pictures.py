@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures of solids with a wedge cut off: the guiding function, or layers and their dislocation curves."""
+
+import bpy
+import numpy as np
+from figures import beside as side_by_side
+from solid_cuts import cut_away
+
+from synch_fields.core.extract.defect_curves import defect_curves
+from synch_fields.synch_addon.render import render_picture
+
+# For each shape: azimuths of the two planes' normals between which a wedge is cut off, where their common line is (as
+# shares of the box, seen from above), and where the solid is looked at from.
+VIEWS = {
+    "ring": ((-62, 28), (0.5, 0.5), (-32, 33)),
+    "bunny": ((-60, 30), (0.52, 0.5), (-24, 12)),
+}
+RESOLUTION = (760, 640)
+BLUE, ROSE, LIGHT = (0.035, 0.16, 0.52, 1), (0.62, 0.06, 0.17, 1), (0.9, 0.87, 0.82, 1)
+DARK = (0.012, 0.014, 0.02, 1)
+LOW, HIGH = (0.02, 0.09, 0.25, 1), (0.95, 0.72, 0.3, 1)
+# Radius of the tubes around curves, in diagonals of the box, and how often their points move to their neighbours.
+TUBE, SMOOTHING = 0.005, 6
+
+
+def picture_of_layers(name, pattern, is_sdp, path):
+    """Layers, dark where the phase is near a multiple of 2 pi, and dislocation curves where the wedge was."""
+    _start()
+    mesh = pattern.mesh
+    surface = cut_away(mesh, _wedge(name, mesh)).refined(pattern.tet_phases)
+    obj = _add_surface(surface, surface.values(pattern.tet_phases), _stripes(ROSE if is_sdp else BLUE))
+    _add_tubes(obj, defect_curves(mesh, pattern.face_numbers), TUBE * np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
+    return _render(name, obj, path)
+
+
+def picture_of_function(name, mesh, function, path):
+    """A function from 0 to 1 on the solid, with some of its level lines."""
+    _start()
+    surface = cut_away(mesh, _wedge(name, mesh))
+    values = np.einsum("kci,ki->kc", surface.weights, function[mesh.tets[surface.tets]])
+    return _render(name, _add_surface(surface, values, _gradient()), path)
+
+
+def beside(rows, path):
+    """One picture of rows of pictures."""
+    lines = []
+    for k, pictures in enumerate(rows):
+        lines.append(pictures[0].with_name(f"row {k}.png"))
+        side_by_side(pictures, lines[-1])
+    side_by_side(lines, path, vertical=True)
+
+
+def _start():
+    bpy.ops.wm.read_homefile(use_empty=True)
+
+
+def _render(name, obj, path):
+    return render_picture(obj, path, resolution=RESOLUTION, samples=48, markers=False, view=VIEWS[name][2])
+
+
+def _wedge(name, mesh):
+    azimuths, place, _ = VIEWS[name]
+    low, size = mesh.vertices.min(axis=0), np.ptp(mesh.vertices, axis=0)
+    middle = low + size * [*place, 0]
+    # Azimuth 0 looks from the front, along +y: outwards is -y.
+    turns = np.radians(azimuths)
+    normals = np.column_stack([np.sin(turns), -np.cos(turns), 0 * turns])
+    return [(normal, normal @ middle) for normal in normals]
+
+
+def _add_surface(surface, values, material):
+    """A mesh object with the values as corner attribute, smooth but for edges."""
+    points = surface.points.reshape(-1, 3)
+    scale = np.ptp(points, axis=0).max()
+    _, first, corners = np.unique(np.rint(points / scale * 1e6), axis=0, return_index=True, return_inverse=True)
+    corners = corners.reshape(-1, 3)
+    whole = (corners != np.roll(corners, 1, axis=1)).all(axis=1)
+    mesh = bpy.data.meshes.new("Solid")
+    mesh.from_pydata(points[first].tolist(), [], corners[whole].tolist())
+    mesh.attributes.new("value", "FLOAT", "CORNER").data.foreach_set("value", values[whole].astype(np.float32).ravel())
+    mesh.shade_smooth()
+    mesh.set_sharp_from_angle(angle=np.radians(40))
+    mesh.materials.append(material)
+    obj = bpy.data.objects.new("Solid", mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
+def _add_tubes(obj, curves, radius):
+    """Join tubes around the curves to the object."""
+    data = bpy.data.curves.new("Dislocations", "CURVE")
+    data.dimensions, data.bevel_depth, data.bevel_resolution, data.use_fill_caps = "3D", radius, 4, True
+    for curve in curves:
+        points = _smoothed(curve)
+        spline = data.splines.new("POLY")
+        spline.points.add(len(points) - 1)
+        spline.points.foreach_set("co", np.column_stack([points, np.ones(len(points))]).astype(np.float32).ravel())
+        spline.use_cyclic_u = curve.is_closed
+    data.materials.append(_plain("Dislocations", DARK))
+    tubes = bpy.data.objects.new("Dislocations", data)
+    bpy.context.scene.collection.objects.link(tubes)
+    mesh = bpy.data.meshes.new_from_object(tubes.evaluated_get(bpy.context.evaluated_depsgraph_get()))
+    mesh.shade_smooth()
+    joined = bpy.data.objects.new("Tubes", mesh)
+    bpy.context.scene.collection.objects.link(joined)
+    bpy.data.objects.remove(tubes)
+    if len(mesh.polygons):
+        with bpy.context.temp_override(active_object=obj, selected_editable_objects=[obj, joined]):
+            bpy.ops.object.join()
+
+
+def _smoothed(curve):
+    """Points that move to the middle of their neighbours, the ends of open curves staying."""
+    points = curve.points
+    for _ in range(SMOOTHING):
+        ahead, behind = np.roll(points, -1, axis=0), np.roll(points, 1, axis=0)
+        moved = 0.5 * points + 0.25 * (ahead + behind)
+        if not curve.is_closed:
+            moved[[0, -1]] = points[[0, -1]]
+        points = moved
+    return points
+
+
+def _material(name):
+    material = bpy.data.materials.new(name)
+    if material.node_tree is None:
+        material.use_nodes = True
+    surface = material.node_tree.nodes["Principled BSDF"]
+    surface.inputs["Roughness"].default_value = 0.45
+    return material, material.node_tree, surface
+
+
+def _plain(name, color):
+    material, _, surface = _material(name)
+    surface.inputs["Base Color"].default_value = color
+    surface.inputs["Roughness"].default_value = 0.25
+    return material
+
+
+def _stripes(color):
+    material, tree, surface = _material("Layers")
+    value = tree.nodes.new("ShaderNodeAttribute")
+    value.attribute_name = "value"
+    wave = tree.nodes.new("ShaderNodeMath")
+    wave.operation = "COSINE"
+    tree.links.new(value.outputs["Fac"], wave.inputs[0])
+    _ramp(tree, wave.outputs[0], surface, [(0.0, LIGHT), (0.49, LIGHT), (0.53, color), (1.0, color)], (-1, 1))
+    return material
+
+
+def _gradient():
+    material, tree, surface = _material("Function")
+    value = tree.nodes.new("ShaderNodeAttribute")
+    value.attribute_name = "value"
+    _ramp(tree, value.outputs["Fac"], surface, [(0.0, LOW), (1.0, HIGH)], (0, 1))
+    return material
+
+
+def _ramp(tree, socket, surface, stops, bounds):
+    """Colours between stops of a value that lies within bounds."""
+    share = tree.nodes.new("ShaderNodeMapRange")
+    share.inputs["From Min"].default_value, share.inputs["From Max"].default_value = bounds
+    tree.links.new(socket, share.inputs["Value"])
+    ramp = tree.nodes.new("ShaderNodeValToRGB")
+    elements = ramp.color_ramp.elements
+    while len(elements) < len(stops):
+        elements.new(0.5)
+    for element, (place, color) in zip(elements, stops, strict=True):
+        element.position, element.color = place, color
+    tree.links.new(share.outputs["Result"], ramp.inputs["Fac"])
+    tree.links.new(ramp.outputs["Color"], surface.inputs["Base Color"])
+
+
