@@ -125,7 +125,7 @@ class LayerJob:
         with clock("fill"):
             solid = self._solid
             if solid is None:
-                solid = monitor.during(lambda: surface.filled(self.lengths.size))
+                solid = monitor.during(lambda: surface.filled(self.lengths.size, self._labels))
         self._warn_about_loss(solid)
         monitor.at("guidance", _GUIDANCE)
         with clock("build"):
@@ -146,6 +146,14 @@ class LayerJob:
             curves = tuple(defect_curves(solid, pattern.face_numbers))
             self._phases = monitor.during(lambda: surface_phases(surface.mesh, pattern, growth))
         self._found = solid, pattern, surfaces, curves
+
+    @property
+    def _labels(self):
+        """(m,) of the surface's triangles: which groups each lies in."""
+        labels = np.zeros(self._surface.mesh.triangle_count, int)
+        for number, (_, area) in enumerate(self._areas):
+            labels[area.triangles] += 1 << number
+        return labels
 
     def _asked(self, carried):
         """Directions, spacings and groups on the solid."""

@@ -91,9 +91,9 @@ class Surface:
         """Diagonal of the surface's box."""
         return float(np.linalg.norm(np.ptp(self.distance.bounds, axis=0)))
 
-    def filled(self, size):
-        """The TetMesh inside, its edges as long as a size, with the surface's sharp edges."""
-        return sharpened(stuffed(self.distance, self.distance.bounds, size), self.mesh, self.nearest)
+    def filled(self, size, labels=None):
+        """The TetMesh inside, its edges as long as a size, with the surface's sharp edges and where labels change."""
+        return sharpened(stuffed(self.distance, self.distance.bounds, size), self.mesh, self.nearest, labels)
 
     def lost_share(self, solid):
         """Share of the volume that a solid does not have."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sharp edges and corners of a surface, given back to the solid that fills it.
+"""Sharp edges and corners of a surface, and outlines of parts of it, given back to the solid that fills it.
 
 Stuffing (:mod:`core.geometry.stuffing`) cuts them off: an edge of its boundary runs from one smooth region of the
 surface to another. One of its ends moves onto the sharp edge where the tetrahedra around it keep within the bounds of
@@ -22,7 +22,7 @@ FARTHEST = 0.8
 ROUNDS, CANDIDATES = 3, 8
 
 
-def sharpened(solid, mesh, nearest):
+def sharpened(solid, mesh, nearest, labels=None):
     """The solid with vertices of its boundary moved onto sharp edges and corners of the surface that it fills.
 
     Parameters
@@ -30,12 +30,13 @@ def sharpened(solid, mesh, nearest):
     solid : TetMesh whose boundary vertices lie on the surface
     mesh : TriangleMesh, closed
     nearest : callable, (k, 3) points -> (k,) the triangle nearest to each
+    labels : (m,) int of the surface's triangles, between which edges count as sharp, too; optional
 
     Returns
     -------
     TetMesh of the same tetrahedra
     """
-    sharp = sharp_edges(mesh)
+    sharp = sharp_edges(mesh, labels)
     if len(sharp) == 0:
         return solid
     moves, reach = _Moves(solid), FARTHEST * solid.edge_lengths.mean()
@@ -52,10 +53,11 @@ def sharpened(solid, mesh, nearest):
     return TetMesh(moves.vertices, solid.tets)
 
 
-def sharp_edges(mesh):
-    """Indices of the edges of a closed TriangleMesh at which its faces bend by more than ``SHARP``."""
+def sharp_edges(mesh, labels=None):
+    """Indices of the edges of a closed TriangleMesh whose faces bend by more than ``SHARP`` or have other labels."""
     first, second = _sides(mesh).T
-    return np.flatnonzero(np.einsum("ex,ex->e", mesh.face_normals[first], mesh.face_normals[second]) < SHARP)
+    bent = np.einsum("ex,ex->e", mesh.face_normals[first], mesh.face_normals[second]) < SHARP
+    return np.flatnonzero(bent if labels is None else bent | (labels[first] != labels[second]))
 
 
 def smooth_regions(mesh, sharp):
