@@ -90,10 +90,10 @@ def test_settings_that_cannot_be_are_refused(settings, match):
 
 
 def test_a_group_smaller_than_the_tetrahedra_is_refused():
-    obj = block(faces=(20, 20, 1))
+    obj = block((1, 1, 0.3), (40, 40, 1))
     places = attribute(obj, "position")
-    add_group(obj, "Spot", np.flatnonzero((np.abs(places[:, :2]) < 0.06).all(axis=1) & (places[:, 2] > 0)))
-    refused(obj, "the vertex group 'Spot' is smaller than the solid's triangles", groups="Spot=layer", size=0.3)
+    add_group(obj, "Spot", np.flatnonzero((np.abs(places[:, :2] - 0.21) < 0.02).all(axis=1) & (places[:, 2] > 0)))
+    refused(obj, "the vertex group 'Spot' is smaller than the solid's triangles", groups="Spot=layer", size=0.25)
 
 
 def test_a_solid_of_another_object_is_refused():

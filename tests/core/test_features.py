@@ -82,7 +82,7 @@ def test_a_smooth_surface_is_left_as_it_is():
 
 
 def test_the_outline_of_a_part_runs_along_edges_of_the_solid():
-    """A square marked on a face of a cube is made of whole triangles but for a few; none of it is bent."""
+    """A square marked on a face of a cube is made of whole triangles but for a few at its rim."""
     mesh = cube(4)
     centres = mesh.vertices[mesh.triangles].mean(axis=1)
     marked = (centres[:, 2] > 1 - 1e-9) & (np.abs(centres[:, :2] - 0.5) < 0.25).all(axis=1)
@@ -91,9 +91,7 @@ def test_the_outline_of_a_part_runs_along_edges_of_the_solid():
     for labels in (None, marked.astype(int)):
         after = sharpened(before, mesh, brute_force(mesh), labels)
         triangles = after.vertices[after.boundary_triangles]
-        inside = ((triangles[:, :, 2] > 1 - 1e-6) & (np.abs(triangles[:, :, :2] - 0.5) < 0.25 + 1e-6).all(axis=2)).all(
-            axis=1
-        )
-        a, b, c = np.moveaxis(triangles[inside], 1, 0)
+        inside = (triangles[:, :, 2] > 1 - 1e-6) & (np.abs(triangles[:, :, :2] - 0.5) < 0.25 + 1e-6).all(axis=2)
+        a, b, c = np.moveaxis(triangles[inside.all(axis=1)], 1, 0)
         shares.append(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2 / 0.25)
-    assert shares[0] < 0.9 and 0.97 < shares[1] < 1 + 1e-9
+    assert shares[0] < 0.85 and 0.9 < shares[1] < 1 + 1e-9
