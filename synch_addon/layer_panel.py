@@ -14,6 +14,7 @@ from .layers import EDGES_PER_LAYER
 from .panels import SidebarPanel, draw_progress, draw_solver, property_column
 from .scene_io import refusal
 from .solids import estimate
+from .translations import said
 
 # Volume, area and bounds of the mesh that was measured last, and what it was known by.
 _measured: dict[tuple, SimpleNamespace] = {}
@@ -35,7 +36,7 @@ class SYNCH_PT_layers(SidebarPanel, bpy.types.Panel):
             draw_progress(self.layout, jobs.running)
             return
         if obj != context.active_object:
-            self.layout.label(text=f"Layers of {obj.name}", icon="OBJECT_DATA")
+            self.layout.label(text=said("Layers of {name}", name=obj.name), icon="OBJECT_DATA")
         row = self.layout.row()
         row.scale_y = 1.3
         row.operator("synch.layers", icon="ALIGN_JUSTIFY")
@@ -79,7 +80,8 @@ def _draw_estimate(layout, obj):
     expected = estimate(measures, None if stored.automatic_size else stored.size)
     if stored.automatic_size and not stored.automatic_spacing:
         expected = estimate(measures, min(expected.size, stored.spacing / EDGES_PER_LAYER))
-    layout.label(text=f"About {expected}", icon="MESH_ICOSPHERE")
+    about = said("About {tets:,} tetrahedra, {megabytes:,.0f} MB", tets=expected.tets, megabytes=expected.megabytes)
+    layout.label(text=about, icon="MESH_ICOSPHERE")
 
 
 def _measures(obj):

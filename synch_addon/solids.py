@@ -63,8 +63,12 @@ class Estimate(NamedTuple):
     tets: int
     bytes: int
 
+    @property
+    def megabytes(self):
+        return self.bytes / 2**20
+
     def __str__(self):
-        return f"{self.tets:,} tetrahedra, {self.bytes / 2**20:,.0f} MB"
+        return f"{self.tets:,} tetrahedra, {self.megabytes:,.0f} MB"
 
 
 @dataclass(frozen=True)

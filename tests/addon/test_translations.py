@@ -27,11 +27,12 @@ BLENDERS = {
 # Internal, or about to be replaced by names.
 UNSEEN = {"about"}
 # What is shown by the parts of the interface that are held complete.
-GROUPS = ("SynchSettings", "SynchConstraint", "SynchGuide", "SynchBake", "SynchFavourite")
+GROUPS = "SynchSettings SynchConstraint SynchGuide SynchBake SynchFavourite SynchFlush SynchLayering".split()
 OPERATORS = (
     "stripes quads directions quad_mesh trace_quads refine add_sample isolines bake variation draw_variation "
     "place_defect keep_favourite show_favourite remove_favourite select_defects next_defect copy_report cancel "
-    "import_field export_field add_preset constraint_add constraint_remove constraint_move guide_add guide_remove"
+    "import_field export_field add_preset constraint_add constraint_remove constraint_move guide_add guide_remove "
+    "layers layer_group_add layer_group_remove"
 ).split()
 
 
@@ -83,6 +84,7 @@ def _panels():
         "result_panel",
         "bake_panel",
         "constraint_panel",
+        "layer_panel",
         "overlay_view",
         "menus",
         "setting_presets",

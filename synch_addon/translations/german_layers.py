@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""German: layers in solids."""
+
+LAYERS = {
+    "Layers": "Schichten",
+    "Layers in the Solid": "Schichten im Körper",
+    "Evenly spaced layers in the solid that a closed mesh encloses": (
+        "Gleichmäßige Schichten im Körper, den ein geschlossenes Netz umschließt"
+    ),
+    "Fill the closed mesh with evenly spaced layers that follow a direction and end flush with chosen surfaces": (
+        "Das geschlossene Netz mit gleichmäßigen Schichten füllen, die einer Richtung folgen und bündig mit gewählten "
+        "Flächen enden"
+    ),
+    "Layers of {name}": "Schichten von {name}",
+    "About {tets:,} tetrahedra, {megabytes:,.0f} MB": "Etwa {tets:,} Tetraeder, {megabytes:,.0f} MB",
+    "Add Group": "Gruppe hinzufügen",
+    "Ask something of the layers on a part of the surface": "Auf einem Teil der Fläche etwas verlangen",
+    "Remove Group": "Gruppe entfernen",
+    "Ask nothing of the layers there": "Dort nichts von den Schichten verlangen",
+    "Row": "Zeile",
+    "Which of the rows, from 0 on": "Welche der Zeilen, von 0 an",
+    "What the layers follow": "Woran sich die Schichten ausrichten",
+    "What the layers follow, such as axis:Z or harmonic:Bottom:Top": (
+        "Woran sich die Schichten ausrichten, etwa axis:Z oder harmonic:Unten:Oben"
+    ),
+    "What is asked of parts of the surface, such as Top=layer,Bottom=constant": (
+        "Was auf Teilen der Fläche verlangt ist, etwa Oben=layer,Unten=constant"
+    ),
+    "An axis of the object: flat layers": "Eine Achse des Objekts: ebene Schichten",
+    "Between Groups": "Zwischen Gruppen",
+    "From one vertex group's faces to another's, along a harmonic function": (
+        "Von den Flächen einer Vertexgruppe zu denen einer anderen, entlang einer harmonischen Funktion"
+    ),
+    "Away from a vertex group's faces, from the whole surface, or from another mesh": (
+        "Weg von den Flächen einer Vertexgruppe, von der ganzen Fläche oder von einem anderen Netz"
+    ),
+    "Along Curve": "Entlang einer Kurve",
+    "Along a curve object: layers cross it": "Entlang eines Kurvenobjekts: Schichten queren es",
+    "Around Curve": "Um eine Kurve",
+    "Away from a curve object: layers lie around it like skins": (
+        "Weg von einem Kurvenobjekt: Schichten liegen wie Häute darum"
+    ),
+    "A vector attribute on the vertices, extended into the solid": (
+        "Ein Vektorattribut auf den Punkten, in den Körper fortgesetzt"
+    ),
+    "Axis of the object": "Achse des Objekts",
+    "Vertex group where the layers begin": "Vertexgruppe, an der die Schichten beginnen",
+    "To": "Bis",
+    "Vertex group where the layers end": "Vertexgruppe, an der die Schichten enden",
+    "Vertex group, mesh object, or the word boundary": "Vertexgruppe, Netzobjekt oder das Wort boundary",
+    "Curve or Grease Pencil object": "Kurven- oder Grease-Pencil-Objekt",
+    "Groups": "Gruppen",
+    "What is asked of parts of the surface": "Was auf Teilen der Fläche verlangt ist",
+    "What is asked of the layers on a part of the surface": "Was auf einem Teil der Fläche verlangt ist",
+    "Group": "Gruppe",
+    "Vertex group, or the word boundary": "Vertexgruppe oder das Wort boundary",
+    "Wish": "Wunsch",
+    "What the layers do there": "Was die Schichten dort tun",
+    "Layer on It": "Schicht darauf",
+    "A layer lies exactly on these faces": "Eine Schicht liegt genau auf diesen Flächen",
+    "Parallel": "Parallel",
+    "Layers run along each piece of these faces, at whichever distance": (
+        "Schichten laufen an jedem Stück dieser Flächen entlang, in irgendeinem Abstand"
+    ),
+    "Distance from one layer to the next; the object's scale counts": (
+        "Abstand von einer Schicht zur nächsten; die Skalierung des Objekts zählt"
+    ),
+    "As many layers as the resolution carries, forty at most": "So viele, wie die Auflösung trägt, höchstens vierzig",
+    "Resolution": "Auflösung",
+    "Longest edge of the tetrahedra that fill the object: a third of the spacing or less": (
+        "Längste Kante der Tetraeder, die das Objekt füllen: höchstens ein Drittel des Abstands"
+    ),
+    "Automatic Resolution": "Automatische Auflösung",
+    "About a hundred thousand tetrahedra, or more where the spacing needs them": (
+        "Etwa hunderttausend Tetraeder, oder mehr, wo der Abstand sie braucht"
+    ),
+    "How the layers are optimized": "Wie die Schichten optimiert werden",
+    "Best layers, with a bound on what could still be gained": (
+        "Die besten Schichten, mit einer Schranke für das, was noch zu gewinnen wäre"
+    ),
+    "Another seed gives other layers of about the same quality": (
+        "Ein anderer Startwert gibt andere Schichten von etwa gleicher Güte"
+    ),
+}
