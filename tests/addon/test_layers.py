@@ -198,7 +198,7 @@ def test_layers_are_saved_with_the_file(tmp_path):
 
 
 def test_layers_are_solved_in_a_thread():
-    """As from the window: the object is read before and written after, and a thread that is cancelled writes nothing."""
+    """As from the window: what is cancelled writes nothing, and what is not writes when it is told to."""
     obj = block()
     before = snapshot()
     settings = LayerSettings(guidance="harmonic:Bottom:Top", groups="Top=layer", spacing=0.3, size=0.14)
