@@ -257,3 +257,16 @@ def _new_socket(tree, socket, direction):
             item.subtype = "FACTOR"
     if socket.default is not None:
         item.default_value = socket.default
+
+
+def surface_material(name):
+    """A new material with a Principled BSDF; beside an active volume, Blender would make one for volumes."""
+    material = bpy.data.materials.new(name)
+    if material.node_tree is None:
+        material.use_nodes = True
+    nodes = material.node_tree.nodes
+    if "Principled BSDF" not in nodes:
+        nodes.clear()
+        surface, output = nodes.new("ShaderNodeBsdfPrincipled"), nodes.new("ShaderNodeOutputMaterial")
+        material.node_tree.links.new(surface.outputs["BSDF"], output.inputs["Surface"])
+    return material

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
-from .canvas import Canvas
+from .canvas import Canvas, surface_material
 from .globe import GLOBE_NAME, globe_group
 from .nodes import STRIPES_NAME, WARM_IVORY, stripes_group
 from .quad_profiles import QUADS_NAME, quads_group
@@ -73,9 +73,7 @@ def new_material(name, kind, draw) -> bpy.types.Material:
     values for inputs of a Principled BSDF, and with them "Height" and "Relief", the height in spacings where that is 1.
     """
     kind = _KINDS[kind]
-    material = bpy.data.materials.new(name)
-    if material.node_tree is None:
-        material.use_nodes = True
+    material = surface_material(name)
     # Solid viewport shading cannot show patterns; a calm colour there is better than white.
     material.diffuse_color, material.roughness = WARM_IVORY, 0.6
     tree = material.node_tree

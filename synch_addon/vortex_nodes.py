@@ -8,7 +8,7 @@ import math
 
 import bpy
 
-from .canvas import Canvas, Expression, Socket, declare, group_tree
+from .canvas import Canvas, Expression, Socket, declare, group_tree, surface_material
 from .globe import SPHERE, globe_group
 from .relief import GeometryCanvas, set_input
 
@@ -152,11 +152,9 @@ def filament_material():
     for material in bpy.data.materials:
         if material.library is None and material.get(FILAMENTS_NAME):
             return material
-    material = bpy.data.materials.new(FILAMENTS_NAME)
+    material = surface_material(FILAMENTS_NAME)
     material[FILAMENTS_NAME] = True
     material.diffuse_color = _BRASS
-    if material.node_tree is None:
-        material.use_nodes = True
     tree = material.node_tree
     surface = tree.nodes["Principled BSDF"]
     surface.inputs["Metallic"].default_value, surface.inputs["Roughness"].default_value = 0.55, 0.32
