@@ -18,7 +18,7 @@ from .surface_flows import VELOCITY, surface_flow
 from .surface_vortices import SurfaceJob
 from .vortex_choice import remember
 from .vortex_frames import SequenceJob
-from .vortex_objects import facts, fill, make_filaments, make_tubes, seen, showing
+from .vortex_objects import facts, fill, make_filaments, make_tubes, missing, seen, showing
 from .vortex_report import SolvedFlow, report_of
 
 SHOWN = ("filaments", "tubes", "both")
@@ -108,9 +108,9 @@ class ClebschJob:
             quantum = quantum_for(grid, integrals, settings.count)
         found = clebsch_map(grid, integrals, quantum, settings.options, portion(callback, 0.1, 0.7))
         sphere = spherical_map(found, portion(callback, 0.8, 0.15)) if settings.method == "sdp" else None
-        self._solved = SolvedFlow(self._source.name, found, sphere, settings)
         self._seen = seen(found, sphere, settings.point)
         self._shown = _interruptible(lambda: showing(self._seen, sphere, settings), "vortices", callback, 0.95)
+        self._solved = SolvedFlow(self._source.name, found, sphere, settings, list(missing(self._shown)))
 
     def _read(self):
         grid = self._source.grid(self.settings.resolution)

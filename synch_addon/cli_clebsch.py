@@ -73,4 +73,5 @@ def run(options, progress):
     report = clebsch(source, progress, **settings)
     written = [files.save_blend(options.output)] if options.output else []
     written += [options.report] if options.report else []
-    return report, summary(report) + [f"wrote {path}" for path in written]
+    warnings = [f"warning: {line}" for line in report["warnings"]]
+    return report, summary(report) + warnings + [f"wrote {path}" for path in written]

@@ -155,6 +155,15 @@ def fill(solved, found, objects):
     return facts(shown)
 
 
+def missing(shown):
+    """Lines that say what a map shows nothing of, and the remedy."""
+    remedy = "ask for more filaments, or a smaller circulation of each"
+    if shown.lines == []:
+        yield f"the map has no filaments: {remedy}"
+    if shown.tubes is not None and not len(shown.tubes.triangles):
+        yield f"the map does not come so near to the point's antipode: make the tubes wider, or {remedy}"
+
+
 def facts(shown):
     """What a report says about the filaments and the tubes."""
     result = {}

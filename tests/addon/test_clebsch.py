@@ -189,3 +189,11 @@ def test_the_operator_takes_the_selected_curves():
         other.select_set(False)
     with pytest.raises(RuntimeError, match="nothing has a flow"):
         bpy.ops.synch.clebsch()
+
+
+def test_a_map_that_shows_nothing_says_what_to_do(tmp_path, capfd):
+    grid, velocity = ring_grid()
+    np.savez(tmp_path / "ring.npz", velocity=velocity.reshape(*grid.shape, 3), spacing=0.1, origin=grid.origin)
+    assert main(["clebsch", str(tmp_path / "ring.npz"), "--quantum", "50", "--show", "both", "--quiet"]) == 0
+    out = capfd.readouterr().out
+    assert "no filaments: ask for more" in out and "make the tubes wider" in out and "0 filaments" in out
