@@ -12,7 +12,7 @@ from ..core.errors import SettingError
 from ..core.fields.clebsch import clebsch_map, quantum_for, spherical_map
 from ..core.solve import METHODS, Options
 from ..core.solve.monitor import Monitor
-from .flows import check_resolution, flow_source
+from .flows import CORE, check_resolution, flow_source
 from .jobs import portion
 from .surface_flows import VELOCITY, surface_flow
 from .surface_vortices import SurfaceJob
@@ -22,6 +22,8 @@ from .vortex_objects import facts, fill, make_filaments, make_tubes, missing, se
 from .vortex_report import SolvedFlow, report_of
 
 SHOWN = ("filaments", "tubes", "both")
+# Radius of the cores of curves in cells, where their tubes are shown.
+_CORE_OF_TUBES = 2.0
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,8 @@ class ClebschSettings:
     resolution : nodes along the longest side that files and curves are resampled to
     count : filaments through the plane of the grid with most vorticity, unless a quantum is given
     quantum : circulation of one filament, None for one that makes ``count`` of them
+    core : radius over which the vorticity of curves is spread, in cells; None for half a cell, and two where tubes are
+        shown, which are nothing without an inside
     attribute : velocity on the vertices of a mesh, which then shows the map itself
     point : of the sphere, from which tubes are seen: they are around where the map shows its antipode; for filaments
         None shows the best map, a point the projection along it
@@ -47,6 +51,7 @@ class ClebschSettings:
     resolution: int = 48
     count: float = 4.0
     quantum: float | None = None
+    core: float | None = None
     attribute: str = VELOCITY
     point: tuple[float, float, float] | None = None
     opening: float = 60.0
@@ -61,7 +66,7 @@ class ClebschSettings:
         for name, choices in (("show", SHOWN), ("method", METHODS)):
             if getattr(self, name) not in choices:
                 raise SettingError(f"{name} {getattr(self, name)!r} is unknown: use one of {', '.join(choices)}")
-        for name in ("count", "opening"):
+        for name in ("count", "opening") + (() if self.core is None else ("core",)):
             value = getattr(self, name)
             if not (isinstance(value, int | float) and math.isfinite(value) and value > 0):
                 raise SettingError(f"the {name} is {value!r}: give a positive number")
@@ -89,7 +94,8 @@ class ClebschJob:
         self._start = time.perf_counter()
         self.settings = settings
         check_resolution(settings.resolution)
-        self._source = flow_source(source)
+        core = settings.core or (CORE if settings.show == "filaments" else _CORE_OF_TUBES)
+        self._source = flow_source(source, core)
 
     def solve(self, callback=None):
         """Solve for the map and, where the method can, the sphere.

@@ -19,6 +19,9 @@ def add_parser(commands):
         "--object", nargs="+", metavar="NAME", help="volume, mesh, or curves that stand for filaments, of a .blend file"
     )
     command.add_argument(
+        "--core", type=float, metavar="CELLS", help="radius of curves' vorticity; by default 0.5, and 2 with tubes"
+    )
+    command.add_argument(
         "--attribute", default=default.attribute, metavar="NAME", help="velocity on a mesh's vertices (%(default)s)"
     )
     command.add_argument("--show", choices=SHOWN, default=default.show, help="%(default)s by default")

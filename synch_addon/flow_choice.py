@@ -37,21 +37,22 @@ def expected_shape(context, filepath, resolution):
         source = flow_of(context, filepath)
     except SynchError:
         return None
-    if isinstance(source, str):
-        path = Path(source)
-        box = _file_box(path, path.stat().st_mtime) if path.suffix.lower() == ".vdb" and path.is_file() else None
-        margin = 0.0
-    else:
-        objects = source if isinstance(source, list) else [source]
-        if any(obj.type == "MESH" and obj.data.polygons for obj in objects):
+    if isinstance(source, list):
+        if any(obj.type == "MESH" and obj.data.polygons for obj in source):
             return None
-        box = _object_box(objects)
-        margin = flows.MARGIN if isinstance(source, list) else 0.0
-    if box is None:
+        low, high = _object_box(source)
+        margin = flows.MARGIN * (high - low).max()
+        return flows.box_grid(low - margin, high + margin, resolution).shape
+    path, matrix = source, np.eye(4)
+    if not isinstance(source, str):
+        path = bpy.path.abspath(source.data.filepath, library=source.data.library)
+        matrix = np.array(source.matrix_world)
+    path = Path(path)
+    header = _header(path, path.stat().st_mtime) if path.suffix.lower() == ".vdb" and path.is_file() else None
+    if header is None:
         return None
-    low, high = box
-    more = margin * (high - low).max()
-    return flows.box_grid(low - more, high + more, resolution).shape
+    low, high, to_world = header
+    return flows.box_grid(*flows.world_box(low, high, matrix @ to_world), resolution).shape
 
 
 def _object_box(objects):
@@ -64,17 +65,13 @@ def _object_box(objects):
 
 
 @lru_cache(maxsize=16)
-def _file_box(path, _changed):
-    """The box of the first vector grid of a file in the world, as its header tells it; None where it does not."""
+def _header(path, _changed):
+    """Lowest and highest index of the first vector grid of a file, and the matrix that takes them to the world, as its
+    header tells them; None where it does not."""
     try:
         grids = flows.openvdb_module().readAllGridMetadata(str(path))
-    except (SynchError, OSError, KeyError, RuntimeError):
-        return None
-    vectors = [grid for grid in grids if grid.valueTypeName.startswith("vec3")]
-    if not vectors:
-        return None
-    try:
+        vectors = [grid for grid in grids if grid.valueTypeName.startswith("vec3")]
         low, high = (np.array(vectors[0][name]) for name in ("file_bbox_min", "file_bbox_max"))
-    except KeyError:
+    except (SynchError, OSError, KeyError, IndexError, RuntimeError):
         return None
-    return flows.world_box(low, high, flows.index_to_world(vectors[0]))
+    return low, high, flows.index_to_world(vectors[0])

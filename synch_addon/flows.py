@@ -20,8 +20,8 @@ from .strokes import SOURCE_TYPES, polylines
 SUFFIXES = (".vdb", ".npz")
 # Custom property of a curve object: the circulation around it.
 STRENGTH = "synch_strength"
-# Space around curves, as a share of their longest side, and the radius of their cores in cells.
-MARGIN, _CORE = 0.35, 0.5
+# Space around curves, as a share of their longest side, and the radius of their cores in cells unless one is given.
+MARGIN, CORE = 0.35, 0.5
 
 
 @dataclass(frozen=True)
@@ -65,9 +65,10 @@ def check_resolution(resolution):
         raise SettingError(f"a resolution of {resolution} nodes shows no vortex: give 8 or more")
 
 
-def flow_source(source):
+def flow_source(source, core=CORE):
     """What a flow is read from, a :class:`VolumeFile`, :class:`ArrayFile` or :class:`FilamentCurves`.
 
+    The vorticity of curves is spread over a radius of ``core`` cells.
     All that Blender's data is needed for is read here; the grid and the integrals may be asked for in another thread.
     """
     if isinstance(source, str | Path):
@@ -77,7 +78,7 @@ def flow_source(source):
         if not path:
             raise SettingError(f"the volume {source.name} has no file: save it as .vdb and choose that")
         return VolumeFile(Path(path), np.array(source.matrix_world), source.name)
-    return FilamentCurves([source] if isinstance(source, bpy.types.Object) else list(source))
+    return FilamentCurves([source] if isinstance(source, bpy.types.Object) else list(source), core)
 
 
 def _file(path):
@@ -179,8 +180,8 @@ class VolumeFile:
 class FilamentCurves:
     """Curve objects as vortex filaments, and the flow that they induce in a box around them."""
 
-    def __init__(self, objects):
-        self._curves = []
+    def __init__(self, objects, core):
+        self._curves, self._core = [], core
         for obj in objects:
             if obj.type not in SOURCE_TYPES:
                 raise SettingError(f"{obj.name} is no curve: choose curves, a volume, or a .vdb or .npz file")
@@ -199,7 +200,7 @@ class FilamentCurves:
 
     def integrals(self, grid):
         """(e,) of the velocity along the grid's edges."""
-        return filament_integrals(grid, self._curves, _CORE * grid.spacing[0])
+        return filament_integrals(grid, self._curves, self._core * grid.spacing[0])
 
 
 def world_box(low, high, to_world):

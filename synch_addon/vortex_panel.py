@@ -58,7 +58,9 @@ def draw_vortices(layout, settings):
     column.prop(settings, "filepath", placeholder="chosen objects")
     column.prop(settings, "show")
     column.prop(settings, "resolution")
-    column.prop(settings, "attribute")
+    if not settings.filepath:
+        column.prop(settings, "core")
+        column.prop(settings, "attribute")
     column.prop(settings, "by")
     column.prop(settings, "count" if settings.by == "COUNT" else "quantum")
     if settings.show != "FILAMENTS":

@@ -89,6 +89,13 @@ class VortexProperties:
         soft_max=100,
         precision=4,
     )
+    core: FloatProperty(
+        name="Core",
+        description="Radius over which the vorticity of curves is spread, in cells; "
+        "0 for half a cell, and two where tubes are shown",
+        min=0.0,
+        soft_max=6.0,
+    )
     opening: FloatProperty(**_OPENING)
     smoothing: IntProperty(**_SMOOTHING)
     method: EnumProperty(
@@ -129,6 +136,7 @@ def plain(properties):
     values = {name: getattr(properties, name) for name in names}
     values |= {name: getattr(properties, name).lower() for name in ("show", "method")}
     values["quantum"] = properties.quantum if properties.by == "CIRCULATION" else None
+    values["core"] = properties.core or None
     values["frames"] = (properties.frame_start, properties.frame_end) if properties.use_frames else None
     return values
 

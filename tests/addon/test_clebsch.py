@@ -165,6 +165,7 @@ def test_what_is_no_flow_is_refused_in_one_line(tmp_path):
     [
         ({"show": "smoke"}, "show 'smoke' is unknown"),
         ({"count": 0}, "the count is 0"),
+        ({"core": -1}, "the core is -1: give a positive"),
         ({"opening": 200}, "the whole sphere has 180"),
         ({"point": (0, 0, 0)}, "three numbers that are not all 0"),
         ({"show": "tubes", "method": "spectral"}, "use the method sdp"),
@@ -197,3 +198,17 @@ def test_a_map_that_shows_nothing_says_what_to_do(tmp_path, capfd):
     assert main(["clebsch", str(tmp_path / "ring.npz"), "--quantum", "50", "--show", "both", "--quiet"]) == 0
     out = capfd.readouterr().out
     assert "no filaments: ask for more" in out and "make the tubes wider" in out and "0 filaments" in out
+
+
+def test_curves_have_a_core_that_tubes_can_be_seen_in():
+    obj = circle()
+    report = clebsch(obj, show="both", quantum=0.34, opening=100, resolution=24, target_gap=0.05)
+    assert report["tubes"]["pieces"] == 1 and report["tubes"]["faces"] > 1000
+    tubes = bpy.data.objects[report["objects"][0]]
+    places = np.array([vertex.co for vertex in tubes.data.vertices])
+    off = np.hypot(np.hypot(places[:, 0], places[:, 1]) - 1, places[:, 2])  # from the circle
+    cell = 3.4 / 2 / 11.5
+    assert 0.5 * cell < np.median(off) < 3 * cell
+    thin = clebsch(obj, show="tubes", quantum=0.34, opening=100, resolution=24, target_gap=0.05, core=0.5)
+    area = lambda made: sum(face.area for face in bpy.data.objects[made].data.polygons)  # noqa: E731
+    assert area(thin["object"]) < area(report["objects"][0])
