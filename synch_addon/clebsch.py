@@ -4,6 +4,7 @@
 import math
 import time
 from dataclasses import dataclass
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -96,6 +97,8 @@ class ClebschJob:
         check_resolution(settings.resolution)
         core = settings.core or (CORE if settings.show == "filaments" else _CORE_OF_TUBES)
         self._source = flow_source(source, core)
+        objects = [] if isinstance(source, str | Path) else [source] if isinstance(source, bpy.types.Object) else source
+        self._objects = tuple(obj.name for obj in objects)
 
     def solve(self, callback=None):
         """Solve for the map and, where the method can, the sphere.
@@ -116,7 +119,8 @@ class ClebschJob:
         sphere = spherical_map(found, portion(callback, 0.8, 0.15)) if settings.method == "sdp" else None
         self._seen = seen(found, sphere, settings.point)
         self._shown = _interruptible(lambda: showing(self._seen, sphere, settings), "vortices", callback, 0.95)
-        self._solved = SolvedFlow(self._source.name, found, sphere, settings, list(missing(self._shown)))
+        warnings = list(missing(self._shown))
+        self._solved = SolvedFlow(self._source.name, found, sphere, settings, warnings, self._objects)
 
     def _read(self):
         grid = self._source.grid(self.settings.resolution)

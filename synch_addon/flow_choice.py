@@ -13,7 +13,8 @@ from .strokes import SOURCE_TYPES
 
 
 def flow_of(context, filepath):
-    """What vortices are shown of: a file, the active volume, or what is selected.
+    """What vortices are shown of: a file, the active volume, or what is selected; of filaments and tubes that were
+    made of a flow, what they were made of.
 
     Raises
     ------
@@ -23,6 +24,9 @@ def flow_of(context, filepath):
     if filepath:
         return bpy.path.abspath(filepath)
     active = context.active_object
+    sources = active.synch_vortices.source_objects if active is not None else []
+    if sources:
+        return sources[0] if sources[0].type == "VOLUME" else sources
     if active is not None and active.type == "VOLUME":
         return active
     chosen = [obj for obj in context.selected_objects if obj.type in SOURCE_TYPES]

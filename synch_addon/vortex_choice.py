@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The choice of a point of the sphere after a solve: other filaments and tubes of the same flow, without solving."""
 
+import json
 import time
 from collections.abc import Callable
 from contextlib import contextmanager
@@ -38,7 +39,7 @@ def remember(solved, made, report, fill):
         kept = KeptFlow(solved, tuple(obj.session_uid for obj in made), fill)
         for obj in made:
             memory.flows.put(obj, kept)
-    _set_panels(made, solved.settings, report)
+    _set_panels(made, solved, report)
 
 
 def choose_point(obj, point=None, *, opening=None, smoothing=None):
@@ -77,7 +78,7 @@ def choose_point(obj, point=None, *, opening=None, smoothing=None):
     for found in present:
         memory.flows.put(found, replace(kept, solved=solved))
     report = report_of(solved, mapped, present, start) | facts
-    _set_panels(present, solved.settings, report)
+    _set_panels(present, solved, report)
     return report
 
 
@@ -96,12 +97,13 @@ def _quietly():
         _filling = False
 
 
-def _set_panels(objects, settings, report):
+def _set_panels(objects, solved, report):
     if not hasattr(bpy.types.Object, "synch_vortices"):  # the extension is not registered
         return
+    settings = solved.settings
     with _quietly():
         for obj in objects:
             look = obj.synch_vortices
             look.point = settings.point or NORTH
             look.opening, look.smoothing = settings.opening, settings.smoothing
-            look.result = result_line(report)
+            look.result, look.sources = result_line(report), json.dumps(solved.sources)

@@ -23,6 +23,7 @@ class SolvedFlow:
     sphere : SphericalMap, None for methods without a relaxation
     settings : ClebschSettings
     warnings : lines that the user should read
+    sources : names of the objects that the flow was read from
     """
 
     name: str
@@ -30,6 +31,7 @@ class SolvedFlow:
     sphere: SphericalMap | None
     settings: object
     warnings: list[str] = field(default_factory=list)
+    sources: tuple[str, ...] = ()
 
 
 def report_of(solved, found, made, start):

@@ -165,6 +165,13 @@ class SynchVortexLook(bpy.types.PropertyGroup):
     opening: FloatProperty(**_OPENING, update=_show)
     smoothing: IntProperty(**_SMOOTHING, update=_show)
     result: StringProperty(name="Result", description="What the panel shows of the solve, as JSON")
+    sources: StringProperty(name="Sources", description="Names of the objects that the flow was read from, as JSON")
+
+    @property
+    def source_objects(self):
+        """The objects that the flow was read from, as far as they are still there."""
+        names = json.loads(self.sources) if self.sources else []
+        return [bpy.data.objects[name] for name in names if name in bpy.data.objects]
 
     @property
     def place(self):

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.flow_choice import flow_of
 from synch_fields.synch_addon.operators.clebsch import SYNCH_OT_clebsch
 from synch_fields.synch_addon.vortex_panel import SYNCH_PT_vortex_result, SYNCH_PT_vortices
 from synch_fields.synch_addon.vortex_settings import PROPERTY_NAMES
@@ -95,3 +96,15 @@ def test_the_operator_takes_what_the_panel_stores():
     operator = SimpleNamespace()
     SYNCH_OT_clebsch._take(operator, bpy.context)
     assert set(vars(operator)) == set(PROPERTY_NAMES) and {n: getattr(operator, n) for n in changed} == changed
+
+
+def test_vortices_of_what_was_made_are_those_of_what_it_was_made_of():
+    bpy.ops.curve.primitive_bezier_circle_add()
+    circle = make_active(bpy.context.active_object)
+    settings = {"resolution": 16, "by": "CIRCULATION", "quantum": 1.0, "target_gap": 0.05}
+    assert bpy.ops.synch.clebsch(**settings) == {"FINISHED"}
+    made = bpy.context.active_object
+    assert made != circle and flow_of(bpy.context, "") == [circle]
+    assert flow_of(bpy.context, "other.vdb") == "other.vdb"
+    bpy.data.objects.remove(circle)
+    assert flow_of(bpy.context, "") == [made]  # a curve like any other
