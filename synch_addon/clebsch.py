@@ -20,7 +20,7 @@ from .surface_vortices import SurfaceJob
 from .vortex_choice import remember
 from .vortex_frames import SequenceJob
 from .vortex_objects import facts, fill, make_filaments, make_tubes, missing, seen, showing
-from .vortex_report import SolvedFlow, report_of
+from .vortex_report import SolvedFlow, circulation_error, report_of
 
 SHOWN = ("filaments", "tubes", "both")
 # Radius of the cores of curves in cells, where their tubes are shown.
@@ -138,6 +138,7 @@ class ClebschJob:
             made.append(make_filaments(f"{solved.name} Filaments", shown))
         _add(made)
         report = report_of(solved, self._seen, made, self._start) | facts(shown)
+        report["circulation_error"] = circulation_error(self._seen)
         remember(solved, made, report, fill)
         return report
 

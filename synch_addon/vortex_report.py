@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, field
 import numpy as np
 
 from ..core.fields.clebsch import ClebschMap, SphericalMap
+from ..core.fields.loops import loop_error
 from ..core.solve.solution import relative_gap
 from .report import counted, peak_memory, quality, versions
 
@@ -67,6 +68,12 @@ def vorticity_share(found, vorticity):
     """What of the flow's vorticity through all faces the filaments carry; None for a flow without any."""
     caught = found.quantum * np.abs(found.face_numbers).sum()
     return float(caught / vorticity) if vorticity else None
+
+
+def circulation_error(found):
+    """How far the number of filaments through a loop is from the flow's circulation along it, in quanta and root mean
+    square over all square loops a quarter of the grid's longest side wide; None where there are none."""
+    return loop_error(found, max(found.grid.shape) // 4)
 
 
 def result_line(report):

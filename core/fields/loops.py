@@ -17,22 +17,22 @@ def through_squares(grid, fluxes, size):
     fluxes : (f,) through the faces
     size : edges
     """
-    parts = []
-    for plane in np.unique(grid.face_planes, axis=0):
+    parts, start = [], 0
+    for plane in grid.planes:
         shape = [count - (axis in plane and not grid.periodic[axis]) for axis, count in enumerate(grid.shape)]
-        values = fluxes[(grid.face_planes == plane).all(axis=1)].reshape(shape)
+        values = fluxes[start : start + np.prod(shape)].reshape(shape)
+        start += values.size
         for axis in plane:
             sums = np.cumsum(np.insert(values, 0, 0, axis=axis), axis=axis, dtype=float)
-            values = np.take(sums, np.arange(size, sums.shape[axis]), axis) - np.take(
-                sums, np.arange(max(sums.shape[axis] - size, 0)), axis
-            )
+            sums = np.moveaxis(sums, axis, 0)
+            values = np.moveaxis(sums[size:] - sums[: max(len(sums) - size, 0)], 0, axis)
         parts.append(values.ravel())
     return np.concatenate(parts)
 
 
 def loop_error(found, size):
     """Root mean square difference, in quanta, between the filaments through all such loops and the flow's circulation
-    along them; NaN where there is no loop.
+    along them; None where there is no loop.
 
     Parameters
     ----------
@@ -41,4 +41,4 @@ def loop_error(found, size):
     """
     missing = circulations(found.grid, found.integrals) / found.quantum - found.face_numbers
     differences = through_squares(found.grid, missing, size)
-    return float(np.sqrt(np.mean(differences**2))) if len(differences) else float("nan")
+    return float(np.sqrt(np.mean(differences**2))) if len(differences) else None

@@ -160,6 +160,11 @@ class Grid:
         """(4,) +1 where a face's edge is passed forwards, else -1."""
         return np.array([1, 1, -1, -1])
 
+    @property
+    def planes(self):
+        """Axes that the faces of each kind extend along, the kinds in the order of the faces."""
+        return _PLANES[self.dimension]
+
     @cached_property
     def face_planes(self):
         """(f, 2) axes that each face extends along."""
