@@ -13,8 +13,8 @@ from .translations import said
 _TELLING = 0.15
 # Of the threads.
 _NAME = "synch"
-# Vertices from which on a first, spectral result is worth its time: a fifth to a third of all.
-EARLY_FROM, EARLY_SHARE = 10_000, 0.25
+# Vertices from which on a first, spectral result is worth its time, a fifth to a third of all; and that share.
+EARLY_FROM, EARLY_SHARE = 20_000, 0.25
 # The job that the window is waiting for, or None: the panel shows its progress.
 running = None
 

@@ -10,6 +10,7 @@ import math
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from . import scene_io
 from .demo import add_demo_object, apply_modifiers
@@ -40,9 +41,8 @@ def add_sample(shape, detail=DETAIL, size=2.0):
     obj = SHAPES[shape](detail)
     places = scene_io.read_values(obj, "position", "POINT").astype(float)
     lower, sides = places.min(axis=0), np.ptp(places, axis=0)
-    places = (places - lower - sides / 2) * (size / sides.max())
-    scene_io.write_attribute(obj, "position", "POINT", "FLOAT_VECTOR", places)
-    along = places[:, sides.argmax()] / size + 0.5
+    obj.data.transform(Matrix.Scale(size / sides.max(), 4) @ Matrix.Translation(-(lower + sides / 2)))
+    along = ((places - lower) / sides.max())[:, sides.argmax()]
     scene_io.write_weights(obj, "Fine", along**2 * (3 - 2 * along))
     obj.synch.spacing_range = 0.5  # what the group does as a spacing map
     scene_io.update(obj)

@@ -16,6 +16,7 @@ TOPOLOGY = {"SUZANNE": (2, False), "PRETZEL": (-2, False), "VASE": (1, True)}
 
 def added(shape, **settings):
     assert bpy.ops.synch.add_sample(shape=shape, **settings) == {"FINISHED"}
+    bpy.context.view_layer.update()
     return bpy.context.active_object
 
 
