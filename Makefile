@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-slow lint extension bench bench-solver pictures environment clean
+.PHONY: help demo test test-slow ui-test ui-pictures lint extension bench bench-solver pictures environment clean
 
 # The Pythons that a bpy wheel exists for, in order of preference.
 VERSIONS ?= 3.13 3.11
@@ -24,6 +24,8 @@ help:
 	@echo 'make demo         stripes on a sample mesh: out/demo.blend, out/demo.png, out/demo.json'
 	@echo 'make test         the tests, in some minutes'
 	@echo 'make test-slow    the other tests'
+	@echo 'make ui-test      a real Blender window, driven; SYNCH_BLENDER=command starts a Blender, Xvfb has to be there'
+	@echo 'make ui-pictures  the same, and its pictures into docs/'
 	@echo 'make lint         ruff (rules and format) and mypy'
 	@echo 'make extension    the zip for Blender in out/; WHEELS=1 bundles SciPy, one zip for each platform'
 	@echo 'make bench        bounds and energies of three meshes beside other methods; MESHES=folder holds them'
@@ -42,6 +44,12 @@ test: $(environment)
 
 test-slow: $(environment)
 	$(python) -m pytest -m slow
+
+ui-test: $(environment)
+	$(python) -m pytest -rs tests/ui
+
+ui-pictures: ui-test
+	cp out/ui/panel.png out/ui/progress.png out/ui/click_2.png out/ui/click_4.png out/ui/click_5.png docs/
 
 lint: $(environment)
 	$(python) -m ruff check

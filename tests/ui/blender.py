@@ -20,7 +20,7 @@ from . import reading
 from .screen import write_png
 
 # Seconds after which what is waited for counts as missing, and that an event needs to reach the window.
-PATIENCE, SETTLING = 200, 0.3
+PATIENCE, SETTLING = 300, 0.3
 # Points of the interface's font.
 _POINTS = 11
 
