@@ -44,6 +44,14 @@ def test_cancelled_job_stops_soon_and_changes_nothing():
     assert snapshot() == before
 
 
+def test_jobs_that_were_cancelled_have_ended_when_the_extension_goes():
+    left = started(sphere())
+    left.cancel()
+    jobs.running = started(sphere())
+    jobs.stop()
+    assert left.cancelled and left.finished and jobs.running is None
+
+
 def test_error_in_the_thread_reaches_the_window():
     obj = sphere()
     set_vectors(obj, "outwards", attribute(obj, "position"))

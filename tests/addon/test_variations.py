@@ -70,6 +70,17 @@ def test_a_placed_defect_is_in_a_face_at_the_vertex(build, command):
         assert np.any(numbers) or np.any(around), vertex
 
 
+def test_what_was_shown_comes_back_as_it_was():
+    obj = sphere()
+    SOLVES["stripes"](obj)
+    api.place_defects(obj, [5])
+    shown, before = memory.recall(obj), snapshot()
+    api.place_defects(obj, [40, 60])
+    assert snapshot() != before
+    api.show_again(obj, shown, 0)
+    assert snapshot() == before and memory.recall(obj).plain == shown.plain
+
+
 def test_what_was_not_solved_has_no_variations():
     obj = sphere()
     for ask in (lambda: api.vary(obj, 1), lambda: api.place_defects(obj, [0]), lambda: api.trace_quads(obj)):
