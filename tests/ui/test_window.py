@@ -169,7 +169,7 @@ def test_results_are_found_again_after_bake_save_and_load(panel, keep):
     panel.click("Bake")
     panel.scroll_to("Bake", count=2)  # the box and the button at its end
     panel.click("Bake", last=True)
-    panel.until("any(image.size[0] == 128 for image in bpy.data.images)")
+    panel.until("part('jobs').running is None and any(image.size[0] == 128 for image in bpy.data.images)")
     before, images = panel.value("state()"), panel.value("sorted(image.name for image in bpy.data.images)")
     keep("bake", panel.picture("UI"))
     path = str(panel.folder / "found.blend")
