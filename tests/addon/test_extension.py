@@ -36,6 +36,11 @@ assert module is not None, "the extension cannot be enabled"
 bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4)
 assert "synch_phase" not in bpy.context.object.data.attributes
 assert bpy.ops.synch.stripes() == {{"FINISHED"}}
+from pathlib import Path
+for library in Path(module.__file__).parent.rglob("synch_fields.blend"):
+    with bpy.data.libraries.load(str(library), assets_only=True) as (there, _):
+        assert len(there.materials) == 6 and len(there.node_groups) == 4
+assert bpy.ops.synch.asset_library() == {{"FINISHED"}}
 phase = bpy.context.object.data.attributes["synch_phase"]
 values = [element.value for element in phase.data]
 assert max(values) - min(values) > 1, "the phase is constant"
@@ -95,6 +100,14 @@ def test_zip_holds_the_program_and_nothing_else(archive):
         "blender_manifest.toml",
     }
     assert not [name for name in names if "__pycache__" in name]
+    pictures = {path.relative_to(ROOT).as_posix() for path in (ROOT / "synch_addon/thumbnails").glob("*.png")}
+    library = {"LICENSE.txt", "blender_assets.cats.txt", "synch_fields.blend"}
+    assert pictures and names - code - {
+        "__init__.py",
+        "__main__.py",
+        "LICENSE",
+        "blender_manifest.toml",
+    } == pictures | {f"synch_addon/assets/{name}" for name in library}
     expected = manifest()
     del expected["wheels"], expected["platforms"], expected["build"]
     assert {key: packed_manifest[key] for key in expected} == expected
