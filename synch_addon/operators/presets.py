@@ -2,7 +2,7 @@
 """Operators: a preset on the active object, solved for it where it has to be; the library of assets."""
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty
+from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from ...core.errors import SynchError
 from .. import api, assets, memory, presets
@@ -24,6 +24,8 @@ class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
         name="Solve",
         description="Solve the pattern that the preset is made for, also where the object has one that can show it",
     )
+
+    solved_for: StringProperty(name="Solved for", options={"HIDDEN", "SKIP_SAVE"})
 
     @property
     def command(self):
@@ -49,7 +51,7 @@ class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
     def _execute(self, context):
         if self._fits(context):
             return self._announce_look(context.active_object)
-        self._take(context)
+        self._set_preset(context, keep=self.solved_for in ("", self.preset))
         return self._run(context)
 
     def _fits(self, context):
@@ -58,8 +60,14 @@ class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
     def _take(self, context):
         """The settings of the object's panel, but for those of the preset."""
         super()._take(context)
+        self._set_preset(context, keep=False)
+
+    def _set_preset(self, context, keep):
+        """The preset's settings; those that a script or the redo panel has set for it may be kept."""
         for name, value in presets.solve_settings(context.active_object, self._chosen).items():
-            setattr(self, name, value.upper() if name == "symmetry" else value)
+            if not (keep and self.properties.is_property_set(name)):
+                setattr(self, name, value.upper() if name == "symmetry" else value)
+        self.solved_for = self.preset
 
     def _announce(self, report):
         super()._announce(report)

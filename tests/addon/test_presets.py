@@ -105,6 +105,18 @@ def test_operator_shows_and_undoes():
     assert snapshot() == before
 
 
+def test_the_panel_offers_every_preset_and_settings_of_a_script_count():
+    obj = torus()
+    for name in PRESETS:
+        bpy.context.scene.synch_preset = name
+        assert bpy.context.scene.synch_preset == name
+    assert bpy.ops.synch.preset(preset="cane", method="SPECTRAL", seed=5, spacing=0.9) == {"FINISHED"}
+    assert [slot.material.name for slot in obj.material_slots] == ["Synch Woven Cane"]
+    kept = memory.recall(obj).plain["settings"]
+    assert (kept["method"], kept["seed"], kept["symmetry"]) == ("spectral", 5, "cross")
+    assert kept["spacing"] == obj.synch.spacing == pytest.approx(0.9)
+
+
 def test_unknown_presets_and_bare_objects_are_refused():
     obj = grid()
     before = snapshot()
