@@ -68,7 +68,7 @@ def gallery(meshes, path):
 
 
 def opened(meshes, shape, level):
-    """A smooth object of a shape."""
+    """A smooth object of a shape, upright."""
     bpy.ops.wm.read_homefile(use_empty=True)
     if shape == "Suzanne":
         bpy.ops.mesh.primitive_monkey_add()
@@ -76,6 +76,8 @@ def opened(meshes, shape, level):
         files.open_input(str(meshes / f"{shape}.obj"))
     obj = bpy.context.object if shape == "Suzanne" else files.choose_object(None)
     bpy.context.view_layer.objects.active = obj
+    obj.select_set(True)
+    bpy.ops.object.transform_apply()  # so that its Z is upwards
     if level:
         obj.modifiers.new("Fine", "SUBSURF").levels = level
         bpy.ops.object.modifier_apply(modifier="Fine")
