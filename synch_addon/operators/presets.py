@@ -10,6 +10,7 @@ from ..bake_index import pattern_kind
 from ..preset_panel import PRESET
 from ..report import counted
 from ..settings import SettingProperties
+from ..translations import said
 from .field_operator import FieldOperator, unready
 
 
@@ -97,9 +98,11 @@ class SYNCH_OT_number_stripes(bpy.types.Operator):
     def poll(cls, context):
         reason = unready(context)
         if reason is None and pattern_kind(context.active_object) != "stripes":
-            reason = f"{context.active_object.name} has no stripes: solve them first"
+            reason = said("{name} has no stripes: solve them first", name=context.active_object.name)
         if reason is None and not memory.holds(context.active_object):
-            reason = f"{context.active_object.name} has not been solved since the file was opened: solve it first"
+            reason = said(
+                "{name} has not been solved since the file was opened: solve it first", name=context.active_object.name
+            )
         if reason:
             cls.poll_message_set(reason)
         return reason is None

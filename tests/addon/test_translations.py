@@ -31,6 +31,7 @@ GROUPS = "SynchSettings SynchConstraint SynchGuide SynchBake SynchFavourite Sync
 OPERATORS = (
     "stripes quads directions quad_mesh trace_quads refine add_sample isolines bake variation draw_variation "
     "place_defect keep_favourite show_favourite remove_favourite select_defects next_defect copy_report cancel "
+    "preset number_stripes asset_library "
     "import_field export_field add_preset constraint_add constraint_remove constraint_move guide_add guide_remove "
     "layers layer_group_add layer_group_remove"
 ).split()
@@ -88,6 +89,7 @@ def _panels():
         "overlay_view",
         "menus",
         "setting_presets",
+        "preset_panel",
     ):
         yield from re.findall(r"class (SYNCH_\w+)", (SOURCES / f"{name}.py").read_text(encoding="utf-8"))
 
