@@ -23,6 +23,7 @@ from .defect_empties import write_defects
 from .jobs import portion
 from .materials import pattern_material
 from .report import Report
+from .settings import from_names
 from .task import gather, settings_for, solve_directions, solve_pattern
 
 # How strongly a pattern holds on to the frame before. Measured: jumps become slides, at about a hundredth of energy.
@@ -69,6 +70,31 @@ class _Frame:
     polygons: Polygons
     directions: np.ndarray
     figures: dict
+
+
+def animate(obj, callback=None, frames=None, pattern="stripes", hold=HOLD, **settings):
+    """Solve a pattern in each frame of a moving mesh, each frame from the one before; a modifier shows them.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object, whose shape keys and modifiers keep its faces
+    callback : callable(stage, fraction) -> bool, optional; False cancels
+    frames : first and last frame; None for the scene's
+    pattern, hold : see :class:`Span`
+    settings : see :class:`Settings`
+
+    Returns the report, whose ``frames`` are figures of each; errors as :func:`api.directions`.
+    """
+    scene = bpy.context.scene
+    frames = (scene.frame_start, scene.frame_end) if frames is None else frames
+    return run_animate(obj, from_names(settings), frames, pattern, hold, callback)
+
+
+def run_animate(obj, settings, frames, pattern, hold, callback=None):
+    """Animate with ready :class:`Settings`."""
+    job = AnimationJob(obj, settings, Span(*frames, pattern, hold), callback)
+    job.solve(callback)
+    return job.write(obj)
 
 
 class AnimationJob:

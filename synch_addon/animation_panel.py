@@ -49,7 +49,7 @@ class SYNCH_PT_animation(SidebarPanel, bpy.types.Panel):
     bl_label = "Animation"
     bl_parent_id = "SYNCH_PT_fields"
     bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 4
+    bl_order = 5
 
     @classmethod
     def poll(cls, context):

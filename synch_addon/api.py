@@ -15,7 +15,7 @@ from ..core.fields.directions import SYMMETRIES
 from ..core.fields.placement import variation, with_defects
 from . import field_io, frame_nodes, memory, presets, quad_object, scene_io, stripe_numbers, write
 from . import isolines as line_object
-from .animation import HOLD, AnimationJob, Span
+from .animation import animate as animate
 from .bake import BakeJob
 from .bake_settings import BakeSettings
 from .clebsch import clebsch as clebsch
@@ -290,31 +290,6 @@ def bake(obj, callback=None, **settings):
         with one line that names the element and the remedy; nothing is written
     """
     return run_bake(obj, BakeSettings.from_names(settings), callback)
-
-
-def animate(obj, callback=None, frames=None, pattern="stripes", hold=HOLD, **settings):
-    """Solve a pattern in each frame of a moving mesh, each frame from the one before; a modifier shows them.
-
-    Parameters
-    ----------
-    obj : bpy.types.Object, whose shape keys and modifiers keep its faces
-    callback : callable(stage, fraction) -> bool, optional; False cancels
-    frames : first and last frame; None for the scene's
-    pattern, hold : see :class:`Span`
-    settings : see :class:`Settings`
-
-    Returns the report, whose ``frames`` are figures of each; errors as :func:`directions`.
-    """
-    scene = bpy.context.scene
-    frames = (scene.frame_start, scene.frame_end) if frames is None else frames
-    return run_animate(obj, from_names(settings), frames, pattern, hold, callback)
-
-
-def run_animate(obj, settings, frames, pattern, hold, callback=None):
-    """Animate with ready :class:`Settings`."""
-    job = AnimationJob(obj, settings, Span(*frames, pattern, hold), callback)
-    job.solve(callback)
-    return job.write(obj)
 
 
 def run_bake(obj, settings, callback=None):

@@ -3,8 +3,8 @@
 
 import bpy
 
-from . import api, files
-from .animation import HOLD
+from . import files
+from .animation import HOLD, run_animate
 from .report import counted
 
 
@@ -37,7 +37,7 @@ def run(options, open_object, settings, progress):
     obj = open_object()
     scene = bpy.context.scene
     frames = options.frames or (scene.frame_start, scene.frame_end)
-    report = api.run_animate(obj, settings, frames, options.pattern, options.hold, progress)
+    report = run_animate(obj, settings, frames, options.pattern, options.hold, progress)
     written = [files.save_blend(options.output)] if options.output else []
     written += [options.report] if options.report else []
     warnings = [f"warning: {line}" for line in report["warnings"]]
