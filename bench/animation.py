@@ -111,33 +111,39 @@ def render(obj, path):
 
 
 def measure(obj, report):
-    """Print what the animation costs and changes beside solves of each frame alone."""
-    rows = [row("hold 0.1", report)]
+    """Print what the animation costs and changes beside solves of each frame alone, also along its directions."""
+    rows = [
+        row("hold 0.1", report),
+        alone(obj, "each alone, the same directions", guidance="attribute:synch_direction"),
+    ]
+    rows.append(alone(obj, "each alone"))
+    rows.insert(0, row("hold 0", api.animate(obj, frames=(1, FRAMES), spacing=SPACING, hold=0)))
+    print_table(f"{FRAMES} frames of {len(obj.data.vertices)} vertices", COLUMNS, rows)
+
+
+def alone(obj, label, **settings):
+    """A row of the table for solves of each frame alone."""
     start = time.perf_counter()
-    alone, energies = [], []
+    patterns, energies = [], []
     for frame in range(1, FRAMES + 1):
         bpy.context.scene.frame_set(frame)
         shape = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
         copy = bpy.data.objects.new("Alone", bpy.data.meshes.new_from_object(shape))
         bpy.context.scene.collection.objects.link(copy)
-        energies.append(api.stripes(copy, spacing=SPACING)["energy"])
+        energies.append(api.stripes(copy, spacing=SPACING, **settings)["energy"])
         values = np.empty(len(copy.data.vertices), np.float32)
         copy.data.attributes["synch_pattern"].data.foreach_get("value", values)
-        alone.append(values)
+        patterns.append(values)
         bpy.data.objects.remove(copy)
+    changes = np.abs(np.diff(patterns, axis=0)).mean(axis=1)
     seconds = (time.perf_counter() - start) / FRAMES
-    changes = np.abs(np.diff(alone, axis=0)).mean(axis=1)
-    rows.append(
-        {
-            "label": "each alone",
-            "mean": changes.mean(),
-            "largest": changes.max(),
-            "energy": np.mean(energies),
-            "seconds": seconds,
-        }
-    )
-    rows.insert(0, row("hold 0", api.animate(obj, frames=(1, FRAMES), spacing=SPACING, hold=0)))
-    print_table(f"{FRAMES} frames of {len(obj.data.vertices)} vertices", COLUMNS, rows)
+    return {
+        "label": label,
+        "mean": changes.mean(),
+        "largest": changes.max(),
+        "energy": np.mean(energies),
+        "seconds": seconds,
+    }
 
 
 def row(label, report):
