@@ -18,7 +18,7 @@ from ..core.fields.frames import carried_angles, is_moved
 from ..core.geometry import TriangleMesh
 from ..core.geometry.polygons import Polygons
 from ..core.interpolate import EdgePhases, face_phases
-from . import frame_nodes, memory, scene_io, write
+from . import frame_nodes, memory, scene_io, stripe_numbers, write
 from .defect_empties import write_defects
 from .jobs import portion
 from .materials import pattern_material
@@ -194,6 +194,7 @@ class AnimationJob:
         pattern_material(obj, self._span.pattern, spacing=task.spacing, assign_faces=all_faces)
         frame_nodes.add_frames(obj, self._span.pattern, self._span.first, self._span.last)
         memory.forget(obj)
+        stripe_numbers.renew_numbers(obj)  # which takes those of another pattern away
         if hasattr(obj, "synch"):  # as long as the extension is registered
             obj.synch.variation, obj.synch.result = 0, ""
         scene_io.update(obj)

@@ -220,11 +220,13 @@ def test_the_scene_is_as_it_was_and_has_the_pattern():
     obj = swaying(sphere(), 2)
     bpy.context.scene.frame_set(7, subframe=0.25)
     api.stripes(obj, spacing=0.5)
-    assert empties(obj) and obj.synch.result
+    api.number_stripes(obj)
+    assert empties(obj) and obj.synch.result and "synch_number" in obj.data.attributes
     api.animate(obj, frames=(1, 2), spacing=0.5)
     assert (bpy.context.scene.frame_current, bpy.context.scene.frame_subframe) == (7, 0.25)
     assert obj.active_material.name.startswith("Synch Stripes")
-    assert not empties(obj) and not obj.synch.result  # of a pattern that is gone
+    # Of a pattern that is gone:
+    assert not empties(obj) and not obj.synch.result and "synch_number" not in obj.data.attributes
     np.testing.assert_array_equal(attribute(obj, "synch_phase"), attribute(obj, "synch_phase.1"))
     with pytest.raises(SynchError, match="has not been solved"):
         api.vary(obj, 1)
