@@ -20,6 +20,7 @@ LANGUAGES = {
     | german_lists.CONSTRAINTS
     | german_lists.OVERLAY
     | german_lists.BAKE
+    | german_lists.ANIMATION
     | german_lists.VORTICES
     | german_layers.LAYERS
     | german_presets.PRESETS

@@ -261,3 +261,31 @@ VORTICES = {
         "Geschwindigkeit auf den Punkten des gewählten Netzes, das dann selbst die Abbildung zeigt"
     ),
 }
+
+ANIMATION = {
+    "Animation": "Animation",
+    "The pattern in each frame of a moving mesh": "Das Muster in jedem Bild eines bewegten Netzes",
+    "Animate": "Animieren",
+    "Animate the Pattern": "Muster animieren",
+    "Solve the pattern in each frame of a moving or deforming mesh, each frame from the one before": (
+        "Das Muster in jedem Bild eines bewegten oder verformten Netzes lösen, jedes aus dem vorigen"
+    ),
+    "Pattern": "Muster",
+    "What is solved in each frame": "Was in jedem Bild gelöst wird",
+    "Evenly spaced stripes along a vector or line field": (
+        "Gleichmäßige Streifen entlang eines Vektor- oder Linienfelds"
+    ),
+    "Two crossing families of lines along a cross field": "Zwei sich kreuzende Scharen entlang eines Kreuzfelds",
+    "Scene Range": "Bereich der Szene",
+    "Solve all frames of the scene": "Alle Bilder der Szene lösen",
+    "First Frame": "Erstes Bild",
+    "First frame to solve": "Das erste Bild, das gelöst wird",
+    "Last Frame": "Letztes Bild",
+    "Last frame to solve": "Das letzte Bild, das gelöst wird",
+    "Hold": "Halt",
+    "How strongly the pattern holds on to the frame before: at 0 it may jump where the mesh moves on, "
+    "larger values let it slide more slowly": (
+        "Wie fest sich das Muster an das vorige Bild hält: Bei 0 kann es springen, größere Werte lassen es gleiten"
+    ),
+    "Animated: a new solve replaces it": "Animiert: Eine neue Lösung ersetzt es",
+}

@@ -27,9 +27,11 @@ BLENDERS = {
 # Internal, or about to be replaced by names.
 UNSEEN = {"about"}
 # What is shown by the parts of the interface that are held complete.
-GROUPS = "SynchSettings SynchConstraint SynchGuide SynchBake SynchFavourite SynchFlush SynchLayering".split()
+GROUPS = (
+    "SynchSettings SynchConstraint SynchGuide SynchBake SynchFavourite SynchAnimation SynchFlush SynchLayering"
+).split()
 OPERATORS = (
-    "stripes quads directions quad_mesh trace_quads refine add_sample isolines bake variation draw_variation "
+    "stripes quads directions quad_mesh trace_quads refine add_sample isolines bake animate variation draw_variation "
     "place_defect keep_favourite show_favourite remove_favourite select_defects next_defect copy_report cancel "
     "preset number_stripes asset_library "
     "import_field export_field add_preset constraint_add constraint_remove constraint_move guide_add guide_remove "
@@ -84,6 +86,7 @@ def _panels():
         "panels",
         "result_panel",
         "bake_panel",
+        "animation_panel",
         "constraint_panel",
         "layer_panel",
         "overlay_view",
