@@ -26,7 +26,7 @@ from .report import Report
 from .settings import from_names
 from .task import gather, settings_for, solve_directions, solve_pattern
 
-# How strongly a pattern holds on to the frame before. Measured: jumps become slides, at about a hundredth of energy.
+# How strongly a pattern holds on to the frame before. Measured: jumps become slides, for up to 3 % of energy.
 HOLD = 0.1
 # The first frame is searched for; the others only go on. What part of the work reading is, and the first frame's share.
 _READING, _FIRST = 0.1, 4
