@@ -23,6 +23,7 @@ _FOLDER = os.environ["SYNCH_UI_FOLDER"]
 _COMMAND, _ANSWER = (os.path.join(_FOLDER, name) for name in ("command", "answer"))
 # Seconds between two looks for a command.
 _PERIOD = 0.02
+_PARENT = os.getppid()
 
 bpy.context.preferences.view.show_splash = False
 
@@ -129,6 +130,8 @@ _scope |= {f.__name__: f for f in (event, area, view, region, drawn_text, part, 
 
 
 def _poll():
+    if os.getppid() != _PARENT:  # the tests were killed
+        os._exit(1)
     if not os.path.exists(_COMMAND):
         return _PERIOD
     with open(_COMMAND) as file:

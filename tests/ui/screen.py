@@ -26,7 +26,18 @@ class Screen:
         self.size, self._dump = size, folder / "Xvfb_screen0"
         read, write = os.pipe()
         geometry = f"{size[0]}x{size[1]}x24"
-        command = ["Xvfb", "-displayfd", str(write), "-screen", "0", geometry, "-fbdir", str(folder), "-nocursor"]
+        command = [
+            "Xvfb",
+            "-displayfd",
+            str(write),
+            "-screen",
+            "0",
+            geometry,
+            "-fbdir",
+            str(folder),
+            "-nocursor",
+            "-terminate",
+        ]
         log = (folder / "xvfb.log").open("wb")
         self._process = subprocess.Popen(command, pass_fds=[write], stdout=log, stderr=log)
         os.close(write)

@@ -82,6 +82,18 @@ def test_button_cancels(panel):
     assert panel.value("state()") == before
 
 
+def test_new_file_while_a_job_runs_is_safe(panel):
+    add_ball(panel, 6)
+    panel.click("Stripes")
+    panel.until("part('jobs').running is not None")
+    panel.run("bpy.ops.wm.read_homefile()")
+    panel.until("region('WINDOW')[2] > 1 and part('jobs').running is None")
+    assert panel.value("active().name, active().synch.result") == ["Cube", ""]
+    panel.open_panel()
+    add_ball(panel, 4)
+    solved(panel)
+
+
 def test_undo_and_redo(panel):
     add_ball(panel, 4)
     panel.run("bpy.ops.ed.undo_push(message='ball')")
