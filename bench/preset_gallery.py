@@ -4,7 +4,7 @@
     python bench/preset_gallery.py MESHES --folder docs [--only gallery | thumbnails]
 
 Writes gallery.png to the folder and the thumbnails to synch_addon/thumbnails. MESHES holds spot.obj,
-stanford-bunny.obj, botijo.obj and bumpy-cube.obj. Needs Blender as a module (bpy).
+stanford-bunny.obj, botijo.obj and cheburashka.obj. Needs Blender as a module (bpy).
 """
 
 import argparse
@@ -26,7 +26,7 @@ SHAPES = (
     ("wood-cut", "Suzanne", 3, (-22, 8)),
     ("knit", "spot", 2, (150, 12)),
     ("cane", "botijo", 0, (-30, 18)),
-    ("fingerprint", "bumpy-cube", 0, (-30, 20)),
+    ("fingerprint", "cheburashka", 1, (-25, 12)),
 )
 TILE = (400, 380)
 THUMBNAIL = 128

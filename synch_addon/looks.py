@@ -56,14 +56,14 @@ def corduroy(canvas, group):
     """Ribs of velvet, lighter on top."""
     texture = _Texture(canvas)
     pile = texture.noise(7.0, 3.0)
-    pattern = canvas.group(group, inputs={"Profile": STRIPE_PROFILES.index("rounded"), "Width": 0.9, "Softness": 0.3})
+    pattern = canvas.group(group, inputs={"Profile": STRIPE_PROFILES.index("rounded"), "Width": 0.96, "Softness": 0.3})
     top = (pattern["Height"] * pattern["Height"]).named("top")
     worn = top * 0.85 + pile * 0.13 + texture.noise(0.3) * 0.09 + (pattern["Random"] - 0.5) * 0.14
     return {
-        "Base Color": canvas.color_mix(worn.clamped(), (0.045, 0.011, 0.005, 1), (0.36, 0.115, 0.034, 1)),
+        "Base Color": canvas.color_mix(worn.clamped(), (0.075, 0.022, 0.010, 1), (0.33, 0.118, 0.045, 1)),
         "Roughness": 0.85,
         "Specular IOR Level": 0.2,
-        "Sheen Weight": 0.7,
+        "Sheen Weight": 0.9,
         "Sheen Roughness": 0.35,
         "Sheen Tint": (1.0, 0.72, 0.48, 1),
         "Height": pattern["Height"] + pile * 0.10,
