@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..core.errors import SettingError
+from ..core.fields.layers import LayerGroup
 from ..core.fields.potentials import extended
 from ..core.geometry.surface_distance import nearest_in_triangles
 from ..core.geometry.tet_mesh import TetMesh
@@ -80,6 +81,17 @@ class Carried:
                 f"{area.name} is smaller than the solid's triangles: reduce the size, or mark a larger area"
             )
         return triangles
+
+    def group_on(self, area, phase):
+        """The :class:`LayerGroup` of an :class:`Area`: the triangles on it, and vertices on it beside these.
+
+        Parameters
+        ----------
+        area : Area
+        phase : radians, None for one that is left to the solver
+        """
+        triangles = self.faces_on(area)
+        return LayerGroup(np.union1d(np.flatnonzero(self._lies_on(area)), triangles), triangles, phase, area.name)
 
     def vertices_on(self, area):
         """(n,) bool, the solid's vertices on an :class:`Area`, those nearest to its triangles where there are none."""

@@ -11,7 +11,7 @@ import numpy as np
 from ..core.errors import SettingError, SynchError
 from ..core.extract.defect_curves import defect_curves
 from ..core.extract.layer_surfaces import layer_surfaces
-from ..core.fields.layers import LayerGroup, SolidGrowth, solve_layers
+from ..core.fields.layers import SolidGrowth, solve_layers
 from ..core.geometry.tet_mesh import TetMesh
 from ..core.solve.monitor import Monitor
 from ..core.solve.solution import Clock
@@ -164,10 +164,7 @@ class LayerJob:
         spacings = self.lengths.spacing
         if self._factors is not None:
             spacings = spacings * carried.inside(self._factors)
-        groups = [
-            LayerGroup.of_triangles(carried.faces_on(area), 0.0 if row.wish == HELD else None, area.name)
-            for row, area in self._areas
-        ]
+        groups = [carried.group_on(area, 0.0 if row.wish == HELD else None) for row, area in self._areas]
         return directions, spacings, groups
 
     def _warn_about_loss(self, solid):

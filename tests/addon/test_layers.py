@@ -14,6 +14,7 @@ from synch_fields.synch_addon.layer_settings import LayerSettings
 
 from .scenes import (
     add_curve,
+    add_group,
     add_object,
     attribute,
     empties,
@@ -84,6 +85,22 @@ def test_layers_lie_flush_on_groups():
         np.testing.assert_allclose(phases[on], 0, atol=1e-12)
         assert np.abs(places[:, 2] - height).max() < 1e-6 * reach
     assert 5 <= report["layers"] <= 6
+
+
+@pytest.mark.parametrize("size", [0.11, 0.13])
+def test_layers_lie_flush_on_a_part_of_a_face_up_to_its_rim(size):
+    """Every vertex of the solid on the marked faces has the layer's phase, those at the rim too."""
+    obj = block(faces=(5, 5, 2))
+    places = attribute(obj, "position")
+    pad = (np.abs(places[:, :2]) < 0.31).all(axis=1) & (places[:, 2] > 0.4)
+    add_group(obj, "Pad", np.flatnonzero(pad))
+    api.layers(obj, groups="Pad=layer", spacing=0.35, size=size)
+    layering = memory.recall_layers(obj)
+    vertices = layering.solid.vertices
+    on = (np.abs(vertices[:, :2]) < 0.3 + 1e-7).all(axis=1) & (np.abs(vertices[:, 2] - 0.5) < 1e-7)
+    rim = on & (np.abs(np.abs(vertices[:, :2]).max(axis=1) - 0.3) < 1e-7)
+    assert on.sum() > 20 and rim.sum() > 8
+    np.testing.assert_allclose(layering.pattern.vertex_phases[on], 0, atol=1e-12)
 
 
 def test_without_groups_layers_are_not_flush():
