@@ -24,7 +24,7 @@ def flow_of(context, filepath):
     if filepath:
         return bpy.path.abspath(filepath)
     active = context.active_object
-    sources = active.synch_vortices.source_objects if active is not None else []
+    sources = active.synch_vortices.source_objects if active is not None and active.select_get() else []
     if sources:
         return sources[0] if sources[0].type == "VOLUME" else sources
     if active is not None and active.type == "VOLUME":

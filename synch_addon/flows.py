@@ -3,7 +3,6 @@
 
 import importlib.util
 import sys
-from dataclasses import dataclass
 from functools import cache, cached_property
 from pathlib import Path
 
@@ -22,41 +21,6 @@ SUFFIXES = (".vdb", ".npz")
 STRENGTH = "synch_strength"
 # Space around curves, as a share of their longest side, and the radius of their cores in cells unless one is given.
 MARGIN, CORE = 0.35, 0.5
-
-
-@dataclass(frozen=True)
-class Flow:
-    """A velocity as the core wants it.
-
-    Attributes
-    ----------
-    grid : Grid, in the world
-    integrals : (e,) of the velocity along its edges
-    name : of what it was read from
-    """
-
-    grid: Grid
-    integrals: np.ndarray
-    name: str
-
-
-def read_flow(source, resolution):
-    """The :class:`Flow` of anything that :func:`flow_source` takes.
-
-    Parameters
-    ----------
-    source : path of a .vdb or .npz file, a volume object, or a list of curve objects
-    resolution : nodes along the longest side that a file or curves are resampled to
-
-    Raises
-    ------
-    SettingError
-        with one line that says what is wrong with the source
-    """
-    check_resolution(resolution)
-    found = flow_source(source)
-    grid = found.grid(resolution)
-    return Flow(grid, found.integrals(grid), found.name)
 
 
 def check_resolution(resolution):
