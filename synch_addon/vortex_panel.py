@@ -8,7 +8,7 @@ import bpy
 from . import jobs, memory
 from .flow_choice import expected_shape
 from .panels import SidebarPanel, draw_progress, property_column
-from .report import counted
+from .translations import counted, said
 
 # Bytes that a solve takes for each node at its peak, with a proved bound, which is tried up to so many nodes, and
 # without: measured on 24^3 to 64^3 nodes.
@@ -84,20 +84,21 @@ def draw_estimate(layout, context, settings):
         return
     nodes = math.prod(shape)
     memory_of_it = max(min(nodes, _PROVED_NODES) * _PROVED * (nodes <= _PROVED_NODES), nodes * _ESTIMATED)
-    text = f"{' × '.join(map(str, shape))} nodes, about {memory_of_it / 2**30:.1f} GB"
+    sizes = " × ".join(map(str, shape))
+    text = said("{sizes} nodes, about {gigabytes:.1f} GB", sizes=sizes, gigabytes=memory_of_it / 2**30)
     layout.label(text=text, icon="ERROR" if nodes > 2_000_000 else "INFO")
 
 
 def draw_figures(layout, found):
     """Energy, bound, counts and what of the vorticity the filaments carry."""
     column = layout.column(align=True)
-    column.label(text=f"Energy {found['energy']:.4g}", icon="SORTTIME")
+    column.label(text=said("Energy {energy:.4g}", energy=found["energy"]), icon="SORTTIME")
     if found["certificate"] == "proved":
-        column.label(text=f"Proved: no map saves more than {found['gap']:.0%}", icon="CHECKMARK")
+        column.label(text=said("Proved: no map saves more than {gap:.0%}", gap=found["gap"]), icon="CHECKMARK")
     elif found["certificate"] == "estimated":
-        column.label(text=f"About {found['gap']:.0%} above the bound", icon="QUESTION")
+        column.label(text=said("About {gap:.0%} above the bound", gap=found["gap"]), icon="QUESTION")
     if "filaments" in found:
-        closed = f"{found['closed']} closed, {found['length']:.3g} long in all"
+        closed = said("{closed} closed, {length:.3g} long in all", closed=found["closed"], length=found["length"])
         column.label(text=f"{counted(found['filaments'], 'filament')}, {closed}", icon="CURVE_DATA")
     if "vortices" in found:
         column.label(text=counted(found["vortices"], "vortex"), icon="DOT")
@@ -105,8 +106,11 @@ def draw_figures(layout, found):
         column.label(text=counted(found["tubes"], "tube"), icon="MESH_CYLINDER")
     share = found["vorticity_share"]
     if share is not None:
-        column.label(text=f"Circulation {found['quantum']:.4g} each: {share:.0%} of the vorticity", icon="FORCE_VORTEX")
-    column.label(text=f"{found['seconds']:.1f} s, {found['nodes']} nodes", icon="TIME")
+        carried = said(
+            "Circulation {quantum:.4g} each: {share:.0%} of the vorticity", quantum=found["quantum"], share=share
+        )
+        column.label(text=carried, icon="FORCE_VORTEX")
+    column.label(text=said("{seconds:.1f} s, {nodes} nodes", **found), icon="TIME")
 
 
 def draw_choice(layout, look):

@@ -207,6 +207,40 @@ BAKE = {
 }
 
 VORTICES = {
+    "Vortex filaments and tubes of a flow in space": "Wirbelfäden und -röhren einer Strömung im Raum",
+    "What the last solve of the active object's vortices found": (
+        "Was die letzte Lösung der Wirbel des aktiven Objekts ergeben hat"
+    ),
+    "Core": "Kern",
+    "Radius over which the vorticity of curves is spread, in cells; 0 for half a cell, and two where tubes are shown": (
+        "Radius in Zellen, über den die Wirbelstärke von Kurven verteilt ist; 0 für eine halbe, und zwei, wo Röhren "
+        "gezeigt werden"
+    ),
+    "How often points of filaments and tubes move to the middle of their neighbours": (
+        "Wie oft Punkte von Fäden und Röhren in die Mitte ihrer Nachbarn rücken"
+    ),
+    "Point": "Punkt",
+    "Point of the sphere: filaments are where the map shows its antipode, tubes around that": (
+        "Punkt der Sphäre: Fäden liegen, wo die Abbildung seinen Antipoden zeigt, Röhren darum herum"
+    ),
+    "What the panel shows of the solve, as JSON": "Was das Panel von der Lösung zeigt, als JSON",
+    "Sources": "Quellen",
+    "Names of the objects that the flow was read from, as JSON": (
+        "Namen der Objekte, aus denen die Strömung gelesen wurde, als JSON"
+    ),
+    "Proved: no map saves more than {gap:.0%}": "Bewiesen: keine Abbildung spart mehr als {gap:.0%}",
+    "{closed} closed, {length:.3g} long in all": "{closed} geschlossen, zusammen {length:.3g} lang",
+    "Circulation {quantum:.4g} each: {share:.0%} of the vorticity": (
+        "Zirkulation je {quantum:.4g}: {share:.0%} der Wirbelstärke"
+    ),
+    "{seconds:.1f} s, {nodes} nodes": "{seconds:.1f} s, {nodes} Knoten",
+    "{sizes} nodes, about {gigabytes:.1f} GB": "{sizes} Knoten, etwa {gigabytes:.1f} GB",
+    "filament": "Faden",
+    "filaments": "Fäden",
+    "tube": "Röhre",
+    "tubes": "Röhren",
+    "vortex": "Wirbel",
+    "vortices": "Wirbel",
     "Show the vortices of a file, of the active volume or mesh, or of the flow that the selected curves induce": (
         "Die Wirbel einer Datei, des aktiven Volumens oder Netzes oder der Strömung ausgewählter Kurven zeigen"
     ),

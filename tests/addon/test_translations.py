@@ -28,14 +28,15 @@ BLENDERS = {
 UNSEEN = {"about"}
 # What is shown by the parts of the interface that are held complete.
 GROUPS = (
-    "SynchSettings SynchConstraint SynchGuide SynchBake SynchFavourite SynchAnimation SynchFlush SynchLayering"
+    "SynchSettings SynchConstraint SynchGuide SynchBake SynchFavourite SynchAnimation SynchFlush SynchLayering "
+    "SynchVortices SynchVortexLook"
 ).split()
 OPERATORS = (
     "stripes quads directions quad_mesh trace_quads refine add_sample isolines bake animate variation draw_variation "
     "place_defect keep_favourite show_favourite remove_favourite select_defects next_defect copy_report cancel "
     "preset number_stripes asset_library "
     "import_field export_field add_preset constraint_add constraint_remove constraint_move guide_add guide_remove "
-    "layers layer_group_add layer_group_remove"
+    "layers layer_group_add layer_group_remove clebsch best_vortices"
 ).split()
 
 
@@ -93,6 +94,7 @@ def _panels():
         "menus",
         "setting_presets",
         "preset_panel",
+        "vortex_panel",
     ):
         yield from re.findall(r"class (SYNCH_\w+)", (SOURCES / f"{name}.py").read_text(encoding="utf-8"))
 
