@@ -63,7 +63,7 @@ def figure5(folder, path):
     for show in ("filaments", "tubes"):
         pictures = []
         for cut in CUTS:
-            report = clebsch(source, quantum=2 * np.pi * QUANTA / cut, show=show, smoothing=4)
+            report = clebsch(source, quantum=2 * np.pi * QUANTA / cut, show=show, opening=95, smoothing=4)
             obj = bpy.data.objects[report["object"]]
             obj = in_hues(obj) if show == "tubes" else obj
             picture = folder / f"{show}{cut}.png"
