@@ -190,6 +190,7 @@ def test_the_operator_takes_the_selected_curves():
     assert bpy.context.active_object.type == "CURVE" and bpy.context.active_object != obj
     for other in bpy.data.objects:
         other.select_set(False)
+    bpy.context.view_layer.objects.active = None  # beside a result, what it was made of is solved again
     with pytest.raises(RuntimeError, match="nothing has a flow"):
         bpy.ops.synch.clebsch()
 
