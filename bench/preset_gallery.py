@@ -12,6 +12,7 @@ import tempfile
 from pathlib import Path
 
 import bpy
+import numpy as np
 from figures import beside
 from quad_gallery import plain_material
 
@@ -61,10 +62,25 @@ def gallery(meshes, path):
             api.preset(obj, name)
             picture = Path(folder) / f"{name}.png"
             pictures.append(render_picture(obj, picture, view=view, resolution=TILE, samples=48, markers=False))
-        rows = [Path(folder) / f"row{start}.png" for start in (0, 3)]
-        for start, row in zip((0, 3), rows, strict=True):
-            beside(pictures[start : start + 3], row)
-        beside(rows, path, vertical=True)
+        sheet(pictures, Path(folder), path)
+
+
+def sheet(pictures, folder, path):
+    """Six pictures in two rows, as a small file: seven eighths of the size, half of the values."""
+    rows = [folder / f"row{start}.png" for start in (0, 3)]
+    for start, row in zip((0, 3), rows, strict=True):
+        beside(pictures[start : start + 3], row)
+    beside(rows, folder / "sheet.png", vertical=True)
+    image = bpy.data.images.load(str(folder / "sheet.png"))
+    image.scale(*(7 * length // 8 for length in image.size))
+    values = np.empty(4 * image.size[0] * image.size[1], np.float32)
+    image.pixels.foreach_get(values)
+    image.pixels.foreach_set(np.round(values * 127) / 127)
+    scene = bpy.context.scene
+    scene.view_settings.view_transform = "Standard"
+    settings = scene.render.image_settings
+    settings.file_format, settings.color_mode, settings.compression = "PNG", "RGB", 100
+    image.save_render(str(path.absolute()), scene=scene)
 
 
 def opened(meshes, shape, level):
