@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Menus and presets: every entry is an operator that says what it does, and why it cannot be run where it cannot."""
 
+import ast
 from pathlib import Path
 
 import bpy
@@ -16,6 +17,13 @@ from .scenes import sphere, tube
 # Settings that Blender's own helpers give to an operator.
 _BLENDERS = {"rna_type", "align", "location", "rotation", "check_existing", "name"}
 PRESETS = sorted((Path(menus.__file__).parent / "presets" / setting_presets.FOLDER).glob("*.py"))
+
+
+@pytest.fixture(autouse=True)
+def labels(monkeypatch):
+    """Blender calls the presets by the one that was used last."""
+    panel = setting_presets.SYNCH_PT_presets
+    monkeypatch.setattr(panel, "bl_label", panel.bl_label)
 
 
 class Layout:
@@ -121,3 +129,14 @@ def test_own_preset_keeps_all_settings(tmp_path, monkeypatch):
 def test_operators_keep_presets_of_their_own():
     for name in ("stripes", "quads", "quad_mesh", "directions", "isolines", "bake", "add_sample"):
         assert "PRESET" in getattr(bpy.types, f"SYNCH_OT_{name}").bl_options
+
+
+def test_every_icon_is_one_of_blenders():
+    known = set(bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items.keys())
+    used = {}
+    for path in Path(menus.__file__).parent.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.keyword) and node.arg == "icon" and isinstance(node.value, ast.Constant):
+                used[node.value.value] = path.name
+    used |= {icon: "menus.py" for group in menus._ENTRIES for *_, icon in group}
+    assert len(used) > 20 and {icon: where for icon, where in used.items() if icon not in known} == {}
