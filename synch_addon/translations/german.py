@@ -150,6 +150,9 @@ OPERATORS = {
         "Wie oft das Netz unterteilt wird; ohne Angabe so oft, wie seine Kanten es brauchen"
     ),
     "Smooth": "Glatt",
+    "Stripes: sine, square, triangle, rounded, thread. Quads: grid lines, checker, weave, dots": (
+        "Streifen: Sinus, Rechteck, Dreieck, gerundet, Faden. Vierecke: Gitterlinien, Schachbrett, Gewebe, Punkte"
+    ),
     "Round the surface while it is subdivided": "Die Oberfläche beim Unterteilen runden",
     "Bake what the pattern shows into images over a UV map, with Cycles, one map after the other; Esc cancels": (
         "Mit Cycles in Bilder über eine UV-Map backen, was das Muster zeigt, eines nach dem anderen; Esc bricht ab"

@@ -281,8 +281,8 @@ VORTICES = {
     "How much of the sphere is inside a tube, degrees around the chosen point's antipode": (
         "Wie viel der Kugel in einer Röhre liegt, Grad um den Gegenpunkt des gewählten Punkts"
     ),
-    "How often points of filaments move to the middle of their neighbours": (
-        "Wie oft Punkte von Fäden zur Mitte ihrer Nachbarn rücken"
+    "How often points of filaments and tubes move to the middle of their neighbours": (
+        "Wie oft Punkte von Fäden und Röhren zur Mitte ihrer Nachbarn rücken"
     ),
     "Frames": "Bilder",
     "Solve a range of frames, each from the one before: one object a frame": (
