@@ -221,7 +221,7 @@ VORTICES = {
     ),
     "Point": "Punkt",
     "Point of the sphere: filaments are where the map shows its antipode, tubes around that": (
-        "Punkt der Sphäre: Fäden liegen, wo die Abbildung seinen Antipoden zeigt, Röhren darum herum"
+        "Punkt der Kugel: Fäden liegen, wo die Abbildung seinen Antipoden zeigt, Röhren darum herum"
     ),
     "What the panel shows of the solve, as JSON": "Was das Panel von der Lösung zeigt, als JSON",
     "Sources": "Quellen",
@@ -280,9 +280,6 @@ VORTICES = {
     "Width": "Breite",
     "How much of the sphere is inside a tube, degrees around the chosen point's antipode": (
         "Wie viel der Kugel in einer Röhre liegt, Grad um den Gegenpunkt des gewählten Punkts"
-    ),
-    "How often points of filaments and tubes move to the middle of their neighbours": (
-        "Wie oft Punkte von Fäden und Röhren zur Mitte ihrer Nachbarn rücken"
     ),
     "Frames": "Bilder",
     "Solve a range of frames, each from the one before: one object a frame": (
