@@ -27,9 +27,9 @@ from .scenes import (
 from .solid_objects import bent_bar, block, layers_of, made, triangles_of
 
 
-@pytest.mark.parametrize("axis", "XYZ")
+@pytest.mark.parametrize("axis", "XZ")
 def test_a_constant_field_gives_exact_layers(axis):
-    report = api.layers(block((1.0, 0.8, 0.6)), guidance=f"axis:{axis}", spacing=0.2, size=0.09)
+    report = api.layers(block((1.0, 0.8, 0.6)), guidance=f"axis:{axis}", spacing=0.2, size=0.1)
     assert report["energy"] < 1e-12
     assert report["spacings"]["thinnest"] == pytest.approx(0.2, rel=1e-6)
     assert report["spacings"]["thickest"] == pytest.approx(0.2, rel=1e-6)
@@ -58,7 +58,7 @@ def test_scale_place_and_turn_of_the_object_count():
     for mirror in (1, -1):
         obj = block()
         obj.scale, obj.location, obj.rotation_euler = (2 * mirror, 1, 0.5), (3, -1, 2), (0.3, 0.2, -0.5)
-        report = api.layers(obj, guidance="axis:X", spacing=0.4, size=0.15)
+        report = api.layers(obj, guidance="axis:X", spacing=0.4, size=0.2)
         layers = made(report)
         np.testing.assert_allclose(np.abs(layers.scale), 1, atol=1e-6)
         inward = np.linalg.inv(np.array(obj.matrix_world))
@@ -74,7 +74,7 @@ def test_scale_place_and_turn_of_the_object_count():
 def test_layers_lie_flush_on_groups():
     """Between two faces a distance apart that is no multiple of the spacing, both carry a layer."""
     obj = block((1.0, 1.0, 0.9))
-    report = api.layers(obj, guidance="harmonic:Bottom:Top", groups="Bottom=layer,Top=layer", spacing=0.2, size=0.09)
+    report = api.layers(obj, guidance="harmonic:Bottom:Top", groups="Bottom=layer,Top=layer", spacing=0.2, size=0.1)
     layering = memory.recall_layers(obj)
     vertices, phases = layering.solid.vertices, layering.pattern.vertex_phases
     reach = np.linalg.norm(np.ptp(vertices, axis=0))
@@ -87,14 +87,13 @@ def test_layers_lie_flush_on_groups():
     assert 5 <= report["layers"] <= 6
 
 
-@pytest.mark.parametrize("size", [0.11, 0.13])
-def test_layers_lie_flush_on_a_part_of_a_face_up_to_its_rim(size):
+def test_layers_lie_flush_on_a_part_of_a_face_up_to_its_rim():
     """Every vertex of the solid on the marked faces has the layer's phase, those at the rim too."""
     obj = block(faces=(5, 5, 2))
     places = attribute(obj, "position")
     pad = (np.abs(places[:, :2]) < 0.31).all(axis=1) & (places[:, 2] > 0.4)
     add_group(obj, "Pad", np.flatnonzero(pad))
-    api.layers(obj, groups="Pad=layer", spacing=0.35, size=size)
+    api.layers(obj, groups="Pad=layer", spacing=0.35, size=0.13)
     layering = memory.recall_layers(obj)
     vertices = layering.solid.vertices
     on = (np.abs(vertices[:, :2]) < 0.3 + 1e-7).all(axis=1) & (np.abs(vertices[:, 2] - 0.5) < 1e-7)
@@ -105,7 +104,7 @@ def test_layers_lie_flush_on_a_part_of_a_face_up_to_its_rim(size):
 
 def test_without_groups_layers_are_not_flush():
     obj = block((1.0, 1.0, 0.9))
-    report = api.layers(obj, guidance="harmonic:Bottom:Top", spacing=0.2, size=0.09)
+    report = api.layers(obj, guidance="harmonic:Bottom:Top", spacing=0.2, size=0.1)
     assert layers_of(made(report))[0][:, 2].min() > -0.45 + 1e-3
 
 
@@ -157,7 +156,7 @@ def test_a_spacing_map_widens_layers_where_it_says():
 
 
 def test_a_bent_bar_fans_out_with_dislocations():
-    """Circulation of the asked phase around the section: one layer more for each spacing of arc length."""
+    """Its outer side is twice as long as its inner one: layers end inside, at curves whose ends are marked."""
     obj = bent_bar()
     report = api.layers(obj, guidance="harmonic:Begin:End", spacing=0.22, size=0.1, seed=1)
     curves = report["dislocation_curves"]
