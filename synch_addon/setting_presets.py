@@ -10,6 +10,8 @@ from bl_ui.utils import PresetPanel
 from .settings import PROPERTY_NAMES
 
 FOLDER = "synch_fields"
+# Where Blender finds our own: in a folder that it wants to be called presets.
+_SHIPPED = Path(__file__).parent / "shipped"
 
 
 class SYNCH_PT_presets(PresetPanel, bpy.types.Panel):
@@ -33,7 +35,7 @@ class SYNCH_OT_add_preset(AddPresetBase, bpy.types.Operator):
 
 
 def register():
-    bpy.utils.register_preset_path(str(Path(__file__).parent))
+    bpy.utils.register_preset_path(str(_SHIPPED))
     for cls in (SYNCH_PT_presets, SYNCH_OT_add_preset):
         bpy.utils.register_class(cls)
 
@@ -41,4 +43,4 @@ def register():
 def unregister():
     for cls in (SYNCH_OT_add_preset, SYNCH_PT_presets):
         bpy.utils.unregister_class(cls)
-    bpy.utils.unregister_preset_path(str(Path(__file__).parent))
+    bpy.utils.unregister_preset_path(str(_SHIPPED))

@@ -16,7 +16,7 @@ from .scenes import sphere, tube
 
 # Settings that Blender's own helpers give to an operator.
 _BLENDERS = {"rna_type", "align", "location", "rotation", "check_existing", "name"}
-PRESETS = sorted((Path(menus.__file__).parent / "presets" / setting_presets.FOLDER).glob("*.py"))
+PRESETS = sorted((Path(menus.__file__).parent / "shipped" / "presets" / setting_presets.FOLDER).glob("*.py"))
 
 
 @pytest.fixture(autouse=True)
