@@ -7,6 +7,7 @@ from figures import beside as side_by_side
 from solid_cuts import cut_away
 
 from synch_fields.core.extract.defect_curves import defect_curves
+from synch_fields.core.extract.filaments import smoothed
 from synch_fields.synch_addon.render import render_picture
 
 # For each shape: azimuths of the two planes' normals between which a wedge is cut off, where their common line is (as
@@ -15,12 +16,12 @@ VIEWS = {
     "ring": ((-62, 28), (0.5, 0.5), (-32, 33)),
     "bunny": ((-60, 30), (0.52, 0.5), (-24, 12)),
 }
-RESOLUTION = (760, 640)
+RESOLUTION, SAMPLES = (700, 580), 32
 BLUE, ROSE, LIGHT = (0.035, 0.16, 0.52, 1), (0.62, 0.06, 0.17, 1), (0.9, 0.87, 0.82, 1)
 DARK = (0.012, 0.014, 0.02, 1)
 LOW, HIGH = (0.02, 0.09, 0.25, 1), (0.95, 0.72, 0.3, 1)
 # Radius of the tubes around curves, in diagonals of the box, and how often their points move to their neighbours.
-TUBE, SMOOTHING = 0.005, 6
+TUBE, SMOOTHING = 0.004, 30
 
 
 def picture_of_layers(name, pattern, is_sdp, path):
@@ -34,10 +35,11 @@ def picture_of_layers(name, pattern, is_sdp, path):
 
 
 def picture_of_function(name, mesh, function, path):
-    """A function from 0 to 1 on the solid, with some of its level lines."""
+    """A function from 0 to 1 on the solid, as its cube root: between ends of different size it is near 0 nearly all
+    over."""
     _start()
     surface = cut_away(mesh, _wedge(name, mesh))
-    values = np.einsum("kci,ki->kc", surface.weights, function[mesh.tets[surface.tets]])
+    values = np.einsum("kci,ki->kc", surface.weights, np.cbrt(function)[mesh.tets[surface.tets]])
     return _render(name, _add_surface(surface, values, _gradient()), path)
 
 
@@ -55,7 +57,7 @@ def _start():
 
 
 def _render(name, obj, path):
-    return render_picture(obj, path, resolution=RESOLUTION, samples=48, markers=False, view=VIEWS[name][2])
+    return render_picture(obj, path, resolution=RESOLUTION, samples=SAMPLES, markers=False, view=VIEWS[name][2])
 
 
 def _wedge(name, mesh):
@@ -91,7 +93,7 @@ def _add_tubes(obj, curves, radius):
     data = bpy.data.curves.new("Dislocations", "CURVE")
     data.dimensions, data.bevel_depth, data.bevel_resolution, data.use_fill_caps = "3D", radius, 4, True
     for curve in curves:
-        points = _smoothed(curve)
+        points = smoothed(curve.points, curve.is_closed, SMOOTHING)
         spline = data.splines.new("POLY")
         spline.points.add(len(points) - 1)
         spline.points.foreach_set("co", np.column_stack([points, np.ones(len(points))]).astype(np.float32).ravel())
@@ -107,18 +109,6 @@ def _add_tubes(obj, curves, radius):
     if len(mesh.polygons):
         with bpy.context.temp_override(active_object=obj, selected_editable_objects=[obj, joined]):
             bpy.ops.object.join()
-
-
-def _smoothed(curve):
-    """Points that move to the middle of their neighbours, the ends of open curves staying."""
-    points = curve.points
-    for _ in range(SMOOTHING):
-        ahead, behind = np.roll(points, -1, axis=0), np.roll(points, 1, axis=0)
-        moved = 0.5 * points + 0.25 * (ahead + behind)
-        if not curve.is_closed:
-            moved[[0, -1]] = points[[0, -1]]
-        points = moved
-    return points
 
 
 def _material(name):

@@ -17,7 +17,7 @@ from synch_fields.core.tet_files import read_tets
 # Corners of a prism's three tetrahedra when its lower triangle's vertices increase.
 PRISM = ((0, 1, 2, 5), (0, 1, 4, 5), (0, 3, 4, 5))
 # Share of a bunny's height that counts as its base, and of that above which lie the tips of the ears.
-BASE, TIPS = 0.025, 0.965
+BASE, TIPS = 0.03, 0.94
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,13 @@ def _standing(name, mesh):
     mesh = TetMesh(mesh.vertices[:, [0, 2, 1]] * [1, -1, 1], mesh.tets)
     height = mesh.vertices[:, 2] - mesh.vertices[:, 2].min()
     share = height / height.max()
-    return Shape(name, mesh, mesh.boundary_vertices & (share < BASE), mesh.boundary_vertices & (share > TIPS))
+    return Shape(name, mesh, _corners(mesh, share < BASE), _corners(mesh, share > TIPS))
+
+
+def _corners(mesh, chosen):
+    """(n,) bool: corners of the boundary triangles that have three chosen ones."""
+    triangles = mesh.boundary_triangles
+    return np.isin(np.arange(mesh.vertex_count), triangles[chosen[triangles].all(axis=1)])
 
 
 def ring(around=96, across=20, layers=20):

@@ -11,6 +11,7 @@ from . import (
     guide_list,
     guide_panel,
     jobs,
+    layer_file_panel,
     layer_panel,
     layer_properties,
     memory,
@@ -54,6 +55,7 @@ _MODULES = (
     vortex_panel,
     layer_panel,
     animation_panel,
+    layer_file_panel,
     cli,
 )
 

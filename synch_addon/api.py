@@ -20,6 +20,9 @@ from .bake import BakeJob
 from .bake_settings import BakeSettings
 from .clebsch import clebsch as clebsch
 from .jobs import portion
+from .layer_outputs import layer_export as layer_export
+from .layer_outputs import layer_toolpaths as layer_toolpaths
+from .layer_outputs import layer_volume as layer_volume
 from .layer_settings import LayerSettings
 from .layers import LayerJob
 from .read_back import shown_pattern

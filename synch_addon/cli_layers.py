@@ -6,7 +6,7 @@ from pathlib import Path
 import bpy
 
 from ..core.tet_files import read_tets
-from . import api, files
+from . import api, cli_layer_files, files
 from .layer_report import summary
 from .layer_settings import KINDS, WISHES, LayerSettings
 
@@ -58,6 +58,7 @@ def add_parser(commands, add_input, add_view):
     command.add_argument("--output", metavar="FILE.blend", help="save the scene with the result")
     suffixes = ", ".join(files.MESH_SUFFIXES)
     command.add_argument("--export-mesh", metavar="FILE.stl", help=f"write all layers as one mesh ({suffixes})")
+    cli_layer_files.add_arguments(command)
     command.add_argument("--render", metavar="FILE.png", help="render a picture of the layers")
     add_view(command)
     command.add_argument("--report", metavar="FILE.json", help="write energies, spacings, curves and times")
@@ -68,6 +69,7 @@ def run(options, open_object, progress):
     """Run the command; the report and the lines to print."""
     settings = LayerSettings(**{name: getattr(options, name) for name in LayerSettings.__dataclass_fields__})
     files.check_outputs(options.output, options.render, options.report, mesh=options.export_mesh)
+    cli_layer_files.check(options)
     if options.input and Path(options.input).suffix.lower() in SOLID_SUFFIXES:
         obj, solid = _open_solid(options.input)
     else:
@@ -79,6 +81,7 @@ def run(options, open_object, progress):
     if options.export_mesh:
         files.export_mesh(layers, options.export_mesh)
         written.append(options.export_mesh)
+    written += cli_layer_files.write(options, obj)
     if options.output:
         written.append(files.save_blend(options.output))
     if options.render:

@@ -88,7 +88,7 @@ def write(obj, task, pattern, settings):
     data.twist_mode = "Z_UP" if settings.spline == "poly" else "MINIMUM"
     data.bevel_depth = settings.radius * spacing
     data.use_fill_caps = True
-    _add_splines(data, shown, settings.spline)
+    add_splines(data, shown, settings.spline)
     made = bpy.data.objects.new(f"{obj.name} Lines", data)
     for collection in obj.users_collection:
         collection.objects.link(made)
@@ -122,7 +122,8 @@ def smoothed(lines, times):
     return moved
 
 
-def _add_splines(data, lines, kind):
+def add_splines(data, lines, kind):
+    """Add a spline of a kind to a curve for each line, poly splines with the tilt of the surface."""
     points = np.column_stack([lines.points, np.ones(len(lines.triangles))]).astype(np.float32)
     tilts = tilts_of(lines).astype(np.float32)
     for start, size, closed in zip(lines.starts, lines.sizes, lines.closed, strict=True):

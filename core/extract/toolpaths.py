@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Paths for a tool to follow on each layer: curves along which a function on the solid takes evenly spaced values."""
+"""Paths for a tool to follow on each layer: curves along which a function takes evenly spaced values."""
 
 import numpy as np
 
 from ..errors import SettingError
+from ..fields.fronts import front_distance
 from ..geometry import TriangleMesh
 from ..interpolate import TURN, EdgePhases
 from .isolines import isolines
@@ -17,7 +18,7 @@ def toolpaths(layers, values, step):
     Parameters
     ----------
     layers : LayerSurfaces
-    values : (n,) at the solid's vertices, such as the distance along an axis or from a surface
+    values : (p,) at the layers' vertices, such as a coordinate or :func:`rim_distances`
     step : positive, in the values' unit
 
     Returns
@@ -33,7 +34,7 @@ def toolpaths(layers, values, step):
     if not (np.isfinite(step) and step > 0):
         raise SettingError(f"the step between paths is {step:g}: give a positive number")
     mesh = TriangleMesh(layers.vertices, layers.triangles)
-    angles = TURN / step * layers.interpolated(np.asarray(values, float))
+    angles = TURN / step * np.asarray(values, float)
     i, j = mesh.edges.T
     changes = (angles[j] - angles[i])[:, None]
     lines = isolines(EdgePhases.of(mesh, np.exp(1j * angles)[:, None], changes, np.zeros(len(changes), int)))
@@ -44,3 +45,19 @@ def toolpaths(layers, values, step):
         mesh, lines.triangles[points], lines.weights[points], lines.sizes[order], lines.ends[order]
     )
     return sorted_lines, numbers[order]
+
+
+def rim_distances(layers):
+    """(p,) way on its layer from each vertex to the nearest end of it: at the boundary, or at a dislocation curve.
+
+    On layers without an end, which close in themselves, it is the way from their lowest vertex along z.
+    """
+    mesh = TriangleMesh(layers.vertices, layers.triangles)
+    sources = mesh.boundary_vertices.copy()
+    piece = mesh.pieces
+    whole = np.setdiff1d(piece, piece[sources])
+    order = np.argsort(layers.vertices[:, 2], kind="stable")
+    _, first = np.unique(piece[order], return_index=True)
+    lowest = order[first]
+    sources[lowest[np.isin(piece[lowest], whole)]] = True
+    return front_distance(mesh, sources)

@@ -18,6 +18,9 @@ from . import (
     quads,
     refine,
     samples,
+    layer_files,
+    layers,
+    quads,
     stripes,
     variations,
 )
@@ -39,6 +42,7 @@ _CLASSES = (
     samples.SYNCH_OT_add_sample,
     layers.SYNCH_OT_layers,
     animate.SYNCH_OT_animate,
+    *layer_files.CLASSES,
 )
 
 

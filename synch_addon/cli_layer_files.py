@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the command ``layers`` writes besides: a mesh for each layer, tool paths and a volume."""
+
+from . import api
+from .files import MESH_SUFFIXES, check_outputs
+from .layer_files import FILLS, PATH_SUFFIXES, PathSettings, check_path_file
+from .layer_volume import check_volume_file
+
+
+def add_arguments(command):
+    """Add the flags to the command's parser."""
+    command.add_argument(
+        "--export-layers",
+        metavar="FILE.stl",
+        help=f"write each layer to a mesh of its own, FILE_000.stl the lowest ({', '.join(MESH_SUFFIXES)})",
+    )
+    command.add_argument(
+        "--export-paths", metavar="FILE.csv", help=f"write tool paths on all layers ({', '.join(PATH_SUFFIXES)})"
+    )
+    command.add_argument("--path-step", type=float, metavar="LENGTH", help="between two paths; default: the spacing")
+    command.add_argument("--path-fill", choices=FILLS, default=FILLS[0], help="how paths fill a layer (%(default)s)")
+    command.add_argument("--export-volume", metavar="FILE.vdb", help="write the pattern as a volume")
+    command.add_argument(
+        "--resolution", type=int, default=128, metavar="N", help="voxels along the longest side (%(default)s)"
+    )
+
+
+def check(options):
+    """Refuse, before any work, outputs that cannot be written."""
+    PathSettings(options.path_step, options.path_fill)
+    check_outputs(mesh=options.export_layers)
+    if options.export_paths:
+        check_path_file(options.export_paths)
+    if options.export_volume:
+        check_volume_file(options.export_volume)
+
+
+def write(options, obj):
+    """Write what is asked for of an object's layers; returns the paths."""
+    reports = []
+    if options.export_layers:
+        reports.append(api.layer_export(obj, options.export_layers))
+    if options.export_paths:
+        reports.append(api.layer_toolpaths(obj, options.path_step, options.path_fill, options.export_paths))
+    if options.export_volume:
+        reports.append(api.layer_volume(obj, options.export_volume, options.resolution))
+    return [path for report in reports for path in report["files"]]

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators that bring the last layers out of Blender: mesh files, tool paths, and a volume."""
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy_extras.io_utils import ExportHelper
+
+from ...core.errors import SynchError
+from .. import api, memory
+from ..layer_files import FILLS
+from ..layer_objects import solid_of
+from ..report import counted
+
+_FILL = EnumProperty(
+    name="Fill",
+    items=[
+        (FILLS[0], "Contour", "One inside the other, from the rim of each layer inwards"),
+        (FILLS[1], "Across X", "In planes across the object's X axis"),
+        (FILLS[2], "Across Y", "In planes across the object's Y axis"),
+        (FILLS[3], "Across Z", "In planes across the object's Z axis"),
+    ],
+)
+_STEP = FloatProperty(
+    name="Step", description="Between two paths; 0 for the spacing of the layers", min=0.0, subtype="DISTANCE"
+)
+
+
+class _LayerOperator:
+    """Mixed into operators that need layers that were solved; what they do is in ``make``."""
+
+    @classmethod
+    def poll(cls, context):
+        obj = solid_of(context.active_object)
+        reason = None
+        if not memory.holds_layers(obj):
+            name = obj.name if obj is not None else "the active object"
+            reason = f"no layers were solved in {name} since the file was opened: solve them first"
+            cls.poll_message_set(reason)
+        return reason is None
+
+    def execute(self, context):
+        try:
+            self.report({"INFO"}, self.make(context.active_object))
+        except SynchError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class SYNCH_OT_layer_export(_LayerOperator, ExportHelper, bpy.types.Operator):
+    """Write the layers to mesh files, numbered from bottom to top (.stl, .ply or .obj)"""
+
+    bl_idname = "synch.layer_export"
+    bl_label = "Export Layers"
+
+    filename_ext = ".stl"
+    filter_glob: StringProperty(default="*.stl;*.ply;*.obj", options={"HIDDEN"})
+    together: BoolProperty(name="One File", description="All layers in one file, instead of one file for each")
+
+    def check(self, context):
+        """Keep the suffixes .ply and .obj, which the helper would replace."""
+        return not self.filepath.lower().endswith((".ply", ".obj")) and super().check(context)
+
+    def make(self, obj):
+        files = api.layer_export(obj, self.filepath, self.together)["files"]
+        return f"wrote {files[0]}" if len(files) == 1 else f"wrote {len(files)} layers, {files[0]} the lowest"
+
+
+class SYNCH_OT_layer_toolpaths(_LayerOperator, bpy.types.Operator):
+    """Make curves for a tool to follow on each layer, one object for each in a collection of their own"""
+
+    bl_idname = "synch.layer_toolpaths"
+    bl_label = "Tool Paths"
+    bl_options = {"REGISTER", "UNDO"}
+
+    fill: _FILL
+    step: _STEP
+
+    def make(self, obj):
+        return _told(api.layer_toolpaths(obj, self.step or None, self.fill))
+
+
+class SYNCH_OT_layer_path_export(_LayerOperator, ExportHelper, bpy.types.Operator):
+    """Make the curves of the tool paths, and write their points to a file: a table (.csv) or polylines (.obj)"""
+
+    bl_idname = "synch.layer_path_export"
+    bl_label = "Export Tool Paths"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filename_ext = ".csv"
+    filter_glob: StringProperty(default="*.csv;*.obj", options={"HIDDEN"})
+    fill: _FILL
+    step: _STEP
+
+    def check(self, context):
+        """Keep the suffix .obj, which the helper would replace."""
+        return not self.filepath.lower().endswith(".obj") and super().check(context)
+
+    def make(self, obj):
+        return _told(api.layer_toolpaths(obj, self.step or None, self.fill, self.filepath))
+
+
+class SYNCH_OT_layer_volume(_LayerOperator, ExportHelper, bpy.types.Operator):
+    """Write the pattern to an OpenVDB file, and make a volume object that shows the layers as sheets of smoke"""
+
+    bl_idname = "synch.layer_volume"
+    bl_label = "Volume of the Layers"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filename_ext = ".vdb"
+    filter_glob: StringProperty(default="*.vdb", options={"HIDDEN"})
+    resolution: IntProperty(
+        name="Resolution", description="Voxels along the longest side", default=128, min=2, soft_max=512
+    )
+
+    def make(self, obj):
+        report = api.layer_volume(obj, self.filepath, self.resolution)
+        return f"{report['volume_object']}: {counted(report['voxels'], 'voxel')}"
+
+
+def _told(report):
+    paths = f"{report['collection']}: {counted(report['paths'], 'path')}, {report['length']:.4g} long in all"
+    return ", wrote ".join([paths, *report["files"]])
+
+
+CLASSES = (SYNCH_OT_layer_export, SYNCH_OT_layer_toolpaths, SYNCH_OT_layer_path_export, SYNCH_OT_layer_volume)
