@@ -10,8 +10,8 @@ from synch_fields.core.interpolate_solid import evaluate_in_tets
 
 # Triangles in punctured tetrahedra are cut into 4 so often: a corner attribute is linear.
 HALVINGS = 4
-# Of a triangle with one or two corners above a plane, what is above: pairs of corners between which its own lie, counted
-# from the corner that is alone.
+# Of a triangle with one or two corners above a plane, what is above it: pairs of corners between which its own lie,
+# counted from the corner that is alone.
 KEPT = {1: (((0, 0), (0, 1), (0, 2)),), 2: (((0, 1), (1, 1), (2, 2)), ((0, 1), (2, 2), (0, 2)))}
 
 

@@ -8,6 +8,7 @@ from solid_cuts import cut_away
 
 from synch_fields.core.extract.defect_curves import defect_curves
 from synch_fields.core.extract.filaments import smoothed
+from synch_fields.synch_addon.nodes import WARM_IVORY
 from synch_fields.synch_addon.render import render_picture
 
 # For each shape: azimuths of the two planes' normals between which a wedge is cut off, where their common line is (as
@@ -17,7 +18,7 @@ VIEWS = {
     "bunny": ((-60, 30), (0.52, 0.5), (-24, 12)),
 }
 RESOLUTION, SAMPLES = (700, 580), 32
-BLUE, ROSE, LIGHT = (0.035, 0.16, 0.52, 1), (0.62, 0.06, 0.17, 1), (0.9, 0.87, 0.82, 1)
+BLUE, ROSE = (0.035, 0.16, 0.52, 1), (0.62, 0.06, 0.17, 1)
 DARK = (0.012, 0.014, 0.02, 1)
 LOW, HIGH = (0.02, 0.09, 0.25, 1), (0.95, 0.72, 0.3, 1)
 # Radius of the tubes around curves, in diagonals of the box, and how often their points move to their neighbours.
@@ -134,7 +135,7 @@ def _stripes(color):
     wave = tree.nodes.new("ShaderNodeMath")
     wave.operation = "COSINE"
     tree.links.new(value.outputs["Fac"], wave.inputs[0])
-    _ramp(tree, wave.outputs[0], surface, [(0.0, LIGHT), (0.49, LIGHT), (0.53, color), (1.0, color)], (-1, 1))
+    _ramp(tree, wave.outputs[0], surface, [(0.0, WARM_IVORY), (0.49, WARM_IVORY), (0.53, color), (1.0, color)], (-1, 1))
     return material
 
 
@@ -159,5 +160,3 @@ def _ramp(tree, socket, surface, stops, bounds):
         element.position, element.color = place, color
     tree.links.new(share.outputs["Result"], ramp.inputs["Fac"])
     tree.links.new(ramp.outputs["Color"], surface.inputs["Base Color"])
-
-

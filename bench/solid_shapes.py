@@ -111,7 +111,9 @@ def _corners(mesh, chosen):
 
 def ring(around=96, across=20, layers=20):
     """A ring with a flat bottom and a wavy top, the two marked: three times as thick in some places as in others."""
-    turn, share, height = (np.linspace(0, top, n) for top, n in ((2 * np.pi, around + 1), (1, across + 1), (1, layers + 1)))
+    turn, share, height = (
+        np.linspace(0, top, n) for top, n in ((2 * np.pi, around + 1), (1, across + 1), (1, layers + 1))
+    )
     turn, share, height = np.meshgrid(turn[:-1], share, height, indexing="ij")
     radius = 0.42 + 0.58 * share
     top = 0.42 + 0.16 * np.cos(2 * turn) + 0.1 * np.sin(3 * turn + 0.6) * share + 0.08 * np.cos(np.pi * share)

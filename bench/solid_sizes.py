@@ -65,7 +65,6 @@ def main():
             row |= in_child(measure, options.meshes, size)
         except BrokenProcessPool:
             row["certificate"] = "no result: the process was killed"
-        print(row, file=sys.stderr, flush=True)
         rows.append(row)
     print_table(f"Layers in the stuffed bunny, {COUNT} along its height", COLUMNS, rows)
 
@@ -84,13 +83,18 @@ def measure(folder, size):
             solve, untouched(problem), Options(target_gap=TARGET_GAP, rounding="svd")
         )
         row |= {"gap": relaxation.sdp_gap, "certificate": relaxation.certificate, "rank": relaxation.rank}
-        row |= {"MB relaxation": peak_megabytes(), "times": relaxation.times, "iterations": relaxation.iterations}
+        row |= {"MB relaxation": peak_megabytes()}
         products = product_times(problem, relaxation.rank)
         solution, row["solve s"] = processed(solve, untouched(problem), Options(target_gap=TARGET_GAP))
         products += product_times(problem, relaxation.rank)
         product = median(products)
         row |= {"LY": row["relaxation s"] / product, "solve LY": row["solve s"] / product}
-        return row | {"energy": solution.energy, "bound": solution.lower_bound, "MB solve": peak_megabytes(), "t2": solution.times}
+        return row | {
+            "energy": solution.energy,
+            "bound": solution.lower_bound,
+            "MB solve": peak_megabytes(),
+            "t2": solution.times,
+        }
 
 
 def processed(work, *arguments):

@@ -98,7 +98,9 @@ def compared(shape, spacing):
 def turned(pattern, growth, vertices):
     """The same solution with the common phase that brings its layers nearest to some vertices."""
     common = pattern.solution.phases[vertices].sum()
-    return LayerPattern(pattern.mesh, pattern.solution, growth.edge_phases(pattern.solution.phases * np.exp(-1j * np.angle(common))))
+    return LayerPattern(
+        pattern.mesh, pattern.solution, growth.edge_phases(pattern.solution.phases * np.exp(-1j * np.angle(common)))
+    )
 
 
 def measured(pattern, shape):

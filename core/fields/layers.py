@@ -16,6 +16,7 @@ from ..interpolate_solid import TetPhases, face_numbers, tet_phases
 from ..problem import SynchronizationProblem, Targets
 from ..solve import Solution, solve
 from .groups import TOLERANCE, Links, contracted, joined_links
+from .patterns import check_spacing
 from .potentials import potential
 
 
@@ -191,7 +192,8 @@ class LayerPattern:
     def spacings(self):
         """:class:`Spacings` of the layers."""
         steepness = np.linalg.norm(self.tet_phases.gradients(self.mesh), axis=1)
-        counts = ~self.tet_phases.punctured & (steepness > TURN / _extent(self.mesh))
+        extent = np.linalg.norm(np.ptp(_places(self.mesh), axis=0))
+        counts = ~self.tet_phases.punctured & (steepness > TURN / extent)
         distances = np.full(self.mesh.tet_count, np.nan)
         distances[counts] = TURN / steepness[counts]
         if not counts.any():
@@ -256,9 +258,9 @@ def _fixed_phases(groups):
     return Targets(unique, values[first]) if len(unique) else None
 
 
-def _extent(mesh):
-    """Diagonal of the solid's bounding box."""
-    return float(np.linalg.norm(np.ptp(mesh.vertices[np.unique(mesh.tets)], axis=0)))
+def _places(mesh):
+    """Positions of the vertices that have a tetrahedron."""
+    return mesh.vertices[np.unique(mesh.tets)]
 
 
 def _checked_spacing(mesh, spacing):
@@ -266,12 +268,5 @@ def _checked_spacing(mesh, spacing):
     spacing = np.asarray(spacing, float)
     if spacing.shape not in ((), (mesh.vertex_count,)):
         raise SettingError(f"{spacing.size} spacings are given for {mesh.vertex_count} vertices: give each one, or one")
-    spacing = np.broadcast_to(spacing, mesh.vertex_count)
-    bad = np.flatnonzero(~(np.isfinite(spacing) & (spacing > 0)))
-    if len(bad):
-        raise SettingError(f"the spacing is {spacing[bad[0]]:g} at vertex {bad[0]}: give a positive length")
-    if spacing.min() > _extent(mesh):
-        raise SettingError(
-            f"the spacing {spacing.min():g} is larger than the solid ({_extent(mesh):g}): no layer would fit, reduce it"
-        )
-    return spacing
+    check_spacing(_places(mesh), spacing, "layer")
+    return np.broadcast_to(spacing, mesh.vertex_count)

@@ -76,17 +76,24 @@ class Pattern:
         return face_phases(self.edge_phases, polygons)
 
 
-def check_spacing(mesh, spacing):
-    """Refuse a spacing that no stripe fits in: a length in the mesh's units, or one at each vertex (and axis)."""
+def check_spacing(places, spacing, what="stripe"):
+    """Refuse a spacing that nothing fits in.
+
+    Parameters
+    ----------
+    places : (n, 3) vertices of what the pattern is on
+    spacing : a length in their unit, or one at each vertex (and axis)
+    what : has this distance
+    """
     spacing = np.asarray(spacing, float)
     bad = np.argwhere(~(np.isfinite(spacing) & (spacing > 0)))
     if len(bad):
         where = f" at vertex {bad[0][0]} ({len(bad)} in all)" if spacing.ndim else ""
         raise SettingError(f"the spacing is {spacing[tuple(bad[0])]:g}{where}: give a positive length")
-    extent = np.linalg.norm(np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0))
+    extent = np.linalg.norm(np.ptp(places, axis=0))
     if spacing.min() > extent:
         raise SettingError(
-            f"the spacing {spacing.min():g} is larger than the object ({extent:g}): no stripe would fit, reduce it"
+            f"the spacing {spacing.min():g} is larger than the object ({extent:g}): no {what} would fit, reduce it"
         )
 
 
@@ -101,7 +108,7 @@ def pattern_problem(mesh, field, spacing, rows=(), mirrors=()):
     rows : Rows of the constraint list; those of the kinds "phase" and "constant" count
     mirrors : Mirrors that leave the pattern as it is
     """
-    check_spacing(mesh, spacing)
+    check_spacing(mesh.vertices[np.unique(mesh.triangles)], spacing)
     growth = Growth.of(mesh, field, spacing)
     slack = LEAN if mirrors else TOLERANCE
     try:
