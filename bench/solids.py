@@ -13,7 +13,7 @@ Blender as a module (bpy).
 import argparse
 import tempfile
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -49,7 +49,7 @@ COLUMNS = (
     Column("spacing off", "deviation", ".1%"),
     Column("from the surfaces / size: mean", "mean off", ".1e"),
     Column("worst", "worst off", ".1e"),
-    Column("s", "seconds", ".1f"),
+    Column("s CPU", "seconds", ".1f"),
 )
 # Triangles among which the nearest to a point is looked for, by their centres.
 CANDIDATES = 40
@@ -85,9 +85,9 @@ def compared(shape, spacing):
     results = []
     for name, method, is_flush in WAYS:
         groups = shape.groups if is_flush else []
-        start = perf_counter()
+        start = process_time()
         pattern = solve_layers(mesh, directions, spacing, groups, Options(method=method))
-        seconds = perf_counter() - start
+        seconds = process_time() - start
         if not is_flush:
             pattern = turned(pattern, SolidGrowth.of(mesh, directions, spacing), shape.low | shape.high)
         row = measured(pattern, shape) | {"label": f"{shape.name}: {name}", "seconds": seconds}

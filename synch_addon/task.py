@@ -80,7 +80,7 @@ def gather(command, obj, settings, polygons=None):
         spacings = spacing * read_factors(obj, given, settings.spacing_map, settings.spacing_range)
     if settings.symmetry == "cross" and settings.aspect != 1:
         spacings = np.reshape(spacings, (-1, 1)) * [1.0, settings.aspect]
-    check_spacing(given.mesh, spacings)
+    check_spacing(given.mesh.vertices[np.unique(given.mesh.triangles)], spacings)
     if settings.angle_attribute:
         turn = turn + read_turns(obj, given, settings.angle_attribute)
     if settings.exact_attribute is None:

@@ -3,21 +3,31 @@
 
 import numpy as np
 from scipy.sparse import diags_array
-from scipy.sparse.linalg import LinearOperator, eigsh
+from scipy.sparse.linalg import LinearOperator, eigsh, lobpcg
 
+from .certificate import provable_width
 from .factorization import factorize
-from .metric import SMALLEST_SHIFT
+from .metric import SMALLEST_SHIFT, Hierarchy, Metric
+
+# Vectors that are sought together by multigrid, of which the smallest counts, the steps at most, and the residual at
+# which it is found, at a mean diagonal and a mean mass of 1.
+BLOCK = 4
+MAX_STEPS = 300
+RESIDUAL = 1e-7
 
 
 def smallest_eigenpair(piece, seed):
     """Smallest generalized eigenvalue of (L, M) and its (N,) eigenvector, by shift-inverted Lanczos.
 
+    Where a factorization is too much, as in most solids, by LOBPCG with the multigrid cycle as preconditioner.
     ``piece.mass.sum() * eigenvalue`` is the spectral lower bound of Eq. (23).
     """
     size = piece.matrix.shape[0]
     mass = diags_array(piece.row_mass).tocsr()
     if size < 16:
         return _dense_eigenpair(piece)
+    if provable_width(piece) is None:
+        return _by_multigrid(piece, seed)
     shift = SMALLEST_SHIFT * piece.stiffness
     lu = factorize(piece.matrix + shift * mass, single=False)
     dtype = piece.matrix.dtype
@@ -32,3 +42,16 @@ def _dense_eigenpair(piece):
     root = np.sqrt(piece.row_mass)
     values, vectors = np.linalg.eigh(piece.matrix.toarray() / root[:, None] / root)
     return max(float(values[0]), 0.0), vectors[:, 0] / root
+
+
+def _by_multigrid(piece, seed):
+    scaled, weight = piece.scaled()
+    size, dtype = scaled.matrix.shape[0], scaled.matrix.dtype
+    metric = Metric(Hierarchy(scaled.matrix, scaled.row_mass, scaled.block, scaled.ground), SMALLEST_SHIFT)
+    inverse = LinearOperator((size, size), matvec=metric.solve, matmat=metric.solve, dtype=dtype)
+    start = np.random.default_rng(seed).standard_normal((size, BLOCK)).astype(dtype)
+    start[piece.unused_rows] = 0
+    mass = diags_array(scaled.row_mass).tocsr()
+    values, vectors = lobpcg(scaled.matrix, start, B=mass, M=inverse, tol=RESIDUAL, maxiter=MAX_STEPS, largest=False)
+    smallest = np.argmin(values)
+    return max(float(values[smallest]) * weight / piece.mass.mean(), 0.0), vectors[:, smallest]

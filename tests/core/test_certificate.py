@@ -7,8 +7,10 @@ import pytest
 from scipy.linalg import eigh
 
 from synch_fields.core.fields.directions import direction_problem
+from synch_fields.core.fields.layers import layer_problem
+from synch_fields.core.fields.solid_guidance import axis_directions
 from synch_fields.core.solve import Options, solve
-from synch_fields.core.solve.certificate import lower_bound, measure_slack, prove
+from synch_fields.core.solve.certificate import lower_bound, measure_slack, provable_width, prove
 from synch_fields.core.solve.descent import descend
 from synch_fields.core.solve.factorization import is_positive_definite
 from synch_fields.core.solve.monitor import SILENT
@@ -16,6 +18,7 @@ from synch_fields.core.solve.spheres import Lifted, random_columns
 from synch_fields.core.solve.stage import Workspace
 
 from .graphs import PROBLEMS
+from .layered_solids import block
 from .meshes import torus
 
 
@@ -112,3 +115,13 @@ def test_multipliers_sum_to_the_value():
     (piece,) = direction_problem(torus(around=12, across=8), 4).pieces
     _, _, duals, value = rough_point(piece, 5)
     assert duals.sum() == pytest.approx(value, rel=1e-12)
+
+
+def test_proofs_are_tried_where_fronts_are_narrow_enough_for_the_matrix():
+    """On a surface of 5,800 nodes, in a solid of 2,200, but not in one of 15,600, whose factor fills in."""
+    narrow = direction_problem(torus(around=120, across=48), 4).pieces[0]
+    assert provable_width(narrow) < 3 * np.sqrt(narrow.node_count)
+    for side, is_provable in ((12, True), (24, False)):
+        solid = block((side,) * 3)
+        (piece,) = layer_problem(solid, axis_directions(solid, (0, 0, 1)), 0.3).pieces
+        assert (provable_width(piece) is not None) == is_provable
