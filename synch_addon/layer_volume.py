@@ -10,16 +10,16 @@ from mathutils import Matrix
 from ..core.errors import SettingError
 from ..core.extract.voxels import points_inside
 from ..core.interpolate_solid import evaluate_in_tets
-from .layer_objects import SOLID
-from .nodes import INK_BLUE
 from .flows import openvdb_module
+from .layer_objects import SOLID
 
 GRID, MATERIAL = "pattern", "Synch Volume"
 # Between layers, and outside of the solid.
 _NOTHING = -1.0
 _MOST_VOXELS = 100_000_000
 # Values of the pattern at which a layer begins to show, and is opaque; how much light it takes on its thickness.
-_THIN, _THICK, _OPACITY = 0.55, 0.9, 12.0
+_THIN, _THICK, _OPACITY = 0.55, 0.9, 8.0
+_COLOR = (0.32, 0.62, 0.82, 1.0)
 
 
 def check_volume_file(path):
@@ -99,7 +99,7 @@ def _material(spacing):
     density.inputs["To Max"].default_value = _OPACITY / spacing
     volume = tree.nodes.new("ShaderNodeVolumePrincipled")
     volume.location = (-180, 0)
-    volume.inputs["Color"].default_value = INK_BLUE
+    volume.inputs["Color"].default_value = _COLOR
     tree.links.new(pattern.outputs["Fac"], density.inputs["Value"])
     tree.links.new(density.outputs["Result"], volume.inputs["Density"])
     tree.links.new(volume.outputs["Volume"], output.inputs["Volume"])

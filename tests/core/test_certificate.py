@@ -9,7 +9,7 @@ from scipy.linalg import eigh
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.fields.layers import layer_problem
 from synch_fields.core.fields.solid_guidance import axis_directions
-from synch_fields.core.solve import Options, solve
+from synch_fields.core.solve import Options, solve, spectral
 from synch_fields.core.solve.certificate import lower_bound, measure_slack, provable_width, prove
 from synch_fields.core.solve.descent import descend
 from synch_fields.core.solve.factorization import is_positive_definite
@@ -125,3 +125,12 @@ def test_proofs_are_tried_where_fronts_are_narrow_enough_for_the_matrix():
         solid = block((side,) * 3)
         (piece,) = layer_problem(solid, axis_directions(solid, (0, 0, 1)), 0.3).pieces
         assert (provable_width(piece) is not None) == is_provable
+
+
+@pytest.mark.parametrize("build", PROBLEMS)
+def test_the_spectral_bound_is_the_same_without_a_factorization(build, monkeypatch):
+    problem = build()
+    factorized = solve(problem, Options(method="spectral"))
+    monkeypatch.setattr(spectral, "provable_width", lambda piece: None)
+    by_multigrid = solve(problem, Options(method="spectral"))
+    assert by_multigrid.spectral_bound == pytest.approx(factorized.spectral_bound, rel=1e-6, abs=1e-9)
