@@ -12,15 +12,16 @@ from synch_fields.synch_addon.nodes import WARM_IVORY
 from synch_fields.synch_addon.render import render_picture
 
 # For each shape: azimuths of the two planes' normals between which a wedge is cut off, where their common line is (as
-# shares of the box, seen from above), and where the solid is looked at from.
+# shares of the box, seen from above), where the solid is looked at from, and the power of the function that is shown:
+# between surfaces of different size it is near 0 nearly all over.
 VIEWS = {
-    "ring": ((-62, 28), (0.5, 0.5), (-32, 33)),
-    "bunny": ((-60, 30), (0.52, 0.5), (-24, 12)),
+    "ring": ((-62, 28), (0.5, 0.5), (-32, 33), 1),
+    "bunny": ((-60, 30), (0.52, 0.5), (-24, 12), 1 / 3),
 }
 RESOLUTION, SAMPLES = (560, 464), 16
 BLUE, ROSE = (0.035, 0.16, 0.52, 1), (0.62, 0.06, 0.17, 1)
 DARK = (0.012, 0.014, 0.02, 1)
-LOW, HIGH = (0.02, 0.09, 0.25, 1), (0.95, 0.72, 0.3, 1)
+GRADIENT = [(0.0, (0.012, 0.045, 0.16, 1)), (0.45, (0.03, 0.27, 0.32, 1)), (1.0, (0.88, 0.66, 0.3, 1))]
 # Radius of the tubes around curves, in diagonals of the box, and how often their points move to their neighbours.
 TUBE, SMOOTHING = 0.004, 30
 
@@ -36,11 +37,10 @@ def picture_of_layers(name, pattern, is_sdp, path):
 
 
 def picture_of_function(name, mesh, function, path):
-    """A function from 0 to 1 on the solid, as its cube root: between ends of different size it is near 0 nearly all
-    over."""
+    """A function from 0 to 1 on the solid, from dark to light."""
     _start()
     surface = cut_away(mesh, _wedge(name, mesh))
-    values = np.einsum("kci,ki->kc", surface.weights, np.cbrt(function)[mesh.tets[surface.tets]])
+    values = np.einsum("kci,ki->kc", surface.weights, function[mesh.tets[surface.tets]] ** VIEWS[name][3])
     return _render(name, _add_surface(surface, values, _gradient()), path)
 
 
@@ -62,7 +62,7 @@ def _render(name, obj, path):
 
 
 def _wedge(name, mesh):
-    azimuths, place, _ = VIEWS[name]
+    azimuths, place = VIEWS[name][:2]
     low, size = mesh.vertices.min(axis=0), np.ptp(mesh.vertices, axis=0)
     middle = low + size * [*place, 0]
     # Azimuth 0 looks from the front, along +y: outwards is -y.
@@ -143,7 +143,7 @@ def _gradient():
     material, tree, surface = _material("Function")
     value = tree.nodes.new("ShaderNodeAttribute")
     value.attribute_name = "value"
-    _ramp(tree, value.outputs["Fac"], surface, [(0.0, LOW), (1.0, HIGH)], (0, 1))
+    _ramp(tree, value.outputs["Fac"], surface, GRADIENT, (0, 1))
     return material
 
 
