@@ -13,6 +13,7 @@ from ..report import counted
 
 _FILL = EnumProperty(
     name="Fill",
+    description="How paths fill a layer",
     items=[
         (FILLS[0], "Contour", "One inside the other, from the rim of each layer inwards"),
         (FILLS[1], "Across X", "In planes across the object's X axis"),
