@@ -76,6 +76,10 @@ pictures: demo
 	$(python) bench/gallery.py $(MESHES) --folder docs
 	$(python) bench/quad_gallery.py $(MESHES) --folder docs
 	$(python) bench/bake_picture.py $(MESHES) --folder docs
+	$(python) bench/preset_gallery.py $(MESHES) --folder docs
+	$(python) bench/solids.py $(MESHES) --folder docs
+	$(python) bench/vortices.py --folder docs
+	$(python) bench/animation.py --folder docs
 
 environment: $(environment)
 
