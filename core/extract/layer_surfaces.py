@@ -24,7 +24,8 @@ class LayerSurfaces:
     ----------
     vertices : (p, 3)
     triangles : (t, 3) vertices, normals along the growth
-    layers : (t,) number of the connected piece, from 0 at the bottom upwards
+    layers : (t,) number of the connected piece, from 0 at the bottom upwards; a screw dislocation, along the growth,
+        joins the sheets around it to one ramp, which has one number
     corners, weights : (p, 4) vertices of the solid between which each vertex lies, and their weights
     """
 

@@ -81,4 +81,38 @@ LAYERS = {
     "Another seed gives other layers of about the same quality": (
         "Ein anderer Startwert gibt andere Schichten von etwa gleicher Güte"
     ),
+    "Print and Show": "Drucken und Zeigen",
+    "Files, tool paths and a volume of the layers that were solved last": (
+        "Dateien, Werkzeugwege und ein Volumen der zuletzt gelösten Schichten"
+    ),
+    "Export Layers": "Schichten exportieren",
+    "Write the layers to mesh files, numbered from bottom to top (.stl, .ply or .obj)": (
+        "Die Schichten in Meshdateien schreiben, von unten nach oben nummeriert (.stl, .ply oder .obj)"
+    ),
+    "One File": "Eine Datei",
+    "All layers in one file, instead of one file for each": "Alle Schichten in einer Datei statt jede in ihrer eigenen",
+    "Tool Paths": "Werkzeugwege",
+    "Make curves for a tool to follow on each layer, one object for each in a collection of their own": (
+        "Auf jeder Schicht Kurven machen, denen ein Werkzeug folgt, je ein Objekt in einer eigenen Sammlung"
+    ),
+    "Export Tool Paths": "Werkzeugwege exportieren",
+    "Make the curves of the tool paths, and write their points to a file: a table (.csv) or polylines (.obj)": (
+        "Die Kurven der Werkzeugwege machen und ihre Punkte schreiben: Tabelle (.csv) oder Linienzüge (.obj)"
+    ),
+    "Fill": "Füllung",
+    "How paths fill a layer": "Wie Wege eine Schicht füllen",
+    "One inside the other, from the rim of each layer inwards": "Einer im anderen, vom Rand jeder Schicht nach innen",
+    "Across X": "Quer zu X",
+    "In planes across the object's X axis": "In Ebenen quer zur X-Achse des Objekts",
+    "Across Y": "Quer zu Y",
+    "In planes across the object's Y axis": "In Ebenen quer zur Y-Achse des Objekts",
+    "Across Z": "Quer zu Z",
+    "In planes across the object's Z axis": "In Ebenen quer zur Z-Achse des Objekts",
+    "Step": "Schritt",
+    "Between two paths; 0 for the spacing of the layers": "Zwischen zwei Wegen; 0 für den Abstand der Schichten",
+    "Volume of the Layers": "Volumen der Schichten",
+    "Write the pattern to an OpenVDB file, and make a volume object that shows the layers as sheets of smoke": (
+        "Das Muster in eine OpenVDB-Datei schreiben und ein Volumenobjekt machen, das die Schichten wie Rauch zeigt"
+    ),
+    "Voxels along the longest side": "Voxel entlang der längsten Seite",
 }

@@ -36,7 +36,8 @@ OPERATORS = (
     "place_defect keep_favourite show_favourite remove_favourite select_defects next_defect copy_report cancel "
     "preset number_stripes asset_library "
     "import_field export_field add_preset constraint_add constraint_remove constraint_move guide_add guide_remove "
-    "layers layer_group_add layer_group_remove clebsch best_vortices"
+    "layers layer_group_add layer_group_remove layer_export layer_toolpaths layer_path_export layer_volume "
+    "clebsch best_vortices"
 ).split()
 
 
@@ -90,6 +91,7 @@ def _panels():
         "animation_panel",
         "constraint_panel",
         "layer_panel",
+        "layer_file_panel",
         "overlay_view",
         "menus",
         "setting_presets",
