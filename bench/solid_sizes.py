@@ -26,7 +26,7 @@ from synch_fields.core.fields.solid_guidance import harmonic_directions
 from synch_fields.core.solve import Options, solve
 from synch_fields.core.solve.threads import one_blas_thread
 
-SIZES = (0.03, 0.02, 0.015, 0.0109, 0.0087, 0.0064)
+SIZES = (0.03, 0.02, 0.015, 0.0108, 0.0062)
 # Layers between the base and the tips of the ears, or so.
 COUNT = 16
 TARGET_GAP = 1e-2
