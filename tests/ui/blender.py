@@ -104,7 +104,11 @@ class Blender:
 
     def shows(self, text, kind="UI"):
         """Whether a region shows a text."""
-        return len(self.places(text, kind)) > 0
+        return self.reads(self.picture(kind), text)
+
+    def reads(self, picture, text):
+        """Whether a picture shows a text."""
+        return len(reading.places(picture, self._template(text, False))) > 0
 
     def wait_for(self, text, kind="UI", tab=False, last=False):
         """Wait for a region to show a text; returns its middle, the topmost or the last if there are several."""
