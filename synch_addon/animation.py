@@ -98,7 +98,7 @@ def run_animate(obj, settings, frames, pattern, hold, callback=None):
 
 
 class AnimationJob:
-    """A run in three steps like :class:`api.FieldJob`: reading all frames, solving them in any thread, writing.
+    """A run in three steps like :class:`field_job.FieldJob`: reading all frames, solving them in any thread, writing.
 
     The scene's frame is the same afterwards; nothing else changes before :meth:`write`.
     """
@@ -118,7 +118,7 @@ class AnimationJob:
             self._report.warn_about(obj, self._tasks[0])
 
     def solve(self, callback=None):
-        """Solve on the arrays alone; errors as those of :class:`api.FieldJob`, naming the frame."""
+        """Solve on the arrays alone; errors as those of :class:`field_job.FieldJob`, naming the frame."""
         done, work = 0, len(self._tasks) + _FIRST - 1
         field = pattern = None
         for number, frame in enumerate(self._span.frames):

@@ -7,19 +7,16 @@ scene as it was. All return the report that the command line writes as JSON.
 
 from dataclasses import replace
 
-import bpy
-
-from ..core.errors import ContradictionError, SettingError, SynchError
-from ..core.extract.quad_mesh import quad_mesh as traced_quads
+from ..core.errors import SettingError, SynchError
 from ..core.fields.directions import SYMMETRIES
 from ..core.fields.placement import variation, with_defects
-from . import field_io, frame_nodes, memory, presets, quad_object, scene_io, stripe_numbers, write
+from . import field_io, memory, presets, scene_io, write
 from . import isolines as line_object
 from .animation import animate as animate
 from .bake import BakeJob
 from .bake_settings import BakeSettings
 from .clebsch import clebsch as clebsch
-from .jobs import portion
+from .field_job import FieldJob, keep, trace, write_quads, write_result
 from .layer_outputs import layer_export as layer_export
 from .layer_outputs import layer_toolpaths as layer_toolpaths
 from .layer_outputs import layer_volume as layer_volume
@@ -28,10 +25,9 @@ from .layers import LayerJob
 from .read_back import shown_pattern
 from .refine import refine as refine
 from .relief import add_relief
-from .report import Report, result_line, versions
+from .report import versions
 from .settings import Settings, from_names
 from .stripe_numbers import number_stripes as number_stripes
-from .task import PATTERNS, gather, settings_for, solve_directions, solve_pattern
 from .vortex_choice import choose_point as choose_point
 
 
@@ -114,7 +110,7 @@ def layers(obj, callback=None, solid=None, **settings):
 
 def layer_job(obj, settings, solid=None):
     """A :class:`LayerJob` of ready :class:`LayerSettings`."""
-    refuse(obj)
+    scene_io.refuse(obj)
     return LayerJob(obj, settings, solid)
 
 
@@ -165,11 +161,11 @@ def show_again(obj, shown, number):
 
     Errors as :func:`vary`.
     """
-    refuse(obj)
+    scene_io.refuse(obj)
     with scene_io.object_mode(obj):
         task = memory.recall(obj).task
         write.results(obj, task, shown.field, shown.pattern, shown.report.again())
-        _keep(obj, replace(shown, task=task), number)
+        keep(obj, replace(shown, task=task), number)
 
 
 def trace_quads(obj, smoothing=Settings.smoothing):
@@ -182,14 +178,14 @@ def trace_quads(obj, smoothing=Settings.smoothing):
 
     Result and errors as :func:`quad_mesh`.
     """
-    refuse(obj)
+    scene_io.refuse(obj)
     with scene_io.object_mode(obj):
         solved = memory.recall(obj)
         if solved.task.command != "quads":
             raise SynchError(f"{obj.name} shows no quads: solve quads first")
         task = replace(solved.task, settings=replace(solved.task.settings, smoothing=smoothing))
         report = solved.report.again("quad_mesh")
-        return _write_quads(obj, task, solved.field, solved.pattern, _traced(task, solved.pattern, report), report)
+        return write_quads(obj, task, solved.field, solved.pattern, trace(task, solved.pattern, report), report)
 
 
 def isolines(obj, **settings):
@@ -209,7 +205,7 @@ def isolines(obj, **settings):
     SynchError
         with one line that names the element and the remedy; nothing is made
     """
-    refuse(obj)
+    scene_io.refuse(obj)
     settings = line_object.from_names(settings)
     with scene_io.object_mode(obj):
         return line_object.write(obj, *shown_pattern(obj), settings)
@@ -237,7 +233,7 @@ def relief(obj, height=0.15, width=0.5, profile=0, level=None, smooth=False):
     SynchError
         with one line that names the element and the remedy; nothing is made
     """
-    refuse(obj)
+    scene_io.refuse(obj)
     with scene_io.object_mode(obj):
         made = add_relief(obj, height, width, profile, level, smooth)
     return {"status": "made", "command": "relief", "object": obj.name, **made, "versions": versions()}
@@ -263,7 +259,7 @@ def preset(obj, name, callback=None, solve=False, **settings):
     SynchError
         with one line that names the element and the remedy; nothing is written
     """
-    refuse(obj)
+    scene_io.refuse(obj)
     needed = presets.solve_for(obj, name, solve or bool(settings))
     solved = None if needed is None else run(needed.pop("command"), obj, from_names(needed | settings), callback)
     shown = presets.show(obj, name, bool(settings.get("assign_material")))
@@ -297,65 +293,20 @@ def bake(obj, callback=None, **settings):
 
 def run_bake(obj, settings, callback=None):
     """Bake with ready :class:`BakeSettings`."""
-    refuse(obj)
+    scene_io.refuse(obj)
     job = BakeJob(obj, settings)
     job.solve(callback)
     return job.report
 
 
 def _show(obj, change, number=0):
-    refuse(obj)
+    scene_io.refuse(obj)
     with scene_io.object_mode(obj):
         solved = memory.recall(obj)
         report = solved.report.again()
         with report.clock("round"):
             field, pattern = solved.showing(change(solved))
         return write_result(obj, solved.task, field, pattern, report, number)
-
-
-def write_result(obj, task, field, pattern, report, number=0):
-    """Write a field and remember it as variation ``number`` of its solve; returns the report."""
-    with report.clock("write"):
-        frame_nodes.remove_frames(obj)
-        defects, polygons = write.results(obj, task, field, pattern, report)
-    task = replace(task, given=replace(task.given, polygons=polygons))
-    plain = report.finish(field, pattern, defects)
-    _keep(obj, memory.Solved(task, field, pattern, report, plain), number)
-    stripe_numbers.renew_numbers(obj)
-    return plain
-
-
-def _keep(obj, solved, number):
-    """Remember what an object shows now."""
-    memory.forget(obj)  # so that setting the slider asks for nothing
-    if hasattr(obj, "synch"):  # as long as the extension is registered
-        obj.synch.variation, obj.synch.result = number, result_line(solved.plain)
-    memory.remember(obj, solved)
-
-
-def _traced(task, pattern, report):
-    """The quad mesh of a pattern's grid lines."""
-    with report.clock("extract"):
-        return quad_object.smoothed(traced_quads(pattern.edge_phases), task)
-
-
-def _write_quads(obj, task, field, pattern, quads, report):
-    """Make the quad mesh's object; returns the report."""
-    with report.clock("write"):
-        defects = write.reported_defects(obj, task, field, pattern)
-        report.quad_mesh = quad_object.write(obj, task, quads)
-    plain = report.finish(field, pattern, defects)
-    made = bpy.data.objects[report.quad_mesh["object"]]
-    if hasattr(made, "synch"):  # as long as the extension is registered
-        made.synch.result = result_line(plain)
-    return plain
-
-
-def refuse(obj):
-    """Raise SynchError for an object that cannot be given a field."""
-    reason = scene_io.refusal(obj)
-    if reason:
-        raise SynchError(reason)
 
 
 def import_field(obj, path):
@@ -370,7 +321,7 @@ def import_field(obj, path):
     SynchError
         with one line that names the element and the remedy; nothing is written
     """
-    refuse(obj)
+    scene_io.refuse(obj)
     with scene_io.object_mode(obj):
         return field_io.import_directions(obj, path)
 
@@ -389,7 +340,7 @@ def export_field(obj, path, symmetry="line"):
     SynchError
         with one line that names the element and the remedy; nothing is written
     """
-    refuse(obj)
+    scene_io.refuse(obj)
     if symmetry not in SYMMETRIES:
         raise SettingError(f"symmetry {symmetry!r} is unknown: use one of {', '.join(SYMMETRIES)}")
     with scene_io.object_mode(obj):
@@ -400,69 +351,3 @@ def select(obj, vertices):
     """Select vertices and nothing else of an object's mesh, in object or edit mode."""
     with scene_io.object_mode(obj):
         scene_io.select_vertices(obj, vertices)
-
-
-class FieldJob:
-    """One run in three steps, of which only the middle one takes long and touches no Blender data.
-
-    Making it reads the object and refuses what cannot be; :meth:`solve` may run in another thread;
-    :meth:`write` puts the result into the scene. Before that nothing has changed.
-    """
-
-    def __init__(self, command, obj, settings):
-        refuse(obj)
-        settings = settings_for(command, obj, settings)
-        bpy.context.view_layer.update()  # a script may have scaled the object just now
-        self.command = command
-        self._report = Report(command, obj, settings)
-        self._field = self._pattern = self._quads = None
-        with scene_io.object_mode(obj), self._report.clock("read"):
-            self._task = gather(command, obj, settings)
-            self._report.warn_about(obj, self._task)
-
-    @property
-    def vertex_count(self):
-        """Of the mesh that is solved on."""
-        return self._task.given.mesh.vertex_count
-
-    def solve_early(self, callback=None):
-        """A first result by one eigenvector each, for :func:`write.results`: task, field, pattern and a report; None
-        for a command that shows no pattern. Errors as :meth:`solve`."""
-        if self.command not in ("stripes", "quads"):
-            return None
-        task = replace(self._task, settings=replace(self._task.settings, method="spectral"))
-        report = self._report.again()
-        field = solve_directions(task, portion(callback, 0.0, 0.5))
-        return task, field, solve_pattern(task, field, report, portion(callback, 0.5, 0.5)), report
-
-    def solve(self, callback=None):
-        """Solve on the arrays alone.
-
-        Raises
-        ------
-        Cancelled
-            when the callback returns False
-        ContradictionError
-            naming vertices of the object
-        """
-        try:
-            self._solve(callback)
-        except ContradictionError as error:
-            raise error.renumbered(self._task.given.source) from None
-
-    def _solve(self, callback):
-        alone = self.command not in PATTERNS
-        self._field = solve_directions(self._task, callback if alone else portion(callback, 0.0, 0.4))
-        if not alone:
-            self._pattern = solve_pattern(self._task, self._field, self._report, portion(callback, 0.4, 0.55))
-        if self.command == "quad_mesh":
-            self._quads = _traced(self._task, self._pattern, self._report)
-
-    def write(self, obj):
-        """Write the result to the object at once; returns the report."""
-        with scene_io.object_mode(obj):
-            if not scene_io.is_unchanged(obj, self._task.given):
-                raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
-            if self._quads is None:
-                return write_result(obj, self._task, self._field, self._pattern, self._report)
-            return _write_quads(obj, self._task, self._field, self._pattern, self._quads, self._report)

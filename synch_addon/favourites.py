@@ -10,7 +10,7 @@ import json
 import numpy as np
 
 from ..core.errors import SynchError
-from . import api, memory, scene_io, write
+from . import field_job, memory, scene_io, write
 from .read_back import DIRECTION, PHASE, SUFFIXES, is_cut, read_back
 from .report import Report
 from .settings import from_names
@@ -31,7 +31,7 @@ def keep(obj, name=""):
     SynchError
         with one line that names the element and the remedy; nothing is kept
     """
-    api.refuse(obj)
+    scene_io.refuse(obj)
     result = json.loads(obj.synch.result) if obj.synch.result else {}
     if result.get("command") not in SUFFIXES:
         raise SynchError(f"{obj.name} shows no stripes or quads: solve them first")
@@ -62,7 +62,7 @@ def show(obj, name):
     SynchError
         with one line that names the element and the remedy; nothing is written
     """
-    api.refuse(obj)
+    scene_io.refuse(obj)
     favourite = _favourite(obj, name)
     result, start = favourite.result, favourite.attributes
     with scene_io.object_mode(obj):
@@ -70,7 +70,7 @@ def show(obj, name):
         solved = _solve_of(obj, task, field)
         if solved is not None:
             shown, report = solved.pattern.showing(pattern.phases), solved.report.again()
-            api.write_result(obj, solved.task, solved.field, shown, report, favourite.variation)
+            field_job.write_result(obj, solved.task, solved.field, shown, report, favourite.variation)
         else:
             report = Report(task.command, obj, task.settings)
             write.results(obj, task, field, pattern, report)
@@ -81,7 +81,7 @@ def show(obj, name):
 
 def remove(obj, name):
     """Remove a favourite with its attributes."""
-    api.refuse(obj)
+    scene_io.refuse(obj)
     favourite = _favourite(obj, name)
     with scene_io.object_mode(obj):
         for attribute in [a.name for a in obj.data.attributes if a.name.startswith(favourite.attributes)]:

@@ -67,6 +67,13 @@ def refusal(obj):
     return None
 
 
+def refuse(obj):
+    """Raise SynchError for an object that cannot be given a field."""
+    reason = refusal(obj)
+    if reason:
+        raise SynchError(reason)
+
+
 @contextmanager
 def object_mode(obj):
     """Leave edit mode while attributes are read and written, and come back to it."""

@@ -9,7 +9,7 @@ import bpy
 from bpy.props import StringProperty
 
 from ...core.errors import Cancelled, SynchError
-from .. import api, jobs, preview
+from .. import api, field_job, jobs, preview
 from ..guide_list import stored_guidance
 from ..report import counted
 from ..scene_io import refusal
@@ -162,7 +162,7 @@ class FieldOperator(BackgroundOperator):
 
     def _job(self, context):
         self._object_name = context.active_object.name
-        return api.FieldJob(self.command, context.active_object, self._settings())
+        return field_job.FieldJob(self.command, context.active_object, self._settings())
 
     def _show_early(self, early):
         preview.show(bpy.data.objects.get(self._object_name), *early)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import Cancelled, SynchError
-from synch_fields.synch_addon import api, cli, jobs, render
+from synch_fields.synch_addon import api, cli, field_job, jobs, render
 from synch_fields.synch_addon.settings import Settings
 
 from .quad_meshes import corner_vertices, half_edges, made_from
@@ -200,7 +200,7 @@ def test_cancelled_run_changes_nothing(operator, calls):
 @pytest.mark.parametrize("operator", OPERATORS)
 def test_a_job_in_a_thread_gives_what_a_blocking_run_gives(operator):
     obj = sphere()
-    work = jobs.BackgroundSolve(api.FieldJob(operator, obj, Settings(spacing=SPACING)))
+    work = jobs.BackgroundSolve(field_job.FieldJob(operator, obj, Settings(spacing=SPACING)))
     work.wait()
     assert work.error is None and work.fraction > 0.8
     assert len(bpy.data.objects) == 1 and "synch_pattern" not in obj.data.attributes
@@ -216,7 +216,7 @@ def test_a_job_in_a_thread_gives_what_a_blocking_run_gives(operator):
 @pytest.mark.parametrize("operator", OPERATORS)
 def test_a_mesh_that_changed_meanwhile_is_not_written(operator):
     obj = sphere()
-    job = api.FieldJob(operator, obj, Settings(spacing=SPACING))
+    job = field_job.FieldJob(operator, obj, Settings(spacing=SPACING))
     job.solve()
     obj.data.vertices[3].co.x += 0.1
     before = everything()

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import Cancelled, SynchError
-from synch_fields.synch_addon import api
+from synch_fields.synch_addon import api, field_job
 
 from .scenes import add_group, hexagon_sphere, make_active, snapshot, sphere, tube
 
@@ -161,7 +161,7 @@ def test_interrupted_solver_changes_nothing(monkeypatch):
     def fail(*_):
         raise MemoryError
 
-    monkeypatch.setattr(api, "solve_pattern", fail)
+    monkeypatch.setattr(field_job, "solve_pattern", fail)
     with pytest.raises(MemoryError):
         api.stripes(obj)
     assert snapshot() == before

@@ -120,7 +120,7 @@ def test_multipliers_sum_to_the_value():
 def test_proofs_are_tried_where_fronts_are_narrow_enough_for_the_matrix():
     """On a surface of 5,800 nodes, in a solid of 2,200, but not in one of 15,600, whose factor fills in."""
     narrow = direction_problem(torus(around=120, across=48), 4).pieces[0]
-    assert provable_width(narrow) < 3 * np.sqrt(narrow.node_count)
+    assert provable_width(narrow) < 4 * np.sqrt(narrow.node_count)
     for side, is_provable in ((12, True), (24, False)):
         solid = block((side,) * 3)
         (piece,) = layer_problem(solid, axis_directions(solid, (0, 0, 1)), 0.3).pieces
