@@ -147,8 +147,13 @@ def _deliver(obj, shown, report, options):
     written = [options.export_mesh] if getattr(options, "export_mesh", None) else []
     if options.output:
         written.append(files.save_blend(options.output))
+    if options.report:  # a picture may take minutes, and what was solved should not be lost with it
+        _write_json(options.report, report)
     if options.render:
         from .render import render_picture
+
+        if not options.quiet:
+            _show_progress("rendering", 0.0)
 
         render_picture(shown, options.render, view=options.view, edges="quad_mesh" in report)
         written.append(options.render)
