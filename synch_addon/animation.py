@@ -5,7 +5,6 @@ The mesh of a frame is the one behind the object's modifiers, as long as they ke
 """
 
 import math
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import bpy
@@ -22,6 +21,7 @@ from . import frame_nodes, memory, scene_io, stripe_numbers, write
 from .defect_empties import write_defects
 from .jobs import portion
 from .materials import pattern_material
+from .picking import hidden
 from .report import Report
 from .settings import from_names
 from .task import gather, settings_for, solve_directions, solve_pattern
@@ -237,7 +237,7 @@ def _read(obj, settings, span, polygons, callback):
     rest = _rest_directions(obj, settings, span)
     tasks = []
     try:
-        with _hidden([m for m in obj.modifiers if frame_nodes.is_ours(m)]):
+        with hidden([m for m in obj.modifiers if frame_nodes.is_ours(m)]):
             for number, frame in enumerate(span.frames):
                 if callback is not None and not callback(f"read frame {frame}", _READING * number / len(span.frames)):
                     raise Cancelled("cancelled: nothing was changed")
@@ -304,23 +304,10 @@ def _changing(obj, polygons):
     """Name of the first modifier behind which the mesh has other faces."""
     shown = [modifier for modifier in obj.modifiers if modifier.show_viewport]
     for number, modifier in enumerate(shown):
-        with _hidden(shown[number + 1 :]):
+        with hidden(shown[number + 1 :]):
             if not _has_faces(obj.evaluated_get(bpy.context.evaluated_depsgraph_get()), polygons):
                 return modifier.name
     return "that deforms it"
-
-
-@contextmanager
-def _hidden(modifiers):
-    """Evaluate without modifiers for a while."""
-    shown = [modifier for modifier in modifiers if modifier.show_viewport]
-    for modifier in shown:
-        modifier.show_viewport = False
-    try:
-        yield
-    finally:
-        for modifier in shown:
-            modifier.show_viewport = True
 
 
 def _saying(callback, frame):

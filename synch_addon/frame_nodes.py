@@ -79,7 +79,7 @@ def add_frames(obj, kind, first, last):
     modifier.node_group = group
     set_input(modifier, "First", first)
     set_input(modifier, "Last", last)
-    others = (n for n, other in enumerate(obj.modifiers) if other.type in _CHANGES_FACES and not shows_frames(other))
+    others = (n for n, other in enumerate(obj.modifiers) if changes_faces(other) and not shows_frames(other))
     place = next(others, len(obj.modifiers) - 1)
     obj.modifiers.move(len(obj.modifiers) - 1, place)
     return obj.modifiers[place]
@@ -87,7 +87,12 @@ def add_frames(obj, kind, first, last):
 
 def changing_modifiers(obj):
     """The modifiers after which the mesh that is seen may have other faces than the one that carries a pattern."""
-    return [m for m in obj.modifiers if m.show_viewport and m.type in _CHANGES_FACES and not is_ours(m)]
+    return [m for m in obj.modifiers if m.show_viewport and changes_faces(m) and not is_ours(m)]
+
+
+def changes_faces(modifier):
+    """Whether the mesh may have other faces after a modifier."""
+    return modifier.type in _CHANGES_FACES
 
 
 def is_ours(modifier):

@@ -364,12 +364,6 @@ def select_faces(obj, faces):
     obj.data.update()
 
 
-def nearest_vertex(obj, face, place):
-    """The vertex of a face nearest to a point in object space."""
-    vertices = obj.data.polygons[face].vertices
-    return min(vertices, key=lambda vertex: (obj.data.vertices[vertex].co - place).length)
-
-
 def update(obj):
     """Tell Blender that the mesh's data changed."""
     obj.data.update()

@@ -9,6 +9,7 @@ from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_
 
 from ...core.errors import SynchError
 from .. import api, memory, scene_io
+from ..picking import PickedSurface
 from ..settings import Settings
 from ..translations import said
 from .field_operator import navigates, over_sidebar, unready
@@ -106,7 +107,9 @@ class SYNCH_OT_place_defect(_SolvedOperator, bpy.types.Operator):
             return {"CANCELLED"}
         obj = context.active_object
         try:
-            self._before = memory.recall(obj), obj.synch.variation
+            with scene_io.object_mode(obj):
+                self._before = memory.recall(obj), obj.synch.variation
+                self._surface = PickedSurface.of(obj)
         except SynchError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -117,47 +120,59 @@ class SYNCH_OT_place_defect(_SolvedOperator, bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
+        try:
+            result = self._step(context, event)
+        except SynchError as error:
+            self.report({"ERROR"}, str(error))
+            result = {"FINISHED"} if self._vertices else {"CANCELLED"}
+        except Exception:
+            self.cancel(context)
+            raise
+        if result & {"FINISHED", "CANCELLED"}:
+            self.cancel(context)
+        return result
+
+    def cancel(self, context):
+        """However it ends: give the status bar back."""
+        context.workspace.status_text_set(None)
+
+    def _step(self, context, event):
+        obj = bpy.data.objects.get(self._object_name)
+        if obj is None:
+            raise SynchError(f"the object {self._object_name} is gone: no more defects can be placed")
         if event.type in {"RET", "NUMPAD_ENTER", "RIGHTMOUSE"} and event.value == "PRESS":
-            return self._leave(context, {"FINISHED"} if self._vertices else {"CANCELLED"})
+            return {"FINISHED"} if self._vertices else {"CANCELLED"}
         if event.type == "ESC":
             if self._vertices:
-                api.show_again(bpy.data.objects[self._object_name], *self._before)
-            return self._leave(context, {"CANCELLED"})
+                api.show_again(obj, *self._before)
+            return {"CANCELLED"}
         if event.type == "LEFTMOUSE":
             pressed = event.value == "PRESS" and not over_sidebar(context, event)
-            self._held = pressed and self._put(context, event, self._vertices)
+            self._held = pressed and self._put(context, event, obj, self._vertices)
             return {"RUNNING_MODAL"}
         if event.type == "MOUSEMOVE" and self._held:
-            self._put(context, event, self._vertices[:-1])
+            self._put(context, event, obj, self._vertices[:-1])
         return {"PASS_THROUGH"} if navigates(event) else {"RUNNING_MODAL"}
 
-    def _put(self, context, event, others):
+    def _put(self, context, event, obj, others):
         """Put a defect at the vertex under the mouse, beside those at others; returns whether one is there now."""
-        vertex = vertex_under(context, event)
+        vertex = self._surface.vertex_at(*_ray(context, event, obj))
         if vertex is None or vertex in self._vertices:
             return vertex is not None
         vertices = [*others, vertex]
-        placed = self._show(api.place_defects, context.active_object, vertices) == {"FINISHED"}
+        placed = self._show(api.place_defects, obj, vertices) == {"FINISHED"}
         if placed:
             self._vertices = vertices
         return placed
 
-    def _leave(self, context, result):
-        context.workspace.status_text_set(None)
-        return result
 
-
-def vertex_under(context, event):
-    """The vertex of the active object nearest to where the mouse meets its surface, or None."""
-    obj = context.active_object
+def _ray(context, event, obj):
+    """Origin and direction of what is under the mouse, in an object's space."""
     mouse = event.mouse_region_x, event.mouse_region_y
     origin = region_2d_to_origin_3d(context.region, context.region_data, mouse)
     towards = region_2d_to_vector_3d(context.region, context.region_data, mouse)
     inverse = obj.matrix_world.inverted()
-    hit, place, _, face = obj.ray_cast(inverse @ origin, inverse.to_3x3() @ towards)
-    if not hit:
-        return None
-    return scene_io.nearest_vertex(obj, face, place)
+    return inverse @ origin, inverse.to_3x3() @ towards
 
 
 CLASSES = (SYNCH_OT_variation, SYNCH_OT_draw_variation, SYNCH_OT_place_defect, SYNCH_OT_trace_quads)
