@@ -194,7 +194,7 @@ class AnimationJob:
         pattern_material(obj, self._span.pattern, spacing=task.spacing, assign_faces=all_faces)
         frame_nodes.add_frames(obj, self._span.pattern, self._span.first, self._span.last)
         memory.forget(obj)
-        stripe_numbers.renew_numbers(obj)  # which takes those of another pattern away
+        stripe_numbers.remove_numbers(obj)
         if hasattr(obj, "synch"):  # as long as the extension is registered
             obj.synch.variation, obj.synch.result = 0, ""
         scene_io.update(obj)

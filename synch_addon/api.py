@@ -10,13 +10,13 @@ from dataclasses import replace
 from ..core.errors import SettingError, SynchError
 from ..core.fields.directions import SYMMETRIES
 from ..core.fields.placement import variation, with_defects
-from . import field_io, memory, presets, scene_io, write
+from . import field_io, memory, presets, scene_io
 from . import isolines as line_object
 from .animation import animate as animate
 from .bake import BakeJob
 from .bake_settings import BakeSettings
 from .clebsch import clebsch as clebsch
-from .field_job import FieldJob, keep, trace, write_quads, write_result
+from .field_job import FieldJob, trace, write_again, write_quads, write_result
 from .layer_outputs import layer_export as layer_export
 from .layer_outputs import layer_toolpaths as layer_toolpaths
 from .layer_outputs import layer_volume as layer_volume
@@ -156,16 +156,14 @@ def place_defects(obj, vertices):
     return _show(obj, place)
 
 
-def show_again(obj, shown, number):
-    """Show a state of an object's last solve that :func:`memory.recall` has given, as variation ``number``.
+def show_again(obj, shown):
+    """Show a state of an object's last solve that :func:`memory.recall` has given.
 
     Errors as :func:`vary`.
     """
     scene_io.refuse(obj)
     with scene_io.object_mode(obj):
-        task = memory.recall(obj).task
-        write.results(obj, task, shown.field, shown.pattern, shown.report.again())
-        keep(obj, replace(shown, task=task), number)
+        write_again(obj, replace(shown, task=memory.recall(obj).task))
 
 
 def trace_quads(obj, smoothing=Settings.smoothing):
@@ -306,7 +304,7 @@ def _show(obj, change, number=0):
         report = solved.report.again()
         with report.clock("round"):
             field, pattern = solved.showing(change(solved))
-        return write_result(obj, solved.task, field, pattern, report, number)
+        return write_result(obj, solved.task, field, pattern, report, number, change)
 
 
 def import_field(obj, path):

@@ -10,7 +10,7 @@ import json
 import numpy as np
 
 from ..core.errors import SynchError
-from . import field_job, memory, scene_io, write
+from . import field_job, memory, scene_io
 from .read_back import DIRECTION, PHASE, SUFFIXES, is_cut, read_back
 from .report import Report
 from .settings import from_names
@@ -69,13 +69,13 @@ def show(obj, name):
         task, field, pattern = read_back(obj, result, start + "direction", start + "phase")
         solved = _solve_of(obj, task, field)
         if solved is not None:
-            shown, report = solved.pattern.showing(pattern.phases), solved.report.again()
-            field_job.write_result(obj, solved.task, solved.field, shown, report, favourite.variation)
+            phases, report = pattern.phases, solved.report.again()
+            shown = solved.pattern.showing(phases)
+            arguments = solved.task, solved.field, shown, report, favourite.variation
+            field_job.write_result(obj, *arguments, lambda state: state.pattern.showing(phases))
         else:
-            report = Report(task.command, obj, task.settings)
-            write.results(obj, task, field, pattern, report)
-            memory.forget(obj)
-            obj.synch.variation, obj.synch.result = favourite.variation, result
+            field_job.show(obj, task, field, pattern, Report(task.command, obj, task.settings))
+            memory.show_line(obj, result, favourite.variation)
     return json.loads(obj.synch.result)
 
 

@@ -79,24 +79,35 @@ class FieldJob:
             return write_quads(obj, self._task, self._field, self._pattern, self._quads, self._report)
 
 
-def write_result(obj, task, field, pattern, report, number=0):
-    """Write a field and remember it as variation ``number`` of its solve; returns the report."""
+def write_result(obj, task, field, pattern, report, number=0, change=None):
+    """Write a field and remember it as variation ``number`` of its solve, made by ``change``; returns the report."""
     with report.clock("write"):
-        frame_nodes.remove_frames(obj)
-        defects, polygons = write.results(obj, task, field, pattern, report)
-    task = replace(task, given=replace(task.given, polygons=polygons))
+        defects, task = show(obj, task, field, pattern, report)
     plain = report.finish(field, pattern, defects)
-    keep(obj, memory.Solved(task, field, pattern, report, plain), number)
-    stripe_numbers.renew_numbers(obj)
+    _remember(obj, memory.Solved(task, field, pattern, report, plain, number, change))
     return plain
 
 
-def keep(obj, solved, number):
-    """Remember what an object shows now."""
-    memory.forget(obj)  # so that setting the slider asks for nothing
-    if hasattr(obj, "synch"):  # as long as the extension is registered
-        obj.synch.variation, obj.synch.result = number, result_line(solved.plain)
-    memory.remember(obj, solved)
+def write_again(obj, solved):
+    """Write a state of the present solve once more, as it was."""
+    _, task = show(obj, solved.task, solved.field, solved.pattern, solved.report.again())
+    _remember(obj, replace(solved, task=task))
+
+
+def show(obj, task, field, pattern, report):
+    """Write a field or pattern in place of all that an object shows; returns its defects, and the task with the faces
+    as they are now."""
+    frame_nodes.remove_frames(obj)
+    defects, polygons = write.results(obj, task, field, pattern, report)
+    task = replace(task, given=replace(task.given, polygons=polygons))
+    stripe_numbers.renew_numbers(obj, task, pattern)
+    return defects, task
+
+
+def _remember(obj, solved):
+    line = result_line(solved.plain)
+    memory.show_line(obj, line, solved.number)
+    memory.remember(obj, line, solved)
 
 
 def trace(task, pattern, report):

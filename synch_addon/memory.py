@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The last solve of each object, kept while Blender runs: variations and placed defects need no other."""
+"""The last solves of each object, kept while Blender runs: variations and placed defects need no other.
 
+What the panel keeps of a result tells the states of an object apart. Undo and redo bring it back with the attributes,
+and the state that belongs to it is found here.
+"""
+
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import bpy
@@ -8,7 +13,7 @@ import numpy as np
 
 from ..core.errors import SynchError
 from ..core.fields import DirectionField, Pattern
-from . import scene_io
+from . import scene_io, write
 from .report import Report
 from .solids import Layering
 from .task import Task
@@ -16,6 +21,8 @@ from .task import Task
 # Objects whose solves are kept, the latest ones: some hundred bytes a vertex each, of flows a kilobyte a node, and of
 # solids up to a kilobyte a tetrahedron.
 MOST, MOST_FLOWS, MOST_SOLIDS = 8, 4, 2
+# Of each object: solves, and states that they have shown, each a report and how it was made.
+SOLVES, STATES = 2, 256
 
 
 class Shelf:
@@ -73,6 +80,8 @@ class Solved:
     pattern : Pattern, or None after directions alone
     report : Report that collected warnings and times
     plain : that report as it was returned
+    number : of the variation
+    change : what makes the variation of the solve, Solved -> DirectionField or Pattern; None for the solution itself
     """
 
     task: Task
@@ -80,6 +89,8 @@ class Solved:
     pattern: Pattern | None
     report: Report
     plain: dict
+    number: int = 0
+    change: Callable | None = None
 
     @property
     def shown(self):
@@ -90,23 +101,88 @@ class Solved:
         """The field and the pattern with a variation of one of them."""
         return (shown, None) if self.pattern is None else (self.field, shown)
 
+    def made_again(self):
+        """The state with phases of its own, for one of :meth:`unmade`."""
+        return self if self.change is None else self._with(self.change(self))
 
-def remember(obj, solved):
-    """Keep the solve that an object shows now."""
-    _fields.put(obj, solved)
+    def unmade(self):
+        """The state without phases of its own: those of the solution, from which it can be made again."""
+        return self if self.change is None else self._with(self.shown.showing(self.shown.solution.phases))
+
+    def _with(self, shown):
+        field, pattern = self.showing(shown)
+        return replace(self, field=field, pattern=pattern)
 
 
-def recall(obj):
-    """The :class:`Solved` that an object shows.
+class _States:
+    """States that an object has shown, by their lines: the present one with its phases, others as they were made."""
+
+    def __init__(self):
+        self._unmade, self._line, self._present = {}, None, None
+
+    def put(self, line, solved):
+        self._line, self._present = line, solved
+        self._unmade[line] = solved.unmade()
+        meshes = {id(state.task.given.mesh): None for state in reversed(self._unmade.values())}
+        kept = list(meshes)[:SOLVES]
+        lines = [line for line, state in self._unmade.items() if id(state.task.given.mesh) in kept]
+        self._unmade = {line: self._unmade[line] for line in lines[-STATES:]}
+
+    def holds(self, line):
+        return line is None or line in self._unmade
+
+    def get(self, line):
+        if line not in (None, self._line):
+            self._line, self._present = line, self._unmade[line].made_again()
+        return self._present
+
+
+def show_line(obj, line, number):
+    """Say at the object which state it shows, by what :func:`report.result_line` keeps of it, and set the slider."""
+    if hasattr(obj, "synch"):  # as long as the extension is registered
+        obj.synch.result = ""  # so that setting the slider asks for nothing
+        obj.synch.variation, obj.synch.result = number, line
+
+
+def _line(obj):
+    """Of the state that an object shows; None for the latest one, where the extension is not registered."""
+    return obj.synch.result if hasattr(obj, "synch") else None
+
+
+def remember(obj, line, solved):
+    """Keep the state that an object shows now."""
+    states = _fields.get(obj) if _fields.holds(obj) else _States()
+    states.put(line, solved)
+    _fields.put(obj, states)
+
+
+def state(obj):
+    """The :class:`Solved` that belongs to the result an object shows, be its mesh changed or not.
 
     Raises
     ------
     SynchError
-        where there is none, or the mesh has changed since
+        where there is none
     """
-    solved = _fields.get(obj)
+    states = _fields.get(obj)
+    if not states.holds(_line(obj)):
+        raise SynchError(f"what {obj.name} shows is no longer in memory: solve it again")
+    return states.get(_line(obj))
+
+
+def recall(obj):
+    """The :class:`Solved` that an object in object mode shows.
+
+    Raises
+    ------
+    SynchError
+        where there is none, the mesh has changed since, or another object that shares it has been solved
+    """
+    solved = state(obj)
     if not scene_io.is_unchanged(obj, solved.task.given):
         raise SynchError(f"the mesh or the scale of {obj.name} has changed since it was solved: solve it again")
+    if not write.is_written(obj, solved.task, solved.field, solved.pattern):
+        raise SynchError(f"the mesh {obj.data.name} shows another pattern than {obj.name} was given: solve it again")
     return solved
 
 
@@ -144,13 +220,13 @@ def solid_matrix(obj, given):
 
 
 def forget(obj):
-    """Keep the solve of an object no longer."""
+    """Keep the solves of an object no longer."""
     _fields.drop(obj)
 
 
 def holds(obj):
-    """Whether there is a solve of an object, be its mesh changed or not."""
-    return _fields.holds(obj)
+    """Whether there is a solve of what an object shows, be its mesh changed or not."""
+    return _fields.holds(obj) and _fields.get(obj).holds(_line(obj))
 
 
 @bpy.app.handlers.persistent

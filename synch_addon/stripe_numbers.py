@@ -4,8 +4,9 @@
 from ..core.errors import SettingError, SynchError
 from ..core.extract.isolines import isolines
 from ..core.extract.stripe_numbers import stripe_table
-from . import memory, scene_io
+from . import scene_io
 from .bake_index import pattern_kind, read_phases
+from .read_back import shown_pattern
 from .stripe_profiles import ALONG, NUMBER
 
 # Between the points of the lines along which coordinates are measured, in spacings.
@@ -13,13 +14,13 @@ _STEP = 0.1
 
 
 def number_stripes(obj):
-    """Number the stripes of an object's last solve and write coordinates along them, for shaders and relief.
+    """Number the stripes that an object shows and write coordinates along them, for shaders and relief.
 
     What is written follows every later solve and variation of the object.
 
     Parameters
     ----------
-    obj : bpy.types.Object with stripes that were solved since the file was opened
+    obj : bpy.types.Object with stripes
 
     Returns
     -------
@@ -30,19 +31,15 @@ def number_stripes(obj):
     SynchError
         with one line that names the element and the remedy; nothing is written
     """
-    reason = scene_io.refusal(obj)
-    if reason:
-        raise SynchError(reason)
+    scene_io.refuse(obj)
     with scene_io.object_mode(obj):
-        return _write(obj)
+        if pattern_kind(obj) != "stripes":
+            raise SynchError("stripes are numbered: solve stripes first")
+        return _write(obj, *shown_pattern(obj))
 
 
-def _write(obj):
-    solved = memory.recall(obj)
-    if solved.pattern is None or pattern_kind(obj) != "stripes":
-        raise SynchError("stripes are numbered: solve stripes first")
-    task = solved.task
-    lines = isolines(solved.pattern.edge_phases)
+def _write(obj, task, pattern):
+    lines = isolines(pattern.edge_phases)
     if len(lines.sizes) == 0:
         raise SettingError(f"no stripe has its middle on {obj.name}: reduce the spacing and solve again")
     (phase,) = read_phases(obj, "stripes")
@@ -53,12 +50,20 @@ def _write(obj):
     return len(lines.sizes)
 
 
-def renew_numbers(obj):
+def renew_numbers(obj, task, pattern):
     """Number the stripes of an object anew where they were numbered before; they go where that cannot be."""
     if NUMBER not in obj.data.attributes:
         return
+    if pattern is None or pattern_kind(obj) != "stripes":
+        remove_numbers(obj)
+        return
     try:
-        _write(obj)
+        _write(obj, task, pattern)
     except SynchError:
-        for name in (NUMBER, ALONG):
-            scene_io.remove_attribute(obj, name)
+        remove_numbers(obj)
+
+
+def remove_numbers(obj):
+    """Take the numbers of an object's stripes away."""
+    for name in (NUMBER, ALONG):
+        scene_io.remove_attribute(obj, name)

@@ -13,6 +13,8 @@ from .materials import pattern_material
 
 # Suffixes of each phase's attributes, by how many phases a vertex has, and the domains and types of those attributes.
 _SUFFIXES = {1: ("",), 2: ("_x", "_y")}
+# How far attributes may be off what was solved to be the same: single precision.
+_SAME = 1e-4
 _PER_PHASE = {
     "synch_phase{}": ("CORNER", "FLOAT"),
     "synch_index{}": ("FACE", "INT"),
@@ -48,6 +50,20 @@ def results(obj, task, field, pattern, report):
         pattern_material(obj, task.command, spacing=spacing, assign_faces=all_faces)
     scene_io.update(obj)
     return [_plain(obj, d) for d in defects], polygons
+
+
+def is_written(obj, task, field, pattern):
+    """Whether an object's attributes are those of a field or a pattern, up to single precision."""
+    count = task.given.uncut.vertex_count
+    if pattern is None:
+        values = scene_io.read_values(obj, "synch_direction", "POINT")
+        return values is not None and np.abs(values - task.given.to_object(field.vectors)).max(initial=0) < _SAME
+    phases = pattern.edge_phases.arguments[:count]
+    for suffix, column in zip(_SUFFIXES[phases.shape[1]], phases.T, strict=True):
+        values = scene_io.read_values(obj, "synch_vertex_phase" + suffix, "POINT")
+        if values is None or np.abs(np.sin((values - column) / 2)).max(initial=0) > _SAME:
+            return False
+    return True
 
 
 def clear(obj):

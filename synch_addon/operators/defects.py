@@ -112,7 +112,7 @@ class SYNCH_OT_copy_report(bpy.types.Operator):
         return reason is None
 
     def execute(self, context):
-        report = memory.recall(context.active_object).plain
+        report = memory.state(context.active_object).plain
         context.window_manager.clipboard = json.dumps(report, indent=2)
         return {"FINISHED"}
 

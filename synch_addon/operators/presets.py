@@ -5,7 +5,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from ...core.errors import SynchError
-from .. import api, assets, memory, presets
+from .. import api, assets, presets
 from ..bake_index import pattern_kind
 from ..preset_panel import PRESET
 from ..report import counted
@@ -99,10 +99,6 @@ class SYNCH_OT_number_stripes(bpy.types.Operator):
         reason = unready(context)
         if reason is None and pattern_kind(context.active_object) != "stripes":
             reason = said("{name} has no stripes: solve them first", name=context.active_object.name)
-        if reason is None and not memory.holds(context.active_object):
-            reason = said(
-                "{name} has not been solved since the file was opened: solve it first", name=context.active_object.name
-            )
         if reason:
             cls.poll_message_set(reason)
         return reason is None

@@ -108,7 +108,7 @@ class SYNCH_OT_place_defect(_SolvedOperator, bpy.types.Operator):
         obj = context.active_object
         try:
             with scene_io.object_mode(obj):
-                self._before = memory.recall(obj), obj.synch.variation
+                self._before = memory.recall(obj)
                 self._surface = PickedSurface.of(obj)
         except SynchError as error:
             self.report({"ERROR"}, str(error))
@@ -144,7 +144,7 @@ class SYNCH_OT_place_defect(_SolvedOperator, bpy.types.Operator):
             return {"FINISHED"} if self._vertices else {"CANCELLED"}
         if event.type == "ESC":
             if self._vertices:
-                api.show_again(obj, *self._before)
+                api.show_again(obj, self._before)
             return {"CANCELLED"}
         if event.type == "LEFTMOUSE":
             pressed = event.value == "PRESS" and not over_sidebar(context, event)

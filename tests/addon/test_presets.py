@@ -124,7 +124,7 @@ def test_unknown_presets_and_bare_objects_are_refused():
         api.preset(obj, "tartan")
     with pytest.raises(SettingError, match="the setting 'width' is unknown"):
         api.preset(obj, "zebra", width=0.3)
-    with pytest.raises(SynchError, match="has not been solved since the file was opened"):
+    with pytest.raises(SynchError, match="stripes are numbered: solve stripes first"):
         api.number_stripes(obj)
     assert snapshot() == before
 

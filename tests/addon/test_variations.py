@@ -77,7 +77,7 @@ def test_what_was_shown_comes_back_as_it_was():
     shown, before = memory.recall(obj), snapshot()
     api.place_defects(obj, [40, 60])
     assert snapshot() != before
-    api.show_again(obj, shown, 0)
+    api.show_again(obj, shown)
     assert snapshot() == before and memory.recall(obj).plain == shown.plain
 
 
