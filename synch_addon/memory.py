@@ -97,6 +97,11 @@ class Solved:
         """The field or pattern whose phases vary."""
         return self.field if self.pattern is None else self.pattern
 
+    @property
+    def varies(self):
+        """Whether there is a lifted field, which other variations and placed defects are projections of."""
+        return getattr(self.shown.solution, "lifted", None) is not None
+
     def showing(self, shown):
         """The field and the pattern with a variation of one of them."""
         return (shown, None) if self.pattern is None else (self.field, shown)
@@ -130,6 +135,9 @@ class _States:
 
     def holds(self, line):
         return line is None or line in self._unmade
+
+    def unmade(self, line):
+        return self._unmade[self._line if line is None else line]
 
     def get(self, line):
         if line not in (None, self._line):
@@ -184,6 +192,11 @@ def recall(obj):
     if not write.is_written(obj, solved.task, solved.field, solved.pattern):
         raise SynchError(f"the mesh {obj.data.name} shows another pattern than {obj.name} was given: solve it again")
     return solved
+
+
+def solve_of(obj):
+    """The :class:`Solved` that :func:`state` gives, but with the phases of its solution: quick enough for panels."""
+    return _fields.get(obj).unmade(_line(obj))
 
 
 def remember_layers(obj, given, layering):

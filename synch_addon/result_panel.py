@@ -31,7 +31,9 @@ class SYNCH_PT_result(SidebarPanel, bpy.types.Panel):
         draw_figures(self.layout, result, held)
         if held:
             row = property_column(self.layout).row(align=True)
-            row.prop(synch, "variation")
+            slider = row.row(align=True)
+            slider.enabled = memory.solve_of(context.active_object).varies
+            slider.prop(synch, "variation")
             row.operator("synch.draw_variation", text="", icon="FILE_REFRESH")
             self.layout.operator("synch.place_defect", icon="PIVOT_CURSOR")
             if result["command"] == "quads":

@@ -243,11 +243,15 @@ def _show_variation(settings, context):
     from . import api, memory  # both need the settings
 
     obj = settings.id_data
-    if memory.holds(obj):
-        try:
-            api.vary(obj, settings.variation)
-        except SynchError:  # the mesh has changed: the slider goes, until the object is solved again
-            memory.forget(obj)
+    if not memory.holds(obj):
+        return
+    try:
+        api.vary(obj, settings.variation)
+    except SynchError as error:
+        line = str(error)
+        memory.show_line(obj, settings.result, memory.solve_of(obj).number)  # the slider goes back
+        if context.window is not None and not bpy.app.background:
+            context.window_manager.popup_menu(lambda menu, _: menu.layout.label(text=line), icon="ERROR")
 
 
 class SynchSettings(SettingProperties, bpy.types.PropertyGroup):

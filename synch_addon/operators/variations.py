@@ -25,15 +25,17 @@ class _SolvedOperator:
 
     @classmethod
     def poll(cls, context):
-        reason = unready(context)
-        if reason is None and not memory.holds(context.active_object):
-            reason = said(
-                "{name} has not been solved since the file was opened: solve it first",
-                name=context.active_object.name,
-            )
+        reason = unready(context) or cls.lacking(context.active_object)
         if reason:
             cls.poll_message_set(reason)
         return reason is None
+
+    @classmethod
+    def lacking(cls, obj):
+        """Why there is nothing to be done with what an object shows, or None."""
+        if memory.holds(obj):
+            return None
+        return said("{name} has not been solved since the file was opened: solve it first", name=obj.name)
 
     def _show(self, show, *arguments):
         """Call the API; an error becomes one line."""
@@ -46,7 +48,18 @@ class _SolvedOperator:
         return {"FINISHED"}
 
 
-class SYNCH_OT_variation(_SolvedOperator, bpy.types.Operator):
+class _VaryingOperator(_SolvedOperator):
+    """Mixed into operators that need a lifted field."""
+
+    @classmethod
+    def lacking(cls, obj):
+        reason = super().lacking(obj)
+        if reason is None and not memory.solve_of(obj).varies:
+            return said("only the semidefinite method finds variations: choose it and solve again")
+        return reason
+
+
+class SYNCH_OT_variation(_VaryingOperator, bpy.types.Operator):
     """Show another near-optimal configuration of defects, from the last solve"""
 
     bl_idname = "synch.variation"
@@ -83,23 +96,28 @@ class SYNCH_OT_trace_quads(_SolvedOperator, bpy.types.Operator):
         return self._show(api.trace_quads, context.active_object, self.smoothing)
 
 
-class SYNCH_OT_draw_variation(_SolvedOperator, bpy.types.Operator):
+class SYNCH_OT_draw_variation(_VaryingOperator, bpy.types.Operator):
     """Show a configuration of defects that is drawn at random, from the last solve"""
 
     bl_idname = "synch.draw_variation"
     bl_label = "Draw Variation"
 
     def execute(self, context):
-        # Sets the slider, which shows it.
-        context.active_object.synch.variation = random.randrange(*_DRAWN)
-        return {"FINISHED"}
+        return self._show(api.vary, context.active_object, random.randrange(*_DRAWN))
 
 
-class SYNCH_OT_place_defect(_SolvedOperator, bpy.types.Operator):
+class SYNCH_OT_place_defect(_VaryingOperator, bpy.types.Operator):
     """Click on the surface to put a dislocation there, drag to move it, click again for more; Enter ends, Esc undoes"""
 
     bl_idname = "synch.place_defect"
     bl_label = "Place Defects"
+
+    @classmethod
+    def lacking(cls, obj):
+        reason = super().lacking(obj)
+        if reason is None and memory.solve_of(obj).pattern is None:
+            return said("defects are placed in stripes and quads: solve one of them first")
+        return reason
 
     def invoke(self, context, event):
         if context.region is None or context.region.type != "WINDOW":

@@ -97,6 +97,12 @@ REASONS = {
     "{name} has not been solved since the file was opened: solve it first": (
         "{name} wurde seit dem Öffnen der Datei nicht gelöst: lösen Sie es zuerst"
     ),
+    "only the semidefinite method finds variations: choose it and solve again": (
+        "nur das semidefinite Verfahren findet Varianten: wählen Sie es und lösen Sie neu"
+    ),
+    "defects are placed in stripes and quads: solve one of them first": (
+        "Defekte werden in Streifen und Vierecke gesetzt: lösen Sie zuerst eines davon"
+    ),
     "the report is kept while the file stays open: solve again to have one": (
         "der Bericht bleibt, solange die Datei offen ist: lösen Sie neu, um einen zu haben"
     ),
