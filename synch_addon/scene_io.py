@@ -354,7 +354,15 @@ def select_vertices(obj, vertices):
 
 
 def select_faces(obj, faces):
-    """Select faces and nothing else of a mesh in object mode, so that edit mode shows them."""
+    """Select faces and nothing else of a mesh in object mode, so that edit mode shows them.
+
+    Raises
+    ------
+    MeshError
+        where the mesh has fewer faces, and then nothing is selected
+    """
+    if max(faces, default=0) >= len(obj.data.polygons):
+        raise MeshError(f"faces of {obj.name} were deleted since its defects were found: solve it again")
     bpy.context.tool_settings.mesh_select_mode = (False, False, True)
     chosen = np.zeros(len(obj.data.polygons), bool)
     chosen[list(faces)] = True

@@ -7,6 +7,7 @@ import json
 import bpy
 from bpy.props import StringProperty
 
+from ...core.errors import SynchError
 from .. import memory, scene_io
 from ..defect_empties import defect_empties
 from ..translations import said
@@ -52,10 +53,13 @@ class SYNCH_OT_select_defects(_DefectOperator, bpy.types.Operator):
 
     def execute(self, context):
         obj = context.active_object
-        if obj.mode == "EDIT":
-            bpy.ops.object.mode_set(mode="OBJECT")
         faces = sorted({empty["synch_face"] for empty in defect_empties(obj)})
-        scene_io.select_faces(obj, faces)
+        try:
+            with scene_io.object_mode(obj):
+                scene_io.select_faces(obj, faces)
+        except SynchError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
         bpy.ops.object.mode_set(mode="EDIT")
         self.report({"INFO"}, f"{len(faces)} faces selected")
         return {"FINISHED"}

@@ -15,7 +15,20 @@ from .field_operator import unready
 _DEFAULT = LineSettings()
 
 
-class SYNCH_OT_isolines(bpy.types.Operator):
+class _PatternOperator:
+    """Mixed into operators that need stripes or quads of the active object."""
+
+    @classmethod
+    def poll(cls, context):
+        reason = unready(context)
+        if reason is None and pattern_kind(context.active_object) is None:
+            reason = said("{name} has no pattern: solve stripes or quads on it first", name=context.active_object.name)
+        if reason:
+            cls.poll_message_set(reason)
+        return reason is None
+
+
+class SYNCH_OT_isolines(_PatternOperator, bpy.types.Operator):
     """Make a curve object of the lines of the pattern: stripes by their middles or edges, quads by their grid"""
 
     bl_idname = "synch.isolines"
@@ -62,15 +75,6 @@ class SYNCH_OT_isolines(bpy.types.Operator):
         default=_DEFAULT.spline.upper(),
     )
 
-    @classmethod
-    def poll(cls, context):
-        reason = unready(context)
-        if reason is None and pattern_kind(context.active_object) is None:
-            reason = said("{name} has no pattern: solve stripes or quads on it first", name=context.active_object.name)
-        if reason:
-            cls.poll_message_set(reason)
-        return reason is None
-
     def execute(self, context):
         settings = {name: getattr(self, name) for name in ("width", "distance", "smoothing", "radius")}
         try:
@@ -82,7 +86,7 @@ class SYNCH_OT_isolines(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class SYNCH_OT_relief(bpy.types.Operator):
+class SYNCH_OT_relief(_PatternOperator, bpy.types.Operator):
     """Raise the surface by the pattern, with a modifier that subdivides it; its inputs can be changed at any time"""
 
     bl_idname = "synch.relief"
@@ -116,13 +120,6 @@ class SYNCH_OT_relief(bpy.types.Operator):
         max=6,
     )
     smooth: BoolProperty(name="Smooth", description="Round the surface while it is subdivided")
-
-    @classmethod
-    def poll(cls, context):
-        reason = unready(context)
-        if reason:
-            cls.poll_message_set(reason)
-        return reason is None
 
     def execute(self, context):
         level = self.level if self.properties.is_property_set("level") else None

@@ -344,7 +344,7 @@ def test_an_object_without_a_pattern_is_refused(command):
     before = snapshot()
     with pytest.raises(SynchError, match="no stripes or quads"):
         api.relief(obj)
-    with pytest.raises(RuntimeError, match="no stripes or quads"):
+    with pytest.raises(RuntimeError, match="has no pattern: solve stripes or quads on it first"):
         bpy.ops.synch.relief()
     assert snapshot() == before
 

@@ -151,3 +151,31 @@ def test_a_favourite_takes_an_animation_out():
     favourites.show(obj, "mine")
     assert not obj.modifiers and "synch_phase.1" not in obj.data.attributes
     assert api.number_stripes(obj) == api.isolines(obj)["lines"]
+
+
+# One line where something is not there
+
+
+def test_defect_faces_are_selected_from_both_modes_and_asked_for_anew_once_faces_are_gone():
+    obj = sphere()
+    report = api.stripes(obj, spacing=0.5)
+    faces = sorted({defect["face"] for kind in ("disclinations", "dislocations") for defect in report[kind]})
+    for mode in ("OBJECT", "EDIT"):
+        bpy.ops.object.mode_set(mode=mode)
+        assert bpy.ops.synch.select_defects() == {"FINISHED"} and obj.mode == "EDIT"
+        bpy.ops.object.mode_set(mode="OBJECT")
+        assert [face.index for face in obj.data.polygons if face.select] == faces
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="INVERT")
+    bpy.ops.mesh.delete(type="FACE")
+    with pytest.raises(RuntimeError, match="faces of Icosphere were deleted since its defects were found"):
+        bpy.ops.synch.select_defects()
+    assert obj.mode == "EDIT"
+
+
+def test_defects_are_placed_and_varied_in_edit_mode():
+    obj = sphere()
+    api.stripes(obj, spacing=0.5)
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert api.place_defects(obj, [7])["dislocations"] and obj.mode == "EDIT"
+    assert bpy.ops.synch.draw_variation() == {"FINISHED"} and obj.mode == "EDIT"
