@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Numbers of an object's stripes and coordinates along them, written for shaders and geometry nodes."""
 
+from contextlib import contextmanager
+
 from ..core.errors import SettingError, SynchError
 from ..core.extract.isolines import isolines
 from ..core.extract.stripe_numbers import stripe_table
@@ -11,6 +13,8 @@ from .stripe_profiles import ALONG, NUMBER
 
 # Between the points of the lines along which coordinates are measured, in spacings.
 _STEP = 0.1
+# Not empty while numbers are left as they are.
+_waiting = []
 
 
 def number_stripes(obj):
@@ -50,9 +54,26 @@ def _write(obj, task, pattern):
     return len(lines.sizes)
 
 
+@contextmanager
+def numbers_later():
+    """Leave numbers as they are while other states are shown one after the other; :func:`renew_shown` ends that."""
+    _waiting.append(True)
+    try:
+        yield
+    finally:
+        _waiting.pop()
+
+
+def renew_shown(obj):
+    """Number the stripes that an object shows anew where they were numbered before."""
+    if NUMBER in obj.data.attributes:
+        with scene_io.object_mode(obj):
+            renew_numbers(obj, *shown_pattern(obj))
+
+
 def renew_numbers(obj, task, pattern):
     """Number the stripes of an object anew where they were numbered before; they go where that cannot be."""
-    if NUMBER not in obj.data.attributes:
+    if NUMBER not in obj.data.attributes or _waiting:
         return
     if pattern is None or pattern_kind(obj) != "stripes":
         remove_numbers(obj)

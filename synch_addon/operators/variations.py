@@ -11,6 +11,7 @@ from ...core.errors import SynchError
 from .. import api, memory, scene_io
 from ..picking import PickedSurface
 from ..settings import Settings
+from ..stripe_numbers import numbers_later, renew_shown
 from ..translations import said
 from .field_operator import navigates, over_sidebar, unready
 
@@ -159,7 +160,10 @@ class SYNCH_OT_place_defect(_VaryingOperator, bpy.types.Operator):
         if obj is None:
             raise SynchError(f"the object {self._object_name} is gone: no more defects can be placed")
         if event.type in {"RET", "NUMPAD_ENTER", "RIGHTMOUSE"} and event.value == "PRESS":
-            return {"FINISHED"} if self._vertices else {"CANCELLED"}
+            if not self._vertices:
+                return {"CANCELLED"}
+            renew_shown(obj)
+            return {"FINISHED"}
         if event.type == "ESC":
             if self._vertices:
                 api.show_again(obj, self._before)
@@ -178,7 +182,8 @@ class SYNCH_OT_place_defect(_VaryingOperator, bpy.types.Operator):
         if vertex is None or vertex in self._vertices:
             return vertex is not None
         vertices = [*others, vertex]
-        placed = self._show(api.place_defects, obj, vertices) == {"FINISHED"}
+        with numbers_later():
+            placed = self._show(api.place_defects, obj, vertices) == {"FINISHED"}
         if placed:
             self._vertices = vertices
         return placed

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SynchError
-from synch_fields.synch_addon import api, favourites, memory
+from synch_fields.synch_addon import api, favourites, memory, stripe_numbers
 
 from .scenes import add_group, attribute, make_active, sphere, torus
 
@@ -140,6 +140,21 @@ def test_numbers_follow_favourites_and_what_comes_back(kept):
         memory.forget(obj)
         favourites.show(obj, "mine")
     np.testing.assert_allclose(attribute(obj, "synch_number"), numbers, atol=1e-4)
+
+
+def test_numbers_can_wait_until_the_last_state_is_shown():
+    obj = sphere(3)
+    api.stripes(obj, spacing=0.4)
+    api.number_stripes(obj)
+    numbers = attribute(obj, "synch_number")
+    with stripe_numbers.numbers_later():
+        api.place_defects(obj, [11])
+        np.testing.assert_array_equal(attribute(obj, "synch_number"), numbers)
+    stripe_numbers.renew_shown(obj)
+    renewed = attribute(obj, "synch_number")
+    assert not np.array_equal(renewed, numbers)
+    api.place_defects(obj, [11])
+    np.testing.assert_array_equal(attribute(obj, "synch_number"), renewed)
 
 
 def test_a_favourite_takes_an_animation_out():
