@@ -25,6 +25,7 @@ def stop():
     work, running = running, None
     if work is not None:
         work.cancel()
+        work.give_back()
     for thread in threading.enumerate():
         if thread.name == _NAME:  # those that were cancelled, too: their code goes
             thread.join()
@@ -61,6 +62,33 @@ class _Work:
         self.stage, self.fraction, self.error, self.early = "", 0.0, None, None
         self._start = time.monotonic()
         self._cancelled = threading.Event()
+        self._taken = None
+
+    def take(self, context):
+        """Take a timer, the progress cursor and the status bar's line of a window, until :meth:`give_back`."""
+        manager = context.window_manager
+        manager.progress_begin(0, 1)
+        self._taken = manager, context.workspace, manager.event_timer_add(0.1, window=context.window)
+
+    def show(self, text):
+        """Put a line into the status bar that was taken, or give it back, and redraw the panels."""
+        manager, workspace, _ = self._taken
+        if workspace is not None:
+            workspace.status_text_set(text)
+        manager.progress_update(self.fraction)
+        for window in manager.windows:
+            for area in window.screen.areas:
+                if area.type == "VIEW_3D":
+                    area.tag_redraw()
+
+    def give_back(self):
+        """Give back what was taken of the window, where anything was."""
+        if self._taken is not None:
+            manager, _, timer = self._taken
+            manager.event_timer_remove(timer)
+            self.show(None)
+            manager.progress_end()
+            self._taken = None
 
     def cancel(self):
         """Ask it to stop; nobody has to wait for that."""

@@ -20,18 +20,26 @@ class Preview:
     """
 
     def __init__(self, obj, task, field, pattern, report):
-        self._object = obj.session_uid
+        self._object, self._selected = obj.session_uid, obj.select_get()
         before = set(all_data())
+        try:
+            self._put(obj, task, field, pattern, report)
+        except BaseException:
+            self._made = _made_since(before)
+            self.remove()
+            raise
+        self._made = _made_since(before)
+
+    def _put(self, obj, task, field, pattern, report):
+        """The copy in the object's place."""
         copy = obj.copy()
         copy.data = obj.data.copy()
         for collection in obj.users_collection:
             collection.objects.link(copy)
         write.results(copy, task, field, pattern, report)
-        self._made = {block.session_uid for pointer, block in all_data().items() if pointer not in before}
         for space in _spaces():
             if space.local_view and obj.local_view_get(space):
                 copy.local_view_set(space, True)
-        self._selected = obj.select_get()
         obj.hide_set(True)
 
     def remove(self):
@@ -59,6 +67,11 @@ def hide(*_):
     preview, shown = shown, None
     if preview is not None:
         preview.remove()
+
+
+def _made_since(before):
+    """Numbers of the blocks of data whose pointers are not among these."""
+    return {block.session_uid for pointer, block in all_data().items() if pointer not in before}
 
 
 def _spaces():

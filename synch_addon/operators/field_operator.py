@@ -54,6 +54,8 @@ class BackgroundOperator:
 
     def modal(self, context, event):
         work = jobs.running
+        if work is None:  # the extension was taken out meanwhile
+            return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS":
             work.cancel()
         elif event.type == "TIMER" and not work.finished and not work.cancelled:
@@ -63,15 +65,15 @@ class BackgroundOperator:
         if event.type == "TIMER":
             if work.early is not None:
                 early, work.early = work.early, None
-                self._show_early(early)
-            _show(context, f"{said(self.bl_label)}: {work.line}   {work.times}   {said('Esc: cancel')}")
-            context.window_manager.progress_update(work.fraction)
+                self._try_early(early)
+            work.show(f"{said(self.bl_label)}: {work.line}   {work.times}   {said('Esc: cancel')}")
         free = navigates(event) or (event.type in _POINTING and over_sidebar(context, event))
         return {"PASS_THROUGH"} if free else {"RUNNING_MODAL"}
 
     def cancel(self, context):
         """The window or the file is being closed."""
-        self._leave(context).cancel()
+        if jobs.running is not None:
+            self._leave().cancel()
 
     def _reporting(self, step, context):
         """Run a step; an error becomes one line and CANCELLED."""
@@ -102,31 +104,34 @@ class BackgroundOperator:
 
     def _start(self, context):
         job = self._job(context)
-        manager = context.window_manager
-        manager.progress_begin(0, 1)
-        self._timer = manager.event_timer_add(0.1, window=context.window)
-        manager.modal_handler_add(self)
         jobs.running = self.work(job)
+        jobs.running.take(context)
+        context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
     def _finish(self, context):
-        work = self._leave(context)
+        work = self._leave()
         if work.cancelled:
             raise Cancelled("cancelled: nothing was changed")
         if work.error is not None:
             raise work.error
         return self._announce(self._write(work.job))
 
+    def _try_early(self, early):
+        """Show a first result of the job; one that cannot be shown does not stop it."""
+        try:
+            self._show_early(early)
+        except Exception as error:
+            self.report({"WARNING"}, f"the first result is not shown: {error}")
+
     def _show_early(self, early):
         """Show a first result of the job."""
 
-    def _leave(self, context):
+    def _leave(self):
         """Give the window back; returns the job. A thread that was cancelled ends by itself: it writes nothing."""
         work, jobs.running = jobs.running, None
+        work.give_back()
         preview.hide()
-        context.window_manager.event_timer_remove(self._timer)
-        context.window_manager.progress_end()
-        _show(context, None)
         return work
 
 
@@ -219,16 +224,6 @@ def progress_of(manager):
         return True
 
     return update
-
-
-def _show(context, text):
-    """Put a line into the status bar, or give it back, and redraw the panels."""
-    if context.workspace is not None:
-        context.workspace.status_text_set(text)
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
 
 
 def _headline(report):

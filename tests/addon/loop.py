@@ -12,9 +12,10 @@ class Loop:
     """As much of a window as an operator needs: it is told of its timer and of what keys do to it."""
 
     def __init__(self):
-        self.window = self.workspace = None
-        self.window_manager = self
+        self.window = None
+        self.window_manager = self.workspace = self
         self.windows, self.areas, self.timers, self.handlers = [], [], 0, 0
+        self.status, self.cursors = None, 0
         self.screen = self
         self.longest = 0.0
 
@@ -27,13 +28,22 @@ class Loop:
     def modal_handler_add(self, operator):
         self.handlers += 1
 
-    def progress_begin(self, *_):
-        pass
+    def progress_begin(self, low, high):
+        self.cursors += 1
 
-    progress_update = progress_begin
+    def progress_update(self, fraction):
+        assert self.cursors == 1
 
     def progress_end(self):
-        pass
+        self.cursors -= 1
+
+    def status_text_set(self, text):
+        self.status = text
+
+    @property
+    def free(self):
+        """Whether the window is as it was before an operator took it."""
+        return (self.timers, self.cursors, self.status) == (0, 0, None)
 
     @property
     def active_object(self):

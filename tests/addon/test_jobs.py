@@ -106,7 +106,7 @@ def begun(obj, **settings):
     """An operator whose job has been started in a loop of its own."""
     loop, operator = Loop(), Stripes(**settings)
     assert operator._start(loop) == {"RUNNING_MODAL"}
-    assert loop.timers == loop.handlers == 1
+    assert loop.timers == loop.handlers == loop.cursors == 1
     return loop, operator
 
 
@@ -114,7 +114,7 @@ def test_window_gets_what_a_script_gets():
     obj = sphere()
     loop, operator = begun(obj)
     assert loop.run(operator) == {"FINISHED"}
-    assert jobs.running is None and loop.timers == 0
+    assert jobs.running is None and loop.free
     phases = attribute(obj, "synch_phase")
     api.stripes(obj, spacing=0.4)
     np.testing.assert_array_equal(phases, attribute(obj, "synch_phase"))
@@ -135,7 +135,7 @@ def test_escape_and_button_cancel_at_once(subdivisions, button):
         result = loop.send(operator, "ESC", "PRESS")
     assert result == {"CANCELLED"} and time.perf_counter() - start < 0.2
     assert operator.reports == [({"INFO"}, "cancelled: nothing was changed")]
-    assert jobs.running is None and loop.timers == 0 and snapshot() == before
+    assert jobs.running is None and loop.free and snapshot() == before
 
 
 def test_second_job_is_refused_with_the_reason():
@@ -175,6 +175,39 @@ def test_first_result_is_shown_and_gone_at_the_end(early, end):
     assert preview.shown is None and obj.visible_get() and obj.select_get()
 
 
+@pytest.mark.parametrize("stage", ["results", "last step"])
+def test_first_result_that_cannot_be_shown_does_not_stop_the_job(early, stage, monkeypatch):
+    def fail(*_):
+        raise RuntimeError("no place")
+
+    obj = sphere(4)
+    write_results, before = preview.write.results, snapshot()
+    monkeypatch.setattr(preview.write, "results", fail if stage == "results" else write_results)
+    if stage == "last step":
+        monkeypatch.setattr(preview, "_spaces", fail)
+    loop, operator = begun(obj)
+    loop.run(operator, until=lambda: operator.reports)
+    assert operator.reports == [({"WARNING"}, "the first result is not shown: no place")]
+    assert jobs.running is not None and preview.shown is None and snapshot() == before
+    monkeypatch.setattr(preview.write, "results", write_results)
+    assert loop.run(operator) == {"FINISHED"} and loop.free
+    assert obj.visible_get() and obj.select_get() and "synch_phase" in obj.data.attributes
+
+
+def test_taking_the_extension_out_gives_the_window_back(early):
+    obj = sphere(4)
+    before = snapshot()
+    loop, operator = begun(obj)
+    loop.run(operator, until=lambda: preview.shown is not None)
+    assert loop.status and not loop.free
+    preview.hide()  # as the extension does, module by module
+    jobs.stop()
+    assert loop.free and snapshot() == before
+    assert loop.send(operator, "TIMER") == loop.send(operator, "ESC", "PRESS") == {"CANCELLED"}
+    operator.cancel(loop)
+    assert loop.free and jobs.running is None
+
+
 def test_saving_meanwhile_leaves_the_first_result_out(early, tmp_path):
     obj = sphere(4)
     loop, operator = begun(obj)
@@ -197,7 +230,7 @@ def test_opening_another_file_ends_the_job(first, monkeypatch):
     bpy.ops.wm.read_homefile(use_empty=True)
     assert work.cancelled and preview.shown is None
     operator.cancel(loop)  # as Blender tells every operator that runs
-    assert jobs.running is None and loop.timers == 0
+    assert jobs.running is None and loop.free
     work.wait()
     assert not bpy.data.objects and isinstance(work.error, Cancelled)
 
