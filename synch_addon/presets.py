@@ -77,7 +77,8 @@ def fits(obj, preset):
 
 def solve_settings(obj, preset):
     """Settings of the solve that a preset is made for, its spacing included."""
-    spacing = automatic_spacing(preset.kind, scene_io.read_mesh(obj).mesh, preset.across)
+    with scene_io.object_mode(obj):
+        spacing = automatic_spacing(preset.kind, scene_io.read_mesh(obj).mesh, preset.across)
     return {"symmetry": "line", "guidance": "smooth", **preset.settings, "spacing": spacing}
 
 

@@ -37,8 +37,9 @@ class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
         return presets.chosen(self.preset)
 
     def invoke(self, context, event):
-        """From the window: solve in the background where that is needed."""
-        self.preset = context.scene.synch_preset
+        """From the window: solve in the background where that is needed; the scene's preset, where none is given."""
+        if not self.properties.is_property_set("preset"):
+            self.preset = context.scene.synch_preset
         return self._reporting(self._begin, context)
 
     def execute(self, context):

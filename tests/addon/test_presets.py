@@ -2,12 +2,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Presets on patterns that are there and on others, numbered stripes, thumbnails, and the library of assets."""
 
+from types import SimpleNamespace
+
 import bpy
 import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError, SynchError
 from synch_fields.synch_addon import api, assets, memory
+from synch_fields.synch_addon.operators.presets import SYNCH_OT_preset
 from synch_fields.synch_addon.presets import PRESETS
 
 from .scenes import attribute, grid, make_active, quad_sphere, save_and_reopen, snapshot, sphere, torus
@@ -103,6 +106,31 @@ def test_operator_shows_and_undoes():
     bpy.ops.ed.undo_push(message="after")
     bpy.ops.ed.undo()
     assert snapshot() == before
+
+
+@pytest.mark.parametrize("name", ["zebra", "knit", "cane"])
+def test_presets_are_solved_and_shown_in_edit_mode(name):
+    obj = sphere(2)
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert bpy.ops.synch.preset(preset=name) == {"FINISHED"} and obj.mode == "EDIT"
+    assert obj.active_material.name == f"Synch {PRESETS[name].label}"
+    assert bpy.ops.synch.preset(preset="corduroy") == {"FINISHED"} and obj.mode == "EDIT"
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert obj.active_material.name == "Synch Corduroy" and attribute(obj, "synch_number").any()
+
+
+@pytest.mark.parametrize("given", [{}, {"preset": "fingerprint"}])
+def test_a_key_map_chooses_the_preset_and_a_bare_button_shows_that_of_the_scene(given):
+    """As the window invokes the operator, which Blender does not without one."""
+    bpy.context.scene.synch_preset = "knit"
+    operator = SimpleNamespace(
+        preset=given.get("preset", "zebra"),
+        properties=SimpleNamespace(is_property_set=given.__contains__),
+        _begin=lambda context: {"FINISHED"},
+        _reporting=lambda step, context: step(context),
+    )
+    assert SYNCH_OT_preset.invoke(operator, bpy.context, None) == {"FINISHED"}
+    assert operator.preset == given.get("preset", "knit")
 
 
 def test_the_panel_offers_every_preset_and_settings_of_a_script_count():
