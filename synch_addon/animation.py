@@ -5,6 +5,8 @@ The mesh of a frame is the one behind the object's modifiers, as long as they ke
 """
 
 import math
+import time
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import bpy
@@ -30,6 +32,8 @@ from .task import gather, settings_for, solve_directions, solve_pattern
 HOLD = 0.1
 # The first frame is searched for; the others only go on. What part of the work reading is, and the first frame's share.
 _READING, _FIRST = 0.1, 4
+# Seconds of reading at each tick of the window's timer.
+_PIECE = 0.1
 
 
 @dataclass(frozen=True)
@@ -92,7 +96,7 @@ def animate(obj, callback=None, frames=None, pattern="stripes", hold=HOLD, **set
 
 def run_animate(obj, settings, frames, pattern, hold, callback=None):
     """Animate with ready :class:`Settings`."""
-    job = AnimationJob(obj, settings, Span(*frames, pattern, hold), callback)
+    job = AnimationJob(obj, settings, Span(*frames, pattern, hold))
     job.solve(callback)
     return job.write(obj)
 
@@ -100,25 +104,32 @@ def run_animate(obj, settings, frames, pattern, hold, callback=None):
 class AnimationJob:
     """A run in three steps like :class:`field_job.FieldJob`: reading all frames, solving them in any thread, writing.
 
-    The scene's frame is the same afterwards; nothing else changes before :meth:`write`.
+    Frames are read in pieces by :meth:`advance`, see :class:`jobs.ReadAndSolve`, or else by :meth:`solve`. After each
+    piece the scene's frame is the same as before; nothing else changes before :meth:`write`.
     """
 
-    def __init__(self, obj, settings, span, callback=None):
+    def __init__(self, obj, settings, span):
         reason = scene_io.refusal(obj)
         if reason is None and not obj.visible_get():
             reason = f"{obj.name} is hidden and does not move: show it in the viewport"
         if reason:
             raise SynchError(reason)
-        settings = settings_for(span.pattern, obj, settings)
-        self._span, self._report = span, Report("animate", obj, settings)
-        self._solved = []
+        self._obj, self._span, self._settings = obj, span, settings_for(span.pattern, obj, settings)
+        self._report = Report("animate", obj, self._settings)
+        self._tasks, self._solved = [], []
         with scene_io.object_mode(obj), self._report.clock("read"):
             self._base = scene_io.read_mesh(obj)
-            self._tasks = _read(obj, settings, span, self._base.polygons, callback)
-            self._report.warn_about(obj, self._tasks[0])
+            self._rest = _rest_directions(obj, self._settings, span)
+
+    def advance(self):
+        """Read frames for a moment; returns what comes next and the share that is done, None when all are read."""
+        until = time.monotonic() + _PIECE
+        return self._read(lambda *_: time.monotonic() < until)
 
     def solve(self, callback=None):
-        """Solve on the arrays alone; errors as those of :class:`field_job.FieldJob`, naming the frame."""
+        """Read what is left, and solve on the arrays alone; errors as of :class:`field_job.FieldJob`, by frame."""
+        if self._read(callback or (lambda *_: True)) is not None:
+            raise Cancelled("cancelled: nothing was changed")
         done, work = 0, len(self._tasks) + _FIRST - 1
         field = pattern = None
         for number, frame in enumerate(self._span.frames):
@@ -136,6 +147,28 @@ class AnimationJob:
             else:
                 self._tasks[number] = None  # its mesh is not needed any more
             done += share
+
+    def _read(self, goes_on):
+        """Read a :class:`Task` of each frame until ``goes_on(stage, fraction)`` is false; returns those, or None."""
+        frames = self._span.frames
+        if len(self._tasks) == len(frames):
+            return None
+        with scene_io.object_mode(self._obj), self._report.clock("read"), _at_present(self._obj):
+            while len(self._tasks) < len(frames):
+                self._tasks.append(self._task(frames[len(self._tasks)]))
+                done = len(self._tasks)
+                if done < len(frames):
+                    piece = f"read frame {frames[done]}", _READING * done / len(frames)
+                    if not goes_on(*piece):
+                        return piece
+        self._report.warn_about(self._obj, self._tasks[0])
+        return None
+
+    def _task(self, frame):
+        bpy.context.scene.frame_set(frame)
+        task = _task(self._obj, frame, self._settings, self._span, self._base.polygons)
+        self._settings = replace(self._settings, spacing=task.spacing)  # an automatic one is that of the first frame
+        return task if self._rest is None else _following(task, self._rest)
 
     def _keep(self, frame, task, field, pattern, before):
         """Keep what is written of a frame; all frames share the mesh of the first, whose places do not count."""
@@ -230,24 +263,16 @@ def _change(before, pattern):
 # Reading
 
 
-def _read(obj, settings, span, polygons, callback):
-    """A :class:`Task` for each frame; the scene's frame is the same afterwards."""
+@contextmanager
+def _at_present(obj):
+    """Go through the frames for a while, without the modifier of an animation that is there; then come back."""
     scene = bpy.context.scene
     present = scene.frame_current, scene.frame_subframe
-    rest = _rest_directions(obj, settings, span)
-    tasks = []
     try:
-        with hidden([m for m in obj.modifiers if frame_nodes.is_ours(m)]):
-            for number, frame in enumerate(span.frames):
-                if callback is not None and not callback(f"read frame {frame}", _READING * number / len(span.frames)):
-                    raise Cancelled("cancelled: nothing was changed")
-                scene.frame_set(frame)
-                task = _task(obj, frame, settings, span, polygons)
-                settings = replace(settings, spacing=task.spacing)  # an automatic one is that of the first frame
-                tasks.append(task if rest is None else _following(task, rest))
+        with hidden([modifier for modifier in obj.modifiers if frame_nodes.is_ours(modifier)]):
+            yield
     finally:
         scene.frame_set(present[0], subframe=present[1])
-    return tasks
 
 
 def _task(obj, frame, settings, span, polygons):

@@ -94,6 +94,16 @@ class _Work:
         """Ask it to stop; nobody has to wait for that."""
         self._cancelled.set()
 
+    def _next_piece(self):
+        """Do a piece of the job in this thread; returns whether there was one. What goes wrong is the error."""
+        try:
+            piece = self.job.advance()
+        except BaseException as error:  # handed to the operator, as that of a thread
+            piece, self.error = None, error
+        if piece is not None:
+            self.stage, self.fraction = piece
+        return piece is not None
+
     @property
     def cancelled(self):
         """Whether it was asked to stop."""
@@ -124,6 +134,9 @@ class BackgroundSolve(_Work):
     def __init__(self, job):
         super().__init__(job)
         self._thread = threading.Thread(target=self._run, name=_NAME, daemon=True)
+        self._begin()
+
+    def _begin(self):
         self._thread.start()
 
     def _run(self):
@@ -174,19 +187,34 @@ class Pieces(_Work):
         self.finished = False
 
     def advance(self):
-        """Do the next piece; what goes wrong is kept as the error."""
-        try:
-            piece = self.job.advance()
-        except BaseException as error:  # handed to the operator, as that of a thread
-            piece, self.error = None, error
-        self.finished = piece is None
-        if piece is not None:
-            self.stage, self.fraction = piece
+        """Do the next piece."""
+        self.finished = not self._next_piece()
 
     def cancel(self):
         """Stop it between two pieces, and leave no trace of it."""
         super().cancel()
         self.job.close()
+
+
+class ReadAndSolve(BackgroundSolve):
+    """Reads in pieces in the window's own thread, as :class:`Pieces`, and solves in another when all is read."""
+
+    def _begin(self):
+        """Nothing yet."""
+
+    def advance(self):
+        """Read the next piece, or begin to solve."""
+        if not self._is_begun and not self._next_piece() and self.error is None:
+            self._thread.start()
+
+    @property
+    def finished(self):
+        """Whether the thread has ended, or reading has failed."""
+        return (self._is_begun or self.error is not None) and super().finished
+
+    @property
+    def _is_begun(self):
+        return self._thread.ident is not None
 
 
 def portion(callback, start, share):

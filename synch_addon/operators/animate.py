@@ -3,6 +3,7 @@
 
 import bpy
 
+from .. import jobs
 from ..animation import AnimationJob
 from ..animation_panel import PROPERTY_NAMES, AnimationProperties, span_of
 from ..report import counted
@@ -15,6 +16,7 @@ class SYNCH_OT_animate(FieldOperator, AnimationProperties, SettingProperties, bp
 
     bl_idname = "synch.animate"
     bl_label = "Animate"
+    work = jobs.ReadAndSolve
     bl_options = {"UNDO"}  # without a redo panel: every change there would solve all frames again
 
     def _take(self, context):
