@@ -89,7 +89,7 @@ def missing_levels(obj):
     if found is None or found.size == 0:
         return 0.0
     wanted = found.size / FEW_LINES if obj.synch.automatic_spacing else obj.synch.spacing
-    return math.log2(found.spacing / (SLACK * wanted)) if wanted > 0 else 0.0
+    return math.log2(found.spacing / (SLACK * wanted)) if wanted > 0 and found.spacing > 0 else 0.0
 
 
 def faces_after(obj, levels):

@@ -9,7 +9,19 @@ import pytest
 from synch_fields.core.errors import SynchError
 from synch_fields.synch_addon import api, refine, scene_io, task
 
-from .scenes import add_group, attribute, grid, mark_edges, places, quad_sphere, set_numbers, snapshot, sphere, tube
+from .scenes import (
+    add_group,
+    add_object,
+    attribute,
+    grid,
+    mark_edges,
+    places,
+    quad_sphere,
+    set_numbers,
+    snapshot,
+    sphere,
+    tube,
+)
 
 
 class Layout:
@@ -54,6 +66,15 @@ def test_a_sample_of_many_faces_is_close():
     exact = task.carried_spacing(scene_io.read_mesh(obj).mesh.edge_lengths)
     assert len(obj.data.polygons) > 8 * refine.FACES_SEEN
     assert refine.carried(obj).spacing == pytest.approx(exact, rel=0.1)
+
+
+@pytest.mark.parametrize("automatic", [False, True])
+def test_no_warning_where_most_edges_have_no_length(automatic):
+    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), *[(0, 0, 0)] * 300]
+    obj = add_object(corners, np.arange(303).reshape(-1, 3))
+    obj.synch.automatic_spacing = automatic
+    assert refine.carried(obj).spacing == 0 and refine.carried(obj).size == 1
+    assert warning(obj) == ([], 0)
 
 
 def test_warning_appears_where_the_spacing_is_too_fine_and_goes_after_subdividing():
