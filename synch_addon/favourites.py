@@ -6,7 +6,9 @@ some bytes a vertex.
 """
 
 import json
+import re
 
+import bpy
 import numpy as np
 
 from ..core.errors import SynchError
@@ -37,19 +39,18 @@ def keep(obj, name=""):
         raise SynchError(f"{obj.name} shows no stripes or quads: solve them first")
     if is_cut(from_names(result["settings"])):
         raise SynchError(f"the pattern of {obj.name} has cuts, which attributes of vertices cannot tell: use the seed")
-    stored = obj.synch.favourites
-    name = _unused(name or f"Variation {obj.synch.variation}", [other.name for other in stored])
     with scene_io.object_mode(obj):
         values = {to: scene_io.read_values(obj, source, "POINT") for source, to in _names(result["command"])}
         if any(part is None for part in values.values()):
             raise SynchError(f"attributes of the pattern of {obj.name} are missing: solve it again")
-        favourite = stored.add()
-        favourite.number = max((other.number for other in stored), default=0) + 1
-        favourite.name, favourite.variation, favourite.result = name, obj.synch.variation, obj.synch.result
+        number = _unused_number(obj)
+        favourite = obj.synch.favourites.add()
+        favourite.number, favourite.variation, favourite.result = number, obj.synch.variation, obj.synch.result
+        favourite.name = name
         for to, part in values.items():
             kind = "FLOAT_VECTOR" if part.ndim > 1 else "FLOAT"
             scene_io.write_attribute(obj, favourite.attributes + to, "POINT", kind, part)
-    return name
+    return favourite.name
 
 
 def show(obj, name):
@@ -80,12 +81,13 @@ def show(obj, name):
 
 
 def remove(obj, name):
-    """Remove a favourite with its attributes."""
+    """Remove a favourite, with its attributes unless a linked copy of the object has it, too."""
     scene_io.refuse(obj)
     favourite = _favourite(obj, name)
-    with scene_io.object_mode(obj):
-        for attribute in [a.name for a in obj.data.attributes if a.name.startswith(favourite.attributes)]:
-            scene_io.remove_attribute(obj, attribute)
+    if not _is_shared(obj, favourite):
+        with scene_io.object_mode(obj):
+            for attribute in [a.name for a in obj.data.attributes if a.name.startswith(favourite.attributes)]:
+                scene_io.remove_attribute(obj, attribute)
     obj.synch.favourites.remove(obj.synch.favourites.find(name))
 
 
@@ -113,9 +115,14 @@ def _solve_of(obj, task, field):
     return solved if same and np.abs(solved.field.vectors - field.vectors).max(initial=0) < _SAME else None
 
 
-def _unused(name, taken):
-    number, candidate = 1, name
-    while candidate in taken:
-        number += 1
-        candidate = f"{name} ({number})"
-    return candidate
+def _unused_number(obj):
+    """The next number for a favourite: of the mesh, which other objects may show, too."""
+    found = [re.match(r"synch_favourite_(\d+)_", attribute.name) for attribute in obj.data.attributes]
+    numbers = [favourite.number for favourite in obj.synch.favourites]
+    return max([*numbers, *(int(match[1]) for match in found if match)], default=0) + 1
+
+
+def _is_shared(obj, favourite):
+    """Whether another object of the same mesh has the same favourite, as linked copies do."""
+    others = [other for other in bpy.data.objects if other.data == obj.data and other != obj]
+    return any(favourite.number == kept.number for other in others for kept in other.synch.favourites)

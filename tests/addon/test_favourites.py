@@ -14,6 +14,7 @@ from .scenes import (
     attribute,
     empties,
     grid,
+    make_active,
     mark_edges,
     places,
     quad_sphere,
@@ -120,6 +121,52 @@ def test_names_are_told_apart_and_attributes_are_removed():
     favourites.show(obj, "mine")
     with pytest.raises(SynchError, match=r"no favourite 'mine \(2\)'"):
         favourites.show(obj, "mine (2)")
+
+
+def test_a_name_that_is_taken_is_changed_when_it_is_edited():
+    obj = solved("stripes")
+    for _ in range(3):
+        favourites.keep(obj, "mine")
+    kept = obj.synch.favourites
+    kept[0].name = "mine (3)"
+    assert [favourite.name for favourite in kept] == ["mine (3) (2)", "mine (2)", "mine (3)"]
+    kept[0].name = "mine"
+    kept[2].name = ""
+    assert [favourite.name for favourite in kept] == ["mine", "mine (2)", "Variation 0"]
+    favourites.remove(obj, "mine")
+    assert [(favourite.number, favourite.name) for favourite in kept] == [(2, "mine (2)"), (3, "Variation 0")]
+
+
+def of_favourites(obj):
+    return {a.name: attribute(obj, a.name).tobytes() for a in obj.data.attributes if "favourite" in a.name}
+
+
+def test_objects_of_one_mesh_keep_favourites_of_their_own():
+    obj = solved("stripes")
+    other = bpy.data.objects.new("Other", obj.data)
+    bpy.context.scene.collection.objects.link(other)
+    favourites.keep(obj, "first")
+    first = of_favourites(obj)
+    make_active(other)
+    api.stripes(other, spacing=0.7)
+    favourites.keep(other, "second")
+    assert first.items() < of_favourites(obj).items() and len(of_favourites(obj)) == 4
+    favourites.remove(other, "second")
+    assert of_favourites(obj) == first
+
+
+def test_a_linked_copy_still_has_its_favourite_when_the_original_loses_it():
+    obj = solved("stripes")
+    favourites.keep(obj, "kept")
+    before = pattern(obj)
+    copy = obj.copy()
+    bpy.context.scene.collection.objects.link(copy)
+    favourites.remove(obj, "kept")
+    make_active(copy)
+    favourites.show(copy, "kept")
+    assert agree(copy, before)
+    favourites.remove(copy, "kept")
+    assert not of_favourites(copy)
 
 
 def test_a_later_solve_leaves_favourites_alone():
