@@ -5,6 +5,7 @@
 It is listed in the preferences only when the user asks for it.
 """
 
+import shutil
 import uuid
 from pathlib import Path
 
@@ -22,9 +23,7 @@ FILE, CATALOGS = "synch_fields.blend", "blender_assets.cats.txt"
 FOLDER = Path(__file__).parent / "assets"
 THUMBNAILS = Path(__file__).parent / "thumbnails"
 
-_NOTICE = f"""The materials, node groups and pictures in this folder are dedicated to the public domain by the
-{AUTHOR} under CC0 1.0 Universal: https://creativecommons.org/publicdomain/zero/1.0/
-"""
+_NOTICE = "LICENSE.txt"
 # Name of a group: what it is, and its thumbnail.
 GROUPS = {
     "Synch Stripes": ("Stripes on a mesh with their attributes: colors, profile, place across and along", "stripes"),
@@ -51,7 +50,7 @@ def write_library(folder):
     bpy.data.libraries.write(str(path), assets, fake_user=True, compress=True)
     lines = [f"{_catalog(name)}:{NAME}/{name}:{NAME}-{name}" for name in ("Materials", "Node Groups")]
     (folder / CATALOGS).write_text("\n".join(["VERSION 1", "", *lines, ""]), encoding="utf-8")
-    (folder / "LICENSE.txt").write_text(_NOTICE, encoding="utf-8")
+    shutil.copy(THUMBNAILS / _NOTICE, folder / _NOTICE)
     return path
 
 

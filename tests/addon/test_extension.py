@@ -87,6 +87,16 @@ def test_zip_is_valid_for_blender(archive, build_tool):
     build_tool.blender_ext("validate", "--valid-tags", tags, archive)
 
 
+def test_manifest_says_what_the_program_touches_and_every_licence(archive):
+    code = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "synch_addon").rglob("*.py"))
+    assert ("clipboard" in manifest()["permissions"]) == ("window_manager.clipboard" in code)
+    with zipfile.ZipFile(archive) as content:
+        notices = [name for name in content.namelist() if name.endswith("/LICENSE.txt")]
+        assert {name.split("/")[1] for name in notices} == {"assets", "thumbnails"}
+        assert all(b"CC0 1.0 Universal" in content.read(name) for name in notices)
+    assert manifest()["license"] == ["SPDX:GPL-3.0-or-later", "SPDX:CC0-1.0"]
+
+
 def test_zip_holds_the_program_and_nothing_else(archive):
     with zipfile.ZipFile(archive) as content:
         names = set(content.namelist())
@@ -100,7 +110,8 @@ def test_zip_holds_the_program_and_nothing_else(archive):
         "blender_manifest.toml",
     }
     assert not [name for name in names if "__pycache__" in name]
-    pictures = {path.relative_to(ROOT).as_posix() for path in (ROOT / "synch_addon/thumbnails").glob("*.png")}
+    thumbnails = ROOT / "synch_addon/thumbnails"
+    pictures = {path.relative_to(ROOT).as_posix() for path in [*thumbnails.glob("*.png"), thumbnails / "LICENSE.txt"]}
     library = {"LICENSE.txt", "blender_assets.cats.txt", "synch_fields.blend"}
     assert pictures and names - code - {
         "__init__.py",
