@@ -23,6 +23,7 @@ from .task import Task
 MOST, MOST_FLOWS, MOST_SOLIDS = 8, 4, 2
 # Of each object: solves, and states that they have shown, each a report and how it was made.
 SOLVES, STATES = 2, 256
+KEPT_SOLIDS = f"kept for the last {MOST_SOLIDS} solids while the file is open"
 
 
 class Shelf:
@@ -47,7 +48,8 @@ class Shelf:
             where there is nothing
         """
         if not self.holds(obj):
-            raise SynchError(f"{obj.name} has not been solved since the file was opened: solve it first")
+            kept = f"kept for the last {self._most} objects while the file is open"
+            raise SynchError(f"{obj.name} has no solve in memory ({kept}): solve it first")
         return self._kept[obj.session_uid]
 
     def drop(self, obj):
@@ -213,7 +215,7 @@ def recall_layers(obj) -> Layering:
         where there is none, or the mesh has changed since
     """
     if not holds_layers(obj):
-        raise SynchError(f"no layers were solved in {obj.name} since the file was opened: solve them first")
+        raise SynchError(f"no layers of {obj.name} are in memory ({KEPT_SOLIDS}): solve them first")
     given, layering = _solids.get(obj)
     if not scene_io.is_unchanged(obj, given):
         raise SynchError(f"the mesh or the scale of {obj.name} has changed since its layers were solved: solve again")

@@ -35,7 +35,7 @@ class _LayerOperator:
         reason = None
         if not memory.holds_layers(obj):
             name = obj.name if obj is not None else "the active object"
-            reason = f"no layers were solved in {name} since the file was opened: solve them first"
+            reason = f"no layers of {name} are in memory ({memory.KEPT_SOLIDS}): solve them first"
             cls.poll_message_set(reason)
         return reason is None
 

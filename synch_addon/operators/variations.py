@@ -36,7 +36,8 @@ class _SolvedOperator:
         """Why there is nothing to be done with what an object shows, or None."""
         if memory.holds(obj):
             return None
-        return said("{name} has not been solved since the file was opened: solve it first", name=obj.name)
+        text = "{name} has no solve in memory (kept for the last {count} objects): solve it first"
+        return said(text, name=obj.name, count=memory.MOST)
 
     def _show(self, show, *arguments):
         """Call the API; an error becomes one line."""

@@ -94,8 +94,8 @@ REASONS = {
     "{name} has no defects: its field is continuous, or not solved yet": (
         "{name} hat keine Defekte: das Feld ist stetig oder noch nicht gelöst"
     ),
-    "{name} has not been solved since the file was opened: solve it first": (
-        "{name} wurde seit dem Öffnen der Datei nicht gelöst: lösen Sie es zuerst"
+    "{name} has no solve in memory (kept for the last {count} objects): solve it first": (
+        "{name} hat keine Lösung im Speicher (behalten für die letzten {count} Objekte): lösen Sie es zuerst"
     ),
     "only the semidefinite method finds variations: choose it and solve again": (
         "nur das semidefinite Verfahren findet Varianten: wählen Sie es und lösen Sie neu"

@@ -231,7 +231,7 @@ def test_the_scene_is_as_it_was_and_has_the_pattern():
     # Of a pattern that is gone:
     assert not empties(obj) and not obj.synch.result and "synch_number" not in obj.data.attributes
     np.testing.assert_array_equal(attribute(obj, "synch_phase"), attribute(obj, "synch_phase.1"))
-    with pytest.raises(SynchError, match="has not been solved"):
+    with pytest.raises(SynchError, match="has no solve in memory"):
         api.vary(obj, 1)
 
 

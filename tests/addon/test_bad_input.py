@@ -8,7 +8,8 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.synch_addon import cli
+from synch_fields.core.errors import SynchError
+from synch_fields.synch_addon import api, cli, memory
 
 from .scenes import add_group, add_object, grid, set_vectors, snapshot, sphere, tube
 
@@ -187,3 +188,12 @@ def test_other_commands_name_the_broken_element_too(command, tmp_path, capfd):
     cli.main([command, str(source)])
     printed = capfd.readouterr()
     assert "face 2 has no area" in printed.out + printed.err
+
+
+def test_an_object_whose_solve_had_to_go_is_told_why():
+    objects = [grid(2) for _ in range(memory.MOST + 1)]
+    for obj in objects:
+        api.directions(obj)
+    with pytest.raises(SynchError, match=r"no solve in memory \(kept for the last 8 objects .*\): solve it first"):
+        api.vary(objects[0], 1)
+    memory.recall(objects[1])

@@ -207,7 +207,7 @@ def test_what_cannot_be_written_is_refused_and_changes_nothing(layered, tmp_path
 def test_without_layers_nothing_can_leave(tmp_path):
     obj = block()
     for call in (api.layer_export, api.layer_volume):
-        with pytest.raises(SynchError, match="no layers were solved in Block"):
+        with pytest.raises(SynchError, match="no layers of Block are in memory"):
             call(obj, tmp_path / "part.stl")
     assert not bpy.ops.synch.layer_export.poll() and not bpy.ops.synch.layer_toolpaths.poll()
 

@@ -206,7 +206,7 @@ def test_layers_are_saved_with_the_file(tmp_path):
     layers = save_and_reopen(tmp_path / "layers.blend", report["layers_object"])
     np.testing.assert_array_equal(attribute(layers, "synch_layer"), before)
     block_again = bpy.data.objects["Block"]
-    with pytest.raises(Exception, match="no layers were solved in Block since the file was opened"):
+    with pytest.raises(Exception, match="no layers of Block are in memory"):
         memory.recall_layers(block_again)
     bpy.context.view_layer.objects.active = layers
     assert bpy.ops.synch.layers(spacing=0.3, size=0.14) == {"FINISHED"}

@@ -96,7 +96,7 @@ def test_a_choice_that_cannot_be_shown_changes_nothing(solved):
         api.choose_point(lines, (1, 0, 0), opening=200)
     bpy.ops.mesh.primitive_cube_add()
     cube = bpy.context.active_object
-    with pytest.raises(SynchError, match="Cube has not been solved"):
+    with pytest.raises(SynchError, match="Cube has no solve in memory"):
         api.choose_point(cube, (1, 0, 0))
     bpy.data.objects.remove(cube)
     assert snapshot() == before or len(points_of(lines))
