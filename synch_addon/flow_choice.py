@@ -10,6 +10,7 @@ import numpy as np
 from ..core.errors import SynchError
 from . import flows
 from .strokes import SOURCE_TYPES
+from .volume_files import shown_file
 
 
 def flow_of(context, filepath):
@@ -39,6 +40,7 @@ def expected_shape(context, filepath, resolution):
     """Nodes along the axes of the grid that will be solved, None where only reading the flow can tell."""
     try:
         source = flow_of(context, filepath)
+        path = shown_file(source) if isinstance(source, bpy.types.Object) else source
     except SynchError:
         return None
     if isinstance(source, list):
@@ -47,10 +49,7 @@ def expected_shape(context, filepath, resolution):
         low, high = _object_box(source)
         margin = flows.MARGIN * (high - low).max()
         return flows.box_grid(low - margin, high + margin, resolution).shape
-    path, matrix = source, np.eye(4)
-    if not isinstance(source, str):
-        path = bpy.path.abspath(source.data.filepath, library=source.data.library)
-        matrix = np.array(source.matrix_world)
+    matrix = np.eye(4) if isinstance(source, str) else np.array(source.matrix_world)
     path = Path(path)
     header = _header(path, path.stat().st_mtime) if path.suffix.lower() == ".vdb" and path.is_file() else None
     if header is None:

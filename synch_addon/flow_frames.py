@@ -12,10 +12,9 @@ import numpy as np
 from ..core.errors import SettingError
 from ..core.geometry.grid import Grid
 from .flows import ArrayFile, VolumeFile, box_grid, flow_source
+from .volume_files import played_file
 
 _MARKS = re.compile(r"#+")
-# The number at the end of the name of a sequence's file, as Blender finds it.
-_NUMBER = re.compile(r"(\d+)(?=\D*$)")
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,7 @@ def flow_frames(source, first, last):
         if not source.data.is_sequence:
             raise SettingError(f"the volume {source.name} is no sequence: open its files as one, or solve it as it is")
         matrix, name = np.array(source.matrix_world), source.name
-        paths = [_played(source.data, frame) for frame in numbers]
+        paths = [played_file(source.data, frame) for frame in numbers]
         files = [
             FrameFile(frame, path, partial(VolumeFile, path, matrix, name))
             for frame, path in zip(numbers, paths, strict=True)
@@ -74,27 +73,6 @@ def _numbered(path, frame):
     if len(marks) != 1:
         raise SettingError(f"{path}: mark where the number of a frame stands, such as smoke_####.vdb")
     return path.with_name(path.name.replace(marks[0], f"{frame:0{len(marks[0])}d}"))
-
-
-def _played(volume, frame):
-    """The file that a volume shows at a frame of the scene, by Blender's own rule."""
-    path = Path(bpy.path.abspath(volume.filepath, library=volume.library))
-    found = _NUMBER.search(path.name)
-    count = volume.frame_duration
-    number = frame - volume.frame_start + 1
-    if volume.sequence_mode == "CLIP" and not 1 <= number <= count:
-        raise SettingError(f"frame {frame} lies outside the sequence of {path.name}: choose frames that it has")
-    if volume.sequence_mode == "EXTEND":
-        number = min(max(number, 1), count)
-    elif volume.sequence_mode == "REPEAT":
-        number = (number - 1) % count + 1
-    elif volume.sequence_mode == "PING_PONG":
-        there = (number - 1) % max(2 * count - 2, 1)
-        number = 1 + min(there, 2 * count - 2 - there)
-    if found is None:
-        raise SettingError(f"{path}: has no number in its name: choose the first file of a sequence")
-    digits = f"{number + volume.frame_offset:0{len(found[1])}d}"
-    return path.with_name(path.name[: found.start()] + digits + path.name[found.end() :])
 
 
 def common_grid(files, resolution, step):

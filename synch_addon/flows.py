@@ -15,6 +15,7 @@ from ..core.fields.biot_savart import filament_integrals
 from ..core.fields.clebsch import edge_integrals
 from ..core.geometry.grid import Grid
 from .strokes import SOURCE_TYPES, polylines
+from .volume_files import shown_file
 
 SUFFIXES = (".vdb", ".npz")
 # Custom property of a curve object: the circulation around it.
@@ -38,10 +39,7 @@ def flow_source(source, core=CORE):
     if isinstance(source, str | Path):
         return _file(Path(source))
     if isinstance(source, bpy.types.Object) and source.type == "VOLUME":
-        path = bpy.path.abspath(source.data.filepath, library=source.data.library)
-        if not path:
-            raise SettingError(f"the volume {source.name} has no file: save it as .vdb and choose that")
-        return VolumeFile(Path(path), np.array(source.matrix_world), source.name)
+        return VolumeFile(shown_file(source), np.array(source.matrix_world), source.name)
     return FilamentCurves([source] if isinstance(source, bpy.types.Object) else list(source), core)
 
 

@@ -12,10 +12,11 @@ from synch_fields.core.errors import Cancelled, SettingError
 from synch_fields.core.fields.clebsch import quantum_for
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.cli import main
+from synch_fields.synch_addon.flow_choice import expected_shape
 from synch_fields.synch_addon.flow_frames import flow_frames
 from synch_fields.synch_addon.flows import flow_source
 
-from .scenes import snapshot
+from .scenes import make_active, snapshot
 from .vortex_scenes import QUICK, RADIUS, SPACING, points_of, write_npz, write_vdb
 
 HEIGHTS = (-0.11, 0.0, 0.1)
@@ -75,6 +76,24 @@ def test_a_volume_plays_the_files_that_blender_shows(folder):
     data.sequence_mode = "CLIP"
     with pytest.raises(SettingError, match="frame 6 lies outside"):
         flow_frames(volume, 3, 6)
+
+
+def test_without_frames_a_volume_is_solved_as_it_is_shown_now(folder):
+    volume = volume_of(folder)
+    volume.data.frame_start = 5
+    for frame, height in ((5, HEIGHTS[0]), (7, HEIGHTS[2])):
+        bpy.context.scene.frame_set(frame)
+        assert flow_source(volume).path.name == f"smoke_{frame - 4:04d}.vdb"
+        lines = bpy.data.objects[api.clebsch(volume, **SETTINGS)["object"]]
+        assert points_of(lines)[:, 2].mean() == pytest.approx(height, abs=0.5 * SPACING)
+    make_active(volume)
+    (folder / "smoke_0003.vdb").rename(folder / "away.vdb")
+    assert expected_shape(bpy.context, "", 18) is None  # told of that file, not of the first
+    (folder / "away.vdb").rename(folder / "smoke_0003.vdb")
+    volume.data.sequence_mode = "CLIP"
+    bpy.context.scene.frame_set(9)
+    with pytest.raises(SettingError, match="frame 9 lies outside"):
+        api.clebsch(volume, **SETTINGS)
 
 
 def test_a_volume_that_was_moved_gives_moved_filaments(folder):
