@@ -3,17 +3,18 @@
 
 import math
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass
+from numbers import Integral, Real
 from pathlib import Path
 
 import bpy
-import numpy as np
 
 from ..core.errors import SettingError
 from ..core.fields.clebsch import clebsch_map, quantum_for, spherical_map
 from ..core.solve import METHODS, Options
 from ..core.solve.monitor import Monitor
-from .flows import CORE, check_resolution, flow_source
+from .flows import CORE, check_resolution, check_size, flow_source, objects_of
 from .jobs import portion
 from .surface_flows import VELOCITY, surface_flow
 from .surface_vortices import SurfaceJob
@@ -67,24 +68,37 @@ class ClebschSettings:
         for name, choices in (("show", SHOWN), ("method", METHODS)):
             if getattr(self, name) not in choices:
                 raise SettingError(f"{name} {getattr(self, name)!r} is unknown: use one of {', '.join(choices)}")
-        for name in ("count", "opening") + (() if self.core is None else ("core",)):
+        optional = [name for name in ("quantum", "core") if getattr(self, name) is not None]
+        for name in ("count", "opening", *optional):
             value = getattr(self, name)
-            if not (isinstance(value, int | float) and math.isfinite(value) and value > 0):
+            if not (isinstance(value, Real) and math.isfinite(value) and value > 0):
                 raise SettingError(f"the {name} is {value!r}: give a positive number")
-        if not isinstance(self.smoothing, int) or self.smoothing < 0:
+        if not isinstance(self.smoothing, Integral) or self.smoothing < 0:
             raise SettingError(f"the smoothing is {self.smoothing!r}: give a whole number from 0 on")
-        if self.frames is not None and not self.frames[0] <= self.frames[1]:
-            raise SettingError(f"the frames {self.frames[0]} to {self.frames[1]} are none: give the first one first")
+        if self.frames is not None:
+            if not _are(Integral, 2, self.frames):
+                raise SettingError(f"the frames are {self.frames!r}: give the first and the last one, whole numbers")
+            first, last = self.frames
+            if first > last:
+                raise SettingError(f"the frames {first} to {last} are none: give the first one first")
         if self.opening >= 180:
             raise SettingError(f"the opening is {self.opening:g} degrees: the whole sphere has 180, give less")
-        if self.point is not None and (len(self.point) != 3 or not np.linalg.norm(self.point) > 0):
-            raise SettingError(f"the point of the sphere is {self.point!r}: give three numbers that are not all 0")
+        if self.point is not None:
+            if not (_are(Real, 3, self.point) and all(map(math.isfinite, self.point)) and any(self.point)):
+                raise SettingError(f"the point of the sphere is {self.point!r}: give three numbers that are not all 0")
+            object.__setattr__(self, "point", tuple(map(float, self.point)))
         if (self.show != "filaments" or self.point is not None) and self.method != "sdp":
             raise SettingError("tubes and points of the sphere come from the relaxation: use the method sdp")
 
     @property
     def options(self):
         return Options(method=self.method, seed=self.seed, target_gap=self.target_gap, time_limit=self.time_limit)
+
+
+def _are(kind, count, values):
+    """Whether values are so many of a kind."""
+    values = list(values) if isinstance(values, Iterable) else []
+    return len(values) == count and all(isinstance(value, kind) for value in values)
 
 
 class ClebschJob:
@@ -97,7 +111,7 @@ class ClebschJob:
         check_resolution(settings.resolution)
         core = settings.core or (CORE if settings.show == "filaments" else _CORE_OF_TUBES)
         self._source = flow_source(source, core)
-        objects = [] if isinstance(source, str | Path) else [source] if isinstance(source, bpy.types.Object) else source
+        objects = [] if isinstance(source, str | Path) else objects_of(source)
         self._objects = tuple(obj.name for obj in objects)
 
     def solve(self, callback=None):
@@ -126,6 +140,7 @@ class ClebschJob:
         grid = self._source.grid(self.settings.resolution)
         if grid.dimension != 3:
             raise SettingError(f"{self._source.name}: a flow in a plane has no filaments to show: give one in space")
+        check_size(grid)
         return grid, self._source.integrals(grid)
 
     def write(self):

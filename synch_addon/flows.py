@@ -2,9 +2,14 @@
 """Flows as the core's grids: from OpenVDB files, volume objects, arrays, and curves that stand for filaments."""
 
 import importlib.util
+import math
 import sys
+import zlib
+from collections.abc import Iterable
 from functools import cache, cached_property
+from numbers import Integral, Real
 from pathlib import Path
+from zipfile import BadZipFile
 
 import bpy
 import numpy as np
@@ -20,14 +25,33 @@ from .volume_files import shown_file
 SUFFIXES = (".vdb", ".npz")
 # Custom property of a curve object: the circulation around it.
 STRENGTH = "synch_strength"
+# Volumes so thin, as a share of their width, are flat: their scale is rounded to about as much.
+_FLAT = 1e-6
 # Space around curves, as a share of their longest side, and the radius of their cores in cells unless one is given.
 MARGIN, CORE = 0.35, 0.5
+# Bytes that a solve takes for each node with a proved bound, which is tried up to so many nodes, and without; and the
+# most nodes, 47 GB.
+_PROVED, _PROVED_NODES, _ESTIMATED, _MOST_NODES = 22_000, 36_000, 5_000, 10_000_000
 
 
 def check_resolution(resolution):
     """Refuse a resolution that nothing can be seen at."""
-    if resolution < 8:
-        raise SettingError(f"a resolution of {resolution} nodes shows no vortex: give 8 or more")
+    if not isinstance(resolution, Integral) or resolution < 8:
+        raise SettingError(f"a resolution of {resolution!r} nodes shows no vortex: give a whole number from 8 on")
+
+
+def solve_memory(nodes):
+    """Bytes that a solve takes at its peak, measured on 24^3 to 64^3 nodes."""
+    return nodes * (_PROVED if nodes <= _PROVED_NODES else _ESTIMATED)
+
+
+def check_size(grid):
+    """Refuse a grid that no usual machine can hold a solve of."""
+    if grid.node_count > _MOST_NODES:
+        shape, needed = " x ".join(map(str, grid.shape)), solve_memory(grid.node_count) / 2**30
+        raise SettingError(
+            f"the grid has {shape} nodes, which take about {needed:.0f} GB: give a lower resolution, or a smaller file"
+        )
 
 
 def flow_source(source, core=CORE):
@@ -40,7 +64,22 @@ def flow_source(source, core=CORE):
         return _file(Path(source))
     if isinstance(source, bpy.types.Object) and source.type == "VOLUME":
         return VolumeFile(shown_file(source), np.array(source.matrix_world), source.name)
-    return FilamentCurves([source] if isinstance(source, bpy.types.Object) else list(source), core)
+    return FilamentCurves(objects_of(source), core)
+
+
+def objects_of(source):
+    """The objects that a source other than a file is: one, or several.
+
+    Raises
+    ------
+    SettingError
+        for anything else
+    """
+    objects = [source] if isinstance(source, bpy.types.Object) else source
+    objects = list(objects) if isinstance(objects, Iterable) else []
+    if not objects or not all(isinstance(obj, bpy.types.Object) for obj in objects):
+        raise SettingError(f"{source!r} is no flow: give a file, a volume, a mesh, or curves that stand for filaments")
+    return objects
 
 
 def _file(path):
@@ -49,6 +88,14 @@ def _file(path):
     if not path.is_file():
         raise SettingError(f"{path}: no such file")
     return VolumeFile(path, np.eye(4), path.name) if path.suffix.lower() == ".vdb" else ArrayFile(path)
+
+
+# Arrays that say where a file's nodes are: their names, kinds of values, and what those are.
+_PLACES = {
+    "spacing": ("fiu", "one positive number"),
+    "origin": ("fiu", "one number"),
+    "periodic": ("biu", "one true or false"),
+}
 
 
 class ArrayFile:
@@ -61,9 +108,8 @@ class ArrayFile:
     def _arrays(self):
         path = self.path
         try:
-            with np.load(path, allow_pickle=False) as arrays:
-                found = {name: arrays[name] for name in arrays.files}
-        except (ValueError, OSError) as error:
+            found = _read_arrays(path)
+        except (ValueError, OSError, EOFError, MemoryError, BadZipFile, zlib.error) as error:
             raise SettingError(f"{path}: {error}: write it with numpy.savez") from None
         if "velocity" not in found:
             have = ", ".join(found) or "nothing"
@@ -71,6 +117,13 @@ class ArrayFile:
         velocity = found["velocity"]
         if velocity.ndim not in (3, 4) or velocity.shape[-1] != velocity.ndim - 1:
             raise SettingError(f"{path}: velocity has the shape {velocity.shape}: use (nx, ny, nz, 3) or (nx, ny, 2)")
+        if velocity.dtype.kind not in "fiu":
+            raise SettingError(f"{path}: velocity holds {velocity.dtype} values: save it as floating-point numbers")
+        for name in _PLACES.keys() & found.keys():
+            (kinds, wanted), given, axes = _PLACES[name], found[name], velocity.ndim - 1
+            if given.dtype.kind not in kinds or given.shape not in ((), (1,), (axes,)) or not np.isfinite(given).all():
+                has = given.tolist() if given.size < 4 else f"of the shape {given.shape}"
+                raise SettingError(f"{path}: {name} is {has!r}: give {wanted}, or {axes} of them")
         return found
 
     def grid(self, _resolution):
@@ -87,6 +140,14 @@ class ArrayFile:
         """(n, 3) or (n, 2) at the nodes."""
         velocity = self._arrays["velocity"]
         return velocity.reshape(-1, velocity.shape[-1])
+
+
+def _read_arrays(path):
+    arrays = np.load(path, allow_pickle=False)
+    if not isinstance(arrays, np.lib.npyio.NpzFile):
+        raise ValueError("a single array without a name")
+    with arrays:
+        return {name: arrays[name] for name in arrays.files}
 
 
 class VolumeFile:
@@ -118,7 +179,11 @@ class VolumeFile:
         found.copyToArray(values, ijk=low)
         if not np.isfinite(values).all():
             raise SettingError(f"{path}: the grid {found.name} has voxels that are not numbers: mend the simulation")
-        return values, np.array(low), self._matrix @ index_to_world(found)
+        to_world = self._matrix @ index_to_world(found)
+        stretches = np.linalg.svd(to_world[:3, :3], compute_uv=False)
+        if not stretches[-1] > _FLAT * stretches[0]:
+            raise SettingError(f"the volume {self.name} is scaled to nothing along an axis: give it another scale")
+        return values, np.array(low), to_world
 
     @property
     def box(self):
@@ -147,7 +212,9 @@ class FilamentCurves:
         for obj in objects:
             if obj.type not in SOURCE_TYPES:
                 raise SettingError(f"{obj.name} is no curve: choose curves, a volume, or a .vdb or .npz file")
-            strength = float(obj.get(STRENGTH, 1.0))
+            strength = obj.get(STRENGTH, 1.0)
+            if not isinstance(strength, Real) or not math.isfinite(strength):
+                raise SettingError(f"{obj.name}: its {STRENGTH} is {strength!r}: give the circulation as a number")
             matrix = np.array(obj.matrix_world)
             self._curves += [(line @ matrix[:3, :3].T + matrix[:3, 3], strength) for line in polylines(obj)]
         if not self._curves:

@@ -13,7 +13,7 @@ from ..core.geometry.check import check_mesh
 from ..core.geometry.polygons import Polygons
 from ..core.geometry.surface import Surface
 from . import scene_io
-from .flows import ArrayFile
+from .flows import ArrayFile, objects_of
 
 # Vector attribute of a mesh, the one that Blender's own liquids have.
 VELOCITY = "velocity"
@@ -34,7 +34,7 @@ def surface_flow(source, attribute):
         arrays = ArrayFile(path)
         grid = arrays.grid(None)
         return PlaneFlow(grid, arrays.velocity, path.stem) if grid.dimension == 2 else None
-    objects = [source] if isinstance(source, bpy.types.Object) else list(source)
+    objects = objects_of(source)
     surfaces = [obj for obj in objects if obj.type == "MESH" and len(obj.data.polygons)]
     if surfaces and len(objects) > 1:
         raise SettingError(f"{surfaces[0].name} is a surface with a flow of its own: choose it alone")

@@ -70,7 +70,7 @@ def choose_point(obj, point=None, *, opening=None, smoothing=None):
     if any(found.mode != "OBJECT" for found in present):
         raise SynchError(f"{obj.name} is being edited: leave its edit mode")
     solved = kept.solved
-    look = {"point": None if point is None else tuple(float(x) for x in point)}
+    look = {"point": point}
     look |= {name: value for name, value in (("opening", opening), ("smoothing", smoothing)) if value is not None}
     solved = replace(solved, settings=replace(solved.settings, **look))
     mapped = seen(solved.found, solved.sphere, solved.settings.point)

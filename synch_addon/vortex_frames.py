@@ -11,7 +11,7 @@ from ..core.fields.clebsch import circulations, clebsch_map, quantum_for, spheri
 from ..core.fields.clebsch_frames import following_map, following_sphere
 from ..core.solve.monitor import Monitor
 from .flow_frames import common_grid, flow_frames
-from .flows import check_resolution
+from .flows import check_resolution, check_size
 from .jobs import portion
 from .report import peak_memory, versions
 from .vortex_objects import make_filaments, make_tubes, seen, showing
@@ -52,6 +52,7 @@ class SequenceJob:
         grid = monitor.during(lambda: common_grid(files, settings.resolution, reading(0.0, _GRID)))
         if grid.dimension != 3:
             raise SettingError(f"{files[0].path}: a flow in a plane has no filaments to show: give one in space")
+        check_size(grid)
         quantum = settings.quantum
         if quantum is None:
             quantum = monitor.during(lambda: self._quantum(grid, reading(_GRID, _QUANTUM)))

@@ -7,12 +7,9 @@ import bpy
 
 from . import jobs, memory
 from .flow_choice import expected_shape
+from .flows import solve_memory
 from .panels import SidebarPanel, draw_progress, property_column
 from .translations import counted, said
-
-# Bytes that a solve takes for each node at its peak, with a proved bound, which is tried up to so many nodes, and
-# without: measured on 24^3 to 64^3 nodes.
-_PROVED, _PROVED_NODES, _ESTIMATED = 22_000, 36_000, 5_000
 
 
 class SYNCH_PT_vortices(SidebarPanel, bpy.types.Panel):
@@ -83,9 +80,8 @@ def draw_estimate(layout, context, settings):
     if shape is None:
         return
     nodes = math.prod(shape)
-    memory_of_it = max(min(nodes, _PROVED_NODES) * _PROVED * (nodes <= _PROVED_NODES), nodes * _ESTIMATED)
     sizes = " × ".join(map(str, shape))
-    text = said("{sizes} nodes, about {gigabytes:.1f} GB", sizes=sizes, gigabytes=memory_of_it / 2**30)
+    text = said("{sizes} nodes, about {gigabytes:.1f} GB", sizes=sizes, gigabytes=solve_memory(nodes) / 2**30)
     layout.label(text=text, icon="ERROR" if nodes > 2_000_000 else "INFO")
 
 

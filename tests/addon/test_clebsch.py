@@ -15,6 +15,8 @@ from synch_fields.synch_addon import flows
 from synch_fields.synch_addon.clebsch import clebsch
 from synch_fields.synch_addon.cli import main
 
+from .vortex_scenes import write_vdb
+
 
 @pytest.fixture(autouse=True)
 def empty():
@@ -140,7 +142,27 @@ def refuse_files(tmp_path):
     bad[1, 2, 3, 0] = np.inf
     np.savez(tmp_path / "inf.npz", velocity=bad)
     np.savez(tmp_path / "still.npz", velocity=np.ones((5, 5, 5, 3)))
+    good = np.ones((5, 5, 5, 3))
+    (tmp_path / "none.npz").write_bytes(b"")
+    (tmp_path / "cut.npz").write_bytes((tmp_path / "still.npz").read_bytes()[:900])
+    with (tmp_path / "single.npz").open("wb") as file:
+        np.save(file, good)
+    np.savez(tmp_path / "complex.npz", velocity=good + 1j)
+    np.savez(tmp_path / "words.npz", velocity=good.astype(str))
+    np.savez(tmp_path / "two.npz", velocity=good, spacing=[1.0, 2.0])
+    np.savez(tmp_path / "text.npz", velocity=good, spacing="wide")
+    np.savez(tmp_path / "nowhere.npz", velocity=good, origin=[0, np.nan, 0])
+    np.savez(tmp_path / "around.npz", velocity=good, periodic="no")
     return {
+        "none.npz": "write it with numpy.savez",
+        "cut.npz": "write it with numpy.savez",
+        "single.npz": "a single array without a name: write it with numpy.savez",
+        "complex.npz": "velocity holds complex128 values",
+        "words.npz": "velocity holds <U.* values",
+        "two.npz": r"spacing is \[1.0, 2.0\]: give one positive number, or 3 of them",
+        "text.npz": "spacing is 'wide'",
+        "nowhere.npz": r"origin is \[0.0, nan, 0.0\]",
+        "around.npz": "periodic is 'no'",
         "scalar.vdb": r"no grid of vectors \(it has density",
         "empty.vdb": "is empty",
         "nan.vdb": "not numbers",
@@ -167,6 +189,14 @@ def test_what_is_no_flow_is_refused_in_one_line(tmp_path):
     [
         ({"show": "smoke"}, "show 'smoke' is unknown"),
         ({"count": 0}, "the count is 0"),
+        ({"quantum": 0}, "the quantum is 0: give a positive"),
+        ({"quantum": "a"}, "the quantum is 'a': give a positive"),
+        ({"frames": (1,)}, r"the frames are \(1,\): give the first and the last"),
+        ({"frames": 3}, "the frames are 3: give the first and the last"),
+        ({"point": "abc"}, "the point of the sphere is 'abc': give three numbers"),
+        ({"point": (float("inf"), 0, 0)}, "the point of the sphere is .* give three numbers"),
+        ({"resolution": 4000}, r"the grid has 4000 x 4000 x 1\d+ nodes, which take about \d+ GB"),
+        ({"resolution": "fine"}, "a resolution of 'fine' nodes"),
         ({"core": -1}, "the core is -1: give a positive"),
         ({"opening": 200}, "the whole sphere has 180"),
         ({"point": (0, 0, 0)}, "three numbers that are not all 0"),
@@ -180,6 +210,22 @@ def test_settings_out_of_range_are_refused(settings, message):
     with pytest.raises(SettingError, match=message):
         clebsch(obj, **settings)
     assert len(bpy.data.objects) == 1
+
+
+def test_what_gives_no_flow_is_refused_in_one_line(tmp_path):
+    obj = circle()
+    for source in (None, 3, [], [obj, "Circle"]):
+        with pytest.raises(SettingError, match="is no flow: give a file"):
+            clebsch(source)
+    obj[flows.STRENGTH] = "strong"
+    with pytest.raises(SettingError, match="Circle: its synch_strength is 'strong': give the circulation"):
+        clebsch(obj)
+    bpy.ops.object.volume_import(filepath=str(write_vdb(tmp_path / "ring.vdb")))
+    volume = bpy.context.active_object
+    volume.scale.y, volume.rotation_euler.x = 0.0, 0.3
+    bpy.context.view_layer.update()
+    with pytest.raises(SettingError, match="scaled to nothing along an axis"):
+        clebsch(volume)
 
 
 def test_the_operator_takes_the_selected_curves():
