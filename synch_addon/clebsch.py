@@ -14,9 +14,9 @@ from ..core.errors import SettingError
 from ..core.fields.clebsch import clebsch_map, quantum_for, spherical_map
 from ..core.solve import METHODS, Options
 from ..core.solve.monitor import Monitor
-from .flows import CORE, check_resolution, check_size, flow_source, objects_of
+from .flows import CORE, VELOCITY, check_resolution, check_size, flow_source, objects_of
 from .jobs import portion
-from .surface_flows import VELOCITY, surface_flow
+from .surface_flows import surface_flow
 from .surface_vortices import SurfaceJob
 from .vortex_choice import remember
 from .vortex_frames import SequenceJob
@@ -40,7 +40,8 @@ class ClebschSettings:
     quantum : circulation of one filament, None for one that makes ``count`` of them
     core : radius over which the vorticity of curves is spread, in cells; None for half a cell, and two where tubes are
         shown, which are nothing without an inside
-    attribute : velocity on the vertices of a mesh, which then shows the map itself
+    attribute : velocity on the vertices of a mesh, which then shows the map itself; or the grid of a volume, where
+        "velocity" also stands for vel, v, or the only grid of vectors
     point : of the sphere, from which tubes are seen: they are around where the map shows its antipode; for filaments
         None shows the best map, a point the projection along it
     opening : degrees around the antipode that are inside a tube
@@ -110,7 +111,7 @@ class ClebschJob:
         self.settings = settings
         check_resolution(settings.resolution)
         core = settings.core or (CORE if settings.show == "filaments" else _CORE_OF_TUBES)
-        self._source = flow_source(source, core)
+        self._source = flow_source(source, core, settings.attribute)
         objects = [] if isinstance(source, str | Path) else objects_of(source)
         self._objects = tuple(obj.name for obj in objects)
 
@@ -133,7 +134,7 @@ class ClebschJob:
         sphere = spherical_map(found, portion(callback, 0.8, 0.15)) if settings.method == "sdp" else None
         self._seen = seen(found, sphere, settings.point)
         self._shown = _interruptible(lambda: showing(self._seen, sphere, settings), "vortices", callback, 0.95)
-        warnings = list(missing(self._shown))
+        warnings = [*self._source.warnings, *missing(self._shown)]
         self._solved = SolvedFlow(self._source.name, found, sphere, settings, warnings, self._objects)
 
     def _read(self):

@@ -22,11 +22,17 @@ def add_parser(commands):
         "--core", type=float, metavar="CELLS", help="radius of curves' vorticity; by default 0.5, and 2 with tubes"
     )
     command.add_argument(
-        "--attribute", default=default.attribute, metavar="NAME", help="velocity on a mesh's vertices (%(default)s)"
+        "--attribute",
+        default=default.attribute,
+        metavar="NAME",
+        help="velocity on a mesh's vertices, or grid of a volume (%(default)s)",
     )
     command.add_argument("--show", choices=SHOWN, default=default.show, help="%(default)s by default")
     command.add_argument(
-        "--resolution", type=int, default=default.resolution, help="nodes along the longest side (%(default)s)"
+        "--resolution",
+        type=int,
+        default=default.resolution,
+        help="nodes along the longest side, but for .npz files (%(default)s)",
     )
     command.add_argument(
         "--count",

@@ -36,7 +36,7 @@ def flow_of(context, filepath):
     return chosen
 
 
-def expected_shape(context, filepath, resolution):
+def expected_shape(context, filepath, resolution, attribute):
     """Nodes along the axes of the grid that will be solved, None where only reading the flow can tell."""
     try:
         source = flow_of(context, filepath)
@@ -51,7 +51,9 @@ def expected_shape(context, filepath, resolution):
         return flows.box_grid(low - margin, high + margin, resolution).shape
     matrix = np.eye(4) if isinstance(source, str) else np.array(source.matrix_world)
     path = Path(path)
-    header = _header(path, path.stat().st_mtime) if path.suffix.lower() == ".vdb" and path.is_file() else None
+    header = (
+        _header(path, attribute, path.stat().st_mtime) if path.suffix.lower() == ".vdb" and path.is_file() else None
+    )
     if header is None:
         return None
     low, high, to_world = header
@@ -68,13 +70,13 @@ def _object_box(objects):
 
 
 @lru_cache(maxsize=16)
-def _header(path, _changed):
-    """Lowest and highest index of the first vector grid of a file, and the matrix that takes them to the world, as its
+def _header(path, attribute, _changed):
+    """Lowest and highest index of a file's grid of velocities, and the matrix that takes them to the world, as its
     header tells them; None where it does not."""
     try:
         grids = flows.openvdb_module().readAllGridMetadata(str(path))
-        vectors = [grid for grid in grids if grid.valueTypeName.startswith("vec3")]
-        low, high = (np.array(vectors[0][name]) for name in ("file_bbox_min", "file_bbox_max"))
-    except (SynchError, OSError, KeyError, IndexError, RuntimeError):
+        chosen, _ = flows.vector_grid(path, grids, attribute)
+        low, high = (np.array(chosen[name]) for name in ("file_bbox_min", "file_bbox_max"))
+    except (SynchError, OSError, KeyError, RuntimeError):
         return None
-    return low, high, flows.index_to_world(vectors[0])
+    return low, high, flows.index_to_world(chosen)

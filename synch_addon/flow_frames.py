@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core.errors import SettingError
 from ..core.geometry.grid import Grid
-from .flows import ArrayFile, VolumeFile, box_grid, flow_source
+from .flows import VELOCITY, ArrayFile, VolumeFile, box_grid, flow_source
 from .volume_files import played_file
 
 _MARKS = re.compile(r"#+")
@@ -33,13 +33,14 @@ class FrameFile:
     source: partial
 
 
-def flow_frames(source, first, last):
+def flow_frames(source, first, last, attribute=VELOCITY):
     """The :class:`FrameFile` of every frame of a range, and the name of the sequence.
 
     Parameters
     ----------
     source : path whose name has # in place of each digit of the frame's number, or a volume object with a sequence
     first, last : frames of the scene
+    attribute : grid of a volume, as :func:`flow_source` has it
 
     Raises
     ------
@@ -49,7 +50,10 @@ def flow_frames(source, first, last):
     numbers = range(first, last + 1)
     if isinstance(source, str | Path):
         paths = [_numbered(Path(source), frame) for frame in numbers]
-        files = [FrameFile(frame, path, partial(flow_source, path)) for frame, path in zip(numbers, paths, strict=True)]
+        files = [
+            FrameFile(frame, path, partial(flow_source, path, attribute=attribute))
+            for frame, path in zip(numbers, paths, strict=True)
+        ]
         name = _MARKS.sub("", Path(source).stem).strip("_.- ") or Path(source).stem
     elif isinstance(source, bpy.types.Object) and source.type == "VOLUME":
         if not source.data.is_sequence:
@@ -57,7 +61,7 @@ def flow_frames(source, first, last):
         matrix, name = np.array(source.matrix_world), source.name
         paths = [played_file(source.data, frame) for frame in numbers]
         files = [
-            FrameFile(frame, path, partial(VolumeFile, path, matrix, name))
+            FrameFile(frame, path, partial(VolumeFile, path, matrix, name, attribute))
             for frame, path in zip(numbers, paths, strict=True)
         ]
     else:

@@ -25,6 +25,9 @@ from .volume_files import shown_file
 SUFFIXES = (".vdb", ".npz")
 # Custom property of a curve object: the circulation around it.
 STRENGTH = "synch_strength"
+# Vector attribute of a mesh, the one that Blender's own liquids have, and names of a volume's.
+VELOCITY = "velocity"
+_USUAL = (VELOCITY, "vel", "v")
 # Volumes so thin, as a share of their width, are flat: their scale is rounded to about as much.
 _FLAT = 1e-6
 # Space around curves, as a share of their longest side, and the radius of their cores in cells unless one is given.
@@ -54,16 +57,17 @@ def check_size(grid):
         )
 
 
-def flow_source(source, core=CORE):
+def flow_source(source, core=CORE, attribute=VELOCITY):
     """What a flow is read from, a :class:`VolumeFile`, :class:`ArrayFile` or :class:`FilamentCurves`.
 
-    The vorticity of curves is spread over a radius of ``core`` cells.
+    The vorticity of curves is spread over a radius of ``core`` cells; of a volume ``attribute`` is the grid's name, as
+    in :func:`vector_grid`.
     All that Blender's data is needed for is read here; the grid and the integrals may be asked for in another thread.
     """
     if isinstance(source, str | Path):
-        return _file(Path(source))
+        return _file(Path(source), attribute)
     if isinstance(source, bpy.types.Object) and source.type == "VOLUME":
-        return VolumeFile(shown_file(source), np.array(source.matrix_world), source.name)
+        return VolumeFile(shown_file(source), np.array(source.matrix_world), source.name, attribute)
     return FilamentCurves(objects_of(source), core)
 
 
@@ -82,12 +86,12 @@ def objects_of(source):
     return objects
 
 
-def _file(path):
+def _file(path, attribute):
     if path.suffix.lower() not in SUFFIXES:
         raise SettingError(f"{path}: flows are read from {' and '.join(SUFFIXES)} files")
     if not path.is_file():
         raise SettingError(f"{path}: no such file")
-    return VolumeFile(path, np.eye(4), path.name) if path.suffix.lower() == ".vdb" else ArrayFile(path)
+    return VolumeFile(path, np.eye(4), path.name, attribute) if path.suffix.lower() == ".vdb" else ArrayFile(path)
 
 
 # Arrays that say where a file's nodes are: their names, kinds of values, and what those are.
@@ -100,6 +104,8 @@ _PLACES = {
 
 class ArrayFile:
     """A .npz file with velocity (nx, ny, nz, 3) or (nx, ny, 2), and optional spacing, origin and periodic."""
+
+    warnings = ()
 
     def __init__(self, path):
         self.path, self.name = path, path.name
@@ -151,10 +157,12 @@ def _read_arrays(path):
 
 
 class VolumeFile:
-    """The first vector grid of a .vdb file, under a 4 x 4 matrix."""
+    """A grid of vectors of a .vdb file, under a 4 x 4 matrix; ``warnings`` are known once it is read."""
 
-    def __init__(self, path, matrix, name):
-        self.path, self.name, self._matrix = path, name, matrix
+    warnings = ()
+
+    def __init__(self, path, matrix, name, attribute):
+        self.path, self.name, self._matrix, self._attribute = path, name, matrix, attribute
 
     @cached_property
     def _vectors(self):
@@ -164,13 +172,10 @@ class VolumeFile:
             raise SettingError(f"{path}: no such file")
         try:
             grids = vdb.readAllGridMetadata(str(path))
-            vectors = [grid for grid in grids if grid.valueTypeName.startswith("vec3")]
-            found = vdb.read(str(path), vectors[0].name) if vectors else None
+            chosen, self.warnings = vector_grid(path, grids, self._attribute)
+            found = vdb.read(str(path), chosen.name)
         except (OSError, KeyError, RuntimeError) as error:
             raise SettingError(f"{path}: {error}: choose an OpenVDB file") from None
-        if found is None:
-            have = ", ".join(f"{grid.name} ({grid.valueTypeName})" for grid in grids) or "none"
-            raise SettingError(f"{path}: has no grid of vectors (it has {have}): export the velocity")
         low, high = found.evalActiveVoxelBoundingBox()
         counts = np.array(high) - low + 1
         if found.activeVoxelCount() == 0 or (counts < 2).any():
@@ -204,8 +209,35 @@ class VolumeFile:
         return edge_integrals(grid, np.stack(sampled, axis=1) @ self._matrix[:3, :3].T)
 
 
+def vector_grid(path, grids, attribute):
+    """The grid of a volume that is the velocity, among all by their headers, and lines that the user should read.
+
+    It is the one that ``attribute`` names; where that is "velocity" and there is none, one of another usual name, then
+    the first one of vectors.
+
+    Raises
+    ------
+    SettingError
+        when there is none, naming those that there are
+    """
+    vectors = [grid for grid in grids if grid.valueTypeName.startswith("vec3")]
+    have = ", ".join(f"{grid.name} ({grid.valueTypeName})" for grid in grids) or "none"
+    if not vectors:
+        raise SettingError(f"{path}: has no grid of vectors (it has {have}): export the velocity")
+    wanted = _USUAL if attribute == VELOCITY else (attribute,)
+    named = [grid for name in wanted for grid in vectors if grid.name == name]
+    if named:
+        return named[0], ()
+    if attribute != VELOCITY:
+        raise SettingError(f"{path}: has no grid of vectors {attribute!r} (it has {have}): name one of these")
+    warning = f"{vectors[0].name} is taken for the velocity (there are {have}): name another grid as the attribute"
+    return vectors[0], (warning,) if len(vectors) > 1 else ()
+
+
 class FilamentCurves:
     """Curve objects as vortex filaments, and the flow that they induce in a box around them."""
+
+    warnings = ()
 
     def __init__(self, objects, core):
         self._curves, self._core = [], core

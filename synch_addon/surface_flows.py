@@ -13,10 +13,7 @@ from ..core.geometry.check import check_mesh
 from ..core.geometry.polygons import Polygons
 from ..core.geometry.surface import Surface
 from . import scene_io
-from .flows import ArrayFile, objects_of
-
-# Vector attribute of a mesh, the one that Blender's own liquids have.
-VELOCITY = "velocity"
+from .flows import VELOCITY, ArrayFile, objects_of
 
 
 def surface_flow(source, attribute):

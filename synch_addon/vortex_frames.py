@@ -6,7 +6,7 @@ from dataclasses import asdict
 
 import bpy
 
-from ..core.errors import SettingError
+from ..core.errors import SettingError, name_elements
 from ..core.fields.clebsch import circulations, clebsch_map, quantum_for, spherical_map
 from ..core.fields.clebsch_frames import following_map, following_sphere
 from ..core.solve.monitor import Monitor
@@ -14,7 +14,7 @@ from .flow_frames import common_grid, flow_frames
 from .flows import check_resolution, check_size
 from .jobs import portion
 from .report import peak_memory, versions
-from .vortex_objects import make_filaments, make_tubes, seen, showing
+from .vortex_objects import make_filaments, make_tubes, missing, seen, showing
 from .vortex_report import vorticity_share
 
 # Shares of the work: finding the grid of all frames, and the quantum.
@@ -30,7 +30,7 @@ class SequenceJob:
         check_resolution(settings.resolution)
         if settings.method != "sdp":
             raise SettingError("a frame starts from the relaxation of the one before: use the method sdp")
-        self._files, self._name = flow_frames(source, *settings.frames)
+        self._files, self._name = flow_frames(source, *settings.frames, settings.attribute)
 
     def solve(self, callback=None):
         """Solve all frames, the circulation of a filament being the same in all.
@@ -56,12 +56,13 @@ class SequenceJob:
         quantum = settings.quantum
         if quantum is None:
             quantum = monitor.during(lambda: self._quantum(grid, reading(_GRID, _QUANTUM)))
-        self._frames, found, sphere = [], None, None
+        self._frames, self._warnings, found, sphere = [], {}, None, None
         begin = _GRID + _QUANTUM
         for number, file in enumerate(files):
             start, share = begin + (1 - begin) * number / count, (1 - begin) / count
             progress = _named(portion(callback, start, share), f"frame {file.frame}")
-            integrals = monitor.during(lambda file=file: file.source().integrals(grid))
+            flow = file.source()
+            integrals = monitor.during(lambda flow=flow: flow.integrals(grid))
             of_map, of_sphere = portion(progress, 0.0, 0.8), portion(progress, 0.8, 0.15)
             if found is None:
                 found = clebsch_map(grid, integrals, quantum, settings.options, of_map)
@@ -72,6 +73,8 @@ class SequenceJob:
             mapped = seen(found, sphere, settings.point)
             shown = monitor.during(lambda mapped=mapped, sphere=sphere: showing(mapped, sphere, settings))
             self._frames.append((file.frame, shown, _facts(file, mapped, shown)))
+            for line in (*flow.warnings, *missing(shown)):
+                self._warnings.setdefault(line, []).append(file.frame)
         self._grid, self._quantum_of_one = grid, quantum
 
     def _quantum(self, grid, step):
@@ -113,7 +116,7 @@ class SequenceJob:
             "times": {"total": time.perf_counter() - self._start},
             "peak_memory_mb": peak_memory(),
             "settings": asdict(settings),
-            "warnings": [],
+            "warnings": [f"{name_elements('frame', frames)}: {line}" for line, frames in self._warnings.items()],
             "versions": versions(),
         }
 

@@ -57,7 +57,7 @@ def draw_vortices(layout, settings):
     column.prop(settings, "resolution")
     if not settings.filepath:
         column.prop(settings, "core")
-        column.prop(settings, "attribute")
+    column.prop(settings, "attribute")
     column.prop(settings, "by")
     column.prop(settings, "count" if settings.by == "COUNT" else "quantum")
     if settings.show != "FILAMENTS":
@@ -76,7 +76,7 @@ def draw_vortices(layout, settings):
 
 def draw_estimate(layout, context, settings):
     """How many nodes and how much memory a solve will take, where that can be told beforehand."""
-    shape = expected_shape(context, settings.filepath, settings.resolution)
+    shape = expected_shape(context, settings.filepath, settings.resolution, settings.attribute)
     if shape is None:
         return
     nodes = math.prod(shape)

@@ -47,7 +47,7 @@ class VortexProperties:
     )
     attribute: StringProperty(
         name="Attribute",
-        description="Velocity on the vertices of the chosen mesh, which then shows the map itself",
+        description="Velocity on the vertices of the chosen mesh, which then shows the map itself, or grid of a volume",
         default=_DEFAULT.attribute,
     )
     show: EnumProperty(
@@ -61,7 +61,7 @@ class VortexProperties:
     )
     resolution: IntProperty(
         name="Resolution",
-        description="Nodes of the grid along its longest side",
+        description="Nodes of the grid along its longest side; a NumPy file has a grid of its own",
         default=_DEFAULT.resolution,
         min=8,
         soft_max=128,

@@ -262,7 +262,9 @@ VORTICES = {
     "Both": "Beide",
     "Filaments and tubes, of one solve": "Fäden und Röhren aus einer Lösung",
     "Resolution": "Auflösung",
-    "Nodes of the grid along its longest side": "Knoten des Gitters an seiner längsten Seite",
+    "Nodes of the grid along its longest side; a NumPy file has a grid of its own": (
+        "Knoten des Gitters an seiner längsten Seite; eine NumPy-Datei hat ein eigenes Gitter"
+    ),
     "Circulation": "Zirkulation",
     "How the circulation of one filament is chosen": "Wie die Zirkulation eines Fadens gewählt wird",
     "So many pass the plane with most vorticity": "So viele gehen durch die Ebene mit der größten Wirbelstärke",
@@ -288,8 +290,9 @@ VORTICES = {
     "First Frame": "Erstes Bild",
     "Last Frame": "Letztes Bild",
     "Of the range": "Der Folge",
-    "Velocity on the vertices of the chosen mesh, which then shows the map itself": (
-        "Geschwindigkeit auf den Punkten des gewählten Netzes, das dann selbst die Abbildung zeigt"
+    "Velocity on the vertices of the chosen mesh, which then shows the map itself, or grid of a volume": (
+        "Geschwindigkeit auf den Punkten des gewählten Netzes, das dann selbst die Abbildung zeigt, "
+        "oder das Gitter eines Volumens"
     ),
 }
 

@@ -14,6 +14,7 @@ from synch_fields.core.geometry.grid import Grid
 from synch_fields.synch_addon import flows
 from synch_fields.synch_addon.clebsch import clebsch
 from synch_fields.synch_addon.cli import main
+from synch_fields.synch_addon.flow_choice import expected_shape
 
 from .vortex_scenes import write_vdb
 
@@ -210,6 +211,24 @@ def test_settings_out_of_range_are_refused(settings, message):
     with pytest.raises(SettingError, match=message):
         clebsch(obj, **settings)
     assert len(bpy.data.objects) == 1
+
+
+def test_of_several_grids_of_vectors_the_velocity_is_solved(tmp_path):
+    mine = {name: write_vdb(tmp_path / f"{name}.vdb", name=name, before=["Cd"]) for name in ("vel", "v", "wind")}
+    rough = {"resolution": 18, "quantum": 1.0, "method": "spectral"}
+    ring = clebsch(write_vdb(tmp_path / "alone.vdb", name="anything"), **rough)
+    assert ring["shape"] == [18, 18, 14] and not ring["warnings"]
+    for path, attribute in ((mine["vel"], "velocity"), (mine["v"], "velocity"), (mine["wind"], "wind")):
+        report = clebsch(path, attribute=attribute, **rough)
+        assert report["filaments"] == ring["filaments"] and not report["warnings"]
+        assert expected_shape(bpy.context, str(path), 18, attribute) == (18, 18, 14)
+    with pytest.raises(SettingError, match="no vorticity"):  # of the colours
+        clebsch(mine["vel"], attribute="Cd", resolution=18)
+    with pytest.raises(SettingError, match=r"no grid of vectors 'speed' \(it has Cd \(vec3s\), vel \(vec3s\)\)"):
+        clebsch(mine["vel"], attribute="speed")
+    source = flows.flow_source(mine["wind"])
+    source.grid(18)
+    assert source.warnings[0].startswith("Cd is taken for the velocity (there are Cd (vec3s), wind (vec3s))")
 
 
 def test_what_gives_no_flow_is_refused_in_one_line(tmp_path):

@@ -88,7 +88,7 @@ def test_without_frames_a_volume_is_solved_as_it_is_shown_now(folder):
         assert points_of(lines)[:, 2].mean() == pytest.approx(height, abs=0.5 * SPACING)
     make_active(volume)
     (folder / "smoke_0003.vdb").rename(folder / "away.vdb")
-    assert expected_shape(bpy.context, "", 18) is None  # told of that file, not of the first
+    assert expected_shape(bpy.context, "", 18, "velocity") is None  # told of that file, not of the first
     (folder / "away.vdb").rename(folder / "smoke_0003.vdb")
     volume.data.sequence_mode = "CLIP"
     bpy.context.scene.frame_set(9)
@@ -121,6 +121,15 @@ def test_the_circulation_is_that_of_the_frame_with_most_vorticity(tmp_path):
     assert report["quantum"] == pytest.approx(quantum_for(grid, most.integrals(grid), 2))
     first, last = (frame["filaments"] for frame in report["frames"])
     assert first < last
+
+
+def test_warnings_name_the_frames_that_they_are_of(tmp_path):
+    for number in (1, 2):
+        write_vdb(tmp_path / f"wind{number}.vdb", name="wind", before=["Cd"] if number == 1 else ["wind2"])
+    settings = SETTINGS | {"quantum": 50.0, "attribute": "wind"}
+    report = api.clebsch(tmp_path / "wind#.vdb", frames=(1, 2), **settings)
+    (line,) = report["warnings"]
+    assert line.startswith("frames 1, 2: the map has no filaments: ask for more")
 
 
 def test_what_is_no_sequence_is_refused_in_one_line(folder, tmp_path):

@@ -71,7 +71,7 @@ def test_settings_are_shown_where_they_count():
     settings.filepath = "smoke_####.vdb"
     shown = set(drawn(SYNCH_PT_vortices)[1])
     assert {"quantum", "opening", "frame_start", "frame_end"} <= shown
-    assert not {"count", "core", "attribute", "target_gap"} & shown
+    assert not {"count", "core", "target_gap"} & shown
 
 
 def test_the_result_has_figures_and_the_choice(tmp_path):

@@ -28,18 +28,22 @@ def write_npz(path, height=0.0, circulation=2.0):
     return path
 
 
-def write_vdb(path, height=0.0, first=0, last=None):
-    """A .vdb file with such a flow, or the slices ``first`` to ``last`` along x of it; returns its path."""
+def write_vdb(path, height=0.0, first=0, last=None, name="velocity", before=()):
+    """A .vdb file with such a flow, or the slices ``first`` to ``last`` along x of it, behind grids of other vectors;
+    returns its path."""
     grid, velocity = ring_flow(height)
     velocity = velocity[first:last]
     vdb = flows.openvdb_module()
-    volume = vdb.Vec3SGrid()
-    volume.name = "velocity"
+    volume, *others = [vdb.Vec3SGrid() for _ in (name, *before)]
+    volume.name = name
+    for other, called in zip(others, before, strict=True):
+        other.name = called
+        other.fill((0, 0, 0), (20, 3, 3), (0.5, 0.2, 0.1))
     volume.copyFromArray(velocity.astype(np.float32))
     origin = grid.origin + [first * SPACING, 0, 0]
     rows = [[SPACING, 0, 0, 0], [0, SPACING, 0, 0], [0, 0, SPACING, 0], [*origin, 1]]
     volume.transform = vdb.createLinearTransform(rows)
-    vdb.write(str(path), grids=[volume])
+    vdb.write(str(path), grids=[*others, volume])
     return path
 
 
