@@ -3,8 +3,11 @@
 
 import bpy
 
+from ..core.errors import SettingError
+from ..core.solve import METHODS
 from . import files
 from .clebsch import SHOWN, ClebschSettings, clebsch
+from .vortex_nodes import is_of_filaments
 from .vortex_report import summary
 
 
@@ -56,13 +59,35 @@ def add_parser(commands):
         metavar=("FIRST", "LAST"),
         help="a range of a sequence: files with # for each digit of the number, smoke_####.vdb, or a volume's",
     )
-    command.add_argument("--method", choices=("sdp", "spectral", "diffusion"), default=default.method)
+    command.add_argument("--method", choices=METHODS, default=default.method)
     command.add_argument("--seed", type=int, default=default.seed)
     command.add_argument("--target-gap", type=float, default=default.target_gap, metavar="X")
     command.add_argument("--time-limit", type=float, metavar="SECONDS")
     command.add_argument("--output", metavar="FILE.blend", help="save the scene with the result")
     command.add_argument("--report", metavar="FILE.json", help="write energies, bounds, filaments and times")
     command.add_argument("--quiet", action="store_true", help="no progress on stderr")
+
+
+def _only(attribute):
+    """The objects of the scene that are a flow: a volume, a mesh with the attribute, or all curves, but those that a
+    flow has shown before.
+
+    Raises
+    ------
+    SettingError
+        when there is none, or more than one, naming them
+    """
+    objects = list(bpy.context.scene.objects)
+    curves = [obj for obj in objects if obj.type == "CURVE" and not any(map(is_of_filaments, obj.modifiers))]
+    alone = [
+        obj for obj in objects if obj.type == "VOLUME" or (obj.type == "MESH" and attribute in obj.data.attributes)
+    ]
+    choices = [[obj] for obj in alone] + [curves] * bool(curves)
+    if len(choices) == 1:
+        return choices[0]
+    names = ", ".join(obj.name for obj in (alone + curves if choices else objects)) or "nothing"
+    reason = f"the file has several flows ({names})" if choices else f"nothing in the file is a flow (it has {names})"
+    raise SettingError(f"{reason}: name an object with --object, and a mesh's velocity with --attribute")
 
 
 def run(options, progress):
@@ -73,8 +98,7 @@ def run(options, progress):
     source = options.input
     if str(options.input).lower().endswith(".blend"):
         files.open_input(options.input)
-        chosen = options.object or [obj.name for obj in bpy.context.scene.objects if obj.type in ("CURVE", "VOLUME")]
-        source = [files.named_object(name) for name in chosen]
+        source = [files.named_object(name) for name in options.object] if options.object else _only(options.attribute)
         source = source[0] if len(source) == 1 else source
     else:
         bpy.ops.wm.read_homefile(use_empty=True)

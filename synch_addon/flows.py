@@ -21,6 +21,7 @@ from ..core.fields.clebsch import edge_integrals
 from ..core.geometry.grid import Grid
 from .strokes import SOURCE_TYPES, polylines
 from .volume_files import shown_file
+from .vortex_nodes import is_of_filaments
 
 SUFFIXES = (".vdb", ".npz")
 # Custom property of a curve object: the circulation around it.
@@ -248,7 +249,8 @@ class FilamentCurves:
             if not isinstance(strength, Real) or not math.isfinite(strength):
                 raise SettingError(f"{obj.name}: its {STRENGTH} is {strength!r}: give the circulation as a number")
             matrix = np.array(obj.matrix_world)
-            self._curves += [(line @ matrix[:3, :3].T + matrix[:3, 3], strength) for line in polylines(obj)]
+            for line, number in _strands(obj):
+                self._curves.append((line @ matrix[:3, :3].T + matrix[:3, 3], number * strength))
         if not self._curves:
             raise SettingError("there is no curve with two points: draw the vortex filaments")
         self.name = objects[0].name
@@ -262,6 +264,20 @@ class FilamentCurves:
     def integrals(self, grid):
         """(e,) of the velocity along the grid's edges."""
         return filament_integrals(grid, self._curves, self._core * grid.spacing[0])
+
+
+def _strands(obj):
+    """(p, 3) points of every curve of an object, and how many filaments lie on it: in what a flow has shown, the square
+    of its radius."""
+    splines = obj.data.splines if obj.type == "CURVE" and any(map(is_of_filaments, obj.modifiers)) else ()
+    if not splines or any(spline.type != "POLY" for spline in splines):
+        return [(line, 1.0) for line in polylines(obj)]
+    strands = []
+    for spline in splines:
+        points = np.array([point.co[:3] for point in spline.points])
+        number = np.mean([point.radius**2 for point in spline.points])
+        strands.append((np.concatenate([points, points[:1]]) if spline.use_cyclic_u else points, number))
+    return [(points, number) for points, number in strands if np.ptp(points, axis=0).any()]
 
 
 def world_box(low, high, to_world):

@@ -231,6 +231,50 @@ def test_of_several_grids_of_vectors_the_velocity_is_solved(tmp_path):
     assert source.warnings[0].startswith("Cd is taken for the velocity (there are Cd (vec3s), wind (vec3s))")
 
 
+def test_filaments_that_were_shown_induce_the_flow_that_they_carry():
+    obj = circle(strength=2.0)
+    rough = {"resolution": 20, "method": "spectral", "quantum": 1.0}
+    lines = bpy.data.objects[clebsch(obj, **rough, smoothing=0)["object"]]
+    points = np.ones((100, 4), np.float32)
+    points[:, :3] = spline_points(obj)
+    lines.data.splines.clear()
+    spline = lines.data.splines.new("POLY")
+    spline.points.add(99)
+    spline.points.foreach_set("co", points.ravel())
+    spline.points.foreach_set("radius", np.full(100, np.sqrt(2), np.float32))  # two quanta
+    spline.use_cyclic_u = True
+    one, other = (flows.flow_source(found) for found in (obj, lines))
+    grid = one.grid(20)
+    np.testing.assert_allclose(other.integrals(grid), one.integrals(grid), atol=1e-6)
+
+
+def test_the_command_finds_the_only_flow_of_a_file(tmp_path, capfd):
+    def run(name, *more):
+        bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / name))
+        arguments = [str(tmp_path / name), "--quantum", "1", "--resolution", "16", "--method", "spectral", "--quiet"]
+        capfd.readouterr()
+        return main(["clebsch", *arguments, *more]), capfd.readouterr()
+
+    circle()
+    clebsch(circle(location=(0, 0, 0.4)), resolution=16, quantum=1.0, method="spectral")
+    both = run("shown.blend")[1].out.splitlines()[0]
+    assert both == run("same.blend", "--object", "Circle", "Circle.001")[1].out.splitlines()[0]
+    assert both != run("first.blend", "--object", "Circle")[1].out.splitlines()[0]
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3)
+    ball = bpy.context.active_object
+    turning = np.cross([0, 0, 1], [vertex.co for vertex in ball.data.vertices]).astype(np.float32)
+    ball.data.attributes.new("velocity", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", turning.ravel())
+    status, said = run("several.blend")
+    assert status == 1 and "several flows (Icosphere, Circle, Circle.001)" in said.err
+    for name in ("Circle", "Circle.001"):
+        bpy.data.objects.remove(bpy.data.objects[name])
+    status, said = run("ball.blend")
+    assert status == 0 and said.out.startswith("clebsch on Icosphere")
+    bpy.data.objects.remove(bpy.data.objects["Icosphere"])
+    status, said = run("none.blend")
+    assert status == 1 and "nothing in the file is a flow (it has Circle.001 Filaments" in said.err
+
+
 def test_what_gives_no_flow_is_refused_in_one_line(tmp_path):
     obj = circle()
     for source in (None, 3, [], [obj, "Circle"]):
