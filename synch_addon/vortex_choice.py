@@ -70,9 +70,8 @@ def choose_point(obj, point=None, *, opening=None, smoothing=None):
     if any(found.mode != "OBJECT" for found in present):
         raise SynchError(f"{obj.name} is being edited: leave its edit mode")
     solved = kept.solved
-    look = {"point": point}
-    look |= {name: value for name, value in (("opening", opening), ("smoothing", smoothing)) if value is not None}
-    solved = replace(solved, settings=replace(solved.settings, **look))
+    look = {name: value for name, value in (("opening", opening), ("smoothing", smoothing)) if value is not None}
+    solved = replace(solved, settings=replace(_shown(obj, solved.settings), **look, point=point))
     mapped = seen(solved.found, solved.sphere, solved.settings.point)
     facts = kept.fill(solved, mapped, present)
     for found in present:
@@ -80,6 +79,22 @@ def choose_point(obj, point=None, *, opening=None, smoothing=None):
     report = report_of(solved, mapped, present, start) | facts
     _set_panels(present, solved, report)
     return report
+
+
+def slide(obj):
+    """Show what the sliders of an object are set to, or set them back where that cannot be shown."""
+    look = obj.synch_vortices
+    try:
+        choose_point(obj, tuple(look.point), opening=look.opening, smoothing=look.smoothing)
+    except SynchError:
+        _set_sliders(look, _shown(obj, memory.flows.get(obj).solved.settings))
+
+
+def _shown(obj, settings):
+    """The settings with the look that an object has now: an undo changes that, but not what is kept of the solve."""
+    if not hasattr(bpy.types.Object, "synch_vortices"):  # the extension is not registered
+        return settings
+    return replace(settings, **obj.synch_vortices.figures["look"])
 
 
 def is_filling():
@@ -100,10 +115,13 @@ def _quietly():
 def _set_panels(objects, solved, report):
     if not hasattr(bpy.types.Object, "synch_vortices"):  # the extension is not registered
         return
-    settings = solved.settings
+    for obj in objects:
+        look = obj.synch_vortices
+        _set_sliders(look, solved.settings)
+        look.result, look.sources = result_line(report), json.dumps(solved.sources)
+
+
+def _set_sliders(look, settings):
     with _quietly():
-        for obj in objects:
-            look = obj.synch_vortices
-            look.point = settings.point or NORTH
-            look.opening, look.smoothing = settings.opening, settings.smoothing
-            look.result, look.sources = result_line(report), json.dumps(solved.sources)
+        look.point = settings.point or NORTH
+        look.opening, look.smoothing = settings.opening, settings.smoothing

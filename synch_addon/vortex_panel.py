@@ -112,6 +112,7 @@ def draw_figures(layout, found):
 def draw_choice(layout, look):
     """The ball with the point of the sphere, and what else is shown at once."""
     row = layout.row()
+    row.enabled = look.id_data.mode == "OBJECT"
     row.prop(look, "point", text="")
     column = row.column(align=True)
     column.use_property_split = False

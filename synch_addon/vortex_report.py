@@ -80,6 +80,7 @@ def result_line(report):
     """What the panel shows of a report, as JSON."""
     names = ("energy", "gap", "certificate", "status", "nodes", "quantum", "vorticity_share")
     line = {name: report[name] for name in names} | {"seconds": report["times"]["total"]}
+    line["look"] = {name: report["settings"][name] for name in ("point", "opening", "smoothing")}
     if "filaments" in report:
         line["filaments"] = len(report["filaments"])
         line["closed"] = sum(one["closed"] for one in report["filaments"])

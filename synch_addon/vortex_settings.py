@@ -17,7 +17,7 @@ from bpy.props import (
 
 from . import memory
 from .clebsch import ClebschSettings
-from .vortex_choice import choose_point, is_filling
+from .vortex_choice import is_filling, slide
 from .vortex_objects import NORTH
 
 _DEFAULT = ClebschSettings()
@@ -149,7 +149,7 @@ def _show(look, _context):
     """The objects of the solve show what the sliders of one of them are set to."""
     obj = look.id_data
     if memory.flows.holds(obj) and not is_filling():
-        choose_point(obj, tuple(look.point), opening=look.opening, smoothing=look.smoothing)
+        slide(obj)
 
 
 class SynchVortexLook(bpy.types.PropertyGroup):
