@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from functools import cache, cached_property
 from numbers import Integral, Real
 from pathlib import Path
-from zipfile import BadZipFile
+from zipfile import BadZipFile, ZipFile
 
 import bpy
 import numpy as np
@@ -110,6 +110,18 @@ class ArrayFile:
 
     def __init__(self, path):
         self.path, self.name = path, path.name
+
+    @property
+    def is_plane(self):
+        """Whether the velocity has the shape of one in a plane, as its header says; False where that cannot be read."""
+        try:
+            with ZipFile(self.path) as archive, archive.open("velocity.npy") as file:
+                version = np.lib.format.read_magic(file)
+                read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+                shape, _, _ = read(file)
+        except (ValueError, OSError, EOFError, KeyError, BadZipFile, zlib.error):
+            return False
+        return len(shape) == 3
 
     @cached_property
     def _arrays(self):

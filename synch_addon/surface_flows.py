@@ -29,8 +29,7 @@ def surface_flow(source, attribute):
         if path.suffix.lower() != ".npz" or not path.is_file():
             return None
         arrays = ArrayFile(path)
-        grid = arrays.grid(None)
-        return PlaneFlow(grid, arrays.velocity, path.stem) if grid.dimension == 2 else None
+        return PlaneFlow(arrays.grid(None), arrays.velocity, path.stem) if arrays.is_plane else None
     objects = objects_of(source)
     surfaces = [obj for obj in objects if obj.type == "MESH" and len(obj.data.polygons)]
     if surfaces and len(objects) > 1:

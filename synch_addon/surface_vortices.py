@@ -32,7 +32,9 @@ class SurfaceJob:
         """Solve for the map and, where the method can, the sphere; errors as :meth:`ClebschJob.solve`."""
         settings, surface = self.settings, self._source.surface
         integrals = self._source.integrals(surface)
-        quantum = settings.quantum or quantum_for(surface, integrals, settings.count)
+        quantum = settings.quantum
+        if quantum is None:
+            quantum = quantum_for(surface, integrals, settings.count)
         found = clebsch_map(surface, integrals, quantum, settings.options, portion(callback, 0.0, 0.8))
         sphere = spherical_map(found, portion(callback, 0.8, 0.2)) if settings.method == "sdp" else None
         self._solved = SolvedFlow(self._source.name, found, sphere, settings, list(self._source.warnings))

@@ -13,7 +13,7 @@ from synch_fields.synch_addon import api, scene_io
 from synch_fields.synch_addon.clebsch import ClebschSettings, clebsch, job_for
 from synch_fields.synch_addon.cli import main
 from synch_fields.synch_addon.defect_empties import defect_empties
-from synch_fields.synch_addon.flows import STRENGTH
+from synch_fields.synch_addon.flows import STRENGTH, ArrayFile
 from synch_fields.synch_addon.surface_flows import surface_flow
 
 QUANTUM = np.pi / 5
@@ -166,6 +166,14 @@ def test_what_is_no_flow_is_refused_and_changes_nothing(tmp_path):
     np.savez(tmp_path / "inf.npz", velocity=np.full((9, 9, 2), np.inf))
     with pytest.raises(SettingError, match="is not a number"):
         clebsch(tmp_path / "inf.npz")
+
+
+def test_only_the_header_of_a_flow_in_space_is_read_at_first(tmp_path, disk, monkeypatch):
+    np.savez_compressed(tmp_path / "space.npz", velocity=np.ones((5, 5, 5, 3)))
+    assert ArrayFile(disk).is_plane and surface_flow(disk, "").name == "disk"
+    monkeypatch.setattr(np, "load", None)
+    assert surface_flow(tmp_path / "space.npz", "") is None
+    assert job_for(tmp_path / "space.npz", ClebschSettings())
 
 
 def test_a_periodic_plane_is_shown_open_and_said_so(tmp_path):
