@@ -8,19 +8,18 @@ from dataclasses import dataclass
 from numbers import Integral, Real
 from pathlib import Path
 
-import bpy
-
 from ..core.errors import SettingError
 from ..core.fields.clebsch import clebsch_map, quantum_for, spherical_map
 from ..core.solve import METHODS, Options
 from ..core.solve.monitor import Monitor
 from .flows import CORE, VELOCITY, check_resolution, check_size, flow_source, objects_of
 from .jobs import portion
+from .render import whole_or_nothing
 from .surface_flows import surface_flow
 from .surface_vortices import SurfaceJob
 from .vortex_choice import remember
 from .vortex_frames import SequenceJob
-from .vortex_objects import facts, fill, make_filaments, make_tubes, missing, seen, showing
+from .vortex_objects import facts, fill, make_filaments, make_tubes, missing, present, seen, showing
 from .vortex_report import SolvedFlow, circulation_error, report_of
 
 SHOWN = ("filaments", "tubes", "both")
@@ -148,11 +147,12 @@ class ClebschJob:
         """Make the objects; returns the report."""
         solved, shown = self._solved, self._shown
         made = []
-        if shown.tubes is not None:
-            made.append(make_tubes(f"{solved.name} Tubes", shown))
-        if shown.lines is not None:
-            made.append(make_filaments(f"{solved.name} Filaments", shown))
-        _add(made)
+        with whole_or_nothing():
+            if shown.tubes is not None:
+                made.append(make_tubes(f"{solved.name} Tubes", shown))
+            if shown.lines is not None:
+                made.append(make_filaments(f"{solved.name} Filaments", shown))
+        present(made)
         report = report_of(solved, self._seen, made, self._start) | facts(shown)
         report["circulation_error"] = circulation_error(self._seen)
         remember(solved, made, report, fill)
@@ -201,14 +201,3 @@ def job_for(source, settings):
         return SequenceJob(source, settings)
     surface = surface_flow(source, settings.attribute)
     return ClebschJob(source, settings) if surface is None else SurfaceJob(surface, settings)
-
-
-def _add(objects):
-    """Put new objects into the scene, selected, the last one active."""
-    layer = bpy.context.view_layer
-    for other in layer.objects:
-        other.select_set(False)
-    for made in objects:
-        bpy.context.scene.collection.objects.link(made)
-        made.select_set(True)
-    layer.objects.active = objects[-1]

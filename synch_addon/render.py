@@ -78,7 +78,22 @@ def only_for_now():
     try:
         yield
     finally:
-        bpy.data.batch_remove([block for pointer, block in all_data().items() if pointer not in before])
+        _remove_all_but(before)
+
+
+@contextmanager
+def whole_or_nothing():
+    """Remove every datablock that appears inside when that fails."""
+    before = set(all_data())
+    try:
+        yield
+    except BaseException:
+        _remove_all_but(before)
+        raise
+
+
+def _remove_all_but(before):
+    bpy.data.batch_remove([block for pointer, block in all_data().items() if pointer not in before])
 
 
 def all_data():

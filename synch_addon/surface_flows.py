@@ -94,16 +94,12 @@ class PlaneFlow(SurfaceFlow):
         self._velocity = np.pad(velocity, ((0, 0), (0, 1)))
 
     def target(self):
-        """A new object with the squares and the velocity."""
+        """A new object with the squares and the velocity, in no scene yet."""
         data = bpy.data.meshes.new(self.name)
         faces = self.given.polygons.corner_vertices.reshape(-1, 4)
         data.from_pydata(self.given.mesh.vertices.tolist(), [], faces.tolist())
         obj = bpy.data.objects.new(self.name, data)
-        bpy.context.scene.collection.objects.link(obj)
         scene_io.write_attribute(obj, VELOCITY, "POINT", "FLOAT_VECTOR", self._velocity)
-        for other in bpy.context.view_layer.objects:
-            other.select_set(other == obj)
-        bpy.context.view_layer.objects.active = obj
         return obj
 
 

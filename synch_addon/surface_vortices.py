@@ -15,8 +15,9 @@ from .flows import STRENGTH
 from .globe import SPHERE
 from .jobs import portion
 from .materials import pattern_material
+from .render import whole_or_nothing
 from .vortex_choice import remember
-from .vortex_objects import seen
+from .vortex_objects import present, seen
 from .vortex_report import SolvedFlow, report_of
 from .write import write_phases
 
@@ -49,8 +50,11 @@ class SurfaceJob:
         """
         solved = self._solved
         shown = seen(solved.found, solved.sphere, solved.settings.point)
-        obj = self._source.target()
-        facts = self._fill(solved, shown, [obj])
+        with whole_or_nothing():
+            obj = self._source.target()
+            facts = self._fill(solved, shown, [obj])
+        if not obj.users_collection:
+            present([obj])
         report = report_of(solved, shown, [obj], self._start) | facts
         remember(solved, [obj], report, self._fill)
         return report

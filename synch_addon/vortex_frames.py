@@ -13,6 +13,7 @@ from ..core.solve.monitor import Monitor
 from .flow_frames import common_grid, flow_frames
 from .flows import check_resolution, check_size
 from .jobs import portion
+from .render import whole_or_nothing
 from .report import peak_memory, versions
 from .vortex_objects import make_filaments, make_tubes, missing, seen, showing
 from .vortex_report import vorticity_share
@@ -92,17 +93,18 @@ class SequenceJob:
     def write(self):
         """Make a collection with an object for each frame, and for both two; returns the report."""
         settings = self.settings
-        collection = bpy.data.collections.new(f"{self._name} Vortices")
+        with whole_or_nothing():
+            collection = bpy.data.collections.new(f"{self._name} Vortices")
+            for frame, shown, _ in self._frames:
+                for wanted, make, kind in (
+                    (shown.tubes, make_tubes, "Tubes"),
+                    (shown.lines, make_filaments, "Filaments"),
+                ):
+                    if wanted is not None:
+                        made = make(f"{self._name} {kind} {frame:04d}", shown)
+                        collection.objects.link(made)
+                        _show_at(made, frame)
         bpy.context.scene.collection.children.link(collection)
-        for frame, shown, _ in self._frames:
-            for wanted, make, kind in (
-                (shown.tubes, make_tubes, "Tubes"),
-                (shown.lines, make_filaments, "Filaments"),
-            ):
-                if wanted is not None:
-                    made = make(f"{self._name} {kind} {frame:04d}", shown)
-                    collection.objects.link(made)
-                    _show_at(made, frame)
         return {
             "status": "solved",
             "command": "clebsch",

@@ -144,6 +144,17 @@ def fill_tubes(obj, shown):
         data.attributes.new(attribute, kind, "POINT").data.foreach_set(field, values.astype(np.float32).ravel())
 
 
+def present(objects):
+    """Put new objects into the scene, selected, the last one active."""
+    layer = bpy.context.view_layer
+    for other in layer.objects:
+        other.select_set(False)
+    for made in objects:
+        bpy.context.scene.collection.objects.link(made)
+        made.select_set(True)
+    layer.objects.active = objects[-1]
+
+
 def fill(solved, found, objects):
     """Show a map of a solved flow in the objects that were made for it; returns the facts."""
     shown = showing(found, solved.sphere, solved.settings)

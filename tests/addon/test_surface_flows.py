@@ -9,12 +9,14 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import MeshError, SettingError
-from synch_fields.synch_addon import api, scene_io
+from synch_fields.synch_addon import api, scene_io, surface_vortices
 from synch_fields.synch_addon.clebsch import ClebschSettings, clebsch, job_for
 from synch_fields.synch_addon.cli import main
 from synch_fields.synch_addon.defect_empties import defect_empties
 from synch_fields.synch_addon.flows import STRENGTH, ArrayFile
 from synch_fields.synch_addon.surface_flows import surface_flow
+
+from .scenes import snapshot
 
 QUANTUM = np.pi / 5
 
@@ -166,6 +168,21 @@ def test_what_is_no_flow_is_refused_and_changes_nothing(tmp_path):
     np.savez(tmp_path / "inf.npz", velocity=np.full((9, 9, 2), np.inf))
     with pytest.raises(SettingError, match="is not a number"):
         clebsch(tmp_path / "inf.npz")
+
+
+def test_a_plane_that_fails_while_it_is_written_leaves_nothing(disk, monkeypatch):
+    bpy.ops.mesh.primitive_cube_add()
+    job = job_for(disk, ClebschSettings(quantum=QUANTUM, method="spectral"))
+    job.solve()
+    before = snapshot()
+    paint = surface_vortices.pattern_material
+    monkeypatch.setattr(surface_vortices, "pattern_material", lambda *_, **__: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        job.write()
+    assert snapshot() == before
+    monkeypatch.setattr(surface_vortices, "pattern_material", paint)
+    obj = bpy.data.objects[job.write()["object"]]
+    assert obj.name == "disk" and bpy.context.active_object == obj and obj.select_get()
 
 
 def test_only_the_header_of_a_flow_in_space_is_read_at_first(tmp_path, disk, monkeypatch):

@@ -10,7 +10,8 @@ import pytest
 
 from synch_fields.core.errors import Cancelled, SettingError
 from synch_fields.core.fields.clebsch import quantum_for
-from synch_fields.synch_addon import api
+from synch_fields.synch_addon import api, vortex_frames
+from synch_fields.synch_addon.clebsch import ClebschSettings, job_for
 from synch_fields.synch_addon.cli import main
 from synch_fields.synch_addon.flow_choice import expected_shape
 from synch_fields.synch_addon.flow_frames import flow_frames
@@ -164,6 +165,25 @@ def test_cancelling_between_frames_writes_nothing(folder):
     with pytest.raises(Cancelled):
         api.clebsch(folder / "smoke_####.vdb", lambda stage, _: "frame 2, " not in stage, frames=(1, 3), **SETTINGS)
     assert snapshot() == before
+
+
+def test_what_fails_while_it_is_written_leaves_nothing(folder, monkeypatch):
+    make, asked = vortex_frames.make_filaments, []
+
+    def breaking(name, shown):
+        asked.append(name)
+        if len(asked) == 2:
+            raise MemoryError
+        return make(name, shown)
+
+    job = job_for(folder / "smoke_####.vdb", ClebschSettings(frames=(1, 2), show="both", **SETTINGS))
+    job.solve()
+    before, counts = snapshot(), (len(bpy.data.curves), len(bpy.data.actions))
+    monkeypatch.setattr(vortex_frames, "make_filaments", breaking)
+    with pytest.raises(MemoryError):
+        job.write()
+    assert snapshot() == before and (len(bpy.data.curves), len(bpy.data.actions)) == counts
+    assert len(bpy.data.collections[job.write()["object"]].objects) == 4
 
 
 def test_the_command_line_solves_frames(folder, tmp_path, capfd):
