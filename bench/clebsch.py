@@ -14,13 +14,12 @@ the longest side.
 import sys
 
 import numpy as np
-from grids import QUANTA, trefoil_velocity
+from grids import QUANTA, trefoil_grid, trefoil_velocity
 from tables import Column, print_table
 
 from synch_fields.core.extract.filaments import filaments
 from synch_fields.core.fields.clebsch import TURN, circulations, clebsch_map, edge_integrals, quantum_for
 from synch_fields.core.fields.loops import loop_error
-from synch_fields.core.geometry.grid import Grid
 from synch_fields.core.solve import Options
 
 CUTS = (6, 4, 3, 2, 1)
@@ -52,7 +51,7 @@ COUNTS = (Column("h / 2π", "h", ".3f"), Column("energy", "energy", ".2f"), Colu
 def main(nodes=40):
     """Print both tables."""
     shape = (nodes, nodes, nodes // 2)
-    grid = Grid(shape, 1 / (nodes - 1), -0.5 * (np.array(shape) - 1) / (nodes - 1))
+    grid = trefoil_grid(shape)
     integrals = edge_integrals(grid, trefoil_velocity(grid.places))
     rows = []
     for cut in CUTS:

@@ -16,11 +16,10 @@ from pathlib import Path
 import bpy
 import numpy as np
 from figures import beside
-from grids import QUANTA, trefoil_velocity
+from grids import QUANTA, trefoil_grid, trefoil_velocity
 from mathutils import Euler, Matrix
 
 from synch_fields import register, unregister
-from synch_fields.core.geometry.grid import Grid
 from synch_fields.synch_addon.clebsch import clebsch
 from synch_fields.synch_addon.globe import SPHERE, globe_group
 from synch_fields.synch_addon.nodes import STRIPES_NAME
@@ -84,9 +83,8 @@ def knot(folder, path):
 
 def save_trefoil(folder, nodes):
     """A .npz file with the velocity around the knot."""
-    shape = np.array([nodes, nodes, nodes // 2])
-    grid = Grid(shape, 1 / (nodes - 1), -0.5 * (shape - 1) / (nodes - 1))
-    velocity = trefoil_velocity(grid.places).reshape(*shape, 3)
+    grid = trefoil_grid((nodes, nodes, nodes // 2))
+    velocity = trefoil_velocity(grid.places).reshape(*grid.shape, 3)
     np.savez(folder / "trefoil.npz", velocity=velocity, spacing=grid.spacing, origin=grid.origin)
     return folder / "trefoil.npz"
 

@@ -21,11 +21,9 @@ from ..core.fields.clebsch import edge_integrals
 from ..core.geometry.grid import Grid
 from .strokes import SOURCE_TYPES, polylines
 from .volume_files import shown_file
-from .vortex_nodes import is_of_filaments
+from .vortex_nodes import STRENGTH, is_of_filaments
 
 SUFFIXES = (".vdb", ".npz")
-# Custom property of a curve object: the circulation around it.
-STRENGTH = "synch_strength"
 # Vector attribute of a mesh, the one that Blender's own liquids have, and names of a volume's.
 VELOCITY = "velocity"
 _USUAL = (VELOCITY, "vel", "v")

@@ -11,12 +11,12 @@ from ..core.fields.clebsch import clebsch_map, quantum_for, spherical_map
 from ..core.interpolate import EdgePhases
 from . import scene_io
 from .defect_empties import Defect, write_defects
-from .flows import STRENGTH
 from .globe import SPHERE
 from .jobs import portion
 from .materials import pattern_material
 from .render import whole_or_nothing
 from .vortex_choice import remember
+from .vortex_nodes import COLOR, STRENGTH
 from .vortex_objects import present, seen
 from .vortex_report import SolvedFlow, report_of
 from .write import write_phases
@@ -80,7 +80,7 @@ class SurfaceJob:
 def _write_sphere(obj, points):
     scene_io.write_attribute(obj, SPHERE, "POINT", "FLOAT_VECTOR", points)
     colors = np.column_stack([0.5 + 0.5 * points, np.ones(len(points))])
-    scene_io.write_attribute(obj, "synch_color", "POINT", "FLOAT_COLOR", colors)
+    scene_io.write_attribute(obj, COLOR, "POINT", "FLOAT_COLOR", colors)
 
 
 def _write_vortices(obj, given, shown, polygons, period):

@@ -14,8 +14,8 @@ from .relief import GeometryCanvas, set_input
 
 TUBES_NAME, FILAMENTS_NAME = "Synch Tubes", "Synch Filaments"
 _VERSION = 1
-# What the geometry nodes store for shaders.
-STRENGTH_NAME, COLOR_NAME = "synch_strength", "synch_color"
+# What objects of vortices carry: the circulation, as a custom property of curves too, and a point's color.
+STRENGTH, COLOR = "synch_strength", "synch_color"
 _BRASS, _CRIMSON = (0.60, 0.33, 0.09, 1.0), (0.42, 0.02, 0.05, 1.0)
 
 _TUBES_INPUTS = (
@@ -85,8 +85,8 @@ def filaments_group() -> bpy.types.GeometryNodeTree:
         share = ((number - 1.0) / (inputs["Many"] - 1.0).maximum(1e-6)).clamped()
         color = canvas.color_mix(share, inputs["Color"], inputs["Strongest"])
     with canvas.band("Attributes"):
-        curves = _stored(canvas, inputs["Geometry"], STRENGTH_NAME, "FLOAT", strength)
-        curves = _stored(canvas, curves, COLOR_NAME, "FLOAT_COLOR", color)
+        curves = _stored(canvas, inputs["Geometry"], STRENGTH, "FLOAT", strength)
+        curves = _stored(canvas, curves, COLOR, "FLOAT_COLOR", color)
     with canvas.band("Tubes"):
         tubes = _around(canvas, curves, (inputs["Radius"] * root).named("radius"), inputs["Sides"])
         smooth = canvas.node("GeometryNodeSetShadeSmooth", tubes.depth + 1, inputs={0: tubes})
@@ -159,6 +159,6 @@ def filament_material():
     surface = tree.nodes["Principled BSDF"]
     surface.inputs["Metallic"].default_value, surface.inputs["Roughness"].default_value = 0.55, 0.32
     color = tree.nodes.new("ShaderNodeAttribute")
-    color.attribute_name, color.location = COLOR_NAME, (-220, 180)
+    color.attribute_name, color.location = COLOR, (-220, 180)
     tree.links.new(color.outputs["Color"], surface.inputs["Base Color"])
     return material

@@ -13,10 +13,9 @@ import numpy as np
 from ..core.extract.filaments import Filament, filaments
 from ..core.extract.isosurface import evened, isosurface
 from ..core.fields.clebsch import ClebschMap, SphericalMap
-from .flows import STRENGTH
 from .globe import SPHERE
 from .materials import pattern_material
-from .vortex_nodes import COLOR_NAME, add_filaments_modifier
+from .vortex_nodes import COLOR, STRENGTH, add_filaments_modifier
 
 # Radius of a filament's tube in cells of the grid.
 _THICKNESS = 0.25
@@ -139,7 +138,7 @@ def fill_tubes(obj, shown):
     colors = np.column_stack([0.5 + 0.5 * tubes.sphere, np.ones(len(tubes.sphere))])
     for attribute, kind, field, values in (
         (SPHERE, "FLOAT_VECTOR", "vector", tubes.sphere),
-        (COLOR_NAME, "FLOAT_COLOR", "color", colors),
+        (COLOR, "FLOAT_COLOR", "color", colors),
     ):
         data.attributes.new(attribute, kind, "POINT").data.foreach_set(field, values.astype(np.float32).ravel())
 

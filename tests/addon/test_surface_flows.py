@@ -13,8 +13,9 @@ from synch_fields.synch_addon import api, scene_io, surface_vortices
 from synch_fields.synch_addon.clebsch import ClebschSettings, clebsch, job_for
 from synch_fields.synch_addon.cli import main
 from synch_fields.synch_addon.defect_empties import defect_empties
-from synch_fields.synch_addon.flows import STRENGTH, ArrayFile
+from synch_fields.synch_addon.flows import ArrayFile
 from synch_fields.synch_addon.surface_flows import surface_flow
+from synch_fields.synch_addon.vortex_nodes import STRENGTH
 
 from .scenes import snapshot
 
