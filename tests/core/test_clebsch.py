@@ -237,6 +237,24 @@ def test_the_flow_around_a_ring_is_known_on_its_axis():
     np.testing.assert_allclose(velocity, np.column_stack([np.zeros((5, 2)), expected]), atol=1e-4)
 
 
+def test_segments_need_not_be_short():
+    random = np.random.default_rng(4)
+    places, corners = random.uniform(-1, 1, (40, 3)), random.uniform(-1, 1, (4, 3))
+    places[:8] = corners[0] + np.linspace(0, 1, 8)[:, None] * (corners[1] - corners[0])  # on the filament itself
+    shares = np.sort(random.random((3, 30)), axis=1)[:, :, None]
+    parts = [(1 - t) * p + t * q for t, p, q in zip(shares, corners, corners[1:], strict=False)]
+    finer = np.concatenate([part for k in range(3) for part in (corners[k : k + 1], parts[k])] + [corners[3:]])
+    velocity = filament_velocity(places, [(corners, 2.0)], 0.1)
+    np.testing.assert_allclose(filament_velocity(places, [(finer, 2.0)], 0.1), velocity, rtol=0, atol=1e-12)
+    assert np.abs(velocity).max() > 0.5
+    line = np.array([[0, 0, -1e4], [0, 0, 1e4]])
+    at = np.column_stack([np.full(5, 0.1), np.zeros(5), np.linspace(-5, 5, 5)])
+    expected = 3.0 / (2 * np.pi) * 0.1 / (0.1**2 + 0.02**2)
+    np.testing.assert_allclose(
+        filament_velocity(at, [(line, 3.0)], 0.02), np.tile([0, expected, 0], (5, 1)), atol=1e-3 * expected
+    )
+
+
 def test_the_circulation_along_a_loop_is_that_of_the_filament_through_it():
     integrals = filament_integrals(BOX, [(ring_curve(0.27), 2.0)], 1e-3)
     corner = BOX.places[BOX.faces[:, 0]]
