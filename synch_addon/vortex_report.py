@@ -40,7 +40,8 @@ def report_of(solved, found, made, start):
 
     ``found`` is the map whose filaments are shown.
     """
-    solution, energy = found.solution, found.energy
+    solution, energy, sphere = found.solution, found.energy, solved.sphere
+    of_sphere = {"sphere": sphere.seconds} if sphere else {}
     return {
         "status": solution.status.value,
         "command": "clebsch",
@@ -54,9 +55,9 @@ def report_of(solved, found, made, start):
         **quality(solution),
         "energy": energy,
         "gap": relative_gap(energy, solution.lower_bound, solution.noise),
-        "sphere_energy": solved.sphere.energy if solved.sphere else None,
+        "sphere_energy": sphere.energy if sphere else None,
         "vorticity_share": vorticity_share(found, solved.found.vorticity),
-        "times": solution.times | {"total": time.perf_counter() - start},
+        "times": solution.times | of_sphere | {"total": time.perf_counter() - start},
         "peak_memory_mb": peak_memory(),
         "settings": asdict(solved.settings),
         "warnings": solved.warnings,

@@ -6,6 +6,7 @@ carries the circulation h = 2 pi hbar. Two complex numbers instead of one, a poi
 their Hopf map to S^2 shows vortex tubes, and each of its projections is a map with filaments again.
 """
 
+import time
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
@@ -18,7 +19,7 @@ from ..errors import SettingError, name_elements
 from ..geometry.grid import Grid
 from ..geometry.surface import Surface
 from ..problem import SynchronizationProblem
-from ..solve import Solution, solve
+from ..solve import Options, Solution, solve
 from ..solve.lifted import lifted_of_rank
 
 TURN = 2 * np.pi
@@ -114,6 +115,7 @@ class ClebschMap:
     integrals : (e,) of the velocity along the edges
     quantum : circulation of one filament
     problem : SynchronizationProblem
+    options : Options of the solution
     solution : Solution
     phases : (n,) complex, the solution's or others (:meth:`showing`)
     """
@@ -122,6 +124,7 @@ class ClebschMap:
     integrals: np.ndarray
     quantum: float
     problem: SynchronizationProblem
+    options: Options
     solution: Solution
     phases: np.ndarray
 
@@ -162,11 +165,13 @@ class SphericalMap:
     found : ClebschMap whose relaxation it comes from
     lifted : (n, 2) complex, unit rows
     energy : of the lifted problem (Eq. 16 at epsilon 1); no less than the relaxation's bound
+    seconds : that it took
     """
 
     found: ClebschMap
     lifted: np.ndarray
     energy: float
+    seconds: float
 
     @cached_property
     def sphere(self):
@@ -193,12 +198,16 @@ class SphericalMap:
 
 
 def spherical_map(found, callback=None):
-    """The :class:`SphericalMap` of a solved :class:`ClebschMap`: its relaxation at rank 2."""
+    """The :class:`SphericalMap` of a solved :class:`ClebschMap`: its relaxation at rank 2.
+
+    It has what the map left of its time limit, and comes less far where that is short.
+    """
+    begin = time.perf_counter()
     problem = found.problem
-    coordinates = lifted_of_rank(problem, found.solution, 2, callback)
+    coordinates = lifted_of_rank(problem, found.solution, 2, found.options, callback)
     lifted = np.column_stack([problem.expand(column) for column in coordinates.T])
     energy = sum(problem.connection.energy(column) for column in lifted.T)
-    return SphericalMap(found, lifted, energy)
+    return SphericalMap(found, lifted, energy, time.perf_counter() - begin)
 
 
 def _solid_angles(a, b, c):
@@ -218,6 +227,7 @@ def clebsch_map(grid, integrals, quantum, options=None, callback=None, start=Non
     quantum : circulation of one filament
     options, callback, start : see :func:`core.solve.solve`
     """
+    options = Options() if options is None else options
     problem = clebsch_problem(grid, integrals, quantum)
     solution = solve(problem, options, callback, start)
-    return ClebschMap(grid, integrals, quantum, problem, solution, solution.phases)
+    return ClebschMap(grid, integrals, quantum, problem, options, solution, solution.phases)

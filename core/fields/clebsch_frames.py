@@ -9,6 +9,7 @@ matrix of a map to S^3, which is a rotation of its sphere. Colours of tubes and 
 seen then mean the same in every frame.
 """
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -44,13 +45,14 @@ def following_sphere(before, found, callback=None):
     found : ClebschMap of the frame
     callback : see :func:`core.solve.solve`
     """
+    begin = time.perf_counter()
     problem = found.problem
     start = before.lifted * grown_phases(before.found, found.integrals)[:, None]
-    lifted = lifted_of_rank(problem, found.solution, 2, callback, start=start)
+    lifted = lifted_of_rank(problem, found.solution, 2, found.options, callback, start)
     left, _, right = np.linalg.svd(lifted.conj().T @ start)
     lifted = lifted @ (left @ right)
     energy = sum(problem.connection.energy(column) for column in lifted.T)
-    return SphericalMap(found, lifted, energy)
+    return SphericalMap(found, lifted, energy, time.perf_counter() - begin)
 
 
 def grown_phases(before, integrals):

@@ -6,20 +6,22 @@ Y is orthogonal to xi: a random direction draws another configuration, and one o
 defects there.
 """
 
-from functools import cached_property
+from contextlib import suppress
+from functools import cached_property, partial
 
 import numpy as np
 
 from ..errors import SettingError
 from .descent import descend
-from .monitor import Monitor
+from .monitor import Monitor, OutOfTime
 from .rounding import ground_to_one
-from .spheres import gaussian
+from .spheres import Lifted, gaussian
 from .stage import Workspace
 from .threads import one_blas_thread
 
-# Descents at a given rank end when the predicted relative decrease is below this, or after so many steps.
-TOLERANCE, STEPS = 1e-7, 500
+# Descents at a given rank end when the predicted relative decrease is below this share of the target gap, or after so
+# many steps.
+TOLERANCE, STEPS = 1e-5, 500
 # Metric shift as a share of the energy per mass.
 SHIFT = 0.1
 # Projections that are shorter than this share of the lifted vector have no phase of their own.
@@ -114,7 +116,7 @@ class LiftedField:
         return problem.expand(coordinates)
 
 
-def lifted_of_rank(problem, solution, rank, callback=None, start=None):
+def lifted_of_rank(problem, solution, rank, options, callback=None, start=None):
     """(N, rank) lifted field of less energy than all nearby ones of the same rank (Eq. 24 at a given r).
 
     It starts from the leading columns of a solved relaxation, unless a start is given.
@@ -124,22 +126,30 @@ def lifted_of_rank(problem, solution, rank, callback=None, start=None):
     problem : SynchronizationProblem on the circle
     solution : its Solution by the method sdp
     rank : columns, 2 for a spherical Clebsch map
+    options : Options of that solution; what it has left of a time limit bounds this too, which then comes less far
     callback : see :func:`core.solve.solve`
     start : (N, rank) lifted field of a nearby problem, optional
     """
     result = np.array(LiftedField(problem, solution).lifted[:, :rank] if start is None else start)
     if result.shape[1] < rank:
         result = np.hstack([result, np.zeros((len(result), rank - result.shape[1]), result.dtype)])
-    monitor = Monitor(callback)
-    monitor.at(f"rank {rank}", 0.0)
+    left = None if options.time_limit is None else max(options.time_limit - sum(solution.times.values()), 0.0)
+    monitor = Monitor(callback, left)
     with one_blas_thread():
         for piece in problem.pieces:
-            scaled, _ = piece.scaled()
-            workspace = Workspace(scaled)
-            stage, matrix = workspace.stages[0], workspace.matrix
-            point = stage.lifted.normalize(result[piece.rows])
-            density = max(float(stage.lifted.energies(point, matrix @ point)[0]), 0.0) / scaled.mass.sum()
-            metric = stage.metric(SHIFT * density)
-            descent = descend(matrix, stage.lifted, point, metric, TOLERANCE, STEPS, monitor)
-            result[piece.rows] = descent.point
+            point = Lifted(piece.block).normalize(result[piece.rows])
+            with suppress(OutOfTime):
+                point = _descended(piece, point, TOLERANCE * options.target_gap, monitor)
+            result[piece.rows] = point
     return result
+
+
+def _descended(piece, point, tolerance, monitor):
+    """(N, r) where a piece's descent from there ends, or time does."""
+    monitor.at(f"rank {point.shape[1]}", 0.0)
+    scaled, _ = piece.scaled()
+    workspace = monitor.during(partial(Workspace, scaled))
+    stage, matrix = workspace.stages[0], workspace.matrix
+    density = max(float(stage.lifted.energies(point, matrix @ point)[0]), 0.0) / scaled.mass.sum()
+    metric = monitor.during(partial(stage.metric, SHIFT * density))
+    return descend(matrix, stage.lifted, point, metric, tolerance, STEPS, monitor).point

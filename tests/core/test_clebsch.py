@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Clebsch maps: known filaments are found, spheres are covered as often as there is vorticity."""
 
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -168,6 +169,17 @@ def test_every_vortex_lies_where_the_sphere_is_seen_from_behind():
         assert len(punctured) == covered
         facing = sphere.sphere[grid.faces[punctured]].mean(axis=1) @ (np.array(point) / np.linalg.norm(point))
         assert (facing < -0.9).all()
+
+
+def test_the_sphere_takes_no_more_time_than_the_limit_leaves_nor_than_the_gap_needs():
+    found = rankine(4)
+    sphere = spherical_map(found)
+    fine = spherical_map(replace(found, options=Options(target_gap=1e-4)))
+    assert fine.energy <= sphere.energy <= 1.001 * fine.energy
+    late = spherical_map(replace(found, options=Options(time_limit=1e-3)))  # which the map has taken
+    first = found.solution.lifted[:, :2]
+    np.testing.assert_allclose(late.lifted, first / np.linalg.norm(first, axis=1)[:, None], atol=1e-12)
+    assert late.energy > sphere.energy and late.seconds < sphere.seconds
 
 
 def test_a_projection_is_that_of_the_lifted_rows():

@@ -109,7 +109,7 @@ def test_the_sphere_hardly_moves_where_the_flow_does_not(frames):
     same = following_sphere(before, first)
     np.testing.assert_allclose(same.sphere, before.sphere, atol=0.02)
     assert same.energy <= before.energy * (1 + 1e-6)
-    turned = type(before)(first, before.lifted @ np.array([[0.6, 0.8], [-0.8, 0.6]]), before.energy)
+    turned = type(before)(first, before.lifted @ np.array([[0.6, 0.8], [-0.8, 0.6]]), before.energy, 0.0)
     assert np.abs(turned.sphere - before.sphere).max() > 0.5
     np.testing.assert_allclose(following_sphere(turned, first).sphere, turned.sphere, atol=0.02)
     moved = following_sphere(before, second)
