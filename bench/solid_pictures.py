@@ -23,7 +23,7 @@ BLUE, ROSE = (0.035, 0.16, 0.52, 1), (0.62, 0.06, 0.17, 1)
 DARK = (0.012, 0.014, 0.02, 1)
 GRADIENT = [(0.0, (0.012, 0.045, 0.16, 1)), (0.45, (0.03, 0.27, 0.32, 1)), (1.0, (0.88, 0.66, 0.3, 1))]
 # Radius of the tubes around curves, in diagonals of the box, and how often their points move to their neighbours.
-TUBE, SMOOTHING = 0.004, 30
+TUBE, SMOOTHING = 0.004, 60
 
 
 def picture_of_layers(name, pattern, is_sdp, path):

@@ -20,7 +20,7 @@ from .quad_object import nearest, surface_tree
 SOLID = "synch_solid"
 MADE = {"layers": "synch_layers_object", "curves": "synch_curves_object", "surface": "synch_surface_object"}
 # Radius of a dislocation curve, in spacings, and how often its points move between their neighbours to be smooth.
-_RADIUS, _SMOOTHING = 0.06, 20
+_RADIUS, _SMOOTHING = 0.06, 40
 
 
 def solid_of(obj):

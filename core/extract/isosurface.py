@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from itertools import permutations
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from ..geometry import TriangleMesh
+from .evening import evened_along
 
 # Values this near to the level are moved off it, as a share of the largest difference to it.
 ASIDE = 1e-9
-# Steps of smoothing, there and back, which leaves the size alone (Taubin 1995).
-_THERE, _BACK = 0.5, -0.52
+# Smoothing goes half of the way to the mean of the neighbours, and a little further back.
+_STEPS = 0.5, -0.52
 
 
 @dataclass(frozen=True)
@@ -43,18 +43,9 @@ def evened(mesh, values, times):
     they stay.
     """
     i, j = mesh.edges.T
-    count = mesh.vertex_count
     rows, columns = np.concatenate([i, j]), np.concatenate([j, i])
     inside = ~mesh.boundary_vertices[rows]
-    rows, columns = rows[inside], columns[inside]
-    shares = 1 / np.bincount(rows, minlength=count)[rows]
-    means = csr_array((shares, (rows, columns)), shape=(count, count))
-    moves = np.zeros(count, bool)
-    moves[rows] = True
-    for _ in range(times):
-        for step in (_THERE, _BACK):
-            values = values + step * np.where(moves[:, None], means @ values - values, 0)
-    return values
+    return evened_along(values, rows[inside], columns[inside], times, _STEPS)
 
 
 def isosurface(grid, values, level):

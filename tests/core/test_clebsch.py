@@ -82,6 +82,17 @@ def test_a_ring_across_the_sides_of_a_periodic_grid():
     assert lengths == pytest.approx(2 * np.pi * 0.27, rel=0.15)
 
 
+def test_smoothing_does_not_shrink_small_rings():
+    grid = Grid((13, 12, 8), origin=(-6, -5.5, -3.4))
+    for radius in (1.0, 2.0, 3.0):
+        ring = ring_curve(radius, (0.1, 0.05, 0.07), 2)
+        found = clebsch_map(grid, filament_integrals(grid, [(ring, 1.0)], 0.3), 1.0)
+        (rough,), (even,) = filaments(found), filaments(found, 5)
+        radii = [np.hypot(*(line.points - line.points.mean(axis=0))[:, :2].T).mean() for line in (rough, even)]
+        assert abs(radii[1] - radii[0]) < 0.1
+        assert 0.88 * rough.length < even.length < rough.length
+
+
 def test_linked_rings_stay_linked():
     grid = Grid((26, 22, 22), spacing=1 / 25, origin=(-0.5, -0.42, -0.42))
     curves = ring_curve(0.22, (-0.11, 0, 0), 2), ring_curve(0.22, (0.11, 0, 0), 1)
@@ -223,7 +234,12 @@ def test_smoothing_holds_the_ends():
     moved = smoothed(points, False, 5)
     np.testing.assert_array_equal(moved[[0, -1]], points[[0, -1]])
     assert np.abs(np.diff(moved, 2, axis=0)).sum() < np.abs(np.diff(points, 2, axis=0)).sum()
-    np.testing.assert_allclose(smoothed(points, True, 200), points.mean(axis=0) + np.zeros((9, 3)), atol=1e-3)
+    turn = np.arange(12) * 2 * np.pi / 12
+    circle = np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])
+    jagged = circle + 0.2 * np.array([0, 0, 1]) * (-1) ** np.arange(12)[:, None]
+    moved = smoothed(jagged, True, 5)
+    assert np.abs(moved[:, 2]).max() < 0.02  # what changes from each to the next goes, the size stays
+    assert np.linalg.norm(moved[:, :2], axis=1) == pytest.approx(1, abs=0.02)
 
 
 def test_what_is_no_flow_is_refused():
