@@ -38,7 +38,7 @@ class Filament:
 def filaments(found, smoothing=0):
     """Filaments of a :class:`ClebschMap` in three dimensions, through the points where they pass the grid's faces.
 
-    A filament that leaves through a periodic side is closed by what comes in on the other one, and given in pieces.
+    A filament that leaves through a periodic side comes in on the other one, and is given in pieces that end there.
 
     Parameters
     ----------
@@ -49,17 +49,12 @@ def filaments(found, smoothing=0):
     places = np.empty((len(numbers), 3))
     passed = np.flatnonzero(numbers)
     places[passed] = puncture_places(found, passed)
-    box = grid.spacing * grid.shape
     result = []
     for strand in joined_strands(numbers, grid.cell_faces, grid.outward):
-        points = places[strand.faces]
-        steps = np.diff(points, axis=0, append=points[:1] if strand.is_closed else points[-1:])
-        jumps = (np.abs(steps) > box / 2).any(axis=1)
-        is_closed = strand.is_closed and not jumps.any()
-        for piece in [points] if not jumps.any() else _pieces(points, jumps, strand.is_closed):
-            if len(piece) > 1:
-                piece = smoothed(piece, is_closed, smoothing)
-                result.append(Filament(piece, strand.index * found.quantum, is_closed))
+        pieces, is_closed = _pieces(grid, strand, places)
+        for piece in pieces:
+            piece = smoothed(piece, is_closed, smoothing)
+            result.append(Filament(piece, strand.index * found.quantum, is_closed))
     return result
 
 
@@ -76,12 +71,26 @@ def vortices(found):
     return faces, puncture_places(found, faces), found.quantum * found.face_numbers[faces]
 
 
-def _pieces(points, jumps, is_closed):
-    """Runs of points between jumps; what a closed curve ends with goes before its beginning."""
-    runs = np.split(points, np.flatnonzero(jumps) + 1)
-    if is_closed and not jumps[-1]:
-        runs[0] = np.concatenate([runs.pop(), runs[0]])
-    return runs
+def _pieces(grid, strand, places):
+    """(p, 3) points of the parts of a strand between the periodic sides, and whether it is one that is closed.
+
+    Each step from face to face lies in a cell; points on a periodic side are taken where they are beside it.
+    """
+    faces, count = strand.faces, len(strand.cells)
+    if count == 0:
+        return [], False
+    middles = grid.places[grid.faces[grid.cell_faces[strand.cells, 0], 0]] + grid.spacing / 2
+    box = grid.spacing * grid.shape
+    starts, ends = places[faces[:count]], places[np.roll(faces, -1)[:count]]
+    starts, ends = (p + box * np.rint((middles - p) / box * grid.periodic) for p in (starts, ends))
+    leaves = (np.abs(np.roll(starts, -1, axis=0) - ends) > box / 2).any(axis=1)
+    if strand.is_closed:
+        if not leaves.any():
+            return [starts], True
+        first = np.flatnonzero(leaves)[0] + 1
+        starts, ends, leaves = (np.roll(values, -first, axis=0) for values in (starts, ends, leaves))
+    runs = np.split(np.arange(count), np.flatnonzero(leaves[:-1]) + 1)
+    return [np.concatenate([starts[run], ends[run[-1:]]]) for run in runs], False
 
 
 def puncture_places(found, faces):

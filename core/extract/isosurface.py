@@ -7,6 +7,7 @@ from itertools import permutations
 import numpy as np
 
 from ..geometry import TriangleMesh
+from ..geometry.grid import Grid
 from .evening import evened_along
 
 # Values this near to the level are moved off it, as a share of the largest difference to it.
@@ -51,9 +52,10 @@ def evened(mesh, values, times):
 def isosurface(grid, values, level):
     """The :class:`Isosurface` of (n,) values at the nodes of a :class:`Grid` of three dimensions.
 
-    Cells that go around the end of a periodic axis are left out: the surface ends there.
+    Along a periodic axis it goes on to the image of the first nodes, and is open there.
     """
-    above = values - level
+    grid, sources = _unrolled(grid)
+    above = values[sources] - level
     nearly = np.abs(above) < ASIDE * np.abs(above).max(initial=0)
     above = np.where(nearly, ASIDE * np.abs(above).max(initial=1), above)
     inside = above > 0
@@ -86,7 +88,14 @@ def isosurface(grid, values, level):
     )
     turned = np.einsum("ij,ij->i", normals, outwards) < 0
     triangles[turned] = triangles[turned][:, ::-1]
-    return Isosurface(TriangleMesh(points, triangles), ends, shares)
+    return Isosurface(TriangleMesh(points, triangles), sources[ends], shares)
+
+
+def _unrolled(grid):
+    """A grid of one period, with the first nodes of periodic axes again behind the last ones, and (n,) the nodes that
+    its own are."""
+    sources = np.pad(grid.numbers, [(0, int(periodic)) for periodic in grid.periodic], mode="wrap")
+    return Grid(sources.shape, grid.spacing, grid.origin), sources.ravel()
 
 
 def _tetrahedra(grid, inside):

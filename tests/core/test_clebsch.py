@@ -49,10 +49,12 @@ def test_a_ring_of_one_quantum_is_one_filament(normal):
 def test_a_straight_filament_on_a_grid_that_is_periodic_along_it():
     grid = Grid((17, 17, 8), spacing=1 / 16, origin=(-0.5, -0.5, 0), periodic=(False, False, True))
     found = clebsch_map(grid, line_integrals(grid, [0.03, -0.01]), 1.0)
-    lines = filaments(found)
-    assert sum(len(line.points) for line in lines) == 8
-    points = np.concatenate([line.points for line in lines])
-    assert np.abs(points[:, :2] - [0.03, -0.01]).max() < 0.5 / 16 and lines[0].strength == 1.0
+    (line,) = filaments(found)
+    points = line.points
+    np.testing.assert_allclose(points[:, 2], np.arange(9) / 16, atol=1e-12)  # from one side of the period to the other
+    assert np.abs(points[:, :2] - [0.03, -0.01]).max() < 0.5 / 16 and line.strength == 1.0
+    (down,) = filaments(clebsch_map(grid, line_integrals(grid, [0.03, -0.01], -1.0), 1.0))
+    np.testing.assert_allclose(down.points[:, 2], np.arange(8, -1, -1) / 16, atol=1e-12)
     assert np.abs(found.face_numbers).sum() == 8
 
 
@@ -75,6 +77,9 @@ def test_a_ring_across_the_sides_of_a_periodic_grid():
     assert not around.sum(axis=1).any()
     lines = filaments(found)
     assert len(lines) == 2 and not any(line.is_closed for line in lines)  # cut where it leaves the box
+    for line in lines:
+        on_side = np.isclose(line.points[[0, -1], 0][:, None], [0, box[0]], atol=1e-12)
+        assert on_side.any(axis=1).all() and (line.points >= -1e-12).all() and (line.points <= box + 1e-12).all()
     away = np.concatenate([line.points for line in lines]) - centre
     away -= box * np.round(away / box)
     assert np.abs(np.hypot(away[:, 0], away[:, 1]) - 0.27).max() < 0.5 / 12 and np.abs(away[:, 2]).max() < 0.5 / 12

@@ -44,6 +44,24 @@ def test_a_plane_ends_at_the_sides_of_the_grid(level):
     np.testing.assert_allclose(found.interpolated(BOX.places), found.mesh.vertices, atol=1e-12)
 
 
+@pytest.mark.parametrize("periodic", [(False, False, True), (True, True, True)])
+def test_a_tube_goes_on_to_the_end_of_the_period(periodic):
+    grid = Grid((16, 18, 10), spacing=0.1, origin=(-0.8, -0.9, 0.3), periodic=periodic)
+    found = isosurface(grid, -np.hypot(grid.places[:, 0], grid.places[:, 1]), -0.5)
+    assert found.mesh.euler_characteristic == 0 and len(found.mesh.boundary_edges) > 0
+    heights = found.mesh.vertices[:, 2]
+    assert heights.min() == pytest.approx(0.3) and heights.max() == pytest.approx(1.3)
+    assert found.mesh.areas.sum() == pytest.approx(2 * np.pi * 0.5 * 1.0, rel=0.02)
+    np.testing.assert_allclose(np.linalg.norm(found.interpolated(grid.places[:, :2]), axis=1), 0.5, atol=0.01)
+
+
+def test_a_tube_across_the_sides_is_cut_there():
+    grid = Grid((16, 16, 10), spacing=0.1, periodic=True)
+    across = np.abs(grid.places[:, :2] - 1.6 * np.round(grid.places[:, :2] / 1.6))  # to the nearest axis of the tubes
+    found = isosurface(grid, -np.linalg.norm(across, axis=1), -0.5)
+    assert found.mesh.areas.sum() == pytest.approx(2 * np.pi * 0.5 * 1.0, rel=0.02)
+
+
 def test_nothing_is_found_where_there_is_nothing():
     found = isosurface(BOX, np.zeros(BOX.node_count), 1.0)
     assert found.mesh.triangle_count == 0
