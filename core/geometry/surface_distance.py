@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from ..errors import MeshError
 from .check import check_mesh
+from .shells import turned_outwards
 
 # Triangles are cut into pieces until these cover about as much area each as the surface's over this number, at least.
 FEWEST_PIECES = 5000
@@ -26,7 +27,8 @@ class SurfaceDistance:
 
     Parameters
     ----------
-    mesh : TriangleMesh, closed, not meeting itself; all faces outwards (inwards around a cavity), or all turned round
+    mesh : TriangleMesh, closed, not meeting itself; which way the faces of a shell look does not matter: one in
+        another is a cavity
     nearest : callable, (k, 3) points -> (k,) the triangle nearest to each, in place of the search here; optional
 
     Raises
@@ -38,6 +40,7 @@ class SurfaceDistance:
     def __init__(self, mesh, nearest=None):
         check_mesh(mesh)
         _refuse_open(mesh)
+        mesh = turned_outwards(mesh)
         self.mesh, self._nearest = mesh, nearest
         self._corners = mesh.vertices[mesh.triangles]
         if nearest is not None:
@@ -53,14 +56,10 @@ class SurfaceDistance:
         return np.stack([points.min(axis=0), points.max(axis=0)])
 
     @cached_property
-    def _signed_volume(self):
-        a, b, c = np.moveaxis(self.mesh.vertices[self.mesh.triangles] - self.bounds[0], 1, 0)
-        return float(np.einsum("tx,tx->", np.cross(a, b), c)) / 6
-
-    @property
     def volume(self):
         """Of the space inside."""
-        return abs(self._signed_volume)
+        a, b, c = np.moveaxis(self._corners - self.bounds[0], 1, 0)
+        return float(np.einsum("tx,tx->", np.cross(a, b), c)) / 6
 
     @property
     def area(self):
@@ -72,14 +71,14 @@ class SurfaceDistance:
         signed = np.empty(len(points))
         if self._nearest is not None:
             self._measure_from(self._nearest(points)[:, None], points, signed, np.arange(len(points)))
-            return signed if self._signed_volume > 0 else -signed
+            return signed
         waiting, count = np.arange(len(points)), FIRST_CANDIDATES
         while len(waiting):
             count = min(count, self._tree.n)
             batches = np.array_split(waiting, -(-len(waiting) * count // BATCH))
             waiting = np.concatenate([at[~self._measure(points, signed, at, count)] for at in batches])
             count *= 4
-        return signed if self._signed_volume > 0 else -signed
+        return signed
 
     def _measure(self, points, signed, at, count):
         """Fill in the distances of some points as far as so many pieces near each tell: (k,) bool, where they do."""

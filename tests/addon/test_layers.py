@@ -40,6 +40,19 @@ def test_a_constant_field_gives_exact_layers(axis):
     np.testing.assert_allclose(np.diff([height.mean() for height in heights]), 0.2, atol=1e-6)
 
 
+def test_cavities_are_left_out_whichever_way_their_faces_look():
+    """Recalculate Outside turns those of a cavity outwards like all others."""
+    outer, cavity = block((2, 2, 2)), block()
+    with bpy.context.temp_override(active_object=outer, selected_editable_objects=[outer, cavity]):
+        bpy.ops.object.join()
+    report = api.layers(outer, spacing=0.7, size=0.3)
+    assert report["warnings"] == []
+    solid = memory.recall_layers(outer).solid
+    assert solid.volumes.sum() == pytest.approx(7, rel=1e-3)
+    middles = solid.vertices[solid.tets].mean(axis=1)
+    assert np.abs(middles).max(axis=1).min() > 0.5
+
+
 def test_layers_are_numbered_upwards_face_up_and_are_cut_at_the_surface():
     report = api.layers(block(), spacing=0.25, size=0.1)
     obj = made(report)

@@ -113,6 +113,24 @@ def test_measures_and_faces_turned_round():
     np.testing.assert_allclose(SurfaceDistance(turned)(points + 7), SurfaceDistance(mesh)(points), atol=1e-12)
 
 
+@pytest.mark.parametrize("turned", [(), (1,), (0, 1), (2,), (0, 3), (0, 1, 2, 3)])
+def test_shells_in_one_another_are_cavities_and_islands_whichever_way_they_look(turned):
+    """A cube, in it a cavity, in this an island, and another cube beside them."""
+    shells = []
+    for number, (centre, side) in enumerate(((0, 2), (0.1, 1), (0.1, 0.5), (3, 1))):
+        part = cube(1)
+        triangles = part.triangles[:, ::-1] if number in turned else part.triangles
+        shells.append(TriangleMesh((part.vertices - 0.5) * side + [centre - 5 * number, 0, 0], triangles))
+    distance = SurfaceDistance(together(*shells))
+    assert distance.volume == pytest.approx(8 - 1 + 0.125 + 1)
+    points = np.random.default_rng(2).uniform([-1.5, -1.5, -1.5], [4, 1.5, 1.5], (2000, 3))
+    outer, cavity, island, beside = (
+        box_distance(points - [centre, 0, 0], (-side / 2,) * 3, (side / 2,) * 3) < 0
+        for centre, side in ((0, 2), (0.1, 1), (0.1, 0.5), (3, 1))
+    )
+    np.testing.assert_array_equal(distance(points) < 0, outer & ~cavity | island | beside)
+
+
 def test_open_and_broken_surfaces_are_refused():
     with pytest.raises(MeshError, match=r"the edge between vertices .* one face only") as caught:
         SurfaceDistance(together(cube(2), bent_square(3)))
