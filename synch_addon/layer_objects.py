@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
+from ..core.errors import SynchError
 from ..core.extract.filaments import smoothed
 from . import memory, scene_io, write
 from .defect_empties import KINDS, Defect, write_defects
@@ -27,6 +28,16 @@ def solid_of(obj):
     """The object whose layers an object shows, or the object itself."""
     source = obj.get(SOLID) if obj is not None else None
     return source if isinstance(source, bpy.types.Object) and source.users_collection else obj
+
+
+def leave_modes(obj):
+    """Bring what an earlier run has made for an object into object mode: elsewhere Blender gives it no new data."""
+    active = bpy.context.view_layer.objects.active
+    for made in filter(None, (_made(obj, kind) for kind in MADE)):
+        if made.mode != "OBJECT" and active is not None and active.mode == made.mode:
+            bpy.ops.object.mode_set(mode="OBJECT")
+        if made.mode != "OBJECT":
+            raise SynchError(f"{made.name} is in another mode and not active: make it the active object, or leave it")
 
 
 def write_layers(obj, layering, spacing):

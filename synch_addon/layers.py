@@ -184,6 +184,7 @@ class LayerJob:
         given = self._surface.given
         if not scene_io.is_unchanged(obj, given):
             raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
+        layer_objects.leave_modes(obj)
         spacing = self.lengths.spacing
         layering = Layering(*self._found, memory.solid_matrix(obj, given))
         with self._clock("write"):

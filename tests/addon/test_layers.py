@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.core.errors import Cancelled, SettingError
+from synch_fields.core.errors import Cancelled, SettingError, SynchError
 from synch_fields.synch_addon import api, cli, jobs, memory
 from synch_fields.synch_addon.layer_settings import LayerSettings
 
@@ -211,6 +211,23 @@ def test_a_second_run_gives_the_same_objects_new_data():
     assert bpy.ops.synch.layers(spacing=0.25, size=0.12) == {"FINISHED"}  # of the object whose layers are active
     assert (len(bpy.data.objects), len(bpy.data.meshes)) == (objects, meshes)
     assert len(layers_of(made(first))) == 4 and made(first).material_slots[0].material == material
+
+
+def test_a_second_run_leaves_the_edit_mode_of_the_layers():
+    obj = block()
+    first = api.layers(obj, spacing=0.4, size=0.2)
+    for again in (lambda: bpy.ops.synch.layers(spacing=0.3, size=0.15), lambda: api.layers(obj, spacing=0.4, size=0.2)):
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.select_all(action="SELECT")
+        again()
+        layers = made(first)
+        assert layers.mode == "OBJECT" and len(attribute(layers, "synch_layer")) == len(layers.data.polygons)
+    bpy.ops.object.mode_set(mode="EDIT")
+    make_active(other := block())
+    before = snapshot()
+    with pytest.raises(SynchError, match="Block Layers is in another mode and not active"):
+        api.layers(obj, spacing=0.3, size=0.15)
+    assert snapshot() == before and bpy.context.active_object == other
 
 
 def test_layers_are_saved_with_the_file(tmp_path):
