@@ -4,7 +4,7 @@
 import bpy
 
 from . import memory
-from .layer_objects import solid_of
+from .layer_links import solid_of
 from .panels import SidebarPanel
 
 

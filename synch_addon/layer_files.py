@@ -13,7 +13,7 @@ from ..core.errors import SettingError
 from ..core.extract.toolpaths import rim_distances, toolpaths
 from .files import MESH_SUFFIXES, check_outputs, export_mesh
 from .isolines import add_splines
-from .layer_objects import SOLID
+from .layer_links import SOLID
 from .render import only_for_now
 
 FILLS = ("contour", "across-x", "across-y", "across-z")

@@ -13,27 +13,19 @@ from ..core.errors import SynchError
 from ..core.extract.filaments import smoothed
 from . import memory, scene_io, write
 from .defect_empties import KINDS, Defect, write_defects
+from .layer_links import MADE, SOLID, made_of
 from .layer_material import curve_material, layer_material
 from .materials import pattern_material
 from .quad_object import nearest, surface_tree
 
-# Custom properties: on what is made, the object whose solid it shows; on that one, what was made by what it shows.
-SOLID = "synch_solid"
-MADE = {"layers": "synch_layers_object", "curves": "synch_curves_object", "surface": "synch_surface_object"}
 # Radius of a dislocation curve, in spacings, and how often its points move between their neighbours to be smooth.
 _RADIUS, _SMOOTHING = 0.06, 40
-
-
-def solid_of(obj):
-    """The object whose layers an object shows, or the object itself."""
-    source = obj.get(SOLID) if obj is not None else None
-    return source if isinstance(source, bpy.types.Object) and source.users_collection else obj
 
 
 def leave_modes(obj):
     """Bring what an earlier run has made for an object into object mode: elsewhere Blender gives it no new data."""
     active = bpy.context.view_layer.objects.active
-    for made in filter(None, (_made(obj, kind) for kind in MADE)):
+    for made in filter(None, (made_of(obj, kind) for kind in MADE)):
         if made.mode != "OBJECT" and active is not None and active.mode == made.mode:
             bpy.ops.object.mode_set(mode="OBJECT")
         if made.mode != "OBJECT":
@@ -141,7 +133,7 @@ def show_layers(obj, made, others):
 
 def _placed(obj, kind, name, data, matrix):
     """The object of a kind that an earlier run has made, with new data, or a new one."""
-    made = _made(obj, kind)
+    made = made_of(obj, kind)
     if made is None:
         made = bpy.data.objects.new(name, data)
         for collection in obj.users_collection:
@@ -158,15 +150,8 @@ def _placed(obj, kind, name, data, matrix):
     return made
 
 
-def _made(obj, kind):
-    """What an earlier run has made of a kind for an object, where it is still there."""
-    made = obj.get(MADE[kind])
-    is_there = isinstance(made, bpy.types.Object) and made.users_collection and made.get(SOLID) == obj
-    return made if is_there else None
-
-
 def _remove(obj, kind):
-    made = _made(obj, kind)
+    made = made_of(obj, kind)
     if made is not None:
         data = made.data
         bpy.data.objects.remove(made)

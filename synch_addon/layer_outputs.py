@@ -4,7 +4,7 @@
 import bpy
 
 from . import layer_files, memory, scene_io
-from .layer_objects import solid_of
+from .layer_links import solid_of
 from .layer_volume import write_volume
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from bpy.props import IntProperty
 
 from . import jobs
-from .layer_objects import solid_of
+from .layer_links import solid_of
 from .layer_properties import GUIDE_NAMES, LENGTHS
 from .layers import EDGES_PER_LAYER
 from .panels import SidebarPanel, draw_progress, draw_solver, property_column

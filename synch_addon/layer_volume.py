@@ -11,7 +11,7 @@ from ..core.errors import SettingError
 from ..core.extract.voxels import points_inside
 from ..core.interpolate_solid import evaluate_in_tets
 from .flows import openvdb_module
-from .layer_objects import SOLID
+from .layer_links import SOLID
 
 GRID, MATERIAL = "pattern", "Synch Volume"
 # Between layers, and outside of the solid.

@@ -7,6 +7,7 @@ and the state that belongs to it is found here.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from uuid import uuid4
 
 import bpy
 import numpy as np
@@ -14,16 +15,20 @@ import numpy as np
 from ..core.errors import SynchError
 from ..core.fields import DirectionField, Pattern
 from . import scene_io, write
+from .layer_links import made_of
 from .report import Report
 from .solids import Layering
 from .task import Task
 
-# Objects whose solves are kept, the latest ones: some hundred bytes a vertex each, of flows a kilobyte a node, and of
-# solids up to a kilobyte a tetrahedron.
-MOST, MOST_FLOWS, MOST_SOLIDS = 8, 4, 2
+# Objects whose solves are kept, the latest ones: some hundred bytes a vertex each, of flows a kilobyte a node.
+MOST, MOST_FLOWS = 8, 4
 # Of each object: solves, and states that they have shown, each a report and how it was made.
 SOLVES, STATES = 2, 256
-KEPT_SOLIDS = f"kept for the last {MOST_SOLIDS} solids while the file is open"
+# Solves of solids that are kept, up to a kilobyte a tetrahedron; undo brings earlier ones of an object back.
+MOST_SOLIDS = 3
+KEPT_SOLIDS = f"kept for the last {MOST_SOLIDS} solves while the file is open"
+# Custom property of the layers that were made: which solve they show.
+RUN = "synch_run"
 
 
 class Shelf:
@@ -68,7 +73,8 @@ class Shelf:
 _fields = Shelf(MOST)
 # Of the objects that show the vortices of a flow.
 flows = Shelf(MOST_FLOWS)
-_solids = Shelf(MOST_SOLIDS)
+# Of solids, by the run that the layers show.
+_solids = {}
 
 
 @dataclass
@@ -202,29 +208,37 @@ def solve_of(obj):
 
 
 def remember_layers(obj, given, layering):
-    """Keep the :class:`Layering` that was solved in an object, whose mesh was a :class:`MeshInput`."""
-    _solids.put(obj, (given, layering))
+    """Keep the :class:`Layering` that the layers of an object show, whose mesh was a :class:`MeshInput`."""
+    run = uuid4().hex
+    made_of(obj, "layers")[RUN] = run
+    _solids[run] = given, layering
+    while len(_solids) > MOST_SOLIDS:
+        del _solids[next(iter(_solids))]
 
 
 def recall_layers(obj) -> Layering:
-    """The last :class:`Layering` of an object, where the object is now.
+    """The :class:`Layering` that the layers of an object show, where these layers are now.
 
     Raises
     ------
     SynchError
         where there is none, or the mesh has changed since
     """
-    if not holds_layers(obj):
-        raise SynchError(f"no layers of {obj.name} are in memory ({KEPT_SOLIDS}): solve them first")
-    given, layering = _solids.get(obj)
+    made = made_of(obj, "layers")
+    if made is None or made.get(RUN) not in _solids:
+        kept = f"kept for the last {MOST_SOLIDS} solids while the file is open"
+        raise SynchError(f"no layers of {obj.name} are in memory ({kept}): solve them first")
+    given, layering = _solids[made[RUN]]
     if not scene_io.is_unchanged(obj, given):
         raise SynchError(f"the mesh or the scale of {obj.name} has changed since its layers were solved: solve again")
-    return replace(layering, matrix=solid_matrix(obj, given))
+    bpy.context.view_layer.update()
+    return replace(layering, matrix=np.array(made.matrix_world, float))
 
 
 def holds_layers(obj):
-    """Whether there is a :class:`Layering` of an object, be its mesh changed or not."""
-    return _solids.holds(obj)
+    """Whether there is a :class:`Layering` of the layers that an object has, be its mesh changed or not."""
+    made = made_of(obj, "layers")
+    return made is not None and made.get(RUN) in _solids
 
 
 def solid_matrix(obj, given):

@@ -8,7 +8,7 @@ from bpy_extras.io_utils import ExportHelper
 from ...core.errors import SynchError
 from .. import api, memory
 from ..layer_files import FILLS
-from ..layer_objects import solid_of
+from ..layer_links import solid_of
 from ..report import counted
 
 _FILL = EnumProperty(

@@ -6,7 +6,7 @@ from bpy.props import StringProperty
 
 from ...core.errors import SynchError
 from .. import api
-from ..layer_objects import solid_of
+from ..layer_links import solid_of
 from ..layer_properties import LENGTHS, PROPERTY_NAMES, LayerProperties, plain, stored_groups, stored_guidance
 from ..layer_report import headline
 from .field_operator import BackgroundOperator, unready

@@ -230,6 +230,25 @@ def test_a_second_run_leaves_the_edit_mode_of_the_layers():
     assert snapshot() == before and bpy.context.active_object == other
 
 
+def test_what_is_known_of_layers_is_what_is_shown():
+    """After undo the run before, where the layers are now; nothing once they are gone."""
+    block()
+    counts = []
+    for spacing in (0.25, 0.4):
+        counts.append(api.layers(bpy.data.objects["Block"], spacing=spacing, size=0.125)["layers"])
+        bpy.ops.ed.undo_push(message="layers")
+    assert memory.recall_layers(bpy.data.objects["Block"]).surfaces.count == counts[1] != counts[0]
+    bpy.ops.ed.undo()
+    obj, layers = bpy.data.objects["Block"], bpy.data.objects["Block Layers"]
+    assert memory.recall_layers(obj).surfaces.count == len(layers_of(layers)) == counts[0]
+    layers.location = (3, 2, 1)
+    np.testing.assert_allclose(memory.recall_layers(obj).matrix[:3, 3], (3, 2, 1))
+    bpy.data.objects.remove(layers)
+    assert not memory.holds_layers(obj)
+    with pytest.raises(SynchError, match="no layers of Block are in memory"):
+        api.layer_export(obj, "layers.stl")
+
+
 def test_layers_are_saved_with_the_file(tmp_path):
     report = api.layers(block(), spacing=0.3, size=0.14)
     before = attribute(made(report), "synch_layer").copy()

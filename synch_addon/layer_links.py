@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How the object of a solid and the objects that show its layers know one another: by custom properties, which undo
+restores."""
+
+import bpy
+
+# On what is made, the object whose solid it shows; on that one, what was made by what it shows.
+SOLID = "synch_solid"
+MADE = {"layers": "synch_layers_object", "curves": "synch_curves_object", "surface": "synch_surface_object"}
+
+
+def solid_of(obj):
+    """The object whose layers an object shows, or the object itself."""
+    source = obj.get(SOLID) if obj is not None else None
+    return source if isinstance(source, bpy.types.Object) and source.users_collection else obj
+
+
+def made_of(obj, kind):
+    """What an earlier run has made of a kind for an object, where it is still there."""
+    made = obj.get(MADE[kind]) if obj is not None else None
+    is_there = isinstance(made, bpy.types.Object) and made.users_collection and made.get(SOLID) == obj
+    return made if is_there else None
