@@ -18,6 +18,8 @@ from .solids import Surface
 # Vertices of the solid this near to a group's faces lie on them, as a share of the surface's size: stuffing puts them
 # within a tenth of that on the surface.
 ON_FACES = 1e-6
+# And as a share of the largest coordinate: Blender rounds those of a given solid's surface.
+ROUNDED = 4 * float(np.finfo(np.float32).eps)
 
 
 @dataclass(frozen=True)
@@ -111,7 +113,8 @@ class Carried:
         shares = nearest_in_triangles(points, np.moveaxis(corners, 1, 0))
         apart = np.linalg.norm(points - np.einsum("pc,pcx->px", shares, corners), axis=1)
         result = np.zeros(self.solid.vertex_count, bool)
-        result[boundary[apart <= ON_FACES * self.surface.reach]] = True
+        allowed = max(ON_FACES * self.surface.reach, ROUNDED * np.abs(mesh.vertices).max())
+        result[boundary[apart <= allowed]] = True
         return result
 
     def on_boundary(self, values):

@@ -5,13 +5,15 @@
 import bpy
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
+from synch_fields.core.geometry.tet_mesh import TetMesh
 from synch_fields.synch_addon import api, cli, memory
 from synch_fields.synch_addon.defect_empties import defect_empties
 
 from ..core.solids import block as tetrahedra
 from .continuity import largest_jump
-from .scenes import attribute, empties, make_active, quad_sphere, snapshot, sphere
+from .scenes import add_object, attribute, empties, make_active, quad_sphere, snapshot, sphere
 from .solid_objects import bent_bar, block, layers_of, made
 
 
@@ -100,3 +102,15 @@ def test_tetrahedra_of_a_file_are_taken_as_they_are(tmp_path):
     assert layering.solid.tet_count == solid.tet_count and layering.pattern.solution.energy < 1e-12
     assert cli.main(["layers", str(tmp_path / "none.mesh"), "--quiet"]) == 1
     assert cli.main(["layers", str(tmp_path / "block.mesh"), "--guidance=axis:Q", "--quiet"]) == 1
+
+
+def test_tetrahedra_far_from_the_origin_have_their_groups():
+    """Blender rounds the coordinates of their boundary."""
+    solid = tetrahedra((5, 5, 5))
+    turn = Rotation.from_rotvec([0.3, 0.5, 0.2]).as_matrix()
+    far = TetMesh(solid.vertices @ turn.T + [100.1, 60.7, 30.3], solid.tets)
+    boundary = far.boundary_surface[0]
+    obj = make_active(add_object(boundary.vertices, boundary.triangles))
+    api.layers(obj, solid=far, guidance="distance:boundary", groups="boundary=layer", spacing=0.4)
+    phases = memory.recall_layers(obj).pattern.vertex_phases
+    np.testing.assert_allclose(phases[far.boundary_vertices], 0, atol=1e-12)
