@@ -84,6 +84,12 @@ class Carried:
             )
         return triangles
 
+    def covered_share(self, area, triangles):
+        """Share of an :class:`Area` that (f, 3) triangles of the solid cover."""
+        a, b, c = np.moveaxis(self.solid.vertices[triangles], 1, 0)
+        covered = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+        return float(covered / self.surface.mesh.areas[area.triangles].sum())
+
     def group_on(self, area, phase):
         """The :class:`LayerGroup` of an :class:`Area`: the triangles on it, and vertices on it beside these.
 

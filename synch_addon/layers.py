@@ -31,6 +31,8 @@ EDGES_PER_LAYER = 3.0
 FEWEST_EDGES = 2.0
 # How far the boundary of a given solid may be from the object's surface, as a share of its size.
 _FITTING = 1e-3
+# Groups of which the solid covers less are told about.
+COVERED = 0.95
 # Where the parts of the work begin, as shares of it.
 _GUIDANCE, _PHASES, _SURFACES = 0.15, 0.25, 0.9
 
@@ -164,8 +166,19 @@ class LayerJob:
         spacings = self.lengths.spacing
         if self._factors is not None:
             spacings = spacings * carried.inside(self._factors)
-        groups = [carried.group_on(area, 0.0 if row.wish == HELD else None) for row, area in self._areas]
+        groups = []
+        for row, area in self._areas:
+            groups.append(carried.group_on(area, 0.0 if row.wish == HELD else None))
+            self._warn_about_rim(area, carried.covered_share(area, groups[-1].triangles))
         return directions, spacings, groups
+
+    def _warn_about_rim(self, area, covered):
+        if covered < COVERED:
+            finer = self.lengths.size * (1 - COVERED) / (1 - covered)
+            self.warn(
+                f"the solid's triangles cover {covered:.0%} of {area.name}, where they do not cut off its rim: "
+                f"tetrahedra of a size of about {finer:.2g} would do"
+            )
 
     def _warn_about_loss(self, solid):
         lost = self._surface.lost_share(solid)

@@ -88,6 +88,7 @@ def test_layers_lie_flush_on_groups():
     """Between two faces a distance apart that is no multiple of the spacing, both carry a layer."""
     obj = block((1.0, 1.0, 0.9))
     report = api.layers(obj, guidance="harmonic:Bottom:Top", groups="Bottom=layer,Top=layer", spacing=0.2, size=0.1)
+    assert report["warnings"] == []
     layering = memory.recall_layers(obj)
     vertices, phases = layering.solid.vertices, layering.pattern.vertex_phases
     reach = np.linalg.norm(np.ptp(vertices, axis=0))
@@ -106,7 +107,9 @@ def test_layers_lie_flush_on_a_part_of_a_face_up_to_its_rim():
     places = attribute(obj, "position")
     pad = (np.abs(places[:, :2]) < 0.31).all(axis=1) & (places[:, 2] > 0.4)
     add_group(obj, "Pad", np.flatnonzero(pad))
-    api.layers(obj, groups="Pad=layer", spacing=0.35, size=0.13)
+    report = api.layers(obj, groups="Pad=layer", spacing=0.35, size=0.13)
+    (warning,) = report["warnings"]
+    assert warning.startswith("the solid's triangles cover 90% of the vertex group 'Pad'") and "about 0.067" in warning
     layering = memory.recall_layers(obj)
     vertices = layering.solid.vertices
     on = (np.abs(vertices[:, :2]) < 0.3 + 1e-7).all(axis=1) & (np.abs(vertices[:, 2] - 0.5) < 1e-7)
