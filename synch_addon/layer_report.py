@@ -77,7 +77,7 @@ def _spread(spacings):
         return "nowhere two in a row"
     return (
         f"{spacings['mean']:.4g} apart on average, off by {spacings['deviation'] / spacings['mean']:.1%}, "
-        f"from {spacings['thinnest']:.4g} to {spacings['thickest']:.4g}"
+        f"98% within {spacings['thinnest']:.4g} to {spacings['thickest']:.4g}"
     )
 
 

@@ -19,6 +19,9 @@ from .groups import TOLERANCE, Links, contracted, joined_links
 from .patterns import check_spacing
 from .potentials import potential
 
+# Share of the volume on either side that does not tell how thin or thick layers are: single tetrahedra are extreme.
+_RARE = 0.01
+
 
 @dataclass(frozen=True)
 class LayerGroup:
@@ -139,7 +142,8 @@ class Spacings:
 
     Attributes
     ----------
-    mean, deviation, thinnest, thickest : lengths
+    mean, deviation : lengths
+    thinnest, thickest : lengths, where 1 % of the counted volume is thinner, and 1 % thicker
     counted : share of the volume
     distances : (m,) in each tetrahedron, nan where it does not count
     """
@@ -201,8 +205,9 @@ class LayerPattern:
         met, volumes = distances[counts], self.mesh.volumes[counts]
         mean = np.average(met, weights=volumes)
         deviation = np.sqrt(np.average((met - mean) ** 2, weights=volumes))
+        thinnest, thickest = _quantiles(met, volumes, [_RARE, 1 - _RARE])
         share = volumes.sum() / self.mesh.volumes.sum()
-        return Spacings(float(mean), float(deviation), float(met.min()), float(met.max()), float(share), distances)
+        return Spacings(float(mean), float(deviation), float(thinnest), float(thickest), float(share), distances)
 
 
 def layer_problem(mesh, directions, spacing, groups=()):
@@ -261,6 +266,13 @@ def _fixed_phases(groups):
 def _places(mesh):
     """Positions of the vertices that have a tetrahedron."""
     return mesh.vertices[np.unique(mesh.tets)]
+
+
+def _quantiles(values, weights, shares):
+    """The first of the values, upwards, up to which lie so many shares of the weight."""
+    order = np.argsort(values)
+    reached = np.cumsum(weights[order])
+    return values[order[np.searchsorted(reached, np.multiply(shares, reached[-1]))]]
 
 
 def _checked_spacing(mesh, spacing):
