@@ -79,7 +79,7 @@ def run(options, open_object, progress):
     report = job.write(obj)
     layers, written = bpy.data.objects[report["layers_object"]], []
     if options.export_mesh:
-        files.export_mesh(layers, options.export_mesh)
+        files.export_mesh(layers, options.export_mesh, z_up=True)
         written.append(options.export_mesh)
     written += cli_layer_files.write(options, obj)
     if options.output:

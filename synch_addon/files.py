@@ -18,12 +18,13 @@ _IMPORTERS = {
     ".glb": lambda path: bpy.ops.import_scene.gltf(filepath=path),
 }
 _EXPORTERS = {
-    ".obj": lambda path: bpy.ops.wm.obj_export(filepath=path, export_selected_objects=True, export_materials=False),
-    ".ply": lambda path: bpy.ops.wm.ply_export(
-        filepath=path, export_selected_objects=True, export_uv=False, export_normals=False, export_colors="NONE"
+    ".obj": lambda **to: bpy.ops.wm.obj_export(export_selected_objects=True, export_materials=False, **to),
+    ".ply": lambda **to: bpy.ops.wm.ply_export(
+        export_selected_objects=True, export_uv=False, export_normals=False, export_colors="NONE", **to
     ),
-    ".stl": lambda path: bpy.ops.wm.stl_export(filepath=path, export_selected_objects=True),
+    ".stl": lambda **to: bpy.ops.wm.stl_export(export_selected_objects=True, **to),
 }
+_Z_UP = {"forward_axis": "Y", "up_axis": "Z"}
 MESH_SUFFIXES = tuple(_EXPORTERS)
 # Formats that keep one normal and one UV for each vertex, and so tear a surface at every seam and sharp edge.
 _TORN = (".glb", ".ply")
@@ -130,11 +131,18 @@ def check_outputs(blend=None, picture=None, report=None, field=None, mesh=None):
             raise SettingError(f"{path}: its folder does not exist, create it first")
 
 
-def export_mesh(obj, path):
-    """Write one mesh object to a file of its own, in the units of the scene."""
+def export_mesh(obj, path, z_up=False):
+    """Write one mesh object to a file of its own, in the units of the scene.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+    path : of a kind in MESH_SUFFIXES
+    z_up : coordinates of the world in an .obj file too, whose usual way up is Y; the other kinds have them always
+    """
     for other in bpy.context.view_layer.objects:
         other.select_set(other == obj)
-    _EXPORTERS[Path(path).suffix.lower()](str(Path(path).resolve()))
+    _EXPORTERS[Path(path).suffix.lower()](filepath=str(Path(path).resolve()), **(_Z_UP if z_up else {}))
 
 
 def is_report(path):

@@ -74,7 +74,7 @@ def export_layers(layering, path, together=False):
             chosen = slice(None) if number is None else surfaces.layers == number
             target = path if number is None else path.with_stem(f"{path.stem}_{number:0{digits}d}")
             with only_for_now():
-                export_mesh(_sheet(layering, surfaces.triangles[chosen]), target)
+                export_mesh(_sheet(layering, surfaces.triangles[chosen]), target, z_up=True)
             written.append(str(target))
     finally:
         for obj in bpy.context.view_layer.objects:

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What leaves Blender of layers: files that hold them as they are, paths that lie on them, a volume of the pattern."""
 
+from pathlib import Path
+
 import bpy
 import numpy as np
 import pytest
@@ -81,6 +83,32 @@ def test_all_layers_fit_in_one_file(layered, tmp_path):
     assert read_back(report["files"][0])[2] == pytest.approx(surfaces.areas.sum(), rel=1e-4)
 
 
+def test_meshes_and_paths_in_obj_files_lie_on_each_other(layered, tmp_path):
+    """Both have the coordinates of the world, Z up, which a slicer expects of all of them."""
+    layering = memory.recall_layers(layered)
+    world = in_world(layered, layering.surfaces.vertices)
+    layered.hide_set(False)
+    files.export_mesh(layered, tmp_path / "given.obj")
+    mesh = api.layer_export(layered, tmp_path / "all.obj", together=True)["files"][0]
+    api.layer_toolpaths(layered, 0.2, path=tmp_path / "paths.obj")
+    read = points_of(mesh)
+    np.testing.assert_allclose([read.min(0), read.max(0)], [world.min(0), world.max(0)], atol=1e-5)
+    up = layering.matrix[:3, 2]
+    heights = np.unique(np.round(read @ up, 3))
+    assert len(heights) == layering.surfaces.count
+    np.testing.assert_allclose(np.abs(np.subtract.outer(points_of(tmp_path / "paths.obj") @ up, heights)).min(1), 0,
+                               atol=2e-3)  # fmt: skip
+    # Blender's own .obj files have Y up.
+    turned = points_of(tmp_path / "given.obj")[:, [0, 2, 1]] * [1, -1, 1]
+    assert (turned.min(0) < read.min(0) + 1e-5).all() and (turned.max(0) > read.max(0) - 1e-5).all()
+
+
+def points_of(path):
+    """(n, 3) vertices as an .obj file has them."""
+    rows = [line.split()[1:4] for line in Path(path).read_text().splitlines() if line.startswith("v ")]
+    return np.array(rows, float)
+
+
 @pytest.mark.parametrize("fill", ["contour", "across-x"])
 def test_paths_lie_on_their_layers_evenly_spaced(layered, tmp_path, fill):
     step = 0.11
@@ -125,7 +153,7 @@ def test_paths_again_take_the_place_of_those_before(layered):
 def test_polylines_are_those_of_the_table(layered, tmp_path):
     report = api.layer_toolpaths(layered, 0.2, path=tmp_path / "paths.obj")
     lines = (tmp_path / "paths.obj").read_text().splitlines()
-    points = np.array([line.split()[1:] for line in lines if line.startswith("v ")], float)
+    points = points_of(tmp_path / "paths.obj")
     runs = [np.array(line.split()[1:], int) - 1 for line in lines if line.startswith("l ")]
     assert len(runs) == report["paths"]
     length = sum(np.linalg.norm(np.diff(points[run], axis=0), axis=1).sum() for run in runs)
