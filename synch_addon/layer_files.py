@@ -18,6 +18,8 @@ from .render import only_for_now
 
 FILLS = ("contour", "across-x", "across-y", "across-z")
 PATH_SUFFIXES = (".csv", ".obj")
+# Custom property of the collection of paths: the curve object of each layer.
+_CURVES = "synch_path_objects"
 # Points of a path closer than this are one, in steps.
 _SAME = 1e-4
 
@@ -123,7 +125,7 @@ def write_paths(obj, layering, paths):
     An earlier run's curves are replaced.
     """
     collection = _collection(obj)
-    shown = paths.lines.without_repeats(_SAME * paths.step)
+    shown, curves = paths.lines.without_repeats(_SAME * paths.step), {}
     digits = max(3, len(str(layering.surfaces.count - 1)))
     for number in np.unique(paths.layers):
         data = bpy.data.curves.new(f"{obj.name} Paths {number:0{digits}d}", "CURVE")
@@ -133,19 +135,23 @@ def write_paths(obj, layering, paths):
         made[SOLID], made["synch_layer"] = obj, int(number)
         made.matrix_world = Matrix(layering.matrix)
         collection.objects.link(made)
+        curves[str(number)] = made
+    collection[_CURVES] = curves
     return collection
 
 
 def _collection(obj):
-    """The collection of an object's paths, empty."""
-    name = f"{obj.name} Paths"
-    for found in bpy.data.collections:
-        if found.get(SOLID) == obj:
-            bpy.data.batch_remove([made.data for made in found.objects if made.get(SOLID) == obj])
-            return found
-    collection = bpy.data.collections.new(name)
-    collection[SOLID] = obj
-    (obj.users_collection or (bpy.context.scene.collection,))[0].children.link(collection)
+    """The collection of an object's paths in the scene, without an earlier run's; copies by the user stay."""
+    collection = next((found for found in bpy.data.collections if found.get(SOLID) == obj), None)
+    if collection is None:
+        collection = bpy.data.collections.new(f"{obj.name} Paths")
+        collection[SOLID] = obj
+    earlier = [made for made in collection.get(_CURVES, {}).values() if made is not None]
+    curves = {made.data for made in earlier}
+    bpy.data.batch_remove(earlier)
+    bpy.data.batch_remove([data for data in curves if not data.users])
+    if collection not in bpy.context.scene.collection.children_recursive:
+        (obj.users_collection or (bpy.context.scene.collection,))[0].children.link(collection)
     return collection
 
 

@@ -150,6 +150,26 @@ def test_paths_again_take_the_place_of_those_before(layered):
     assert second["length"] > 1.5 * first["length"]
 
 
+def test_copies_of_paths_stay_and_a_collection_that_was_unlinked_comes_back(layered):
+    collection = bpy.data.collections[api.layer_toolpaths(layered, 0.4)["collection"]]
+    first = sorted(collection.objects, key=lambda curve: curve.name)[0]
+    linked, whole = first.copy(), first.copy()
+    whole.data = first.data.copy()
+    for copy in (linked, whole):
+        collection.objects.link(copy)
+    kept = {copy.name: len(copy.data.splines) for copy in (linked, whole)}
+    bpy.data.curves.remove(collection.objects["Block Paths 001"].data)
+    bpy.context.scene.collection.children.unlink(collection)
+    again = api.layer_toolpaths(layered, 0.2)
+    assert again["collection"] == collection.name
+    assert collection in bpy.context.scene.collection.children_recursive
+    assert {name: len(bpy.data.objects[name].data.splines) for name in kept} == kept
+    made = [curve for curve in collection.objects if curve.name not in kept]
+    assert sorted(curve["synch_layer"] for curve in made) == [0, 1, 2]
+    assert sum(len(curve.data.splines) for curve in made) == again["paths"]
+    assert len(bpy.data.curves) == 5  # theirs, the linked copy's old one and the whole copy's
+
+
 def test_polylines_are_those_of_the_table(layered, tmp_path):
     report = api.layer_toolpaths(layered, 0.2, path=tmp_path / "paths.obj")
     lines = (tmp_path / "paths.obj").read_text().splitlines()
