@@ -3,6 +3,7 @@
 
 import bpy
 
+from ..core.errors import SettingError
 from . import layer_files, memory, scene_io
 from .layer_links import solid_of
 from .layer_volume import write_volume
@@ -14,7 +15,7 @@ def layer_export(obj, path, together=False):
     Parameters
     ----------
     obj : the object whose layers were solved, or one that was made of them
-    path : part.stl stands for part_000.stl, part_001.stl ..., from bottom to top
+    path : part.stl stands for part_000.stl, part_001.stl ..., from bottom to top; // is the folder of the .blend
     together : all into the one file instead
 
     Returns
@@ -26,7 +27,7 @@ def layer_export(obj, path, together=False):
     SynchError
         with one line that names the element and the remedy
     """
-    obj = solid_of(obj)
+    obj, path = solid_of(obj), _absolute(path)
     with scene_io.object_mode(obj):
         written = layer_files.export_layers(memory.recall_layers(obj), path, together)
     return {"status": "written", "command": "layer_export", "object": obj.name, "files": written}
@@ -53,6 +54,7 @@ def layer_toolpaths(obj, step=None, fill="contour", path=None):
     obj = solid_of(obj)
     settings = layer_files.PathSettings(step, fill)
     if path is not None:
+        path = _absolute(path)
         layer_files.check_path_file(path)
     with scene_io.object_mode(obj):
         layering = memory.recall_layers(obj)
@@ -90,7 +92,7 @@ def layer_volume(obj, path, resolution=128):
     SynchError
         with one line that names the element and the remedy; nothing is made
     """
-    obj = solid_of(obj)
+    obj, path = solid_of(obj), _absolute(path)
     with scene_io.object_mode(obj):
         made, voxels = write_volume(obj, memory.recall_layers(obj), path, resolution)
     return {
@@ -101,3 +103,10 @@ def layer_volume(obj, path, resolution=128):
         "voxels": voxels,
         "files": [bpy.path.abspath(made.data.filepath)],
     }
+
+
+def _absolute(path):
+    """A path that may begin with //, for the folder of the .blend file."""
+    if str(path).startswith("//") and not bpy.data.filepath:
+        raise SettingError(f"{path} begins with //, the folder of a .blend that is not saved: save it first")
+    return bpy.path.abspath(str(path))

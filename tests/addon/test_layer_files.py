@@ -239,6 +239,7 @@ def test_what_cannot_be_written_is_refused_and_changes_nothing(layered, tmp_path
     for call, words in (
         (lambda: api.layer_export(layered, tmp_path / "part.fbx"), r"must end in \.obj or"),
         (lambda: api.layer_export(layered, tmp_path / "none" / "part.stl"), "folder does not exist"),
+        (lambda: api.layer_export(layered, "//part.stl"), "not saved: save it first"),
         (lambda: api.layer_toolpaths(layered, -1), "positive"),
         (lambda: api.layer_toolpaths(layered, fill="spiral"), "contour"),
         (lambda: api.layer_toolpaths(layered, 50.0), "reduce it"),
@@ -250,6 +251,15 @@ def test_what_cannot_be_written_is_refused_and_changes_nothing(layered, tmp_path
         with pytest.raises(SettingError, match=words):
             call()
         assert snapshot() == before and not list(tmp_path.iterdir())
+
+
+def test_paths_may_begin_in_the_folder_of_the_blend(layered, tmp_path):
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"), copy=False)
+    (tmp_path / "parts").mkdir()
+    written = api.layer_export(layered, "//parts/part.stl")["files"]
+    written += api.layer_toolpaths(layered, 0.4, path="//parts/paths.csv")["files"]
+    written += api.layer_volume(layered, "//parts/pattern.vdb", 8)["files"]
+    assert sorted(written) == sorted(map(str, (tmp_path / "parts").iterdir())) and len(written) == 5
 
 
 def test_without_layers_nothing_can_leave(tmp_path):
