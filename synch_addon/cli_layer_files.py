@@ -4,7 +4,7 @@
 from . import api
 from .files import MESH_SUFFIXES, check_outputs
 from .layer_files import FILLS, PATH_SUFFIXES, PathSettings, check_path_file
-from .layer_volume import check_volume_file
+from .layer_volume import check_volume
 
 
 def add_arguments(command):
@@ -32,7 +32,7 @@ def check(options):
     if options.export_paths:
         check_path_file(options.export_paths)
     if options.export_volume:
-        check_volume_file(options.export_volume)
+        check_volume(options.export_volume, options.resolution)
 
 
 def write(options, obj):

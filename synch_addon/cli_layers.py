@@ -78,12 +78,15 @@ def run(options, open_object, progress):
     job.solve(progress)
     report = job.write(obj)
     layers, written = bpy.data.objects[report["layers_object"]], []
+    # Before anything else can fail, and once more with the curves and the volume that exports make.
+    if options.output:
+        written.append(files.save_blend(options.output))
     if options.export_mesh:
         files.export_mesh(layers, options.export_mesh, z_up=True)
         written.append(options.export_mesh)
     written += cli_layer_files.write(options, obj)
-    if options.output:
-        written.append(files.save_blend(options.output))
+    if options.output and (options.export_paths or options.export_volume):
+        files.save_blend(options.output)
     if options.render:
         from .render import render_picture
 

@@ -321,7 +321,7 @@ def openvdb_module():
             openvdb = importlib.util.module_from_spec(spec)
             spec.loader.exec_module(openvdb)
             return openvdb
-        raise SettingError("this Blender has no OpenVDB module: give the flow as a .npz file") from None
+        raise SettingError("this Blender has no OpenVDB module: use another one, or flows as .npz") from None
     return openvdb
 
 

@@ -22,12 +22,15 @@ _THIN, _THICK, _OPACITY = 0.55, 0.9, 8.0
 _COLOR = (0.32, 0.62, 0.82, 1.0)
 
 
-def check_volume_file(path):
-    """Refuse a file that cannot be written."""
+def check_volume(path, resolution):
+    """Refuse what needs no layers to be found wrong: the file, the resolution, or a Blender without OpenVDB."""
     if Path(path).suffix.lower() != ".vdb":
         raise SettingError(f"{path}: the name of this output must end in .vdb")
     if not Path(path).resolve().parent.is_dir():
         raise SettingError(f"{path}: its folder does not exist, create it first")
+    if resolution < 2:
+        raise SettingError(f"a resolution of {resolution} voxels shows no layer: give 2 or more")
+    openvdb_module()
 
 
 def write_volume(obj, layering, path, resolution=128):
@@ -42,9 +45,7 @@ def write_volume(obj, layering, path, resolution=128):
     path : .vdb
     resolution : voxels along the longest side
     """
-    check_volume_file(path)
-    if not 2 <= resolution:
-        raise SettingError(f"a resolution of {resolution} voxels shows no layer: give 2 or more")
+    check_volume(path, resolution)
     solid, path = layering.solid, Path(path).resolve()
     low = solid.vertices.min(axis=0)
     extents = np.ptp(solid.vertices, axis=0)

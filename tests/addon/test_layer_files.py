@@ -295,5 +295,26 @@ def test_the_command_writes_them_all(tmp_path, capfd):
     assert {"part_000.stl", "part_001.stl", "paths.csv", "pattern.vdb"} <= names
     for name in ("part_000.stl", "paths.csv", "pattern.vdb"):
         assert f"wrote {tmp_path / name}" in printed.out
-    assert cli.main(["layers", str(tmp_path / "block.obj"), "--export-volume", str(tmp_path / "x.txt")]) != 0
+
+
+def test_the_command_refuses_before_the_solve_what_it_could_not_write(tmp_path, capfd, monkeypatch):
+    monkeypatch.setattr(api, "layer_job", None)
+    files.export_mesh(block(), tmp_path / "block.obj")
+    run = ["layers", str(tmp_path / "block.obj"), "--export-volume"]
+    assert cli.main([*run, str(tmp_path / "x.txt")]) == 1
     assert "must end in .vdb" in capfd.readouterr().err
+    assert cli.main([*run, str(tmp_path / "x.vdb"), "--resolution", "-4"]) == 1
+    assert "a resolution of -4 voxels shows no layer" in capfd.readouterr().err
+
+
+def test_the_command_saves_the_solve_before_an_export_can_fail(tmp_path, capfd):
+    """The paths' step is wider than every layer, which shows once there are layers."""
+    files.export_mesh(block(), tmp_path / "block.obj")
+    run = ["layers", str(tmp_path / "block.obj"), "--spacing", "0.4", "--size", "0.19", "--quiet", "--output"]
+    run += [str(tmp_path / "scene.blend"), "--export-paths", str(tmp_path / "paths.csv"), "--path-step"]
+    assert cli.main([*run, "50"]) == 1 and "reduce it" in capfd.readouterr().err
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
+    assert len(bpy.data.objects["Block Layers"].data.polygons) > 0 and not bpy.data.curves
+    assert cli.main([*run, "0.2"]) == 0 and capfd.readouterr().out.count("wrote") == 2
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
+    assert len(bpy.data.curves) >= 2
