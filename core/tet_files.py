@@ -136,12 +136,15 @@ def _read_vtu(path, content):
             arrays = {a.get("Name"): a for a in piece.iterfind("Cells/DataArray")}
             names = ("connectivity", "offsets", "types")
             corners, ends, types = (_vtu_array(root, appended, arrays[name]).astype(np.int64) for name in names)
-        except (KeyError, ValueError, AttributeError, zlib.error) as error:
+        except (KeyError, ValueError, TypeError, AttributeError, zlib.error) as error:
             raise SettingError(f"{path} has an array that cannot be read ({error}): export it again") from error
         for kind in VTK_SOLIDS.keys() & set(types.tolist()):
             raise SettingError(f"{path} has {VTK_SOLIDS[kind]}: split all cells into straight tetrahedra")
         if len(ends) != len(types) or (ends < 0).any() or (ends > len(corners)).any():
             raise SettingError(f"{path} has cells whose corners are missing: it was cut short, export it again")
+        sizes = np.diff(ends, prepend=0)
+        if (sizes[types == VTK_TET] != 4).any() or (sizes[types == VTK_TRIANGLE] != 3).any():
+            raise SettingError(f"{path} has tetrahedra without 4 corners, or triangles without 3: export it again")
         points.append(here)
         tets.append(corners[ends[types == VTK_TET][:, None] + np.arange(-4, 0)] + count)
         triangles.append(corners[ends[types == VTK_TRIANGLE][:, None] + np.arange(-3, 0)] + count)

@@ -2,8 +2,8 @@
 """What the command ``layers`` writes besides: a mesh for each layer, tool paths and a volume."""
 
 from . import api
-from .files import MESH_SUFFIXES, check_outputs
-from .layer_files import FILLS, PATH_SUFFIXES, PathSettings, check_path_file
+from .files import MESH_SUFFIXES, check_output
+from .layer_files import FILLS, PATH_SUFFIXES, PathSettings
 from .layer_volume import check_volume
 
 
@@ -28,9 +28,10 @@ def add_arguments(command):
 def check(options):
     """Refuse, before any work, outputs that cannot be written."""
     PathSettings(options.path_step, options.path_fill)
-    check_outputs(mesh=options.export_layers)
+    if options.export_layers:
+        check_output(options.export_layers, MESH_SUFFIXES)
     if options.export_paths:
-        check_path_file(options.export_paths)
+        check_output(options.export_paths, PATH_SUFFIXES)
     if options.export_volume:
         check_volume(options.export_volume, options.resolution)
 

@@ -123,12 +123,30 @@ def check_outputs(blend=None, picture=None, report=None, field=None, mesh=None):
         (mesh, MESH_SUFFIXES),
     )
     for path, suffixes in asked:
-        if not path:
-            continue
-        if Path(path).suffix.lower() not in suffixes:
-            raise SettingError(f"{path}: the name of this output must end in {' or '.join(suffixes)}")
-        if not Path(path).resolve().parent.is_dir():
-            raise SettingError(f"{path}: its folder does not exist, create it first")
+        if path:
+            check_output(path, suffixes)
+
+
+def check_output(path, suffixes):
+    """Refuse an output that has another suffix, is a folder, or lies in one that does not exist."""
+    path = Path(path)
+    if path.suffix.lower() not in suffixes:
+        raise SettingError(f"{path}: the name of this output must end in {' or '.join(suffixes)}")
+    if not path.resolve().parent.is_dir():
+        raise SettingError(f"{path}: its folder does not exist, create it first")
+    if path.is_dir():
+        raise SettingError(f"{path}: this is a folder, choose another name")
+
+
+def unwritten(path, reason):
+    """The error of a file that could not be written."""
+    return SettingError(f"{path}: cannot be written ({reason}): make room, or choose another place")
+
+
+def check_written(path):
+    """Refuse an empty file: where the disk is full, Blender's exporters and OpenVDB report success."""
+    if not Path(path).is_file() or not Path(path).stat().st_size:
+        raise unwritten(path, "nothing arrived")
 
 
 def export_mesh(obj, path, z_up=False):
@@ -139,10 +157,20 @@ def export_mesh(obj, path, z_up=False):
     obj : bpy.types.Object
     path : of a kind in MESH_SUFFIXES
     z_up : coordinates of the world in an .obj file too, whose usual way up is Y; the other kinds have them always
+
+    Raises
+    ------
+    SettingError
+        where the file cannot be written
     """
     for other in bpy.context.view_layer.objects:
         other.select_set(other == obj)
-    _EXPORTERS[Path(path).suffix.lower()](filepath=str(Path(path).resolve()), **(_Z_UP if z_up else {}))
+    target = Path(path).absolute()
+    try:
+        _EXPORTERS[target.suffix.lower()](filepath=str(target), **(_Z_UP if z_up else {}))
+    except RuntimeError as error:
+        raise unwritten(path, " ".join(str(error).split())) from None
+    check_written(path)
 
 
 def is_report(path):

@@ -11,7 +11,7 @@ from mathutils import Matrix
 
 from ..core.errors import SettingError
 from ..core.extract.toolpaths import rim_distances, toolpaths
-from .files import MESH_SUFFIXES, check_outputs, export_mesh
+from .files import MESH_SUFFIXES, check_output, export_mesh, unwritten
 from .isolines import add_splines
 from .layer_links import SOLID
 from .render import only_for_now
@@ -64,9 +64,7 @@ def export_layers(layering, path, together=False):
     together : bool
     """
     path = Path(path)
-    if path.suffix.lower() not in MESH_SUFFIXES:
-        raise SettingError(f"{path}: the name of this output must end in {' or '.join(MESH_SUFFIXES)}")
-    check_outputs(mesh=path)
+    check_output(path, MESH_SUFFIXES)
     surfaces = layering.surfaces
     digits = max(3, len(str(surfaces.count - 1)))
     written = []
@@ -155,27 +153,22 @@ def _collection(obj):
     return collection
 
 
-def check_path_file(path):
-    """Refuse a file of paths that cannot be written."""
-    if Path(path).suffix.lower() not in PATH_SUFFIXES:
-        raise SettingError(f"{path}: the name of this output must end in {' or '.join(PATH_SUFFIXES)}")
-    if not Path(path).resolve().parent.is_dir():
-        raise SettingError(f"{path}: its folder does not exist, create it first")
-
-
 def export_paths(layering, paths, path):
     """Write paths to a file, in the world: .csv with one row a point, or .obj with one polyline a path.
 
     Closed paths come back to their first point. Normals point in the direction in which layers follow one another.
     """
-    check_path_file(path)
+    check_output(path, PATH_SUFFIXES)
     lines = paths.lines.without_repeats(_SAME * paths.step)
     matrix = np.asarray(layering.matrix)
     points = lines.points @ matrix[:3, :3].T + matrix[:3, 3]
     # Turned and mirrored like the layers; there is no scale in the matrix.
     normals = lines.normals @ matrix[:3, :3].T
     writer = _write_table if Path(path).suffix.lower() == ".csv" else _write_polylines
-    Path(path).write_text(writer(lines, paths.layers, points, normals))
+    try:
+        Path(path).write_text(writer(lines, paths.layers, points, normals))
+    except OSError as error:
+        raise unwritten(path, error.strerror) from None
     return str(path)
 
 

@@ -5,6 +5,7 @@ import bpy
 
 from ..core.errors import SettingError
 from . import layer_files, memory, scene_io
+from .files import check_output
 from .layer_links import solid_of
 from .layer_volume import write_volume
 
@@ -55,7 +56,7 @@ def layer_toolpaths(obj, step=None, fill="contour", path=None):
     settings = layer_files.PathSettings(step, fill)
     if path is not None:
         path = _absolute(path)
-        layer_files.check_path_file(path)
+        check_output(path, layer_files.PATH_SUFFIXES)
     with scene_io.object_mode(obj):
         layering = memory.recall_layers(obj)
         paths = layer_files.paths_of(layering, settings)

@@ -10,6 +10,7 @@ from mathutils import Matrix
 from ..core.errors import SettingError
 from ..core.extract.voxels import points_inside
 from ..core.interpolate_solid import evaluate_in_tets
+from .files import check_output, check_written, unwritten
 from .flows import openvdb_module
 from .layer_links import SOLID
 
@@ -24,10 +25,7 @@ _COLOR = (0.32, 0.62, 0.82, 1.0)
 
 def check_volume(path, resolution):
     """Refuse what needs no layers to be found wrong: the file, the resolution, or a Blender without OpenVDB."""
-    if Path(path).suffix.lower() != ".vdb":
-        raise SettingError(f"{path}: the name of this output must end in .vdb")
-    if not Path(path).resolve().parent.is_dir():
-        raise SettingError(f"{path}: its folder does not exist, create it first")
+    check_output(path, [".vdb"])
     if resolution < 2:
         raise SettingError(f"a resolution of {resolution} voxels shows no layer: give 2 or more")
     openvdb_module()
@@ -46,7 +44,7 @@ def write_volume(obj, layering, path, resolution=128):
     resolution : voxels along the longest side
     """
     check_volume(path, resolution)
-    solid, path = layering.solid, Path(path).resolve()
+    solid, path = layering.solid, Path(path).absolute()
     low = solid.vertices.min(axis=0)
     extents = np.ptp(solid.vertices, axis=0)
     step = float(extents.max()) / resolution
@@ -81,7 +79,8 @@ def _write_grid(path, places, values, counts, origin, step):
     try:
         vdb.write(str(path), grids=[grid])
     except (OSError, RuntimeError) as error:
-        raise SettingError(f"{path}: cannot be written ({error}): choose another place") from None
+        raise unwritten(path, error) from None
+    check_written(path)
 
 
 def _material(spacing):

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reading tetrahedra of MEDIT and VTK: round trips through text written here, a real file, and one-line refusals."""
 
+import re
 import zlib
 from base64 import b64encode
 
@@ -220,6 +221,29 @@ def test_broken_vtu_files_are_refused_in_one_line(tmp_path, change, words):
         read_tets(path)
     assert str(caught.value).startswith(str(path))
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda text: re.sub(rb' offset="\d+"', b"", text), "has an array that cannot be read"),
+        (lambda text: text.replace(b"AppendedData", b"Data"), "has an array that cannot be read"),
+    ],
+)
+def test_appended_arrays_that_are_nowhere_are_refused_in_one_line(tmp_path, change, words):
+    path = written(tmp_path, change(Vtu("appended").text(block())), "solid.vtu")
+    with pytest.raises(SettingError, match=words) as caught:
+        read_tets(path)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(("kinds", "offset"), [((10, 5), 3), ((10, 5), 0), ((5, 9), 2)])
+def test_cells_of_too_few_corners_are_refused(tmp_path, kinds, offset):
+    """Corners are counted back from each cell's end, and there are none before the first."""
+    text = Vtu("ascii").text(block((1, 1, 1)), kinds).decode()
+    text = text.replace('format="ascii">4 8', f'format="ascii">{offset} 8')
+    with pytest.raises(SettingError, match="tetrahedra without 4 corners, or triangles without 3: export it again"):
+        read_tets(written(tmp_path, text, "solid.vtu"))
 
 
 def test_vtu_of_other_cells_is_refused(tmp_path):
