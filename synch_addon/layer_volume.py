@@ -15,9 +15,10 @@ from .flows import openvdb_module
 from .layer_links import SOLID
 
 GRID, MATERIAL = "pattern", "Synch Volume"
-# Between layers, and outside of the solid.
-_NOTHING = -1.0
-_MOST_VOXELS = 100_000_000
+# Outside of the solid; half way between layers inside.
+_NOTHING, _LEAST = -1.0, np.nextafter(np.float32(-1), np.float32(0))
+# A microsecond and four bytes each.
+MOST_VOXELS = 50_000_000
 # Values of the pattern at which a layer begins to show, and is opaque; how much light it takes on its thickness.
 _THIN, _THICK, _OPACITY = 0.55, 0.9, 8.0
 _COLOR = (0.32, 0.62, 0.82, 1.0)
@@ -47,14 +48,14 @@ def write_volume(obj, layering, path, resolution=128):
     solid, path = layering.solid, Path(path).absolute()
     low = solid.vertices.min(axis=0)
     extents = np.ptp(solid.vertices, axis=0)
-    step = float(extents.max()) / resolution
-    counts = np.ceil(extents / step).astype(int)
-    if counts.prod() > _MOST_VOXELS:
-        raise SettingError(f"a resolution of {resolution} makes {counts.prod():.1e} voxels: reduce it")
+    step, counts = _grid(extents, resolution)
+    if counts.prod(dtype=float) > MOST_VOXELS:
+        raise SettingError(
+            f"a resolution of {resolution} makes {counts.prod(dtype=float):.1e} voxels, and {MOST_VOXELS:.0e} is the "
+            f"most: reduce it to {_fitting(extents, resolution)}"
+        )
     origin = low + (extents - step * (counts - 1)) / 2
-    places, tets, weights = points_inside(solid, origin, step, counts)
-    values = np.cos(evaluate_in_tets(layering.pattern.tet_phases, tets, weights))
-    _write_grid(path, places, values, counts, origin, step)
+    voxels = _write_grid(path, _pattern(layering, origin, step, counts), origin, step)
     data = bpy.data.volumes.new(f"{obj.name} Volume")
     data.filepath = str(path)
     data.materials.append(_material(layering.pattern.spacings.mean))
@@ -63,16 +64,37 @@ def write_volume(obj, layering, path, resolution=128):
     for collection in obj.users_collection:
         collection.objects.link(made)
     made.matrix_world = Matrix(layering.matrix)
-    return made, len(values)
+    return made, voxels
 
 
-def _write_grid(path, places, values, counts, origin, step):
+def _grid(extents, resolution):
+    """Size of the voxels, and (3,) how many there are along each axis."""
+    step = float(extents.max()) / resolution
+    return step, np.ceil(extents / step).astype(int)
+
+
+def _fitting(extents, resolution):
+    """A resolution not much below the largest that makes no more voxels than the most."""
+    while _grid(extents, resolution)[1].prod(dtype=float) > MOST_VOXELS:
+        resolution = int(0.95 * resolution)
+    return resolution
+
+
+def _pattern(layering, origin, step, counts):
+    """Float32 of a shape: cos(phase) inside the solid, which is above -1 there, and -1 outside."""
+    values = np.full(counts, _NOTHING, np.float32)
+    for places, tets, weights in points_inside(layering.solid, origin, step, counts):
+        cosines = np.cos(evaluate_in_tets(layering.pattern.tet_phases, tets, weights))
+        values[tuple(places.T)] = np.maximum(cosines.astype(np.float32), _LEAST)
+    return values
+
+
+def _write_grid(path, values, origin, step):
+    """Write values to a file; returns how many are not nothing."""
     vdb = openvdb_module()
-    dense = np.full(counts, _NOTHING, np.float32)
-    dense[tuple(places.T)] = values
     grid = vdb.FloatGrid(_NOTHING)
     grid.name = GRID
-    grid.copyFromArray(dense)
+    grid.copyFromArray(values)
     matrix = np.diag([step, step, step, 1.0])
     matrix[3, :3] = origin  # points are rows
     grid.transform = vdb.createLinearTransform(matrix.tolist())
@@ -81,6 +103,7 @@ def _write_grid(path, places, values, counts, origin, step):
     except (OSError, RuntimeError) as error:
         raise unwritten(path, error) from None
     check_written(path)
+    return grid.activeVoxelCount()
 
 
 def _material(spacing):

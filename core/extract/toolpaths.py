@@ -9,6 +9,9 @@ from ..geometry import TriangleMesh
 from ..interpolate import TURN, EdgePhases
 from .isolines import isolines
 
+# Of all paths: half a kilobyte and ten microseconds each.
+MOST_POINTS = 3_000_000
+
 
 def toolpaths(layers, values, step):
     """Curves on layers where a function is a multiple of a step, ordered by layer.
@@ -29,7 +32,7 @@ def toolpaths(layers, values, step):
     Raises
     ------
     SettingError
-        for a step that is not positive
+        for a step that is not positive, or so small that there would be more than MOST_POINTS points
     """
     if not (np.isfinite(step) and step > 0):
         raise SettingError(f"the step between paths is {step:g}: give a positive number")
@@ -37,6 +40,12 @@ def toolpaths(layers, values, step):
     angles = TURN / step * np.asarray(values, float)
     i, j = mesh.edges.T
     changes = (angles[j] - angles[i])[:, None]
+    points = np.abs(changes).sum() / TURN
+    if points > MOST_POINTS:
+        raise SettingError(
+            f"paths {step:g} apart have {points:.1e} points, and {MOST_POINTS:.0e} is the most: "
+            f"give a step of {1.05 * step * points / MOST_POINTS:.2g} or more"
+        )
     lines = isolines(EdgePhases.of(mesh, np.exp(1j * angles)[:, None], changes, np.zeros(len(changes), int)))
     numbers = layers.layers[lines.triangles[lines.starts]]
     order = np.argsort(numbers, kind="stable")

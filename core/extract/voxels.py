@@ -10,7 +10,9 @@ SLACK = 1e-9
 
 
 def points_inside(mesh, origin, step, counts):
-    """Points origin + step * (i, j, k) inside the solid, each once.
+    """Points origin + step * (i, j, k) inside the solid, in batches: once in each tetrahedron that they lie in.
+
+    So points on a wall between tetrahedra come several times.
 
     Parameters
     ----------
@@ -19,8 +21,8 @@ def points_inside(mesh, origin, step, counts):
     step : distance between two
     counts : (3,) points along each axis
 
-    Returns
-    -------
+    Yields
+    ------
     places : (k, 3) integers i, j, k
     tets : (k,) tetrahedron that each lies in
     weights : (k, 4) barycentric weights there
@@ -29,28 +31,21 @@ def points_inside(mesh, origin, step, counts):
     low = np.clip(np.ceil(corners.min(axis=1) - SLACK).astype(int), 0, None)
     high = np.minimum(np.floor(corners.max(axis=1) + SLACK).astype(int), np.array(counts) - 1)
     sizes = np.clip(high - low + 1, 0, None)
-    totals = sizes.prod(axis=1)
-    ends = np.cumsum(totals)
-    cuts = np.searchsorted(ends, np.arange(BATCH, ends[-1], BATCH))
-    parts = []
-    for rows in np.split(np.arange(mesh.tet_count), cuts):
-        places, tets = _in_boxes(low, sizes, rows)
+    ends = np.cumsum(sizes.prod(axis=1))
+    for first in range(0, ends[-1], BATCH):
+        numbers = np.arange(first, min(first + BATCH, ends[-1]))
+        tets = np.searchsorted(ends, numbers, side="right")
+        places = low[tets] + _in_box(numbers - ends[tets], sizes[tets])
         weights = _weights(mesh, tets, origin + step * places)
         inside = (weights >= -SLACK).all(axis=1)
-        parts.append((places[inside], tets[inside], weights[inside]))
-    places, tets, weights = (np.concatenate(column) for column in zip(*parts, strict=True))
-    _, first = np.unique(np.ravel_multi_index(places.T, counts), return_index=True)
-    return places[first], tets[first], weights[first]
+        yield places[inside], tets[inside], weights[inside]
 
 
-def _in_boxes(low, sizes, rows):
-    """All places in boxes, and which box each is in."""
-    totals = sizes[rows].prod(axis=1)
-    boxes = np.repeat(rows, totals)
-    number = np.arange(len(boxes)) - np.repeat(np.cumsum(totals) - totals, totals)
-    number, k = np.divmod(number, sizes[boxes, 2])
-    i, j = np.divmod(number, sizes[boxes, 1])
-    return low[boxes] + np.column_stack([i, j, k]), boxes
+def _in_box(numbers, sizes):
+    """(k, 3) places of numbered points in boxes; negative numbers count from the end."""
+    numbers, k = np.divmod(numbers, sizes[:, 2])
+    numbers, j = np.divmod(numbers, sizes[:, 1])
+    return np.column_stack([numbers % sizes[:, 0], j, k])
 
 
 def _weights(mesh, tets, points):

@@ -53,6 +53,20 @@ def test_steps_are_positive(step):
         toolpaths(None, np.zeros(3), step)
 
 
+def test_steps_that_make_too_many_points_are_refused_with_one_that_does(monkeypatch):
+    mesh = block((5, 5, 5), jitter=0.2)
+    floor = LayerGroup.of_vertices(mesh, mesh.vertices[:, 2] == 0, 0.0)
+    pattern = solve_layers(mesh, axis_directions(mesh, (0, 0, 1)), 0.23, [floor])
+    layers = layer_surfaces(pattern.edge_phases, pattern.heights)
+    most = len(toolpaths(layers, layers.vertices[:, 0], 0.02)[0].triangles)
+    monkeypatch.setattr("synch_fields.core.extract.toolpaths.MOST_POINTS", most)
+    assert len(toolpaths(layers, layers.vertices[:, 0], 0.03)[0].triangles) < most
+    with pytest.raises(SettingError, match=r"give a step of .* or more") as caught:
+        toolpaths(layers, layers.vertices[:, 0], 1e-7)
+    remedy = float(str(caught.value).split("step of ")[1].split()[0])
+    assert 0.8 * most < len(toolpaths(layers, layers.vertices[:, 0], remedy)[0].triangles) <= most
+
+
 def test_contours_run_along_the_rim_one_step_after_the_other():
     """On square layers: squares inside each other, half a step from the rim and then a step apart."""
     mesh = block((6, 6, 4))
