@@ -226,8 +226,7 @@ def recall_layers(obj) -> Layering:
     """
     made = made_of(obj, "layers")
     if made is None or made.get(RUN) not in _solids:
-        kept = f"kept for the last {MOST_SOLIDS} solids while the file is open"
-        raise SynchError(f"no layers of {obj.name} are in memory ({kept}): solve them first")
+        raise SynchError(f"no layers of {obj.name} are in memory ({KEPT_SOLIDS}): solve them first")
     given, layering = _solids[made[RUN]]
     if not scene_io.is_unchanged(obj, given):
         raise SynchError(f"the mesh or the scale of {obj.name} has changed since its layers were solved: solve again")
