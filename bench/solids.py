@@ -153,7 +153,7 @@ def check_order(rows):
     others = [free["bound"], flush["bound"], flush["sdp"], flush["energy"]]
     for name, values in (("free", chain), ("flush", others)):
         if (np.diff(values) < -1e-9 * abs(values[-1])).any():
-            print(f"out of order at {free['label']} ({name}): {values}")
+            raise SystemExit(f"out of order at {free['label']} ({name}): {values}")
 
 
 def draw(shapes, found, path):

@@ -72,7 +72,7 @@ class LayerProperties:
     )
     size: FloatProperty(
         name="Resolution",
-        description="Longest edge of the tetrahedra that fill the object: a third of the spacing or less",
+        description="Longest edge of the tetrahedra that fill the object, at most half the spacing",
         subtype="DISTANCE",
         default=0.05,
         min=1e-6,

@@ -168,7 +168,7 @@ _EXAMPLES = {"guidance": "'axis:Z'", "groups": "'Top=layer'"}
 
 def quoted(name, special):
     """A name as it is written where some characters separate names."""
-    if not set(name) & set(special + '"') and name == name.strip():
+    if not set(name) & set(special + '"\r\n') and name == name.strip():
         return name
     return '"' + name.replace('"', '""') + '"'
 

@@ -13,6 +13,7 @@ from ..core.extract.defect_curves import defect_curves
 from ..core.extract.layer_surfaces import layer_surfaces
 from ..core.fields.layers import SolidGrowth, solve_layers
 from ..core.geometry.tet_mesh import TetMesh
+from ..core.interpolate import TURN
 from ..core.solve.monitor import Monitor
 from ..core.solve.solution import Clock
 from . import layer_objects, memory, scene_io
@@ -144,7 +145,7 @@ class LayerJob:
         with clock("extract"):
             surfaces = monitor.during(lambda: layer_surfaces(pattern.edge_phases, pattern.heights))
             if surfaces.count == 0:
-                raise SettingError("no layer lies in the solid: reduce the spacing")
+                raise SettingError(_no_layer(self.lengths.spacing * float(np.ptp(pattern.heights)) / TURN))
             curves = tuple(defect_curves(solid, pattern.face_numbers))
             self._phases = monitor.during(lambda: surface_phases(surface.mesh, pattern, growth))
         self._found = solid, pattern, surfaces, curves
@@ -226,6 +227,12 @@ def _automatic(spacing, size, distance, lowest):
         extent = float(np.ptp(distance.bounds, axis=0).max())
         spacing = max(extent / LINES_ACROSS, EDGES_PER_LAYER * size / lowest)
     return Lengths(float(spacing), float(size))
+
+
+def _no_layer(depth):
+    if depth > 0:
+        return f"no layer lies in the solid, which is about {depth:.2g} deep for them: give a spacing below that"
+    return "no layer lies in the solid, whose phase is the same everywhere: change the guidance or the groups"
 
 
 def _fitting(obj, surface, solid):

@@ -47,10 +47,6 @@ class LayerSurfaces:
         areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
         return np.bincount(self.layers, areas, self.count)
 
-    def interpolated(self, values):
-        """(p,) or (p, d) values on the layers of (n,) or (n, d) at the solid's vertices."""
-        return np.einsum("pk,pk...->p...", self.weights, values[self.corners])
-
 
 def layer_surfaces(edge_phases, heights, offset=0.0):
     """:class:`LayerSurfaces` where the phase is offset + 2 pi k.

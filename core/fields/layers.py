@@ -58,12 +58,6 @@ class LayerGroup:
         is_surface[mesh.boundary_faces] = True
         return cls(np.flatnonzero(chosen), mesh.faces[is_surface & chosen[mesh.faces].all(axis=1)], phase, name)
 
-    @classmethod
-    def of_triangles(cls, triangles, phase=None, name="the group"):
-        """The given faces of the solid, (f, 3) vertices, where a group of vertices would join too many."""
-        triangles = np.asarray(triangles, int).reshape(-1, 3)
-        return cls(np.unique(triangles), triangles, phase, name)
-
     @property
     def sides(self):
         """(3 f, 2) ends of the triangles' sides."""

@@ -113,12 +113,6 @@ class TetMesh:
         return np.where(halves < 0, -1, halves // 4)
 
     @cached_property
-    def tet_neighbours(self):
-        """(m, 4) tetrahedron on the other side of each face, -1 outside."""
-        sides = self.face_tets[self.tet_faces]
-        return np.where(sides[..., 0] == np.arange(self.tet_count)[:, None], sides[..., 1], sides[..., 0])
-
-    @cached_property
     def boundary_faces(self):
         """Indices of the faces that have one tetrahedron only."""
         return np.flatnonzero(self._face_data[2][:, 1] < 0)
@@ -157,12 +151,6 @@ class TetMesh:
     def loose_vertices(self):
         """Indices of the vertices without a tetrahedron; they carry no field."""
         return np.flatnonzero(np.bincount(self.tets.ravel(), minlength=self.vertex_count) == 0)
-
-    @property
-    def euler_characteristic(self):
-        """V - E + F - T over all pieces, loose vertices left out; half of the boundary surface's."""
-        vertices = self.vertex_count - len(self.loose_vertices)
-        return vertices - len(self.edges) + len(self.faces) - self.tet_count
 
     # Lengths, volumes and gradients
 

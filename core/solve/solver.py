@@ -190,6 +190,7 @@ def _solve_by_method(piece, options, monitor, clock, start):
     if options.method == "spectral":
         return _solve_spectral(piece, options, monitor, clock)
     with clock("relax"):
+        monitor.at("building", 0.0)
         workspace = monitor.during(partial(Workspace, piece))
     if options.method == "diffusion":
         return _solve_diffusion(workspace, options, monitor, clock)

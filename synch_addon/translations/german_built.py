@@ -3,6 +3,7 @@
 
 PARTS = {
     "starting": "beginnt",
+    "building": "Aufbau",
     "relaxation": "Relaxierung",
     "spectral relaxation": "spektrale Relaxierung",
     "continuation": "Fortsetzung",

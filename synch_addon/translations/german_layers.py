@@ -67,8 +67,8 @@ LAYERS = {
     ),
     "As many layers as the resolution carries, forty at most": "So viele, wie die Auflösung trägt, höchstens vierzig",
     "Resolution": "Auflösung",
-    "Longest edge of the tetrahedra that fill the object: a third of the spacing or less": (
-        "Längste Kante der Tetraeder, die das Objekt füllen: höchstens ein Drittel des Abstands"
+    "Longest edge of the tetrahedra that fill the object, at most half the spacing": (
+        "Längste Kante der Tetraeder, die das Objekt füllen, höchstens der halbe Abstand"
     ),
     "Automatic Resolution": "Automatische Auflösung",
     "About a hundred thousand tetrahedra, or more where the spacing needs them": (

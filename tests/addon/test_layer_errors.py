@@ -2,7 +2,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What cannot be filled with layers is refused in one line that names the remedy, and nothing changes."""
 
-import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -46,6 +45,8 @@ def test_meshes_that_meet_themselves_are_refused_with_the_faces_selected():
 
 
 def test_flat_meshes_are_refused():
+    import bmesh  # on the path once bpy is loaded
+
     obj = grid(2)
     twice = bmesh.new()
     twice.from_mesh(obj.data)
@@ -96,6 +97,13 @@ def test_a_group_smaller_than_the_tetrahedra_is_refused():
     refused(obj, "the vertex group 'Spot' is smaller than the solid's triangles", groups="Spot=layer", size=0.25)
 
 
+def test_a_solid_thinner_than_the_spacing_is_told_its_depth():
+    match = "no layer lies in the solid, which is about 0.1 deep for them: give a spacing below that"
+    obj = block((0.5, 0.5, 0.1))
+    refused(obj, match, spacing=0.7, size=0.1)
+    assert api.layers(obj, spacing=0.09, size=0.045)["layers"] > 0
+
+
 def test_a_solid_of_another_object_is_refused():
     from ..core.solids import block as tetrahedra
 
@@ -103,10 +111,15 @@ def test_a_solid_of_another_object_is_refused():
 
 
 def test_texts_of_guides_and_groups_can_hold_any_name():
-    for kind, names in (("axis", ("X",)), ("harmonic", ('a:"b"', " c ")), ("distance", ("a,b=c",))):
+    for kind, names in (
+        ("axis", ("X",)),
+        ("harmonic", ('a:"b"', " c ")),
+        ("distance", ("a,b=c",)),
+        ("distance", ("a\nb",)),
+    ):
         guide = LayerGuide(kind, names)
         assert LayerGuide.of_text(str(guide)) == guide == LayerSettings(guidance=str(guide)).guide
-    rows = (Flush("Top", "layer"), Flush("a,b=c", "constant"), Flush('"q"', "layer"))
+    rows = (Flush("Top", "layer"), Flush("a,b=c", "constant"), Flush('"q"', "layer"), Flush("a\nb", "layer"))
     assert groups_of_text(text_of_groups(rows)) == rows and groups_of_text("  ") == ()
     with pytest.raises(SettingError, match="cannot be read"):
         LayerGuide.of_text('harmonic:"a:b')

@@ -224,9 +224,10 @@ def test_groups_of_vertices_do_not_reach_through_the_solid():
     assert len(group.vertices) == 18 and len(group.triangles) == 16
     assert len(np.unique(group.links.i)) == 2
     sides = mesh.boundary_triangles[np.ptp(z[mesh.boundary_triangles], axis=1) == 0]
-    of_triangles = LayerGroup.of_triangles(sides)
-    assert len(np.unique(of_triangles.links.i)) == 2 < len(of_triangles.vertices)
-    pattern = solve_layers(mesh, axis_directions(mesh, (0, 0, 1)), 0.25, [LayerGroup.of_triangles(sides, 0.0)])
+    both = LayerGroup(np.unique(sides), sides)
+    assert len(np.unique(both.links.i)) == 2 < len(both.vertices)
+    held = LayerGroup(both.vertices, sides, 0.0)
+    pattern = solve_layers(mesh, axis_directions(mesh, (0, 0, 1)), 0.25, [held])
     assert pattern.solution.energy < 1e-12
     np.testing.assert_allclose(pattern.spacings.distances, 0.25)
 
