@@ -62,6 +62,23 @@ def test_tilted_planes_are_cut_off_by_the_solid():
     assert ((normals(layers) @ axis) > 0).all()
 
 
+def test_layers_of_a_spherical_shell_are_concentric_and_evenly_spaced():
+    """Between an inner and an outer sphere on which layers lie: successive distances within 2 % of the spacing."""
+    mesh, spacing = shell(np.linspace(1, 1.8, 13), 3, jitter=0.003), 0.2
+    radius = np.linalg.norm(mesh.vertices, axis=1)
+    groups = [
+        LayerGroup.of_vertices(mesh, mesh.boundary_vertices & side, 0.0) for side in (radius < 1.01, radius > 1.79)
+    ]
+    layers = surfaces_of(solve_layers(mesh, mesh.vertices / radius[:, None], spacing, groups))
+    assert layers.count == 5
+    shares = np.linalg.norm(normals(layers), axis=1)
+    places = np.linalg.norm(layers.vertices, axis=1)[layers.triangles].mean(axis=1)
+    means = np.bincount(layers.layers, shares * places) / np.bincount(layers.layers, shares)
+    np.testing.assert_allclose(np.diff(means), spacing, rtol=0.02)
+    off = places - means[layers.layers]
+    assert np.abs(off).max() < 0.02 * spacing
+
+
 def test_places_in_between_are_the_weights_of_the_corners():
     mesh = block((4, 4, 4), jitter=0.2)
     layers = surfaces_of(solve_layers(mesh, axis_directions(mesh, (1, 1, 2)), 0.21))
