@@ -6,7 +6,12 @@ import bpy
 
 # On what is made, the object whose solid it shows; on that one, what was made by what it shows.
 SOLID = "synch_solid"
-MADE = {"layers": "synch_layers_object", "curves": "synch_curves_object", "surface": "synch_surface_object"}
+MADE = {
+    "layers": "synch_layers_object",
+    "curves": "synch_curves_object",
+    "surface": "synch_surface_object",
+    "volume": "synch_volume_object",
+}
 
 
 def solid_of(obj):

@@ -41,7 +41,7 @@ def write_layers(obj, layering, spacing):
     data = bpy.data.meshes.new(f"{obj.data.name} Layers")
     data.from_pydata(surfaces.vertices.tolist(), [], surfaces.triangles.tolist())
     data.shade_smooth()
-    made = _placed(obj, "layers", f"{obj.name} Layers", data, layering.matrix)
+    made = placed(obj, "layers", f"{obj.name} Layers", data, layering.matrix)
     scene_io.write_attribute(made, "synch_layer", "FACE", "INT", surfaces.layers)
     layer_material(made, surfaces.count)
     write_defects(made, _ends(layering), kinds=KINDS, length=spacing)
@@ -84,7 +84,7 @@ def write_curves(obj, layering, spacing):
         spline.points.add(len(points) - 1)
         spline.points.foreach_set("co", np.column_stack([points, np.ones(len(points))]).astype(np.float32).ravel())
         spline.use_cyclic_u = curve.is_closed
-    made = _placed(obj, "curves", f"{obj.name} Dislocations", data, layering.matrix)
+    made = placed(obj, "curves", f"{obj.name} Dislocations", data, layering.matrix)
     curve_material(made)
     return made
 
@@ -95,7 +95,7 @@ def write_surface(obj, layering, given, phases, warn, spacing):
         data = bpy.data.meshes.new(f"{obj.data.name} Surface")
         data.from_pydata(phases.mesh.vertices.tolist(), [], phases.mesh.triangles.tolist())
         data.shade_smooth()
-        shown = _placed(obj, "surface", f"{obj.name} Surface", data, layering.matrix)
+        shown = placed(obj, "surface", f"{obj.name} Surface", data, layering.matrix)
         given = scene_io.MeshInput(
             phases.mesh, scene_io.read_polygons(shown), np.eye(3), phases.mesh, np.arange(phases.mesh.vertex_count)
         )
@@ -131,7 +131,7 @@ def show_layers(obj, made, others):
     layer.update()
 
 
-def _placed(obj, kind, name, data, matrix):
+def placed(obj, kind, name, data, matrix):
     """The object of a kind that an earlier run has made, with new data, or a new one."""
     made = made_of(obj, kind)
     if made is None:

@@ -5,16 +5,17 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from mathutils import Matrix
 
 from ..core.errors import SettingError
 from ..core.extract.voxels import points_inside
 from ..core.interpolate_solid import evaluate_in_tets
 from .files import check_output, check_written, unwritten
 from .flows import openvdb_module
-from .layer_links import SOLID
+from .layer_objects import placed
 
 GRID, MATERIAL = "pattern", "Synch Volume"
+# The node that has the density, and the custom property of the object with the spacing that it was made for.
+_DENSITY, _SPACING = "Density", "synch_spacing"
 # Outside of the solid; half way between layers inside.
 _NOTHING, _LEAST = -1.0, np.nextafter(np.float32(-1), np.float32(0))
 # A microsecond and four bytes each.
@@ -58,12 +59,8 @@ def write_volume(obj, layering, path, resolution=128):
     voxels = _write_grid(path, _pattern(layering, origin, step, counts), origin, step)
     data = bpy.data.volumes.new(f"{obj.name} Volume")
     data.filepath = str(path)
-    data.materials.append(_material(layering.pattern.spacings.mean))
-    made = bpy.data.objects.new(data.name, data)
-    made[SOLID] = obj
-    for collection in obj.users_collection:
-        collection.objects.link(made)
-    made.matrix_world = Matrix(layering.matrix)
+    made = placed(obj, "volume", data.name, data, layering.matrix)
+    _show(made, layering.pattern.spacings.mean)
     return made, voxels
 
 
@@ -106,7 +103,21 @@ def _write_grid(path, values, origin, step):
     return grid.activeVoxelCount()
 
 
-def _material(spacing):
+def _show(made, spacing):
+    """Give a volume object a material, if it has none, or bring its density to another spacing."""
+    if not any(slot.material for slot in made.material_slots):
+        made.data.materials.clear()
+        made.data.materials.append(_new_material(spacing))
+    else:
+        factor = made.get(_SPACING, spacing) / spacing
+        for material in made.data.materials:
+            node = material and material.node_tree and material.node_tree.nodes.get(_DENSITY)
+            if node:
+                node.inputs["To Max"].default_value *= factor
+    made[_SPACING] = spacing
+
+
+def _new_material(spacing):
     """Sheets where the pattern is near 1; the density goes with the spacing."""
     material = bpy.data.materials.new(MATERIAL)
     if material.node_tree is None:
@@ -117,6 +128,7 @@ def _material(spacing):
     pattern = tree.nodes.new("ShaderNodeAttribute")
     pattern.attribute_name, pattern.location = GRID, (-640, 0)
     density = tree.nodes.new("ShaderNodeMapRange")
+    density.name = _DENSITY
     density.interpolation_type, density.location = "SMOOTHSTEP", (-420, 0)
     density.inputs["From Min"].default_value, density.inputs["From Max"].default_value = _THIN, _THICK
     density.inputs["To Max"].default_value = _OPACITY / spacing

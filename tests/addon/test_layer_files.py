@@ -204,6 +204,24 @@ def test_the_volume_holds_the_cosine_of_the_phase(layered, tmp_path):
     assert volume.data.grids.load() and [grid.name for grid in volume.data.grids] == ["pattern"]
 
 
+def test_a_volume_again_takes_the_place_of_the_one_before(layered, tmp_path):
+    volume = bpy.data.objects[api.layer_volume(layered, tmp_path / "one.vdb", 8)["volume_object"]]
+    density = volume.data.materials[0].node_tree.nodes["Density"].inputs["To Max"]
+    density.default_value *= 3  # by hand
+    before = density.default_value
+    api.layers(layered, guidance="axis:Z", spacing=2 * SPACING, size=0.15)
+    report = api.layer_volume(layered, tmp_path / "two.vdb", 8)
+    assert report["volume_object"] == volume.name and report["files"] == [str(tmp_path / "two.vdb")]
+    assert len(bpy.data.volumes) == 1 and [o for o in bpy.data.objects if o.type == "VOLUME"] == [volume]
+    assert len([m for m in bpy.data.materials if m.name.startswith("Synch Volume")]) == 1
+    assert density.default_value == pytest.approx(before / 2, rel=1e-3)
+    other = block()
+    other.name = "Other"
+    api.layers(other, guidance="axis:Z", spacing=SPACING, size=0.25)
+    assert api.layer_volume(other, tmp_path / "other.vdb", 8)["volume_object"] != volume.name
+    assert density.default_value == pytest.approx(before / 2, rel=1e-3)
+
+
 def test_voxels_beside_dislocations_hold_the_interpolant(tmp_path):
     """A bent bar: every voxel has the value of the tetrahedron that it lies in."""
     obj = bent_bar()
