@@ -37,7 +37,7 @@ def check(options):
 
 
 def write(options, obj):
-    """Write what is asked for of an object's layers; returns the paths."""
+    """Write what is asked for of an object's layers; returns the paths, and warnings."""
     reports = []
     if options.export_layers:
         reports.append(api.layer_export(obj, options.export_layers))
@@ -45,4 +45,5 @@ def write(options, obj):
         reports.append(api.layer_toolpaths(obj, options.path_step, options.path_fill, options.export_paths))
     if options.export_volume:
         reports.append(api.layer_volume(obj, options.export_volume, options.resolution))
-    return [path for report in reports for path in report["files"]]
+    files, warnings = ([line for report in reports for line in report.get(key, ())] for key in ("files", "warnings"))
+    return files, warnings

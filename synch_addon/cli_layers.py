@@ -84,7 +84,9 @@ def run(options, open_object, progress):
     if options.export_mesh:
         files.export_mesh(layers, options.export_mesh, z_up=True)
         written.append(options.export_mesh)
-    written += cli_layer_files.write(options, obj)
+    paths, warned = cli_layer_files.write(options, obj)
+    written += paths
+    report["warnings"] += warned
     if options.output and (options.export_paths or options.export_volume):
         files.save_blend(options.output)
     if options.render:

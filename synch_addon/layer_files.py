@@ -2,6 +2,7 @@
 """What is made of layers to print: a mesh file for each layer, and paths for a tool as curves and as a file."""
 
 import math
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -81,6 +82,15 @@ def export_layers(layering, path, together=False):
             obj.select_set(obj in selected)
         bpy.context.view_layer.objects.active = active
     return written
+
+
+def left_behind(path, written):
+    """Names of layer files that an earlier run has left beside those that were written, which they seem to continue."""
+    path, names = Path(path), {Path(file).name for file in written}
+    pattern = re.compile(rf"{re.escape(path.stem)}_\d{{3,}}{re.escape(path.suffix)}")
+    return sorted(
+        found.name for found in path.parent.iterdir() if pattern.fullmatch(found.name) and found.name not in names
+    )
 
 
 def _sheet(layering, triangles):

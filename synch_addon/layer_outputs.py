@@ -21,7 +21,7 @@ def layer_export(obj, path, together=False):
 
     Returns
     -------
-    dict with `files`
+    dict with `files` and `warnings`: of files of an earlier run with more layers, which stay
 
     Raises
     ------
@@ -31,7 +31,18 @@ def layer_export(obj, path, together=False):
     obj, path = solid_of(obj), _absolute(path)
     with scene_io.object_mode(obj):
         written = layer_files.export_layers(memory.recall_layers(obj), path, together)
-    return {"status": "written", "command": "layer_export", "object": obj.name, "files": written}
+    older = [] if together else layer_files.left_behind(path, written)
+    warnings = []
+    if older:
+        names = f"{older[0]} to {older[-1]}" if len(older) > 1 else older[0]
+        warnings = [f"{names}: of an earlier run, no layer of this one: delete what you do not need"]
+    return {
+        "status": "written",
+        "command": "layer_export",
+        "object": obj.name,
+        "files": written,
+        "warnings": warnings,
+    }
 
 
 def layer_toolpaths(obj, step=None, fill="contour", path=None):

@@ -63,7 +63,10 @@ class SYNCH_OT_layer_export(_LayerOperator, ExportHelper, bpy.types.Operator):
         return not self.filepath.lower().endswith((".ply", ".obj")) and super().check(context)
 
     def make(self, obj):
-        files = api.layer_export(obj, self.filepath, self.together)["files"]
+        report = api.layer_export(obj, self.filepath, self.together)
+        for line in report["warnings"]:
+            self.report({"WARNING"}, line)
+        files = report["files"]
         return f"wrote {files[0]}" if len(files) == 1 else f"wrote {len(files)} layers, {files[0]} the lowest"
 
 

@@ -76,6 +76,21 @@ def test_each_layer_is_a_file_that_holds_it(layered, tmp_path, suffix):
             )
 
 
+def test_files_that_an_earlier_run_left_are_named(layered, tmp_path):
+    """Three layers are written here; those of others, and other names, are no matter."""
+    for name in ("part_002.stl", "part_003.stl", "part_004.stl", "part_003.ply", "apart_005.stl", "part_old.stl"):
+        (tmp_path / name).write_text("")
+    report = api.layer_export(layered, tmp_path / "part.stl")
+    assert len(report["files"]) == 3
+    (line,) = report["warnings"]
+    assert line.startswith("part_003.stl to part_004.stl: of an earlier run") and "delete" in line
+    (tmp_path / "part_004.stl").unlink()
+    assert api.layer_export(layered, tmp_path / "part.stl")["warnings"][0].startswith("part_003.stl: of an")
+    (tmp_path / "part_003.stl").unlink()
+    assert api.layer_export(layered, tmp_path / "part.stl")["warnings"] == []
+    assert (tmp_path / "part_003.ply").exists()
+
+
 def test_all_layers_fit_in_one_file(layered, tmp_path):
     surfaces = memory.recall_layers(layered).surfaces
     report = api.layer_export(bpy.data.objects["Block Layers"], tmp_path / "all.stl", together=True)
@@ -217,7 +232,7 @@ def test_a_volume_again_takes_the_place_of_the_one_before(layered, tmp_path):
     assert density.default_value == pytest.approx(before / 2, rel=1e-3)
     other = block()
     other.name = "Other"
-    api.layers(other, guidance="axis:Z", spacing=SPACING, size=0.25)
+    api.layers(other, guidance="axis:Z", spacing=0.5, size=0.25)
     assert api.layer_volume(other, tmp_path / "other.vdb", 8)["volume_object"] != volume.name
     assert density.default_value == pytest.approx(before / 2, rel=1e-3)
 
@@ -335,6 +350,7 @@ def test_operators_do_the_same(layered, tmp_path):
 def test_the_command_writes_them_all(tmp_path, capfd):
     obj = block()
     files.export_mesh(obj, tmp_path / "block.obj")
+    (tmp_path / "part_007.stl").write_text("")
     status = cli.main(
         ["layers", str(tmp_path / "block.obj"), "--spacing", "0.4", "--size", "0.19", "--quiet"]
         + ["--export-layers", str(tmp_path / "part.stl"), "--export-paths", str(tmp_path / "paths.csv")]
@@ -343,6 +359,7 @@ def test_the_command_writes_them_all(tmp_path, capfd):
     printed = capfd.readouterr()
     assert status == 0, printed.err
     names = {path.name for path in tmp_path.iterdir()}
+    assert "warning: part_007.stl: of an earlier run" in printed.out
     assert {"part_000.stl", "part_001.stl", "paths.csv", "pattern.vdb"} <= names
     for name in ("part_000.stl", "paths.csv", "pattern.vdb"):
         assert f"wrote {tmp_path / name}" in printed.out
