@@ -8,6 +8,7 @@ import numpy as np
 from ..fields.clebsch import TURN
 from .evening import evened_along
 from .strands import joined_strands
+from .vortex_fit import fitted_places
 
 # Smoothing goes there and back by these shares (Taubin's own), so short that the smallest rings, of six points, last.
 _STEPS = 0.33, -0.34
@@ -94,10 +95,11 @@ def _pieces(grid, strand, places):
 
 
 def puncture_places(found, faces):
-    """(k, d), on a surface (k, 3), where filaments pass (k,) faces: the zero between the values at the four corners.
+    """(k, d), on a surface (k, 3), where filaments pass (k,) faces.
 
-    What opposite edges ask for on average, the flow that passes the filament by, is taken off before; where no zero is
-    left, the middle of the face is meant.
+    Where the flow around a face is that of one vortex, that is where it fits best (:func:`fitted_places`); elsewhere it
+    is the zero between the values at the four corners. What opposite edges ask for on average, the flow that passes
+    the filament by, is taken off before; where no zero is left, the middle of the face is meant.
     """
     grid = found.grid
     if grid.faces.shape[1] == 3:
@@ -106,7 +108,10 @@ def puncture_places(found, faces):
     across, upwards = 0.5 * (asked[:, 0] + asked[:, 2]), 0.5 * (asked[:, 1] + asked[:, 3])
     mean = np.column_stack([np.zeros(len(asked)), across, across + upwards, upwards])
     values = found.phases[grid.faces[faces]] * np.exp(-1j * mean)
-    s, t = bilinear_zero(values)
+    zeros = np.column_stack(bilinear_zero(values))
+    signs = np.sign(found.face_numbers[faces])
+    fitted = fitted_places(grid, TURN / found.quantum * found.integrals, faces, signs)
+    s, t = np.where(np.isnan(fitted), zeros, fitted).T
     corner = grid.places[grid.faces[faces, 0]]
     places = corner.copy()
     rows = np.arange(len(corner))

@@ -96,7 +96,7 @@ class Grid:
         """(e,) axis of each edge."""
         return np.repeat(np.arange(self.dimension), [len(self._cells([a])) for a in range(self.dimension)])
 
-    def _edges_at(self, nodes, axis):
+    def edges_at(self, nodes, axis):
         """Numbers of the edges that start at nodes along an axis."""
         before = sum(len(self._cells([other])) for other in range(axis))
         place = np.unravel_index(nodes, self.shape)
@@ -146,10 +146,10 @@ class Grid:
             parts.append(
                 np.column_stack(
                     [
-                        self._edges_at(corner, first),
-                        self._edges_at(along, second),
-                        self._edges_at(across, first),
-                        self._edges_at(corner, second),
+                        self.edges_at(corner, first),
+                        self.edges_at(along, second),
+                        self.edges_at(across, first),
+                        self.edges_at(corner, second),
                     ]
                 )
             )

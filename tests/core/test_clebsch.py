@@ -87,6 +87,21 @@ def test_a_ring_across_the_sides_of_a_periodic_grid():
     assert lengths == pytest.approx(2 * np.pi * 0.27, rel=0.15)
 
 
+@pytest.mark.parametrize("core", [0.1, 0.5, 1.0])
+def test_vortices_lie_where_they_are_within_their_cells(core):
+    """With a wind, and of either sense."""
+    grid = Grid((12, 12), spacing=(1.0, 1.2), origin=(-5.5, -6.6))
+    space = Grid((12, 12, 2), spacing=(1.0, 1.2, 1.0), origin=(-5.5, -6.6, 0))
+    below = (space.edge_axes < 2) & (space.edges[:, 0] % 2 == 0)
+    for x, y, circulation in ((-0.4, 0.0, 1), (0.2, 0.3, 1), (0.1, -0.35, -1), (0.4, 0.4, -1)):
+        line = np.array([[x, y, -200.0], [x, y, 200.0]])
+        integrals = filament_integrals(space, [(line, circulation)], core)[below]
+        integrals += 0.05 * (grid.edge_axes == 0)
+        _, places, strengths = vortices(clebsch_map(grid, integrals, 1.0))
+        np.testing.assert_array_equal(strengths, [circulation])
+        assert np.linalg.norm(places[0] - [x, y]) < 0.2
+
+
 def test_smoothing_does_not_shrink_small_rings():
     grid = Grid((13, 12, 8), origin=(-6, -5.5, -3.4))
     for radius in (1.0, 2.0, 3.0):
