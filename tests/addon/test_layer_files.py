@@ -287,30 +287,28 @@ def test_what_cannot_be_written_is_refused_and_changes_nothing(layered, tmp_path
         assert snapshot() == before and not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(
-    ("name", "write"),
-    [
-        ("part.stl", lambda obj, path: api.layer_export(obj, path, together=True)),
-        ("part.ply", lambda obj, path: api.layer_export(obj, path, together=True)),
-        ("part.obj", lambda obj, path: api.layer_export(obj, path, together=True)),
-        ("paths.csv", lambda obj, path: api.layer_toolpaths(obj, 0.4, path=path)),
-        ("paths.obj", lambda obj, path: api.layer_toolpaths(obj, 0.4, path=path)),
-        ("pattern.vdb", lambda obj, path: api.layer_volume(obj, path, 8)),
-    ],
-)
-def test_folders_and_full_disks_are_told_in_one_line(layered, tmp_path, name, write):
-    (tmp_path / name).mkdir()
+def test_folders_and_full_disks_are_told_in_one_line(layered, tmp_path):
+    writers = {
+        "part.stl": lambda path: api.layer_export(layered, path, together=True),
+        "part.ply": lambda path: api.layer_export(layered, path, together=True),
+        "part.obj": lambda path: api.layer_export(layered, path, together=True),
+        "paths.csv": lambda path: api.layer_toolpaths(layered, 0.4, path=path),
+        "paths.obj": lambda path: api.layer_toolpaths(layered, 0.4, path=path),
+        "pattern.vdb": lambda path: api.layer_volume(layered, path, 8),
+    }
     (tmp_path / "full").mkdir()
-    places = [(tmp_path / name, "this is a folder, choose another name")]
-    if Path("/dev/full").exists():  # a file on a disk without room
-        (tmp_path / "full" / name).symlink_to("/dev/full")
-        places.append((tmp_path / "full" / name, "cannot be written .*: make room, or choose another place"))
     before = snapshot()
-    for path, words in places:
-        with pytest.raises(SettingError, match=words) as caught:
-            write(layered, path)
-        assert str(caught.value).startswith(str(path)) and "\n" not in str(caught.value)
-        assert snapshot() == before
+    for name, write in writers.items():
+        (tmp_path / name).mkdir()
+        places = [(tmp_path / name, "this is a folder, choose another name")]
+        if Path("/dev/full").exists():  # a file on a disk without room
+            (tmp_path / "full" / name).symlink_to("/dev/full")
+            places.append((tmp_path / "full" / name, "cannot be written .*: make room, or choose another place"))
+        for path, words in places:
+            with pytest.raises(SettingError, match=words) as caught:
+                write(path)
+            assert str(caught.value).startswith(str(path)) and "\n" not in str(caught.value)
+            assert snapshot() == before
 
 
 def test_a_numbered_file_that_is_a_folder_is_told_in_one_line(layered, tmp_path):
