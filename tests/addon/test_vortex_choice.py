@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 import pytest
 
+from synch_fields.core.defects import wrap
 from synch_fields.core.errors import Cancelled, SynchError
 from synch_fields.synch_addon import api, jobs, memory
 from synch_fields.synch_addon.clebsch import ClebschSettings, job_for
@@ -46,11 +47,17 @@ def test_both_objects_show_what_the_map_has_at_the_antipode(solved, point):
     unit = np.array(point) / np.linalg.norm(point)
     # Tubes: where the map is on a circle 100 degrees around the antipode.
     np.testing.assert_allclose(sphere_of(tubes) @ -unit, np.cos(np.radians(100)), atol=1e-6)
-    # Filaments: the nodes around them are those that the map takes near the antipode.
+    # Filaments: where the map goes around the axis through the point and its antipode, once for each at the antipode
+    # and once back for each at the point; but for faces that it takes as far as half a turn on.
     found = flow.sphere.seen_from(point)
+    across = np.linalg.svd(unit[None])[2][1]
+    places = flow.sphere.sphere[found.grid.faces]
+    turns = np.arctan2(places @ np.cross(across, unit), places @ across)
+    around = np.rint(wrap(np.roll(turns, -1, axis=1) - turns).sum(axis=1) / (2 * np.pi))
+    agrees = around == found.face_numbers - flow.sphere.seen_from(tuple(-unit)).face_numbers
     faces = np.flatnonzero(found.face_numbers)
-    near = (flow.sphere.sphere[found.grid.faces[faces]] @ -unit).max(axis=1)
-    assert np.median(near) > 0.4 and len(faces) == sum(len(s.points) for s in lines.data.splines)
+    assert agrees.mean() > 0.99 and agrees[faces].mean() > 0.7
+    assert len(faces) == sum(len(s.points) for s in lines.data.splines)
     assert report["energy"] == pytest.approx(found.energy) and report["energy"] >= first["energy"] - 1e-9
     assert np.linalg.norm(points_of(lines)[:, :2], axis=1) == pytest.approx(RADIUS, abs=0.3)
     assert [len(report["filaments"]), report["tubes"]["faces"]] == [len(lines.data.splines), len(tubes.data.polygons)]
