@@ -153,7 +153,8 @@ def test_groups_are_marked_by_their_names_and_show_what_is_there(solved):
     assert set(np.round(strengths, 4)) == {line["strength"] for line in report["filaments"]}
     assert colors.reshape(-1, 4)[:, 3].min() == 1.0 and [m.name for m in mesh.materials] == ["Synch Filaments"]
     places = np.array([v.co for v in mesh.vertices])
-    away = np.linalg.norm(places[:, None] - points_of(lines), axis=2).min(axis=1)
+    points = points_of(lines)
+    away = np.linalg.norm(places.reshape(len(points), -1, 3) - points[:, None], axis=2)  # from the point of their own
     np.testing.assert_allclose(away, 0.025, atol=1e-4)  # a quarter of a cell
     seen.to_mesh_clear()
 
