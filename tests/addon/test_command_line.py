@@ -257,7 +257,7 @@ def test_report_that_cannot_be_written_is_a_failure(files, tmp_path, capfd):
     status, out, err = run(capfd, "info", files[".blend"], "--report", tmp_path / "taken.json")
     assert status == 1 and out == ""
     (line,) = [line for line in err.splitlines() if line.startswith("synch ")]
-    assert "taken.json" in line and "directory" in line
+    assert "taken.json" in line and "folder" in line
 
 
 def test_damaged_files_are_one_line(tmp_path, capfd):
