@@ -183,8 +183,9 @@ def test_background_gives_what_a_blocking_run_gives(ring, solved):
     work.wait()
     assert work.error is None and 0.9 < work.fraction <= 1
     again = work.job.write()
-    assert again["energy"] == report["energy"]
-    np.testing.assert_array_equal(points_of(bpy.data.objects[again["object"]]), points_of(lines))
+    # Sums may differ in the last digits by where arrays lie in memory.
+    assert again["energy"] == pytest.approx(report["energy"], rel=1e-9)
+    np.testing.assert_allclose(points_of(bpy.data.objects[again["object"]]), points_of(lines), atol=1e-5)
 
 
 @pytest.mark.parametrize("stage", ["flow", "relaxation", "rank 2", "vortices"])
