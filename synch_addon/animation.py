@@ -22,10 +22,11 @@ from ..core.interpolate import EdgePhases, face_phases
 from . import frame_nodes, memory, scene_io, stripe_numbers, write
 from .defect_empties import write_defects
 from .jobs import portion
+from .keywords import from_names
 from .materials import pattern_material
 from .picking import hidden
 from .report import Report
-from .settings import from_names
+from .settings import Settings
 from .task import gather, settings_for, solve_directions, solve_pattern
 
 # How strongly a pattern holds on to the frame before. Measured: jumps become slides, for up to 3 % of energy.
@@ -91,7 +92,7 @@ def animate(obj, callback=None, frames=None, pattern="stripes", hold=HOLD, **set
     """
     scene = bpy.context.scene
     frames = (scene.frame_start, scene.frame_end) if frames is None else frames
-    return run_animate(obj, from_names(settings), frames, pattern, hold, callback)
+    return run_animate(obj, from_names(Settings, settings), frames, pattern, hold, callback)
 
 
 def run_animate(obj, settings, frames, pattern, hold, callback=None):

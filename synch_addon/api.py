@@ -17,6 +17,7 @@ from .bake import BakeJob
 from .bake_settings import BakeSettings
 from .clebsch import clebsch as clebsch
 from .field_job import FieldJob, trace, write_again, write_quads, write_result
+from .keywords import from_names
 from .layer_outputs import layer_export as layer_export
 from .layer_outputs import layer_toolpaths as layer_toolpaths
 from .layer_outputs import layer_volume as layer_volume
@@ -26,7 +27,7 @@ from .read_back import shown_pattern
 from .refine import refine as refine
 from .relief import add_relief
 from .report import versions
-from .settings import Settings, from_names
+from .settings import Settings
 from .stripe_numbers import number_stripes as number_stripes
 from .vortex_choice import choose_point as choose_point
 
@@ -49,7 +50,7 @@ def directions(obj, callback=None, **settings):
     SynchError
         with one line that names the element and the remedy; nothing is written
     """
-    return run("directions", obj, from_names(settings), callback)
+    return run("directions", obj, from_names(Settings, settings), callback)
 
 
 def stripes(obj, callback=None, **settings):
@@ -57,7 +58,7 @@ def stripes(obj, callback=None, **settings):
 
     Parameters, result and errors as :func:`directions`.
     """
-    return run("stripes", obj, from_names(settings), callback)
+    return run("stripes", obj, from_names(Settings, settings), callback)
 
 
 def quads(obj, callback=None, **settings):
@@ -65,7 +66,7 @@ def quads(obj, callback=None, **settings):
 
     Parameters, result and errors as :func:`directions`; the symmetry is always that of a cross.
     """
-    return run("quads", obj, from_names(settings), callback)
+    return run("quads", obj, from_names(Settings, settings), callback)
 
 
 def quad_mesh(obj, callback=None, **settings):
@@ -74,7 +75,7 @@ def quad_mesh(obj, callback=None, **settings):
     Parameters, result and errors as :func:`quads`; the report says in ``quad_mesh`` how good the mesh is, and in its
     ``object`` what it is called.
     """
-    return run("quad_mesh", obj, from_names(settings), callback)
+    return run("quad_mesh", obj, from_names(Settings, settings), callback)
 
 
 def run(command, obj, settings, callback=None):
@@ -103,7 +104,7 @@ def layers(obj, callback=None, solid=None, **settings):
     SynchError
         with one line that names the element and the remedy; nothing is written
     """
-    job = layer_job(obj, LayerSettings.from_names(settings), solid)
+    job = layer_job(obj, from_names(LayerSettings, settings), solid)
     job.solve(callback)
     return job.write(obj)
 
@@ -204,7 +205,7 @@ def isolines(obj, **settings):
         with one line that names the element and the remedy; nothing is made
     """
     scene_io.refuse(obj)
-    settings = line_object.from_names(settings)
+    settings = from_names(line_object.LineSettings, settings)
     with scene_io.object_mode(obj):
         return line_object.write(obj, *shown_pattern(obj), settings)
 
@@ -259,7 +260,9 @@ def preset(obj, name, callback=None, solve=False, **settings):
     """
     scene_io.refuse(obj)
     needed = presets.solve_for(obj, name, solve or bool(settings))
-    solved = None if needed is None else run(needed.pop("command"), obj, from_names(needed | settings), callback)
+    solved = None
+    if needed is not None:
+        solved = run(needed.pop("command"), obj, from_names(Settings, needed | settings), callback)
     shown = presets.show(obj, name, bool(settings.get("assign_material")))
     return {"status": "shown", "command": "preset", "object": obj.name, "preset": name} | {
         "material": shown.name,
@@ -286,7 +289,7 @@ def bake(obj, callback=None, **settings):
     SynchError
         with one line that names the element and the remedy; nothing is written
     """
-    return run_bake(obj, BakeSettings.from_names(settings), callback)
+    return run_bake(obj, from_names(BakeSettings, settings), callback)
 
 
 def run_bake(obj, settings, callback=None):

@@ -2,7 +2,7 @@
 """What can be baked and how it is kept: maps, their formats, and the settings of a bake."""
 
 import string
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import bpy
@@ -88,15 +88,6 @@ class BakeSettings:
         if self.displacement and not (self.material and "height" in self.maps):
             raise SettingError("displacement is made by a material of the height: ask for both")
         self._check_name()
-
-    @classmethod
-    def from_names(cls, values):
-        """From keyword arguments, refusing names that do not exist."""
-        known = [field.name for field in fields(cls)]
-        for name in values:
-            if name not in known:
-                raise SettingError(f"the setting {name!r} is unknown: use one of {', '.join(known)}")
-        return cls(**values)
 
     def _check_name(self):
         try:

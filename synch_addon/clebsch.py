@@ -14,6 +14,7 @@ from ..core.solve import METHODS, Options
 from ..core.solve.monitor import Monitor
 from .flows import CORE, VELOCITY, check_resolution, check_size, flow_source, objects_of
 from .jobs import portion
+from .keywords import from_names
 from .render import whole_or_nothing
 from .surface_flows import surface_flow
 from .surface_vortices import SurfaceJob
@@ -185,11 +186,7 @@ def clebsch(source, callback=None, **settings):
     SynchError
         with one line that says what is wrong and the remedy; nothing is written
     """
-    known = list(ClebschSettings.__annotations__)
-    for name in settings:
-        if name not in known:
-            raise SettingError(f"the setting {name!r} is unknown: use one of {', '.join(known)}")
-    job = job_for(source, ClebschSettings(**settings))
+    job = job_for(source, from_names(ClebschSettings, settings))
     job.solve(callback)
     return job.write()
 

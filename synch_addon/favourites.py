@@ -13,9 +13,10 @@ import numpy as np
 
 from ..core.errors import SynchError
 from . import field_job, memory, scene_io
+from .keywords import from_names
 from .read_back import DIRECTION, PHASE, SUFFIXES, is_cut, read_back
 from .report import Report
-from .settings import from_names
+from .settings import Settings
 
 # How far directions may be off those of a solve in memory to be its own: single precision.
 _SAME = 1e-4
@@ -37,7 +38,7 @@ def keep(obj, name=""):
     result = json.loads(obj.synch.result) if obj.synch.result else {}
     if result.get("command") not in SUFFIXES:
         raise SynchError(f"{obj.name} shows no stripes or quads: solve them first")
-    if is_cut(from_names(result["settings"])):
+    if is_cut(from_names(Settings, result["settings"])):
         raise SynchError(f"the pattern of {obj.name} has cuts, which attributes of vertices cannot tell: use the seed")
     with scene_io.object_mode(obj):
         values = {to: scene_io.read_values(obj, source, "POINT") for source, to in _names(result["command"])}

@@ -3,7 +3,7 @@
 
 import math
 from collections import Counter
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 
 import bpy
 import numpy as np
@@ -57,15 +57,6 @@ class LineSettings:
             raise SettingError(f"the smoothing is {self.smoothing!r}: give a whole number from 0 on")
         if self.spline not in SPLINES:
             raise SettingError(f"spline {self.spline!r} is unknown: use one of {', '.join(SPLINES)}")
-
-
-def from_names(values):
-    """:class:`LineSettings` from keyword arguments, refusing names that do not exist."""
-    known = [field.name for field in fields(LineSettings)]
-    for name in values:
-        if name not in known:
-            raise SettingError(f"the setting {name!r} is unknown: use one of {', '.join(known)}")
-    return LineSettings(**values)
 
 
 def write(obj, task, pattern, settings):

@@ -3,7 +3,7 @@
 
 import csv
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 from ..core.errors import SettingError
 from ..core.solve import METHODS, Options
@@ -137,15 +137,6 @@ class LayerSettings:
             if not isinstance(getattr(self, name), str):
                 raise SettingError(f"the {name} is {getattr(self, name)!r}: give a text such as {_EXAMPLES[name]}")
         _ = self.guide, self.flush
-
-    @classmethod
-    def from_names(cls, values):
-        """From keyword arguments, refusing names that do not exist."""
-        known = [field.name for field in fields(cls)]
-        for name in values:
-            if name not in known:
-                raise SettingError(f"the setting {name!r} is unknown: use one of {', '.join(known)}")
-        return cls(**values)
 
     @property
     def guide(self):

@@ -15,7 +15,8 @@ from ..core.fields import Pattern, given_directions
 from ..core.fields.directions import SYMMETRIES
 from ..core.fields.growth import Growth
 from . import memory, scene_io
-from .settings import Settings, from_names
+from .keywords import from_names
+from .settings import Settings
 from .task import gather
 
 DIRECTION, PHASE = "synch_direction", "synch_vertex_phase"
@@ -62,7 +63,7 @@ def read_back(obj, result, direction=DIRECTION, phase=PHASE):
     command = kept.get("command")
     if command not in SUFFIXES or "settings" not in kept:
         raise SynchError(f"{obj.name} has no pattern whose settings are known: solve stripes or quads on it first")
-    settings = from_names(kept["settings"])
+    settings = from_names(Settings, kept["settings"])
     if is_cut(settings):
         raise SynchError(f"the pattern of {obj.name} has cuts, which its attributes cannot tell: solve it again")
     task = gather(command, obj, _spacing_alone(settings))

@@ -2,7 +2,7 @@
 """What an artist can set: once as plain data for the Python API, once as Blender properties."""
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import bpy
 from bpy.props import (
@@ -300,15 +300,6 @@ def plain(properties, spacing):
         values[name] = values[name].lower()
     values["spacing"] = spacing
     values["mirror"] = "".join(axis for axis, chosen in zip("XYZ", properties.mirror, strict=True) if chosen)
-    return Settings(**values)
-
-
-def from_names(values):
-    """:class:`Settings` from keyword arguments, refusing names that do not exist."""
-    known = [f.name for f in fields(Settings)]
-    for name in values:
-        if name not in known:
-            raise SettingError(f"the setting {name!r} is unknown: use one of {', '.join(known)}")
     return Settings(**values)
 
 

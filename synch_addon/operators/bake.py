@@ -5,35 +5,25 @@ import bpy
 
 from .. import jobs
 from ..bake import BakeJob
-from ..bake_index import pattern_kind
 from ..bake_panel import draw_bake
 from ..bake_settings import PROPERTY_NAMES, BakeProperties, BakeSettings, plain
-from ..translations import said
-from .field_operator import BackgroundOperator, unready
+from .field_operator import BackgroundOperator
+from .ready import PatternOperator
 
 
-class SYNCH_OT_bake(BackgroundOperator, BakeProperties, bpy.types.Operator):
+class SYNCH_OT_bake(PatternOperator, BackgroundOperator, BakeProperties, bpy.types.Operator):
     """Bake what the pattern shows into images over a UV map, with Cycles, one map after the other; Esc cancels"""
 
     bl_idname = "synch.bake"
     bl_label = "Bake"
     work = jobs.Pieces
 
-    @classmethod
-    def poll(cls, context):
-        reason = unready(context)
-        if reason is None and pattern_kind(context.active_object) is None:
-            reason = said("{name} has no pattern: solve stripes or quads on it first", name=context.active_object.name)
-        if reason:
-            cls.poll_message_set(reason)
-        return reason is None
-
     def _take(self, context):
         for name in PROPERTY_NAMES:
             setattr(self, name, getattr(context.scene.synch_bake, name))
 
     def _job(self, context):
-        return BakeJob(context.active_object, BakeSettings.from_names(plain(self)))
+        return BakeJob(context.active_object, BakeSettings(**plain(self)))
 
     def _write(self, job):
         return job.report

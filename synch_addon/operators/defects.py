@@ -11,7 +11,7 @@ from ...core.errors import SynchError
 from .. import memory, scene_io
 from ..defect_empties import defect_empties
 from ..translations import said
-from .field_operator import unready
+from .ready import ReadyOperator
 
 # Distance from which a defect is looked at, in sizes of its empty.
 _VIEWED = 30
@@ -29,19 +29,14 @@ _MEANINGS = {
 }
 
 
-class _DefectOperator:
+class _DefectOperator(ReadyOperator):
     """Mixed into operators that need the active object's defect empties."""
 
     @classmethod
-    def poll(cls, context):
-        reason = unready(context)
-        if reason is None and not defect_empties(context.active_object):
-            reason = said(
-                "{name} has no defects: its field is continuous, or not solved yet", name=context.active_object.name
-            )
-        if reason:
-            cls.poll_message_set(reason)
-        return reason is None
+    def lacking(cls, obj):
+        if not defect_empties(obj):
+            return said("{name} has no defects: its field is continuous, or not solved yet", name=obj.name)
+        return None
 
 
 class SYNCH_OT_select_defects(_DefectOperator, bpy.types.Operator):
@@ -91,7 +86,7 @@ class SYNCH_OT_next_defect(_DefectOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class SYNCH_OT_copy_report(bpy.types.Operator):
+class SYNCH_OT_copy_report(ReadyOperator, bpy.types.Operator):
     """Copy the full report of the last solve to the clipboard, as JSON"""
 
     bl_idname = "synch.copy_report"
@@ -107,13 +102,10 @@ class SYNCH_OT_copy_report(bpy.types.Operator):
         return said("{meaning}.\nClick to copy the full report as JSON", meaning=said(meaning))
 
     @classmethod
-    def poll(cls, context):
-        reason = unready(context)
-        if reason is None and not memory.holds(context.active_object):
-            reason = said("the report is kept while the file stays open: solve again to have one")
-        if reason:
-            cls.poll_message_set(reason)
-        return reason is None
+    def lacking(cls, obj):
+        if not memory.holds(obj):
+            return said("the report is kept while the file stays open: solve again to have one")
+        return None
 
     def execute(self, context):
         report = memory.state(context.active_object).plain

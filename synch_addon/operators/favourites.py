@@ -8,22 +8,15 @@ from ...core.errors import SynchError
 from .. import favourites
 from ..bake_index import pattern_kind
 from ..translations import said
-from .field_operator import unready
+from .ready import ReadyOperator
 
 
-class _FavouriteOperator:
+class _FavouriteOperator(ReadyOperator):
     """Mixed into operators on the favourite of a name."""
 
     bl_options = {"REGISTER", "UNDO"}
 
     name: StringProperty(name="Name", description="What the favourite is called")
-
-    @classmethod
-    def poll(cls, context):
-        reason = unready(context) or cls.lacking(context.active_object)
-        if reason:
-            cls.poll_message_set(reason)
-        return reason is None
 
     @classmethod
     def lacking(cls, obj):

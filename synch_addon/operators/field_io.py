@@ -9,22 +9,15 @@ from ...core.errors import SynchError
 from .. import api
 from ..field_io import DIRECTIONS, SUFFIXES
 from ..settings import SYMMETRY
-from .field_operator import unready
+from .ready import ReadyOperator
 
 _PATTERN = ";".join("*" + suffix for suffix in SUFFIXES)
 
 
-class _FieldFileOperator:
+class _FieldFileOperator(ReadyOperator):
     """Mixed into operators that read or write a field file of the active object."""
 
     filter_glob: StringProperty(default=_PATTERN, options={"HIDDEN"})
-
-    @classmethod
-    def poll(cls, context):
-        reason = unready(context)
-        if reason:
-            cls.poll_message_set(reason)
-        return reason is None
 
     def execute(self, context):
         try:

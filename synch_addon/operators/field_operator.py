@@ -12,22 +12,12 @@ from ...core.errors import Cancelled, SynchError
 from .. import api, field_job, jobs, preview
 from ..guide_list import stored_guidance
 from ..report import counted
-from ..scene_io import refusal
 from ..settings import PROPERTY_NAMES, plain
 from ..translations import said
+from .ready import ReadyOperator
 
 _POINTING = {"LEFTMOUSE", "MOUSEMOVE"}
 _NAVIGATION = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE"}
-
-
-def unready(context):
-    """Why the active object cannot be worked on now, in one line, or None."""
-    reason = refusal(context.active_object)
-    if reason is None and context.mode not in {"OBJECT", "EDIT_MESH"}:
-        reason = said("leave the present mode: fields are solved in object or edit mode")
-    if reason is None and jobs.running is not None:
-        reason = said("a field is being solved: wait for it, or cancel it with Esc")
-    return reason
 
 
 class BackgroundOperator:
@@ -135,7 +125,17 @@ class BackgroundOperator:
         return work
 
 
-class FieldOperator(BackgroundOperator):
+class ObjectOperator(ReadyOperator, BackgroundOperator):
+    """Mixed into an operator that solves for a mesh object, whose name ``_job`` keeps."""
+
+    def _write(self, job):
+        obj = bpy.data.objects.get(self._object_name)
+        if obj is None:
+            raise SynchError(f"the object {self._object_name} is gone: nothing was written")
+        return job.write(obj)
+
+
+class FieldOperator(ObjectOperator):
     """Mixed into an operator with the setting properties; ``command`` names the API function."""
 
     command = ""
@@ -145,13 +145,6 @@ class FieldOperator(BackgroundOperator):
         description="smooth, or what the directions follow, such as curvature-max=2,axis:Z",
         default="smooth",
     )
-
-    @classmethod
-    def poll(cls, context):
-        reason = unready(context)
-        if reason:
-            cls.poll_message_set(reason)
-        return reason is None
 
     def _take(self, context):
         stored = context.active_object.synch
@@ -171,12 +164,6 @@ class FieldOperator(BackgroundOperator):
 
     def _show_early(self, early):
         preview.show(bpy.data.objects.get(self._object_name), *early)
-
-    def _write(self, job):
-        obj = bpy.data.objects.get(self._object_name)
-        if obj is None:
-            raise SynchError(f"the object {self._object_name} is gone: nothing was written")
-        return job.write(obj)
 
     def _announce(self, report):
         self.spacing = report["settings"]["spacing"]

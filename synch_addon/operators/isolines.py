@@ -6,29 +6,14 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
 from ...core.errors import SynchError
 from .. import api
-from ..bake_index import pattern_kind
 from ..isolines import LineSettings
 from ..report import counted
-from ..translations import said
-from .field_operator import unready
+from .ready import PatternOperator
 
 _DEFAULT = LineSettings()
 
 
-class _PatternOperator:
-    """Mixed into operators that need stripes or quads of the active object."""
-
-    @classmethod
-    def poll(cls, context):
-        reason = unready(context)
-        if reason is None and pattern_kind(context.active_object) is None:
-            reason = said("{name} has no pattern: solve stripes or quads on it first", name=context.active_object.name)
-        if reason:
-            cls.poll_message_set(reason)
-        return reason is None
-
-
-class SYNCH_OT_isolines(_PatternOperator, bpy.types.Operator):
+class SYNCH_OT_isolines(PatternOperator, bpy.types.Operator):
     """Make a curve object of the lines of the pattern: stripes by their middles or edges, quads by their grid"""
 
     bl_idname = "synch.isolines"
@@ -86,7 +71,7 @@ class SYNCH_OT_isolines(_PatternOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class SYNCH_OT_relief(_PatternOperator, bpy.types.Operator):
+class SYNCH_OT_relief(PatternOperator, bpy.types.Operator):
     """Raise the surface by the pattern, with a modifier that subdivides it; its inputs can be changed at any time"""
 
     bl_idname = "synch.relief"

@@ -4,15 +4,14 @@
 import bpy
 from bpy.props import StringProperty
 
-from ...core.errors import SynchError
 from .. import api
 from ..layer_links import solid_of
 from ..layer_properties import LENGTHS, PROPERTY_NAMES, LayerProperties, plain, stored_groups, stored_guidance
 from ..layer_report import headline
-from .field_operator import BackgroundOperator, unready
+from .field_operator import ObjectOperator
 
 
-class SYNCH_OT_layers(BackgroundOperator, LayerProperties, bpy.types.Operator):
+class SYNCH_OT_layers(ObjectOperator, LayerProperties, bpy.types.Operator):
     """Fill the closed mesh with evenly spaced layers that follow a direction and end flush with chosen surfaces"""
 
     bl_idname = "synch.layers"
@@ -24,13 +23,6 @@ class SYNCH_OT_layers(BackgroundOperator, LayerProperties, bpy.types.Operator):
     groups: StringProperty(
         name="Groups", description="What is asked of parts of the surface, such as Top=layer,Bottom=constant"
     )
-
-    @classmethod
-    def poll(cls, context):
-        reason = unready(context)
-        if reason:
-            cls.poll_message_set(reason)
-        return reason is None
 
     def _target(self, context):
         return solid_of(context.active_object)
@@ -49,12 +41,6 @@ class SYNCH_OT_layers(BackgroundOperator, LayerProperties, bpy.types.Operator):
         target = self._target(context)
         self._object_name = target.name
         return api.layer_job(target, plain(self, lengths, self.guidance, self.groups))
-
-    def _write(self, job):
-        obj = bpy.data.objects.get(self._object_name)
-        if obj is None:
-            raise SynchError(f"the object {self._object_name} is gone: nothing was written")
-        return job.write(obj)
 
     def _announce(self, report):
         for name in LENGTHS:

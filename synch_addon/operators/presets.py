@@ -11,7 +11,8 @@ from ..preset_panel import PRESET
 from ..report import counted
 from ..settings import SettingProperties
 from ..translations import said
-from .field_operator import FieldOperator, unready
+from .field_operator import FieldOperator
+from .ready import ReadyOperator
 
 
 class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
@@ -88,7 +89,7 @@ class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
         column.prop(self, "solve")
 
 
-class SYNCH_OT_number_stripes(bpy.types.Operator):
+class SYNCH_OT_number_stripes(ReadyOperator, bpy.types.Operator):
     """Give each stripe of the last solve a number, and its points a place along it, for materials and relief"""
 
     bl_idname = "synch.number_stripes"
@@ -96,13 +97,10 @@ class SYNCH_OT_number_stripes(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context):
-        reason = unready(context)
-        if reason is None and pattern_kind(context.active_object) != "stripes":
-            reason = said("{name} has no stripes: solve them first", name=context.active_object.name)
-        if reason:
-            cls.poll_message_set(reason)
-        return reason is None
+    def lacking(cls, obj):
+        if pattern_kind(obj) != "stripes":
+            return said("{name} has no stripes: solve them first", name=obj.name)
+        return None
 
     def execute(self, context):
         try:

@@ -7,10 +7,10 @@ from bpy.props import IntProperty
 from ...core.errors import SynchError
 from .. import api, refine
 from ..translations import said
-from .field_operator import unready
+from .ready import ReadyOperator
 
 
-class SYNCH_OT_refine(bpy.types.Operator):
+class SYNCH_OT_refine(ReadyOperator, bpy.types.Operator):
     """Subdivide the mesh without changing its shape, so that it carries the spacing. UV maps, groups and attributes \
 go over; a pattern on it has to be solved again"""
 
@@ -27,15 +27,10 @@ go over; a pattern on it has to be solved again"""
     )
 
     @classmethod
-    def poll(cls, context):
-        reason = unready(context)
-        if reason is None and context.active_object.data.shape_keys:
-            reason = said(
-                "{name} has shape keys, which subdivision would lose: apply them first", name=context.active_object.name
-            )
-        if reason:
-            cls.poll_message_set(reason)
-        return reason is None
+    def lacking(cls, obj):
+        if obj.data.shape_keys:
+            return said("{name} has shape keys, which subdivision would lose: apply them first", name=obj.name)
+        return None
 
     def execute(self, context):
         try:

@@ -13,23 +13,17 @@ from ..picking import PickedSurface
 from ..settings import Settings
 from ..stripe_numbers import numbers_later, renew_shown
 from ..translations import said
-from .field_operator import navigates, over_sidebar, unready
+from .field_operator import navigates, over_sidebar
+from .ready import ReadyOperator
 
 # Numbers that the dice draw: from here on every one is another random projection.
 _DRAWN = (100, 1_000_000)
 
 
-class _SolvedOperator:
+class _SolvedOperator(ReadyOperator):
     """Mixed into operators that need a solve of the active object."""
 
     bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        reason = unready(context) or cls.lacking(context.active_object)
-        if reason:
-            cls.poll_message_set(reason)
-        return reason is None
 
     @classmethod
     def lacking(cls, obj):

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""When operators on the active object can run: what is missing greys them out, and is said in one line."""
+
+from .. import jobs
+from ..bake_index import pattern_kind
+from ..scene_io import refusal
+from ..translations import said
+
+
+class ReadyOperator:
+    """Mixed into operators that work on the active mesh object."""
+
+    @classmethod
+    def poll(cls, context):
+        reason = _unready(context) or cls.lacking(context.active_object)
+        if reason:
+            cls.poll_message_set(reason)
+        return reason is None
+
+    @classmethod
+    def lacking(cls, obj):
+        """Why there is nothing to be done with an object that is ready, or None."""
+        return None
+
+
+class PatternOperator(ReadyOperator):
+    """Mixed into operators that need stripes or quads of the active object."""
+
+    @classmethod
+    def lacking(cls, obj):
+        if pattern_kind(obj) is None:
+            return said("{name} has no pattern: solve stripes or quads on it first", name=obj.name)
+        return None
+
+
+def _unready(context):
+    """Why the active object cannot be worked on now, in one line, or None."""
+    reason = refusal(context.active_object)
+    if reason is None and context.mode not in {"OBJECT", "EDIT_MESH"}:
+        reason = said("leave the present mode: fields are solved in object or edit mode")
+    if reason is None and jobs.running is not None:
+        reason = said("a field is being solved: wait for it, or cancel it with Esc")
+    return reason
