@@ -7,7 +7,6 @@ from figures import beside as side_by_side
 from solid_cuts import cut_away
 
 from synch_fields.core.extract.defect_curves import defect_curves
-from synch_fields.core.extract.filaments import smoothed
 from synch_fields.synch_addon.nodes import WARM_IVORY
 from synch_fields.synch_addon.render import render_picture
 
@@ -22,8 +21,8 @@ RESOLUTION, SAMPLES = (560, 464), 16
 BLUE, ROSE = (0.035, 0.16, 0.52, 1), (0.62, 0.06, 0.17, 1)
 DARK = (0.012, 0.014, 0.02, 1)
 GRADIENT = [(0.0, (0.012, 0.045, 0.16, 1)), (0.45, (0.03, 0.27, 0.32, 1)), (1.0, (0.88, 0.66, 0.3, 1))]
-# Radius of the tubes around curves, in diagonals of the box, and how often their points move to their neighbours.
-TUBE, SMOOTHING = 0.004, 60
+# Radius of the tubes around curves, in diagonals of the box.
+TUBE = 0.004
 
 
 def picture_of_layers(name, pattern, is_sdp, path):
@@ -94,7 +93,7 @@ def _add_tubes(obj, curves, radius):
     data = bpy.data.curves.new("Dislocations", "CURVE")
     data.dimensions, data.bevel_depth, data.bevel_resolution, data.use_fill_caps = "3D", radius, 4, True
     for curve in curves:
-        points = smoothed(curve.points, curve.is_closed, SMOOTHING)
+        points = curve.smooth_points
         spline = data.splines.new("POLY")
         spline.points.add(len(points) - 1)
         spline.points.foreach_set("co", np.column_stack([points, np.ones(len(points))]).astype(np.float32).ravel())

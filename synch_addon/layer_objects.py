@@ -10,7 +10,6 @@ import numpy as np
 from mathutils import Matrix
 
 from ..core.errors import SynchError
-from ..core.extract.filaments import smoothed
 from . import memory, scene_io, write
 from .defect_empties import KINDS, Defect, write_defects
 from .layer_links import MADE, SOLID, made_of
@@ -18,8 +17,8 @@ from .layer_material import curve_material, layer_material
 from .materials import pattern_material
 from .quad_object import nearest, surface_tree
 
-# Radius of a dislocation curve, in spacings, and how often its points move between their neighbours to be smooth.
-_RADIUS, _SMOOTHING = 0.06, 40
+# Radius of a dislocation curve, in spacings.
+_RADIUS = 0.06
 
 
 def leave_modes(obj):
@@ -79,7 +78,7 @@ def write_curves(obj, layering, spacing):
     data.dimensions, data.bevel_resolution, data.use_fill_caps = "3D", 2, True
     data.bevel_depth = _RADIUS * spacing
     for curve in layering.curves:
-        points = smoothed(curve.points, curve.is_closed, _SMOOTHING)
+        points = curve.smooth_points
         spline = data.splines.new("POLY")
         spline.points.add(len(points) - 1)
         spline.points.foreach_set("co", np.column_stack([points, np.ones(len(points))]).astype(np.float32).ravel())

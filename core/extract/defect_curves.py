@@ -6,7 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..interpolate_solid import outward_signs
+from .evening import evened_line
 from .strands import joined_strands
+
+# Smoothing goes half of the way to the middle of the neighbours, and not back: paths through tetrahedra waver over many
+# points.
+_STEPS = (0.5,)
 
 
 @dataclass(frozen=True)
@@ -30,6 +35,15 @@ class DefectCurve:
     @property
     def is_closed(self):
         return len(self.tets) == len(self.faces)
+
+    @property
+    def smooth_points(self):
+        """(p, 3) points without the zigzag from cell to cell; the ends of an open curve stay.
+
+        They move half as many times as there are points: a ring of any size shrinks by less than the distance between
+        two of them.
+        """
+        return evened_line(self.points, self.is_closed, len(self.points) // 2, _STEPS)
 
 
 def defect_curves(mesh, numbers):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..fields.clebsch import TURN
-from .evening import evened_along
+from .evening import evened_line
 from .strands import joined_strands
 from .vortex_fit import fitted_places
 
@@ -44,7 +44,7 @@ def filaments(found, smoothing=0):
     Parameters
     ----------
     found : ClebschMap
-    smoothing : how often each point moves towards the middle of its neighbours and back (:func:`smoothed`)
+    smoothing : how often each point moves towards the middle of its neighbours and back; their size stays
     """
     grid, numbers = found.grid, found.face_numbers
     places = np.empty((len(numbers), 3))
@@ -54,7 +54,7 @@ def filaments(found, smoothing=0):
     for strand in joined_strands(numbers, grid.cell_faces, grid.outward):
         pieces, is_closed = _pieces(grid, strand, places)
         for piece in pieces:
-            piece = smoothed(piece, is_closed, smoothing)
+            piece = evened_line(piece, is_closed, smoothing, _STEPS)
             result.append(Filament(piece, strand.index * found.quantum, is_closed))
     return result
 
@@ -163,10 +163,3 @@ def _roots(a, b, c):
     with np.errstate(all="ignore"):
         half = -0.5 * (b + np.where(b < 0, -1, 1) * np.sqrt(b * b - 4 * a * c))
         return half / a, c / half
-
-
-def smoothed(points, is_closed, times):
-    """(p, 3) points of a line without what changes from each to the next; its size and the ends of an open one stay."""
-    rows = np.arange(len(points)) if is_closed else np.arange(1, len(points) - 1)
-    columns = np.concatenate([rows - 1, rows + 1]) % len(points)
-    return evened_along(points, np.tile(rows, 2), columns, times, _STEPS)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import Cancelled, SettingError
-from synch_fields.core.extract.filaments import bilinear_zero, filaments, smoothed, vortices
+from synch_fields.core.extract.filaments import bilinear_zero, filaments, vortices
 from synch_fields.core.fields.biot_savart import filament_integrals, filament_velocity
 from synch_fields.core.fields.clebsch import (
     circulations,
@@ -247,19 +247,6 @@ def test_zeros_of_bilinear_functions():
     )
     assert np.abs(at).max() < 1e-8
     np.testing.assert_array_equal(bilinear_zero(np.ones((1, 4), complex)), [[0.5], [0.5]])
-
-
-def test_smoothing_holds_the_ends():
-    points = np.random.default_rng(0).standard_normal((9, 3))
-    moved = smoothed(points, False, 5)
-    np.testing.assert_array_equal(moved[[0, -1]], points[[0, -1]])
-    assert np.abs(np.diff(moved, 2, axis=0)).sum() < np.abs(np.diff(points, 2, axis=0)).sum()
-    turn = np.arange(12) * 2 * np.pi / 12
-    circle = np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])
-    jagged = circle + 0.2 * np.array([0, 0, 1]) * (-1) ** np.arange(12)[:, None]
-    moved = smoothed(jagged, True, 5)
-    assert np.abs(moved[:, 2]).max() < 0.02  # what changes from each to the next goes, the size stays
-    assert np.linalg.norm(moved[:, :2], axis=1) == pytest.approx(1, abs=0.02)
 
 
 def test_what_is_no_flow_is_refused():

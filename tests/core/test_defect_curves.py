@@ -90,6 +90,39 @@ def test_a_ring_is_one_closed_curve():
     assert around[-1] - around[0] == pytest.approx(-2 * np.pi, abs=0.7)
 
 
+def turning(points, is_closed):
+    """Sum of the angles at the points of a line."""
+    if is_closed:
+        points = np.vstack([points, points[:2]])
+    steps = np.diff(points, axis=0)
+    steps /= np.linalg.norm(steps, axis=1, keepdims=True)
+    return np.arccos(np.clip(np.einsum("sx,sx->s", steps[1:], steps[:-1]), -1, 1)).sum()
+
+
+@pytest.mark.parametrize("cells", [6, 12, 20])
+def test_a_smooth_ring_turns_once_and_keeps_its_size(cells):
+    mesh = block((cells, cells, cells // 2 + 2))
+    x, y, z = (mesh.vertices - [0.51, 0.49, 0.52]).T
+    (curve,) = defect_curves(mesh, face_numbers(phases_of(mesh, np.arctan2(z, np.hypot(x, y) - 0.3))))
+    assert curve.is_closed and turning(curve.points, True) > 2 * cells * 2 * np.pi
+    assert turning(curve.smooth_points, True) < 1.4 * 2 * np.pi
+    given, smooth = (np.hypot(*(points[:, :2] - [0.51, 0.49]).T) for points in (curve.points, curve.smooth_points))
+    between = np.linalg.norm(np.diff(curve.smooth_points, axis=0), axis=1).mean()
+    assert 0 < given.mean() - smooth.mean() < between
+    assert np.ptp(smooth) < np.ptp(given)
+
+
+@pytest.mark.parametrize("cells", [7, 20])
+def test_a_smooth_screw_axis_is_straight_and_keeps_its_ends(cells):
+    mesh = block((cells, cells, cells - 2))
+    x, y, z = mesh.vertices.T
+    (curve,) = defect_curves(mesh, face_numbers(phases_of(mesh, np.arctan2(y - 0.49, x - 0.52) + 5 * z)))
+    smooth = curve.smooth_points
+    np.testing.assert_array_equal(smooth[[0, -1]], curve.points[[0, -1]])
+    assert turning(curve.points, False) > 9 * np.pi
+    assert turning(smooth, False) < 0.2
+
+
 def test_curves_of_the_same_course_are_one_of_higher_index():
     """A tetrahedron through which the phase turns twice: no other faces for either turn."""
     mesh = block((1, 1, 1))
