@@ -272,25 +272,20 @@ def test_files_have_their_depth_and_the_report_their_sizes(tmp_path):
 
 
 @pytest.mark.parametrize("file_format, suffix", [("PNG", ".png"), ("EXR", ".exr")])
-def test_packed_images_have_their_colour_spaces_and_are_replaced(file_format, suffix, tmp_path):
+def test_packed_images_replace_older_ones_and_stay_in_the_file(file_format, suffix, tmp_path):
+    """Though nothing uses them."""
     obj = patterned()
-    settings = dict(maps=list(FORMATS), samples=1, unwrap=True, file_format=file_format)
     for size in (16, 32):
-        report = api.bake(obj, size=size, **settings)
-    assert sorted(bpy.data.images.keys()) == sorted(f"{obj.name}_{name}{suffix}" for name in FORMATS)
+        report = api.bake(obj, maps=list(FORMATS), size=size, samples=1, unwrap=True, file_format=file_format)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "packed.blend"))
     bpy.ops.wm.read_homefile(use_empty=True)
+    assert not bpy.data.images
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "packed.blend"))
-    assert len(bpy.data.images) == 0  # nothing uses them
-    bpy.ops.wm.read_homefile(use_empty=True)
-    obj = patterned()
-    report = api.bake(obj, size=32, material=True, **settings)
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "packed.blend"))
-    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "packed.blend"))
-    for name in ("colour", "normal", "height"):
-        image = bpy.data.images[report["maps"][name]["image"]]
+    assert sorted(bpy.data.images.keys()) == sorted(f"{report['object']}_{name}{suffix}" for name in FORMATS)
+    for name, entry in report["maps"].items():
+        image = bpy.data.images[entry["image"]]
         assert image.packed_file is not None and tuple(image.size) == (32, 32)
-        assert image.packed_file.size == report["maps"][name]["bytes"]
+        assert image.packed_file.size == entry["bytes"]
         space = ("sRGB" if file_format == "PNG" else "Linear Rec.709") if name == "colour" else "Non-Color"
         assert image.colorspace_settings.name == space
         assert np.ptp(picture(image, 32)) > 0
