@@ -142,6 +142,12 @@ def snapshot():
     }
 
 
+def datablocks():
+    """Kind, name and number of users of all that the file holds."""
+    lists = (p.identifier for p in bpy.data.bl_rna.properties if p.type == "COLLECTION")
+    return sorted((name, block.name, block.users) for name in lists for block in getattr(bpy.data, name))
+
+
 def _mesh(mesh):
     attributes = {a.name: (a.domain, a.data_type, _values(a).tobytes()) for a in mesh.attributes}
     corners = np.empty(len(mesh.loops), np.int32)

@@ -2,22 +2,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Patterns on moving meshes: nothing moves without need, each frame shows its own solve, refusals change nothing."""
 
-import json
-
 import bpy
 import numpy as np
 import pytest
 
 from synch_fields.core.errors import Cancelled, SynchError
-from synch_fields.synch_addon import animation, api, cli, jobs
-from synch_fields.synch_addon.animation import AnimationJob, Span
+from synch_fields.synch_addon import api
 from synch_fields.synch_addon.frame_nodes import frame_layout
-from synch_fields.synch_addon.operators.animate import SYNCH_OT_animate
-from synch_fields.synch_addon.operators.field_operator import BackgroundOperator
-from synch_fields.synch_addon.settings import Settings
 
+from .baked import picture
 from .continuity import largest_jump
-from .loop import Loop
+from .moving import moving, seen, stored_frames, swaying, turned
 from .scenes import (
     add_object,
     attribute,
@@ -25,7 +20,6 @@ from .scenes import (
     grid,
     hexagon_sphere,
     quad_sphere,
-    save_and_reopen,
     set_vectors,
     snapshot,
     sphere,
@@ -33,43 +27,8 @@ from .scenes import (
 )
 
 
-def moving(obj, shapes):
-    """Give an object a shape in each frame from the first on, by keyed shape keys."""
-    obj.shape_key_add(name="Basis")
-    for frame, points in enumerate(shapes, start=1):
-        key = obj.shape_key_add(name=f"Frame {frame}")
-        key.data.foreach_set("co", np.float32(points).ravel())
-        for beside, value in ((frame - 1, 0.0), (frame, 1.0), (frame + 1, 0.0)):
-            key.value = value
-            key.keyframe_insert("value", frame=beside)
-    bpy.context.scene.frame_set(1)
-    return obj
-
-
-def swaying(obj, frames=3, much=0.25):
-    """An object that is sheared to the side, more in each frame."""
-    points = attribute(obj, "position").reshape(-1, 3)
-    x, y, z = points.T
-    return moving(obj, [np.column_stack([x + much * k * z * z / 2, y, z]) for k in range(frames)])
-
-
-def turned(points, angle):
-    c, s = np.cos(angle), np.sin(angle)
-    return points @ np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]).T
-
-
-def seen(obj, frame):
-    """The object as it is evaluated in a frame."""
-    bpy.context.scene.frame_set(frame)
-    return obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-
-
 def pattern_at(obj, frame):
     return attribute(obj, f"synch_pattern.{frame}").astype(float)
-
-
-def stored_frames(obj):
-    return sorted(int(a.name.split(".")[1]) for a in obj.data.attributes if a.name.startswith("synch_pattern."))
 
 
 # What stays and what changes
@@ -197,7 +156,7 @@ def test_the_bake_of_a_frame_is_that_of_its_pattern(tmp_path):
     for frame in (1, 2):
         bpy.context.scene.frame_set(frame)
         made = api.bake(obj, maps="mask", size=64, samples=1, unwrap=frame == 1, margin=0)
-        images[frame] = pixels(made)
+        images[frame] = mask_of(made)
     assert np.abs(images[1] - images[2]).mean() > 0.01
     for name in frame_layout("stripes"):
         if f"{name}.2" in obj.data.attributes:
@@ -208,15 +167,12 @@ def test_the_bake_of_a_frame_is_that_of_its_pattern(tmp_path):
             )
     obj.modifiers.clear()
     np.testing.assert_allclose(
-        pixels(api.bake(obj, maps="mask", size=64, samples=1, margin=0)), images[2], atol=2 / 255
+        mask_of(api.bake(obj, maps="mask", size=64, samples=1, margin=0)), images[2], atol=2 / 255
     )
 
 
-def pixels(report):
-    image = bpy.data.images[report["maps"]["mask"]["image"]]
-    values = np.empty(64 * 64 * 4, np.float32)
-    image.pixels.foreach_get(values)
-    return values
+def mask_of(report):
+    return picture(bpy.data.images[report["maps"]["mask"]["image"]], 64)
 
 
 def test_the_scene_is_as_it_was_and_has_the_pattern():
@@ -327,92 +283,3 @@ def test_cancelling_changes_nothing(when):
         api.animate(obj, callback, frames=(1, 2), spacing=0.7)
     assert snapshot() == before and bpy.context.scene.frame_current == 1
     assert asked == sorted(asked) and 0 <= asked[-1] < 1
-
-
-# The ways to it
-
-
-class Animate(BackgroundOperator):
-    """The operator as the window runs it, without being one of Blender's."""
-
-    bl_label, work = "Animate", SYNCH_OT_animate.work
-    _write, _announce = SYNCH_OT_animate._write, SYNCH_OT_animate._announce
-
-    def __init__(self):
-        self.reports = []
-
-    def _job(self, context):
-        self._object_name = context.active_object.name
-        return AnimationJob(context.active_object, Settings(spacing=0.7), Span(1, 3))
-
-    def report(self, kind, text):
-        self.reports.append((kind, text))
-
-
-@pytest.fixture
-def begun(monkeypatch):
-    """A moving object and an operator in a loop of its own, which reads one frame at each tick."""
-    monkeypatch.setattr(animation, "_PIECE", 0.0)
-    obj, loop, operator = swaying(sphere(2), 3), Loop(), Animate()
-    bpy.context.scene.frame_set(2)
-    before = snapshot()
-    assert operator._start(loop) == {"RUNNING_MODAL"}
-    return obj, loop, operator, before
-
-
-def test_the_window_reads_frame_by_frame_and_waits_for_a_thread(begun):
-    obj, loop, operator, before = begun
-    seen = []
-    for _ in range(2):
-        assert loop.send(operator, "TIMER") == {"RUNNING_MODAL"}
-        seen.append((jobs.running.stage, jobs.running.fraction))
-        assert bpy.context.scene.frame_current == 2 and snapshot() == before
-    assert seen == [("read frame 2", pytest.approx(0.1 / 3)), ("read frame 3", pytest.approx(0.2 / 3))]
-    assert loop.run(operator) == {"FINISHED"} and loop.free and jobs.running is None
-    phases = attribute(obj, "synch_phase.2")
-    api.animate(obj, frames=(1, 3), spacing=0.7)
-    np.testing.assert_array_equal(phases, attribute(obj, "synch_phase.2"))
-
-
-@pytest.mark.parametrize("ticks", [0, 1, 2, 3])
-def test_escape_while_frames_are_read_or_solved_changes_nothing(begun, ticks):
-    _, loop, operator, before = begun
-    for _ in range(ticks):
-        assert loop.send(operator, "TIMER") == {"RUNNING_MODAL"}
-    assert loop.send(operator, "ESC", "PRESS") == {"CANCELLED"}
-    assert operator.reports == [({"INFO"}, "cancelled: nothing was changed")]
-    assert snapshot() == before and bpy.context.scene.frame_current == 2 and loop.free and jobs.running is None
-
-
-def test_a_frame_that_cannot_be_read_ends_the_run_in_the_window(begun):
-    obj, loop, operator, _ = begun
-    loop.send(operator, "TIMER")
-    obj.modifiers.new("Fine", "SUBSURF")
-    assert loop.run(operator) == {"CANCELLED"} and loop.free and jobs.running is None
-    assert operator.reports[-1][0] == {"ERROR"} and operator.reports[-1][1].startswith("frame 2: the modifier Fine")
-    assert bpy.context.scene.frame_current == 2 and "synch_phase" not in obj.data.attributes
-
-
-def test_frames_are_read_from_edit_mode(begun):
-    obj, loop, operator, _ = begun
-    bpy.ops.object.mode_set(mode="EDIT")
-    loop.send(operator, "TIMER")
-    assert obj.mode == "EDIT" and jobs.running.stage == "read frame 2"
-    assert loop.run(operator) == {"FINISHED"} and obj.mode == "EDIT"
-
-
-def test_operator_and_command_line_give_the_same(tmp_path):
-    obj = swaying(sphere(2), 3)
-    bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 2
-    api.animate(obj, spacing=0.7, hold=0.3)
-    wanted = attribute(obj, "synch_phase.2")
-    assert stored_frames(obj) == [1, 2]
-    assert bpy.ops.synch.animate(spacing=0.7, hold=0.3) == {"FINISHED"}
-    np.testing.assert_allclose(attribute(obj, "synch_phase.2"), wanted, atol=1e-3)
-    path, written = tmp_path / "out.blend", tmp_path / "report.json"
-    line = ["animate", "--object", obj.name, "--frames", "1", "2", "--hold", "0.3", "--spacing", "0.7", "--quiet"]
-    assert cli.main([*line, "--output", str(path), "--report", str(written)], loaded=True) == 0
-    report = json.loads(written.read_text())
-    assert [figures["frame"] for figures in report["frames"]] == [1, 2] and report["pattern"] == "stripes"
-    again = save_and_reopen(path, obj.name)
-    np.testing.assert_allclose(attribute(seen(again, 2), "synch_phase"), wanted, atol=1e-3)
