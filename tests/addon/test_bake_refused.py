@@ -62,6 +62,7 @@ def everything():
 
 # What is computed or refers back.
 LEFT_OUT = {"rna_type", "id_data", "original", "session_uid", "depsgraph", "is_updated", "is_updated_data", "pixels"}
+LEFT_OUT |= {"preview", "use_nodes"}
 
 
 def plain(value, depth=0):
