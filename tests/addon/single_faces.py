@@ -146,8 +146,8 @@ def show_socket(obj, socket_name):
     return group
 
 
-def point_samples(tmp_path, engine="CYCLES"):
-    """The scene from above, one sample in the middle of each pixel, row 0 at the bottom."""
+def rendered(tmp_path, engine="CYCLES", pixels=PIXELS):
+    """(pixels, pixels) red of the scene from above, one sample in the middle of each pixel, row 0 at the bottom."""
     scene = bpy.context.scene
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
     camera.data.type, camera.data.ortho_scale = "ORTHO", VIEW_WIDTH
@@ -156,7 +156,7 @@ def point_samples(tmp_path, engine="CYCLES"):
     scene.camera = camera
     render = scene.render
     render.engine = engine
-    render.resolution_x = render.resolution_y = PIXELS
+    render.resolution_x = render.resolution_y = pixels
     render.filter_size = 0.01
     scene.cycles.samples, scene.cycles.filter_width = 1, 0.01
     scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
@@ -165,9 +165,14 @@ def point_samples(tmp_path, engine="CYCLES"):
     render.filepath = str(tmp_path / "samples.exr")
     bpy.ops.render.render(write_still=True)
     image = bpy.data.images.load(render.filepath)
-    pixels = np.empty(PIXELS * PIXELS * 4, np.float32)
-    image.pixels.foreach_get(pixels)
-    return pixels.reshape(PIXELS, PIXELS, 4)[:, :, 0] * 2 - 1
+    values = np.empty(pixels * pixels * 4, np.float32)
+    image.pixels.foreach_get(values)
+    return values.reshape(pixels, pixels, 4)[:, :, 0]
+
+
+def point_samples(tmp_path, engine="CYCLES"):
+    """The values that :func:`show_socket` shows."""
+    return rendered(tmp_path, engine) * 2 - 1
 
 
 def pixel_centres():
