@@ -51,17 +51,20 @@ def test_cancelling_is_heard_soon_at_200k_nodes(moment, capsys):
 
 @pytest.mark.slow
 def test_no_stage_is_silent_for_long_at_200k_nodes(capsys):
-    """The time between two questions is what cancelling at the worst moment takes."""
+    """The time between two questions is what cancelling at the worst moment takes.
+
+    It is processor time, of all threads together, which other work on the machine lengthens little.
+    """
     problem = vortex_grid(450)
-    asked = [("start", time.perf_counter())]
-    solution = solve(problem, callback=lambda stage, fraction: asked.append((stage, time.perf_counter())) or True)
-    asked.append(("end", time.perf_counter()))
+    asked = [("start", time.process_time())]
+    solution = solve(problem, callback=lambda stage, fraction: asked.append((stage, time.process_time())) or True)
+    asked.append(("end", time.process_time()))
     waits: dict[str, float] = {}
     for (before, earlier), (after, later) in pairwise(asked):
         pair = before if before == after else f"{before} to {after}"
         waits[pair] = max(waits.get(pair, 0.0), later - earlier)
     with capsys.disabled():
-        print(f"\n{asked[-1][1] - asked[0][1]:.1f} s in all, longest silence by stage:")
+        print(f"\n{asked[-1][1] - asked[0][1]:.1f} s of work, longest silence by stage:")
         print("".join(f"  {pair}: {wait:.3f} s\n" for pair, wait in waits.items()))
     assert solution.status in (Status.CERTIFIED, Status.ESTIMATED)
     assert max(waits.values()) < LONGEST_WAIT
