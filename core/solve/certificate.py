@@ -14,7 +14,7 @@ of S would cost the M-bound the whole domain's mass.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import LinAlgError, eigh
+from scipy.linalg import eigh
 from scipy.sparse import diags_array
 
 from ..errors import SynchError
@@ -32,9 +32,11 @@ SURFACE_FRONT, LONGEST_SWEEP = 4.0, 25_000
 ROUNDINGS = 4
 # Rows up to which the space that is searched for negative directions is kept in double precision.
 DOUBLE_BASIS = 50_000
-# Size of that space, and the error at which a direction is as good as exact.
-SEARCH_STEPS = 40
+# Directions in that space at least and at most, and the error at which one is as good as exact.
+FEWEST_STEPS, MOST_STEPS = 20, 60
 CONVERGED = 1e-6
+# Length of what rounding may leave of the others in a vector made orthogonal to them: far from a singular space.
+LARGEST_OVERLAP = 1e-2
 
 
 @dataclass(frozen=True)
@@ -50,71 +52,123 @@ class Slack:
     directions: np.ndarray
 
 
-def lower_bound(piece, metric, duals, depth):
+def lower_bound(piece, shift, duals, depth):
     """Value of the dual point that is feasible when S + depth A is positive semidefinite."""
-    return float(((duals - depth * metric.shift * piece.mass) / (1 + depth)).sum())
+    return float(((duals - depth * shift * piece.mass) / (1 + depth)).sum())
 
 
-def depth_for_bound(piece, metric, duals, bound):
+def depth_for_bound(piece, shift, duals, bound):
     """The depth at which :func:`lower_bound` is ``bound``."""
-    return float((duals.sum() - bound) / (bound + metric.shift * piece.mass.sum()))
+    return float((duals.sum() - bound) / (bound + shift * piece.mass.sum()))
 
 
-def measure_slack(workspace, metric, duals, random, monitor, enough=-np.inf, count=2):
+def measure_slack(workspace, shift, metric, point, duals, random, monitor, enough=-np.inf, count=2):
     """Most negative directions of S relative to A, by a generalized Davidson method.
 
-    With W = A - S, a diagonal, these are the largest eigenvalues of W x = mu A x, mu = 1 + depth. The space
-    grows by the preconditioned residual of the best direction; with an exact inverse it is the Krylov space
-    of Lanczos. A fixed number of steps: the spectrum is dense near mu = 1, where the null space of S
-    lies, so that waiting for a converged eigenvector would be in vain. A proof does not rest on it.
+    With W = A - S, a diagonal, these are the largest eigenvalues of W x = mu A x, mu = 1 + depth. Near the optimum S Y
+    vanishes, so that the columns of Y have mu = 1 already; what lies beside them is searched. The search space
+    grows by the preconditioned residual of its best direction; with an exact inverse it is the Krylov space of
+    Lanczos. A number of steps that is fixed: the spectrum is dense near mu = 1, so that waiting for a converged
+    eigenvector would be in vain. A proof does not rest on it.
 
     Parameters
     ----------
     workspace : Workspace
-    metric : Metric of the piece
+    shift : of A
+    metric : whose inverse leads the search, best one near S
+    point : (N, r) lifted field Y
     duals : (nodes,) lambda
     random : numpy Generator
     monitor : Monitor
-    enough : depth plus error below which the search may end after half its steps
+    enough : depth plus error below which the search may end early
     count : directions to return at most
     """
     piece = workspace.piece
     size = piece.matrix.shape[0]
     matrix = workspace.matrix if size <= DOUBLE_BASIS else workspace.stages[0].matrix
-    real = np.finfo(matrix.dtype).dtype
-    steps = min(SEARCH_STEPS, size - len(piece.unused_rows))
-    shift = (metric.shift * piece.row_mass).astype(real)
-    weight = np.repeat(duals, piece.block).astype(real) + shift
-    basis = np.empty((steps, size), matrix.dtype)
-    weighted, measured = np.zeros((2, steps, steps), matrix.dtype)
+    steps = min(MOST_STEPS, size - len(piece.unused_rows))
+    masses = shift * piece.row_mass
+    space = _Space(matrix, masses, np.repeat(duals, piece.block) + masses, point.shape[1] + steps)
+    for column in point.T:
+        space.add(column)
+    known = space.filled
     vector = random.standard_normal(size).astype(matrix.dtype)
     vector[piece.unused_rows] = 0
-    vector = metric.solve(weight * vector)
-    for step in range(steps):
+    vector = metric.solve(space.weight * vector)
+    for step in range(1, steps + 1):
         monitor.check()
-        vector -= _inner(basis[:step], matrix @ vector + shift * vector) @ basis[:step]
-        image = matrix @ vector + shift * vector
-        length = np.sqrt(np.vdot(vector, image).real)
-        if not length > 0:
+        if not space.add(vector):
             break
-        basis[step] = vector / length
-        filled = step + 1
-        for products, other in ((weighted, weight * basis[step]), (measured, image / length)):
-            products[:filled, step] = _inner(basis[:filled], other)
-            products[step, :filled] = products[:filled, step].conj()
-        try:
-            values, combinations = eigh(weighted[:filled, :filled], measured[:filled, :filled])
-        except LinAlgError:  # in single precision the new direction may lie among the others
-            break
-        best = combinations[:, -1] @ basis[:filled]
-        residual = weight * best - values[-1].astype(real) * (matrix @ best + shift * best)
+        (value,), (direction,) = space.best(known, 1)
+        residual = space.residual(value, direction)
         vector = metric.solve(residual)
-        error = np.sqrt(max(np.vdot(residual, vector).real, 0.0))
-        if error < CONVERGED or (2 * filled >= steps and max(values[-1] - 1, 0) + error <= enough):
+        error = _length(residual, vector)
+        if error < CONVERGED or (step >= FEWEST_STEPS and max(value - 1, 0) + error <= enough):
             break
-    order = np.argsort(values)[::-1][:count]
-    directions = combinations[:, order].T @ basis[: len(values)]
-    return Slack(float(values[-1] - 1), float(error), directions[values[order] > 1].T)
+    (largest,), best = space.best(0, 1)
+    values, directions = space.best(known, count)
+    measure = workspace.stages[0].metric(shift)
+    reach = []
+    for value, direction in zip([largest, *values[:1]], [*best, *directions[:1]], strict=True):
+        residual = space.residual(value, direction)
+        reach.append(value + _length(residual, measure.solve(residual)))
+    return Slack(float(largest - 1), float(max(reach) - largest), directions[values > 1].T)
+
+
+class _Space:
+    """Vectors v, orthogonal in A as far as the precision of L allows, with W and A seen in them.
+
+    Parameters
+    ----------
+    matrix : (N, N) L
+    masses, weight : (N,) diagonals of A - L and of W
+    capacity : vectors at most
+    """
+
+    def __init__(self, matrix, masses, weight, capacity):
+        real = np.finfo(matrix.dtype).dtype
+        self._matrix, self._masses, self.weight = matrix, masses.astype(real), weight.astype(real)
+        self._vectors = np.empty((capacity, len(weight)), matrix.dtype)
+        self._weighted, self._measured = np.zeros((2, capacity, capacity), matrix.dtype)
+        self.filled = 0
+
+    def _apply(self, vector):
+        return self._matrix @ vector + self._masses * vector
+
+    def add(self, vector):
+        """Add what a vector has beside the others; False where that drowns in rounding."""
+        vectors = self._vectors[: self.filled]
+        vector = vector.astype(self._vectors.dtype)
+        vector -= _inner(vectors, self._apply(vector)) @ vectors
+        image = self._apply(vector)
+        square = np.vdot(vector, image).real
+        if not square > 0:
+            return False
+        image /= np.sqrt(square)
+        overlaps = _inner(vectors, image)
+        if np.linalg.norm(overlaps) > LARGEST_OVERLAP:
+            return False
+        added = self._vectors[self.filled] = vector / np.sqrt(square)
+        self.filled += 1
+        for seen, other in ((self._weighted, self.weight * added), (self._measured, image)):
+            seen[: self.filled, self.filled - 1] = _inner(self._vectors[: self.filled], other)
+            seen[self.filled - 1, : self.filled] = seen[: self.filled, self.filled - 1].conj()
+        return True
+
+    def best(self, start, count):
+        """The ``count`` largest mu in the space of all vectors from one on, and their directions in rows."""
+        part = slice(start, self.filled)
+        values, combinations = eigh(self._weighted[part, part], self._measured[part, part])
+        return values[::-1][:count], combinations[:, ::-1][:, :count].T @ self._vectors[part]
+
+    def residual(self, value, direction):
+        """(W - mu A) times a direction."""
+        return self.weight * direction - self._masses.dtype.type(value) * self._apply(direction)
+
+
+def _length(residual, solved):
+    """Length of a residual in the inverse metric that solved it."""
+    return float(np.sqrt(max(np.vdot(residual, solved).real, 0.0)))
 
 
 def _inner(vectors, other):
@@ -133,13 +187,13 @@ def provable_width(piece):
     return width if width <= WIDEST_PROOF[piece.is_complex] else None
 
 
-def prove(piece, metric, duals, depth, width):
+def prove(piece, shift, duals, depth, width):
     """Whether S + depth A is positive definite, by the inertia of a factorization in double precision.
 
     What rounding may hide is taken off the diagonal first: it grows with the entries that were summed for a row of
     L, and with the length of a factor's column, at most the ``width`` of the fronts.
     """
-    diagonal = depth * metric.shift * piece.row_mass - np.repeat(duals, piece.block)
+    diagonal = depth * shift * piece.row_mass - np.repeat(duals, piece.block)
     hidden = np.finfo(float).eps * (np.diff(piece.matrix.indptr) + ROUNDINGS * width)
     diagonal = diagonal - hidden * piece.matrix.diagonal().real
     try:

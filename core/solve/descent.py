@@ -11,8 +11,9 @@ import numpy as np
 
 from .monitor import OutOfTime
 
-MEMORY = 5
 ARMIJO = 1e-4
+# Moves along which the gradient changed by less than this share of what was predicted tell nothing of the curvature.
+FLATTEST = 1e-6
 LONGEST_BACKTRACK = 12
 
 
@@ -64,10 +65,11 @@ def descend(matrix, spheres, start, metric, tolerance, max_steps, monitor, memor
             out_of_time = True
             break
         steps += 1
-        direction = -spheres.tangent(point, _two_loop(spheres, memory, gradient, metric, point))
+        direction = spheres.tangent(point, _two_loop(spheres, memory, gradient, metric, point))
+        np.negative(direction, out=direction)
         slopes = spheres.inner(gradient, direction)
         # The first predictions, made without a memory of the curvature, are too small.
-        active = -slopes > np.maximum((tolerance if len(memory) == MEMORY else 0) * values, floor)
+        active = -slopes > np.maximum((tolerance if len(memory) == spheres.memory else 0) * values, floor)
         if not active.any():
             break
         moved = _line_search(matrix, spheres, point, direction, values, slopes, active, noise)
@@ -77,7 +79,7 @@ def descend(matrix, spheres, start, metric, tolerance, max_steps, monitor, memor
         products += trials * point.shape[1]
         new_gradient = spheres.gradient(point, image)
         direction *= lengths.astype(direction.dtype)
-        _remember(spheres, memory, direction, new_gradient - gradient)
+        _remember(spheres, memory, direction, new_gradient - gradient, -lengths * slopes)
         gradient = new_gradient
     # In single precision lengths drift over many steps.
     point = spheres.normalize(point)
@@ -104,12 +106,12 @@ def _two_loop(spheres, memory, gradient, metric, point):
     return vector
 
 
-def _remember(spheres, memory, move, change):
+def _remember(spheres, memory, move, change, predicted):
+    """Keep a move and the change of the gradient along it, whose product is near the predicted decrease."""
     curvature = spheres.inner(move, change)
-    sizes = np.sqrt(spheres.inner(move, move) * spheres.inner(change, change))
-    good = curvature > 1e-10 * sizes
+    good = curvature > FLATTEST * predicted
     memory.append((move, change, np.where(good, 1 / np.where(good, curvature, 1), 0.0)))
-    if len(memory) > MEMORY:
+    if len(memory) > spheres.memory:
         memory.pop(0)
 
 

@@ -22,8 +22,8 @@ from .threads import one_blas_thread
 # Descents at a given rank end when the predicted relative decrease is below this share of the target gap, or after so
 # many steps.
 TOLERANCE, STEPS = 1e-5, 500
-# Metric shift as a share of the energy per mass.
-SHIFT = 0.1
+# Points from which descents of a given rank start, of which the best goes on at so many times that share.
+STARTS, EARLY = 4, 1000
 # Projections that are shorter than this share of the lifted vector have no phase of their own.
 TINY = 1e-9
 
@@ -119,7 +119,7 @@ class LiftedField:
 def lifted_of_rank(problem, solution, rank, options, callback=None, start=None):
     """(N, rank) lifted field of less energy than all nearby ones of the same rank (Eq. 24 at a given r).
 
-    It starts from the leading columns of a solved relaxation, unless a start is given.
+    Unless a start is given, several projections of a solved relaxation go some way, and the best of them to the end.
 
     Parameters
     ----------
@@ -130,26 +130,44 @@ def lifted_of_rank(problem, solution, rank, options, callback=None, start=None):
     callback : see :func:`core.solve.solve`
     start : (N, rank) lifted field of a nearby problem, optional
     """
-    result = np.array(LiftedField(problem, solution).lifted[:, :rank] if start is None else start)
-    if result.shape[1] < rank:
-        result = np.hstack([result, np.zeros((len(result), rank - result.shape[1]), result.dtype)])
+    lifted = LiftedField(problem, solution).lifted
+    starts = _projections(lifted, rank, np.random.default_rng(options.seed)) if start is None else [start]
+    result = np.array(starts[0])
     left = None if options.time_limit is None else max(options.time_limit - sum(solution.times.values()), 0.0)
     monitor = Monitor(callback, left)
     with one_blas_thread():
         for piece in problem.pieces:
-            point = Lifted(piece.block).normalize(result[piece.rows])
+            spheres = Lifted(piece.block)
+            result[piece.rows] = spheres.normalize(result[piece.rows])
             with suppress(OutOfTime):
-                point = _descended(piece, point, TOLERANCE * options.target_gap, monitor)
-            result[piece.rows] = point
+                points = [spheres.normalize(point[piece.rows]) for point in starts]
+                result[piece.rows] = _descended(piece, points, TOLERANCE * options.target_gap, monitor)
     return result
 
 
-def _descended(piece, point, tolerance, monitor):
-    """(N, r) where a piece's descent from there ends, or time does."""
-    monitor.at(f"rank {point.shape[1]}", 0.0)
+def _projections(lifted, rank, random):
+    """Lifted fields of a given rank: the leading columns, and projections on random directions."""
+    if lifted.shape[1] <= rank:
+        return [np.pad(lifted, [(0, 0), (0, rank - lifted.shape[1])])]
+    shape = (lifted.shape[1], rank)
+    return [lifted[:, :rank]] + [lifted @ gaussian(shape, np.iscomplexobj(lifted), random) for _ in range(STARTS - 1)]
+
+
+def _descended(piece, points, tolerance, monitor):
+    """(N, r) where the best descent of a piece from some points ends, or time does."""
+    monitor.at(f"rank {points[0].shape[1]}", 0.0)
     scaled, _ = piece.scaled()
     workspace = monitor.during(partial(Workspace, scaled))
-    stage, matrix = workspace.stages[0], workspace.matrix
-    density = max(float(stage.lifted.energies(point, matrix @ point)[0]), 0.0) / scaled.mass.sum()
-    metric = monitor.during(partial(stage.metric, SHIFT * density))
-    return descend(matrix, stage.lifted, point, metric, tolerance, STEPS, monitor).point
+    stage = workspace.stages[0]
+
+    def descent(point, tolerance):
+        metric = monitor.during(partial(stage.metric_at, point))
+        return descend(workspace.matrix, stage.lifted, point, metric, tolerance, STEPS, monitor)
+
+    if len(points) > 1:
+        points = [best.point for best in sorted((descent(point, EARLY * tolerance) for point in points), key=_value)]
+    return descent(points[0], tolerance).point
+
+
+def _value(descent):
+    return descent.values[0]

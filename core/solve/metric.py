@@ -6,13 +6,14 @@ phase of the root, carried along the transports. So every level is a connection 
 block a node again, and the number of conjugate gradient steps does not grow with the mesh.
 """
 
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array
 
 from .coarsening import aggregates, hubs
-from .factorization import factorize
+from .factorization import factorize, has_positive_pivots
 from .products import SharedRows
 
 # Share of the stiffness below which a shift drowns in single precision.
@@ -74,6 +75,17 @@ class Hierarchy:
             row_mass = _coarse_mass(tentative, row_mass)
             ground = coarse_ground
 
+    def lowered(self, diagonal, depth=0):
+        """The hierarchy of a level's matrix less a (N,) diagonal, with the same aggregates."""
+        result = copy(self)
+        result.levels = []
+        change = diags_array(diagonal.astype(np.float32)).tocsr()
+        for level in self.levels[depth:]:
+            result.levels.append(replace(level, matrix=(level.matrix - change).tocsr()))
+            if level.prolongation is not None:
+                change = (level.prolongation.conj().T.tocsr() @ (change @ level.prolongation)).tocsr()
+        return result
+
     @property
     def complexity(self):
         """Stored entries of all levels over those of the first."""
@@ -102,6 +114,10 @@ def _largest_eigenvalue(matrix, inverse_diagonal, random):
     return max(SAFETY * size, 1.0)
 
 
+class Indefinite(Exception):
+    """A matrix that was to be a metric has a direction of no positive length on one of the levels."""
+
+
 class Metric:
     """A = L + shift M with an approximate inverse: one V-cycle on all columns at once, in single precision.
 
@@ -113,6 +129,11 @@ class Metric:
     hierarchy : Hierarchy of L
     shift : positive
     depth : the hierarchy's level that is L
+
+    Raises
+    ------
+    Indefinite
+        where the diagonal of a level, or the smallest level as a whole, shows that A is not positive definite
     """
 
     def __init__(self, hierarchy, shift, depth=0):
@@ -121,6 +142,8 @@ class Metric:
         finer = None
         for level in hierarchy.levels[depth:]:
             diagonal = level.matrix.diagonal().real + np.float32(shift) * level.row_mass
+            if not (diagonal > 0).all():
+                raise Indefinite
             scale = 1 / np.sqrt(diagonal)
             # Every level is scaled to unit diagonal, so that smoothing needs no diagonal of its own.
             matrix = _scaled(level.matrix, scale, scale)
@@ -133,7 +156,7 @@ class Metric:
             damping = np.float32(2 / (level.largest * (1 + SMOOTHED_PART)))
             self._steps.append((SharedRows(matrix), damping))
             finer = (level.prolongation, scale)
-        self._smallest = factorize(matrix)
+        self._smallest = _definite_factorization(matrix)
         self.dtype = matrix.dtype
 
     def solve(self, columns):
@@ -157,6 +180,16 @@ class Metric:
         change *= damping
         guess += change
         return guess
+
+
+def _definite_factorization(matrix):
+    try:
+        factorization = factorize(matrix)
+    except RuntimeError as error:  # an exactly singular pivot
+        raise Indefinite from error
+    if not has_positive_pivots(factorization):
+        raise Indefinite
+    return factorization
 
 
 def _residual(matrix, guess, right):

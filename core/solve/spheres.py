@@ -7,7 +7,7 @@ on the circle (:class:`Circles`, whose tangent vectors are angles) or in any R^d
 
 All have the same methods. ``point`` and ``image`` (the matrix times the point) are arrays in rows of the
 matrix; tangent vectors are real arrays, whose sums go over everything (:class:`Lifted`, one value) or over
-each column (k values).
+each column (k values). ``memory`` is how many moves a descent remembers.
 """
 
 from dataclasses import dataclass
@@ -26,6 +26,8 @@ class Lifted:
     """One lifted field: (N, r) with a unit vector per node; tangent vectors are (nodes, real coordinates)."""
 
     block: int
+    # The metric is close to the Hessian: to remember more saves no step.
+    memory = 2
 
     def _reals(self, array):
         """(nodes, m) real coordinates, a view. Row sums over contiguous floats are fast in NumPy."""
@@ -60,7 +62,10 @@ class Lifted:
 
     def move(self, point, tangent, lengths):
         """Step along a tangent vector, and back to the spheres."""
-        return self.normalize(_like(self._reals(point) + tangent * tangent.dtype.type(lengths[0]), point))
+        moved = tangent * tangent.dtype.type(lengths[0])
+        moved += self._reals(point)
+        moved *= _inverse(np.sqrt(np.einsum("ij,ij->i", moved, moved)))[:, None]
+        return _like(moved, point)
 
     def inner(self, first, second):
         """(1,) inner product of tangent vectors."""
@@ -69,16 +74,21 @@ class Lifted:
     @staticmethod
     def add(vector, shares, other):
         """Add a multiple of another tangent vector, in place and in one pass through memory."""
+        if not vector.flags.c_contiguous:
+            raise ValueError("the vector is not contiguous: the sum would be lost in a copy")
         axpy = get_blas_funcs("axpy", (vector, other))
         axpy(other.ravel(), vector.ravel(), a=shares[0])
 
     @staticmethod
     def _project(point, vector):
-        return vector - point * np.einsum("ij,ij->i", point, vector)[:, None]
+        across = point * np.einsum("ij,ij->i", point, vector)[:, None]
+        return np.subtract(vector, across, out=across)
 
 
 class _Fields:
     """What columns have in common, whatever their spheres."""
+
+    memory = 5
 
     @staticmethod
     def inner(first, second):

@@ -3,10 +3,17 @@
 
 from functools import cached_property
 
+import numpy as np
+
 from .coarsening import graph_laplacian, turning_laplacian
-from .metric import SMALLEST_SHIFT, Hierarchy, Metric
+from .metric import SMALLEST_SHIFT, Hierarchy, Indefinite, Metric
 from .products import SharedRows
 from .spheres import Lifted, candidates
+
+# Shift of the metric of lifted fields as a share of the mean energy per mass.
+SHIFT = 0.1
+# The part of the multipliers that is taken off.
+TAKEN_OFF = 0.4
 
 
 class Stage:
@@ -39,6 +46,31 @@ class Stage:
     def metric(self, shift):
         """L + shift M with its inverse."""
         return Metric(self._hierarchy, max(shift, self._smallest_shift), self._depth)
+
+    def density(self, point):
+        """Energy per mass of a lifted field."""
+        energy = float(self.lifted.energies(point, self.matrix @ point)[0])
+        return max(energy, 0.0) * self.block / float(self.row_mass.sum())
+
+    def shift_at(self, point):
+        """Shift of the metric of lifted fields: small enough to leave the metric alone."""
+        return max(SHIFT * self.density(point), self._smallest_shift)
+
+    def metric_at(self, point):
+        """The metric in which a lifted field descends from a point: L + shift M, less a part of the multipliers.
+
+        The Hessian of the energy on the spheres is the slack S = L - diag(lambda). Where the multipliers are those of
+        the optimum, L - diag(lambda) / 2 = (L + S) / 2 is positive semidefinite. Those of a point that is far
+        from it, as a rough one, may be too large: then none are taken off.
+        """
+        point = point.astype(self.matrix.dtype, copy=False)
+        duals = np.maximum(self.lifted.multipliers(point, self.matrix @ point), 0)
+        shift = self.shift_at(point)
+        lowered = self._hierarchy.lowered(np.repeat(TAKEN_OFF * duals, self.block), self._depth)
+        try:
+            return Metric(lowered, (1 - TAKEN_OFF) * shift)
+        except Indefinite:
+            return self.metric(shift)
 
     @cached_property
     def _graph_hierarchy(self):

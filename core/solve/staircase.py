@@ -16,24 +16,23 @@ from .certificate import depth_for_bound, lower_bound, measure_slack, provable_w
 from .descent import descend, rounding_noise
 from .monitor import OutOfTime
 from .spheres import random_columns
+from .stage import SHIFT
 
 # Columns at the start: of complex rows, and of real ones, which hold half as much.
 START_RANK = {True: 6, False: 9}
 MAX_RANK = 24
 LEVELS = 12
-# Metric shift as a share of the mean energy per mass: small enough to leave the metric alone.
-SHIFT = 0.1
 # The shift of the metric that finds the first smooth point, as a share of the stiffness.
 FIRST_SHIFT = 1e-3
 LEVEL_STEPS = 300
 # Predicted relative decrease at which a level's descent ends, as a share of the target gap to the power 3/2:
 # the multipliers, and with them the bound, are off by the root of what the energy is off by. Where no factorization
 # proves (False), more digits at first are cheaper than a second search for negative directions.
-FIRST_TOLERANCE = {True: 0.03, False: 0.01}
+FIRST_TOLERANCE = {True: 0.06, False: 0.01}
 TIGHTENING = 0.3
 # Nodes of the smallest stage that is solved on the way, and the tolerance of descents on coarser stages.
 SMALLEST_START = 300
-COARSE_TOLERANCE = 3e-4
+COARSE_TOLERANCE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -68,12 +67,12 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
     start : (N, r) lifted field to start from, optional; otherwise the coarser stages give one
     """
     random = np.random.default_rng(seed)
-    piece, lifted = workspace.piece, workspace.stages[0].lifted
+    piece, stage = workspace.piece, workspace.stages[0]
+    lifted = stage.lifted
     steps = products = 0
     with clock("relax"):
         point = _coarse_start(workspace, random, monitor) if start is None else lifted.normalize(start)
-        density = max(float(lifted.energies(point, workspace.matrix @ point)[0]), 0.0) / piece.mass.sum()
-        metric = workspace.stages[0].metric(SHIFT * density)
+        shift = stage.shift_at(point)
     best_bound, certificate = 0.0, "proved"
     reached = out_of_time = precise = False
     memory: list[tuple] = []
@@ -83,6 +82,7 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
         for attempt in range(LEVELS):
             tolerance = FIRST_TOLERANCE[provable] * target_gap**1.5 * TIGHTENING**attempt
             with clock("relax"):
+                metric = stage.metric_at(point)
                 for descent in _descents(workspace, point, metric, tolerance, precise, memory, monitor):
                     point, steps, products = descent.point, steps + descent.steps, products + descent.products
                 precise = descent.point.dtype == workspace.matrix.dtype
@@ -98,25 +98,27 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
                 continue
             with clock("certify"):
                 duals = lifted.multipliers(point, image)
-                allowed = depth_for_bound(piece, metric, duals, value * (1 - 0.95 * target_gap))
-                if provable and monitor.during(partial(prove, piece, metric, duals, allowed, width)):
-                    best_bound, certificate, reached = lower_bound(piece, metric, duals, allowed), "proved", True
+                allowed = depth_for_bound(piece, shift, duals, value * (1 - 0.95 * target_gap))
+                if provable and monitor.during(partial(prove, piece, shift, duals, allowed, width)):
+                    best_bound, certificate, reached = lower_bound(piece, shift, duals, allowed), "proved", True
                     break
                 if provable and attempt == 0:
                     continue  # most often a closer point is all that is missing
                 enough = -np.inf if provable else allowed
-                slack = measure_slack(workspace, metric, duals, random, monitor, enough)
-                bound = lower_bound(piece, metric, duals, max(slack.depth, 0.0) + slack.error)
+                slack = measure_slack(workspace, shift, metric, point, duals, random, monitor, enough)
+                bound = lower_bound(piece, shift, duals, max(slack.depth, 0.0) + slack.error)
             if bound > best_bound:
                 best_bound, certificate = bound, "estimated"
             if not provable and value - best_bound <= target_gap * value:
                 reached = True
                 break
+            if attempt == 0:
+                continue
             with clock("relax"):
                 point, memory = _climb(workspace, point, slack.directions), []
         if provable and not reached and value > piece.noise:
             with clock("certify"):
-                proved = _weaker_proof(piece, metric, duals, value, target_gap, width, monitor)
+                proved = _weaker_proof(piece, shift, duals, value, target_gap, width, monitor)
             if proved is not None:
                 best_bound, certificate = proved, "proved"
     except OutOfTime:
@@ -127,12 +129,12 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
     return Relaxation(principal, singular_values, value, best_bound, certificate, reached, out_of_time, steps, products)
 
 
-def _weaker_proof(piece, metric, duals, value, target_gap, width, monitor):
+def _weaker_proof(piece, shift, duals, value, target_gap, width, monitor):
     """The tightest bound that can be proved when the target cannot, at tens, hundreds ... of the gap; or None."""
     for gap in target_gap * 10.0 ** np.arange(1, 1 + int(np.log10(0.5 / target_gap))):
-        depth = depth_for_bound(piece, metric, duals, value * (1 - gap))
-        if monitor.during(partial(prove, piece, metric, duals, depth, width)):
-            return lower_bound(piece, metric, duals, depth)
+        depth = depth_for_bound(piece, shift, duals, value * (1 - gap))
+        if monitor.during(partial(prove, piece, shift, duals, depth, width)):
+            return lower_bound(piece, shift, duals, depth)
     return None
 
 
@@ -149,7 +151,7 @@ def _coarse_start(workspace, random, monitor):
     stage = stages[-1]
     point = _smooth(piece, stage, stage.lifted.normalize(point.astype(stage.matrix.dtype)))
     for stage, finer in zip(stages[:0:-1], stages[-2::-1], strict=True):
-        metric = stage.metric(SHIFT * _density(stage, point))
+        metric = stage.metric_at(point)
         point = descend(stage.matrix, stage.lifted, point, metric, COARSE_TOLERANCE, LEVEL_STEPS, monitor).point
         point = finer.lifted.normalize(stage.prolong(point))
     return point.astype(workspace.matrix.dtype)
@@ -166,13 +168,8 @@ def _smooth(piece, stage, point):
         metric = stage.metric(SHIFT * density)
         for _ in range(2):
             point = stage.lifted.normalize(metric.solve(point))
-        density = _density(stage, point)
+        density = stage.density(point)
     return point
-
-
-def _density(stage, point):
-    energy = stage.lifted.energies(point, stage.matrix @ point)[0]
-    return max(float(energy), 0.0) * stage.block / float(stage.row_mass.sum())
 
 
 def _descents(workspace, point, metric, tolerance, precise, memory, monitor):

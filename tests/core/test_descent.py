@@ -280,7 +280,7 @@ def test_digits_in_both_precisions():
         pytest.param(lambda: direction_problem(bumpy_torus(14), 4), Lifted(1), 5e-6, id="lifted-crosses"),
         pytest.param(lambda: half_turned_stripes(bumpy_torus(14), 0.4), Circles(2), 2e-6, id="stripes"),
         # Whose Hessian is nearly singular at the optimum: steps become as small as single precision's noise.
-        pytest.param(lambda: half_turned_stripes(bumpy_torus(14), 0.4), Lifted(2), 5e-5, id="lifted-stripes"),
+        pytest.param(lambda: half_turned_stripes(bumpy_torus(14), 0.4), Lifted(2), 1e-4, id="lifted-stripes"),
     ],
 )
 def test_single_precision_ends_near_where_double_does(build, spheres, digits):
@@ -327,7 +327,7 @@ def test_memory_goes_on_where_a_descent_ended(lifted):
     memory = []
     half = whole.steps // 2
     first = descent_of(piece, spheres, start, 1e-10, half, memory=memory)
-    assert first.steps == half and len(memory) == 5
+    assert first.steps == half and len(memory) == spheres.memory
     again = list(memory)
     # A few steps further, it is ahead of a descent that has to learn the curvature anew.
     soon = descent_of(piece, spheres, first.point, 0.0, 8, memory=again)
@@ -338,7 +338,7 @@ def test_memory_goes_on_where_a_descent_ended(lifted):
     assert second.values[0] == pytest.approx(whole.values[0], rel=1e-8)
     # At its end nothing is left to do, which only a full memory tells at once.
     assert descent_of(piece, spheres, second.point, 1e-9, memory=memory).steps == 1
-    assert descent_of(piece, spheres, second.point, 1e-9).steps > 5
+    assert descent_of(piece, spheres, second.point, 1e-9).steps > spheres.memory
 
 
 def test_time_limits_end_a_descent_with_the_point_so_far_and_cancelling_raises():

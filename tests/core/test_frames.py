@@ -91,7 +91,7 @@ def test_a_rigid_motion_leaves_all_phases(symmetry, hold):
     after = PATTERNS[symmetry](other, following, 0.6, before=pattern, hold=hold)
     np.testing.assert_allclose(following.angles, field.angles, atol=1e-4)
     np.testing.assert_allclose(after.phases, pattern.phases, atol=1e-3)
-    assert after.energy == pytest.approx(pattern.energy, rel=1e-6)
+    assert after.energy == pytest.approx(pattern.energy, rel=1e-5)
     assert after.solution.status is Status.UNCERTIFIED and after.solution.energy == pytest.approx(after.energy)
 
 
@@ -111,7 +111,7 @@ def test_a_gentle_motion_changes_little(symmetry):
         cold.append(np.cos(alone.vertex_phases).prod(axis=1))
     change, independent = (np.abs(np.diff(frames, axis=0)).mean() for frames in (warm, cold))
     assert change < 0.2 * independent
-    assert pattern.energy < 1.05 * solve_one(frame, field, 0.6).energy
+    assert pattern.energy < 1.1 * solve_one(frame, field, 0.6).energy
 
 
 def test_the_hold_shortens_the_way_and_costs_energy():

@@ -16,7 +16,13 @@ from synch_fields.core.piece import Piece
 from synch_fields.core.problem import Merged, SynchronizationProblem, Targets
 from synch_fields.core.solve import metric as metric_module
 from synch_fields.core.solve.coarsening import StrongGraph, aggregates, graph_laplacian, turning_laplacian
-from synch_fields.core.solve.metric import Hierarchy, Metric
+from synch_fields.core.solve.metric import Hierarchy, Indefinite, Metric
+from synch_fields.core.solve.monitor import SILENT
+from synch_fields.core.solve.solution import Clock
+from synch_fields.core.solve.spectral import smallest_eigenpair
+from synch_fields.core.solve.spheres import random_columns
+from synch_fields.core.solve.stage import TAKEN_OFF, Workspace
+from synch_fields.core.solve.staircase import relax
 
 from .graphs import (
     KINDS,
@@ -186,6 +192,55 @@ def test_from_a_coarse_level_on_it_is_the_inverse_there(build):
     matrix = level.matrix.toarray().astype(piece.matrix.dtype) + shift * np.diag(level.row_mass.astype(float))
     image = Metric(hierarchy, shift, depth).solve(matrix)
     np.testing.assert_allclose(image, np.eye(len(matrix)), atol=1e-3)
+
+
+@pytest.mark.parametrize("build", MULTILEVEL)
+@pytest.mark.parametrize("depth", [0, 1])
+def test_a_lowered_hierarchy_is_that_of_the_matrix_less_the_diagonal(build, depth):
+    piece = only_piece(build())
+    hierarchy = Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground)
+    diagonal = np.random.default_rng(0).uniform(0, 0.2, hierarchy.levels[depth].matrix.shape[0])
+    diagonal *= hierarchy.levels[depth].matrix.diagonal().real
+    lowered = hierarchy.lowered(diagonal, depth)
+    matrix = hierarchy.levels[depth].matrix.toarray() - np.diag(diagonal)
+    for level, before in zip(lowered.levels, hierarchy.levels[depth:], strict=True):
+        np.testing.assert_allclose(level.matrix.toarray(), matrix, atol=2e-5 * np.abs(matrix).max())
+        assert level.prolongation is before.prolongation
+        if level.prolongation is not None:
+            prolongation = level.prolongation.toarray()
+            matrix = prolongation.conj().T @ matrix @ prolongation
+
+
+@pytest.mark.parametrize("build", MULTILEVEL)
+def test_a_metric_is_refused_where_a_direction_has_no_length(build):
+    """A diagonal below zero, and one that is fine but whose matrix has a negative eigenvalue on all levels."""
+    piece = only_piece(build())
+    hierarchy = Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground)
+    shift = 1e-3 * piece.stiffness
+    with pytest.raises(Indefinite):
+        Metric(hierarchy.lowered(2 * piece.matrix.diagonal().real + 1), shift)
+    lowest = smallest_eigenpair(piece, 0)[0]
+    Metric(hierarchy.lowered(0.5 * lowest * piece.row_mass), shift)
+    with pytest.raises(Indefinite):
+        Metric(hierarchy.lowered((1.5 * lowest + 2 * shift) * piece.row_mass), shift)
+
+
+@pytest.mark.parametrize("build", MULTILEVEL)
+def test_the_metric_of_a_lifted_field_lies_between_slack_and_laplacian(build):
+    """At the optimum it is L + shift M less a share of the multipliers; from a rough point it is at least positive."""
+    piece, _ = only_piece(build()).scaled()
+    workspace = Workspace(piece)
+    stage, unit = workspace.stages[0], np.eye(piece.matrix.shape[0], dtype=piece.matrix.dtype)
+    point = relax(workspace, 1e-3, 0, SILENT, Clock()).lifted
+    duals = TAKEN_OFF * stage.lifted.multipliers(point, workspace.matrix @ point)
+    expected = piece.matrix.toarray() - np.diag(np.repeat(duals, piece.block))
+    expected += (1 - TAKEN_OFF) * stage.shift_at(point) * np.diag(piece.row_mass)
+    root = np.linalg.cholesky(expected)
+    spectrum = np.linalg.eigvalsh(root.conj().T @ stage.metric_at(point).solve(unit) @ root)
+    assert 0.1 <= spectrum[0] and spectrum[-1] <= 1.2
+    rough = stage.lifted.normalize(random_columns(piece, 6, np.random.default_rng(0)))
+    inverse = stage.metric_at(rough).solve(unit)
+    assert np.linalg.eigvalsh(0.5 * (inverse + inverse.conj().T))[0] > 0
 
 
 def test_solve_keeps_shape_and_dtype_and_columns_apart():

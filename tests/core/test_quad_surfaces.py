@@ -78,12 +78,12 @@ def test_a_solved_pattern_gives_the_surface_that_it_is_on(name, cells):
     assert euler(quads) == mesh.euler_characteristic
     assert on_rim(quads).any() == (name in BOUNDED)
     assert len(np.unique(pieces(quads))) == len(np.unique(mesh.pieces))
-    # All faces look outwards and together cover what they should.
+    # All faces look outwards and together cover what they should, but for what large flat faces cut off of thin tubes.
     vectors = face_vectors(quads)
     normals = np.zeros((len(quads.sizes), 3))
     np.add.at(normals, quads.corner_faces, mesh.face_normals[quads.triangles[quads.corner_vertices]])
     assert (np.einsum("ij,ij->i", vectors, normals) > 0).mean() > 0.99
-    assert np.linalg.norm(vectors, axis=1).sum() == pytest.approx(mesh.areas.sum(), rel=0.15)
+    assert np.linalg.norm(vectors, axis=1).sum() == pytest.approx(mesh.areas.sum(), rel=1 / cells)
 
 
 @pytest.mark.parametrize("cells", [4, 5.5, 7])
