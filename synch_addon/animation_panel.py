@@ -2,12 +2,13 @@
 """Settings of animated patterns as Blender properties, the object's and the operator's, and their panel."""
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
 from . import jobs
 from .animation import HOLD, Span
 from .frame_nodes import shows_frames
 from .panels import SidebarPanel, property_column
+from .registration import keeping
 from .scene_io import refusal
 
 
@@ -77,16 +78,6 @@ def span_of(settings, scene):
     return Span(first, last, settings.pattern.lower(), settings.hold)
 
 
-_CLASSES = (SynchAnimation, SYNCH_PT_animation)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.types.Object.synch_animation = PointerProperty(type=SynchAnimation)
-
-
-def unregister():
-    del bpy.types.Object.synch_animation
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = keeping(
+    (SynchAnimation, SYNCH_PT_animation), (bpy.types.Object, "synch_animation", SynchAnimation)
+)

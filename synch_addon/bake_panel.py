@@ -2,12 +2,12 @@
 """The box "Bake" of the sidebar tab; its settings are the scene's."""
 
 import bpy
-from bpy.props import PointerProperty
 
 from . import jobs
 from .bake_index import pattern_kind
 from .bake_settings import BakeProperties
 from .panels import SidebarPanel, property_column
+from .registration import keeping
 from .scene_io import refusal
 
 
@@ -50,16 +50,4 @@ def draw_bake(layout, settings, obj):
     row.prop(settings, "displacement")
 
 
-_CLASSES = (SynchBake, SYNCH_PT_bake)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.types.Scene.synch_bake = PointerProperty(type=SynchBake)
-
-
-def unregister():
-    del bpy.types.Scene.synch_bake
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = keeping((SynchBake, SYNCH_PT_bake), (bpy.types.Scene, "synch_bake", SynchBake))

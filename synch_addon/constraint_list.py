@@ -146,9 +146,4 @@ def _plain(row):
     )
 
 
-def register():
-    bpy.utils.register_class(SynchConstraint)
-
-
-def unregister():
-    bpy.utils.unregister_class(SynchConstraint)
+register, unregister = bpy.utils.register_classes_factory((SynchConstraint,))

@@ -143,20 +143,12 @@ def _draw_row(layout, item, obj):
         weight.prop(item, "weight", text="")
 
 
-_CLASSES = (
-    SYNCH_OT_constraint_add,
-    SYNCH_OT_constraint_remove,
-    SYNCH_OT_constraint_move,
-    SYNCH_UL_constraints,
-    SYNCH_PT_constraints,
+register, unregister = bpy.utils.register_classes_factory(
+    (
+        SYNCH_OT_constraint_add,
+        SYNCH_OT_constraint_remove,
+        SYNCH_OT_constraint_move,
+        SYNCH_UL_constraints,
+        SYNCH_PT_constraints,
+    )
 )
-
-
-def register():
-    for each in _CLASSES:
-        bpy.utils.register_class(each)
-
-
-def unregister():
-    for each in reversed(_CLASSES):
-        bpy.utils.unregister_class(each)

@@ -31,9 +31,4 @@ class SynchFavourite(bpy.types.PropertyGroup):
         return f"synch_favourite_{self.number}_"
 
 
-def register():
-    bpy.utils.register_class(SynchFavourite)
-
-
-def unregister():
-    bpy.utils.unregister_class(SynchFavourite)
+register, unregister = bpy.utils.register_classes_factory((SynchFavourite,))

@@ -105,9 +105,4 @@ def stored_guidance(stored):
     return str(stored.guide.source(stored.guidance, None if exact else stored.guide.strength))
 
 
-def register():
-    bpy.utils.register_class(SynchGuide)
-
-
-def unregister():
-    bpy.utils.unregister_class(SynchGuide)
+register, unregister = bpy.utils.register_classes_factory((SynchGuide,))

@@ -77,14 +77,4 @@ class SYNCH_OT_guide_remove(_GuideOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-_CLASSES = (SYNCH_OT_guide_add, SYNCH_OT_guide_remove)
-
-
-def register():
-    for operator in _CLASSES:
-        bpy.utils.register_class(operator)
-
-
-def unregister():
-    for operator in reversed(_CLASSES):
-        bpy.utils.unregister_class(operator)
+register, unregister = bpy.utils.register_classes_factory((SYNCH_OT_guide_add, SYNCH_OT_guide_remove))

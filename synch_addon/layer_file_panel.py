@@ -26,9 +26,4 @@ class SYNCH_PT_layer_files(SidebarPanel, bpy.types.Panel):
         column.operator("synch.layer_volume", icon="VOLUME_DATA")
 
 
-def register():
-    bpy.utils.register_class(SYNCH_PT_layer_files)
-
-
-def unregister():
-    bpy.utils.unregister_class(SYNCH_PT_layer_files)
+register, unregister = bpy.utils.register_classes_factory((SYNCH_PT_layer_files,))

@@ -145,14 +145,6 @@ class SYNCH_OT_layer_group_remove(_RowOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-_CLASSES = (SYNCH_OT_layer_group_add, SYNCH_OT_layer_group_remove, SYNCH_PT_layers)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(
+    (SYNCH_OT_layer_group_add, SYNCH_OT_layer_group_remove, SYNCH_PT_layers)
+)

@@ -8,13 +8,13 @@ from bpy.props import (
     EnumProperty,
     FloatProperty,
     IntProperty,
-    PointerProperty,
     StringProperty,
 )
 
 from .guidance import AXES, BOUNDARY
 from .guide_list import suggest_numbers, suggest_vectors
 from .layer_settings import Flush, LayerGuide, LayerSettings, text_of_groups
+from .registration import keeping
 from .strokes import SOURCE_TYPES
 
 _DEFAULT = LayerSettings()
@@ -182,13 +182,4 @@ def plain(properties, lengths, guidance, groups):
     return LayerSettings(guidance=guidance, groups=groups, **values)
 
 
-def register():
-    bpy.utils.register_class(SynchFlush)
-    bpy.utils.register_class(SynchLayering)
-    bpy.types.Object.synch_layering = PointerProperty(type=SynchLayering)
-
-
-def unregister():
-    del bpy.types.Object.synch_layering
-    bpy.utils.unregister_class(SynchLayering)
-    bpy.utils.unregister_class(SynchFlush)
+register, unregister = keeping((SynchFlush, SynchLayering), (bpy.types.Object, "synch_layering", SynchLayering))

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Entries in Blender's own menus, which its search finds too: Add > Mesh, Object, and the right-click menu there."""
+"""Entries in Blender's own menus, which its search finds too: Add > Mesh, Object, the right-click menu
+there, File > Import and File > Export."""
 
 import bpy
 
@@ -65,17 +66,26 @@ def _draw_object(menu, context):
         menu.layout.menu("SYNCH_MT_object", icon="MOD_WAVE")
 
 
-_CLASSES = (SYNCH_MT_samples, SYNCH_MT_object)
+def _draw_import(menu, context):
+    menu.layout.operator("synch.import_field", text="Direction Field (.rawfield, .rosy)")
+
+
+def _draw_export(menu, context):
+    menu.layout.operator("synch.export_field", text="Direction Field (.rawfield, .rosy)")
+
+
+_register, _unregister = bpy.utils.register_classes_factory((SYNCH_MT_samples, SYNCH_MT_object))
 _ADDED = (
     ("VIEW3D_MT_mesh_add", _draw_samples),
     ("VIEW3D_MT_object", _draw_object),
     ("VIEW3D_MT_object_context_menu", _draw_object),
+    ("TOPBAR_MT_file_import", _draw_import),
+    ("TOPBAR_MT_file_export", _draw_export),
 )
 
 
 def register():
-    for menu in _CLASSES:
-        bpy.utils.register_class(menu)
+    _register()
     for name, draw in _ADDED:
         getattr(bpy.types, name).append(draw)
 
@@ -83,5 +93,4 @@ def register():
 def unregister():
     for name, draw in _ADDED:
         getattr(bpy.types, name).remove(draw)
-    for menu in reversed(_CLASSES):
-        bpy.utils.unregister_class(menu)
+    _unregister()

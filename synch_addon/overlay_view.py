@@ -9,12 +9,13 @@ import bpy
 import gpu
 import numpy as np
 from bpy.app.handlers import depsgraph_update_post, load_post, persistent, redo_post, undo_post
-from bpy.props import BoolProperty, EnumProperty, PointerProperty
+from bpy.props import BoolProperty, EnumProperty
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from .overlay import constraint_lines, defect_points, direction_lines, direction_marks
 from .panels import SidebarPanel, property_column
+from .registration import keeping
 
 # Everything is drawn nearer by this share of its distance, so that it does not fight with the faces.
 NEARER = 2e-3
@@ -173,14 +174,12 @@ def _forget(*_):
 
 
 _HANDLERS = [(depsgraph_update_post, _note_changes)] + [(event, _forget) for event in (load_post, undo_post, redo_post)]
-_CLASSES = (SynchOverlay, SYNCH_PT_overlay)
+_register, _unregister = keeping((SynchOverlay, SYNCH_PT_overlay), (bpy.types.Scene, "synch_overlay", SynchOverlay))
 
 
 def register():
     global _draw_handler
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.types.Scene.synch_overlay = PointerProperty(type=SynchOverlay)
+    _register()
     for event, handler in _HANDLERS:
         event.append(handler)
     _draw_handler = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
@@ -191,6 +190,4 @@ def unregister():
     for event, handler in _HANDLERS:
         event.remove(handler)
     _forget()
-    del bpy.types.Scene.synch_overlay
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+    _unregister()

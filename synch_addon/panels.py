@@ -177,14 +177,6 @@ class SYNCH_PT_solver(SettingsPanel, bpy.types.Panel):
         draw_solver(self.layout, context.active_object.synch)
 
 
-_CLASSES = (SYNCH_PT_fields, SYNCH_PT_directions, SYNCH_PT_pattern, SYNCH_PT_quads, SYNCH_PT_solver)
-
-
-def register():
-    for panel in _CLASSES:
-        bpy.utils.register_class(panel)
-
-
-def unregister():
-    for panel in reversed(_CLASSES):
-        bpy.utils.unregister_class(panel)
+register, unregister = bpy.utils.register_classes_factory(
+    (SYNCH_PT_fields, SYNCH_PT_directions, SYNCH_PT_pattern, SYNCH_PT_quads, SYNCH_PT_solver)
+)

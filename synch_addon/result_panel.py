@@ -98,9 +98,4 @@ def draw_figures(layout, result, held):
     line(f"{result['seconds']:.2f} s, {counted(result['nodes'], 'vertex')}", "TIME", "time")
 
 
-def register():
-    bpy.utils.register_class(SYNCH_PT_result)
-
-
-def unregister():
-    bpy.utils.unregister_class(SYNCH_PT_result)
+register, unregister = bpy.utils.register_classes_factory((SYNCH_PT_result,))

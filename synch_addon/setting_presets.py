@@ -34,13 +34,14 @@ class SYNCH_OT_add_preset(AddPresetBase, bpy.types.Operator):
     preset_values = [f"synch.{name}" for name in ("guidance", "guide", "guides", "automatic_spacing", *PROPERTY_NAMES)]
 
 
+_register, _unregister = bpy.utils.register_classes_factory((SYNCH_PT_presets, SYNCH_OT_add_preset))
+
+
 def register():
     bpy.utils.register_preset_path(str(_SHIPPED))
-    for cls in (SYNCH_PT_presets, SYNCH_OT_add_preset):
-        bpy.utils.register_class(cls)
+    _register()
 
 
 def unregister():
-    for cls in (SYNCH_OT_add_preset, SYNCH_PT_presets):
-        bpy.utils.unregister_class(cls)
+    _unregister()
     bpy.utils.unregister_preset_path(str(_SHIPPED))

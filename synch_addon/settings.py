@@ -24,6 +24,7 @@ from .constraints import Constraint, from_plain
 from .favourite_list import SynchFavourite
 from .guidance import exact_attribute, parse
 from .guide_list import GUIDE_ITEMS, SynchGuide, suggest_numbers
+from .registration import keeping
 
 BOUNDARIES = ("free", "along", "across", "phase")
 
@@ -303,11 +304,4 @@ def plain(properties, spacing):
     return Settings(**values)
 
 
-def register():
-    bpy.utils.register_class(SynchSettings)
-    bpy.types.Object.synch = PointerProperty(type=SynchSettings)
-
-
-def unregister():
-    del bpy.types.Object.synch
-    bpy.utils.unregister_class(SynchSettings)
+register, unregister = keeping((SynchSettings,), (bpy.types.Object, "synch", SynchSettings))

@@ -123,14 +123,4 @@ def draw_choice(layout, look):
     column.operator("synch.best_vortices", icon="LOOP_BACK")
 
 
-_CLASSES = (SYNCH_PT_vortices, SYNCH_PT_vortex_result)
-
-
-def register():
-    for panel in _CLASSES:
-        bpy.utils.register_class(panel)
-
-
-def unregister():
-    for panel in reversed(_CLASSES):
-        bpy.utils.unregister_class(panel)
+register, unregister = bpy.utils.register_classes_factory((SYNCH_PT_vortices, SYNCH_PT_vortex_result))

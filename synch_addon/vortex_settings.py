@@ -11,12 +11,12 @@ from bpy.props import (
     FloatProperty,
     FloatVectorProperty,
     IntProperty,
-    PointerProperty,
     StringProperty,
 )
 
 from . import memory
 from .clebsch import ClebschSettings
+from .registration import keeping
 from .vortex_choice import is_filling, slide
 from .vortex_objects import NORTH
 
@@ -185,18 +185,8 @@ class SynchVortexLook(bpy.types.PropertyGroup):
         return json.loads(self.result) if self.result else {}
 
 
-_CLASSES = (SynchVortices, SynchVortexLook)
-
-
-def register():
-    for cls in _CLASSES:
-        bpy.utils.register_class(cls)
-    bpy.types.Scene.synch_vortices = PointerProperty(type=SynchVortices)
-    bpy.types.Object.synch_vortices = PointerProperty(type=SynchVortexLook)
-
-
-def unregister():
-    del bpy.types.Object.synch_vortices
-    del bpy.types.Scene.synch_vortices
-    for cls in reversed(_CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = keeping(
+    (SynchVortices, SynchVortexLook),
+    (bpy.types.Scene, "synch_vortices", SynchVortices),
+    (bpy.types.Object, "synch_vortices", SynchVortexLook),
+)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The operators of the commands, and those that read and write field files."""
+"""All operators but those of the lists in panels."""
 
 import bpy
 
@@ -23,34 +23,25 @@ from . import (
     variations,
 )
 
-_CLASSES = (
-    directions.SYNCH_OT_directions,
-    stripes.SYNCH_OT_stripes,
-    quads.SYNCH_OT_quads,
-    quads.SYNCH_OT_quad_mesh,
-    field_operator.SYNCH_OT_cancel,
-    *variations.CLASSES,
-    *favourites.CLASSES,
-    *defects.CLASSES,
-    *clebsch.CLASSES,
-    *isolines.CLASSES,
-    *presets.CLASSES,
-    bake.SYNCH_OT_bake,
-    refine.SYNCH_OT_refine,
-    samples.SYNCH_OT_add_sample,
-    layers.SYNCH_OT_layers,
-    animate.SYNCH_OT_animate,
-    *layer_files.CLASSES,
+register, unregister = bpy.utils.register_classes_factory(
+    (
+        directions.SYNCH_OT_directions,
+        stripes.SYNCH_OT_stripes,
+        quads.SYNCH_OT_quads,
+        quads.SYNCH_OT_quad_mesh,
+        field_operator.SYNCH_OT_cancel,
+        *variations.CLASSES,
+        *favourites.CLASSES,
+        *defects.CLASSES,
+        *clebsch.CLASSES,
+        *isolines.CLASSES,
+        *presets.CLASSES,
+        bake.SYNCH_OT_bake,
+        refine.SYNCH_OT_refine,
+        samples.SYNCH_OT_add_sample,
+        layers.SYNCH_OT_layers,
+        animate.SYNCH_OT_animate,
+        *layer_files.CLASSES,
+        *field_io.CLASSES,
+    )
 )
-
-
-def register():
-    for operator in _CLASSES:
-        bpy.utils.register_class(operator)
-    field_io.register()
-
-
-def unregister():
-    field_io.unregister()
-    for operator in reversed(_CLASSES):
-        bpy.utils.unregister_class(operator)

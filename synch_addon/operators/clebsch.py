@@ -3,7 +3,6 @@
 
 import bpy
 
-from ...core.errors import SynchError
 from .. import jobs, memory
 from ..clebsch import ClebschSettings, job_for
 from ..flow_choice import flow_of
@@ -12,6 +11,7 @@ from ..vortex_choice import choose_point
 from ..vortex_panel import draw_vortices
 from ..vortex_settings import PROPERTY_NAMES, VortexProperties, plain
 from .field_operator import BackgroundOperator
+from .ready import PromptOperator
 
 
 class SYNCH_OT_clebsch(BackgroundOperator, VortexProperties, bpy.types.Operator):
@@ -60,7 +60,7 @@ def _found(report):
     return ", ".join(counted(*count) for count in counts)
 
 
-class SYNCH_OT_best_vortices(bpy.types.Operator):
+class SYNCH_OT_best_vortices(PromptOperator, bpy.types.Operator):
     """Show the filaments of least energy again, and the tubes seen from the north"""
 
     bl_idname = "synch.best_vortices"
@@ -71,14 +71,9 @@ class SYNCH_OT_best_vortices(bpy.types.Operator):
     def poll(cls, context):
         return memory.flows.holds(context.active_object)
 
-    def execute(self, context):
-        try:
-            report = choose_point(context.active_object)
-        except SynchError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        self.report({"INFO"}, f"energy {report['energy']:.4g}, {_found(report)}")
-        return {"FINISHED"}
+    def make(self, context):
+        report = choose_point(context.active_object)
+        return f"energy {report['energy']:.4g}, {_found(report)}"
 
 
 CLASSES = (SYNCH_OT_clebsch, SYNCH_OT_best_vortices)

@@ -11,7 +11,7 @@ from ...core.errors import SynchError
 from .. import memory, scene_io
 from ..defect_empties import defect_empties
 from ..translations import said
-from .ready import ReadyOperator
+from .ready import PromptOperator, ReadyOperator
 
 # Distance from which a defect is looked at, in sizes of its empty.
 _VIEWED = 30
@@ -39,38 +39,32 @@ class _DefectOperator(ReadyOperator):
         return None
 
 
-class SYNCH_OT_select_defects(_DefectOperator, bpy.types.Operator):
+class SYNCH_OT_select_defects(_DefectOperator, PromptOperator, bpy.types.Operator):
     """Select the faces that hold a defect, in edit mode"""
 
     bl_idname = "synch.select_defects"
     bl_label = "Select Defect Faces"
     bl_options = {"REGISTER", "UNDO"}
 
-    def execute(self, context):
+    def make(self, context):
         obj = context.active_object
         faces = sorted({empty["synch_face"] for empty in defect_empties(obj)})
-        try:
-            with scene_io.object_mode(obj):
-                scene_io.select_faces(obj, faces)
-        except SynchError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        with scene_io.object_mode(obj):
+            scene_io.select_faces(obj, faces)
         bpy.ops.object.mode_set(mode="EDIT")
-        self.report({"INFO"}, f"{len(faces)} faces selected")
-        return {"FINISHED"}
+        return f"{len(faces)} faces selected"
 
 
-class SYNCH_OT_next_defect(_DefectOperator, bpy.types.Operator):
+class SYNCH_OT_next_defect(_DefectOperator, PromptOperator, bpy.types.Operator):
     """Turn the view to the next defect and look at it from close by"""
 
     bl_idname = "synch.next_defect"
     bl_label = "Frame Next Defect"
 
-    def execute(self, context):
+    def make(self, context):
         view = getattr(context.space_data, "region_3d", None)
         if view is None:
-            self.report({"ERROR"}, "there is no 3D view to turn: run this in one")
-            return {"CANCELLED"}
+            raise SynchError("there is no 3D view to turn: run this in one")
         obj = context.active_object
         empties = sorted(defect_empties(obj), key=lambda empty: empty.name)
         # The one after the defect that the view is at.
@@ -82,8 +76,7 @@ class SYNCH_OT_next_defect(_DefectOperator, bpy.types.Operator):
         view.view_location = place.translation
         view.view_rotation = place.to_quaternion()  # an empty's Z is the normal of its face
         view.view_distance = _VIEWED * empty.empty_display_size * max(place.to_scale())
-        self.report({"INFO"}, empty.name)
-        return {"FINISHED"}
+        return empty.name
 
 
 class SYNCH_OT_copy_report(ReadyOperator, bpy.types.Operator):

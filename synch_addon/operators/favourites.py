@@ -4,14 +4,13 @@
 import bpy
 from bpy.props import StringProperty
 
-from ...core.errors import SynchError
 from .. import favourites
 from ..bake_index import pattern_kind
 from ..translations import said
-from .ready import ReadyOperator
+from .ready import PromptOperator, ReadyOperator
 
 
-class _FavouriteOperator(ReadyOperator):
+class _FavouriteOperator(ReadyOperator, PromptOperator):
     """Mixed into operators on the favourite of a name."""
 
     bl_options = {"REGISTER", "UNDO"}
@@ -22,14 +21,6 @@ class _FavouriteOperator(ReadyOperator):
     def lacking(cls, obj):
         """Why there is nothing to be done with an object's favourites, or None."""
         return None if obj.synch.favourites else said("{name} has no favourites: keep a variation first", name=obj.name)
-
-    def execute(self, context):
-        try:
-            self.report({"INFO"}, self.done(context.active_object))
-        except SynchError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
 
 
 class SYNCH_OT_keep_favourite(_FavouriteOperator, bpy.types.Operator):
@@ -45,8 +36,8 @@ the file was saved and opened"""
             return said("{name} shows no pattern: solve stripes or quads on it first", name=obj.name)
         return None
 
-    def done(self, obj):
-        self.name = favourites.keep(obj, self.name)
+    def make(self, context):
+        self.name = favourites.keep(context.active_object, self.name)
         return f"{self.name} is kept"
 
 
@@ -56,8 +47,8 @@ class SYNCH_OT_show_favourite(_FavouriteOperator, bpy.types.Operator):
     bl_idname = "synch.show_favourite"
     bl_label = "Show Favourite"
 
-    def done(self, obj):
-        result = favourites.show(obj, self.name)
+    def make(self, context):
+        result = favourites.show(context.active_object, self.name)
         return f"{self.name}: energy {result['energy']:.4g}, {result['dislocations']} dislocations"
 
 
@@ -67,8 +58,8 @@ class SYNCH_OT_remove_favourite(_FavouriteOperator, bpy.types.Operator):
     bl_idname = "synch.remove_favourite"
     bl_label = "Remove Favourite"
 
-    def done(self, obj):
-        favourites.remove(obj, self.name)
+    def make(self, context):
+        favourites.remove(context.active_object, self.name)
         return f"{self.name} is removed"
 
 

@@ -5,27 +5,18 @@ import bpy
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from ...core.errors import SynchError
 from .. import api
 from ..field_io import DIRECTIONS, SUFFIXES
 from ..settings import SYMMETRY
-from .ready import ReadyOperator
+from .ready import PromptOperator, ReadyOperator
 
 _PATTERN = ";".join("*" + suffix for suffix in SUFFIXES)
 
 
-class _FieldFileOperator(ReadyOperator):
+class _FieldFileOperator(ReadyOperator, PromptOperator):
     """Mixed into operators that read or write a field file of the active object."""
 
     filter_glob: StringProperty(default=_PATTERN, options={"HIDDEN"})
-
-    def execute(self, context):
-        try:
-            self.report({"INFO"}, self.transfer(context.active_object))
-        except SynchError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
 
 
 class SYNCH_OT_import_field(_FieldFileOperator, ImportHelper, bpy.types.Operator):
@@ -35,7 +26,8 @@ class SYNCH_OT_import_field(_FieldFileOperator, ImportHelper, bpy.types.Operator
     bl_label = "Import Direction Field"
     bl_options = {"REGISTER", "UNDO"}
 
-    def transfer(self, obj):
+    def make(self, context):
+        obj = context.active_object
         obj.synch.symmetry = api.import_field(obj, self.filepath).upper()
         obj.synch.guidance, obj.synch.guide.vectors = "ATTRIBUTE", DIRECTIONS
         return f"{DIRECTIONS} of {obj.name} is read from {self.filepath}"
@@ -58,28 +50,9 @@ class SYNCH_OT_export_field(_FieldFileOperator, ExportHelper, bpy.types.Operator
         """Keep the suffix .rosy, which the helper would replace."""
         return not self.filepath.lower().endswith(SUFFIXES) and super().check(context)
 
-    def transfer(self, obj):
-        api.export_field(obj, self.filepath, self.symmetry.lower())
+    def make(self, context):
+        api.export_field(context.active_object, self.filepath, self.symmetry.lower())
         return f"wrote {self.filepath}"
 
 
-def _draw_import(menu, context):
-    menu.layout.operator(SYNCH_OT_import_field.bl_idname, text="Direction Field (.rawfield, .rosy)")
-
-
-def _draw_export(menu, context):
-    menu.layout.operator(SYNCH_OT_export_field.bl_idname, text="Direction Field (.rawfield, .rosy)")
-
-
-def register():
-    bpy.utils.register_class(SYNCH_OT_import_field)
-    bpy.utils.register_class(SYNCH_OT_export_field)
-    bpy.types.TOPBAR_MT_file_import.append(_draw_import)
-    bpy.types.TOPBAR_MT_file_export.append(_draw_export)
-
-
-def unregister():
-    bpy.types.TOPBAR_MT_file_export.remove(_draw_export)
-    bpy.types.TOPBAR_MT_file_import.remove(_draw_import)
-    bpy.utils.unregister_class(SYNCH_OT_export_field)
-    bpy.utils.unregister_class(SYNCH_OT_import_field)
+CLASSES = (SYNCH_OT_import_field, SYNCH_OT_export_field)

@@ -4,16 +4,15 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
-from ...core.errors import SynchError
 from .. import api
 from ..isolines import LineSettings
 from ..report import counted
-from .ready import PatternOperator
+from .ready import PatternOperator, PromptOperator
 
 _DEFAULT = LineSettings()
 
 
-class SYNCH_OT_isolines(PatternOperator, bpy.types.Operator):
+class SYNCH_OT_isolines(PatternOperator, PromptOperator, bpy.types.Operator):
     """Make a curve object of the lines of the pattern: stripes by their middles or edges, quads by their grid"""
 
     bl_idname = "synch.isolines"
@@ -60,18 +59,13 @@ class SYNCH_OT_isolines(PatternOperator, bpy.types.Operator):
         default=_DEFAULT.spline.upper(),
     )
 
-    def execute(self, context):
+    def make(self, context):
         settings = {name: getattr(self, name) for name in ("width", "distance", "smoothing", "radius")}
-        try:
-            report = api.isolines(context.active_object, spline=self.spline.lower(), **settings)
-        except SynchError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        self.report({"INFO"}, f"{report['object']}: {counted(report['lines'], 'line')}")
-        return {"FINISHED"}
+        report = api.isolines(context.active_object, spline=self.spline.lower(), **settings)
+        return f"{report['object']}: {counted(report['lines'], 'line')}"
 
 
-class SYNCH_OT_relief(PatternOperator, bpy.types.Operator):
+class SYNCH_OT_relief(PatternOperator, PromptOperator, bpy.types.Operator):
     """Raise the surface by the pattern, with a modifier that subdivides it; its inputs can be changed at any time"""
 
     bl_idname = "synch.relief"
@@ -106,16 +100,11 @@ class SYNCH_OT_relief(PatternOperator, bpy.types.Operator):
     )
     smooth: BoolProperty(name="Smooth", description="Round the surface while it is subdivided")
 
-    def execute(self, context):
+    def make(self, context):
         level = self.level if self.properties.is_property_set("level") else None
-        try:
-            report = api.relief(context.active_object, self.height, self.width, self.profile, level, self.smooth)
-        except SynchError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+        report = api.relief(context.active_object, self.height, self.width, self.profile, level, self.smooth)
         self.level = report["level"]
-        self.report({"INFO"}, f"{report['modifier']}: {report['profile']}, subdivided {report['level']} times")
-        return {"FINISHED"}
+        return f"{report['modifier']}: {report['profile']}, subdivided {report['level']} times"
 
 
 CLASSES = (SYNCH_OT_isolines, SYNCH_OT_relief)

@@ -5,11 +5,11 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
-from ...core.errors import SynchError
 from .. import api, memory
 from ..layer_files import FILLS
 from ..layer_links import solid_of
 from ..report import counted
+from .ready import PromptOperator
 
 _FILL = EnumProperty(
     name="Fill",
@@ -26,8 +26,8 @@ _STEP = FloatProperty(
 )
 
 
-class _LayerOperator:
-    """Mixed into operators that need layers that were solved; what they do is in ``make``."""
+class _LayerOperator(PromptOperator):
+    """Mixed into operators that need layers that were solved."""
 
     @classmethod
     def poll(cls, context):
@@ -38,14 +38,6 @@ class _LayerOperator:
             reason = f"no layers of {name} are in memory ({memory.KEPT_SOLIDS}): solve them first"
             cls.poll_message_set(reason)
         return reason is None
-
-    def execute(self, context):
-        try:
-            self.report({"INFO"}, self.make(context.active_object))
-        except SynchError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
 
 
 class SYNCH_OT_layer_export(_LayerOperator, ExportHelper, bpy.types.Operator):
@@ -62,8 +54,8 @@ class SYNCH_OT_layer_export(_LayerOperator, ExportHelper, bpy.types.Operator):
         """Keep the suffixes .ply and .obj, which the helper would replace."""
         return not self.filepath.lower().endswith((".ply", ".obj")) and super().check(context)
 
-    def make(self, obj):
-        report = api.layer_export(obj, self.filepath, self.together)
+    def make(self, context):
+        report = api.layer_export(context.active_object, self.filepath, self.together)
         for line in report["warnings"]:
             self.report({"WARNING"}, line)
         files = report["files"]
@@ -80,8 +72,8 @@ class SYNCH_OT_layer_toolpaths(_LayerOperator, bpy.types.Operator):
     fill: _FILL
     step: _STEP
 
-    def make(self, obj):
-        return _told(api.layer_toolpaths(obj, self.step or None, self.fill))
+    def make(self, context):
+        return _told(api.layer_toolpaths(context.active_object, self.step or None, self.fill))
 
 
 class SYNCH_OT_layer_path_export(_LayerOperator, ExportHelper, bpy.types.Operator):
@@ -100,8 +92,8 @@ class SYNCH_OT_layer_path_export(_LayerOperator, ExportHelper, bpy.types.Operato
         """Keep the suffix .obj, which the helper would replace."""
         return not self.filepath.lower().endswith(".obj") and super().check(context)
 
-    def make(self, obj):
-        return _told(api.layer_toolpaths(obj, self.step or None, self.fill, self.filepath))
+    def make(self, context):
+        return _told(api.layer_toolpaths(context.active_object, self.step or None, self.fill, self.filepath))
 
 
 class SYNCH_OT_layer_volume(_LayerOperator, ExportHelper, bpy.types.Operator):
@@ -117,8 +109,8 @@ class SYNCH_OT_layer_volume(_LayerOperator, ExportHelper, bpy.types.Operator):
         name="Resolution", description="Voxels along the longest side", default=128, min=2, soft_max=512
     )
 
-    def make(self, obj):
-        report = api.layer_volume(obj, self.filepath, self.resolution)
+    def make(self, context):
+        report = api.layer_volume(context.active_object, self.filepath, self.resolution)
         return f"{report['volume_object']}: {counted(report['voxels'], 'voxel')}"
 
 

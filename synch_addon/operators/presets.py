@@ -4,7 +4,6 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
-from ...core.errors import SynchError
 from .. import api, assets, presets
 from ..bake_index import pattern_kind
 from ..preset_panel import PRESET
@@ -12,7 +11,7 @@ from ..report import counted
 from ..settings import SettingProperties
 from ..translations import said
 from .field_operator import FieldOperator
-from .ready import ReadyOperator
+from .ready import PromptOperator, ReadyOperator
 
 
 class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
@@ -89,7 +88,7 @@ class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
         column.prop(self, "solve")
 
 
-class SYNCH_OT_number_stripes(ReadyOperator, bpy.types.Operator):
+class SYNCH_OT_number_stripes(ReadyOperator, PromptOperator, bpy.types.Operator):
     """Give each stripe of the last solve a number, and its points a place along it, for materials and relief"""
 
     bl_idname = "synch.number_stripes"
@@ -102,31 +101,20 @@ class SYNCH_OT_number_stripes(ReadyOperator, bpy.types.Operator):
             return said("{name} has no stripes: solve them first", name=obj.name)
         return None
 
-    def execute(self, context):
-        try:
-            count = api.number_stripes(context.active_object)
-        except SynchError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        self.report({"INFO"}, counted(count, "stripe"))
-        return {"FINISHED"}
+    def make(self, context):
+        return counted(api.number_stripes(context.active_object), "stripe")
 
 
-class SYNCH_OT_asset_library(bpy.types.Operator):
+class SYNCH_OT_asset_library(PromptOperator, bpy.types.Operator):
     """List the library of presets and node groups that comes with the extension in the preferences"""
 
     bl_idname = "synch.asset_library"
     bl_label = "Add Asset Library"
     bl_options = {"REGISTER"}
 
-    def execute(self, context):
-        try:
-            library = assets.register_library(context.preferences)
-        except SynchError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        self.report({"INFO"}, f"asset library {library.name}: choose it in the asset browser")
-        return {"FINISHED"}
+    def make(self, context):
+        library = assets.register_library(context.preferences)
+        return f"asset library {library.name}: choose it in the asset browser"
 
 
 CLASSES = (SYNCH_OT_preset, SYNCH_OT_number_stripes, SYNCH_OT_asset_library)

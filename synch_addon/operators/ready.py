@@ -1,10 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""When operators on the active object can run: what is missing greys them out, and is said in one line."""
+"""When operators on the active object can run, and how those that are done at once say what they did, or what is
+missing: in one line, which greys them out where it is known beforehand."""
 
+from ...core.errors import SynchError
 from .. import jobs
 from ..bake_index import pattern_kind
 from ..scene_io import refusal
 from ..translations import said
+
+
+class PromptOperator:
+    """Mixed into operators that are done at once: ``make`` returns the line that says what it did."""
+
+    def execute(self, context):
+        try:
+            line = self.make(context)
+        except SynchError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, line)
+        return {"FINISHED"}
 
 
 class ReadyOperator:

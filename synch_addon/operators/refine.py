@@ -4,13 +4,12 @@
 import bpy
 from bpy.props import IntProperty
 
-from ...core.errors import SynchError
 from .. import api, refine
 from ..translations import said
-from .ready import ReadyOperator
+from .ready import PromptOperator, ReadyOperator
 
 
-class SYNCH_OT_refine(ReadyOperator, bpy.types.Operator):
+class SYNCH_OT_refine(ReadyOperator, PromptOperator, bpy.types.Operator):
     """Subdivide the mesh without changing its shape, so that it carries the spacing. UV maps, groups and attributes \
 go over; a pattern on it has to be solved again"""
 
@@ -32,13 +31,8 @@ go over; a pattern on it has to be solved again"""
             return said("{name} has shape keys, which subdivision would lose: apply them first", name=obj.name)
         return None
 
-    def execute(self, context):
-        try:
-            levels = self.levels if self.properties.is_property_set("levels") else None
-            report = api.refine(context.active_object, levels)
-        except SynchError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+    def make(self, context):
+        levels = self.levels if self.properties.is_property_set("levels") else None
+        report = api.refine(context.active_object, levels)
         self.levels = report["levels"]
-        self.report({"INFO"}, f"{report['object']} has {report['faces']:,} faces, before {report['faces_before']:,}")
-        return {"FINISHED"}
+        return f"{report['object']} has {report['faces']:,} faces, before {report['faces_before']:,}"

@@ -14,7 +14,7 @@ from ..settings import Settings
 from ..stripe_numbers import numbers_later, renew_shown
 from ..translations import said
 from .field_operator import navigates, over_sidebar
-from .ready import ReadyOperator
+from .ready import PromptOperator, ReadyOperator
 
 # Numbers that the dice draw: from here on every one is another random projection.
 _DRAWN = (100, 1_000_000)
@@ -33,16 +33,6 @@ class _SolvedOperator(ReadyOperator):
         text = "{name} has no solve in memory (kept for the last {count} objects): solve it first"
         return said(text, name=obj.name, count=memory.MOST)
 
-    def _show(self, show, *arguments):
-        """Call the API; an error becomes one line."""
-        try:
-            report = show(*arguments)
-        except SynchError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        self.report({"INFO"}, f"energy {report['energy']:.4g}, {len(report['dislocations'])} dislocations")
-        return {"FINISHED"}
-
 
 class _VaryingOperator(_SolvedOperator):
     """Mixed into operators that need a lifted field."""
@@ -55,7 +45,7 @@ class _VaryingOperator(_SolvedOperator):
         return reason
 
 
-class SYNCH_OT_variation(_VaryingOperator, bpy.types.Operator):
+class SYNCH_OT_variation(_VaryingOperator, PromptOperator, bpy.types.Operator):
     """Show another near-optimal configuration of defects, from the last solve"""
 
     bl_idname = "synch.variation"
@@ -67,11 +57,11 @@ class SYNCH_OT_variation(_VaryingOperator, bpy.types.Operator):
         min=0,
     )
 
-    def execute(self, context):
-        return self._show(api.vary, context.active_object, self.number)
+    def make(self, context):
+        return _found(api.vary(context.active_object, self.number))
 
 
-class SYNCH_OT_trace_quads(_SolvedOperator, bpy.types.Operator):
+class SYNCH_OT_trace_quads(_SolvedOperator, PromptOperator, bpy.types.Operator):
     """Make a new mesh of the quads that the object shows, without solving again, and hide the object"""
 
     bl_idname = "synch.trace_quads"
@@ -88,18 +78,18 @@ class SYNCH_OT_trace_quads(_SolvedOperator, bpy.types.Operator):
         self.smoothing = context.active_object.synch.smoothing
         return self.execute(context)
 
-    def execute(self, context):
-        return self._show(api.trace_quads, context.active_object, self.smoothing)
+    def make(self, context):
+        return _found(api.trace_quads(context.active_object, self.smoothing))
 
 
-class SYNCH_OT_draw_variation(_VaryingOperator, bpy.types.Operator):
+class SYNCH_OT_draw_variation(_VaryingOperator, PromptOperator, bpy.types.Operator):
     """Show a configuration of defects that is drawn at random, from the last solve"""
 
     bl_idname = "synch.draw_variation"
     bl_label = "Draw Variation"
 
-    def execute(self, context):
-        return self._show(api.vary, context.active_object, random.randrange(*_DRAWN))
+    def make(self, context):
+        return _found(api.vary(context.active_object, random.randrange(*_DRAWN)))
 
 
 class SYNCH_OT_place_defect(_VaryingOperator, bpy.types.Operator):
@@ -177,11 +167,19 @@ class SYNCH_OT_place_defect(_VaryingOperator, bpy.types.Operator):
         if vertex is None or vertex in self._vertices:
             return vertex is not None
         vertices = [*others, vertex]
-        with numbers_later():
-            placed = self._show(api.place_defects, obj, vertices) == {"FINISHED"}
-        if placed:
-            self._vertices = vertices
-        return placed
+        try:
+            with numbers_later():
+                report = api.place_defects(obj, vertices)
+        except SynchError as error:
+            self.report({"ERROR"}, str(error))
+            return False
+        self.report({"INFO"}, _found(report))
+        self._vertices = vertices
+        return True
+
+
+def _found(report):
+    return f"energy {report['energy']:.4g}, {len(report['dislocations'])} dislocations"
 
 
 def _ray(context, event, obj):
