@@ -22,7 +22,7 @@ from ..core.interpolate import EdgePhases, face_phases
 from . import frame_nodes, memory, scene_io, stripe_numbers, write
 from .defect_empties import write_defects
 from .jobs import portion
-from .keywords import from_names
+from .keywords import check_choice, from_names
 from .materials import pattern_material
 from .picking import hidden
 from .report import Report
@@ -56,8 +56,7 @@ class Span:
     def __post_init__(self):
         if not (isinstance(self.first, int) and isinstance(self.last, int) and self.first <= self.last):
             raise SettingError(f"the frames are {self.first!r} to {self.last!r}: give the first and the last, in order")
-        if self.pattern not in frame_nodes.NAMES:
-            raise SettingError(f"the pattern {self.pattern!r} is unknown: use one of {', '.join(frame_nodes.NAMES)}")
+        check_choice(self, "pattern", frame_nodes.NAMES)
         if not isinstance(self.hold, int | float) or not (math.isfinite(self.hold) and self.hold >= 0):
             raise SettingError(f"the hold is {self.hold!r}: give a number from 0 on, such as {HOLD}")
 

@@ -9,6 +9,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
 from ..core.errors import SettingError
+from .keywords import check_choice
 
 SIZES = (16, 16384)
 _MOST_SAMPLES = 4096
@@ -81,8 +82,7 @@ class BakeSettings:
             value = getattr(self, name)
             if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
                 raise SettingError(f"the {name} is {value!r}: give a whole number from {low} to {high}")
-        if self.file_format not in SUFFIXES:
-            raise SettingError(f"the file format {self.file_format!r} is unknown: use one of {', '.join(SUFFIXES)}")
+        check_choice(self, "file_format", SUFFIXES)
         if self.material and not {"colour", "normal", "height"} & set(self.maps):
             raise SettingError("a material shows colour, normal or height: add one of them to the maps")
         if self.displacement and not (self.material and "height" in self.maps):

@@ -10,12 +10,12 @@ from pathlib import Path
 
 from ..core.errors import SettingError
 from ..core.fields.clebsch import clebsch_map, quantum_for, spherical_map
-from ..core.solve import METHODS, Options
 from ..core.solve.monitor import Monitor
 from .flows import CORE, VELOCITY, check_resolution, check_size, flow_source, objects_of
 from .jobs import portion
-from .keywords import from_names
+from .keywords import check_choice, check_positive, check_whole, from_names
 from .render import whole_or_nothing
+from .shared_settings import SolverSettings
 from .surface_flows import surface_flow
 from .surface_vortices import SurfaceJob
 from .vortex_choice import remember
@@ -29,8 +29,8 @@ _CORE_OF_TUBES = 2.0
 
 
 @dataclass(frozen=True)
-class ClebschSettings:
-    """Settings of the operator, the command line and the API alike.
+class ClebschSettings(SolverSettings):
+    """Settings of the operator, the command line and the API alike, besides those of the solver.
 
     Attributes
     ----------
@@ -47,7 +47,6 @@ class ClebschSettings:
     opening : degrees around the antipode that are inside a tube
     smoothing : how often points of filaments, and vertices of tubes, move to the middle of their neighbours
     frames : first and last frame of a sequence, None for what the source is now
-    method, seed, target_gap, time_limit : as for fields
     """
 
     show: str = "filaments"
@@ -60,22 +59,12 @@ class ClebschSettings:
     opening: float = 60.0
     smoothing: int = 5
     frames: tuple[int, int] | None = None
-    method: str = "sdp"
-    seed: int = 0
-    target_gap: float = 1e-2
-    time_limit: float | None = None
 
     def __post_init__(self):
-        for name, choices in (("show", SHOWN), ("method", METHODS)):
-            if getattr(self, name) not in choices:
-                raise SettingError(f"{name} {getattr(self, name)!r} is unknown: use one of {', '.join(choices)}")
-        optional = [name for name in ("quantum", "core") if getattr(self, name) is not None]
-        for name in ("count", "opening", *optional):
-            value = getattr(self, name)
-            if not (isinstance(value, Real) and math.isfinite(value) and value > 0):
-                raise SettingError(f"the {name} is {value!r}: give a positive number")
-        if not isinstance(self.smoothing, Integral) or self.smoothing < 0:
-            raise SettingError(f"the smoothing is {self.smoothing!r}: give a whole number from 0 on")
+        super().__post_init__()
+        check_choice(self, "show", SHOWN)
+        check_positive(self, "count", "opening", optional=("quantum", "core"))
+        check_whole(self, "smoothing")
         if self.frames is not None:
             if not _are(Integral, 2, self.frames):
                 raise SettingError(f"the frames are {self.frames!r}: give the first and the last one, whole numbers")
@@ -90,10 +79,6 @@ class ClebschSettings:
             object.__setattr__(self, "point", tuple(map(float, self.point)))
         if (self.show != "filaments" or self.point is not None) and self.method != "sdp":
             raise SettingError("tubes and points of the sphere come from the relaxation: use the method sdp")
-
-    @property
-    def options(self):
-        return Options(method=self.method, seed=self.seed, target_gap=self.target_gap, time_limit=self.time_limit)
 
 
 def _are(kind, count, values):

@@ -5,10 +5,12 @@ import bpy
 
 from . import files
 from .animation import HOLD, run_animate
+from .cli_flags import Made, add_input, add_outputs, saved
+from .cli_settings import add_settings, settings_of
 from .report import counted
 
 
-def add_parser(commands, add_input, add_settings):
+def add_parser(commands):
     """Add the command to the parser's."""
     command = commands.add_parser(
         "animate",
@@ -26,22 +28,18 @@ def add_parser(commands, add_input, add_settings):
         help="how strongly the pattern holds on to the frame before (%(default)s)",
     )
     add_settings(command, "animate")
-    command.add_argument("--output", metavar="FILE.blend", help="save the scene with the result")
-    command.add_argument("--report", metavar="FILE.json", help="write energies, defects and changes of each frame")
-    command.add_argument("--quiet", action="store_true", help="no progress on stderr")
+    add_outputs(command, "energies, defects and changes of each frame")
 
 
-def run(options, open_object, settings, progress):
-    """Run the command; the report and the lines to print."""
+def run(options, open_object, progress):
+    """Run the command."""
+    settings = settings_of(options)
     files.check_outputs(options.output, report=options.report)
     obj = open_object()
     scene = bpy.context.scene
     frames = options.frames or (scene.frame_start, scene.frame_end)
     report = run_animate(obj, settings, frames, options.pattern, options.hold, progress)
-    written = [files.save_blend(options.output)] if options.output else []
-    written += [options.report] if options.report else []
-    warnings = [f"warning: {line}" for line in report["warnings"]]
-    return report, [*summary(report), *warnings, *(f"wrote {path}" for path in written)]
+    return Made(report, summary(report), saved(options))
 
 
 def summary(report):

@@ -4,11 +4,12 @@
 from ..core.errors import SettingError
 from . import api, files
 from .bake_settings import MAPS, SIZES, SUFFIXES, BakeSettings
+from .cli_flags import Made, add_input, add_outputs, saved
 
 _DEFAULT = BakeSettings()
 
 
-def add_parser(commands, add_input):
+def add_parser(commands):
     """Add the command to the parser's."""
     command = commands.add_parser(
         "bake", help="the pattern of an object as images", description="Bake solved stripes or quads into images."
@@ -33,13 +34,11 @@ def add_parser(commands, add_input):
     command.add_argument("--unwrap", action="store_true", help="make the UV map by Smart UV Project if it is missing")
     command.add_argument("--material", action="store_true", help="show the images in place of the pattern")
     command.add_argument("--displacement", action="store_true", help="the material displaces by the height, too")
-    command.add_argument("--output", metavar="FILE.blend", help="save the scene with the result")
-    command.add_argument("--report", metavar="FILE.json", help="write files, sizes and times")
-    command.add_argument("--quiet", action="store_true", help="no progress on stderr")
+    add_outputs(command, "files, sizes and times")
 
 
 def run(options, open_object, progress):
-    """Run the command; the report and the lines to print."""
+    """Run the command."""
     settings = BakeSettings(
         maps=options.maps,
         size=options.size,
@@ -60,8 +59,5 @@ def run(options, open_object, progress):
     lines = [f"baked {report['pattern']} of {report['object']}: {report['size']} pixels, {report['seconds']:.1f} s"]
     for name, entry in report["maps"].items():
         lines.append(f"{name}: {entry['bytes'] / 2**20:.2f} MB, {entry['seconds']:.1f} s")
-    lines += [f"warning: {line}" for line in report["warnings"]]
-    written = [entry["file"] for entry in report["maps"].values() if "file" in entry]
-    if options.output:
-        written.append(files.save_blend(options.output))
-    return report, lines + [f"wrote {path}" for path in written + ([options.report] if options.report else [])]
+    images = [entry["file"] for entry in report["maps"].values() if "file" in entry]
+    return Made(report, lines, images + saved(options))

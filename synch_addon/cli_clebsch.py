@@ -4,9 +4,9 @@
 import bpy
 
 from ..core.errors import SettingError
-from ..core.solve import METHODS
 from . import files
 from .clebsch import SHOWN, ClebschSettings, clebsch
+from .cli_flags import Made, add_outputs, add_solver, saved
 from .vortex_nodes import is_of_filaments
 from .vortex_report import summary
 
@@ -59,13 +59,8 @@ def add_parser(commands):
         metavar=("FIRST", "LAST"),
         help="a range of a sequence: files with # for each digit of the number, smoke_####.vdb, or a volume's",
     )
-    command.add_argument("--method", choices=METHODS, default=default.method)
-    command.add_argument("--seed", type=int, default=default.seed)
-    command.add_argument("--target-gap", type=float, default=default.target_gap, metavar="X")
-    command.add_argument("--time-limit", type=float, metavar="SECONDS")
-    command.add_argument("--output", metavar="FILE.blend", help="save the scene with the result")
-    command.add_argument("--report", metavar="FILE.json", help="write energies, bounds, filaments and times")
-    command.add_argument("--quiet", action="store_true", help="no progress on stderr")
+    add_solver(command)
+    add_outputs(command, "energies, bounds, filaments and times")
 
 
 def _only(attribute):
@@ -90,11 +85,10 @@ def _only(attribute):
     raise SettingError(f"{reason}: name an object with --object, and a mesh's velocity with --attribute")
 
 
-def run(options, progress):
-    """Run the command; the report and the lines to print."""
+def run(options, _open_object, progress):
+    """Run the command."""
     files.check_outputs(options.output, report=options.report)
-    names = [name for name in ClebschSettings.__annotations__ if hasattr(options, name)]
-    settings = {name: getattr(options, name) for name in names}
+    settings = {name: getattr(options, name) for name in ClebschSettings.__dataclass_fields__}
     source = options.input
     if str(options.input).lower().endswith(".blend"):
         files.open_input(options.input)
@@ -104,7 +98,4 @@ def run(options, progress):
         bpy.ops.wm.read_homefile(use_empty=True)
     settings["frames"] = tuple(options.frames) if options.frames else None
     report = clebsch(source, progress, **settings)
-    written = [files.save_blend(options.output)] if options.output else []
-    written += [options.report] if options.report else []
-    warnings = [f"warning: {line}" for line in report["warnings"]]
-    return report, summary(report) + warnings + [f"wrote {path}" for path in written]
+    return Made(report, summary(report), saved(options))

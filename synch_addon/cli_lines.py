@@ -7,13 +7,15 @@ import bpy
 
 from ..core.errors import SettingError
 from . import api, files
+from .cli_flags import Made, add_input, add_outputs, saved
+from .cli_settings import add_settings, settings_of
 from .isolines import SPLINES, LineSettings, summary_line
 from .report import summary
 
 _DEFAULT = LineSettings()
 
 
-def add_parser(commands, add_input, add_settings, add_view):
+def add_parser(commands):
     """Add the command to the parser's."""
     command = commands.add_parser(
         "isolines",
@@ -53,17 +55,12 @@ def add_parser(commands, add_input, add_settings, add_view):
         help="of tubes around the lines, in spacings; 0: none (%(default)s)",
     )
     command.add_argument("--spline", choices=SPLINES, default=_DEFAULT.spline, help="(%(default)s)")
-    command.add_argument("--output", metavar="FILE.blend", help="save the scene with the result")
-    command.add_argument("--render", metavar="FILE.png", help="render a picture of the tubes")
-    add_view(command)
-    suffixes = ", ".join(files.MESH_SUFFIXES)
-    command.add_argument("--export-mesh", metavar="FILE.stl", help=f"write the tubes as a mesh ({suffixes})")
-    command.add_argument("--report", metavar="FILE.json", help="write energies, bounds, defects, lines and times")
-    command.add_argument("--quiet", action="store_true", help="no progress on stderr")
+    add_outputs(command, "energies, bounds, defects, lines and times", "the tubes", "the tubes as a mesh")
 
 
-def run(options, open_object, settings, progress):
-    """Run the command; the report and the lines to print."""
+def run(options, open_object, progress):
+    """Run the command."""
+    settings = settings_of(options)
     lines = LineSettings(options.width, options.distance, options.line_smoothing, options.radius, options.spline)
     if lines.radius == 0 and (options.render or options.export_mesh):
         raise SettingError("lines without a radius have no faces to show or write: give --radius a part of the spacing")
@@ -78,15 +75,7 @@ def run(options, open_object, settings, progress):
     if options.export_mesh:
         _export(tubes, options.export_mesh)
         written.append(options.export_mesh)
-    if options.output:
-        written.append(files.save_blend(options.output))
-    if options.render:
-        from .render import render_picture
-
-        written.append(render_picture(tubes, options.render, view=options.view, markers=False))
-    written += [options.report] if options.report else []
-    warnings = [f"warning: {line}" for line in report["warnings"]]
-    return report, [*summary(report), summary_line(made), *warnings, *(f"wrote {path}" for path in written)]
+    return Made(report, [*summary(report), summary_line(made)], written + saved(options), tubes, {"markers": False})
 
 
 def _export(tubes, path):

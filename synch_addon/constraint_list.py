@@ -8,6 +8,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty
 
 from .constraints import Constraint, wishes_at
 from .guide_list import suggest_numbers, suggest_vectors
+from .shared_settings import TURN
 from .strokes import SOURCE_TYPES
 
 _PLACES = (
@@ -69,16 +70,12 @@ class SynchConstraint(bpy.types.PropertyGroup):
     angle: FloatProperty(
         name="Angle",
         description="From the line, counterclockwise seen from outside",
-        subtype="ANGLE",
-        soft_min=-math.pi,
-        soft_max=math.pi,
+        **TURN,
     )
     phase: FloatProperty(
         name="Phase",
         description="0° is the middle of a stripe, 180° the middle of a gap; it grows to the left of the line",
-        subtype="ANGLE",
-        soft_min=-math.pi,
-        soft_max=math.pi,
+        **TURN,
     )
     soft: BoolProperty(name="Soft", description="Draw the pattern towards this, instead of holding it exactly")
     weight: FloatProperty(

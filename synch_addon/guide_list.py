@@ -53,6 +53,15 @@ def _suggest_uv_maps(properties, context, text):
     return [layer.name for layer in context.active_object.data.uv_layers]
 
 
+AXIS = EnumProperty(
+    name="Axis",
+    description="Axis of the object",
+    items=[(axis, axis, f"The object's {axis} axis") for axis in AXES],
+    default="Z",
+)
+VECTORS = StringProperty(name="Attribute", description="Vector attribute on the vertices", search=suggest_vectors)
+
+
 class SynchGuide(bpy.types.PropertyGroup):
     """One source of guidance; each kind has a name of its own, so that trying another forgets nothing."""
 
@@ -66,14 +75,9 @@ class SynchGuide(bpy.types.PropertyGroup):
         default=BOUNDARY,
         search=_suggest_origins,
     )
-    axis: EnumProperty(
-        name="Axis",
-        description="Axis of the object",
-        items=[(axis, axis, f"The object's {axis} axis") for axis in AXES],
-        default="Z",
-    )
+    axis: AXIS
     uv_map: StringProperty(name="UV Map", description="Empty for the active UV map", search=_suggest_uv_maps)
-    vectors: StringProperty(name="Attribute", description="Vector attribute on the vertices", search=suggest_vectors)
+    vectors: VECTORS
     path: StringProperty(name="File", description="A .rawfield or .rosy file of this mesh", subtype="FILE_PATH")
     strength: FloatProperty(
         name="Strength",

@@ -12,6 +12,7 @@ from mathutils import Matrix
 from ..core.errors import SettingError
 from ..core.extract.isolines import End
 from ..core.extract.isolines import isolines as traced_lines
+from .keywords import check_choice, check_whole
 from .quad_object import barycentric, nearest, surface_tree
 from .report import counted, versions
 
@@ -53,10 +54,8 @@ class LineSettings:
                 raise SettingError(f"the {name} is {value!r}: give a number from 0 on")
         if self.width > 1:
             raise SettingError(f"the width is {self.width:g}: give a part of a period from 0 (middles) to 1 (of gaps)")
-        if not isinstance(self.smoothing, int) or self.smoothing < 0:
-            raise SettingError(f"the smoothing is {self.smoothing!r}: give a whole number from 0 on")
-        if self.spline not in SPLINES:
-            raise SettingError(f"spline {self.spline!r} is unknown: use one of {', '.join(SPLINES)}")
+        check_whole(self, "smoothing")
+        check_choice(self, "spline", SPLINES)
 
 
 def write(obj, task, pattern, settings):

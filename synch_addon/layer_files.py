@@ -14,6 +14,7 @@ from ..core.errors import SettingError
 from ..core.extract.toolpaths import rim_distances, toolpaths
 from .files import MESH_SUFFIXES, check_output, export_mesh, unwritten
 from .isolines import add_splines
+from .keywords import check_choice
 from .layer_links import SOLID
 from .render import only_for_now
 
@@ -40,8 +41,7 @@ class PathSettings:
     fill: str = "contour"
 
     def __post_init__(self):
-        if self.fill not in FILLS:
-            raise SettingError(f"the fill {self.fill!r} is unknown: use one of {', '.join(FILLS)}")
+        check_choice(self, "fill", FILLS)
         if self.step is not None and not (isinstance(self.step, int | float) and 0 < self.step < math.inf):
             raise SettingError(f"the step between paths is {self.step!r}: give a positive number")
 

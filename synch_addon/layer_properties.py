@@ -7,17 +7,17 @@ from bpy.props import (
     CollectionProperty,
     EnumProperty,
     FloatProperty,
-    IntProperty,
     StringProperty,
 )
 
-from .guidance import AXES, BOUNDARY
-from .guide_list import suggest_numbers, suggest_vectors
+from .guidance import BOUNDARY
+from .guide_list import AXIS, VECTORS
 from .layer_settings import Flush, LayerGuide, LayerSettings, text_of_groups
 from .registration import keeping
+from .shared_settings import METHOD, SEED, SPACING_MAP, SPACING_RANGE, TARGET_GAP
 from .strokes import SOURCE_TYPES
 
-_DEFAULT = LayerSettings()
+_LENGTH = {"subtype": "DISTANCE", "min": 1e-6, "soft_min": 1e-4, "precision": 4}
 _KINDS = (
     ("axis", "Axis", "An axis of the object: flat layers"),
     ("harmonic", "Between Groups", "From one vertex group's faces to another's, along a harmonic function"),
@@ -51,52 +51,20 @@ class LayerProperties:
     spacing: FloatProperty(
         name="Spacing",
         description="Distance from one layer to the next; the object's scale counts",
-        subtype="DISTANCE",
         default=0.1,
-        min=1e-6,
-        soft_min=1e-4,
-        precision=4,
+        **_LENGTH,
     )
-    spacing_map: StringProperty(
-        name="Spacing Map",
-        description="Float attribute, a factor on the spacing, or vertex group, which takes it from 1 to the range",
-        search=suggest_numbers,
-    )
-    spacing_range: FloatProperty(
-        name="Range",
-        description="Factor on the spacing where the vertex group's weight is 1",
-        default=_DEFAULT.spacing_range,
-        min=1e-3,
-        soft_min=0.25,
-        soft_max=4.0,
-    )
+    spacing_map: SPACING_MAP
+    spacing_range: SPACING_RANGE
     size: FloatProperty(
         name="Resolution",
         description="Longest edge of the tetrahedra that fill the object, at most half the spacing",
-        subtype="DISTANCE",
         default=0.05,
-        min=1e-6,
-        soft_min=1e-4,
-        precision=4,
+        **_LENGTH,
     )
-    method: EnumProperty(
-        name="Method",
-        description="How the layers are optimized",
-        items=[
-            ("SDP", "Semidefinite", "Best layers, with a bound on what could still be gained"),
-            ("SPECTRAL", "Spectral", "Fast and rough: one eigenvector"),
-            ("DIFFUSION", "Diffusion", "Repeated smoothing and normalizing, without a useful bound"),
-        ],
-    )
-    seed: IntProperty(name="Seed", description="Another seed gives other layers of about the same quality", min=0)
-    target_gap: FloatProperty(
-        name="Target Gap",
-        description="How closely the relaxation's optimum is bracketed, as a share of its energy",
-        default=_DEFAULT.target_gap,
-        min=1e-6,
-        max=0.5,
-        precision=4,
-    )
+    method: METHOD
+    seed: SEED
+    target_gap: TARGET_GAP
 
 
 PROPERTY_NAMES = tuple(LayerProperties.__annotations__)
@@ -126,12 +94,7 @@ class SynchLayering(LayerProperties, bpy.types.PropertyGroup):
         description="What the layers follow",
         items=[(kind.upper(), label, tip) for kind, label, tip in _KINDS],
     )
-    axis: EnumProperty(
-        name="Axis",
-        description="Axis of the object",
-        items=[(axis, axis, f"The object's {axis} axis") for axis in AXES],
-        default="Z",
-    )
+    axis: AXIS
     low: StringProperty(name="From", description="Vertex group where the layers begin", search=_suggest_groups)
     high: StringProperty(name="To", description="Vertex group where the layers end", search=_suggest_groups)
     origin: StringProperty(
@@ -141,7 +104,7 @@ class SynchLayering(LayerProperties, bpy.types.PropertyGroup):
         search=_suggest_origins,
     )
     curve: StringProperty(name="Curve", description="Curve or Grease Pencil object", search=_suggest_curves)
-    vectors: StringProperty(name="Attribute", description="Vector attribute on the vertices", search=suggest_vectors)
+    vectors: VECTORS
     groups: CollectionProperty(name="Groups", description="What is asked of parts of the surface", type=SynchFlush)
     automatic_spacing: BoolProperty(
         name="Automatic Spacing", description="As many layers as the resolution carries, forty at most", default=True

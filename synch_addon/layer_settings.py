@@ -2,12 +2,12 @@
 """What can be set for layers in a solid: as plain data, and as text for operators and the command line."""
 
 import csv
-import math
 from dataclasses import dataclass
 
 from ..core.errors import SettingError
-from ..core.solve import METHODS, Options
 from .guidance import AXES, BOUNDARY
+from .keywords import check_positive
+from .shared_settings import RANGE, SolverSettings
 
 _GROUP = "a vertex group"
 # What each kind of guide needs names of.
@@ -94,8 +94,8 @@ def text_of_groups(groups):
 
 
 @dataclass(frozen=True)
-class LayerSettings:
-    """Settings of the operator, the command line and the API alike.
+class LayerSettings(SolverSettings):
+    """Settings of the operator, the command line and the API alike, besides those of the solver.
 
     Attributes
     ----------
@@ -105,34 +105,18 @@ class LayerSettings:
     spacing_map : name of a float attribute on the vertices, a factor on the spacing, or of a vertex group; "" for none
     spacing_range : factor on the spacing where the vertex group's weight is 1
     size : of the tetrahedra, their longest edge in scene units; None for an automatic one
-    method : "sdp", "spectral" or "diffusion"
-    seed : of every random choice
-    target_gap : relative gap of the relaxation to prove
-    time_limit : seconds for the solve, None for no limit
     """
 
     guidance: str = "axis:Z"
     groups: str = ""
     spacing: float | None = None
     spacing_map: str = ""
-    spacing_range: float = 2.0
+    spacing_range: float = RANGE
     size: float | None = None
-    method: str = "sdp"
-    seed: int = 0
-    target_gap: float = 1e-2
-    time_limit: float | None = None
 
     def __post_init__(self):
-        if self.method not in METHODS:
-            raise SettingError(f"method {self.method!r} is unknown: use one of {', '.join(METHODS)}")
-        for name in ("spacing", "size", "spacing_range", "target_gap", "time_limit"):
-            value, label = getattr(self, name), name.replace("_", " ")
-            if value is None and name != "spacing_range":
-                continue
-            if not isinstance(value, int | float) or not (math.isfinite(value) and value > 0):
-                raise SettingError(f"the {label} is {value!r}: give a positive number")
-        if not isinstance(self.seed, int) or self.seed < 0:
-            raise SettingError(f"the seed is {self.seed!r}: give a whole number from 0 on")
+        super().__post_init__()
+        check_positive(self, "spacing_range", optional=("spacing", "size"))
         for name in ("guidance", "groups"):
             if not isinstance(getattr(self, name), str):
                 raise SettingError(f"the {name} is {getattr(self, name)!r}: give a text such as {_EXAMPLES[name]}")
@@ -147,11 +131,6 @@ class LayerSettings:
     def flush(self):
         """Tuple of :class:`Flush`."""
         return groups_of_text(self.groups)
-
-    @property
-    def options(self):
-        """Options of the core's solver."""
-        return Options(method=self.method, seed=self.seed, target_gap=self.target_gap, time_limit=self.time_limit)
 
 
 _EXAMPLES = {"guidance": "'axis:Z'", "groups": "'Top=layer'"}

@@ -18,20 +18,21 @@ from bpy.props import (
 
 from ..core.errors import SettingError, SynchError
 from ..core.fields.directions import SYMMETRIES
-from ..core.solve import METHODS, Options
 from .constraint_list import SynchConstraint
 from .constraints import Constraint, from_plain
 from .favourite_list import SynchFavourite
 from .guidance import exact_attribute, parse
 from .guide_list import GUIDE_ITEMS, SynchGuide, suggest_numbers
+from .keywords import check_choice, check_positive, check_whole
 from .registration import keeping
+from .shared_settings import FACTOR, METHOD, RANGE, SEED, SPACING_MAP, SPACING_RANGE, TARGET_GAP, TURN, SolverSettings
 
 BOUNDARIES = ("free", "along", "across", "phase")
 
 
 @dataclass(frozen=True)
-class Settings:
-    """Settings of the operators, the command line and the API alike.
+class Settings(SolverSettings):
+    """Settings of the operators, the command line and the API alike, besides those of the solver.
 
     Attributes
     ----------
@@ -49,10 +50,6 @@ class Settings:
     spacing_range : factor on the spacing where the vertex group's weight is 1
     aspect : of quads, the spacing along the second direction over that along the first, which is the one nearer to X
     smoothing : of quad meshes, how often vertices move to the middle of their neighbours on the surface
-    method : "sdp", "spectral" or "diffusion"
-    seed : of every random choice
-    target_gap : relative gap of the relaxation to prove
-    time_limit : seconds for each solve, None for no limit
     assign_material : show the pattern on all faces, whatever materials they have
     """
 
@@ -66,39 +63,25 @@ class Settings:
     constraints: tuple[Constraint, ...] | None = None
     spacing: float | None = None
     spacing_map: str = ""
-    spacing_range: float = 2.0
+    spacing_range: float = RANGE
     aspect: float = 1.0
     smoothing: int = 3
-    method: str = "sdp"
-    seed: int = 0
-    target_gap: float = 1e-2
-    time_limit: float | None = None
     assign_material: bool = False
 
     def __post_init__(self):
         if self.constraints is not None:
             object.__setattr__(self, "constraints", from_plain(self.constraints))
-        for name, choices in (
-            ("symmetry", tuple(SYMMETRIES)),
-            ("boundary", BOUNDARIES),
-            ("method", METHODS),
-        ):
-            if getattr(self, name) not in choices:
-                raise SettingError(f"{name} {getattr(self, name)!r} is unknown: use one of {', '.join(choices)}")
-        for name in ("angle", "spacing", "spacing_range", "aspect", "target_gap", "time_limit"):
+        super().__post_init__()
+        check_choice(self, "symmetry", SYMMETRIES)
+        check_choice(self, "boundary", BOUNDARIES)
+        for name in ("angle", "spacing"):
             value = getattr(self, name)
             if value is not None and not isinstance(value, int | float):
-                raise SettingError(f"the {name.replace('_', ' ')} is {value!r}: give a number")
-        for name in ("seed", "smoothing"):
-            value = getattr(self, name)
-            if not isinstance(value, int) or value < 0:
-                raise SettingError(f"the {name} is {value!r}: give a whole number from 0 on")
+                raise SettingError(f"the {name} is {value!r}: give a number")
         if not math.isfinite(self.angle):
             raise SettingError(f"the angle is {self.angle}: give a finite one")
-        for name in ("spacing_range", "aspect"):
-            value = getattr(self, name)
-            if value is None or not (math.isfinite(value) and value > 0):
-                raise SettingError(f"the {name.replace('_', ' ')} is {value}: give a positive factor")
+        check_positive(self, "spacing_range", "aspect")
+        check_whole(self, "smoothing")
         if not isinstance(self.mirror, str) or set(self.mirror) - set("XYZ"):
             raise SettingError(f"the mirror is {self.mirror!r}: use axes of X, Y and Z, such as X or XY")
         parse(self.guidance)
@@ -120,11 +103,6 @@ class Settings:
         """Name of the vector attribute whose directions are taken exactly as they are, or None."""
         return exact_attribute(self.sources)
 
-    @property
-    def options(self):
-        """Options of the core's solver."""
-        return Options(method=self.method, seed=self.seed, target_gap=self.target_gap, time_limit=self.time_limit)
-
 
 def _items(*entries):
     return [(name.upper().replace("-", "_"), label, tip) for name, label, tip in entries]
@@ -140,6 +118,13 @@ SYMMETRY = EnumProperty(
     ),
     default="LINE",
 )
+SMOOTHING = IntProperty(
+    name="Smoothing",
+    description="How often the quad mesh's vertices move to the middle of their neighbours on the surface",
+    default=Settings.smoothing,
+    min=0,
+    soft_max=20,
+)
 
 
 class SettingProperties:
@@ -149,9 +134,7 @@ class SettingProperties:
     angle: FloatProperty(
         name="Angle",
         description="Turn the directions by this angle, counterclockwise seen from outside",
-        subtype="ANGLE",
-        soft_min=-math.pi,
-        soft_max=math.pi,
+        **TURN,
     )
     angle_attribute: StringProperty(
         name="Angle Map",
@@ -185,54 +168,19 @@ class SettingProperties:
         soft_min=1e-4,
         precision=4,
     )
-    spacing_map: StringProperty(
-        name="Spacing Map",
-        description="Float attribute, a factor on the spacing, or vertex group, which takes it from 1 to the range",
-        search=suggest_numbers,
-    )
-    spacing_range: FloatProperty(
-        name="Range",
-        description="Factor on the spacing where the vertex group's weight is 1",
-        default=2.0,
-        min=1e-3,
-        soft_min=0.25,
-        soft_max=4.0,
-    )
+    spacing_map: SPACING_MAP
+    spacing_range: SPACING_RANGE
     aspect: FloatProperty(
         name="Aspect",
         description="Spacing of quads along their second direction over that along the first, the one nearer to X; "
         "only where the two never change places around a disclination",
         default=1.0,
-        min=1e-3,
-        soft_min=0.25,
-        soft_max=4.0,
+        **FACTOR,
     )
-    smoothing: IntProperty(
-        name="Smoothing",
-        description="How often the quad mesh's vertices move to the middle of their neighbours on the surface",
-        default=3,
-        min=0,
-        soft_max=20,
-    )
-    method: EnumProperty(
-        name="Method",
-        description="How the field is optimized",
-        items=_items(
-            ("sdp", "Semidefinite", "Best patterns, with a proved bound on what could still be gained"),
-            ("spectral", "Spectral", "Fast and rough: one eigenvector"),
-            ("diffusion", "Diffusion", "Repeated smoothing and normalizing, without a useful bound"),
-        ),
-        default="SDP",
-    )
-    seed: IntProperty(name="Seed", description="Another seed gives another pattern of about the same quality", min=0)
-    target_gap: FloatProperty(
-        name="Target Gap",
-        description="How closely the relaxation's optimum is bracketed, as a share of its energy",
-        default=1e-2,
-        min=1e-6,
-        max=0.5,
-        precision=4,
-    )
+    smoothing: SMOOTHING
+    method: METHOD
+    seed: SEED
+    target_gap: TARGET_GAP
     assign_material: BoolProperty(
         name="Assign to All Faces",
         description="Show the pattern on all faces, also on an object with several materials",

@@ -17,6 +17,7 @@ from bpy.props import (
 from . import memory
 from .clebsch import ClebschSettings
 from .registration import keeping
+from .shared_settings import METHOD, SEED, TARGET_GAP
 from .vortex_choice import is_filling, slide
 from .vortex_objects import NORTH
 
@@ -55,7 +56,7 @@ class VortexProperties:
         description="How vortices are shown",
         items=[
             ("FILAMENTS", "Filaments", "Curves that carry the same circulation each"),
-            ("TUBES", "Tubes", "Surfaces around the vorticity, coloured by the map to the sphere"),
+            ("TUBES", "Tubes", "Surfaces around the vorticity, coloured by the map; by the method Semidefinite"),
             ("BOTH", "Both", "Filaments and tubes, of one solve"),
         ],
     )
@@ -98,28 +99,9 @@ class VortexProperties:
     )
     opening: FloatProperty(**_OPENING)
     smoothing: IntProperty(**_SMOOTHING)
-    method: EnumProperty(
-        name="Method",
-        description="How the map is optimized",
-        items=[
-            (
-                "SDP",
-                "Semidefinite",
-                "Best filaments, with a bound on what could be gained; the only one for tubes",
-            ),
-            ("SPECTRAL", "Spectral", "Fast and rough: one eigenvector"),
-            ("DIFFUSION", "Diffusion", "Repeated smoothing and normalizing, without a useful bound"),
-        ],
-    )
-    seed: IntProperty(name="Seed", description="Another seed gives other filaments of about the same quality", min=0)
-    target_gap: FloatProperty(
-        name="Target Gap",
-        description="How closely the relaxation's optimum is bracketed, as a share of its energy",
-        default=_DEFAULT.target_gap,
-        min=1e-6,
-        max=0.5,
-        precision=4,
-    )
+    method: METHOD
+    seed: SEED
+    target_gap: TARGET_GAP
     use_frames: BoolProperty(
         name="Frames", description="Solve a range of frames, each from the one before: one object a frame"
     )

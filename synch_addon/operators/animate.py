@@ -31,12 +31,8 @@ class SYNCH_OT_animate(FieldOperator, AnimationProperties, SettingProperties, bp
     def _show_early(self, early):
         """Nothing: the first frame is one of many."""
 
-    def _announce(self, report):
-        self.spacing = report["settings"]["spacing"]
-        for warning in report["warnings"]:
-            self.report({"WARNING"}, warning)
+    def _headline(self, report):
         frames = report["frames"]
         line = f"{report['pattern']} in {counted(len(frames), 'frame')}"
         changes = [frame["change"] for frame in frames if frame["change"] is not None]
-        self.report({"INFO"}, f"{line}, at most {max(changes):.2f} of change at once" if changes else line)
-        return {"FINISHED"}
+        return f"{line}, at most {max(changes):.2f} of change at once" if changes else line

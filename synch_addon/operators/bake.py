@@ -28,11 +28,8 @@ class SYNCH_OT_bake(PatternOperator, BackgroundOperator, BakeProperties, bpy.typ
     def _write(self, job):
         return job.report
 
-    def _announce(self, report):
-        for warning in report["warnings"]:
-            self.report({"WARNING"}, warning)
-        self.report({"INFO"}, f"baked {', '.join(report['maps'])} in {report['seconds']:.1f} s")
-        return {"FINISHED"}
+    def _headline(self, report):
+        return f"baked {', '.join(report['maps'])} in {report['seconds']:.1f} s"
 
     def draw(self, context):
         draw_bake(self.layout, self, context.active_object)

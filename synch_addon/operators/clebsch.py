@@ -44,11 +44,8 @@ class SYNCH_OT_clebsch(BackgroundOperator, VortexProperties, bpy.types.Operator)
     def _write(self, job):
         return job.write()
 
-    def _announce(self, report):
-        for warning in report["warnings"]:
-            self.report({"WARNING"}, warning)
-        self.report({"INFO"}, f"{report['object']}: {_found(report)}, {report['times']['total']:.1f} s")
-        return {"FINISHED"}
+    def _headline(self, report):
+        return f"{report['object']}: {_found(report)}, {report['times']['total']:.1f} s"
 
 
 def _found(report):

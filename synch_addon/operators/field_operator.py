@@ -24,7 +24,7 @@ class BackgroundOperator:
     """Mixed into an operator that solves: blocking from a script, in a thread from the window.
 
     A subclass says what it runs: ``_take`` (its settings from where the panel keeps them), ``_job`` (reads the scene,
-    see :class:`jobs.BackgroundSolve`), ``_write`` (puts a job's result into the scene) and ``_announce``.
+    see :class:`jobs.BackgroundSolve`), ``_write`` (puts a result into the scene), ``_headline`` (says what was found).
     """
 
     bl_options = {"REGISTER", "UNDO", "PRESET"}
@@ -107,6 +107,12 @@ class BackgroundOperator:
             raise work.error
         return self._announce(self._write(work.job))
 
+    def _announce(self, report):
+        for warning in report["warnings"]:
+            self.report({"WARNING"}, warning)
+        self.report({"INFO"}, self._headline(report))
+        return {"FINISHED"}
+
     def _try_early(self, early):
         """Show a first result of the job; one that cannot be shown does not stop it."""
         try:
@@ -167,10 +173,17 @@ class FieldOperator(ObjectOperator):
 
     def _announce(self, report):
         self.spacing = report["settings"]["spacing"]
-        for warning in report["warnings"]:
-            self.report({"WARNING"}, warning)
-        self.report({"INFO"}, _headline(report))
-        return {"FINISHED"}
+        return super()._announce(report)
+
+    def _headline(self, report):
+        made = report.get("quad_mesh")
+        if made is not None:
+            return f"{made['object']}: {made['faces']} faces, {made['quad_share']:.1%} of them quads"
+        counts = ", ".join(counted(len(report[kind + "s"]), kind) for kind in ("disclination", "dislocation"))
+        if report["energy"] is None:
+            return counts
+        proof = f", proved: no field saves more than {report['gap']:.0%}" if report["certificate"] == "proved" else ""
+        return f"energy {report['energy']:.4g}{proof}; {counts}"
 
 
 class SYNCH_OT_cancel(bpy.types.Operator):
@@ -211,15 +224,3 @@ def progress_of(manager):
         return True
 
     return update
-
-
-def _headline(report):
-    """What the status bar says after a run."""
-    made = report.get("quad_mesh")
-    if made is not None:
-        return f"{made['object']}: {made['faces']} faces, {made['quad_share']:.1%} of them quads"
-    counts = ", ".join(counted(len(report[kind + "s"]), kind) for kind in ("disclination", "dislocation"))
-    if report["energy"] is None:
-        return counts
-    proof = f", proved: no field saves more than {report['gap']:.0%}" if report["certificate"] == "proved" else ""
-    return f"energy {report['energy']:.4g}{proof}; {counts}"

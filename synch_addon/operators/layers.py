@@ -45,10 +45,10 @@ class SYNCH_OT_layers(ObjectOperator, LayerProperties, bpy.types.Operator):
     def _announce(self, report):
         for name in LENGTHS:
             setattr(self, name, report["settings"][name])
-        for warning in report["warnings"]:
-            self.report({"WARNING"}, warning)
-        self.report({"INFO"}, headline(report))
-        return {"FINISHED"}
+        return super()._announce(report)
+
+    def _headline(self, report):
+        return headline(report)
 
     def draw(self, context):
         column = self.layout.column()

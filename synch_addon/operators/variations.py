@@ -10,7 +10,7 @@ from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_
 from ...core.errors import SynchError
 from .. import api, memory, scene_io
 from ..picking import PickedSurface
-from ..settings import Settings
+from ..settings import SMOOTHING
 from ..stripe_numbers import numbers_later, renew_shown
 from ..translations import said
 from .field_operator import navigates, over_sidebar
@@ -67,12 +67,7 @@ class SYNCH_OT_trace_quads(_SolvedOperator, PromptOperator, bpy.types.Operator):
     bl_idname = "synch.trace_quads"
     bl_label = "Mesh of These Quads"
 
-    smoothing: IntProperty(
-        name="Smoothing",
-        description="How often vertices move to the middle of their neighbours, on the surface",
-        default=Settings.smoothing,
-        min=0,
-    )
+    smoothing: SMOOTHING
 
     def invoke(self, context, _event):
         self.smoothing = context.active_object.synch.smoothing

@@ -50,9 +50,6 @@ OPERATORS = {
     "Make a new mesh of the quads that the object shows, without solving again, and hide the object": (
         "Ein neues Netz aus den gezeigten Vierecken bilden, ohne neu zu lösen, und das Objekt ausblenden"
     ),
-    "How often vertices move to the middle of their neighbours, on the surface": (
-        "Wie oft Punkte auf der Oberfläche zur Mitte ihrer Nachbarn rücken"
-    ),
     "Find a direction at every vertex and mark the points where it cannot be continuous": (
         "An jedem Punkt eine Richtung finden und markieren, wo sie nicht stetig sein kann"
     ),
@@ -269,8 +266,8 @@ SETTINGS = {
     "Method": "Verfahren",
     "How the field is optimized": "Wie das Feld optimiert wird",
     "Semidefinite": "Semidefinit",
-    "Best patterns, with a proved bound on what could still be gained": (
-        "Die besten Muster, mit bewiesener Schranke für das, was noch zu gewinnen wäre"
+    "Best results, and a bound on what could still be gained: proved, or in large ones estimated": (
+        "Die besten Ergebnisse, und eine Schranke für das, was noch zu gewinnen wäre: bewiesen, bei Großem geschätzt"
     ),
     "Spectral": "Spektral",
     "Fast and rough: one eigenvector": "Schnell und grob: ein Eigenvektor",
@@ -279,8 +276,8 @@ SETTINGS = {
         "Wiederholtes Glätten und Normieren, ohne brauchbare Schranke"
     ),
     "Seed": "Startwert",
-    "Another seed gives another pattern of about the same quality": (
-        "Ein anderer gibt ein anderes, etwa gleich gutes Muster"
+    "Another seed gives another result of about the same quality": (
+        "Ein anderer gibt ein anderes, etwa gleich gutes Ergebnis"
     ),
     "Target Gap": "Ziellücke",
     "How closely the relaxation's optimum is bracketed, as a share of its energy": (

@@ -74,13 +74,6 @@ LAYERS = {
     "About a hundred thousand tetrahedra, or more where the spacing needs them": (
         "Etwa hunderttausend Tetraeder, oder mehr, wo der Abstand sie braucht"
     ),
-    "How the layers are optimized": "Wie die Schichten optimiert werden",
-    "Best layers, with a bound on what could still be gained": (
-        "Die besten Schichten, mit einer Schranke für das, was noch zu gewinnen wäre"
-    ),
-    "Another seed gives other layers of about the same quality": (
-        "Ein anderer Startwert gibt andere Schichten von etwa gleicher Güte"
-    ),
     "Print and Show": "Drucken und Zeigen",
     "Files, tool paths and a volume of the layers that were solved last": (
         "Dateien, Werkzeugwege und ein Volumen der zuletzt gelösten Schichten"

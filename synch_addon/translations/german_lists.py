@@ -256,8 +256,8 @@ VORTICES = {
     "Filaments": "Fäden",
     "Curves that carry the same circulation each": "Kurven, die alle dieselbe Zirkulation tragen",
     "Tubes": "Röhren",
-    "Surfaces around the vorticity, coloured by the map to the sphere": (
-        "Flächen um die Wirbelstärke, gefärbt nach der Abbildung auf die Kugel"
+    "Surfaces around the vorticity, coloured by the map; by the method Semidefinite": (
+        "Flächen um die Wirbelstärke, gefärbt nach der Abbildung; mit dem Verfahren Semidefinit"
     ),
     "Both": "Beide",
     "Filaments and tubes, of one solve": "Fäden und Röhren aus einer Lösung",
@@ -274,11 +274,6 @@ VORTICES = {
     "Of one filament, in the units of the velocity times length": (
         "Eines Fadens, in Einheiten von Geschwindigkeit mal Länge"
     ),
-    "Best filaments, with a bound on what could be gained; the only one for tubes": (
-        "Die besten Fäden, mit einer Schranke für das zu Gewinnende; das einzige für Röhren"
-    ),
-    "How the map is optimized": "Wie die Abbildung optimiert wird",
-    "Another seed gives other filaments of about the same quality": "Ein anderer gibt andere, etwa gleich gute Fäden",
     "Width": "Breite",
     "How much of the sphere is inside a tube, degrees around the chosen point's antipode": (
         "Wie viel der Kugel in einer Röhre liegt, Grad um den Gegenpunkt des gewählten Punkts"
