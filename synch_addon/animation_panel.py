@@ -4,12 +4,10 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
-from . import jobs
 from .animation import HOLD, Span
 from .frame_nodes import shows_frames
-from .panels import SidebarPanel, property_column
+from .panels import SettingsPanel, property_column
 from .registration import keeping
-from .scene_io import refusal
 
 
 class AnimationProperties:
@@ -44,17 +42,12 @@ class SynchAnimation(AnimationProperties, bpy.types.PropertyGroup):
     """Settings of an object's animated pattern, kept in the file."""
 
 
-class SYNCH_PT_animation(SidebarPanel, bpy.types.Panel):
+class SYNCH_PT_animation(SettingsPanel, bpy.types.Panel):
     """The pattern in each frame of a moving mesh"""
 
     bl_label = "Animation"
-    bl_parent_id = "SYNCH_PT_fields"
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 5
-
-    @classmethod
-    def poll(cls, context):
-        return refusal(context.active_object) is None and jobs.running is None
 
     def draw(self, context):
         settings = context.active_object.synch_animation

@@ -3,30 +3,26 @@
 
 import bpy
 
-from . import jobs
 from .bake_index import pattern_kind
 from .bake_settings import BakeProperties
-from .panels import SidebarPanel, property_column
+from .panels import SettingsPanel, property_column
 from .registration import keeping
-from .scene_io import refusal
 
 
 class SynchBake(BakeProperties, bpy.types.PropertyGroup):
     """Settings of bakes, kept in the file."""
 
 
-class SYNCH_PT_bake(SidebarPanel, bpy.types.Panel):
+class SYNCH_PT_bake(SettingsPanel, bpy.types.Panel):
     """The pattern as images"""
 
     bl_label = "Bake"
-    bl_parent_id = "SYNCH_PT_fields"
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 4
 
     @classmethod
     def poll(cls, context):
-        obj = context.active_object
-        return refusal(obj) is None and pattern_kind(obj) is not None and jobs.running is None
+        return super().poll(context) and pattern_kind(context.active_object) is not None
 
     def draw(self, context):
         draw_bake(self.layout, context.scene.synch_bake, context.active_object)

@@ -4,35 +4,20 @@
 import bpy
 from bpy.props import EnumProperty
 
-from . import jobs
 from .panels import SettingsPanel, property_column
-from .scene_io import refusal
+from .row_operators import RowOperator
 
 
-def _editable(context):
-    return refusal(context.active_object) is None and jobs.running is None
-
-
-class _RowOperator:
-    """Mixed into operators that change the active object's list."""
-
-    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
-
+class _ActiveRowOperator(RowOperator):
     @classmethod
     def poll(cls, context):
-        return _editable(context)
-
-
-class _ActiveRowOperator(_RowOperator):
-    @classmethod
-    def poll(cls, context):
-        if not _editable(context):
+        if not super().poll(context):
             return False
         stored = context.active_object.synch
         return 0 <= stored.active_constraint < len(stored.constraints)
 
 
-class SYNCH_OT_constraint_add(_RowOperator, bpy.types.Operator):
+class SYNCH_OT_constraint_add(RowOperator, bpy.types.Operator):
     """Add a row to the list of constraints"""
 
     bl_idname = "synch.constraint_add"

@@ -2,11 +2,9 @@
 """Guidance in the panel, and the operators that add and remove the guides of a blend."""
 
 import bpy
-from bpy.props import IntProperty
 
-from . import jobs
 from .guide_list import NAME_PROPERTIES
-from .scene_io import refusal
+from .row_operators import RemoveRow, RowOperator
 
 
 def draw_guidance(column, stored):
@@ -40,17 +38,7 @@ def _draw_name(column, guide, kind):
     line.prop(guide, name)
 
 
-class _GuideOperator:
-    """Mixed into operators that change the active object's blend."""
-
-    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
-
-    @classmethod
-    def poll(cls, context):
-        return refusal(context.active_object) is None and jobs.running is None
-
-
-class SYNCH_OT_guide_add(_GuideOperator, bpy.types.Operator):
+class SYNCH_OT_guide_add(RowOperator, bpy.types.Operator):
     """Add a guide to the blend"""
 
     bl_idname = "synch.guide_add"
@@ -61,20 +49,14 @@ class SYNCH_OT_guide_add(_GuideOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class SYNCH_OT_guide_remove(_GuideOperator, bpy.types.Operator):
+class SYNCH_OT_guide_remove(RemoveRow, bpy.types.Operator):
     """Remove this guide from the blend"""
 
     bl_idname = "synch.guide_remove"
     bl_label = "Remove Guide"
 
-    number: IntProperty(name="Number", description="Which guide, counted from 0", min=0)
-
-    def execute(self, context):
-        guides = context.active_object.synch.guides
-        if self.number >= len(guides):
-            return {"CANCELLED"}
-        guides.remove(self.number)
-        return {"FINISHED"}
+    def rows(self, obj):
+        return obj.synch.guides
 
 
 register, unregister = bpy.utils.register_classes_factory((SYNCH_OT_guide_add, SYNCH_OT_guide_remove))

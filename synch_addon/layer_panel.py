@@ -5,14 +5,12 @@ from types import SimpleNamespace
 
 import bpy
 import numpy as np
-from bpy.props import IntProperty
 
-from . import jobs
 from .layer_links import solid_of
 from .layer_properties import GUIDE_NAMES, LENGTHS
 from .layers import EDGES_PER_LAYER
-from .panels import SidebarPanel, draw_progress, draw_solver, property_column
-from .scene_io import refusal
+from .panels import SidebarPanel, draw_automatic, draw_solver, draw_spacing_map, draw_unready, property_column
+from .row_operators import RemoveRow, RowOperator
 from .solids import estimate
 from .translations import said
 
@@ -28,12 +26,7 @@ class SYNCH_PT_layers(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context):
         obj = solid_of(context.active_object)
-        reason = refusal(obj)
-        if reason:
-            self.layout.label(text=reason[0].upper() + reason[1:], icon="INFO")
-            return
-        if jobs.running is not None:
-            draw_progress(self.layout, jobs.running)
+        if draw_unready(self.layout, obj):
             return
         if obj != context.active_object:
             self.layout.label(text=said("Layers of {name}", name=obj.name), icon="OBJECT_DATA")
@@ -60,13 +53,8 @@ def draw_layers(layout, stored):
     layout.operator("synch.layer_group_add", icon="ADD")
     column = property_column(layout)
     for name, automatic in LENGTHS.items():
-        column.prop(stored, automatic)
-        line = column.row()
-        line.enabled = not getattr(stored, automatic)
-        line.prop(stored, name)
-    column.prop(stored, "spacing_map")
-    if stored.spacing_map:
-        column.prop(stored, "spacing_range")
+        draw_automatic(column, stored, name, automatic)
+    draw_spacing_map(column, stored)
     draw_solver(layout, stored)
 
 
@@ -107,42 +95,36 @@ def _measures(obj):
     return _measured[key]
 
 
-class _RowOperator:
-    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
+class _GroupOperator:
+    """Mixed into operators on the groups of the solid whose layers the active object shows."""
 
-    @classmethod
-    def poll(cls, context):
-        return refusal(solid_of(context.active_object)) is None and jobs.running is None
+    @staticmethod
+    def owner(context):
+        return solid_of(context.active_object)
 
 
-class SYNCH_OT_layer_group_add(_RowOperator, bpy.types.Operator):
+class SYNCH_OT_layer_group_add(_GroupOperator, RowOperator, bpy.types.Operator):
     """Ask something of the layers on a part of the surface"""
 
     bl_idname = "synch.layer_group_add"
     bl_label = "Add Group"
 
     def execute(self, context):
-        obj = solid_of(context.active_object)
+        obj = self.owner(context)
         row = obj.synch_layering.groups.add()
         if obj.vertex_groups.active:
             row.group = obj.vertex_groups.active.name
         return {"FINISHED"}
 
 
-class SYNCH_OT_layer_group_remove(_RowOperator, bpy.types.Operator):
+class SYNCH_OT_layer_group_remove(_GroupOperator, RemoveRow, bpy.types.Operator):
     """Ask nothing of the layers there"""
 
     bl_idname = "synch.layer_group_remove"
     bl_label = "Remove Group"
 
-    number: IntProperty(name="Row", description="Which of the rows, from 0 on", min=0)
-
-    def execute(self, context):
-        groups = solid_of(context.active_object).synch_layering.groups
-        if self.number >= len(groups):
-            return {"CANCELLED"}
-        groups.remove(self.number)
-        return {"FINISHED"}
+    def rows(self, obj):
+        return obj.synch_layering.groups
 
 
 register, unregister = bpy.utils.register_classes_factory(

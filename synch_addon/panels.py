@@ -6,6 +6,7 @@ import bpy
 from . import jobs
 from .guide_panel import draw_guidance
 from .refine import draw_warning
+from .row_operators import can_set
 from .scene_io import refusal
 from .setting_presets import SYNCH_PT_presets
 
@@ -33,12 +34,22 @@ def draw_pattern(layout, settings):
     """Settings of a pattern, below those of the directions."""
     column = property_column(layout)
     if hasattr(settings, "automatic_spacing"):
-        column.prop(settings, "automatic_spacing")
-        row = column.row()
-        row.enabled = not settings.automatic_spacing
-        row.prop(settings, "spacing")
+        draw_automatic(column, settings, "spacing", "automatic_spacing")
     else:
         column.prop(settings, "spacing")
+    draw_spacing_map(column, settings)
+
+
+def draw_automatic(column, settings, name, automatic):
+    """A setting below the one that makes it automatic."""
+    column.prop(settings, automatic)
+    row = column.row()
+    row.enabled = not getattr(settings, automatic)
+    row.prop(settings, name)
+
+
+def draw_spacing_map(column, settings):
+    """What makes the spacing vary."""
     column.prop(settings, "spacing_map")
     if settings.spacing_map:
         column.prop(settings, "spacing_range")
@@ -77,6 +88,18 @@ def property_column(layout):
     return column
 
 
+def draw_unready(layout, obj):
+    """Say why an object can carry nothing, or how far the job is that runs; whether there is either."""
+    reason = refusal(obj)
+    if reason:
+        layout.label(text=reason[0].upper() + reason[1:], icon="INFO")
+    elif jobs.running is not None:
+        draw_progress(layout, jobs.running)
+    else:
+        return False
+    return True
+
+
 def draw_progress(layout, work):
     """A bar for the job that runs."""
     layout.progress(factor=work.fraction, text=work.line)
@@ -96,17 +119,12 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
     bl_label = "Synch Fields"
 
     def draw_header_preset(self, context):
-        if refusal(context.active_object) is None and jobs.running is None:
+        if can_set(context.active_object):
             SYNCH_PT_presets.draw_panel_header(self.layout)
 
     def draw(self, context):
         obj = context.active_object
-        reason = refusal(obj)
-        if reason:
-            self.layout.label(text=reason[0].upper() + reason[1:], icon="INFO")
-            return
-        if jobs.running is not None:
-            draw_progress(self.layout, jobs.running)
+        if draw_unready(self.layout, obj):
             return
         column = self.layout.column(align=True)
         column.scale_y = 1.3
@@ -126,7 +144,7 @@ class SettingsPanel(SidebarPanel):
 
     @classmethod
     def poll(cls, context):
-        return refusal(context.active_object) is None and jobs.running is None
+        return can_set(context.active_object)
 
 
 class SYNCH_PT_directions(SettingsPanel, bpy.types.Panel):

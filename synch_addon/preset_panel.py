@@ -5,11 +5,10 @@ import bpy
 import bpy.utils.previews
 from bpy.props import EnumProperty
 
-from . import assets, jobs
+from . import assets
 from .bake_index import pattern_kind
-from .panels import SidebarPanel
+from .panels import SettingsPanel
 from .presets import PRESETS
-from .scene_io import refusal
 
 # Items without icons, for what is shown as text.
 PRESET = [(name, preset.label, preset.description) for name, preset in PRESETS.items()]
@@ -23,15 +22,10 @@ def _with_icons(_owner, _context):
     return _items
 
 
-class SYNCH_PT_material_presets(SidebarPanel, bpy.types.Panel):
+class SYNCH_PT_material_presets(SettingsPanel, bpy.types.Panel):
     """Materials in one click"""
 
     bl_label = "Material Presets"
-    bl_parent_id = "SYNCH_PT_fields"
-
-    @classmethod
-    def poll(cls, context):
-        return refusal(context.active_object) is None and jobs.running is None
 
     def draw(self, context):
         layout = self.layout

@@ -5,22 +5,19 @@ import json
 
 import bpy
 
-from . import jobs, memory
-from .panels import SidebarPanel, property_column
-from .scene_io import refusal
+from . import memory
+from .panels import SettingsPanel, property_column
 from .translations import counted, said
 
 
-class SYNCH_PT_result(SidebarPanel, bpy.types.Panel):
+class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
     """What the last solve found"""
 
     bl_label = "Result"
-    bl_parent_id = "SYNCH_PT_fields"
 
     @classmethod
     def poll(cls, context):
-        obj = context.active_object
-        return refusal(obj) is None and bool(obj.synch.result) and jobs.running is None
+        return super().poll(context) and bool(context.active_object.synch.result)
 
     def draw(self, context):
         synch = context.active_object.synch

@@ -8,7 +8,7 @@ import bpy
 from . import jobs, memory
 from .flow_choice import expected_shape
 from .flows import solve_memory
-from .panels import SidebarPanel, draw_progress, property_column
+from .panels import SidebarPanel, draw_progress, draw_solver, property_column
 from .translations import counted, said
 
 
@@ -68,10 +68,7 @@ def draw_vortices(layout, settings):
         row = column.row(align=True)
         row.prop(settings, "frame_start", text="First, Last")
         row.prop(settings, "frame_end", text="")
-    column.prop(settings, "method")
-    column.prop(settings, "seed")
-    if settings.method == "SDP":
-        column.prop(settings, "target_gap")
+    draw_solver(layout, settings)
 
 
 def draw_estimate(layout, context, settings):

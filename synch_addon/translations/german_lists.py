@@ -6,7 +6,6 @@ GUIDES = {
     "Add a guide to the blend": "Der Mischung eine Führung hinzufügen",
     "Remove Guide": "Führung entfernen",
     "Remove this guide from the blend": "Diese Führung aus der Mischung entfernen",
-    "Which guide, counted from 0": "Welche Führung, ab 0 gezählt",
     "Largest Curvature": "Größte Krümmung",
     "Across ridges: where the surface bends most": "Quer zu Graten: wo sich die Oberfläche am stärksten biegt",
     "Smallest Curvature": "Kleinste Krümmung",

@@ -23,7 +23,7 @@ class Animate(BackgroundOperator):
     """The operator as the window runs it, without being one of Blender's."""
 
     bl_label, work = "Animate", SYNCH_OT_animate.work
-    _write, _announce = SYNCH_OT_animate._write, SYNCH_OT_animate._announce
+    _write, _headline = SYNCH_OT_animate._write, SYNCH_OT_animate._headline
 
     def __init__(self):
         self.reports = []

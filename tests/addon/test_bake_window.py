@@ -23,7 +23,7 @@ class Bake(BackgroundOperator):
     """The operator as the window runs it, without being one of Blender's."""
 
     bl_label, work = "Bake", jobs.Pieces
-    _write, _announce = SYNCH_OT_bake._write, SYNCH_OT_bake._announce
+    _write, _headline = SYNCH_OT_bake._write, SYNCH_OT_bake._headline
 
     def __init__(self, **settings):
         self.settings, self.reports = BakeSettings(maps=MAPS, size=32, samples=1, unwrap=True, **settings), []

@@ -22,7 +22,7 @@ class Vortices(BackgroundOperator):
     """The operator as the window runs it, without being one of Blender's."""
 
     bl_label = "Vortices"
-    _write, _announce = SYNCH_OT_clebsch._write, SYNCH_OT_clebsch._announce
+    _write, _headline = SYNCH_OT_clebsch._write, SYNCH_OT_clebsch._headline
 
     def __init__(self, source, **settings):
         self.source, self.settings, self.reports = source, ClebschSettings(**settings), []
