@@ -5,7 +5,7 @@ import bpy
 
 from . import files
 from .animation import HOLD, run_animate
-from .cli_flags import Made, add_input, add_outputs, saved
+from .cli_flags import Made, add_choice, add_input, add_number, add_outputs, saved
 from .cli_settings import add_settings, settings_of
 from .report import counted
 
@@ -18,15 +18,9 @@ def add_parser(commands):
         description="Solve stripes or quads in each frame of a moving mesh, each from the one before.",
     )
     add_input(command)
-    command.add_argument("--pattern", choices=("stripes", "quads"), default="stripes", help="(%(default)s)")
+    add_choice(command, "--pattern", ("stripes", "quads"), "stripes")
     command.add_argument("--frames", nargs=2, type=int, metavar=("FIRST", "LAST"), help="default: the scene's")
-    command.add_argument(
-        "--hold",
-        type=float,
-        default=HOLD,
-        metavar="X",
-        help="how strongly the pattern holds on to the frame before (%(default)s)",
-    )
+    add_number(command, "--hold", HOLD, "how strongly the pattern holds on to the frame before")
     add_settings(command, "animate")
     add_outputs(command, "energies, defects and changes of each frame")
 

@@ -4,7 +4,7 @@
 from ..core.errors import SettingError
 from . import api, files
 from .bake_settings import MAPS, SIZES, SUFFIXES, BakeSettings
-from .cli_flags import Made, add_input, add_outputs, saved
+from .cli_flags import Made, add_choice, add_input, add_number, add_outputs, saved
 
 _DEFAULT = BakeSettings()
 
@@ -22,14 +22,10 @@ def add_parser(commands):
         "--folder", default="", help="where the images go; default: packed into the .blend of --output"
     )
     command.add_argument("--name", default=_DEFAULT.naming, help="of each image; {object} and {map} are filled in")
-    command.add_argument("--format", choices=SUFFIXES, default=_DEFAULT.file_format, help="(%(default)s)")
-    command.add_argument(
-        "--size", type=int, default=_DEFAULT.size, metavar="PIXELS", help=f"from {SIZES[0]} to {SIZES[1]} (%(default)s)"
-    )
-    command.add_argument(
-        "--margin", type=int, default=_DEFAULT.margin, metavar="PIXELS", help="around UV islands (%(default)s)"
-    )
-    command.add_argument("--samples", type=int, default=_DEFAULT.samples, metavar="N", help="a pixel (%(default)s)")
+    add_choice(command, "--format", SUFFIXES, _DEFAULT.file_format)
+    add_number(command, "--size", _DEFAULT.size, f"from {SIZES[0]} to {SIZES[1]}", "PIXELS")
+    add_number(command, "--margin", _DEFAULT.margin, "around UV islands", "PIXELS")
+    add_number(command, "--samples", _DEFAULT.samples, "a pixel", "N")
     command.add_argument("--uv-map", default="", metavar="NAME", help="default: the active one")
     command.add_argument("--unwrap", action="store_true", help="make the UV map by Smart UV Project if it is missing")
     command.add_argument("--material", action="store_true", help="show the images in place of the pattern")

@@ -6,7 +6,7 @@ import bpy
 from ..core.errors import SettingError
 from . import files
 from .clebsch import SHOWN, ClebschSettings, clebsch
-from .cli_flags import Made, add_outputs, add_solver, saved
+from .cli_flags import Made, add_choice, add_number, add_outputs, add_solver, saved
 from .vortex_nodes import is_of_filaments
 from .vortex_report import summary
 
@@ -30,28 +30,15 @@ def add_parser(commands):
         metavar="NAME",
         help="velocity on a mesh's vertices, or grid of a volume (%(default)s)",
     )
-    command.add_argument("--show", choices=SHOWN, default=default.show, help="%(default)s by default")
-    command.add_argument(
-        "--resolution",
-        type=int,
-        default=default.resolution,
-        help="nodes along the longest side, but for .npz files (%(default)s)",
-    )
-    command.add_argument(
-        "--count",
-        type=float,
-        default=default.count,
-        metavar="N",
-        help="filaments through the plane with most vorticity (%(default)s)",
-    )
+    add_choice(command, "--show", SHOWN, default.show)
+    add_number(command, "--resolution", default.resolution, "nodes along the longest side, but for .npz files", "N")
+    add_number(command, "--count", default.count, "filaments through the plane with most vorticity")
     command.add_argument("--quantum", type=float, metavar="H", help="circulation of one filament; goes before --count")
     command.add_argument(
         "--point", nargs=3, type=float, metavar=("X", "Y", "Z"), help="of the sphere, from which it is seen"
     )
-    command.add_argument(
-        "--opening", type=float, default=default.opening, metavar="DEG", help="width of tubes (%(default)s)"
-    )
-    command.add_argument("--smoothing", type=int, default=default.smoothing, help="of what is shown (%(default)s)")
+    add_number(command, "--opening", default.opening, "width of tubes", "DEG")
+    add_number(command, "--smoothing", default.smoothing, "of what is shown", "N")
     command.add_argument(
         "--frames",
         nargs=2,

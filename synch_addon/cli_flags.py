@@ -30,6 +30,17 @@ class Made(NamedTuple):
     look: dict = {}
 
 
+def add_number(command, flag, default, tip, metavar="X", **more):
+    """Add a flag for a number of the default's type, which its help tells."""
+    kind = type(default)
+    command.add_argument(flag, type=kind, default=default, metavar=metavar, help=f"{tip} (%(default)s)", **more)
+
+
+def add_choice(command, flag, choices, default, tip=""):
+    """Add a flag for one of some choices, whose help tells the default."""
+    command.add_argument(flag, choices=choices, default=default, help=f"{tip} (%(default)s)".lstrip())
+
+
 def add_input(command):
     command.add_argument("input", nargs="?", help=".blend, .obj, .ply, .stl or .glb; default: the file that is open")
     command.add_argument("--object", metavar="NAME", help="which mesh object, where the file has several")
@@ -66,17 +77,9 @@ def add_quiet(command):
 def add_solver(command):
     """Flags of :class:`SolverSettings`."""
     default = SolverSettings()
-    command.add_argument(
-        "--method", choices=METHODS, default=default.method, help="sdp proves a bound, spectral is fast (%(default)s)"
-    )
-    command.add_argument("--seed", type=int, default=default.seed, help="of every random choice (%(default)s)")
-    command.add_argument(
-        "--target-gap",
-        type=float,
-        default=default.target_gap,
-        metavar="X",
-        help="how closely the relaxation's optimum is bracketed (%(default)s)",
-    )
+    add_choice(command, "--method", METHODS, default.method, "sdp proves a bound, spectral is fast")
+    add_number(command, "--seed", default.seed, "of every random choice", "N")
+    add_number(command, "--target-gap", default.target_gap, "how closely the relaxation's optimum is bracketed")
     command.add_argument("--time-limit", type=float, metavar="SECONDS", help="for each solve")
 
 

@@ -2,6 +2,7 @@
 """What the command ``layers`` writes besides: a mesh for each layer, tool paths and a volume."""
 
 from . import api
+from .cli_flags import add_choice, add_number
 from .files import MESH_SUFFIXES, check_output
 from .layer_files import FILLS, PATH_SUFFIXES, PathSettings
 from .layer_volume import check_volume
@@ -18,11 +19,9 @@ def add_arguments(command):
         "--export-paths", metavar="FILE.csv", help=f"write tool paths on all layers ({', '.join(PATH_SUFFIXES)})"
     )
     command.add_argument("--path-step", type=float, metavar="LENGTH", help="between two paths; default: the spacing")
-    command.add_argument("--path-fill", choices=FILLS, default=FILLS[0], help="how paths fill a layer (%(default)s)")
+    add_choice(command, "--path-fill", FILLS, FILLS[0], "how paths fill a layer")
     command.add_argument("--export-volume", metavar="FILE.vdb", help="write the pattern as a volume")
-    command.add_argument(
-        "--resolution", type=int, default=128, metavar="N", help="voxels along the longest side (%(default)s)"
-    )
+    add_number(command, "--resolution", 128, "voxels along the longest side", "N")
 
 
 def check(options):

@@ -7,7 +7,7 @@ import bpy
 
 from ..core.errors import SettingError
 from . import api, files
-from .cli_flags import Made, add_input, add_outputs, saved
+from .cli_flags import Made, add_choice, add_input, add_number, add_outputs, saved
 from .cli_settings import add_settings, settings_of
 from .isolines import SPLINES, LineSettings, summary_line
 from .report import summary
@@ -23,38 +23,16 @@ def add_parser(commands):
         description="Solve stripes or quads on a mesh and make a curve object of their lines.",
     )
     add_input(command)
-    command.add_argument("--pattern", choices=("stripes", "quads"), default="stripes", help="whose lines (%(default)s)")
+    add_choice(command, "--pattern", ("stripes", "quads"), "stripes", "whose lines")
     add_settings(command, "isolines")
-    command.add_argument(
-        "--width",
-        type=float,
-        default=_DEFAULT.width,
-        metavar="X",
-        help="part of a period that is stripe, whose edges are drawn; 0: middles of stripes, 1: of gaps (%(default)s)",
-    )
-    command.add_argument(
-        "--distance",
-        type=float,
-        default=_DEFAULT.distance,
-        metavar="X",
-        help="between the points of a line, in spacings; 0: where it crosses the mesh's edges (%(default)s)",
-    )
-    command.add_argument(
-        "--smoothing",
-        dest="line_smoothing",
-        type=int,
-        default=_DEFAULT.smoothing,
-        metavar="N",
-        help="how often points move to the middle of their neighbours (%(default)s)",
-    )
-    command.add_argument(
-        "--radius",
-        type=float,
-        default=_DEFAULT.radius,
-        metavar="X",
-        help="of tubes around the lines, in spacings; 0: none (%(default)s)",
-    )
-    command.add_argument("--spline", choices=SPLINES, default=_DEFAULT.spline, help="(%(default)s)")
+    width = "part of a period that is stripe, whose edges are drawn; 0: middles of stripes, 1: of gaps"
+    add_number(command, "--width", _DEFAULT.width, width)
+    distance = "between the points of a line, in spacings; 0: where it crosses the mesh's edges"
+    add_number(command, "--distance", _DEFAULT.distance, distance)
+    smoothing = "how often points move to the middle of their neighbours"
+    add_number(command, "--smoothing", _DEFAULT.smoothing, smoothing, "N", dest="line_smoothing")
+    add_number(command, "--radius", _DEFAULT.radius, "of tubes around the lines, in spacings; 0: none")
+    add_choice(command, "--spline", SPLINES, _DEFAULT.spline)
     add_outputs(command, "energies, bounds, defects, lines and times", "the tubes", "the tubes as a mesh")
 
 

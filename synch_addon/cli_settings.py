@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 
 from ..core.errors import SettingError
-from .cli_flags import add_solver, add_spacing, solver_of, spacing_of
+from .cli_flags import add_choice, add_number, add_solver, add_spacing, solver_of, spacing_of
 from .constraints import from_plain
 from .guidance import KINDS
 from .settings import BOUNDARIES, SYMMETRIES, Settings
@@ -19,28 +19,14 @@ def add_settings(command, name):
     if name != "directions":
         add_spacing(command, "two quads' length" if of_quads else "between stripes")
     if of_quads:
-        command.add_argument(
-            "--aspect",
-            type=float,
-            default=default.aspect,
-            metavar="X",
-            help="spacing along the second direction over that along the first, which is nearer to X (%(default)s)",
-        )
+        aspect = "spacing along the second direction over that along the first, which is nearer to X"
+        add_number(command, "--aspect", default.aspect, aspect)
     else:
-        command.add_argument(
-            "--symmetry",
-            choices=tuple(SYMMETRIES),
-            default=default.symmetry,
-            help="what is the same at a point; cross for directions only (%(default)s)",
-        )
+        symmetry = "what is the same at a point; cross for directions only"
+        add_choice(command, "--symmetry", tuple(SYMMETRIES), default.symmetry, symmetry)
     if name == "quad_mesh":
-        command.add_argument(
-            "--smoothing",
-            type=int,
-            default=default.smoothing,
-            metavar="N",
-            help="how often vertices move to the middle of their neighbours on the surface (%(default)s)",
-        )
+        smoothing = "how often vertices move to the middle of their neighbours on the surface"
+        add_number(command, "--smoothing", default.smoothing, smoothing, "N")
     command.add_argument(
         "--guidance",
         default=default.guidance,
@@ -53,12 +39,8 @@ def add_settings(command, name):
     command.add_argument(
         "--angle-attribute", default="", metavar="NAME", help="float attribute, radians from vertex to vertex on top"
     )
-    command.add_argument(
-        "--boundary",
-        choices=BOUNDARIES,
-        default=default.boundary,
-        help="what directions do at open edges; phase: a line lies exactly on them (%(default)s)",
-    )
+    boundary = "what directions do at open edges; phase: a line lies exactly on them"
+    add_choice(command, "--boundary", BOUNDARIES, default.boundary, boundary)
     command.add_argument("--vertex-group", default="", metavar="NAME", help="restrict the boundary to this group")
     command.add_argument(
         "--mirror", default="", metavar="AXES", help="X, Y, Z or several: the result is its own mirror image in them"
