@@ -12,6 +12,7 @@ import numpy as np
 
 from ..core.errors import SynchError
 from .render import only_for_now
+from .scene_io import read_all
 
 # Bends from which Smart UV Project makes a seam, in radians: its own default.
 _SEAM_ANGLE = 1.1519173
@@ -128,9 +129,7 @@ def staged(obj, modifiers=True):
 
 def read_uv(layer):
     """(c, 2) coordinates of a UV map."""
-    values = np.empty((len(layer.uv), 2), np.float32)
-    layer.uv.foreach_get("vector", values.ravel())
-    return values
+    return read_all(layer.uv, "vector", 2, np.float32)
 
 
 def write_uv(layer, values):

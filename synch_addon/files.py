@@ -10,6 +10,7 @@ import numpy as np
 
 from ..core.errors import SettingError
 from .field_io import SUFFIXES as FIELD_SUFFIXES
+from .scene_io import read_all
 
 _IMPORTERS = {
     ".obj": lambda path: bpy.ops.wm.obj_import(filepath=path),
@@ -76,8 +77,7 @@ def _weld(mesh):
             if target is not vertex:
                 targets[vertex] = target
     if targets:
-        normals = np.empty((len(mesh.loops), 3), np.float32)
-        mesh.corner_normals.foreach_get("vector", normals.ravel())
+        normals = read_all(mesh.corner_normals, "vector", 3, np.float32)
         bmesh.ops.weld_verts(edited, targetmap=targets)
         edited.to_mesh(mesh)
         # Custom normals are stored relative to the faces around a vertex, which have changed.

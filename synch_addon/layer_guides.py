@@ -134,10 +134,8 @@ def _seen_mesh(other, into):
     mesh = seen.to_mesh()
     try:
         mesh.calc_loop_triangles()
-        points = np.empty((len(mesh.vertices), 3), np.float32)
-        mesh.vertices.foreach_get("co", points.ravel())
-        triangles = np.empty((len(mesh.loop_triangles), 3), np.int32)
-        mesh.loop_triangles.foreach_get("vertices", triangles.ravel())
+        points = scene_io.read_all(mesh.vertices, "co", 3, np.float32)
+        triangles = scene_io.read_all(mesh.loop_triangles, "vertices", 3)
     finally:
         seen.to_mesh_clear()
     if len(triangles) == 0:

@@ -11,6 +11,7 @@ from .layer_properties import GUIDE_NAMES, LENGTHS
 from .layers import EDGES_PER_LAYER
 from .panels import SidebarPanel, draw_automatic, draw_solver, draw_spacing_map, draw_unready, property_column
 from .row_operators import RemoveRow, RowOperator
+from .scene_io import read_all
 from .solids import estimate
 from .translations import said
 
@@ -80,10 +81,8 @@ def _measures(obj):
     if key not in _measured:
         _measured.clear()
         mesh.calc_loop_triangles()
-        points = np.empty((len(mesh.vertices), 3), np.float32)
-        mesh.vertices.foreach_get("co", points.ravel())
-        triangles = np.empty((len(mesh.loop_triangles), 3), np.int32)
-        mesh.loop_triangles.foreach_get("vertices", triangles.ravel())
+        points = read_all(mesh.vertices, "co", 3, np.float32)
+        triangles = read_all(mesh.loop_triangles, "vertices", 3)
         points = (points - points.mean(axis=0)).astype(float) * np.abs(key[-1])
         a, b, c = np.moveaxis(points[triangles], 1, 0)
         normals = np.cross(b - a, c - a)

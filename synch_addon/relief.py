@@ -19,6 +19,7 @@ from .defect_empties import mean_scale
 from .nodes import VERSION, PhaseAttributes, phase_group
 from .quad_profiles import PROFILES as QUAD_PROFILES
 from .quad_profiles import phase_attributes, profile_shapes
+from .scene_io import read_all, read_values
 from .stripe_profiles import PROFILES as STRIPE_PROFILES
 from .stripe_profiles import THREAD_TIP, chosen, place_in_stripe, profile_heights
 
@@ -237,10 +238,7 @@ def _kind_of(obj):
 def _level_for(obj, spacing):
     """As often as edges have to be halved for a period to have enough of them, as long as the faces stay few enough."""
     data = obj.data
-    ends = np.empty((len(data.edges), 2), np.int32)
-    data.edges.foreach_get("vertices", ends.ravel())
-    places = np.empty((len(data.vertices), 3), np.float32)
-    data.attributes["position"].data.foreach_get("vector", places.ravel())
+    ends, places = read_all(data.edges, "vertices", 2), read_values(obj, "position", "POINT")
     edge = np.median(np.linalg.norm(places[ends[:, 0]] - places[ends[:, 1]], axis=1))
     wanted = math.ceil(math.log2(max(_EDGES_PER_PERIOD * edge / spacing, 1)))
     # The first level gives a face to each corner.

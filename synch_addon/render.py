@@ -15,6 +15,7 @@ from mathutils import Euler, Matrix, Vector
 from ..core.errors import MeshError, SettingError
 from .defect_empties import KINDS, defect_empties
 from .nodes import INK_BLUE, WARM_IVORY
+from .scene_io import read_all
 
 # Part of the picture that stays free at each edge.
 _MARGIN = 0.07
@@ -120,10 +121,7 @@ def _draw_edges(obj):
     rods.use_replace, rods.use_even_offset, rods.material_offset = False, False, len(mesh.materials)
     for _ in range(rods.material_offset):
         mesh.materials.append(_matte("Synch Edges", INK_BLUE))
-    ends = np.array([edge.vertices[:] for edge in mesh.edges])
-    places = np.empty(len(mesh.vertices) * 3, np.float32)
-    mesh.attributes["position"].data.foreach_get("vector", places)
-    tails, heads = places.reshape(-1, 3)[ends.T]
+    tails, heads = _positions(mesh)[read_all(mesh.edges, "vertices", 2).T]
     rods.thickness = _EDGE_THICKNESS * np.linalg.norm(heads - tails, axis=1).mean()
 
 
@@ -134,12 +132,15 @@ def _evaluate(obj, scene):
     mesh = evaluated.to_mesh() if obj.type in _WITH_FACES else None
     if mesh is None or not mesh.polygons:
         raise MeshError(f"{obj.name} has no faces to render")
-    points = np.empty(len(mesh.vertices) * 3, np.float32)
-    mesh.attributes["position"].data.foreach_get("vector", points)
+    points = _positions(mesh)
     evaluated.to_mesh_clear()
     matrix = evaluated.matrix_world.copy()
     linear, offset = np.array(matrix)[:3, :3], np.array(matrix)[:3, 3]
-    return matrix, points.reshape(-1, 3) @ linear.T + offset
+    return matrix, points @ linear.T + offset
+
+
+def _positions(mesh):
+    return read_all(mesh.attributes["position"].data, "vector", 3, np.float32)
 
 
 def _centre_and_radius(points):

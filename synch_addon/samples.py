@@ -86,7 +86,7 @@ def vase(detail):
     # The floor: four quads around its middle.
     faces += [(len(points), (k + 2) % _SEGMENTS, k + 1, k) for k in range(0, _SEGMENTS, 2)]
     obj = _rounded("Vase", _bent(np.array([*points, (0.0, 0.0, 0.0)])), faces, detail)
-    ends = np.array([edge.vertices[:] for edge in obj.data.edges])
+    ends = scene_io.read_all(obj.data.edges, "vertices", 2)
     rim = np.zeros(len(obj.data.vertices))
     rim[ends[_face_counts(obj) == 1]] = 1
     scene_io.write_weights(obj, "Rim", rim)
@@ -117,13 +117,11 @@ def _rounded(name, points, faces, detail):
     apply_modifiers(obj)
     obj.data.shade_smooth()
     in_plane = np.abs(scene_io.read_values(obj, "position", "POINT")[:, 1]) < 1e-5
-    ends = np.array([edge.vertices[:] for edge in obj.data.edges])
+    ends = scene_io.read_all(obj.data.edges, "vertices", 2)
     scene_io.write_attribute(obj, scene_io.MARKS["seams"], "EDGE", "BOOLEAN", in_plane[ends].all(axis=1))
     return obj
 
 
 def _face_counts(obj):
     """(e,) faces at each edge."""
-    edges = np.empty(len(obj.data.loops), np.int32)
-    obj.data.loops.foreach_get("edge_index", edges)
-    return np.bincount(edges, minlength=len(obj.data.edges))
+    return np.bincount(scene_io.read_all(obj.data.loops, "edge_index"), minlength=len(obj.data.edges))

@@ -131,17 +131,21 @@ def read_polygons(obj):
     """The faces of the object's mesh and the triangles that Blender draws them with."""
     data = obj.data
     data.calc_loop_triangles()
-    corner_vertices = np.empty(len(data.loops), np.int32)
-    data.loops.foreach_get("vertex_index", corner_vertices)
-    starts, sizes = np.empty((2, len(data.polygons)), np.int32)
-    data.polygons.foreach_get("loop_start", starts)
-    data.polygons.foreach_get("loop_total", sizes)
-    triangle_corners = np.empty(3 * len(data.loop_triangles), np.int32)
-    data.loop_triangles.foreach_get("loops", triangle_corners)
-    triangle_faces = np.empty(len(data.loop_triangles), np.int32)
-    data.loop_triangle_polygons.foreach_get("value", triangle_faces)
-    arrays = (corner_vertices, starts, sizes, triangle_corners.reshape(-1, 3), triangle_faces)
+    arrays = (
+        read_all(data.loops, "vertex_index"),
+        read_all(data.polygons, "loop_start"),
+        read_all(data.polygons, "loop_total"),
+        read_all(data.loop_triangles, "loops", 3),
+        read_all(data.loop_triangle_polygons, "value"),
+    )
     return Polygons(*(a.astype(np.int64) for a in arrays))
+
+
+def read_all(elements, name, width=1, dtype=np.int32):
+    """(n,) or (n, width) values of a property of all elements of a collection."""
+    values = np.empty(len(elements) * width, dtype)
+    elements.foreach_get(name, values)
+    return values.reshape(-1, width) if width > 1 else values
 
 
 def _stretch(obj):
@@ -216,11 +220,8 @@ def read_marked_edges(obj, mark):
     marked = read_values(obj, MARKS[mark], "EDGE")
     if marked is None:
         return np.empty((0, 2), int)
-    pairs = np.empty((len(obj.data.edges), 2), np.int32)
-    obj.data.edges.foreach_get("vertices", pairs.ravel())
-    loose = np.empty(len(obj.data.edges), bool)
-    obj.data.edges.foreach_get("is_loose", loose)
-    return pairs[(marked > 0) & ~loose].astype(np.int64)
+    loose = read_all(obj.data.edges, "is_loose", dtype=bool)
+    return read_all(obj.data.edges, "vertices", 2)[(marked > 0) & ~loose].astype(np.int64)
 
 
 def read_group(obj, name):
@@ -262,9 +263,7 @@ def read_values(obj, name, domain):
 
 def _read(attribute):
     dtype, width, name = _LAYOUTS[attribute.data_type]
-    values = np.empty(len(attribute.data) * width, dtype)
-    attribute.data.foreach_get(name, values)
-    return values.reshape(-1, width) if width > 1 else values
+    return read_all(attribute.data, name, width, dtype)
 
 
 def write_attribute(obj, name, domain, data_type, values):
@@ -345,8 +344,7 @@ def select_vertices(obj, vertices):
     bpy.context.tool_settings.mesh_select_mode = (True, False, False)
     chosen = np.zeros(len(obj.data.vertices), bool)
     chosen[vertices] = True
-    ends = np.empty((len(obj.data.edges), 2), np.int32)
-    obj.data.edges.foreach_get("vertices", ends.ravel())
+    ends = read_all(obj.data.edges, "vertices", 2)
     obj.data.vertices.foreach_set("select", chosen)
     obj.data.edges.foreach_set("select", chosen[ends].all(axis=1))
     obj.data.polygons.foreach_set("select", np.zeros(len(obj.data.polygons), bool))

@@ -8,6 +8,7 @@ import numpy as np
 from mathutils.bvhtree import BVHTree
 
 from ..core.errors import SettingError
+from .scene_io import read_all
 from .vortex_nodes import is_of_filaments
 
 SOURCE_TYPES = {"CURVE", "GREASEPENCIL", "MESH"}
@@ -87,10 +88,8 @@ def _chains(seen):
     """Chains of edges of an object that is seen as a mesh, as polylines."""
     mesh = seen.to_mesh()
     try:
-        points = np.empty((len(mesh.vertices), 3), np.float32)
-        mesh.vertices.foreach_get("co", points.ravel())
-        pairs = np.empty((len(mesh.edges), 2), np.int32)
-        mesh.edges.foreach_get("vertices", pairs.ravel())
+        points = read_all(mesh.vertices, "co", 3, np.float32)
+        pairs = read_all(mesh.edges, "vertices", 2)
     finally:
         seen.to_mesh_clear()
     beside = {}

@@ -177,6 +177,4 @@ def _plain(obj, defect):
 
 def has_one_material(obj):
     """Whether showing the pattern on all faces loses no assignment of the user's."""
-    used = np.empty(len(obj.data.polygons), np.int32)
-    obj.data.polygons.foreach_get("material_index", used)
-    return len(np.unique(used)) <= 1
+    return len(np.unique(scene_io.read_all(obj.data.polygons, "material_index"))) <= 1
