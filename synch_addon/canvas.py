@@ -213,25 +213,26 @@ class Socket(NamedTuple):
     limits: tuple | None = None
 
 
-def group_tree(name, stamp, tree_type=Canvas.tree_type):
-    """The local node group `name`, and whether it was built with this `stamp`.
+def group_tree(name, stamp, inputs, outputs, kind=Canvas):
+    """The local node group `name`, and where it was not built with this `stamp`, a canvas to draw it on, else None.
 
-    One that was not is emptied; its sockets stay, and with them what users have set there.
+    It is emptied then; sockets that are still wanted stay, and with them what users have set there.
     """
     groups = [
         tree
         for tree in bpy.data.node_groups
-        if tree.name == name and tree.bl_idname == tree_type and tree.library is None
+        if tree.name == name and tree.bl_idname == kind.tree_type and tree.library is None
     ]
-    tree = groups[0] if groups else bpy.data.node_groups.new(name, tree_type)
+    tree = groups[0] if groups else bpy.data.node_groups.new(name, kind.tree_type)
     if tree.get(_STAMP) == stamp:
-        return tree, True
+        return tree, None
     tree.nodes.clear()
     tree[_STAMP] = stamp
-    return tree, False
+    _declare(tree, inputs, outputs)
+    return tree, kind(tree)
 
 
-def declare(tree, inputs, outputs):
+def _declare(tree, inputs, outputs):
     """Give a group these sockets; those that it has already keep their users' values."""
     sockets = [(socket, "INPUT") for socket in inputs] + [(socket, "OUTPUT") for socket in outputs]
     wanted = {(socket.name, direction) for socket, direction in sockets}

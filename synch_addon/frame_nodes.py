@@ -5,7 +5,7 @@ A geometry node group stores the attributes of the scene's frame, ``synch_phase.
 that materials and reliefs read. It needs no driver and no script, so that a render farm shows what the viewport shows.
 """
 
-from .canvas import Expression, Socket, declare, group_tree
+from .canvas import Expression, Socket, group_tree
 from .relief import GeometryCanvas, is_relief, set_input
 from .write import layout
 
@@ -21,6 +21,7 @@ _INPUTS = (
     Socket("First", "Int", "First frame that has a pattern: it is shown before it, too", 1),
     Socket("Last", "Int", "Last frame that has a pattern: it is shown after it, too", 1),
 )
+_OUTPUTS = (Socket("Geometry", "Geometry", "The mesh with the pattern of this frame"),)
 
 
 def frame_layout(kind):
@@ -37,12 +38,10 @@ def frame_name(name, frame):
 
 def frames_group(kind):
     """The group "Synch Frames" of stripes or "Synch Quad Frames", built when missing, rebuilt when outdated."""
-    tree, is_current = group_tree(NAMES[kind], f"{_VERSION}", GeometryCanvas.tree_type)
-    if is_current:
+    tree, canvas = group_tree(NAMES[kind], f"{_VERSION}", _INPUTS, _OUTPUTS, GeometryCanvas)
+    if canvas is None:
         return tree
-    declare(tree, _INPUTS, (Socket("Geometry", "Geometry", "The mesh with the pattern of this frame"),))
     tree.is_modifier = True
-    canvas = GeometryCanvas(tree)
     with canvas.band("Frame"):
         inputs = canvas.inputs()
         time = canvas.node("GeometryNodeInputSceneTime", 0)

@@ -8,7 +8,7 @@ import math
 
 import bpy
 
-from .canvas import Canvas, Expression, Socket, declare, group_tree
+from .canvas import Expression, Socket, group_tree
 
 GLOBE_NAME = "Synch Globe"
 SPHERE = "synch_sphere"
@@ -36,11 +36,9 @@ _OUTPUTS = (
 
 def globe_group() -> bpy.types.ShaderNodeTree:
     """The node group "Synch Globe", built when missing and rebuilt in place when outdated."""
-    tree, is_current = group_tree(GLOBE_NAME, f"{_VERSION}")
-    if is_current:
+    tree, canvas = group_tree(GLOBE_NAME, f"{_VERSION}", _INPUTS, _OUTPUTS)
+    if canvas is None:
         return tree
-    declare(tree, _INPUTS, _OUTPUTS)
-    canvas = Canvas(tree)
     with canvas.band("Point of the sphere"):
         inputs = canvas.inputs()
         (point,) = canvas.attribute(SPHERE, "Vector")

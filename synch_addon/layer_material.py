@@ -3,7 +3,7 @@
 
 import bpy
 
-from .canvas import Canvas, Expression, Socket, declare, group_tree
+from .canvas import Expression, Socket, group_tree
 
 LAYERS_NAME = "Synch Layers"
 CURVES_NAME = "Synch Dislocations"
@@ -49,11 +49,9 @@ def curve_material(obj):
 
 def layers_group():
     """The node group "Synch Layers", built when missing and rebuilt in place when outdated."""
-    tree, is_current = group_tree(LAYERS_NAME, f"{VERSION}")
-    if is_current:
+    tree, canvas = group_tree(LAYERS_NAME, f"{VERSION}", _INPUTS, _OUTPUTS)
+    if canvas is None:
         return tree
-    declare(tree, _INPUTS, _OUTPUTS)
-    canvas = Canvas(tree)
     inputs = canvas.inputs()
     (layer,) = canvas.attribute("synch_layer", "Fac")
     count = canvas.place("ShaderNodeAttribute", 0, "number of layers")

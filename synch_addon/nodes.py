@@ -14,7 +14,7 @@ from dataclasses import astuple, dataclass
 
 import bpy
 
-from .canvas import Canvas, Socket, declare, group_tree
+from .canvas import Canvas, Socket, group_tree
 from .stripe_profiles import PROFILE_TIP, PROFILES, THREAD_TIP, chosen, place_in_stripe, profile_heights
 
 STRIPES_NAME = "Synch Stripes"
@@ -149,11 +149,9 @@ def phase_group(name=PHASE_NAME, attributes=PhaseAttributes(), canvas_type=Canva
     other attributes or by an older version is rebuilt in place.
     """
     stamp = f"{VERSION} {' '.join(map(str, astuple(attributes)))}"
-    tree, is_current = group_tree(name, stamp, canvas_type.tree_type)
-    if is_current:
+    tree, canvas = group_tree(name, stamp, (), _PHASE_OUTPUTS, canvas_type)
+    if canvas is None:
         return tree
-    declare(tree, (), _PHASE_OUTPUTS)
-    canvas = canvas_type(tree)
     with canvas.band("Attributes of the mesh"):
         (phase,) = canvas.attribute(attributes.phase, "Fac")
         (index,) = canvas.attribute(attributes.index, "Fac")
@@ -183,12 +181,10 @@ def _closing(canvas, attributes, first):
 
 def stripes_group() -> bpy.types.ShaderNodeTree:
     """The node group "Synch Stripes", built when missing and rebuilt in place when outdated."""
-    tree, is_current = group_tree(STRIPES_NAME, f"{VERSION}")
+    tree, canvas = group_tree(STRIPES_NAME, f"{VERSION}", _STRIPES_INPUTS, _STRIPES_OUTPUTS)
     phase_tree = phase_group()
-    if is_current:
+    if canvas is None:
         return tree
-    declare(tree, _STRIPES_INPUTS, _STRIPES_OUTPUTS)
-    canvas = Canvas(tree)
     with canvas.band("Place in the stripe"):
         inputs = canvas.inputs()
         phase = canvas.group(phase_tree)

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import bpy
 
-from .canvas import Canvas, Expression, Socket, declare, group_tree
+from .canvas import Expression, Socket, group_tree
 from .nodes import INK_BLUE, VERSION, WARM_IVORY, PhaseAttributes, faded, phase_group, rounded
 
 QUADS_NAME = "Synch Quads"
@@ -55,12 +55,10 @@ class _Shape(NamedTuple):
 
 def quads_group() -> bpy.types.ShaderNodeTree:
     """The node group "Synch Quads", built when missing and rebuilt in place when outdated."""
-    tree, is_current = group_tree(QUADS_NAME, f"{VERSION}")
+    tree, canvas = group_tree(QUADS_NAME, f"{VERSION}", _INPUTS, _OUTPUTS)
     phase_trees = [phase_group(f"Synch Phase {axis.upper()}", phase_attributes(axis)) for axis in "xy"]
-    if is_current:
+    if canvas is None:
         return tree
-    declare(tree, _INPUTS, _OUTPUTS)
-    canvas = Canvas(tree)
     with canvas.band("Phases"):
         inputs = canvas.inputs()
         phases = [canvas.group(phase_tree) for phase_tree in phase_trees]

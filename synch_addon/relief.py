@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 
 from ..core.errors import SettingError, SynchError
-from .canvas import Canvas, Expression, Socket, declare, group_tree
+from .canvas import Canvas, Expression, Socket, group_tree
 from .defect_empties import mean_scale
 from .nodes import VERSION, PhaseAttributes, phase_group
 from .quad_profiles import PROFILES as QUAD_PROFILES
@@ -91,14 +91,12 @@ def _inputs(kind, profiles):
 def relief_group(kind) -> bpy.types.GeometryNodeTree:
     """The group "Synch Relief" of stripes or "Synch Quad Relief", built when missing, rebuilt when outdated."""
     name, profiles, _ = KINDS[kind]
-    tree, is_current = group_tree(name, f"{VERSION}", GeometryCanvas.tree_type)
+    tree, canvas = group_tree(name, f"{VERSION}", _inputs(kind, profiles), _OUTPUTS, GeometryCanvas)
     phases = _phase_groups(kind)
-    if is_current:
+    if canvas is None:
         return tree
-    declare(tree, _inputs(kind, profiles), _OUTPUTS)
     tree.interface.items_tree["Height"].subtype = "DISTANCE"
     tree.is_modifier = True
-    canvas = GeometryCanvas(tree)
     with canvas.band("Phase"):
         inputs = canvas.inputs()
         phases = [canvas.group(phase) for phase in phases]

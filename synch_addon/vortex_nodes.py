@@ -8,7 +8,7 @@ import math
 
 import bpy
 
-from .canvas import Canvas, Expression, Socket, declare, group_tree, surface_material
+from .canvas import Expression, Socket, group_tree, surface_material
 from .globe import SPHERE, globe_group
 from .relief import GeometryCanvas, set_input
 
@@ -41,12 +41,10 @@ _FILAMENTS_OUTPUTS = (Socket("Geometry", "Geometry", "Tubes with their strength 
 
 def tubes_group() -> bpy.types.ShaderNodeTree:
     """The node group "Synch Tubes", built when missing and rebuilt in place when outdated."""
-    tree, is_current = group_tree(TUBES_NAME, f"{_VERSION}")
+    tree, canvas = group_tree(TUBES_NAME, f"{_VERSION}", _TUBES_INPUTS, _TUBES_OUTPUTS)
     globe_tree = globe_group()
-    if is_current:
+    if canvas is None:
         return tree
-    declare(tree, _TUBES_INPUTS, _TUBES_OUTPUTS)
-    canvas = Canvas(tree)
     with canvas.band("Globe"):
         inputs = canvas.inputs()
         globe = canvas.group(globe_tree)
@@ -67,15 +65,13 @@ def tubes_group() -> bpy.types.ShaderNodeTree:
 
 def filaments_group() -> bpy.types.GeometryNodeTree:
     """The node group "Synch Filaments", built when missing and rebuilt in place when outdated."""
-    tree, is_current = group_tree(FILAMENTS_NAME, f"{_VERSION}", GeometryCanvas.tree_type)
-    if is_current:
+    tree, canvas = group_tree(FILAMENTS_NAME, f"{_VERSION}", _FILAMENTS_INPUTS, _FILAMENTS_OUTPUTS, GeometryCanvas)
+    if canvas is None:
         return tree
-    declare(tree, _FILAMENTS_INPUTS, _FILAMENTS_OUTPUTS)
     tree.interface.items_tree["Radius"].subtype = "DISTANCE"
     for name in ("Radius", "Circulation", "Many"):
         tree.interface.items_tree[name].min_value = 0.0
     tree.is_modifier = True
-    canvas = GeometryCanvas(tree)
     with canvas.band("How many lie on each other"):
         inputs = canvas.inputs()
         given = canvas.node("GeometryNodeInputRadius", 0)
