@@ -9,6 +9,7 @@ import numpy as np
 from ..core.errors import SynchError
 from .bake_settings import MAPS
 from .bake_shaders import SOURCE, pattern_node, sources
+from .canvas import surface_material
 
 # Custom property of what a bake has made, and may replace: its map, or the object.
 _MADE = "synch_baked"
@@ -108,10 +109,8 @@ def _is_made_for(material, obj):
 
 
 def _new_material(obj, source):
-    material = bpy.data.materials.new(f"{obj.name} Baked")
+    material = surface_material(f"{obj.name} Baked")
     material[_MADE] = obj.name
-    if material.node_tree is None:
-        material.use_nodes = True
     if source is not None:
         material[SOURCE] = source
         shader = _node(source, "BSDF_PRINCIPLED")

@@ -11,7 +11,7 @@ from pathlib import Path
 from ..core.errors import SettingError
 from ..core.fields.clebsch import clebsch_map, quantum_for, spherical_map
 from ..core.solve.monitor import Monitor
-from .flows import CORE, VELOCITY, check_resolution, check_size, flow_source, objects_of
+from .flows import CORE, VELOCITY, check_grid, check_resolution, flow_source, objects_of
 from .jobs import portion
 from .keywords import check_choice, check_positive, check_whole, from_names
 from .render import whole_or_nothing
@@ -124,9 +124,7 @@ class ClebschJob:
 
     def _read(self):
         grid = self._source.grid(self.settings.resolution)
-        if grid.dimension != 3:
-            raise SettingError(f"{self._source.name}: a flow in a plane has no filaments to show: give one in space")
-        check_size(grid)
+        check_grid(grid, self._source.name)
         return grid, self._source.integrals(grid)
 
     def write(self):

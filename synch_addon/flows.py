@@ -47,8 +47,10 @@ def solve_memory(nodes):
     return nodes * (_PROVED if nodes <= _PROVED_NODES else _ESTIMATED)
 
 
-def check_size(grid):
-    """Refuse a grid that no usual machine can hold a solve of."""
+def check_grid(grid, name):
+    """Refuse the grid of a source if it lies in a plane, or if no usual machine can hold a solve of it."""
+    if grid.dimension != 3:
+        raise SettingError(f"{name}: a flow in a plane has no filaments to show: give one in space")
     if grid.node_count > _MOST_NODES:
         shape, needed = " x ".join(map(str, grid.shape)), solve_memory(grid.node_count) / 2**30
         raise SettingError(

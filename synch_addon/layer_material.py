@@ -3,7 +3,7 @@
 
 import bpy
 
-from .canvas import Expression, Socket, group_tree
+from .canvas import Expression, Socket, group_tree, surface_material
 
 LAYERS_NAME = "Synch Layers"
 CURVES_NAME = "Synch Dislocations"
@@ -33,16 +33,17 @@ def layer_material(obj, count):
     """Give an object of layers its material, if it has none, and the number of layers."""
     obj[COUNT] = count
     layers_group()
-    if not any(slot.material for slot in obj.material_slots):
-        material = bpy.data.materials.get(LAYERS_NAME) or _new_layer_material()
-        obj.data.materials.clear()
-        obj.data.materials.append(material)
+    _give(obj, LAYERS_NAME, _new_layer_material)
 
 
 def curve_material(obj):
     """Give an object of dislocation curves its material, if it has none."""
+    _give(obj, CURVES_NAME, _new_curve_material)
+
+
+def _give(obj, name, new):
     if not any(slot.material for slot in obj.material_slots):
-        material = bpy.data.materials.get(CURVES_NAME) or _new_curve_material()
+        material = bpy.data.materials.get(name) or new()
         obj.data.materials.clear()
         obj.data.materials.append(material)
 
@@ -68,7 +69,8 @@ def layers_group():
 
 
 def _new_layer_material():
-    material = _new_material(LAYERS_NAME, _COLORS[1][1])
+    material = surface_material(LAYERS_NAME)
+    material.diffuse_color = _COLORS[1][1]
     tree = material.node_tree
     surface, output = tree.nodes["Principled BSDF"], tree.nodes["Material Output"]
     surface.inputs["Roughness"].default_value = 0.55
@@ -101,16 +103,9 @@ def _new_layer_material():
 
 
 def _new_curve_material():
-    material = _new_material(CURVES_NAME, _CURVE_COLOR)
+    material = surface_material(CURVES_NAME)
+    material.diffuse_color = _CURVE_COLOR
     surface = material.node_tree.nodes["Principled BSDF"]
     surface.inputs["Base Color"].default_value = _CURVE_COLOR
     surface.inputs["Roughness"].default_value = 0.4
-    return material
-
-
-def _new_material(name, color):
-    material = bpy.data.materials.new(name)
-    if material.node_tree is None:
-        material.use_nodes = True
-    material.diffuse_color = color
     return material

@@ -9,6 +9,7 @@ import numpy as np
 from ..core.errors import SettingError
 from ..core.extract.voxels import points_inside
 from ..core.interpolate_solid import evaluate_in_tets
+from .canvas import surface_material
 from .files import check_output, check_written, unwritten
 from .flows import openvdb_module
 from .layer_objects import placed
@@ -119,9 +120,7 @@ def _show(made, spacing):
 
 def _new_material(spacing):
     """Sheets where the pattern is near 1; the density goes with the spacing."""
-    material = bpy.data.materials.new(MATERIAL)
-    if material.node_tree is None:
-        material.use_nodes = True
+    material = surface_material(MATERIAL)
     tree = material.node_tree
     output = tree.nodes["Material Output"]
     tree.nodes.remove(tree.nodes["Principled BSDF"])

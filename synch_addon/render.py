@@ -13,6 +13,7 @@ import numpy as np
 from mathutils import Euler, Matrix, Vector
 
 from ..core.errors import MeshError, SettingError
+from .canvas import surface_material
 from .defect_empties import KINDS, defect_empties
 from .nodes import INK_BLUE, WARM_IVORY
 from .scene_io import read_all
@@ -230,18 +231,12 @@ def _backdrop_profile(radius, distance):
 
 
 def _matte(name, color):
-    material, surface = _surface(name)
+    material = surface_material(name)
+    surface = material.node_tree.nodes["Principled BSDF"]
     surface.inputs["Base Color"].default_value = color
     surface.inputs["Roughness"].default_value = 1.0
     surface.inputs["Specular IOR Level"].default_value = 0.0
     return material
-
-
-def _surface(name):
-    material = bpy.data.materials.new(name)
-    if material.node_tree is None:
-        material.use_nodes = True
-    return material, material.node_tree.nodes["Principled BSDF"]
 
 
 def _add_lights(scene, stage, points):
@@ -301,7 +296,8 @@ def _marker_mesh(kind):
 
 
 def _marker_material():
-    material, surface = _surface("Synch Marker")
+    material = surface_material("Synch Marker")
+    surface = material.node_tree.nodes["Principled BSDF"]
     info = material.node_tree.nodes.new("ShaderNodeObjectInfo")
     for name in ("Base Color", "Emission Color"):
         material.node_tree.links.new(info.outputs["Color"], surface.inputs[name])

@@ -11,7 +11,7 @@ from ..core.fields.clebsch import circulations, clebsch_map, quantum_for, spheri
 from ..core.fields.clebsch_frames import following_map, following_sphere
 from ..core.solve.monitor import Monitor
 from .flow_frames import common_grid, flow_frames
-from .flows import check_resolution, check_size
+from .flows import check_grid, check_resolution
 from .jobs import portion
 from .render import whole_or_nothing
 from .report import peak_memory, versions
@@ -51,9 +51,7 @@ class SequenceJob:
             return lambda number: monitor.at(f"reading frame {files[number].frame}", part + share * number / count)
 
         grid = monitor.during(lambda: common_grid(files, settings.resolution, reading(0.0, _GRID)))
-        if grid.dimension != 3:
-            raise SettingError(f"{files[0].path}: a flow in a plane has no filaments to show: give one in space")
-        check_size(grid)
+        check_grid(grid, files[0].path)
         quantum = settings.quantum
         if quantum is None:
             quantum = monitor.during(lambda: self._quantum(grid, reading(_GRID, _QUANTUM)))
