@@ -7,13 +7,13 @@ Prints a table: the animation without and with a hold on the frame before, and s
 as a module (bpy).
 """
 
-import argparse
 import tempfile
 import time
 from pathlib import Path
 
 import bpy
 import numpy as np
+from command import arguments
 from figures import beside
 from tables import Column, print_table
 
@@ -35,8 +35,7 @@ COLUMNS = (
 
 def main():
     """Run from the command line."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--folder", type=Path, default=Path("docs"), help="where the picture goes (%(default)s)")
+    parser = arguments(__doc__, folder="the picture goes")
     parser.add_argument("--table", action="store_true", help="also measure, in some minutes")
     options = parser.parse_args()
     synch_fields.register()

@@ -7,12 +7,12 @@ Prints how long each map takes at 2048 pixels; the last picture is a part of the
 stanford-bunny.obj. Needs Blender as a module (bpy).
 """
 
-import argparse
 import tempfile
 from pathlib import Path
 
 import bpy
 import numpy as np
+from command import arguments
 from figures import beside
 from scipy.ndimage import distance_transform_edt
 from tables import Column, print_table
@@ -31,10 +31,7 @@ TILE, TIMES = 512, 4
 
 def main():
     """Run from the command line."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("meshes", type=Path, help="folder with the mesh")
-    parser.add_argument("--folder", type=Path, default=Path("docs"), help="where the picture goes (%(default)s)")
-    options = parser.parse_args()
+    options = arguments(__doc__, "the mesh", "the picture goes").parse_args()
     synch_fields.register()
     try:
         make(options)
@@ -44,9 +41,7 @@ def main():
 
 def make(options):
     """Bake, render, and make the row of pictures."""
-    bpy.ops.wm.read_homefile(use_empty=True)
-    files.open_input(str(options.meshes / "stanford-bunny.obj"))
-    obj = files.choose_object(None)
+    obj = files.opened(options.meshes / "stanford-bunny.obj")
     solved = api.stripes(obj, assign_material=True)
     with tempfile.TemporaryDirectory() as folder:
         settings = dict(unwrap=True, folder=folder)

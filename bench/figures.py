@@ -8,16 +8,16 @@ and by the semidefinite one with a stripe on the boundary. Figure 8: stripes alo
 MESHES/stanford-bunny.obj, spectral and semidefinite. Needs Blender as a module (bpy).
 """
 
-import argparse
 import tempfile
 from pathlib import Path
 
 import bpy
 import numpy as np
+from command import arguments
 from scipy.spatial import Delaunay
 from tables import Column, print_table
 
-from synch_fields.synch_addon import api, files
+from synch_fields.synch_addon import api, files, scene_io
 from synch_fields.synch_addon.render import render_picture
 
 SPACING = 0.075
@@ -36,10 +36,7 @@ COLUMNS = (
 
 def main():
     """Make both pictures and print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("meshes", type=Path, help="folder with stanford-bunny.obj")
-    parser.add_argument("--folder", type=Path, default=Path("docs"), help="where the pictures go (%(default)s)")
-    options = parser.parse_args()
+    options = arguments(__doc__, "stanford-bunny.obj", "the pictures go").parse_args()
     rows = planar(options.folder / "figure6.png") + bunny(options.meshes, options.folder / "figure8.png")
     print_table("Figures 6 and 8", COLUMNS, rows)
 
@@ -70,9 +67,7 @@ def bunny(meshes, path):
     with tempfile.TemporaryDirectory() as folder:
         pictures = []
         for name, method in (("spectral", "spectral"), ("SDP", "sdp")):
-            bpy.ops.wm.read_homefile(use_empty=True)
-            files.open_input(str(meshes / "stanford-bunny.obj"))
-            obj = files.choose_object(None)
+            obj = files.opened(meshes / "stanford-bunny.obj")
             if method == "spectral":
                 field = api.directions(obj, guidance="curvature-min")
                 rows.append(row("bunny: line of least curvature", field))
@@ -137,9 +132,7 @@ def contains(polygon, points):
 
 def add_glyphs(obj, length=0.055, width=0.011):
     """The domain with a bar for the direction at some of its vertices."""
-    points, directions = np.empty((2, len(obj.data.vertices), 3), np.float32)
-    obj.data.vertices.foreach_get("co", points.ravel())
-    obj.data.attributes["synch_direction"].data.foreach_get("vector", directions.ravel())
+    points, directions = (scene_io.read_values(obj, name, "POINT") for name in ("position", "synch_direction"))
     cells = np.unique(np.floor(points[:, :2] / (1.25 * length)), axis=0, return_index=True)[1]
     along = directions[cells] * length / 2
     across = np.cross([0, 0, 1], directions[cells]) * width / 2

@@ -6,16 +6,16 @@
 MESHES holds spot.obj, fandisk.obj, rocker-arm.obj and inspired_mesh.obj. Needs Blender as a module (bpy).
 """
 
-import argparse
 import tempfile
 from pathlib import Path
 
 import bpy
 import numpy as np
+from command import arguments
 from figures import COLUMNS, beside, row
 from tables import print_table
 
-from synch_fields.synch_addon import api, files
+from synch_fields.synch_addon import api, files, scene_io
 from synch_fields.synch_addon.render import render_picture
 
 # Where they are seen from.
@@ -24,18 +24,13 @@ SPOT, BEHIND = (205, 12), (150, 18)
 
 def main():
     """Make the sheet and print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("meshes", type=Path, help="folder with the meshes")
-    parser.add_argument("--folder", type=Path, default=Path("docs"), help="where the sheet goes (%(default)s)")
-    options = parser.parse_args()
+    options = arguments(__doc__, "the meshes", "the sheet goes").parse_args()
     rows, sheets = [], []
     with tempfile.TemporaryDirectory() as folder:
         for number in range(0, len(CASES), 4):
             pictures = []
             for label, mesh, view, prepare, settings in CASES[number : number + 4]:
-                bpy.ops.wm.read_homefile(use_empty=True)
-                files.open_input(str(options.meshes / f"{mesh}.obj"))
-                obj = files.choose_object(None)
+                obj = files.opened(options.meshes / f"{mesh}.obj")
                 prepare(obj)
                 report = api.stripes(obj, assign_material=True, **settings)
                 rows.append(row(label, report))
@@ -48,19 +43,11 @@ def main():
     print_table("Constraints", COLUMNS, rows)
 
 
-def positions(obj):
-    """(n, 3) places of the vertices in the object's space."""
-    places = np.empty((len(obj.data.vertices), 3), np.float32)
-    obj.data.vertices.foreach_get("co", places.ravel())
-    return places
-
-
 def mark_between(axis, place):
     """Mark as seams the edges between faces on both sides of a plane, in object space."""
 
     def prepare(obj):
-        centres = np.empty((len(obj.data.polygons), 3), np.float32)
-        obj.data.polygons.foreach_get("center", centres.ravel())
+        centres = scene_io.read_all(obj.data.polygons, "center", 3, np.float32)
         sides = {}
         for polygon, above in zip(obj.data.polygons, centres[:, axis] > place, strict=True):
             for key in polygon.edge_keys:
@@ -85,7 +72,7 @@ def group_ring(axis, low, high):
     """A vertex group "ring" of the vertices between two planes of object space."""
 
     def prepare(obj):
-        along = positions(obj)[:, axis]
+        along = scene_io.read_values(obj, "position", "POINT")[:, axis]
         chosen = np.flatnonzero((along > low) & (along < high))
         obj.vertex_groups.new(name="ring").add(chosen.tolist(), 1.0, "REPLACE")
 
@@ -109,7 +96,7 @@ def nothing(_obj):
 
 def vectors_around(obj):
     """A vector attribute that goes around the object's vertical axis, on its upper half."""
-    places = positions(obj)
+    places = scene_io.read_values(obj, "position", "POINT")
     around = np.cross([0, 1, 0], places)
     around[places[:, 1] < np.median(places[:, 1])] = 0
     obj.data.attributes.new("around", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", around.ravel())

@@ -3,7 +3,9 @@
 
 import copy
 import multiprocessing
+import sys
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 from pathlib import Path
 from statistics import median
@@ -112,7 +114,11 @@ def peak_megabytes():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
 
 
-def in_child(work, *arguments):
-    """Result of a function of a module, run in a process of its own."""
-    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
-        return pool.submit(work, *arguments).result()
+def row_of_child(label, work, *arguments):
+    """A row of a table from a function of a module, run in a process of its own."""
+    print(label, file=sys.stderr, flush=True)
+    try:
+        with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+            return {"label": label} | pool.submit(work, *arguments).result()
+    except BrokenProcessPool:
+        return {"label": label, "certificate": "no result: the process was killed"}

@@ -7,12 +7,12 @@ Writes gallery.png to the folder and the thumbnails to synch_addon/thumbnails. M
 stanford-bunny.obj, botijo.obj and cheburashka.obj. Needs Blender as a module (bpy).
 """
 
-import argparse
 import tempfile
 from pathlib import Path
 
 import bpy
 import numpy as np
+from command import arguments
 from figures import beside
 from quad_gallery import plain_material
 
@@ -40,9 +40,7 @@ CLAY = (0.50, 0.44, 0.37, 1.0)
 
 def main():
     """Run from the command line."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("meshes", type=Path, help="folder with the meshes")
-    parser.add_argument("--folder", type=Path, default=Path("docs"), help="where the gallery goes (%(default)s)")
+    parser = arguments(__doc__, "the meshes", "the gallery goes")
     parser.add_argument("--only", choices=("gallery", "thumbnails"), help="one of both")
     options = parser.parse_args()
     synch_fields.register()

@@ -8,16 +8,12 @@ its energies are printed. MESHES holds spot.obj, fertility.obj, rocker-arm.obj a
 a module (bpy).
 """
 
-import argparse
-import tempfile
-from pathlib import Path
-
 import bpy
 import numpy as np
+from command import arguments, make_pictures
 from figures import COLUMNS, beside, read_directions, row, write_directions
 from tables import print_table
 
-from synch_fields import register, unregister
 from synch_fields.synch_addon import api, files
 from synch_fields.synch_addon.nodes import INK_BLUE, WARM_IVORY
 from synch_fields.synch_addon.quad_profiles import PROFILES, QUADS_NAME
@@ -35,34 +31,22 @@ CONTRAST, GAMMA = 0.7, 2.2
 
 def main():
     """Make the pictures, and print the table of Figure 4."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("meshes", type=Path, help="folder with the meshes")
-    parser.add_argument("--folder", type=Path, default=Path("docs"), help="where the pictures go (%(default)s)")
-    parser.add_argument("--only", choices=PICTURES, help="the name of one picture")
-    options = parser.parse_args()
-    register()
-    for name, make in PICTURES.items():
-        if options.only in (None, name):
-            with tempfile.TemporaryDirectory() as folder:
-                make(options.meshes, Path(folder), options.folder / f"{name}.png")
-    unregister()
+    make_pictures(arguments(__doc__, "the meshes", "the pictures go"), PICTURES)
 
 
 def opened(meshes, name):
     """The object of a mesh's file, and the longest side of its box."""
-    bpy.ops.wm.read_homefile(use_empty=True)
-    files.open_input(str(meshes / f"{name}.obj"))
-    obj = files.choose_object(None)
+    obj = files.opened(meshes / f"{name}.obj")
     return obj, max(obj.dimensions)
 
 
-def figure4(meshes, folder, path):
+def figure4(options, folder, path):
     """The oscillatory fields, one shape below the other."""
     rows, sheets = [], []
     for name, view, count in WAVES:
         pictures = []
         for method in ("spectral", "sdp"):
-            obj, size = opened(meshes, name)
+            obj, size = opened(options.meshes, name)
             if method == "spectral":
                 api.directions(obj, symmetry="cross")
                 directions = read_directions(obj)
@@ -108,11 +92,11 @@ def plain_material(name, color):
     return material
 
 
-def quad_mesh(meshes, folder, path):
+def quad_mesh(options, folder, path):
     """Quad meshes with their edges."""
     pictures = []
     for name, view, count in MESHES:
-        obj, size = opened(meshes, name)
+        obj, size = opened(options.meshes, name)
         report = api.quad_mesh(obj, spacing=size / count)["quad_mesh"]
         made = bpy.data.objects[report["object"]]
         made.data.materials.clear()
@@ -122,10 +106,10 @@ def quad_mesh(meshes, folder, path):
     beside(pictures, path)
 
 
-def quads(meshes, folder, path):
+def quads(options, folder, path):
     """The profiles of the node group on one pattern."""
     name, view, count = PATTERNED
-    obj, size = opened(meshes, name)
+    obj, size = opened(options.meshes, name)
     api.quads(obj, spacing=size / count, assign_material=True)
     group = next(node for node in obj.active_material.node_tree.nodes if node.type == "GROUP")
     pictures = []

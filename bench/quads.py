@@ -9,13 +9,12 @@ least four median edges, and QuadriFlow's mesh of as many faces; the same functi
 module (bpy).
 """
 
-import argparse
 import sys
 from itertools import pairwise
-from pathlib import Path
 
 import bpy
 import numpy as np
+from command import arguments
 from measure import timed
 from meshes import read_obj
 from tables import Column, print_table
@@ -79,8 +78,7 @@ MESH_COLUMNS = (
 
 def main():
     """Print both tables; returns the number of violated inequalities."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("meshes", type=Path, help="folder with the meshes")
+    parser = arguments(__doc__, "the meshes")
     parser.add_argument("--only", nargs="+", default=(), help="names of meshes, all by default")
     options = parser.parse_args()
     rows, refused = [], []
@@ -159,8 +157,7 @@ def quad_meshes(folder, name, field):
 
 
 def opened(path):
-    files.open_input(str(path))
-    obj = files.choose_object(None)
+    obj = files.opened(path)
     obj.select_set(True)
     return obj
 
@@ -197,8 +194,7 @@ def measured(label, obj, given, seconds):
 def as_quads(obj):
     """The :class:`QuadMesh` of an object's faces; nothing is known of the surface below."""
     polygons = scene_io.read_polygons(obj)
-    places = np.empty((len(obj.data.vertices), 3), np.float32)
-    obj.data.vertices.foreach_get("co", places.ravel())
+    places = scene_io.read_values(obj, "position", "POINT")
     return QuadMesh(places.astype(float), None, None, polygons.corner_vertices, polygons.sizes)
 
 

@@ -12,16 +12,14 @@ certificate to a gap of 1e-2, "× LY": its CPU time in products L Y; "s solve": 
 "MB relaxation" and "MB solve": the most memory held until the matrices, the relaxation and the solve are there.
 """
 
-import argparse
-import sys
-from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 from statistics import median
 
 import numpy as np
 import problems
+from command import arguments
 from grids import trefoil_problem
-from measure import in_child, peak_megabytes, relaxation_in_products, timed, timed_solve
+from measure import peak_megabytes, relaxation_in_products, row_of_child, timed, timed_solve
 from meshes import read_obj
 from subdivide import sphere, subdivided
 from tables import Column, print_table
@@ -54,22 +52,17 @@ def main():
     for argument in options.shapes:
         shape, sizes = argument.rsplit("=", 1)
         name = Path(shape).stem
-        rows = []
-        for size in map(int, sizes.split(",")):
-            print(f"{name} {size}", file=sys.stderr, flush=True)
-            row = {"label": f"{name} {size}"}
-            try:
-                row |= in_child(measure, shape, size, options.problem, options.repeat)
-            except BrokenProcessPool:
-                row["certificate"] = "no result: the process was killed"
-            rows.append(row)
+        rows = [
+            row_of_child(f"{name} {size}", measure, shape, size, options.problem, options.repeat)
+            for size in map(int, sizes.split(","))
+        ]
         print_table(f"{name}, trefoil" if shape == "grid" else f"{name}, {options.problem}", COLUMNS, rows)
         for what, key in (("relaxation and certificate", "relaxation s"), ("whole solve", "solve s")):
             _print_slope(what, [(row["nodes"], row[key]) for row in rows if key in row])
 
 
 def _arguments():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = arguments(__doc__)
     parser.add_argument("shapes", nargs="+", metavar="SHAPE=SIZES")
     parser.add_argument("--problem", choices=problems.NAMES, default="n = 4")
     parser.add_argument("--repeat", type=int, default=1, help="runs, of which medians are printed (1)")

@@ -9,15 +9,12 @@ time in products of L with all columns of the lifted field, timed before and aft
 is all but the rounding.
 """
 
-import argparse
-import sys
-from concurrent.futures.process import BrokenProcessPool
-from pathlib import Path
 from statistics import median
 from time import process_time
 
 import numpy as np
-from measure import in_child, peak_megabytes, untouched
+from command import arguments
+from measure import peak_megabytes, row_of_child, untouched
 from solid_shapes import stuffed_bunny
 from tables import Column, print_table
 
@@ -53,19 +50,10 @@ COLUMNS = (
 
 def main():
     """Print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("meshes", type=Path, help="folder with stanford-bunny.obj")
+    parser = arguments(__doc__, "stanford-bunny.obj")
     parser.add_argument("sizes", type=float, nargs="*", default=SIZES, help="%(default)s")
     options = parser.parse_args()
-    rows = []
-    for size in options.sizes:
-        print(f"size {size}", file=sys.stderr, flush=True)
-        row = {"label": f"bunny {size}"}
-        try:
-            row |= in_child(measure, options.meshes, size)
-        except BrokenProcessPool:
-            row["certificate"] = "no result: the process was killed"
-        rows.append(row)
+    rows = [row_of_child(f"bunny {size}", measure, options.meshes, size) for size in options.sizes]
     print_table(f"Layers in the stuffed bunny, {COUNT} along its height", COLUMNS, rows)
 
 

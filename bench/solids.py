@@ -10,12 +10,12 @@ surfaces, checks that the energies are in the order of Eq. (23), and makes figur
 Blender as a module (bpy).
 """
 
-import argparse
 import tempfile
 from pathlib import Path
 from time import process_time
 
 import numpy as np
+from command import arguments
 from scipy.spatial import cKDTree
 from solid_pictures import beside, picture_of_function, picture_of_layers
 from solid_shapes import ring, solid_bunny, stuffed_bunny
@@ -57,9 +57,7 @@ CANDIDATES = 40
 
 def main():
     """Make the picture and print the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("meshes", type=Path, help="folder with bunny.mesh and stanford-bunny.obj")
-    parser.add_argument("--folder", type=Path, default=Path("docs"), help="where the picture goes (%(default)s)")
+    parser = arguments(__doc__, "bunny.mesh and stanford-bunny.obj", "the picture goes")
     parser.add_argument("--no-picture", action="store_true", help="print the table alone")
     options = parser.parse_args()
     shapes = {

@@ -9,17 +9,13 @@ singular maps of the same solve, each with as many vortices as the sphere is cov
 point of the globe, marked in the same colour. Needs Blender as a module (bpy).
 """
 
-import argparse
-import tempfile
-from pathlib import Path
-
 import bpy
 import numpy as np
+from command import arguments, make_pictures
 from figures import beside
 from grids import QUANTA, trefoil_grid, trefoil_velocity
 from mathutils import Euler, Matrix
 
-from synch_fields import register, unregister
 from synch_fields.synch_addon.clebsch import clebsch
 from synch_fields.synch_addon.globe import SPHERE, globe_group
 from synch_fields.synch_addon.nodes import STRIPES_NAME
@@ -39,22 +35,13 @@ TURN, SEEN = (np.array(Euler(angles).to_matrix()) for angles in ((0.0, 1.75, 0.9
 
 def main():
     """Make the pictures."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--folder", type=Path, default=Path("docs"), help="where the pictures go (%(default)s)")
-    parser.add_argument("--only", choices=PICTURES, help="the name of one picture")
-    options = parser.parse_args()
-    register()
-    for name, make in PICTURES.items():
-        if options.only in (None, name):
-            with tempfile.TemporaryDirectory() as folder:
-                make(Path(folder), options.folder / f"{name}.png")
-    unregister()
+    make_pictures(arguments(__doc__, folder="the pictures go"), PICTURES)
 
 
 # The trefoil
 
 
-def figure5(folder, path):
+def figure5(_options, folder, path):
     """Filaments and tubes of the knot at five circulations."""
     bpy.ops.wm.read_homefile(use_empty=True)
     source = save_trefoil(folder, 40)
@@ -73,7 +60,7 @@ def figure5(folder, path):
     beside(sheets, path, vertical=True)
 
 
-def knot(folder, path):
+def knot(_options, folder, path):
     """Tubes of one quantum on a finer grid, in the colours of the sphere."""
     bpy.ops.wm.read_homefile(use_empty=True)
     report = clebsch(save_trefoil(folder, 80), quantum=2 * np.pi * QUANTA / 2, show="tubes", opening=70, smoothing=4)
@@ -100,7 +87,7 @@ def in_hues(obj):
 # The disk
 
 
-def figure7(folder, path):
+def figure7(_options, folder, path):
     """The globe and the map to it on the left, four singular maps on the right."""
     bpy.ops.wm.read_homefile(use_empty=True)
     quantum = np.pi / DISK_QUANTA

@@ -110,8 +110,8 @@ _COMMANDS = dict.fromkeys(cli_fields.COMMANDS, cli_fields.run) | {
 
 def _open(options, loaded):
     if options.input:
-        files.open_input(options.input)
-    elif not loaded:
+        return files.opened(options.input, options.object)
+    if not loaded:
         raise SettingError("no input: name a .blend, .obj, .ply, .stl or .glb file")
     return files.choose_object(options.object)
 

@@ -105,6 +105,12 @@ def choose_object(name=None):
     return chosen
 
 
+def opened(path, name=None):
+    """The mesh object to work on of a file, as :func:`open_input` and :func:`choose_object` have it."""
+    open_input(path)
+    return choose_object(name)
+
+
 def named_object(name):
     """An object of the file by its name."""
     obj = bpy.data.objects.get(name)

@@ -62,3 +62,21 @@ class Loop:
             time.sleep(0.01)
             result = self.send(operator, "TIMER")
         return result
+
+
+class Recorded:
+    """Mixed into an operator that is none of Blender's: what it reports is kept."""
+
+    def __init__(self):
+        self.reports = []
+
+    def report(self, kind, text):
+        self.reports.append((kind, text))
+
+
+def begun(operator):
+    """An operator whose job has been started in a loop of its own, and the loop before it."""
+    loop = Loop()
+    assert operator._start(loop) == {"RUNNING_MODAL"}
+    assert loop.timers == loop.handlers == loop.cursors == 1
+    return loop, operator

@@ -51,6 +51,25 @@ def torus():
     return bpy.context.active_object
 
 
+def ring(radii, segments):
+    """A flat ring of quads around the origin, with circles of these radii."""
+    turn = np.arange(segments) * 2 * np.pi / segments
+    vertices = [(r * np.cos(a), r * np.sin(a), 0) for r in radii for a in turn]
+    faces = []
+    for k, i in product(range(len(radii) - 1), range(segments)):
+        here, there = k * segments + i, k * segments + (i + 1) % segments
+        faces.append((here, here + segments, there + segments, there))
+    return add_object(vertices, faces, "Ring")
+
+
+def bent(obj):
+    """A flat grid, bent and symmetric in X and Y."""
+    for vertex in obj.data.vertices:
+        x, y, _ = vertex.co
+        vertex.co.z = 0.1 * np.cos(2 * x) * np.cos(3 * y * y)
+    return obj
+
+
 def grid(subdivisions=12, size=2.0):
     """A flat square of quads around the origin."""
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=subdivisions, y_subdivisions=subdivisions, size=size)
@@ -97,6 +116,24 @@ def hexagon_sphere(subdivisions=3):
         faces.append(around[np.argsort(np.arctan2(offsets @ y, offsets @ x))])
     bpy.data.objects.remove(source)
     return add_object(centres, faces, "Hexagons")
+
+
+def furnished():
+    """An object with much that a run could disturb: materials, groups, UVs, properties, a shared mesh."""
+    obj = hexagon_sphere()
+    for name in ("Red", "Green"):
+        obj.data.materials.append(bpy.data.materials.new(name))
+    obj.data.polygons.foreach_set("material_index", np.arange(len(obj.data.polygons)) % 2)
+    obj.active_material_index = 1
+    obj.data.uv_layers.new(name="Mine")
+    add_group(obj, "some", range(10))
+    obj["mine"] = 3.0
+    twin = bpy.data.objects.new("Twin", obj.data)
+    bpy.context.scene.collection.objects.link(twin)
+    child = bpy.data.objects.new("Mine too", None)
+    child.parent = obj
+    bpy.context.scene.collection.objects.link(child)
+    return make_active(obj)
 
 
 def attribute(obj, name):
@@ -175,6 +212,11 @@ def _object(obj):
 
 def _collection(collection):
     return sorted(o.name for o in collection.objects), sorted(c.name for c in collection.children)
+
+
+def written(obj):
+    """Domain and type of every attribute of ours."""
+    return {a.name: (a.domain, a.data_type) for a in obj.data.attributes if a.name.startswith("synch_")}
 
 
 def save_and_reopen(path, name):

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from .scenes import attribute, empties, grid, hexagon_sphere, quad_sphere, sphere, torus, tube
+from .scenes import attribute, empties, grid, hexagon_sphere, quad_sphere, sphere, torus, tube, written
 
 STRIPE_ATTRIBUTES = {
     "synch_direction": ("POINT", "FLOAT_VECTOR"),
@@ -23,11 +23,6 @@ STRIPE_ATTRIBUTES = {
 OPTIONAL = {"synch_index_2": ("FACE", "INT"), "synch_disclination": ("FACE", "FLOAT_COLOR")}
 EULER = {sphere: 2, quad_sphere: 2, hexagon_sphere: 2, torus: 0}
 MESHES = [*EULER, grid, tube]
-
-
-def written(obj):
-    """Domain and type of every attribute of ours."""
-    return {a.name: (a.domain, a.data_type) for a in obj.data.attributes if a.name.startswith("synch_")}
 
 
 def starts(obj):

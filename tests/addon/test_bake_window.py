@@ -13,26 +13,24 @@ from synch_fields.synch_addon.bake_settings import BakeSettings
 from synch_fields.synch_addon.operators.bake import SYNCH_OT_bake
 from synch_fields.synch_addon.operators.field_operator import BackgroundOperator
 
-from .loop import Loop
+from .loop import Recorded, begun
 from .scenes import attribute, snapshot, sphere
 
 MAPS = ("mask", "height", "phase")
 
 
-class Bake(BackgroundOperator):
+class Bake(Recorded, BackgroundOperator):
     """The operator as the window runs it, without being one of Blender's."""
 
     bl_label, work = "Bake", jobs.Pieces
     _write, _headline = SYNCH_OT_bake._write, SYNCH_OT_bake._headline
 
     def __init__(self, **settings):
-        self.settings, self.reports = BakeSettings(maps=MAPS, size=32, samples=1, unwrap=True, **settings), []
+        super().__init__()
+        self.settings = BakeSettings(maps=MAPS, size=32, samples=1, unwrap=True, **settings)
 
     def _job(self, context):
         return BakeJob(context.active_object, self.settings)
-
-    def report(self, kind, text):
-        self.reports.append((kind, text))
 
 
 @pytest.fixture
@@ -42,12 +40,6 @@ def striped():
         obj.data.uv_layers.remove(layer)
     api.stripes(obj, spacing=0.5)
     return obj
-
-
-def begun(**settings):
-    loop, operator = Loop(), Bake(**settings)
-    assert operator._start(loop) == {"RUNNING_MODAL"}
-    return loop, operator
 
 
 def everything():
@@ -60,7 +52,7 @@ def files(folder):
 
 def test_pieces_are_named_before_they_are_done_and_nothing_is_left_in_between(striped, tmp_path):
     before = everything()
-    loop, operator = begun(folder=str(tmp_path))
+    loop, operator = begun(Bake(folder=str(tmp_path)))
     seen = []
     while loop.send(operator, "TIMER") == {"RUNNING_MODAL"}:
         seen.append(jobs.running.stage)
@@ -73,7 +65,7 @@ def test_pieces_are_named_before_they_are_done_and_nothing_is_left_in_between(st
 def test_files_are_those_of_a_script(striped, tmp_path):
     for name in ("window", "script"):
         (tmp_path / name).mkdir()
-    loop, operator = begun(folder=str(tmp_path / "window"), naming="{map}")
+    loop, operator = begun(Bake(folder=str(tmp_path / "window"), naming="{map}"))
     assert loop.run(operator) == {"FINISHED"}
     maps = {"maps": MAPS, "size": 32, "samples": 1, "naming": "{map}"}
     api.bake(striped, folder=str(tmp_path / "script"), uv_map="Synch Bake", **maps)
@@ -86,7 +78,7 @@ def test_files_are_those_of_a_script(striped, tmp_path):
 @pytest.mark.parametrize("pieces", [0, 1, 2, 3])
 def test_escape_between_two_maps_leaves_everything_as_it_was(striped, pieces, tmp_path):
     before = everything()
-    loop, operator = begun(folder=str(tmp_path), material=True)
+    loop, operator = begun(Bake(folder=str(tmp_path), material=True))
     for _ in range(pieces):
         assert loop.send(operator, "TIMER") == {"RUNNING_MODAL"}
     start = time.perf_counter()
@@ -98,7 +90,7 @@ def test_escape_between_two_maps_leaves_everything_as_it_was(striped, pieces, tm
 
 
 def test_opening_another_file_ends_the_bake(striped, tmp_path):
-    loop, operator = begun(folder=str(tmp_path))
+    loop, operator = begun(Bake(folder=str(tmp_path)))
     for _ in range(2):
         loop.send(operator, "TIMER")
     bpy.ops.wm.read_homefile(use_empty=True)
@@ -108,21 +100,21 @@ def test_opening_another_file_ends_the_bake(striped, tmp_path):
 
 def test_bake_in_edit_mode_comes_back_to_it(striped, tmp_path):
     bpy.ops.object.mode_set(mode="EDIT")
-    loop, operator = begun(folder=str(tmp_path))
+    loop, operator = begun(Bake(folder=str(tmp_path)))
     loop.send(operator, "TIMER")
     assert loop.send(operator, "ESC", "PRESS") == {"CANCELLED"}
     assert striped.mode == "EDIT"
 
 
 def test_no_solve_begins_while_a_bake_runs(striped, tmp_path):
-    loop, operator = begun(folder=str(tmp_path))
+    loop, operator = begun(Bake(folder=str(tmp_path)))
     assert not bpy.ops.synch.stripes.poll() and not bpy.ops.synch.bake.poll()
     loop.send(operator, "ESC", "PRESS")
     assert bpy.ops.synch.stripes.poll() and attribute(striped, "synch_phase").any()
 
 
 def test_what_is_refused_is_said_in_one_line(striped, tmp_path):
-    loop, operator = begun(folder=str(tmp_path / "missing"))
+    loop, operator = begun(Bake(folder=str(tmp_path / "missing")))
     assert loop.run(operator) == {"CANCELLED"}
     assert operator.reports[-1][0] == {"ERROR"} and "this folder does not exist" in operator.reports[-1][1]
     assert jobs.running is None

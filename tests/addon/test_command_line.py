@@ -12,9 +12,10 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.synch_addon import cli, render
+from synch_fields.synch_addon import render
 
 from .scenes import attribute, empties, sphere
+from .ways import run
 
 addon_utils = importlib.import_module("addon_utils")  # on the path once bpy is loaded, as isort cannot know
 
@@ -48,14 +49,6 @@ def files(tmp_path_factory, extension):
     bpy.ops.wm.stl_export(filepath=str(folder / "ball.stl"))
     bpy.ops.export_scene.gltf(filepath=str(folder / "ball.glb"))
     return {path.suffix: path for path in folder.iterdir() if path.stem == "ball"}
-
-
-def run(capfd, *arguments, loaded=False):
-    """Run in this process: exit status, stdout and stderr."""
-    capfd.readouterr()
-    status = cli.main([str(a) for a in arguments], loaded=loaded)
-    printed = capfd.readouterr()
-    return status, printed.out, printed.err
 
 
 def test_stripes_from_obj_to_blend_and_report(files, tmp_path):

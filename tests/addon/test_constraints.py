@@ -19,6 +19,7 @@ from .scenes import (
     grid,
     mark_edges,
     places,
+    ring,
     set_numbers,
     set_vectors,
     tube,
@@ -198,17 +199,6 @@ def test_rows_may_cross_and_meet(wish):
 # Boundaries
 
 
-def ring(inner, outer, count=12, segments=72):
-    """A flat ring of quads around the origin."""
-    turn = np.arange(segments) * 2 * np.pi / segments
-    vertices = [(r * np.cos(a), r * np.sin(a), 0) for r in np.linspace(inner, outer, count + 1) for a in turn]
-    faces = []
-    for k, i in product(range(count), range(segments)):
-        here, there = k * segments + i, k * segments + (i + 1) % segments
-        faces.append((here, here + segments, there + segments, there))
-    return add_object(vertices, faces, "Ring")
-
-
 def disk(count=24):
     """A unit disk of triangles of about the same size, k * 6 of its vertices on the k-th circle."""
     circles = [[0]]
@@ -231,7 +221,7 @@ def disk(count=24):
 
 
 def test_a_flat_ring_with_stripes_on_its_boundary_has_concentric_rings():
-    obj = ring(0.5, 1.5)
+    obj = ring(np.linspace(0.5, 1.5, 13), 72)
     report = api.stripes(obj, spacing=0.25, constraints=[{"where": "boundary", "what": "phase"}])
     radius = np.linalg.norm(places(obj), axis=1)
     np.testing.assert_allclose(pattern(obj), wave(radius - 0.5, 0.25), atol=0.01)

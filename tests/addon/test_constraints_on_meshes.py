@@ -2,33 +2,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every kind of constraint on real meshes: it holds where it was asked for, and the bound stays a bound."""
 
-from pathlib import Path
-
 import bpy
 import numpy as np
 import pytest
 from mathutils import Vector
 
-from synch_fields.synch_addon import api, files
+from synch_fields.synch_addon import api
 
 from .continuity import largest_jump
+from .quad_meshes import ends
 from .scenes import attribute, make_active, save_and_reopen
+from .shared_meshes import MARKS, opened
 
-FOLDER = Path(__file__).resolve().parents[3] / "shared" / "meshes"
-
-pytestmark = [pytest.mark.slow, pytest.mark.skipif(not FOLDER.exists(), reason="the shared meshes are not here")]
-
-
-def opened(name):
-    files.open_input(FOLDER / f"{name}.obj")
-    return files.choose_object()
-
-
-def ends(obj):
-    """(e, 2) vertices of the edges."""
-    pairs = np.empty((len(obj.data.edges), 2), np.int32)
-    obj.data.edges.foreach_get("vertices", pairs.ravel())
-    return pairs
+pytestmark = MARKS
 
 
 def boundary_vertices(obj):

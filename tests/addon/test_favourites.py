@@ -24,6 +24,7 @@ from .scenes import (
     sphere,
     torus,
 )
+from .ways import undo_and_redo
 
 SOLVES = {
     "stripes": (sphere, "stripes", {"spacing": 0.4}),
@@ -181,16 +182,8 @@ def test_a_later_solve_leaves_favourites_alone():
 
 def test_undo_and_redo_of_keeping():
     solved("stripes")
-    bpy.ops.ed.undo_push(message="before")
-    before = snapshot()
-    assert bpy.ops.synch.keep_favourite() == {"FINISHED"}
-    bpy.ops.ed.undo_push(message="keep")
-    after = snapshot()
-    bpy.ops.ed.undo()
-    obj = bpy.context.active_object
-    assert snapshot() == before and not obj.synch.favourites
-    bpy.ops.ed.redo()
-    assert snapshot() == after and len(bpy.context.active_object.synch.favourites) == 1
+    undo_and_redo(bpy.ops.synch.keep_favourite, lambda: (snapshot(), len(bpy.context.active_object.synch.favourites)))
+    assert len(bpy.context.active_object.synch.favourites) == 1
 
 
 def test_what_cannot_be_kept_is_refused():

@@ -15,6 +15,7 @@ from synch_fields.synch_addon.guide_list import stored_guidance
 from synch_fields.synch_addon.settings import Settings
 
 from .scenes import attribute, directions, grid, snapshot, sphere, torus
+from .ways import undo_and_redo
 
 OTHER = Path(__file__).resolve().parents[3] / "shared" / "meshes" / "cheburashka-cf.rawfield"
 NUMBERS = {"vector": 1, "line": 2, "cross": 4}
@@ -104,17 +105,11 @@ def test_import_is_undone(tmp_path):
     api.directions(obj)
     api.export_field(obj, path, "line")
     obj.data.attributes.remove(obj.data.attributes["synch_direction"])
-    bpy.ops.ed.undo_push(message="before")
-    before = snapshot()
-    bpy.ops.synch.import_field(filepath=str(path))
-    bpy.ops.ed.undo_push(message="import")
-    after = snapshot()
-    assert after != before
-    bpy.ops.ed.undo()
-    assert snapshot() == before
-    assert bpy.context.active_object.synch.guidance == "SMOOTH"
-    bpy.ops.ed.redo()
-    assert snapshot() == after
+    assert obj.synch.guidance == "SMOOTH"
+    undo_and_redo(
+        lambda: bpy.ops.synch.import_field(filepath=str(path)),
+        lambda: (snapshot(), bpy.context.active_object.synch.guidance),
+    )
 
 
 def test_files_are_read_and_written_in_edit_mode(tmp_path):

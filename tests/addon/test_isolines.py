@@ -12,6 +12,7 @@ from synch_fields.core.errors import SynchError
 from synch_fields.synch_addon import api, cli
 
 from .scenes import attribute, grid, hexagon_sphere, mark_edges, quad_sphere, snapshot, sphere, torus, tube
+from .ways import undo_and_redo
 
 SPACING = 0.25
 
@@ -297,16 +298,9 @@ def test_what_has_no_lines_is_refused_in_one_line(build, settings, says):
 
 def test_undo_removes_the_curve_and_redo_brings_it_back():
     striped_grid()
-    bpy.ops.ed.undo_push(message="before")
-    before = snapshot()
-    assert bpy.ops.synch.isolines(width=0.5, radius=0.2) == {"FINISHED"}
-    bpy.ops.ed.undo_push(message="lines")
-    after = snapshot()
-    assert len(bpy.data.curves) == 1 and after != before
-    bpy.ops.ed.undo()
-    assert snapshot() == before and not bpy.data.curves
-    bpy.ops.ed.redo()
-    assert snapshot() == after
+    assert not bpy.data.curves
+    undo_and_redo(lambda: bpy.ops.synch.isolines(width=0.5, radius=0.2), lambda: (snapshot(), len(bpy.data.curves)))
+    assert len(bpy.data.curves) == 1
 
 
 def test_operator_and_function_make_the_same_curve():

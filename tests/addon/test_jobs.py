@@ -13,7 +13,7 @@ from synch_fields.synch_addon import api, field_job, jobs, preview
 from synch_fields.synch_addon.operators import field_operator
 from synch_fields.synch_addon.settings import Settings
 
-from .loop import Loop
+from .loop import Recorded, begun
 from .scenes import attribute, set_vectors, snapshot, sphere
 
 
@@ -87,32 +87,22 @@ def test_taking_the_extension_out_ends_the_job():
     assert jobs.running is None and work.finished
 
 
-class Stripes(field_operator.FieldOperator):
+class Stripes(Recorded, field_operator.FieldOperator):
     """The operator as the window runs it, without being one of Blender's."""
 
     bl_label, command = "Stripes", "stripes"
 
     def __init__(self, **settings):
-        self.settings, self.reports, self.spacing = Settings(spacing=0.4, **settings), [], 0.0
+        super().__init__()
+        self.settings, self.spacing = Settings(spacing=0.4, **settings), 0.0
 
     def _settings(self):
         return self.settings
 
-    def report(self, kind, text):
-        self.reports.append((kind, text))
-
-
-def begun(obj, **settings):
-    """An operator whose job has been started in a loop of its own."""
-    loop, operator = Loop(), Stripes(**settings)
-    assert operator._start(loop) == {"RUNNING_MODAL"}
-    assert loop.timers == loop.handlers == loop.cursors == 1
-    return loop, operator
-
 
 def test_window_gets_what_a_script_gets():
     obj = sphere()
-    loop, operator = begun(obj)
+    loop, operator = begun(Stripes())
     assert loop.run(operator) == {"FINISHED"}
     assert jobs.running is None and loop.free
     phases = attribute(obj, "synch_phase")
@@ -123,9 +113,9 @@ def test_window_gets_what_a_script_gets():
 @pytest.mark.parametrize("subdivisions", [3, 5])
 @pytest.mark.parametrize("button", [False, True])
 def test_escape_and_button_cancel_at_once(subdivisions, button):
-    obj = sphere(subdivisions)
+    sphere(subdivisions)
     before = snapshot()
-    loop, operator = begun(obj, seed=3)
+    loop, operator = begun(Stripes(seed=3))
     loop.run(operator, until=lambda: jobs.running.fraction > 0.1)
     start = time.perf_counter()
     if button:
@@ -139,8 +129,8 @@ def test_escape_and_button_cancel_at_once(subdivisions, button):
 
 
 def test_second_job_is_refused_with_the_reason():
-    obj = sphere()
-    loop, operator = begun(obj)
+    sphere()
+    loop, operator = begun(Stripes())
     assert not bpy.ops.synch.stripes.poll()
     with pytest.raises(RuntimeError, match="is being solved: wait for it, or cancel it with Esc"):
         bpy.ops.synch.quads()
@@ -159,7 +149,7 @@ def test_first_result_is_shown_and_gone_at_the_end(early, end):
     obj = sphere(4)
     obj.data.materials.append(bpy.data.materials.new("Mine"))
     name, before = obj.name, snapshot()
-    loop, operator = begun(obj)
+    loop, operator = begun(Stripes())
     loop.run(operator, until=lambda: preview.shown is not None)
     (copy,) = [other for other in bpy.data.objects if other.type == "MESH" and other != obj]
     assert attribute(copy, "synch_phase").any() and copy.visible_get() and not obj.visible_get()
@@ -185,7 +175,7 @@ def test_first_result_that_cannot_be_shown_does_not_stop_the_job(early, stage, m
     monkeypatch.setattr(preview.write, "results", fail if stage == "results" else write_results)
     if stage == "last step":
         monkeypatch.setattr(preview, "_spaces", fail)
-    loop, operator = begun(obj)
+    loop, operator = begun(Stripes())
     loop.run(operator, until=lambda: operator.reports)
     assert operator.reports == [({"WARNING"}, "the first result is not shown: no place")]
     assert jobs.running is not None and preview.shown is None and snapshot() == before
@@ -195,9 +185,9 @@ def test_first_result_that_cannot_be_shown_does_not_stop_the_job(early, stage, m
 
 
 def test_taking_the_extension_out_gives_the_window_back(early):
-    obj = sphere(4)
+    sphere(4)
     before = snapshot()
-    loop, operator = begun(obj)
+    loop, operator = begun(Stripes())
     loop.run(operator, until=lambda: preview.shown is not None)
     assert loop.status and not loop.free
     preview.hide()  # as the extension does, module by module
@@ -210,7 +200,7 @@ def test_taking_the_extension_out_gives_the_window_back(early):
 
 def test_saving_meanwhile_leaves_the_first_result_out(early, tmp_path):
     obj = sphere(4)
-    loop, operator = begun(obj)
+    loop, operator = begun(Stripes())
     loop.run(operator, until=lambda: preview.shown is not None)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "mid.blend"), copy=True)
     assert preview.shown is None and [o.name for o in bpy.data.objects] == [obj.name]
@@ -223,7 +213,8 @@ def test_saving_meanwhile_leaves_the_first_result_out(early, tmp_path):
 def test_opening_another_file_ends_the_job(first, monkeypatch):
     if first:
         monkeypatch.setattr(jobs, "EARLY_FROM", 0)
-    loop, operator = begun(sphere(4))
+    sphere(4)
+    loop, operator = begun(Stripes())
     if first:
         loop.run(operator, until=lambda: preview.shown is not None)
     work = jobs.running
@@ -237,7 +228,7 @@ def test_opening_another_file_ends_the_job(first, monkeypatch):
 
 def test_object_that_is_gone_is_said_in_one_line():
     obj = sphere()
-    loop, operator = begun(obj)
+    loop, operator = begun(Stripes())
     bpy.data.objects.remove(obj)
     jobs.running.wait()
     assert loop.run(operator) == {"CANCELLED"}

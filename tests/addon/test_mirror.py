@@ -9,7 +9,7 @@ import pytest
 from synch_fields.core.errors import AsymmetryError
 from synch_fields.synch_addon import api
 
-from .scenes import attribute, grid, snapshot, torus
+from .scenes import attribute, bent, grid, snapshot, torus
 
 
 def mirrored(obj, axis):
@@ -21,17 +21,9 @@ def mirrored(obj, axis):
     return distances.argmin(axis=1)
 
 
-def bend(obj):
-    """Bend a flat grid, symmetric in X and Y."""
-    for vertex in obj.data.vertices:
-        x, y, _ = vertex.co
-        vertex.co.z = 0.1 * np.cos(2 * x) * np.cos(3 * y * y)
-    return obj
-
-
 @pytest.mark.parametrize("axes", ["X", "Y", "XY"])
 @pytest.mark.parametrize("symmetry", ["line", "vector"])
-@pytest.mark.parametrize("make", [lambda: bend(grid(16)), torus], ids=["grid", "torus"])
+@pytest.mark.parametrize("make", [lambda: bent(grid(16)), torus], ids=["grid", "torus"])
 def test_patterns_are_their_own_mirror_image(make, symmetry, axes):
     if symmetry == "vector" and axes == "XY":
         pytest.skip("no vector field is symmetric in two mirrors that meet")
@@ -51,7 +43,7 @@ def test_patterns_are_their_own_mirror_image(make, symmetry, axes):
 
 
 def test_the_operator_mirrors():
-    obj = bend(grid(12))
+    obj = bent(grid(12))
     assert bpy.ops.synch.stripes(mirror=(True, False, False)) == {"FINISHED"}
     pattern = attribute(obj, "synch_pattern")
     np.testing.assert_allclose(pattern[mirrored(obj, 0)], pattern, atol=1e-6)
@@ -63,7 +55,7 @@ def test_an_angle_beside_a_mirror_is_warned_of():
 
 
 def test_a_symmetric_cut_is_mirrored():
-    obj = bend(grid(12))
+    obj = bent(grid(12))
     for edge in obj.data.edges:
         ends = [obj.data.vertices[v].co for v in edge.vertices]
         edge.use_seam = all(abs(co.x) < 1e-6 for co in ends) or all(abs(abs(co.x) - 0.5) < 0.01 for co in ends)
@@ -79,7 +71,7 @@ def test_a_symmetric_cut_is_mirrored():
 
 
 def test_a_cut_on_one_side_is_refused():
-    obj = bend(grid(12))
+    obj = bent(grid(12))
     for edge in obj.data.edges:
         edge.use_seam = all(obj.data.vertices[v].co.x > 0.4 for v in edge.vertices)
     before = snapshot()
@@ -89,7 +81,7 @@ def test_a_cut_on_one_side_is_refused():
 
 
 def test_asymmetric_vertices_are_selected_and_nothing_is_written():
-    obj = bend(grid(12))
+    obj = bent(grid(12))
     obj.data.vertices[5].co.z += 0.2
     with pytest.raises(RuntimeError, match="not symmetric in X: vertices"):
         bpy.ops.synch.stripes(mirror=(True, False, False))

@@ -2,8 +2,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Quads whose pattern is known in closed form: flat sheets, rings and cubes."""
 
-from itertools import product
-
 import bpy
 import numpy as np
 import pytest
@@ -12,7 +10,7 @@ from synch_fields.synch_addon import api
 
 from .constrained import pattern, wave
 from .quad_meshes import cube, ends, mark_sharp, poked
-from .scenes import add_group, add_object, attribute, directions, grid, panel, places, set_numbers, set_vectors, torus
+from .scenes import add_group, attribute, bent, directions, grid, panel, places, ring, set_numbers, set_vectors, torus
 from .ways import WAYS, add_weights, solve
 
 SPACING = 0.5
@@ -109,21 +107,9 @@ def test_a_map_multiplies_the_spacing(kind):
     np.testing.assert_allclose(pattern(obj), crossed(x, y, (2 * SPACING, SPACING)), atol=1e-5)
 
 
-def ring(inner=0.5, outer=1.5, count=24, segments=96):
-    """A flat ring of quads around the origin, whose circles grow by the same factor each."""
-    turn = np.arange(segments) * 2 * np.pi / segments
-    radii = np.geomspace(inner, outer, count + 1)
-    vertices = [(r * np.cos(a), r * np.sin(a), 0) for r in radii for a in turn]
-    faces = []
-    for k, i in product(range(count), range(segments)):
-        here, there = k * segments + i, k * segments + (i + 1) % segments
-        faces.append((here, here + segments, there + segments, there))
-    return add_object(vertices, faces, "Ring")
-
-
 def test_quads_grow_with_the_distance_where_the_map_says_so():
     """In a ring with a spacing in proportion to the radius, lines are radial and circles at a fixed factor."""
-    obj = ring()
+    obj = ring(np.geomspace(0.5, 1.5, 25), 96)  # whose circles grow by the same factor each
     x, y, _ = places(obj).T
     radius = np.hypot(x, y)
     set_numbers(obj, "radius", radius)
@@ -172,17 +158,8 @@ def test_automatic_spacing_is_forty_quads_across_or_what_four_edges_carry(subdiv
 # Mirror
 
 
-def bent():
-    """A grid, bent and symmetric in X and Y, of triangles that are so too."""
-    obj = poked(grid(12))
-    for vertex in obj.data.vertices:
-        x, y, _ = vertex.co
-        vertex.co.z = 0.1 * np.cos(2 * x) * np.cos(3 * y * y)
-    return obj
-
-
 @pytest.mark.parametrize("axes", ["X", "Y", "XY"])
-@pytest.mark.parametrize("build", [bent, lambda: poked(torus())], ids=["bent", "torus"])
+@pytest.mark.parametrize("build", [lambda: bent(poked(grid(12))), lambda: poked(torus())], ids=["bent", "torus"])
 def test_quads_are_their_own_mirror_image(build, axes):
     obj = build()
     report = api.quads(obj, spacing=0.4, mirror=axes)

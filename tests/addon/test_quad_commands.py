@@ -9,16 +9,15 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import Cancelled, SynchError
-from synch_fields.synch_addon import api, cli, field_job, jobs, render
+from synch_fields.synch_addon import api, field_job, jobs, render
 from synch_fields.synch_addon.settings import Settings
 
 from .quad_meshes import corner_vertices, half_edges, made_from
 from .scenes import (
-    add_group,
     attribute,
     empties,
+    furnished,
     grid,
-    hexagon_sphere,
     make_active,
     places,
     save_and_reopen,
@@ -26,6 +25,7 @@ from .scenes import (
     sphere,
     tube,
 )
+from .ways import run, undo_and_redo
 
 OPERATORS = ["quads", "quad_mesh"]
 SPACING = 0.5
@@ -42,18 +42,6 @@ def shown():
 
 def everything():
     return snapshot() | {"shown": shown()}
-
-
-def furnished():
-    """An object with much that a run could disturb."""
-    obj = hexagon_sphere()
-    obj.data.materials.append(bpy.data.materials.new("Red"))
-    obj.data.uv_layers.new(name="Mine")
-    add_group(obj, "some", range(10))
-    obj["mine"] = 3.0
-    twin = bpy.data.objects.new("Twin", obj.data)
-    bpy.context.scene.collection.objects.link(twin)
-    return make_active(obj)
 
 
 # Operators
@@ -74,16 +62,7 @@ def test_the_operator_gives_what_the_api_gives(operator):
 @pytest.mark.parametrize("build", [sphere, tube, furnished])
 def test_undo_restores_everything_and_redo_brings_it_back(operator, build):
     build()
-    bpy.ops.ed.undo_push(message="before")
-    before = everything()
-    assert call(operator) == {"FINISHED"}
-    bpy.ops.ed.undo_push(message=operator)
-    after = everything()
-    assert after != before
-    bpy.ops.ed.undo()
-    assert everything() == before
-    bpy.ops.ed.redo()
-    assert everything() == after
+    after = undo_and_redo(lambda: call(operator), everything)
     bpy.ops.ed.undo()
     assert call(operator) == {"FINISHED"}
     assert everything() == after
@@ -237,14 +216,6 @@ def ball(tmp_path_factory, extension):
     obj.name, obj.location = "ball", (3, 0, 1)
     bpy.ops.wm.obj_export(filepath=str(path))
     return path
-
-
-def run(capfd, *arguments, loaded=False):
-    """Run in this process: exit status, stdout and stderr."""
-    capfd.readouterr()
-    status = cli.main([str(a) for a in arguments], loaded=loaded)
-    printed = capfd.readouterr()
-    return status, printed.out, printed.err
 
 
 def read_obj(path):

@@ -2,30 +2,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every real mesh gets a continuous quad pattern and a sound mesh of quads, even from the roughest solve."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from synch_fields.synch_addon import api, files
+from synch_fields.synch_addon import api
 
 from .continuity import largest_jump
 from .quad_meshes import distances, euler_characteristic, is_closed, is_manifold, made_from, surface
 from .scenes import empties, places
+from .shared_meshes import MARKS, MESHES, opened
 
-FOLDER = Path(__file__).resolve().parents[3] / "shared" / "meshes"
 REFUSED = {"teapot"}  # vertices at which pieces only touch
-MESHES = sorted(path.stem for path in FOLDER.glob("*.obj") if path.stem not in REFUSED)
+SOUND = [name for name in MESHES if name not in REFUSED]
 
-pytestmark = [pytest.mark.slow, pytest.mark.skipif(not MESHES, reason="the shared meshes are not here")]
-
-
-def opened(name):
-    files.open_input(FOLDER / f"{name}.obj")
-    return files.choose_object()
+pytestmark = MARKS
 
 
-@pytest.mark.parametrize("name", MESHES)
+@pytest.mark.parametrize("name", SOUND)
 def test_quads(name):
     obj = opened(name)
     report = api.quads(obj, method="spectral")
@@ -38,7 +31,7 @@ def test_quads(name):
 
 
 @pytest.mark.parametrize("smoothing", [0, 3])
-@pytest.mark.parametrize("name", MESHES)
+@pytest.mark.parametrize("name", SOUND)
 def test_quad_meshes(name, smoothing):
     obj = opened(name)
     made, report = made_from(obj, method="spectral", smoothing=smoothing)

@@ -28,6 +28,7 @@ from .scenes import (
     sphere,
     torus,
     tube,
+    written,
 )
 
 TOLERANCE = 1e-4
@@ -49,11 +50,6 @@ QUAD_ATTRIBUTES = {
 OPTIONAL = {"synch_index_x_2": ("FACE", "INT"), "synch_index_y_2": ("FACE", "INT")}
 EULER = {sphere: 2, quad_sphere: 2, hexagon_sphere: 2, mixed_sphere: 2, torus: 0}
 MESHES = [*EULER, grid, tube]
-
-
-def written(obj):
-    """Domain and type of every attribute of ours."""
-    return {a.name: (a.domain, a.data_type) for a in obj.data.attributes if a.name.startswith("synch_")}
 
 
 def values(obj):

@@ -22,6 +22,7 @@ from .scenes import (
     sphere,
     tube,
 )
+from .ways import undo_and_redo
 
 
 class Layout:
@@ -163,15 +164,7 @@ def test_pattern_of_the_old_faces_goes_and_directions_stay():
 
 def test_undo_brings_the_coarse_mesh_back():
     sphere()
-    bpy.ops.ed.undo_push(message="before")
-    before = snapshot()
-    assert bpy.ops.synch.refine(levels=1) == {"FINISHED"}
-    bpy.ops.ed.undo_push(message="refine")
-    after = snapshot()
-    bpy.ops.ed.undo()
-    assert snapshot() == before
-    bpy.ops.ed.redo()
-    assert snapshot() == after != before
+    undo_and_redo(lambda: bpy.ops.synch.refine(levels=1))
 
 
 def test_modifiers_and_other_users_stay_as_they_are():

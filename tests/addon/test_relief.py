@@ -15,6 +15,7 @@ from synch_fields.synch_addon import api, relief, scene_io
 from .continuity import phases_of, polygons_of
 from .scenes import attribute, grid, hexagon_sphere, quad_sphere, save_and_reopen, snapshot, sphere, torus
 from .test_quads_look import random_phases, write_phases
+from .ways import undo_and_redo
 
 HEIGHT, SPACING = 0.2, 0.5
 
@@ -352,16 +353,7 @@ def test_an_object_without_a_pattern_is_refused(command):
 def test_undo_removes_the_relief_and_redo_brings_it_back():
     sphere()
     bpy.ops.synch.stripes()
-    bpy.ops.ed.undo_push(message="before")
-    before = snapshot()
-    assert bpy.ops.synch.relief(height=0.1, level=2) == {"FINISHED"}
-    bpy.ops.ed.undo_push(message="relief")
-    after = snapshot()
-    assert after != before
-    bpy.ops.ed.undo()
-    assert snapshot() == before
-    bpy.ops.ed.redo()
-    assert snapshot() == after
+    undo_and_redo(lambda: bpy.ops.synch.relief(height=0.1, level=2))
 
 
 def test_in_edit_mode_it_works_and_stays_there():

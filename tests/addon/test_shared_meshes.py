@@ -2,26 +2,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Every real mesh goes through stripes and directions, or is refused with a reason that a user can act on."""
 
-from pathlib import Path
-
 import pytest
 
 from synch_fields.core.errors import MeshError
-from synch_fields.synch_addon import api, files
+from synch_fields.synch_addon import api
 
 from .continuity import largest_jump
+from .quad_meshes import is_closed
 from .scenes import empties, save_and_reopen, snapshot
+from .shared_meshes import MARKS, MESHES, opened
 
-FOLDER = Path(__file__).resolve().parents[3] / "shared" / "meshes"
-MESHES = sorted(path.stem for path in FOLDER.glob("*.obj"))
 REFUSED = {"teapot": "touch only at this point.*: separate them"}
 
-pytestmark = [pytest.mark.slow, pytest.mark.skipif(not MESHES, reason="the shared meshes are not here")]
-
-
-def opened(name):
-    files.open_input(FOLDER / f"{name}.obj")
-    return files.choose_object()
+pytestmark = MARKS
 
 
 def check(obj, report):
@@ -30,14 +23,6 @@ def check(obj, report):
     # The relaxation is solved to its gap: where it is tight, polishing may go below its value.
     assert 0 <= report["lower_bound"] <= report["sdp_value"] <= report["energy"] * (1 + 2e-2)
     assert len(empties(obj)) == len(report["disclinations"]) + len(report["dislocations"])
-
-
-def is_closed(obj):
-    keys = {}
-    for polygon in obj.data.polygons:
-        for key in polygon.edge_keys:
-            keys[key] = keys.get(key, 0) + 1
-    return set(keys.values()) == {2}
 
 
 @pytest.mark.parametrize("name", [name for name in MESHES if name not in REFUSED])

@@ -3,58 +3,29 @@
 """Undo and redo are exact, and a run that fails or is cancelled changes nothing at all."""
 
 import bpy
-import numpy as np
 import pytest
 
 from synch_fields.core.errors import Cancelled, SynchError
 from synch_fields.synch_addon import api, field_job
 
-from .scenes import add_group, hexagon_sphere, make_active, snapshot, sphere, tube
+from .scenes import furnished, snapshot, sphere, tube
+from .ways import step, undo_and_redo
 
 OPERATORS = ["directions", "stripes"]
 
 
-def furnished():
-    """An object with much that a run could disturb: materials, groups, UVs, properties, a shared mesh."""
-    obj = hexagon_sphere()
-    for name in ("Red", "Green"):
-        obj.data.materials.append(bpy.data.materials.new(name))
-    obj.data.polygons.foreach_set("material_index", np.arange(len(obj.data.polygons)) % 2)
-    obj.active_material_index = 1
-    obj.data.uv_layers.new(name="Mine")
-    add_group(obj, "some", range(10))
-    obj["mine"] = 3.0
-    twin = bpy.data.objects.new("Twin", obj.data)
-    bpy.context.scene.collection.objects.link(twin)
-    child = bpy.data.objects.new("Mine too", None)
-    child.parent = obj
-    bpy.context.scene.collection.objects.link(child)
-    return make_active(obj)
-
-
 def run(operator, **settings):
-    """Run as from the user interface: with an undo step before and after."""
-    bpy.ops.ed.undo_push(message="before")
-    before = snapshot()
-    assert getattr(bpy.ops.synch, operator)(**settings) == {"FINISHED"}
-    bpy.ops.ed.undo_push(message=operator)
-    after = snapshot()
-    assert after != before
-    return before, after
+    return step(lambda: getattr(bpy.ops.synch, operator)(**settings))
 
 
 @pytest.mark.parametrize("operator", OPERATORS)
 @pytest.mark.parametrize("build", [sphere, tube, furnished])
 def test_undo_restores_everything_and_redo_brings_it_back(operator, build):
     build()
-    before, after = run(operator)
+    work = getattr(bpy.ops.synch, operator)
+    after = undo_and_redo(work)
     bpy.ops.ed.undo()
-    assert snapshot() == before
-    bpy.ops.ed.redo()
-    assert snapshot() == after
-    bpy.ops.ed.undo()
-    assert snapshot() == before
-    assert getattr(bpy.ops.synch, operator)() == {"FINISHED"}
+    assert work() == {"FINISHED"}
     assert snapshot() == after
 
 

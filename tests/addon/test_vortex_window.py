@@ -10,7 +10,7 @@ from synch_fields.synch_addon.clebsch import ClebschSettings, job_for
 from synch_fields.synch_addon.operators.clebsch import SYNCH_OT_clebsch
 from synch_fields.synch_addon.operators.field_operator import BackgroundOperator
 
-from .loop import Loop
+from .loop import Recorded, begun
 from .scenes import snapshot
 from .vortex_scenes import QUICK, write_npz, write_vdb
 
@@ -18,26 +18,18 @@ from .vortex_scenes import QUICK, write_npz, write_vdb
 AT_ONCE = 0.2
 
 
-class Vortices(BackgroundOperator):
+class Vortices(Recorded, BackgroundOperator):
     """The operator as the window runs it, without being one of Blender's."""
 
     bl_label = "Vortices"
     _write, _headline = SYNCH_OT_clebsch._write, SYNCH_OT_clebsch._headline
 
     def __init__(self, source, **settings):
-        self.source, self.settings, self.reports = source, ClebschSettings(**settings), []
+        super().__init__()
+        self.source, self.settings = source, ClebschSettings(**settings)
 
     def _job(self, context):
         return job_for(self.source, self.settings)
-
-    def report(self, kind, text):
-        self.reports.append((kind, text))
-
-
-def begun(source, **settings):
-    loop, operator = Loop(), Vortices(source, **settings)
-    assert operator._start(loop) == {"RUNNING_MODAL"}
-    return loop, operator
 
 
 def wide_circle():
@@ -52,7 +44,7 @@ def wide_circle():
 def test_escape_is_heard_at_once_whatever_is_done(stage, resolution):
     obj = wide_circle()
     before = snapshot()
-    loop, operator = begun(obj, show="both", quantum=0.34, resolution=resolution)
+    loop, operator = begun(Vortices(obj, show="both", quantum=0.34, resolution=resolution))
     loop.run(operator, until=lambda: stage in jobs.running.stage)
     thread = jobs.running
     assert loop.send(operator, "ESC", "PRESS") == {"CANCELLED"} and loop.longest < AT_ONCE
@@ -63,7 +55,7 @@ def test_escape_is_heard_at_once_whatever_is_done(stage, resolution):
 
 
 def test_the_objects_are_there_at_the_end(tmp_path):
-    loop, operator = begun(str(write_npz(tmp_path / "ring.npz", circulation=4.0)), show="both", **QUICK)
+    loop, operator = begun(Vortices(str(write_npz(tmp_path / "ring.npz", circulation=4.0)), show="both", **QUICK))
     before = snapshot()
     stages = []
     while loop.send(operator, "TIMER") == {"RUNNING_MODAL"}:
@@ -76,7 +68,7 @@ def test_the_objects_are_there_at_the_end(tmp_path):
 def test_frames_are_named_while_they_are_solved(tmp_path):
     for frame in (1, 2):
         write_vdb(tmp_path / f"s_{frame}.vdb", 0.1 * frame)
-    loop, operator = begun(str(tmp_path / "s_#.vdb"), frames=(1, 2), resolution=18, **QUICK)
+    loop, operator = begun(Vortices(str(tmp_path / "s_#.vdb"), frames=(1, 2), resolution=18, **QUICK))
     loop.run(operator, until=lambda: jobs.running.stage.startswith("frame 2, "))
     assert not bpy.data.objects
     assert loop.run(operator) == {"FINISHED"} and "2 frames" in operator.reports[-1][1]
@@ -85,7 +77,7 @@ def test_frames_are_named_while_they_are_solved(tmp_path):
 
 def test_an_error_in_the_thread_is_one_line(tmp_path):
     (tmp_path / "text.vdb").write_text("no volume")
-    loop, operator = begun(str(tmp_path / "text.vdb"))
+    loop, operator = begun(Vortices(str(tmp_path / "text.vdb")))
     assert loop.run(operator) == {"CANCELLED"}
     ((kind, line),) = operator.reports
     assert kind == {"ERROR"} and "choose an OpenVDB file" in line and "\n" not in line
