@@ -114,11 +114,16 @@ def peak_megabytes():
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
 
 
+def in_child(work, *arguments):
+    """Result of a function of a module, run in a process of its own."""
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        return pool.submit(work, *arguments).result()
+
+
 def row_of_child(label, work, *arguments):
-    """A row of a table from a function of a module, run in a process of its own."""
+    """A row of a table from a function that :func:`in_child` runs, or that it was killed."""
     print(label, file=sys.stderr, flush=True)
     try:
-        with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
-            return {"label": label} | pool.submit(work, *arguments).result()
+        return {"label": label} | in_child(work, *arguments)
     except BrokenProcessPool:
         return {"label": label, "certificate": "no result: the process was killed"}
