@@ -10,11 +10,11 @@ from synch_fields.synch_addon import api, cli
 
 from .scenes import (
     add_group,
-    add_object,
     attribute,
     directions,
     grid,
     places,
+    ring,
     set_numbers,
     set_vectors,
     snapshot,
@@ -121,25 +121,9 @@ def test_spacing_maps_that_are_of_no_use_are_refused(capfd):
     assert snapshot() == before
 
 
-def annulus(inner=0.4, outer=1.0, rings=24, segments=120):
-    """A flat ring of quads with a vector attribute "spokes" that points away from the middle."""
-    turn = np.arange(segments) * 2 * np.pi / segments
-    vertices = [(r * np.cos(a), r * np.sin(a), 0) for r in np.linspace(inner, outer, rings) for a in turn]
-    around = [(k, (k + 1) % segments) for k in range(segments)]
-    faces = [
-        (ring * segments + j, ring * segments + k, (ring + 1) * segments + k, (ring + 1) * segments + j)
-        for ring in range(rings - 1)
-        for k, j in around
-    ]
-    obj = add_object(vertices, faces, "Ring")
-    set_vectors(obj, "spokes", vertices)
-    return obj
-
-
 def test_spokes_ask_for_as_many_dislocations_as_the_rims_differ_in_stripes(capfd):
-    obj = annulus()
-    if obj.data.polygons[0].normal.z < 0:
-        obj.data.flip_normals()
+    obj = ring(np.linspace(0.4, 1.0, 24), 120)
+    set_vectors(obj, "spokes", places(obj))
     for spacing in (0.15, 0.3):
         report = api.stripes(obj, guidance="attribute:spokes", spacing=spacing)
         assert report["forced_dislocations"] == pytest.approx(2 * np.pi * 0.6 / spacing, rel=0.01)
