@@ -67,11 +67,7 @@ class SynchConstraint(bpy.types.PropertyGroup):
         description="Vector attribute on the vertices; for phases a float attribute, in radians, or a vertex group",
         search=_suggest_attributes,
     )
-    angle: FloatProperty(
-        name="Angle",
-        description="From the line, counterclockwise seen from outside",
-        **TURN,
-    )
+    angle: FloatProperty(name="Angle", description="From the line, counterclockwise seen from outside", **TURN)
     phase: FloatProperty(
         name="Phase",
         description="0° is the middle of a stripe, 180° the middle of a gap; it grows to the left of the line",

@@ -132,9 +132,7 @@ class SettingProperties:
 
     symmetry: SYMMETRY
     angle: FloatProperty(
-        name="Angle",
-        description="Turn the directions by this angle, counterclockwise seen from outside",
-        **TURN,
+        name="Angle", description="Turn the directions by this angle, counterclockwise seen from outside", **TURN
     )
     angle_attribute: StringProperty(
         name="Angle Map",

@@ -46,7 +46,7 @@ METHOD = EnumProperty(
         (
             "SDP",
             "Semidefinite",
-            "Best results, and a bound on what could still be gained: proved, or in large ones estimated",
+            "Best results, with a bound on what could still be gained: proved, or estimated for large ones",
         ),
         ("SPECTRAL", "Spectral", "Fast and rough: one eigenvector"),
         ("DIFFUSION", "Diffusion", "Repeated smoothing and normalizing, without a useful bound"),

@@ -266,7 +266,7 @@ SETTINGS = {
     "Method": "Verfahren",
     "How the field is optimized": "Wie das Feld optimiert wird",
     "Semidefinite": "Semidefinit",
-    "Best results, and a bound on what could still be gained: proved, or in large ones estimated": (
+    "Best results, with a bound on what could still be gained: proved, or estimated for large ones": (
         "Die besten Ergebnisse, und eine Schranke für das, was noch zu gewinnen wäre: bewiesen, bei Großem geschätzt"
     ),
     "Spectral": "Spektral",
