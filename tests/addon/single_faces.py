@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from synch_fields.synch_addon import nodes
+from synch_fields.synch_addon.canvas import surface_material
 from synch_fields.synch_addon.defect_empties import Defect
 
 PIXELS = 160
@@ -127,9 +128,7 @@ FACES = {
 
 def show_socket(obj, socket_name):
     """Make the object glow with (1 + value) / 2 of one output of the stripes group."""
-    material = bpy.data.materials.new("probe")
-    if material.node_tree is None:
-        material.use_nodes = True
+    material = surface_material("probe")
     tree = material.node_tree
     tree.nodes.clear()
     group = tree.nodes.new("ShaderNodeGroup")

@@ -14,26 +14,20 @@ from synch_fields.synch_addon.operators.animate import SYNCH_OT_animate
 from synch_fields.synch_addon.operators.field_operator import BackgroundOperator
 from synch_fields.synch_addon.settings import Settings
 
-from .loop import Loop
+from .loop import Loop, Recorded
 from .moving import seen, stored_frames, swaying
 from .scenes import attribute, save_and_reopen, snapshot, sphere
 
 
-class Animate(BackgroundOperator):
+class Animate(Recorded, BackgroundOperator):
     """The operator as the window runs it, without being one of Blender's."""
 
     bl_label, work = "Animate", SYNCH_OT_animate.work
     _write, _headline = SYNCH_OT_animate._write, SYNCH_OT_animate._headline
 
-    def __init__(self):
-        self.reports = []
-
     def _job(self, context):
         self._object_name = context.active_object.name
         return AnimationJob(context.active_object, Settings(spacing=0.7), Span(1, 3))
-
-    def report(self, kind, text):
-        self.reports.append((kind, text))
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ from synch_fields.core.fields import direction_field
 from synch_fields.core.fields.growth import Growth
 from synch_fields.core.interpolate import evaluate, face_phases
 from synch_fields.synch_addon import quad_profiles, scene_io
+from synch_fields.synch_addon.canvas import surface_material
 from synch_fields.synch_addon.materials import pattern_material
 
 from .scenes import add_object, attribute, grid, quad_sphere, sphere
@@ -65,9 +66,7 @@ def points_of(polygons, uv):
 
 def baked(obj, outputs, **inputs):
     """(PIXELS, PIXELS, 3) values of up to three outputs of the group over the unfolded faces."""
-    material = bpy.data.materials.new("probe")
-    if material.node_tree is None:
-        material.use_nodes = True
+    material = surface_material("probe")
     tree = material.node_tree
     tree.nodes.clear()
     group = tree.nodes.new("ShaderNodeGroup")
