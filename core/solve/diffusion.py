@@ -8,8 +8,8 @@ import numpy as np
 SOLVER_STEPS = 2
 
 
-def diffuse(stage, columns, times, steps, monitor, tolerance=0.0):
-    """Carry columns through diffusion steps of given times.
+def diffuse(stage, columns, metrics, steps, monitor, tolerance=0.0):
+    """Carry columns through diffusion steps, whose times the metrics tell.
 
     With A = L + M / tau a step is x' = A^-1 M x / tau = x - A^-1 L x: only the change rests on the
     approximate inverse.
@@ -18,15 +18,14 @@ def diffuse(stage, columns, times, steps, monitor, tolerance=0.0):
     ----------
     stage : Stage
     columns : (N, k) array
-    times : diffusion times tau
+    metrics : the stage's metrics with the shifts 1 / tau, one after the other
     steps : most steps at each time
     monitor : Monitor
     tolerance : largest move of a unit vector below which a time is finished early
     """
     spheres, matrix = stage.candidates, stage.matrix
     columns = spheres.normalize(columns.astype(matrix.dtype))
-    for tau in times:
-        metric = stage.metric(1 / tau)
+    for metric in metrics:
         for _ in range(steps):
             monitor.check()
             moved = spheres.normalize(columns - _solve(stage, metric, matrix @ columns))

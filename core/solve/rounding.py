@@ -16,30 +16,25 @@ from .diffusion import diffuse
 from .monitor import OutOfTime
 from .spheres import gaussian
 
-# Diffusion times, in units of 1 / (energy per mass), of a continuation on the piece itself, and of one on
-# the coarser stage that comes before for half of the fields: there a larger time costs next to nothing.
-TIMES = 0.3 * 0.25 ** np.arange(5)
-COARSE_TIMES = 0.7 ** np.arange(6)
-STEPS = 2
-# Projections that are carried: the best; some at random, for variety, through larger times first; and on the coarser
-# stage, of which the best go on.
-FRESH, DRAWN, COARSE_TRIED, COARSE = 6, 3, 16, 6
-DRAWN_TIMES = np.array([1.0, 0.5])
-# Nodes that the coarser stage must have. It serves for variety alone: defects cost too little on it.
-SMALLEST_EXPLORED = 500
+# Diffusion times of the continuation, in units of 1 / (energy per mass), and longer ones that some go through before.
+TIMES = 0.3 * 0.1 ** np.arange(3)
+LONG_TIMES = 0.7 ** np.arange(6)
+# Projections that are carried: the best, and for variety some at random, through the longer times first. The share of
+# carried fields that go on to descend.
+BEST, DRAWN = 14, 3
+DESCENDING = 0.6
 # Rounds of crossing: fields that are kept and crossed in pairs, crossings that go on, rounds at least and at most, and
 # the relative gain below which they end.
-KEPT, CROSSINGS = 8, 6
-FEWEST_ROUNDS, MOST_ROUNDS = 1, 3
+KEPT, CROSSINGS = 8, 20
+FEWEST_ROUNDS, MOST_ROUNDS = 1, 5
 GAIN = 1e-3
 # Over which diffusion time local energies are compared, and how sharply the better one is preferred.
 CROSSING_TIME = 4.0
 SHARPNESS = 5.0
 # Fields whose energies agree to this share are taken for one.
 SAME_ENERGY = 1e-4
-# Steps of descent: between rounds, for the best few, and for the best.
-SHORT_STEPS, LONG_STEPS, FINAL_STEPS = 10, 30, 200
-FINALISTS = 3
+# Steps of descent: between rounds, for the best field in single precision, and then in double.
+SHORT_STEPS, LONG_STEPS, FINAL_STEPS = 6, 30, 200
 TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-12
 # Numbers that are worked on at once, and columns at least: memory, and how soon a solve can be stopped.
 LARGEST_BATCH, SMALLEST_BATCH = 1_000_000, 6
@@ -95,6 +90,11 @@ def _best_of(stage, make, total, count, monitor):
     return make(np.argsort(np.concatenate(values), kind="stable")[:count])
 
 
+def _best(stage, columns, count):
+    """The ``count`` columns of least energy, one at least."""
+    return columns[:, np.argsort(energies(stage, columns), kind="stable")[: max(count, 1)]]
+
+
 def _batch(stage):
     """How many columns are worked on at once."""
     return max(LARGEST_BATCH // stage.matrix.shape[0], SMALLEST_BATCH)
@@ -134,32 +134,30 @@ def finish(workspace, column, metric, monitor):
     return descend(workspace.matrix, spheres, column, metric, FINAL_TOLERANCE, FINAL_STEPS, monitor).point
 
 
-def continuation(stages, lifted, samples, density, random, monitor):
+def continuation(stage, lifted, samples, density, random, monitor):
     """Fields by seeded continuation and crossing, best first, and whether time ran out on the way.
 
     Parameters
     ----------
-    stages : list of Stage, the piece itself first
+    stage : Stage of the piece itself
     lifted : (N, r) solution of the relaxation, in principal columns
     samples : random projections tried
     density : energy per mass of the relaxation, positive
     random : numpy Generator
     monitor : Monitor
     """
-    stage = stages[0]
     metric = monitor.during(partial(stage.candidate_metric, SHIFT * density))
     directions = random_directions(stage.is_complex, lifted.shape[1], samples, random)
-    seeds = projections(stage, lifted, directions, FRESH, monitor)
+    seeds = projections(stage, lifted, directions, BEST, monitor)
     found, best = seeds[:, :1], np.inf
     try:
-        if len(stages) > 1 and stages[1].node_count >= SMALLEST_EXPLORED:
-            seeds = np.hstack([seeds, _coarse_fields(stage, stages[1], lifted, directions, density, monitor)])
         drawn = projections(stage, lifted, directions[:, -DRAWN:], DRAWN, monitor)
-        seeds = np.hstack([seeds, diffuse(stage, drawn, _times(stage, DRAWN_TIMES, density), STEPS, monitor)])
-        times = _times(stage, TIMES, density)
+        seeds = np.hstack([seeds, diffuse(stage, drawn, _metrics(stage, LONG_TIMES, density), 1, monitor)])
+        diffusion = list(_metrics(stage, TIMES, density))
         for round_number in range(1 + MOST_ROUNDS):
             for batch in np.array_split(seeds, -(-seeds.shape[1] // _batch(stage)), axis=1):
-                settled = diffuse(stage, batch, times, STEPS, monitor)
+                settled = diffuse(stage, batch, diffusion, 1, monitor)
+                settled = _best(stage, settled, round(DESCENDING * settled.shape[1]))
                 settled = polish(stage, settled, metric, monitor, SHORT_STEPS)
                 found = distinct_columns(stage, np.hstack([found, settled]))[:, :KEPT]
             value = energies(stage, found[:, :1])[0]
@@ -169,28 +167,19 @@ def continuation(stages, lifted, samples, density, random, monitor):
                 break
             best = value
             seeds = crossings(stage, found, density, CROSSINGS, monitor)
-        finalists = polish(stage, found[:, :FINALISTS], metric, monitor)
+        found = np.hstack([polish(stage, found[:, :1], metric, monitor), found[:, 1:]])
     except OutOfTime:
         return found, True
-    return distinct_columns(stage, np.hstack([finalists, found[:, FINALISTS:]])), False
+    return distinct_columns(stage, found), False
 
 
-def _times(stage, times, density):
-    """Diffusion times in the units of a stage, the first and those that reach past the next node.
+def _metrics(stage, times, density):
+    """The stage's metrics for times in units of 1 / density, the first and those that reach past the next node.
 
     In shorter ones hardly anything moves: diffusion is pinned to the nodes.
     """
     times = times / density
-    return times[: max(np.count_nonzero(times * stage.stiffness >= 1), 1)]
-
-
-def _coarse_fields(stage, coarse, lifted, directions, density, monitor):
-    """Fields that went through the larger diffusion times on the coarser stage."""
-    restricted = coarse.lifted.normalize(coarse.restrict(lifted.astype(stage.matrix.dtype)))
-    columns = projections(coarse, restricted, directions, COARSE_TRIED, monitor)
-    columns = diffuse(coarse, columns, _times(coarse, COARSE_TIMES, density), STEPS, monitor)
-    best = np.argsort(energies(coarse, columns), kind="stable")[:COARSE]
-    return stage.candidates.normalize(coarse.prolong(columns[:, best]))
+    return (stage.metric(1 / tau) for tau in times[: max(np.count_nonzero(times * stage.stiffness >= 1), 1)])
 
 
 def ground_to_one(piece, columns):

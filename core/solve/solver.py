@@ -232,7 +232,8 @@ def _solve_diffusion(workspace, options, monitor, clock):
         bound = eigenvalue * piece.mass.sum()
         columns = random_columns(piece, DIFFUSION_STARTS, random)
         times = DIFFUSION_TIMES / max(eigenvalue, SMALLEST_SHIFT * piece.stiffness)
-        columns = diffuse(stage, columns, times, DIFFUSION_STEPS, monitor, tolerance=1e-2)
+        metrics = (stage.metric(1 / tau) for tau in times)
+        columns = diffuse(stage, columns, metrics, DIFFUSION_STEPS, monitor, tolerance=1e-2)
     with clock("round"):
         monitor.at("polish", 0.8)
         metric = stage.candidate_metric(eigenvalue)
@@ -303,8 +304,7 @@ def _round(workspace, relaxation, options, monitor, start):
             monitor.at("continuation", 0.4)
             energy = float(piece.energy(by_svd)[0])
             if relative_gap(energy, relaxation.lower_bound, piece.perfect) > NEARLY_TIGHT:
-                stages = workspace.stages
-                columns, timed_out = rounding.continuation(stages, lifted, options.samples, density, random, monitor)
+                columns, timed_out = rounding.continuation(stage, lifted, options.samples, density, random, monitor)
                 if timed_out:
                     return columns, True
         monitor.at("polish", 0.9)

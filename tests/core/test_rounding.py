@@ -58,13 +58,13 @@ def test_a_step_of_diffusion_is_nearly_an_exact_solve(build, time, angles, energ
     directions = rounding.random_directions(piece.is_complex, lifted.shape[1], 5, np.random.default_rng(0))
     start = rounding.projections(stage, lifted, directions, 5, SILENT).astype(piece.matrix.dtype)
     exact = exact_step(piece, stage.candidates, start, tau)
-    result = diffuse(stage, start, [tau], 1, SILENT)
+    result = diffuse(stage, start, [stage.metric(1 / tau)], 1, SILENT)
     assert result.dtype == stage.matrix.dtype
     errors, changes = np.linalg.norm(result - exact, axis=0), np.linalg.norm(exact - start, axis=0)
     assert (errors <= angles * changes + 1e-4).all()
     np.testing.assert_allclose(piece.energy(result.astype(exact.dtype)), piece.energy(exact), rtol=energies)
     # Two steps are two exact ones.
-    twice = diffuse(stage, start, [tau / 4, tau / 16], 1, SILENT)
+    twice = diffuse(stage, start, [stage.metric(4 / tau), stage.metric(16 / tau)], 1, SILENT)
     exact = exact_step(piece, stage.candidates, exact_step(piece, stage.candidates, start, tau / 4), tau / 16)
     np.testing.assert_allclose(piece.energy(twice.astype(exact.dtype)), piece.energy(exact), rtol=2 * energies)
 
@@ -187,7 +187,7 @@ def test_a_continuation_returns_distinct_fields_best_first(build):
     piece = only_piece(build())
     workspace, lifted, density = relaxed(piece)
     stage = workspace.stages[0]
-    fields, timed_out = rounding.continuation(workspace.stages, lifted, 32, density, np.random.default_rng(0), SILENT)
+    fields, timed_out = rounding.continuation(workspace.stages[0], lifted, 32, density, np.random.default_rng(0), SILENT)
     assert not timed_out
     values = piece.energy(fields.astype(piece.matrix.dtype))
     assert 1 <= fields.shape[1] <= rounding.KEPT
