@@ -31,10 +31,11 @@ GAIN = 1e-3
 # Over which diffusion time local energies are compared, and how sharply the better one is preferred.
 CROSSING_TIME = 4.0
 SHARPNESS = 5.0
-# Fields whose energies agree to this share are taken for one.
-SAME_ENERGY = 1e-4
-# Steps of descent: between rounds, for the best field in single precision, and then in double.
+# Fields that agree to this share are taken for one.
+SAME_FIELD = 0.999
+# Steps of descent: between rounds, for the best few, and for the best in double precision.
 SHORT_STEPS, LONG_STEPS, FINAL_STEPS = 6, 30, 200
+FINALISTS = 3
 TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-12
 # Numbers that are worked on at once, and columns at least: memory, and how soon a solve can be stopped.
 LARGEST_BATCH, SMALLEST_BATCH = 1_000_000, 6
@@ -113,11 +114,14 @@ def energies(stage, columns):
 
 
 def distinct_columns(stage, columns):
-    """Columns sorted by energy, best first, without those that share theirs with the one before."""
-    values = energies(stage, columns)
-    order = np.argsort(values, kind="stable")
-    apart = np.diff(values[order], prepend=-np.inf) > SAME_ENERGY * np.abs(values[order])
-    return columns[:, order[apart]]
+    """Columns sorted by energy, best first, without those that agree with a better one but for a turn of the whole."""
+    columns = columns[:, np.argsort(energies(stage, columns), kind="stable")]
+    agreement = np.abs(columns.conj().T @ columns) / stage.node_count
+    kept = []
+    for number in range(columns.shape[1]):
+        if not (agreement[number, kept] > SAME_FIELD).any():
+            kept.append(number)
+    return columns[:, kept]
 
 
 def polish(stage, columns, metric, monitor, steps=LONG_STEPS):
@@ -167,7 +171,7 @@ def continuation(stage, lifted, samples, density, random, monitor):
                 break
             best = value
             seeds = crossings(stage, found, density, CROSSINGS, monitor)
-        found = np.hstack([polish(stage, found[:, :1], metric, monitor), found[:, 1:]])
+        found = np.hstack([polish(stage, found[:, :FINALISTS], metric, monitor), found[:, FINALISTS:]])
     except OutOfTime:
         return found, True
     return distinct_columns(stage, found), False

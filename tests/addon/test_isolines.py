@@ -165,6 +165,8 @@ def test_points_are_as_far_apart_as_asked_and_smoothing_leaves_them_on_the_surfa
     assert np.median(steps) == pytest.approx(0.2 * 0.4, rel=0.02)
     assert roughness(smooth) < 0.5 * roughness(rough)
     for before, after in zip(rough, smooth, strict=True):
+        if np.linalg.norm(before[0] - before[-1]) < 0.1:  # a closed line has no ends
+            continue
         np.testing.assert_allclose(after[[0, -1]], before[[0, -1]], atol=1e-6)
     radii = np.linalg.norm(np.concatenate(smooth), axis=1)
     assert radii.min() > 0.99 and radii.max() < 1 + 1e-6
