@@ -14,8 +14,9 @@ from time import perf_counter, process_time
 import numpy as np
 
 from synch_fields.core.solve import Options, solve
+from synch_fields.core.solve.certificate import provable_width
 from synch_fields.core.solve.stage import Workspace
-from synch_fields.core.solve.staircase import START_RANK
+from synch_fields.core.solve.staircase import start_rank
 from synch_fields.core.solve.threads import one_blas_thread
 
 # CPU seconds from one product to the next where they are timed in between.
@@ -51,11 +52,12 @@ def relaxation_in_products(problem, target_gap, seed=0):
     """Solution, wall seconds of everything but the rounding, and its CPU seconds in products L Y.
 
     Products are timed again and again in between, on one core and in double precision, with as many columns as the
-    lifted field of complex problems begins with: so both meet the machine's load. Their time is left out.
+    lifted field begins with: so both meet the machine's load. Their time is left out.
     """
     problem = untouched(problem)
     piece = max(problem.pieces, key=lambda piece: piece.node_count)
-    columns = np.ones((piece.matrix.shape[0], START_RANK[piece.is_complex]), piece.matrix.dtype)
+    rank = start_rank(piece, provable_width(piece) is not None)
+    columns = np.ones((piece.matrix.shape[0], rank), piece.matrix.dtype)
     spent = {"wall": 0.0, "cpu": 0.0}
     products = []
 

@@ -35,6 +35,8 @@ DOUBLE_BASIS = 50_000
 # Directions in that space at least and at most, and the error at which one is as good as exact.
 FEWEST_STEPS, MOST_STEPS = 20, 60
 CONVERGED = 1e-6
+# Share of the lifted field's square below which a principal column counts for nothing.
+NEGLIGIBLE = 1e-6
 # Length of what rounding may leave of the others in a vector made orthogonal to them: far from a singular space.
 LARGEST_OVERLAP = 1e-2
 
@@ -68,8 +70,8 @@ def measure_slack(workspace, shift, metric, point, duals, random, monitor, enoug
     With W = A - S, a diagonal, these are the largest eigenvalues of W x = mu A x, mu = 1 + depth. Near the optimum S Y
     vanishes, so that the columns of Y have mu = 1 already; what lies beside them is searched. The search space
     grows by the preconditioned residual of its best direction; with an exact inverse it is the Krylov space of
-    Lanczos. A number of steps that is fixed: the spectrum is dense near mu = 1, so that waiting for a converged
-    eigenvector would be in vain. A proof does not rest on it.
+    Lanczos. The steps are few: the spectrum is dense near mu = 1, so that waiting for a converged eigenvector would be
+    in vain. A direction that they do not come near stays unseen: this is an estimate, on which no proof rests.
 
     Parameters
     ----------
@@ -86,10 +88,12 @@ def measure_slack(workspace, shift, metric, point, duals, random, monitor, enoug
     piece = workspace.piece
     size = piece.matrix.shape[0]
     matrix = workspace.matrix if size <= DOUBLE_BASIS else workspace.stages[0].matrix
-    steps = min(MOST_STEPS, size - len(piece.unused_rows))
+    free = size - len(piece.unused_rows)
+    steps = min(MOST_STEPS, free)
     masses = shift * piece.row_mass
     space = _Space(matrix, masses, np.repeat(duals, piece.block) + masses, point.shape[1] + steps)
-    for column in point.T:
+    squares, rotation = eigh(point.conj().T @ point)
+    for column in (point @ rotation[:, squares > NEGLIGIBLE * squares[-1]]).T:
         space.add(column)
     known = space.filled
     vector = random.standard_normal(size).astype(matrix.dtype)
@@ -105,6 +109,8 @@ def measure_slack(workspace, shift, metric, point, duals, random, monitor, enoug
         error = _length(residual, vector)
         if error < CONVERGED or (step >= FEWEST_STEPS and max(value - 1, 0) + error <= enough):
             break
+    if space.filled == known < free:  # rounding let nothing in: nothing is known of the rest
+        return Slack(0.0, np.inf, np.zeros((size, 0), matrix.dtype))
     (largest,), best = space.best(0, 1)
     values, directions = space.best(known, count)
     measure = workspace.stages[0].metric(shift)
@@ -167,8 +173,9 @@ class _Space:
 
 
 def _length(residual, solved):
-    """Length of a residual in the inverse metric that solved it."""
-    return float(np.sqrt(max(np.vdot(residual, solved).real, 0.0)))
+    """Length of a residual in the inverse metric that solved it; infinite where that is not positive."""
+    square = float(np.vdot(residual, solved).real)
+    return np.sqrt(square) if square >= 0 else np.inf
 
 
 def _inner(vectors, other):

@@ -137,11 +137,8 @@ def lifted_of_rank(problem, solution, rank, options, callback=None, start=None):
     monitor = Monitor(callback, left)
     with one_blas_thread():
         for piece in problem.pieces:
-            spheres = Lifted(piece.block)
-            result[piece.rows] = spheres.normalize(result[piece.rows])
-            with suppress(OutOfTime):
-                points = [spheres.normalize(point[piece.rows]) for point in starts]
-                result[piece.rows] = _descended(piece, points, TOLERANCE * options.target_gap, monitor)
+            points = [Lifted(piece.block).normalize(point[piece.rows]) for point in starts]
+            result[piece.rows] = _descended(piece, points, TOLERANCE * options.target_gap, monitor)
     return result
 
 
@@ -155,19 +152,17 @@ def _projections(lifted, rank, random):
 
 def _descended(piece, points, tolerance, monitor):
     """(N, r) where the best descent of a piece from some points ends, or time does."""
-    monitor.at(f"rank {points[0].shape[1]}", 0.0)
     scaled, _ = piece.scaled()
-    workspace = monitor.during(partial(Workspace, scaled))
-    stage = workspace.stages[0]
-
-    def descent(point, tolerance):
-        metric = monitor.during(partial(stage.metric_at, point))
-        return descend(workspace.matrix, stage.lifted, point, metric, tolerance, STEPS, monitor)
-
-    if len(points) > 1:
-        points = [best.point for best in sorted((descent(point, EARLY * tolerance) for point in points), key=_value)]
-    return descent(points[0], tolerance).point
-
-
-def _value(descent):
-    return descent.values[0]
+    best, least = points[0], np.inf
+    with suppress(OutOfTime):
+        monitor.at(f"rank {points[0].shape[1]}", 0.0)
+        workspace = monitor.during(partial(Workspace, scaled))
+        stage = workspace.stages[0]
+        early = [(point, EARLY) for point in points] if len(points) > 1 else []
+        for point, share in [*early, (None, 1)]:
+            start = best if point is None else point
+            metric = monitor.during(partial(stage.metric_at, start))
+            descent = descend(workspace.matrix, stage.lifted, start, metric, share * tolerance, STEPS, monitor)
+            if descent.values[0] < least:
+                best, least = descent.point, descent.values[0]
+    return best

@@ -76,12 +76,20 @@ class Hierarchy:
             ground = coarse_ground
 
     def lowered(self, diagonal, depth=0):
-        """The hierarchy of a level's matrix less a (N,) diagonal, with the same aggregates."""
+        """The hierarchy of a level's matrix less a (N,) diagonal, with the same aggregates.
+
+        None where the diagonal of a level shows that this has negative eigenvalues.
+        """
+        random = np.random.default_rng(0)
         result = copy(self)
         result.levels = []
         change = diags_array(diagonal.astype(np.float32)).tocsr()
         for level in self.levels[depth:]:
-            result.levels.append(replace(level, matrix=(level.matrix - change).tocsr()))
+            matrix = (level.matrix - change).tocsr()
+            if not (matrix.diagonal().real > 0).all():
+                return None
+            largest = _largest_eigenvalue(matrix, 1 / matrix.diagonal().real, random)
+            result.levels.append(replace(level, matrix=matrix, largest=largest))
             if level.prolongation is not None:
                 change = (level.prolongation.conj().T.tocsr() @ (change @ level.prolongation)).tocsr()
         return result
@@ -114,10 +122,6 @@ def _largest_eigenvalue(matrix, inverse_diagonal, random):
     return max(SAFETY * size, 1.0)
 
 
-class Indefinite(Exception):
-    """A matrix that was to be a metric has a direction of no positive length on one of the levels."""
-
-
 class Metric:
     """A = L + shift M with an approximate inverse: one V-cycle on all columns at once, in single precision.
 
@@ -130,10 +134,10 @@ class Metric:
     shift : positive
     depth : the hierarchy's level that is L
 
-    Raises
-    ------
-    Indefinite
-        where the diagonal of a level, or the smallest level as a whole, shows that A is not positive definite
+    Attributes
+    ----------
+    shift : as given
+    is_definite : whether the smallest level, to the precision of its factorization, is positive definite
     """
 
     def __init__(self, hierarchy, shift, depth=0):
@@ -142,8 +146,6 @@ class Metric:
         finer = None
         for level in hierarchy.levels[depth:]:
             diagonal = level.matrix.diagonal().real + np.float32(shift) * level.row_mass
-            if not (diagonal > 0).all():
-                raise Indefinite
             scale = 1 / np.sqrt(diagonal)
             # Every level is scaled to unit diagonal, so that smoothing needs no diagonal of its own.
             matrix = _scaled(level.matrix, scale, scale)
@@ -156,11 +158,15 @@ class Metric:
             damping = np.float32(2 / (level.largest * (1 + SMOOTHED_PART)))
             self._steps.append((SharedRows(matrix), damping))
             finer = (level.prolongation, scale)
-        self._smallest = _definite_factorization(matrix)
+        try:
+            self._smallest = factorize(matrix)
+            self.is_definite = has_positive_pivots(self._smallest)
+        except RuntimeError:  # an exactly singular pivot
+            self.is_definite = False
         self.dtype = matrix.dtype
 
     def solve(self, columns):
-        """Approximate A^-1 on (N, k) or (N,) columns; a fixed Hermitian positive operator. Keeps their dtype."""
+        """Approximate A^-1 on (N, k) or (N,) columns; a fixed Hermitian operator, positive if A is; keeps dtypes."""
         vectors = columns[:, None] if columns.ndim == 1 else columns
         result = self._scaled_rows(self._cycle(self._scaled_rows(vectors.astype(self.dtype, order="C")), 0))
         return result.reshape(columns.shape).astype(columns.dtype, copy=False)
@@ -180,16 +186,6 @@ class Metric:
         change *= damping
         guess += change
         return guess
-
-
-def _definite_factorization(matrix):
-    try:
-        factorization = factorize(matrix)
-    except RuntimeError as error:  # an exactly singular pivot
-        raise Indefinite from error
-    if not has_positive_pivots(factorization):
-        raise Indefinite
-    return factorization
 
 
 def _residual(matrix, guess, right):

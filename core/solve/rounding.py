@@ -84,11 +84,16 @@ def crossings(stage, columns, density, count, monitor):
 
 def _best_of(stage, make, total, count, monitor):
     """Of ``total`` columns, which make(numbers) makes, the best ``count``, best first; few are held at once."""
-    values = []
-    for numbers in np.array_split(np.arange(total), -(-total // _batch(stage))):
-        monitor.check()
-        values.append(energies(stage, make(numbers)))
-    return make(np.argsort(np.concatenate(values), kind="stable")[:count])
+
+    def made(numbers, work):
+        parts = []
+        for part in _batches(stage, numbers):
+            monitor.check()
+            parts.append(work(make(part)))
+        return np.concatenate(parts, axis=-1)
+
+    values = made(np.arange(total), partial(energies, stage))
+    return made(np.argsort(values, kind="stable")[:count], lambda columns: columns)
 
 
 def _best(stage, columns, count):
@@ -96,9 +101,10 @@ def _best(stage, columns, count):
     return columns[:, np.argsort(energies(stage, columns), kind="stable")[: max(count, 1)]]
 
 
-def _batch(stage):
-    """How many columns are worked on at once."""
-    return max(LARGEST_BATCH // stage.matrix.shape[0], SMALLEST_BATCH)
+def _batches(stage, columns):
+    """Columns, or their numbers, in parts that are worked on at once."""
+    most = max(LARGEST_BATCH // stage.matrix.shape[0], SMALLEST_BATCH)
+    return np.array_split(columns, -(-columns.shape[-1] // most), axis=-1)
 
 
 def _aligned(columns, targets):
@@ -117,7 +123,7 @@ def distinct_columns(stage, columns):
     """Columns sorted by energy, best first, without those that agree with a better one but for a turn of the whole."""
     columns = columns[:, np.argsort(energies(stage, columns), kind="stable")]
     agreement = np.abs(columns.conj().T @ columns) / stage.node_count
-    kept = []
+    kept: list[int] = []
     for number in range(columns.shape[1]):
         if not (agreement[number, kept] > SAME_FIELD).any():
             kept.append(number)
@@ -159,11 +165,13 @@ def continuation(stage, lifted, samples, density, random, monitor):
         seeds = np.hstack([seeds, diffuse(stage, drawn, _metrics(stage, LONG_TIMES, density), 1, monitor)])
         diffusion = list(_metrics(stage, TIMES, density))
         for round_number in range(1 + MOST_ROUNDS):
-            for batch in np.array_split(seeds, -(-seeds.shape[1] // _batch(stage)), axis=1):
-                settled = diffuse(stage, batch, diffusion, 1, monitor)
-                settled = _best(stage, settled, round(DESCENDING * settled.shape[1]))
-                settled = polish(stage, settled, metric, monitor, SHORT_STEPS)
-                found = distinct_columns(stage, np.hstack([found, settled]))[:, :KEPT]
+            settled = []
+            for batch in _batches(stage, seeds):
+                settled.append(diffuse(stage, batch, diffusion, 1, monitor))
+            settled = _best(stage, np.hstack(settled), round(DESCENDING * seeds.shape[1]))
+            for batch in _batches(stage, settled):
+                polished = polish(stage, batch, metric, monitor, SHORT_STEPS)
+                found = distinct_columns(stage, np.hstack([found, polished]))[:, :KEPT]
             value = energies(stage, found[:, :1])[0]
             monitor.found(float(value))
             monitor.at("continuation", 0.4 + 0.5 * (1 + round_number) / (1 + MOST_ROUNDS))

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from .coarsening import graph_laplacian, turning_laplacian
-from .metric import SMALLEST_SHIFT, Hierarchy, Indefinite, Metric
+from .metric import SMALLEST_SHIFT, Hierarchy, Metric
 from .products import SharedRows
 from .spheres import Lifted, candidates
 
@@ -45,7 +45,12 @@ class Stage:
 
     def metric(self, shift):
         """L + shift M with its inverse."""
-        return Metric(self._hierarchy, max(shift, self._smallest_shift), self._depth)
+        return self._definite(self._hierarchy, shift, self._depth)
+
+    def _definite(self, hierarchy, shift, depth=0):
+        """The metric of a shift, or of the first of ten, a hundred ... times that which rounding leaves definite."""
+        metric = Metric(hierarchy, max(shift, self._smallest_shift), depth)
+        return metric if metric.is_definite else self._definite(hierarchy, 10 * metric.shift, depth)
 
     def density(self, point):
         """Energy per mass of a lifted field."""
@@ -60,17 +65,19 @@ class Stage:
         """The metric in which a lifted field descends from a point: L + shift M, less a part of the multipliers.
 
         The Hessian of the energy on the spheres is the slack S = L - diag(lambda). Where the multipliers are those of
-        the optimum, L - diag(lambda) / 2 = (L + S) / 2 is positive semidefinite. Those of a point that is far
-        from it, as a rough one, may be too large: then none are taken off.
+        the optimum, L less a share of them is positive semidefinite, being the other share of L and that one of S. At a
+        point that is far from it, as a rough one, they may be too large: then none are taken off.
         """
         point = point.astype(self.matrix.dtype, copy=False)
-        duals = np.maximum(self.lifted.multipliers(point, self.matrix @ point), 0)
+        diagonal = self._level.matrix.diagonal().real
+        duals = np.repeat(self.lifted.multipliers(point, self.matrix @ point), self.block).clip(0, diagonal)
         shift = self.shift_at(point)
-        lowered = self._hierarchy.lowered(np.repeat(TAKEN_OFF * duals, self.block), self._depth)
-        try:
-            return Metric(lowered, (1 - TAKEN_OFF) * shift)
-        except Indefinite:
-            return self.metric(shift)
+        lowered = self._hierarchy.lowered(TAKEN_OFF * duals, self._depth)
+        if lowered is not None:
+            metric = Metric(lowered, (1 - TAKEN_OFF) * shift)
+            if metric.is_definite:
+                return metric
+        return self.metric(shift)
 
     @cached_property
     def _graph_hierarchy(self):
@@ -87,11 +94,11 @@ class Stage:
         """The metric in which candidates descend: of turns on the circle, otherwise of vectors."""
         if not self._is_circle:
             return self.metric(shift)
-        return Metric(self._turning_hierarchy, max(shift, self._smallest_shift))
+        return self._definite(self._turning_hierarchy, shift)
 
     def smoothing(self, shift):
         """G + shift M for values on the nodes, with its inverse; G is the Laplacian of the graph."""
-        return Metric(self._graph_hierarchy, max(shift, self._smallest_shift))
+        return self._definite(self._graph_hierarchy, shift)
 
     def prolong(self, fields):
         """Fields of this stage on the next finer one, not normalized."""

@@ -18,8 +18,10 @@ from .monitor import OutOfTime
 from .spheres import random_columns
 from .stage import SHIFT
 
-# Columns at the start: of complex rows, and of real ones, which hold half as much.
+# Columns at the start: of complex rows (True), and of real ones, which hold half as much. Where no factorization proves,
+# more columns at first are cheaper than a second search for missing ones.
 START_RANK = {True: 6, False: 9}
+MORE_COLUMNS = 4 / 3
 MAX_RANK = 24
 LEVELS = 12
 # The shift of the metric that finds the first smooth point, as a share of the stiffness.
@@ -28,7 +30,7 @@ LEVEL_STEPS = 300
 # Predicted relative decrease at which a level's descent ends, as a share of the target gap to the power 3/2:
 # the multipliers, and with them the bound, are off by the root of what the energy is off by. Where no factorization
 # proves (False), more digits at first are cheaper than a second search for negative directions.
-FIRST_TOLERANCE = {True: 0.06, False: 0.01}
+FIRST_TOLERANCE = {True: 0.05, False: 0.02}
 TIGHTENING = 0.3
 # Nodes of the smallest stage that is solved on the way, and the tolerance of descents on coarser stages.
 SMALLEST_START = 300
@@ -71,18 +73,22 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
     lifted = stage.lifted
     steps = products = 0
     with clock("relax"):
-        point = _coarse_start(workspace, random, monitor) if start is None else lifted.normalize(start)
+        width = provable_width(piece)
+        if start is None:
+            point = _coarse_start(workspace, start_rank(piece, width is not None), random, monitor)
+        else:
+            point = lifted.normalize(start)
         shift = stage.shift_at(point)
     best_bound, certificate = 0.0, "proved"
     reached = out_of_time = precise = False
     memory: list[tuple] = []
-    width = provable_width(piece)
     provable = width is not None
     try:
         for attempt in range(LEVELS):
             tolerance = FIRST_TOLERANCE[provable] * target_gap**1.5 * TIGHTENING**attempt
             with clock("relax"):
-                metric = stage.metric_at(point)
+                metric = None  # before the next one takes its room
+                metric = monitor.during(partial(stage.metric_at, point))
                 for descent in _descents(workspace, point, metric, tolerance, precise, memory, monitor):
                     point, steps, products = descent.point, steps + descent.steps, products + descent.products
                 precise = descent.point.dtype == workspace.matrix.dtype
@@ -112,10 +118,12 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
             if not provable and value - best_bound <= target_gap * value:
                 reached = True
                 break
-            if attempt == 0:
+            if attempt == 0 and slack.depth <= slack.error:
                 continue
             with clock("relax"):
-                point, memory = _climb(workspace, point, slack.directions), []
+                climbed = _climb(workspace, point, slack.directions)
+                if climbed is not point:
+                    point, memory = climbed, []
         if provable and not reached and value > piece.noise:
             with clock("certify"):
                 proved = _weaker_proof(piece, shift, duals, value, target_gap, width, monitor)
@@ -138,11 +146,17 @@ def _weaker_proof(piece, shift, duals, value, target_gap, width, monitor):
     return None
 
 
-def _coarse_start(workspace, random, monitor):
+def start_rank(piece, provable):
+    """Columns of the lifted field at the start."""
+    rank = START_RANK[piece.is_complex]
+    return min(rank if provable else round(MORE_COLUMNS * rank), piece.matrix.shape[0])
+
+
+def _coarse_start(workspace, rank, random, monitor):
     """A smooth lifted field, solved for on the coarser stages one after the other."""
     piece = workspace.piece
     stages = [workspace.stages[0]]
-    point = random_columns(piece, min(START_RANK[piece.is_complex], piece.matrix.shape[0]), random)
+    point = random_columns(piece, rank, random)
     for stage in workspace.stages[1:]:
         if stage.node_count < SMALLEST_START:
             break
@@ -151,7 +165,7 @@ def _coarse_start(workspace, random, monitor):
     stage = stages[-1]
     point = _smooth(piece, stage, stage.lifted.normalize(point.astype(stage.matrix.dtype)))
     for stage, finer in zip(stages[:0:-1], stages[-2::-1], strict=True):
-        metric = stage.metric_at(point)
+        metric = monitor.during(partial(stage.metric_at, point))
         point = descend(stage.matrix, stage.lifted, point, metric, COARSE_TOLERANCE, LEVEL_STEPS, monitor).point
         point = finer.lifted.normalize(stage.prolong(point))
     return point.astype(workspace.matrix.dtype)

@@ -9,7 +9,7 @@ import pytest
 
 from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.problem import Merged, SynchronizationProblem, Targets
-from synch_fields.core.solve import Options, Status, solve
+from synch_fields.core.solve import Options, Status, solve, staircase
 
 from .graphs import (
     KINDS,
@@ -53,6 +53,21 @@ def test_bounds_never_exceed_the_optimum_and_most_optima_are_found(kind):
         found += solution.energy <= exact * (1 + 1e-5) + 1e-10
         constrained += bool(constraints)
     assert found >= 0.95 * GRAPHS and constrained >= 0.4 * GRAPHS
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_estimated_bounds_stay_below_the_relaxation_on_these_graphs(kind, monkeypatch):
+    monkeypatch.setattr(staircase, "provable_width", lambda piece: None)
+    for seed in range(GRAPHS):
+        connection, constraints = random_problem(kind, seed)
+        _, above = relaxation(*lifted_matrix(connection, **constraints))
+        for gap in (1e-1, 1e-3):
+            solution = solve(
+                SynchronizationProblem(connection, **constraints), Options(target_gap=gap, rounding="svd", seed=seed)
+            )
+            assert solution.certificate == "estimated" or solution.lower_bound == 0
+            assert solution.lower_bound <= above * (1 + 1e-9) + 1e-10
+            assert solution.sdp_gap <= gap
 
 
 @pytest.mark.parametrize("kind", KINDS)

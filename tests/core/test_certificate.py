@@ -66,6 +66,8 @@ def test_depth_is_the_most_negative_relative_eigenvalue(build, steps):
         # A Krylov space finds no more than there is, in single precision.
         assert slack.depth <= exact * (1 + 1e-4) + 1e-5
         assert slack.depth >= 0.9 * exact - 0.01
+        # What it may have missed is in the error.
+        assert slack.depth + slack.error >= exact * (1 - 1e-3) - 1e-5
 
 
 @pytest.mark.parametrize("build", PROBLEMS)

@@ -187,7 +187,9 @@ def test_a_continuation_returns_distinct_fields_best_first(build):
     piece = only_piece(build())
     workspace, lifted, density = relaxed(piece)
     stage = workspace.stages[0]
-    fields, timed_out = rounding.continuation(workspace.stages[0], lifted, 32, density, np.random.default_rng(0), SILENT)
+    fields, timed_out = rounding.continuation(
+        workspace.stages[0], lifted, 32, density, np.random.default_rng(0), SILENT
+    )
     assert not timed_out
     values = piece.energy(fields.astype(piece.matrix.dtype))
     assert 1 <= fields.shape[1] <= rounding.KEPT
