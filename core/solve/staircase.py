@@ -18,9 +18,9 @@ from .monitor import OutOfTime
 from .spheres import random_columns
 from .stage import SHIFT
 
-# Columns at the start: of complex rows (True), and of real ones, which hold half as much. Where no factorization proves,
-# more columns at first are cheaper than a second search for missing ones.
+# Columns at the start: of complex rows (True), and of real ones, which hold half as much.
 START_RANK = {True: 6, False: 9}
+# Where no factorization proves, more columns at first are cheaper than a second search for missing ones.
 MORE_COLUMNS = 4 / 3
 MAX_RANK = 24
 LEVELS = 12
