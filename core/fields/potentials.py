@@ -7,7 +7,7 @@ from scipy.sparse.linalg import LinearOperator, cg
 
 from ..errors import SettingError, SynchError, name_elements
 from ..solve.factorization import factorize
-from ..solve.metric import Hierarchy, Metric
+from ..solve.metric import Hierarchy, definite_metric
 
 # In solids the time of a factorization grows with the square of the unknowns: from here on, multigrid is faster.
 LARGEST_FACTORIZED = 3000
@@ -110,7 +110,7 @@ def _solved(mesh, matrix, nodes, right):
     if len(nodes) <= LARGEST_FACTORIZED:
         return factorize(matrix, single=False).solve(right)
     scale, mass = matrix.diagonal().mean(), mesh.vertex_masses[nodes]
-    metric = Metric(Hierarchy(matrix / scale, mass / mass.mean(), 1), SHIFT)
+    metric = definite_metric(Hierarchy(matrix / scale, mass / mass.mean(), 1), SHIFT)
     preconditioner = LinearOperator(matrix.shape, matvec=metric.solve)
     columns = right.reshape(len(right), -1) / scale
     result = np.zeros_like(columns)

@@ -56,7 +56,8 @@ class Slack:
 
 def lower_bound(piece, shift, duals, depth):
     """Value of the dual point that is feasible when S + depth A is positive semidefinite."""
-    return float(((duals - depth * shift * piece.mass) / (1 + depth)).sum())
+    share = 1 / (1 + depth)
+    return float((share * duals - (1 - share) * shift * piece.mass).sum())
 
 
 def depth_for_bound(piece, shift, duals, bound):

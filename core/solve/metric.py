@@ -122,6 +122,12 @@ def _largest_eigenvalue(matrix, inverse_diagonal, random):
     return max(SAFETY * size, 1.0)
 
 
+def definite_metric(hierarchy, shift, depth=0):
+    """The metric of a shift, or of the first of ten, a hundred ... times that which rounding leaves definite."""
+    metric = Metric(hierarchy, shift, depth)
+    return metric if metric.is_definite else definite_metric(hierarchy, 10 * shift, depth)
+
+
 class Metric:
     """A = L + shift M with an approximate inverse: one V-cycle on all columns at once, in single precision.
 

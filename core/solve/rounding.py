@@ -97,7 +97,7 @@ def _best_of(stage, make, total, count, monitor):
 
 
 def _best(stage, columns, count):
-    """The ``count`` columns of least energy, one at least."""
+    """The ``count`` columns of least energy, one at least, best first."""
     return columns[:, np.argsort(energies(stage, columns), kind="stable")[: max(count, 1)]]
 
 
@@ -121,7 +121,7 @@ def energies(stage, columns):
 
 def distinct_columns(stage, columns):
     """Columns sorted by energy, best first, without those that agree with a better one but for a turn of the whole."""
-    columns = columns[:, np.argsort(energies(stage, columns), kind="stable")]
+    columns = _best(stage, columns, columns.shape[1])
     agreement = np.abs(columns.conj().T @ columns) / stage.node_count
     kept: list[int] = []
     for number in range(columns.shape[1]):
@@ -163,7 +163,7 @@ def continuation(stage, lifted, samples, density, random, monitor):
     try:
         drawn = projections(stage, lifted, directions[:, -DRAWN:], DRAWN, monitor)
         seeds = np.hstack([seeds, diffuse(stage, drawn, _metrics(stage, LONG_TIMES, density), 1, monitor)])
-        diffusion = list(_metrics(stage, TIMES, density))
+        diffusion = monitor.during(partial(list, _metrics(stage, TIMES, density)))
         for round_number in range(1 + MOST_ROUNDS):
             settled = []
             for batch in _batches(stage, seeds):

@@ -7,7 +7,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh, lobpcg
 
 from .certificate import provable_width
 from .factorization import factorize
-from .metric import SMALLEST_SHIFT, Hierarchy, Metric
+from .metric import SMALLEST_SHIFT, Hierarchy, definite_metric
 
 # Vectors that are sought together by multigrid, of which the smallest counts, the steps at most, and the residual at
 # which it is found, at a mean diagonal and a mean mass of 1: phases count even where the vector is tiny.
@@ -47,7 +47,7 @@ def _dense_eigenpair(piece):
 def _by_multigrid(piece, seed):
     scaled, weight = piece.scaled()
     size, dtype = scaled.matrix.shape[0], scaled.matrix.dtype
-    metric = Metric(Hierarchy(scaled.matrix, scaled.row_mass, scaled.block, scaled.ground), SMALLEST_SHIFT)
+    metric = definite_metric(Hierarchy(scaled.matrix, scaled.row_mass, scaled.block, scaled.ground), SMALLEST_SHIFT)
     inverse = LinearOperator((size, size), matvec=metric.solve, matmat=metric.solve, dtype=dtype)
     start = np.random.default_rng(seed).standard_normal((size, BLOCK)).astype(dtype)
     start[piece.unused_rows] = 0

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 
 from .coarsening import graph_laplacian, turning_laplacian
-from .metric import SMALLEST_SHIFT, Hierarchy, Metric
+from .metric import SMALLEST_SHIFT, Hierarchy, Metric, definite_metric
 from .products import SharedRows
 from .spheres import Lifted, candidates
 
@@ -45,12 +45,7 @@ class Stage:
 
     def metric(self, shift):
         """L + shift M with its inverse."""
-        return self._definite(self._hierarchy, shift, self._depth)
-
-    def _definite(self, hierarchy, shift, depth=0):
-        """The metric of a shift, or of the first of ten, a hundred ... times that which rounding leaves definite."""
-        metric = Metric(hierarchy, max(shift, self._smallest_shift), depth)
-        return metric if metric.is_definite else self._definite(hierarchy, 10 * metric.shift, depth)
+        return definite_metric(self._hierarchy, max(shift, self._smallest_shift), self._depth)
 
     def density(self, point):
         """Energy per mass of a lifted field."""
@@ -94,11 +89,11 @@ class Stage:
         """The metric in which candidates descend: of turns on the circle, otherwise of vectors."""
         if not self._is_circle:
             return self.metric(shift)
-        return self._definite(self._turning_hierarchy, shift)
+        return definite_metric(self._turning_hierarchy, max(shift, self._smallest_shift))
 
     def smoothing(self, shift):
         """G + shift M for values on the nodes, with its inverse; G is the Laplacian of the graph."""
-        return self._definite(self._graph_hierarchy, shift)
+        return definite_metric(self._graph_hierarchy, max(shift, self._smallest_shift))
 
     def prolong(self, fields):
         """Fields of this stage on the next finer one, not normalized."""

@@ -10,20 +10,13 @@ from scipy.sparse import block_diag, bsr_matrix, diags_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.sparse.linalg import eigsh
 
-from synch_fields.core.connection import Connection, compose
+from synch_fields.core.connection import compose
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.piece import Piece
-from synch_fields.core.problem import Merged, SynchronizationProblem, Targets
-from synch_fields.core.solve import Options, solve
+from synch_fields.core.problem import Merged, SynchronizationProblem
 from synch_fields.core.solve import metric as metric_module
 from synch_fields.core.solve.coarsening import StrongGraph, aggregates, graph_laplacian, turning_laplacian
 from synch_fields.core.solve.metric import Hierarchy, Metric
-from synch_fields.core.solve.monitor import SILENT
-from synch_fields.core.solve.solution import Clock
-from synch_fields.core.solve.spectral import smallest_eigenpair
-from synch_fields.core.solve.spheres import random_columns
-from synch_fields.core.solve.stage import TAKEN_OFF, Workspace
-from synch_fields.core.solve.staircase import relax
 
 from .graphs import (
     KINDS,
@@ -32,11 +25,11 @@ from .graphs import (
     laplacian,
     only_piece,
     random_laplacian,
-    random_transports,
     random_units,
     random_weights,
 )
-from .meshes import bent_square, bumpy_torus, cube, cylinder, slivers, subdivided, torus
+from .meshes import bent_square, bumpy_torus, cube, cylinder, torus
+from .multilevel import MULTILEVEL
 from .wishes import along_curvature, bordered_problem
 
 
@@ -52,35 +45,6 @@ def node_blocks(matrix, block):
 def diagonal_of(units):
     """The sparse matrix that multiplies every node's rows by its unit."""
     return diags_array(units).tocsr() if units.ndim == 1 else block_diag(list(units), format="csr")
-
-
-def merged_directions():
-    """Far nodes that have to agree, up to a turn."""
-    problem = direction_problem(bumpy_torus(14), 4)
-    merged = Merged(np.array([5, 6, 300, 450]), np.array([100, 150, 100, 220]), np.exp(1j * np.arange(4)))
-    return SynchronizationProblem(problem.connection, problem.mass, merged=merged)
-
-
-def drawn_rotations():
-    """Unit vectors in four dimensions, of which many are drawn to one another and to given ones."""
-    mesh, random = bumpy_torus(12), np.random.default_rng(0)
-    transports = random_transports("rotations", len(mesh.edges), random)
-    values = random.standard_normal((90, 4))
-    values /= np.linalg.norm(values, axis=1)[:, None]
-    drawn = Targets(np.arange(90), values, random.uniform(0.01, 1, 90))
-    return SynchronizationProblem(random_weights(mesh, transports, random), drawn=drawn)
-
-
-# Of every kind, with two levels or more and few enough rows for dense linear algebra.
-MULTILEVEL = [
-    pytest.param(lambda: direction_problem(bumpy_torus(14), 1), id="vectors"),
-    pytest.param(lambda: bordered_problem(bent_square(22), 4), id="fixed-crosses"),
-    pytest.param(lambda: direction_problem(subdivided(slivers()), 4), id="slivers"),
-    pytest.param(lambda: half_turned_stripes(bumpy_torus(14), 0.4), id="flips"),
-    pytest.param(lambda: fixed_stripes(14), id="fixed-flips"),
-    pytest.param(merged_directions, id="merged"),
-    pytest.param(drawn_rotations, id="drawn-rotations"),
-]
 
 
 # Aggregates
@@ -193,89 +157,6 @@ def test_from_a_coarse_level_on_it_is_the_inverse_there(build):
     matrix = level.matrix.toarray().astype(piece.matrix.dtype) + shift * np.diag(level.row_mass.astype(float))
     image = Metric(hierarchy, shift, depth).solve(matrix)
     np.testing.assert_allclose(image, np.eye(len(matrix)), atol=1e-3)
-
-
-@pytest.mark.parametrize("build", [build for build in MULTILEVEL if build.id != "slivers"])
-@pytest.mark.parametrize("depth", [0, 1])
-def test_a_lowered_hierarchy_is_that_of_the_matrix_less_the_diagonal(build, depth):
-    piece = only_piece(build())
-    hierarchy = Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground)
-    diagonal = np.random.default_rng(0).uniform(0, 0.1, hierarchy.levels[depth].matrix.shape[0])
-    diagonal *= hierarchy.levels[depth].matrix.diagonal().real
-    lowered = hierarchy.lowered(diagonal, depth)
-    matrix = hierarchy.levels[depth].matrix.toarray() - np.diag(diagonal)
-    for level, before in zip(lowered.levels, hierarchy.levels[depth:], strict=True):
-        np.testing.assert_allclose(level.matrix.toarray(), matrix, atol=2e-5 * np.abs(matrix).max())
-        assert level.prolongation is before.prolongation
-        if level.prolongation is not None:
-            prolongation = level.prolongation.toarray()
-            matrix = prolongation.conj().T @ matrix @ prolongation
-
-
-@pytest.mark.parametrize("build", MULTILEVEL)
-def test_what_is_not_positive_definite_is_seen(build):
-    """By a diagonal below zero; or by the smallest level, where all diagonals are fine."""
-    piece = only_piece(build())
-    hierarchy = Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground)
-    shift = 1e-3 * piece.stiffness
-    assert hierarchy.lowered(2 * piece.matrix.diagonal().real + 1) is None
-    lowest = smallest_eigenpair(piece, 0)[0]
-    assert Metric(hierarchy.lowered(0.01 * lowest * piece.row_mass), shift).is_definite
-    lowered = hierarchy.lowered((1.5 * lowest + 2 * shift) * piece.row_mass)
-    assert lowered is None or not Metric(lowered, shift).is_definite
-
-
-def opposing_problem(degree, seed):
-    """A random graph whose ends all want to differ: multipliers of rough fields are as large as the diagonal."""
-    random = np.random.default_rng(seed)
-    edges = np.unique(np.sort(random.integers(0, 400, (200 * degree, 2)), axis=1), axis=0)
-    edges = edges[edges[:, 0] < edges[:, 1]]
-    return SynchronizationProblem(Connection(400, edges, np.ones(len(edges)), -np.ones(len(edges), complex)))
-
-
-@pytest.mark.parametrize("degree", [8, 16, 40])
-@pytest.mark.parametrize("start", ["rough", "constant"])
-def test_the_metric_of_any_field_is_positive(degree, start):
-    piece, _ = only_piece(opposing_problem(degree, 0)).scaled()
-    stage, size = Workspace(piece).stages[0], piece.matrix.shape[0]
-    rough = random_columns(piece, 6, np.random.default_rng(0))
-    point = stage.lifted.normalize(rough if start == "rough" else np.ones_like(rough))
-    inverse = stage.metric_at(point).solve(np.eye(size, dtype=piece.matrix.dtype))
-    assert np.linalg.eigvalsh(0.5 * (inverse + inverse.conj().T))[0] > 0
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_a_weak_link_between_uneven_masses_is_solved(seed):
-    """Where the smallest shift drowns in single precision."""
-    random = np.random.default_rng(seed)
-    halves = [(a + half, b + half) for half in (0, 75) for a, b in random.integers(0, 75, (300, 2)) if a != b]
-    edges = np.unique(np.sort([*halves, *[(k + h, k + h + 1) for h in (0, 75) for k in range(74)]], axis=1), axis=0)
-    edges = np.vstack([edges, [0, 75]])
-    weights = np.append(np.ones(len(edges) - 1), 1e-6)
-    phases = np.exp(2j * np.pi * random.uniform(size=150))
-    transports = phases[edges[:, 1]] * phases[edges[:, 0]].conj()
-    mass = np.repeat([1.0, 100.0], 75)
-    problem = SynchronizationProblem(Connection(150, edges, weights, transports), mass)
-    for options in (Options(), Options(method="diffusion")):
-        assert solve(problem, options).energy < 1e-5
-
-
-@pytest.mark.parametrize("build", MULTILEVEL)
-def test_the_metric_of_a_lifted_field_is_near_the_laplacian_less_its_multipliers(build):
-    """At the optimum it is L + shift M less a share of the multipliers; from a rough point it is at least positive."""
-    piece, _ = only_piece(build()).scaled()
-    workspace = Workspace(piece)
-    stage, unit = workspace.stages[0], np.eye(piece.matrix.shape[0], dtype=piece.matrix.dtype)
-    point = relax(workspace, 1e-3, 0, SILENT, Clock()).lifted
-    duals = TAKEN_OFF * stage.lifted.multipliers(point, workspace.matrix @ point).clip(0)
-    expected = piece.matrix.toarray() - np.diag(np.repeat(duals, piece.block))
-    expected += (1 - TAKEN_OFF) * stage.shift_at(point) * np.diag(piece.row_mass)
-    root = np.linalg.cholesky(expected)
-    spectrum = np.linalg.eigvalsh(root.conj().T @ stage.metric_at(point).solve(unit) @ root)
-    assert 0.1 <= spectrum[0] and spectrum[-1] <= 1.2
-    rough = stage.lifted.normalize(random_columns(piece, 6, np.random.default_rng(0)))
-    inverse = stage.metric_at(rough).solve(unit)
-    assert np.linalg.eigvalsh(0.5 * (inverse + inverse.conj().T))[0] > 0
 
 
 def test_solve_keeps_shape_and_dtype_and_columns_apart():
