@@ -105,7 +105,7 @@ class SynchronizationProblem:
 
     @cached_property
     def _order(self):
-        """(n,) nodes in an order in which neighbours are near: products with L read memory in it, up to three times faster."""
+        """(n,) nodes, neighbours near one another: products with L in this order read memory up to 2.5 times faster."""
         return reverse_cuthill_mckee(_graph(self.connection.node_count, self._links[0]).tocsr())
 
     @cached_property

@@ -50,7 +50,7 @@ def descend(matrix, spheres, start, metric, tolerance, max_steps, monitor, memor
     memory : list from an earlier descent that ended at ``start``, to go on with; it is filled
     """
     memory = [] if memory is None else memory
-    point = spheres.normalize(start)
+    point = spheres.normalize(np.ascontiguousarray(start))
     image = matrix @ point
     values = spheres.energies(point, image)
     gradient = spheres.gradient(point, image)

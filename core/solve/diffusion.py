@@ -3,6 +3,8 @@
 
 import numpy as np
 
+from .columns import add_multiples, inner_products
+
 # Conjugate gradient steps for one diffusion step. With one, whose rough parts of the error stay, fields end at
 # clearly higher energies; with two they end where exact solves lead them.
 SOLVER_STEPS = 2
@@ -24,7 +26,7 @@ def diffuse(stage, columns, metrics, steps, monitor, tolerance=0.0):
     tolerance : largest move of a unit vector below which a time is finished early
     """
     spheres, matrix = stage.candidates, stage.matrix
-    columns = spheres.normalize(columns.astype(matrix.dtype))
+    columns = spheres.normalize(columns.astype(matrix.dtype, order="C"))
     for metric in metrics:
         for _ in range(steps):
             monitor.check()
@@ -43,27 +45,27 @@ def _solve(stage, metric, right):
     """
     dtype, real = right.dtype, right.real.dtype
     parts = 2 if np.iscomplexobj(right) else 1
-    ones = np.ones(len(right), real)
     shift = np.multiply(stage.row_mass, metric.shift, dtype=real)[:, None]
 
     def inner(first, second):
-        sums = (ones @ (first * second)).reshape(-1, parts).sum(axis=1)
-        return np.repeat(sums, parts)
+        return np.repeat(inner_products(first, second).reshape(-1, parts).sum(axis=1), parts)
 
     residual = right.view(real)
     direction = metric.solve(right).view(real)
     size = inner(residual, direction)
     solution = np.zeros_like(residual)
     for step in range(SOLVER_STEPS):
-        image = (stage.matrix @ direction.view(dtype)).view(real) + shift * direction
+        image = (stage.matrix @ direction.view(dtype)).view(real)
+        image += shift * direction
         length = _ratio(size, inner(direction, image))
-        solution += length * direction
+        add_multiples(solution, length, direction)
         if step == SOLVER_STEPS - 1:
             break
-        residual = residual - length * image
+        add_multiples(residual, -length, image)
         steepest = metric.solve(residual.view(dtype)).view(real)
         new_size = inner(residual, steepest)
-        direction = steepest + _ratio(new_size, size) * direction
+        add_multiples(steepest, _ratio(new_size, size), direction)
+        direction = steepest
         size = new_size
     return solution.view(dtype)
 

@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sparse products on both cores: SciPy releases the interpreter's lock, so that threads may share the rows."""
 
-import os
-from concurrent.futures import ThreadPoolExecutor
-from functools import cache, cached_property
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
+from .workers import WORKERS, idle_workers, pool
+
 # Numbers multiplied (stored entries times columns) below which a thread costs more than it saves.
 WORTH_SHARING = 1_000_000
-WORKERS = min(os.cpu_count() or 1, 8)
 
 
 class SharedRows:
@@ -23,7 +22,7 @@ class SharedRows:
 
     def __matmul__(self, columns):
         matrix = self.matrix
-        if WORKERS == 1 or matrix.nnz * (columns.size // len(columns)) < WORTH_SHARING:
+        if idle_workers() == 1 or matrix.nnz * (columns.size // len(columns)) < WORTH_SHARING:
             return matrix @ columns
         columns = np.ascontiguousarray(columns)
         result = np.empty((matrix.shape[0], *columns.shape[1:]), np.result_type(matrix.dtype, columns.dtype))
@@ -32,7 +31,7 @@ class SharedRows:
             rows, share = part
             result[rows] = share @ columns
 
-        list(_pool().map(fill, self._parts))
+        list(pool().map(fill, self._parts))
         return result
 
     @cached_property
@@ -50,13 +49,3 @@ def _rows(matrix, first, last):
     start, end = matrix.indptr[first], matrix.indptr[last]
     parts = (matrix.data[start:end], matrix.indices[start:end], matrix.indptr[first : last + 1] - start)
     return type(matrix)(parts, shape=(last - first, matrix.shape[1]), copy=False)
-
-
-@cache
-def _pool():
-    return ThreadPoolExecutor(WORKERS, thread_name_prefix="synch_fields")
-
-
-if hasattr(os, "register_at_fork"):
-    # A forked process has none of the threads.
-    os.register_at_fork(after_in_child=_pool.cache_clear)

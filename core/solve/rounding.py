@@ -15,19 +15,20 @@ from .descent import descend
 from .diffusion import diffuse
 from .monitor import OutOfTime
 from .spheres import gaussian
+from .workers import idle_workers, share_out
 
 # Diffusion times of the continuation, in units of 1 / (energy per mass), and longer ones that some go through before.
 TIMES = 0.3 * 0.1 ** np.arange(3)
 LONG_TIMES = 0.7 ** np.arange(6)
 # Projections that are carried: the best, and for variety some at random, through the longer times first. The share of
 # carried fields that go on to descend.
-BEST, DRAWN = 14, 3
+BEST, DRAWN = 14, 5
 DESCENDING = 0.6
 # Rounds of crossing: fields that are kept and crossed in pairs, crossings that go on, rounds at least and at most, and
 # the relative gain below which they end.
 KEPT, CROSSINGS = 8, 20
 FEWEST_ROUNDS, MOST_ROUNDS = 1, 5
-GAIN = 1e-3
+GAIN = 3e-3
 # Over which diffusion time local energies are compared, and how sharply the better one is preferred.
 CROSSING_TIME = 4.0
 SHARPNESS = 5.0
@@ -36,9 +37,11 @@ SAME_FIELD = 0.999
 # Steps of descent: between rounds, for the best few, and for the best in double precision.
 SHORT_STEPS, LONG_STEPS, FINAL_STEPS = 6, 30, 200
 FINALISTS = 3
-TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-12
-# Numbers that are worked on at once, and columns at least: memory, and how soon a solve can be stopped.
-LARGEST_BATCH, SMALLEST_BATCH = 1_000_000, 6
+TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-10
+# Numbers that a core works on at once, and columns at least: memory, and how soon a solve can be stopped. Numbers from
+# which on a thread is worth its while.
+LARGEST_BATCH, SMALLEST_BATCH = 500_000, 4
+WORTH_SHARING = 60_000
 # Metric shift of descents as a share of the energy per mass.
 SHIFT = 1.0
 
@@ -76,8 +79,8 @@ def crossings(stage, columns, density, count, monitor):
         sums = np.abs(smooth[:, first]) + np.abs(smooth[:, second])
         preference = np.tanh(SHARPNESS * (smooth[:, second] - smooth[:, first]) / np.where(sums > 0, sums, 1))
         preference = np.repeat(preference, block, axis=0)
-        turned = _aligned(columns[:, second], columns[:, first])
-        return stage.candidates.normalize((1 + preference) * columns[:, first] + (1 - preference) * turned)
+        one, other = np.take(columns, first, axis=1), np.take(columns, second, axis=1)
+        return stage.candidates.normalize((1 + preference) * one + (1 - preference) * _aligned(other, one))
 
     return _best_of(stage, cross, len(pairs), count, monitor)
 
@@ -86,11 +89,7 @@ def _best_of(stage, make, total, count, monitor):
     """Of ``total`` columns, which make(numbers) makes, the best ``count``, best first; few are held at once."""
 
     def made(numbers, work):
-        parts = []
-        for part in _batches(stage, numbers):
-            monitor.check()
-            parts.append(work(make(part)))
-        return np.concatenate(parts, axis=-1)
+        return _in_batches(stage, lambda part, _: work(make(part)), numbers, monitor)
 
     values = made(np.arange(total), partial(energies, stage))
     return made(np.argsort(values, kind="stable")[:count], lambda columns: columns)
@@ -98,13 +97,17 @@ def _best_of(stage, make, total, count, monitor):
 
 def _best(stage, columns, count):
     """The ``count`` columns of least energy, one at least, best first."""
-    return columns[:, np.argsort(energies(stage, columns), kind="stable")[: max(count, 1)]]
+    order = np.argsort(energies(stage, columns), kind="stable")
+    return np.take(columns, order[: max(count, 1)], axis=1)
 
 
-def _batches(stage, columns):
-    """Columns, or their numbers, in parts that are worked on at once."""
-    most = max(LARGEST_BATCH // stage.matrix.shape[0], SMALLEST_BATCH)
-    return np.array_split(columns, -(-columns.shape[-1] // most), axis=-1)
+def _in_batches(stage, work, columns, monitor):
+    """What work(columns, monitor) makes of columns, or of their numbers, a batch on each core at a time."""
+    size, count = stage.matrix.shape[0], columns.shape[-1]
+    most = max(LARGEST_BATCH // size, SMALLEST_BATCH)
+    fewest = min(size * count // WORTH_SHARING, count // SMALLEST_BATCH, idle_workers())
+    parts = np.array_split(columns, max(-(-count // most), fewest, 1), axis=-1)
+    return np.concatenate(share_out(work, parts, monitor), axis=-1)
 
 
 def _aligned(columns, targets):
@@ -127,14 +130,14 @@ def distinct_columns(stage, columns):
     for number in range(columns.shape[1]):
         if not (agreement[number, kept] > SAME_FIELD).any():
             kept.append(number)
-    return columns[:, kept]
+    return np.take(columns, kept, axis=1)
 
 
 def polish(stage, columns, metric, monitor, steps=LONG_STEPS):
     """Descend on the unrelaxed problem from each column; returns columns sorted by energy, best first."""
     columns = columns.astype(stage.matrix.dtype)
     descent = descend(stage.matrix, stage.candidates, columns, metric, TOLERANCE, steps, monitor)
-    return descent.point[:, np.argsort(descent.values, kind="stable")]
+    return np.take(descent.point, np.argsort(descent.values, kind="stable"), axis=1)
 
 
 def finish(workspace, column, metric, monitor):
@@ -165,13 +168,12 @@ def continuation(stage, lifted, samples, density, random, monitor):
         seeds = np.hstack([seeds, diffuse(stage, drawn, _metrics(stage, LONG_TIMES, density), 1, monitor)])
         diffusion = monitor.during(partial(list, _metrics(stage, TIMES, density)))
         for round_number in range(1 + MOST_ROUNDS):
-            settled = []
-            for batch in _batches(stage, seeds):
-                settled.append(diffuse(stage, batch, diffusion, 1, monitor))
-            settled = _best(stage, np.hstack(settled), round(DESCENDING * seeds.shape[1]))
-            for batch in _batches(stage, settled):
-                polished = polish(stage, batch, metric, monitor, SHORT_STEPS)
-                found = distinct_columns(stage, np.hstack([found, polished]))[:, :KEPT]
+            settled = _in_batches(stage, lambda part, its: diffuse(stage, part, diffusion, 1, its), seeds, monitor)
+            settled = _best(stage, settled, round(DESCENDING * seeds.shape[1]))
+            polished = _in_batches(
+                stage, lambda part, its: polish(stage, part, metric, its, SHORT_STEPS), settled, monitor
+            )
+            found = distinct_columns(stage, np.hstack([found, polished]))[:, :KEPT]
             value = energies(stage, found[:, :1])[0]
             monitor.found(float(value))
             monitor.at("continuation", 0.4 + 0.5 * (1 + round_number) / (1 + MOST_ROUNDS))

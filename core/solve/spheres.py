@@ -15,6 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg.blas import get_blas_funcs
 
+from .columns import add_multiples, inner_products, precise_inner_products, row_parts
+
 
 def candidates(block, is_circle):
     """The product of spheres for columns that are fields of their own."""
@@ -91,15 +93,20 @@ class _Fields:
     memory = 5
 
     @staticmethod
+    def energies(point, image):
+        """(k,) energies Re<x, L x>."""
+        products = precise_inner_products(_reals(point), _reals(image))
+        return products.reshape(point.shape[1], -1).sum(axis=1)
+
+    @staticmethod
     def inner(first, second):
         """(k,) inner products of tangent vectors."""
-        # A product with ones is the fast way to add up long columns.
-        return (np.ones(len(first), first.dtype) @ (first * second)).astype(float)
+        return inner_products(first, second).astype(float)
 
     @staticmethod
     def add(vector, shares, other):
         """Add multiples of another tangent vector's columns, in place."""
-        vector += shares.astype(vector.dtype) * other
+        add_multiples(vector, shares, other)
 
 
 @dataclass(frozen=True)
@@ -116,15 +123,10 @@ class Circles(_Fields):
 
     def normalize(self, point):
         """Nearest point: every unit vector scaled to length one; zero vectors stay zero."""
+        if self.block == 1:
+            return point * _inverse(np.abs(point))
         cosine, sine = self._pair(point)
-        inverse = _inverse(np.sqrt(cosine * cosine + sine * sine))
-        return point * (inverse if self.block == 1 else np.repeat(inverse, 2, axis=0))
-
-    def energies(self, point, image):
-        """(k,) energies Re<x, L x>."""
-        cosine, sine = self._pair(point)
-        along, across = self._pair(image)
-        return (cosine * along + sine * across).sum(axis=0, dtype=float)
+        return point * np.repeat(_inverse(np.sqrt(cosine * cosine + sine * sine)), 2, axis=0)
 
     def gradient(self, point, image):
         """Half the energy's derivative by the angles."""
@@ -142,12 +144,17 @@ class Circles(_Fields):
 
     def move(self, point, tangent, lengths):
         """Turn every value by an angle, whose tangent is given."""
-        angles = tangent * lengths.astype(tangent.dtype)
-        inverse = 1 / np.sqrt(1 + angles * angles)
+        lengths = lengths.astype(tangent.dtype)
         if self.block == 1:
-            turn = np.empty(angles.shape, point.dtype)
-            turn.real, turn.imag = inverse, angles * inverse
-            return point * turn
+            moved = np.empty_like(point)
+            for part in row_parts(len(point)):
+                turn = np.empty(tangent[part].shape, point.dtype)
+                turn.real, turn.imag = 1, tangent[part] * lengths
+                turn *= point[part]
+                np.multiply(turn, _inverse(np.abs(turn)), out=moved[part])
+            return moved
+        angles = tangent * lengths
+        inverse = 1 / np.sqrt(1 + angles * angles)
         cosine, sine = self._pair(point)
         turned = np.stack([cosine - angles * sine, sine + angles * cosine], axis=1)
         turned *= inverse[:, None]
@@ -171,10 +178,6 @@ class Columns(_Fields):
         """Nearest point: every unit vector scaled to length one; zero vectors stay zero."""
         return point * _inverse(np.sqrt(self._products(point, point)))
 
-    def energies(self, point, image):
-        """(k,) energies <x, L x>."""
-        return (point * image).sum(axis=0, dtype=float)
-
     def gradient(self, point, image):
         """Half the energy's gradient: the part of the image that is tangent."""
         return image - point * self._products(point, image)
@@ -197,8 +200,16 @@ def _like(reals, array):
     return reals.reshape(len(array), -1).view(array.dtype)
 
 
+def _reals(columns):
+    """(N, m) real numbers of (N, k) columns, a view where their rows lie together."""
+    if columns.strides[1] != columns.itemsize:
+        columns = np.ascontiguousarray(columns)
+    return columns.view(columns.real.dtype)
+
+
 def _inverse(lengths):
-    return 1 / np.where(lengths > 0, lengths, 1)
+    """1 / lengths, some number for zero."""
+    return 1 / np.maximum(lengths, np.finfo(lengths.dtype).tiny)
 
 
 def random_columns(piece, columns, random):

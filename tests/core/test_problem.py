@@ -7,6 +7,8 @@ import pytest
 
 from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.errors import SettingError
+from synch_fields.core.fields.directions import direction_problem
+from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.problem import Merged, SynchronizationProblem, Targets
 
 from .graphs import (
@@ -18,6 +20,7 @@ from .graphs import (
     random_constraints,
     random_values,
 )
+from .meshes import torus
 
 
 def energy_by_hand(connection, phases, drawn=None):
@@ -103,9 +106,11 @@ def test_expanded_phases_keep_the_constraints(kind, seed):
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_matrix_is_the_dense_connection_laplacian(kind):
     connection = random_connection(kind, nodes=8, extra=10, seed=3)
-    (piece,) = SynchronizationProblem(connection).pieces
+    problem = SynchronizationProblem(connection)
+    (piece,) = problem.pieces
     dense = quadratic(connection)[0]
-    matrix = piece.matrix.toarray()
+    rows = problem.rows_of(np.arange(8)).ravel()
+    matrix = piece.matrix.toarray()[np.ix_(rows, rows)]
     if piece.is_complex:
         blocks = np.array([[matrix.real, -matrix.imag], [matrix.imag, matrix.real]])
         matrix = blocks.transpose(2, 0, 3, 1).reshape(16, 16)
@@ -130,12 +135,23 @@ def test_masses_of_merged_nodes_add_up():
     assert sorted(piece.mass.tolist()) == [2.0, 3.0, 5.0, 1.0 + 4.0 + 6.0]
 
 
+def test_neighbours_are_near_in_the_matrix_however_the_nodes_are_numbered():
+    mesh = torus()
+    shuffled = np.random.default_rng(0).permutation(mesh.vertex_count)
+    mesh = TriangleMesh(mesh.vertices[np.argsort(shuffled)], shuffled[mesh.triangles])
+    (piece,) = direction_problem(mesh, 4).pieces
+    tails, heads = piece.matrix.nonzero()
+    assert np.abs(mesh.edges[:, 0] - mesh.edges[:, 1]).max() > 200
+    assert np.abs(tails - heads).max() < 3 * 2 * 12
+
+
 def test_pieces_are_the_connected_components_and_isolated_nodes_have_none():
     random = np.random.default_rng(0)
     edges = np.array([[0, 2], [2, 4], [4, 0], [5, 1], [1, 7]])
     connection = Connection(9, edges, np.ones(5), np.exp(1j * random.uniform(0, 6, 5)))
     problem = SynchronizationProblem(connection)
-    assert sorted(sorted(p.rows.tolist()) for p in problem.pieces) == [[0, 2, 4], [1, 5, 7]]
+    nodes = [sorted(np.flatnonzero(np.isin(problem.rows_of(np.arange(9)), p.rows)).tolist()) for p in problem.pieces]
+    assert sorted(nodes) == [[0, 2, 4], [1, 5, 7]]
     bridged = SynchronizationProblem(connection, merged=Merged(np.array([7]), np.array([4]), np.ones(1, complex)))
     assert [p.node_count for p in bridged.pieces] == [5]
 

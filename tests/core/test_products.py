@@ -67,7 +67,7 @@ def test_all_work_in_one_row_is_still_shared_out_once(monkeypatch):
 
 def test_small_products_are_not_shared(monkeypatch):
     monkeypatch.setattr(products, "WORKERS", 2)
-    monkeypatch.setattr(products, "_pool", lambda: pytest.fail("threads for a small product"))
+    monkeypatch.setattr(products, "pool", lambda: pytest.fail("threads for a small product"))
     matrix = csr_matrix(random_array((500, 500), density=0.1, rng=np.random.default_rng(2)))
     right = np.ones((500, 4))
     np.testing.assert_array_equal(SharedRows(matrix) @ right, matrix @ right)

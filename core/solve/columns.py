@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Arithmetic on many short rows: columns of real numbers, worked on so many rows at a time that the cache holds them.
+
+NumPy is slow where the last axis is short. Here that of several rows together is as good.
+"""
+
+import numpy as np
+
+# Rows that the cache holds, and rows that are taken as one.
+ROWS, TOGETHER = 16384, 64
+
+
+def row_parts(count):
+    """Slices of as many of ``count`` rows as the cache holds."""
+    return (slice(first, min(first + ROWS, count)) for first in range(0, count, ROWS))
+
+
+def _together(rows):
+    """A view of C-contiguous rows, TOGETHER in one."""
+    return rows.reshape(len(rows) // TOGETHER, TOGETHER * rows.shape[1])
+
+
+def inner_products(first, second):
+    """(k,) inner products of the columns of two (N, k) arrays, in their precision."""
+    # A product with ones is the fast way to add up long columns.
+    ones = np.ones(min(len(first), ROWS), first.dtype)
+    return sum(ones[: len(first[part])] @ (first[part] * second[part]) for part in row_parts(len(first)))
+
+
+def precise_inner_products(first, second):
+    """(k,) inner products, of single precision to about eight digits."""
+    total = np.zeros(first.shape[1])
+    ones = np.ones(TOGETHER, first.dtype)
+    for part in row_parts(len(first)):
+        products = first[part] * second[part]
+        whole = len(products) // TOGETHER * TOGETHER
+        sums = ones @ products[:whole].reshape(-1, TOGETHER, products.shape[1])
+        total += sums.sum(axis=0, dtype=float) + products[whole:].sum(axis=0, dtype=float)
+    return total
+
+
+def add_multiples(columns, shares, others):
+    """columns += shares * others, in place; the columns are C-contiguous."""
+    if not columns.flags.c_contiguous:
+        raise ValueError("the columns are not contiguous: the sum would be lost in a copy")
+    shares = shares.astype(columns.dtype, copy=False)
+    tiled = np.tile(shares, TOGETHER)
+    whole = len(columns) // TOGETHER * TOGETHER
+    for part in row_parts(whole):
+        changed = _together(columns[part])
+        changed += tiled * _together(others[part])
+    columns[whole:] += shares * others[whole:]

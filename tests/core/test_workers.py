@@ -1,0 +1,92 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Work that several threads share: the same results in order, one of them asks, and all end together."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from synch_fields.core.errors import Cancelled
+from synch_fields.core.fields.directions import direction_problem
+from synch_fields.core.solve import Options, rounding, solve, workers
+from synch_fields.core.solve.monitor import SILENT, Monitor, OutOfTime
+from synch_fields.core.solve.workers import idle_workers, share_out
+
+from .meshes import bumpy_torus
+
+
+@pytest.fixture(params=[1, 2, 5])
+def count(request, monkeypatch):
+    monkeypatch.setattr(workers, "WORKERS", request.param)
+    return request.param
+
+
+def test_results_come_in_the_order_of_the_parts(count):
+    def work(part, monitor):
+        time.sleep(0.01 * (part % 3))
+        return part, idle_workers()
+
+    # Inside of shared work nothing is shared again.
+    assert share_out(work, range(7), SILENT) == [(part, 1) for part in range(7)]
+    assert idle_workers() == count
+
+
+def test_all_threads_work_at_once(count):
+    together = threading.Barrier(count, timeout=5)
+    share_out(lambda part, monitor: together.wait(), range(count), SILENT)
+
+
+def test_only_the_calling_thread_is_asked_and_all_end_when_it_says_so(count):
+    asked, ended = set(), []
+    begin = time.perf_counter()
+
+    def callback(stage, fraction):
+        asked.add(threading.get_ident())
+        return time.perf_counter() < begin + 0.1
+
+    def work(part, monitor):
+        try:
+            while time.perf_counter() < begin + 20:
+                monitor.check()
+                time.sleep(0.002)
+        finally:
+            ended.append(part)
+
+    with pytest.raises(Cancelled):
+        share_out(work, range(count), Monitor(callback))
+    assert asked == {threading.get_ident()}
+    while len(ended) < count:
+        assert time.perf_counter() < begin + 10
+        time.sleep(0.01)
+
+
+def test_time_limits_end_shared_work(count):
+    def work(part, monitor):
+        while True:
+            monitor.check()
+            time.sleep(0.002)
+
+    with pytest.raises(OutOfTime):
+        share_out(work, range(3), Monitor(time_limit=0.05))
+
+
+def test_errors_come_out_where_the_work_was_given(count):
+    def work(part, monitor):
+        if part == 2:
+            raise ZeroDivisionError("part 2")
+
+    with pytest.raises(ZeroDivisionError, match="part 2"):
+        share_out(work, range(4), SILENT)
+
+
+def test_a_solve_has_the_same_result_on_any_number_of_cores(monkeypatch):
+    monkeypatch.setattr(rounding, "WORTH_SHARING", 1)
+    results = []
+    for cores in (1, 2, 4):
+        monkeypatch.setattr(workers, "WORKERS", cores)
+        results.append(solve(direction_problem(bumpy_torus(14), 4), Options(seed=3)))
+    for other in results[1:]:
+        assert other.energy == pytest.approx(results[0].energy, rel=1e-9)
+        np.testing.assert_allclose(other.phases, results[0].phases, atol=1e-4)
