@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_matrix, diags_array
+from scipy.sparse import coo_matrix, csr_matrix, diags_array
 from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
 
 from .connection import compose
@@ -104,11 +104,6 @@ class SynchronizationProblem:
         return np.concatenate(pairs), transports, components
 
     @cached_property
-    def _order(self):
-        """(n,) nodes, neighbours near one another: products with L in this order read memory up to 2.5 times faster."""
-        return reverse_cuthill_mckee(_graph(self.connection.node_count, self._links[0]).tocsr())
-
-    @cached_property
     def turned(self):
         """(n,) bool: nodes whose coordinates are the conjugate of their phase (circle only)."""
         return self._gauge[0]
@@ -160,7 +155,7 @@ class SynchronizationProblem:
             if constraint is not None:
                 free[constraint.nodes] = False
         column = np.full(count, -1)
-        column[self._order[free[self._order]]] = np.arange(free.sum())
+        column[free] = np.arange(free.sum())
         grounded = [t.nodes for t in (self.fixed, self.drawn) if t is not None]
         grounds = np.unique(components[np.concatenate([*grounded, np.empty(0, int)]).astype(int)])
         ground_of = np.full(components.max() + 1, -1)
@@ -206,7 +201,7 @@ class SynchronizationProblem:
     def pieces(self):
         """The connected pieces that have at least one edge; the others keep the phase 1."""
         _, _, mass, component, ground_of = self._embedding
-        order = np.argsort(component, kind="stable")
+        order = np.lexsort((self._places, component))
         ends = np.cumsum(np.bincount(component))
         edge_rows = self._row_pieces(component)
         pieces = []
@@ -214,6 +209,15 @@ class SynchronizationProblem:
             if len(nodes) and len(edge_rows[label]):
                 pieces.append(self._piece(nodes, edge_rows[label], mass[nodes], ground_of[label]))
         return pieces
+
+    @cached_property
+    def _places(self):
+        """(columns,) places in an order in which neighbours are near: products read memory up to 2.5 times faster."""
+        column, _, mass = self._embedding[:3]
+        order = reverse_cuthill_mckee(_graph(self.connection.node_count, self._links[0]).tocsr())
+        places = np.full(len(mass), len(order))
+        places[column[order[::-1]]] = np.arange(len(order))[::-1]
+        return places
 
     def _row_pieces(self, component):
         """Rows of the factor that belong to each component."""
@@ -226,9 +230,8 @@ class SynchronizationProblem:
     def _piece(self, nodes, edge_rows, mass, ground_column):
         block = self.block
         rows = (nodes[:, None] * block + np.arange(block)).ravel()
-        whole = len(rows) == self.factor.shape[1]
-        factor = self.factor if whole else self.factor[edge_rows][:, rows]
-        rows = np.arange(len(rows)) if whole else rows
+        factor = self.factor if len(rows) == self.factor.shape[1] else self.factor[edge_rows]
+        factor = _columns(factor, rows)
         matrix = (factor.conj().T @ factor).tocsr()
         matrix.sum_duplicates()
         ground = None
@@ -239,7 +242,6 @@ class SynchronizationProblem:
             penalty = np.zeros(len(rows))
             penalty[unused] = max(2 * abs(matrix[ground * block, ground * block]), abs(matrix.diagonal()).mean())
             matrix = (matrix + diags_array(penalty)).tocsr() if len(unused) else matrix
-        mass = mass if not whole else self._embedding[2]
         return Piece(matrix, factor, mass, block, self.is_complex, ground, rows)
 
     def expand(self, coordinates):
@@ -323,6 +325,13 @@ def _ground_blocks(values):
 
 def _scaled(blocks, scale):
     return blocks * scale.reshape(-1, *[1] * (blocks.ndim - 1))
+
+
+def _columns(matrix, columns):
+    """Columns of a CSR matrix in a given order, which holds all that have entries."""
+    places = np.empty(matrix.shape[1], matrix.indices.dtype)
+    places[columns] = np.arange(len(columns))
+    return csr_matrix((matrix.data, places[matrix.indices], matrix.indptr), shape=(matrix.shape[0], len(columns)))
 
 
 def _block_matrix(rows, columns, values, shape):

@@ -37,7 +37,7 @@ SAME_FIELD = 0.999
 # Steps of descent: between rounds, for the best few, and for the best in double precision.
 SHORT_STEPS, LONG_STEPS, FINAL_STEPS = 6, 30, 200
 FINALISTS = 3
-TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-10
+TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-12
 # Numbers that a core works on at once, and columns at least: memory, and how soon a solve can be stopped. Numbers from
 # which on a thread is worth its while.
 LARGEST_BATCH, SMALLEST_BATCH = 500_000, 4

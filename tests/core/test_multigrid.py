@@ -141,7 +141,7 @@ def test_the_cycle_is_hermitian_positive_and_near_the_inverse(build, share):
         Hierarchy(piece.matrix, piece.row_mass, piece.block, piece.ground), max(share * piece.stiffness, 1e-9)
     )
     inverse = metric.solve(np.eye(piece.matrix.shape[0], dtype=piece.matrix.dtype))
-    np.testing.assert_allclose(inverse, inverse.conj().T, atol=3e-6 * np.abs(inverse).max())
+    np.testing.assert_allclose(inverse, inverse.conj().T, atol=(1e-4 if uneven else 3e-6) * np.abs(inverse).max())
     root = np.linalg.cholesky(piece.matrix.toarray() + metric.shift * np.diag(piece.row_mass))
     spectrum = np.linalg.eigvalsh(root.conj().T @ inverse @ root)
     assert spectrum[-1] <= (1.1 if uneven else 1.02)

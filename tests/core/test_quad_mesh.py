@@ -215,7 +215,7 @@ def test_a_cube_has_its_grid_and_eight_vertices_of_three_edges(cuts, cells):
     middles = np.add.reduceat(quads.vertices[quads.corner_vertices], quads.starts) / 4
     assert (np.einsum("ij,ij->i", face_vectors(quads), middles - centre) > 0).all()
     near = cKDTree(mesh.vertices[(np.abs(mesh.vertices - 0.5) == 0.5).all(axis=1)]).query(quads.vertices[degrees == 3])
-    assert near[0].max() < 1.5 / cuts and len(np.unique(near[1])) == 8
+    assert near[0].max() < 2 / cuts and len(np.unique(near[1])) == 8
 
 
 def test_a_flat_torus_has_nothing_but_regular_vertices():

@@ -207,8 +207,8 @@ def test_polished_phases_are_a_local_optimum():
     problem = direction_problem(double_torus(), 4)
     solution = solve(problem)
     (piece,) = problem.pieces
-    coordinates = problem.coordinates(solution.phases)
-    residual = (np.conj(coordinates) * (piece.matrix @ coordinates)).imag
+    phases = solution.phases[piece.rows]
+    residual = (np.conj(phases) * (piece.matrix @ phases)).imag
     assert np.abs(residual).max() < 1e-3 * np.abs(piece.matrix.diagonal()).max()
     # Turning any one phase a little does not help.
     for node in range(0, len(solution.phases), 17):
