@@ -12,6 +12,7 @@ from ..core.fields.growth import Growth
 from ..core.fields.mirror import Mirror
 from ..core.fields.patterns import check_spacing
 from ..core.geometry.mirror import mirrored_vertices
+from ..core.solve.monitor import Monitor
 from . import constraints, scene_io
 from .constraint_list import stored_constraints
 from .guidance import PendingGuide, read_guides
@@ -146,8 +147,8 @@ def _judge_spacing(task, field, report, callback):
             f"it needs edges shorter than {finest / 2:.3g}, subdivide or remesh"
         )
     report.forced_dislocations = growth.forced_dislocations
-    if callback is not None:  # what the map asks for is seen before the stripes are there; cancelling is the solver's
-        callback(f"pattern, {report.forced_dislocations:.0f} dislocations asked for", 0.0)
+    # What the map asks for is seen before the stripes are there.
+    Monitor(callback).at(f"pattern, {report.forced_dislocations:.0f} dislocations asked for", 0.0)
 
 
 def automatic_spacing(command, mesh, across=LINES_ACROSS):

@@ -161,18 +161,18 @@ def test_warnings_of_a_quad_mesh_speak_of_what_it_does():
 
 
 @pytest.mark.parametrize("operator", OPERATORS)
-@pytest.mark.parametrize("calls", [1, 2, 20, 60])
+@pytest.mark.parametrize("calls", [1, 2, 20, 60, "second problem"])
 def test_cancelled_run_changes_nothing(operator, calls):
     obj = furnished()
     before, asked = everything(), []
 
     def callback(stage, fraction):
         asked.append(fraction)
-        return len(asked) < calls
+        return not ("dislocations asked for" in stage if calls == "second problem" else len(asked) == calls)
 
     with pytest.raises(Cancelled):
         getattr(api, operator)(obj, callback=callback, spacing=0.4)
-    assert len(asked) == calls and asked == sorted(asked) and 0 <= asked[0] <= asked[-1] <= 1
+    assert calls in (len(asked), "second problem") and asked == sorted(asked) and 0 <= asked[0] <= asked[-1] <= 1
     assert everything() == before
 
 

@@ -140,7 +140,7 @@ def test_numbers_follow_favourites_and_what_comes_back(kept):
         memory.forget(obj)
         favourites.show(obj, "mine")
     # But for corners half way between two numbers: a favourite is kept in single precision.
-    assert (np.abs(attribute(obj, "synch_number") - numbers) > 1e-4).mean() < 2e-3
+    assert (np.abs(attribute(obj, "synch_number") - numbers) > 1e-4).mean() < 5e-3
 
 
 def test_numbers_can_wait_until_the_last_state_is_shown():

@@ -142,7 +142,7 @@ def test_a_crossing_takes_the_better_half_of_each(with_flips):
     assert problem.is_complex != with_flips
     piece = only_piece(problem)
     workspace = Workspace(piece)
-    columns = np.column_stack([problem.coordinates(p) for p in phases.T])
+    columns = np.column_stack([problem.coordinates(p) for p in phases.T])[piece.rows]
     alone = piece.energy(columns)
     np.testing.assert_allclose(alone, low + high, atol=4 * weak)
     assert high > 40 * low
