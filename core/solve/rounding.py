@@ -27,8 +27,8 @@ DESCENDING = 0.6
 # Rounds of crossing: fields that are kept and crossed in pairs, crossings that go on, rounds at least and at most, and
 # the relative gain below which they end.
 KEPT, CROSSINGS = 8, 20
-FEWEST_ROUNDS, MOST_ROUNDS = 1, 3
-GAIN = 3e-3
+FEWEST_ROUNDS, MOST_ROUNDS = 1, 5
+GAIN = 1e-3
 # Over which diffusion time local energies are compared, and how sharply the better one is preferred.
 CROSSING_TIME = 4.0
 SHARPNESS = 5.0
