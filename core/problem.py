@@ -212,9 +212,9 @@ class SynchronizationProblem:
 
     @cached_property
     def _places(self):
-        """(columns,) places in an order in which neighbours are near: products read memory up to 2.5 times faster."""
+        """(columns,) places in an order in which neighbours are near, so that products find them in the cache."""
         column, _, mass = self._embedding[:3]
-        order = reverse_cuthill_mckee(_graph(self.connection.node_count, self._links[0]).tocsr())
+        order = reverse_cuthill_mckee(_graph(self.connection.node_count, self.connection.edges).tocsr())
         places = np.full(len(mass), len(order))
         places[column[order[::-1]]] = np.arange(len(order))[::-1]
         return places
@@ -331,7 +331,8 @@ def _columns(matrix, columns):
     """Columns of a CSR matrix in a given order, which holds all that have entries."""
     places = np.empty(matrix.shape[1], matrix.indices.dtype)
     places[columns] = np.arange(len(columns))
-    return csr_matrix((matrix.data, places[matrix.indices], matrix.indptr), shape=(matrix.shape[0], len(columns)))
+    parts = (matrix.data.copy(), places[matrix.indices], matrix.indptr)
+    return csr_matrix(parts, shape=(matrix.shape[0], len(columns)))
 
 
 def _block_matrix(rows, columns, values, shape):

@@ -1,18 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Arithmetic on many short rows: columns of real numbers, worked on so many rows at a time that the cache holds them.
+"""Arithmetic on many short rows: columns of real numbers, so many of them at a time that a core's cache holds them.
 
 NumPy is slow where the last axis is short. Here that of several rows together is as good.
 """
 
 import numpy as np
 
-# Rows that the cache holds, and rows that are taken as one.
-ROWS, TOGETHER = 16384, 64
+# Numbers that the cache holds, and rows that are taken as one.
+HELD, TOGETHER = 131072, 64
 
 
-def row_parts(count):
-    """Slices of as many of ``count`` rows as the cache holds."""
-    return (slice(first, min(first + ROWS, count)) for first in range(0, count, ROWS))
+def row_parts(count, width):
+    """Slices of as many of ``count`` rows of ``width`` numbers as the cache holds."""
+    rows = max(HELD // max(width, 1) // TOGETHER, 1) * TOGETHER
+    return [slice(first, min(first + rows, count)) for first in range(0, count, rows)]
 
 
 def _together(rows):
@@ -23,15 +24,18 @@ def _together(rows):
 def inner_products(first, second):
     """(k,) inner products of the columns of two (N, k) arrays, in their precision."""
     # A product with ones is the fast way to add up long columns.
-    ones = np.ones(min(len(first), ROWS), first.dtype)
-    return sum(ones[: len(first[part])] @ (first[part] * second[part]) for part in row_parts(len(first)))
+    total = np.zeros(first.shape[1], first.dtype)
+    for part in row_parts(*first.shape):
+        products = first[part] * second[part]
+        total += np.ones(len(products), products.dtype) @ products
+    return total
 
 
 def precise_inner_products(first, second):
     """(k,) inner products, of single precision to about eight digits."""
     total = np.zeros(first.shape[1])
     ones = np.ones(TOGETHER, first.dtype)
-    for part in row_parts(len(first)):
+    for part in row_parts(*first.shape):
         products = first[part] * second[part]
         whole = len(products) // TOGETHER * TOGETHER
         sums = ones @ products[:whole].reshape(-1, TOGETHER, products.shape[1])
@@ -46,7 +50,7 @@ def add_multiples(columns, shares, others):
     shares = shares.astype(columns.dtype, copy=False)
     tiled = np.tile(shares, TOGETHER)
     whole = len(columns) // TOGETHER * TOGETHER
-    for part in row_parts(whole):
+    for part in row_parts(whole, columns.shape[1]):
         changed = _together(columns[part])
         changed += tiled * _together(others[part])
     columns[whole:] += shares * others[whole:]

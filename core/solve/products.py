@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sparse products on both cores: SciPy releases the interpreter's lock, so that threads may share the rows."""
+"""Sparse products on all cores: SciPy releases the interpreter's lock, so that threads may share the rows."""
 
 from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
-from .workers import WORKERS, idle_workers, pool
+from . import workers
 
 # Numbers multiplied (stored entries times columns) below which a thread costs more than it saves.
 WORTH_SHARING = 1_000_000
@@ -22,7 +22,7 @@ class SharedRows:
 
     def __matmul__(self, columns):
         matrix = self.matrix
-        if idle_workers() == 1 or matrix.nnz * (columns.size // len(columns)) < WORTH_SHARING:
+        if workers.idle_workers() == 1 or matrix.nnz * (columns.size // len(columns)) < WORTH_SHARING:
             return matrix @ columns
         columns = np.ascontiguousarray(columns)
         result = np.empty((matrix.shape[0], *columns.shape[1:]), np.result_type(matrix.dtype, columns.dtype))
@@ -31,14 +31,14 @@ class SharedRows:
             rows, share = part
             result[rows] = share @ columns
 
-        list(pool().map(fill, self._parts))
+        list(workers.pool().map(fill, self._parts))
         return result
 
     @cached_property
     def _parts(self):
         """Row ranges of about equal work, with their matrices, which are views."""
         matrix = self.matrix
-        wanted = np.linspace(0, matrix.nnz, WORKERS + 1)
+        wanted = np.linspace(0, matrix.nnz, workers.WORKERS + 1)
         cuts = np.searchsorted(matrix.indptr, wanted).clip(0, matrix.shape[0])
         cuts[0], cuts[-1] = 0, matrix.shape[0]
         return [(slice(first, last), _rows(matrix, first, last)) for first, last in pairwise(cuts)]

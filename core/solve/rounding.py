@@ -38,9 +38,9 @@ SAME_FIELD = 0.999
 SHORT_STEPS, LONG_STEPS, FINAL_STEPS = 6, 30, 200
 FINALISTS = 3
 TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-12
-# Numbers that a core works on at once, and columns at least: memory, and how soon a solve can be stopped. Numbers from
-# which on a thread is worth its while.
-LARGEST_BATCH, SMALLEST_BATCH = 500_000, 4
+# Numbers that are worked on at once, and columns of a batch at least: memory, and how soon a solve can be stopped.
+# Numbers from which on a thread is worth its while.
+MOST_AT_ONCE, SMALLEST_BATCH = 1_000_000, 4
 WORTH_SHARING = 60_000
 # Metric shift of descents as a share of the energy per mass.
 SHIFT = 1.0
@@ -89,7 +89,11 @@ def _best_of(stage, make, total, count, monitor):
     """Of ``total`` columns, which make(numbers) makes, the best ``count``, best first; few are held at once."""
 
     def made(numbers, work):
-        return _in_batches(stage, lambda part, _: work(make(part)), numbers, monitor)
+        def one(part, its):
+            its.check()
+            return work(make(part))
+
+        return _in_batches(stage, one, numbers, monitor)
 
     values = made(np.arange(total), partial(energies, stage))
     return made(np.argsort(values, kind="stable")[:count], lambda columns: columns)
@@ -102,12 +106,13 @@ def _best(stage, columns, count):
 
 
 def _in_batches(stage, work, columns, monitor):
-    """What work(columns, monitor) makes of columns, or of their numbers, a batch on each core at a time."""
+    """What work(columns, monitor) makes of columns, or of their numbers, in batches that all cores share."""
     size, count = stage.matrix.shape[0], columns.shape[-1]
-    most = max(LARGEST_BATCH // size, SMALLEST_BATCH)
+    most = max(MOST_AT_ONCE // 2 // size, SMALLEST_BATCH)
     fewest = min(size * count // WORTH_SHARING, count // SMALLEST_BATCH, idle_workers())
-    parts = np.array_split(columns, max(-(-count // most), fewest, 1), axis=-1)
-    return np.concatenate(share_out(work, parts, monitor), axis=-1)
+    batches = np.array_split(columns, max(-(-count // most), fewest, 1), axis=-1)
+    at_once = max(MOST_AT_ONCE // (size * batches[0].shape[-1]), 2)
+    return np.concatenate(share_out(work, batches, monitor, at_once), axis=-1)
 
 
 def _aligned(columns, targets):

@@ -96,7 +96,7 @@ class _Fields:
     def energies(point, image):
         """(k,) energies Re<x, L x>."""
         products = precise_inner_products(_reals(point), _reals(image))
-        return products.reshape(point.shape[1], -1).sum(axis=1)
+        return products.reshape(-1, 2 if np.iscomplexobj(point) else 1).sum(axis=1)
 
     @staticmethod
     def inner(first, second):
@@ -147,7 +147,7 @@ class Circles(_Fields):
         lengths = lengths.astype(tangent.dtype)
         if self.block == 1:
             moved = np.empty_like(point)
-            for part in row_parts(len(point)):
+            for part in row_parts(len(point), 2 * point.shape[1]):
                 turn = np.empty(tangent[part].shape, point.dtype)
                 turn.real, turn.imag = 1, tangent[part] * lengths
                 turn *= point[part]

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """All cores for one solve: NumPy and SciPy release the interpreter's lock, so that threads may share the work."""
 
+import math
 import os
 import threading
-from concurrent.futures import ThreadPoolExecutor
-from functools import cache, partial
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from functools import cache
 
-from .monitor import OutOfTime
+from .monitor import POLL_SECONDS, OutOfTime
 
 WORKERS = min(os.cpu_count() or 1, 8)
 
@@ -43,24 +44,39 @@ class _Follower:
             raise OutOfTime
 
 
-def share_out(work, parts, monitor):
-    """[work(part, monitor) for part in parts] by all cores; ``work`` asks its monitor often.
+def share_out(work, parts, monitor, at_once=math.inf):
+    """[work(part, monitor) for part in parts] by all cores, at most ``at_once`` parts at a time.
 
-    Only the calling thread asks the callback of the monitor that is given, and the others stop when it has to.
+    Only the calling thread asks the callback of the given monitor. ``work`` has to ask its own often, which stops
+    it with :class:`OutOfTime` when the caller is stopped or another part fails. When the time limit passes, work may
+    return what it has reached instead.
     """
-    if len(parts) == 1 or idle_workers() == 1:
+    threads = min(idle_workers(), len(parts), at_once)
+    if threads == 1:
         return [work(part, monitor) for part in parts]
     follower = _Follower()
-    try:
-        return monitor.during(partial(_by_threads, work, parts, follower))
-    finally:
-        follower.stop()
 
-
-def _by_threads(work, parts, follower):
     def alone(part):
         _thread.is_shared = True
         return work(part, follower)
 
-    with ThreadPoolExecutor(min(WORKERS, len(parts))) as threads:
-        return list(threads.map(alone, parts))
+    executor = ThreadPoolExecutor(threads)
+    running = [executor.submit(alone, part) for part in parts]
+    try:
+        while not _finished(running):
+            monitor.check()
+    except OutOfTime:
+        follower.stop()
+        wait(running)
+    finally:
+        follower.stop()
+        executor.shutdown(wait=False, cancel_futures=True)
+    return [future.result() for future in running]
+
+
+def _finished(running):
+    """Whether all are done, after a while; the error of one that failed comes out here."""
+    done, waiting = wait(running, POLL_SECONDS, FIRST_EXCEPTION)
+    for future in done:
+        future.result()
+    return not waiting

@@ -5,8 +5,9 @@
 import numpy as np
 import pytest
 
-from synch_fields.core.solve.columns import ROWS, TOGETHER, add_multiples, inner_products, precise_inner_products
+from synch_fields.core.solve.columns import HELD, TOGETHER, add_multiples, inner_products, precise_inner_products
 
+ROWS = HELD // 5
 SIZES = [0, 1, TOGETHER - 1, TOGETHER, 3 * TOGETHER + 5, ROWS, ROWS + 1, 2 * ROWS + TOGETHER + 7]
 
 
@@ -19,8 +20,9 @@ def pair(request):
 def test_inner_products(pair, dtype, digits):
     first, second = pair.astype(dtype)
     sizes = np.abs(first.astype(float) * second).sum(axis=0)
-    error = np.abs(inner_products(first, second) - (first.astype(float) * second).sum(axis=0))
-    assert (error <= digits * sizes).all()
+    result = inner_products(first, second)
+    assert result.shape == (5,) and result.dtype == dtype
+    assert (np.abs(result - (first.astype(float) * second).sum(axis=0)) <= digits * sizes).all()
 
 
 @pytest.mark.parametrize(("dtype", "digits"), [(np.float64, 1e-13), (np.float32, 1e-7)])

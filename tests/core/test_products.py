@@ -7,7 +7,7 @@ import pytest
 from scipy.sparse import csr_matrix, random_array
 
 from synch_fields.core.fields.directions import direction_problem
-from synch_fields.core.solve import products
+from synch_fields.core.solve import products, workers
 from synch_fields.core.solve.products import SharedRows
 
 from .graphs import only_piece
@@ -23,9 +23,9 @@ MATRICES = [
 
 @pytest.mark.parametrize("size", MATRICES)
 @pytest.mark.parametrize("dtype", [np.float32, np.float64, np.complex64, np.complex128])
-@pytest.mark.parametrize("workers", [2, 5])
-def test_products_with_shared_rows_are_the_same_to_the_last_bit(size, dtype, workers, monkeypatch):
-    monkeypatch.setattr(products, "WORKERS", workers)
+@pytest.mark.parametrize("count", [2, 5])
+def test_products_with_shared_rows_are_the_same_to_the_last_bit(size, dtype, count, monkeypatch):
+    monkeypatch.setattr(workers, "WORKERS", count)
     random = np.random.default_rng(0)
     matrix = csr_matrix(random_array(**size, rng=random)).astype(dtype)
     if np.iscomplexobj(matrix.data):
@@ -37,8 +37,8 @@ def test_products_with_shared_rows_are_the_same_to_the_last_bit(size, dtype, wor
     shared = SharedRows(matrix)
     assert shared.shape == matrix.shape and shared.dtype == matrix.dtype
     for columns in (None, 1, 7, 24):
-        count = matrix.shape[1]
-        right = random.standard_normal(count if columns is None else (count, columns))
+        size = matrix.shape[1]
+        right = random.standard_normal(size if columns is None else (size, columns))
         for right_dtype in (dtype, np.float64):
             values = right.astype(right_dtype)
             for layout in (values, np.asfortranarray(values)):
@@ -48,12 +48,12 @@ def test_products_with_shared_rows_are_the_same_to_the_last_bit(size, dtype, wor
                 np.testing.assert_array_equal(result, expected)
     assert matrix.nnz * 24 > products.WORTH_SHARING and "_parts" in vars(shared)
     rows = [rows for rows, _ in shared._parts]
-    assert len(rows) == workers and rows[0].start == 0 and rows[-1].stop == matrix.shape[0]
+    assert len(rows) == count and rows[0].start == 0 and rows[-1].stop == matrix.shape[0]
 
 
 def test_all_work_in_one_row_is_still_shared_out_once(monkeypatch):
     """Where one row holds nearly everything, some workers have no rows at all."""
-    monkeypatch.setattr(products, "WORKERS", 6)
+    monkeypatch.setattr(workers, "WORKERS", 6)
     monkeypatch.setattr(products, "WORTH_SHARING", 1)
     random = np.random.default_rng(1)
     dense = np.zeros((40, 5000))
@@ -66,8 +66,8 @@ def test_all_work_in_one_row_is_still_shared_out_once(monkeypatch):
 
 
 def test_small_products_are_not_shared(monkeypatch):
-    monkeypatch.setattr(products, "WORKERS", 2)
-    monkeypatch.setattr(products, "pool", lambda: pytest.fail("threads for a small product"))
+    monkeypatch.setattr(workers, "WORKERS", 2)
+    monkeypatch.setattr(workers, "pool", lambda: pytest.fail("threads for a small product"))
     matrix = csr_matrix(random_array((500, 500), density=0.1, rng=np.random.default_rng(2)))
     right = np.ones((500, 4))
     np.testing.assert_array_equal(SharedRows(matrix) @ right, matrix @ right)

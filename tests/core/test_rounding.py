@@ -10,9 +10,9 @@ import pytest
 from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.problem import SynchronizationProblem
-from synch_fields.core.solve import Options, rounding, solve
+from synch_fields.core.solve import Options, rounding, solve, workers
 from synch_fields.core.solve.diffusion import diffuse
-from synch_fields.core.solve.monitor import SILENT
+from synch_fields.core.solve.monitor import SILENT, Monitor
 from synch_fields.core.solve.solution import Clock
 from synch_fields.core.solve.spheres import random_columns
 from synch_fields.core.solve.stage import Workspace
@@ -75,7 +75,7 @@ def test_a_step_of_diffusion_is_nearly_an_exact_solve(build, time, angles, energ
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("batch", [1, 10**6])
 def test_projections_are_the_best_of_the_lifted_field_seen_along_directions(kind, batch, monkeypatch):
-    monkeypatch.setattr(rounding, "LARGEST_BATCH", batch)
+    monkeypatch.setattr(rounding, "MOST_AT_ONCE", batch)
     piece = only_piece(SynchronizationProblem(random_connection(kind, 30, 40, 1)))
     workspace, lifted, _ = relaxed(piece)
     directions = rounding.random_directions(piece.is_complex, lifted.shape[1], 20, np.random.default_rng(2))
@@ -154,6 +154,19 @@ def test_a_crossing_takes_the_better_half_of_each(with_flips):
         assert piece.energy(crossed.astype(columns.dtype))[0] == pytest.approx(2 * low, abs=4 * weak + 1e-3 * low)
 
 
+def test_every_batch_of_projections_asks_the_monitor(monkeypatch):
+    monkeypatch.setattr(rounding, "MOST_AT_ONCE", 1)
+    monkeypatch.setattr(rounding, "idle_workers", lambda: 1)
+    monkeypatch.setattr(workers, "WORKERS", 1)
+    piece = only_piece(SynchronizationProblem(random_connection("circle", 30, 40, 1)))
+    workspace, lifted, _ = relaxed(piece)
+    directions = rounding.random_directions(piece.is_complex, lifted.shape[1], 39, np.random.default_rng(0))
+    asked = []
+    monitor = Monitor(lambda stage, fraction: asked.append(stage))
+    rounding.projections(workspace.stages[0], lifted, directions, 8, monitor)
+    assert len(asked) == 40 / 4 + 8 / 4
+
+
 def test_the_best_of_all_pairs_come_back_in_order(monkeypatch):
     piece = only_piece(direction_problem(bumpy_torus(10), 4))
     workspace, lifted, density = relaxed(piece)
@@ -164,7 +177,7 @@ def test_the_best_of_all_pairs_come_back_in_order(monkeypatch):
     alone = [rounding.crossings(workspace.stages[0], pair, density, 1, SILENT) for pair in pairs]
     values = np.sort(piece.energy(np.hstack(alone).astype(complex)))
     for batch in (1, 10**7):
-        monkeypatch.setattr(rounding, "LARGEST_BATCH", batch)
+        monkeypatch.setattr(rounding, "MOST_AT_ONCE", batch)
         result = rounding.crossings(workspace.stages[0], parents, density, 4, SILENT)
         np.testing.assert_allclose(piece.energy(result.astype(complex)), values[:4], rtol=1e-4)
         assert rounding.crossings(workspace.stages[0], parents, density, 99, SILENT).shape[1] == 10

@@ -79,6 +79,7 @@ def test_energies_and_bounds_of_pieces_add_up():
 
 @pytest.mark.parametrize("method", METHODS)
 def test_isolated_nodes_are_tolerated(method):
+    # A torus whose least eigenvalue is single: of a sphere's eigenvectors each order of the rows has another.
     mesh = together(bumpy_torus(8), square(4), loose=3)
     problem = direction_problem(mesh, 1)
     solution = solve(problem, Options(method=method))

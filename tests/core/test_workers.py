@@ -12,8 +12,12 @@ from synch_fields.core.errors import Cancelled
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.solve import Options, rounding, solve, workers
 from synch_fields.core.solve.monitor import SILENT, Monitor, OutOfTime
+from synch_fields.core.solve.solution import Clock
+from synch_fields.core.solve.stage import Workspace
+from synch_fields.core.solve.staircase import relax
 from synch_fields.core.solve.workers import idle_workers, share_out
 
+from .graphs import only_piece
 from .meshes import bumpy_torus
 
 
@@ -72,13 +76,60 @@ def test_time_limits_end_shared_work(count):
         share_out(work, range(3), Monitor(time_limit=0.05))
 
 
-def test_errors_come_out_where_the_work_was_given(count):
+def test_work_that_returns_what_it_has_when_time_runs_out_is_kept(count):
     def work(part, monitor):
-        if part == 2:
-            raise ZeroDivisionError("part 2")
+        try:
+            while True:
+                monitor.check()
+                time.sleep(0.002)
+        except OutOfTime:
+            return part
 
-    with pytest.raises(ZeroDivisionError, match="part 2"):
+    assert share_out(work, range(3), Monitor(time_limit=0.05)) == [0, 1, 2]
+
+
+def test_errors_come_out_where_the_work_was_given_and_end_the_rest(count):
+    def work(part, monitor):
+        if part == 0:
+            raise ZeroDivisionError("part 0")
+        while True:
+            monitor.check()
+            time.sleep(0.002)
+
+    begin = time.perf_counter()
+    with pytest.raises(ZeroDivisionError, match="part 0"):
         share_out(work, range(4), SILENT)
+    assert time.perf_counter() < begin + 5
+
+
+def test_no_more_parts_than_wanted_are_worked_on_at_once(count):
+    at_work, most = [], []
+
+    def work(part, monitor):
+        at_work.append(part)
+        most.append(len(at_work))
+        time.sleep(0.005)
+        at_work.remove(part)
+
+    share_out(work, range(12), SILENT, at_once=2)
+    assert max(most) <= min(2, count)
+
+
+def test_a_time_limit_while_fields_descend_keeps_them_on_any_number_of_cores(count, monkeypatch):
+    piece = only_piece(direction_problem(bumpy_torus(40), 4))
+    workspace = Workspace(piece)
+    relaxation = relax(workspace, 1e-2, 0, SILENT, Clock())
+    stage, density = workspace.stages[0], relaxation.value / piece.mass.sum()
+    monkeypatch.setattr(rounding, "WORTH_SHARING", 1)
+    monitor, polish = Monitor(), rounding.polish
+
+    def late(*arguments):
+        monitor._deadline = time.perf_counter()
+        return polish(*arguments)
+
+    monkeypatch.setattr(rounding, "polish", late)
+    fields, timed_out = rounding.continuation(stage, relaxation.lifted, 64, density, np.random.default_rng(0), monitor)
+    assert timed_out and fields.shape[1] > 1
 
 
 def test_a_solve_has_the_same_result_on_any_number_of_cores(monkeypatch):
