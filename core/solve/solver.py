@@ -74,8 +74,7 @@ def _solve(problem, options, callback, start):
     clock = Clock()
     monitor = Monitor(callback, options.time_limit)
     with clock("build"):
-        monitor.at("building", 0.0)
-        pieces = monitor.during(lambda: problem.pieces)
+        pieces = problem.pieces
         begin = _Start.of(problem, start)
     work = sum(piece.node_count for piece in pieces) or 1
     done, results = 0, []
