@@ -3,7 +3,7 @@
 """Clebsch maps: known filaments are found, spheres are covered as often as there is vorticity."""
 
 from dataclasses import replace
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
@@ -165,7 +165,8 @@ def test_rounding_is_ordered_as_in_figure_5():
         clebsch_map(BOX, integrals, 2.0, Options(method=method, rounding=rounding)).energy
         for method, rounding in (("spectral", "svd"), ("sdp", "svd"), ("sdp", "random"), ("sdp", "continuation"))
     ]
-    assert energies == sorted(energies, reverse=True)
+    for worse, better in pairwise(energies):
+        assert better <= worse * (1 + 1e-8)
 
 
 # Spherical maps
