@@ -95,7 +95,7 @@ class _Fields:
     @staticmethod
     def energies(point, image):
         """(k,) energies Re<x, L x>."""
-        products = precise_inner_products(_reals(point), _reals(image))
+        products = precise_inner_products(_real_columns(point), _real_columns(image))
         return products.reshape(-1, 2 if np.iscomplexobj(point) else 1).sum(axis=1)
 
     @staticmethod
@@ -200,7 +200,7 @@ def _like(reals, array):
     return reals.reshape(len(array), -1).view(array.dtype)
 
 
-def _reals(columns):
+def _real_columns(columns):
     """(N, m) real numbers of (N, k) columns, a view where their rows lie together."""
     if columns.strides[1] != columns.itemsize:
         columns = np.ascontiguousarray(columns)
