@@ -13,27 +13,61 @@ try:
 except ImportError:  # an extension built without its wheels, in a Blender that has SciPy only
     threadpool_limits = None
 
-_lock = threading.Lock()
-_inside: list = []
+_here = threading.local()
+
+
+class _Everywhere:
+    """The limit of a pool that all threads share, while anybody is inside.
+
+    threadpoolctl heeds one thread only, the first to ask, until that leaves; the others' limits are nothing. So it is
+    a thread of its own that asks, whoever comes first and whoever leaves last.
+    """
+
+    def __init__(self):
+        self._lock = threading.Lock()
+        self._inside = 0
+
+    def __enter__(self):
+        with self._lock:
+            self._inside += 1
+            if self._inside == 1:
+                self._ended, limited = threading.Event(), threading.Event()
+                self._keeper = threading.Thread(target=self._keep, args=(limited, self._ended), daemon=True)
+                self._keeper.start()
+                limited.wait()
+
+    def __exit__(self, *_error):
+        with self._lock:
+            self._inside -= 1
+            if self._inside == 0:
+                self._ended.set()
+                self._keeper.join()
+
+    @staticmethod
+    def _keep(limited, ended):
+        try:
+            with threadpool_limits(1, user_api="blas"):
+                limited.set()
+                ended.wait()
+        finally:  # nobody waits for a limit that failed
+            limited.set()
+
+
+_everywhere = _Everywhere()
 
 
 @contextmanager
 def one_blas_thread():
-    """Context in which BLAS uses one thread, where threadpoolctl is there to say so; the last to leave ends it."""
-    with _lock:
-        _inside.append(threadpool_limits(1, user_api="blas") if threadpool_limits and not _inside else None)
-    try:
+    """Context in which BLAS uses one thread, where threadpoolctl is there to say so.
+
+    Some builds of BLAS have a pool for each thread that calls (OpenMP): that is limited here as well.
+    """
+    if threadpool_limits is None or getattr(_here, "is_inside", False):
         yield
-    finally:
-        with _lock:
-            _leave()
-
-
-def _leave():
-    """Hand the limits of the first to enter on to those that stay."""
-    if len(_inside) > 1:
-        _inside.pop(1)
         return
-    limits = _inside.pop()
-    if limits is not None:
-        limits.restore_original_limits()
+    _here.is_inside = True
+    try:
+        with _everywhere, threadpool_limits(1, user_api="blas"):
+            yield
+    finally:
+        _here.is_inside = False
