@@ -56,7 +56,7 @@ def relaxation_in_products(problem, target_gap, seed=0):
     """
     problem = untouched(problem)
     piece = max(problem.pieces, key=lambda piece: piece.node_count)
-    rank = start_rank(piece, provable_width(piece) is not None)
+    rank = start_rank(piece, provable_width(piece) is not None, target_gap)
     columns = np.ones((piece.matrix.shape[0], rank), piece.matrix.dtype)
     spent = {"wall": 0.0, "cpu": 0.0}
     products = []
@@ -101,7 +101,7 @@ def cycle_products(problem, rank):
     for piece in problem.pieces:
         metric = Workspace(piece).stages[0].metric(piece.stiffness * 1e-3)
         columns = random.standard_normal((piece.matrix.shape[0], max(rank, 1))).astype(metric.dtype)
-        cycles += median(timed(metric.solve, columns)[1] for _ in range(9))
+        cycles += median(timed(metric.precondition, columns)[1] for _ in range(9))
     return cycles / product_seconds(problem, rank)
 
 

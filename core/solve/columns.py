@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Arithmetic on many short rows: columns of real numbers, so many of them at a time that a core's cache holds them.
 
-NumPy is slow where the last axis is short. Here that of several rows together is as good.
+NumPy is slow where the last axis is short. Here that of several rows together is as good; one column alone is for BLAS.
 """
 
 import numpy as np
+from scipy.linalg.blas import get_blas_funcs
 
 # Numbers that the cache holds, and rows that are taken as one.
 HELD, TOGETHER = 131072, 64
@@ -23,6 +24,8 @@ def _together(rows):
 
 def inner_products(first, second):
     """(k,) inner products of the columns of two (N, k) arrays, in their precision."""
+    if first.shape[1] == 1:
+        return np.dot(first.T, second)[0]
     # A product with ones is the fast way to add up long columns.
     total = np.zeros(first.shape[1], first.dtype)
     for part in row_parts(*first.shape):
@@ -48,6 +51,9 @@ def add_multiples(columns, shares, others):
     if not columns.flags.c_contiguous:
         raise ValueError("the columns are not contiguous: the sum would be lost in a copy")
     shares = shares.astype(columns.dtype, copy=False)
+    if columns.shape[1] == 1:
+        get_blas_funcs("axpy", (columns, others))(others.ravel(), columns.ravel(), a=shares[0])
+        return
     tiled = np.tile(shares, TOGETHER)
     whole = len(columns) // TOGETHER * TOGETHER
     for part in row_parts(whole, columns.shape[1]):

@@ -43,7 +43,7 @@ def descend(matrix, spheres, start, metric, tolerance, max_steps, monitor, memor
     matrix : (N, N) matrix with ``@``, ``dtype`` and ``diagonal()``
     spheres : Lifted, Circles or Columns
     start : (N, k) array
-    metric : object with ``solve``
+    metric : object with ``precondition``
     tolerance : relative to the energy
     max_steps : int
     monitor : Monitor, asked once a step

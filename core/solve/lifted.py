@@ -21,7 +21,7 @@ from .threads import one_blas_thread
 
 # Descents at a given rank end when the predicted relative decrease is below this share of the target gap, or after so
 # many steps.
-TOLERANCE, STEPS = 1e-5, 500
+TOLERANCE, STEPS = 3e-6, 500
 # Points from which descents of a given rank start, of which the best goes on at so many times that share.
 STARTS, EARLY = 4, 1000
 # Projections that are shorter than this share of the lifted vector have no phase of their own.

@@ -17,18 +17,19 @@ from .monitor import OutOfTime
 from .spheres import gaussian
 from .workers import idle_workers, share_out
 
-# Diffusion times of the continuation, in units of 1 / (energy per mass), and longer ones that some go through before.
+# Diffusion times of the continuation, in units of 1 / (energy per mass), the first of which does for crossings, whose
+# parents have settled already; and longer ones that some go through before.
 TIMES = 0.3 * 0.1 ** np.arange(3)
-LONG_TIMES = 0.7 ** np.arange(6)
+LONG_TIMES = 0.7 * 0.6 ** np.arange(4)
 # Projections that are carried: the best, and for variety some at random, through the longer times first. The share of
 # carried fields that go on to descend.
 BEST, DRAWN = 14, 5
-DESCENDING = 0.6
+DESCENDING = 0.5
 # Rounds of crossing: fields that are kept and crossed in pairs, crossings that go on, rounds at least and at most, and
 # the relative gain below which they end.
 KEPT, CROSSINGS = 8, 20
 FEWEST_ROUNDS, MOST_ROUNDS = 1, 5
-GAIN = 1e-3
+GAIN = 2e-3
 # Over which diffusion time local energies are compared, and how sharply the better one is preferred.
 CROSSING_TIME = 4.0
 SHARPNESS = 5.0
@@ -36,7 +37,7 @@ SHARPNESS = 5.0
 SAME_FIELD = 0.999
 # Steps of descent: between rounds, for the best few, and for the best in double precision.
 SHORT_STEPS, LONG_STEPS, FINAL_STEPS = 6, 30, 200
-FINALISTS = 3
+FINALISTS = 2
 TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-12
 # Numbers that are worked on at once, and columns of a batch at least: memory, and how soon a solve can be stopped.
 # Numbers from which on a thread is worth its while.
@@ -62,16 +63,16 @@ def projections(stage, lifted, directions, count, monitor):
     return _best_of(stage, project, directions.shape[1], count, monitor)
 
 
-def crossings(stage, columns, density, count, monitor):
+def crossings(stage, columns, smoothing, count, monitor):
     """The best ``count`` of all pairs of columns joined, each region mostly from the one whose energy is lower there.
 
-    The pair is first turned to agree as well as it can. Local energies are compared after diffusion, so
-    that a region holds a few defects.
+    The pair is first turned to agree as well as it can. Local energies are compared after ``smoothing``, a metric of
+    values on the nodes, so that a region holds a few defects.
     """
     block = stage.block
     local = np.real(columns.conj() * (stage.matrix @ columns))
     local = local.reshape(-1, block, columns.shape[1]).sum(axis=1)
-    smooth = stage.smoothing(density / CROSSING_TIME).solve(local)
+    smooth = smoothing.solve(local)
     pairs = np.transpose(np.triu_indices(columns.shape[1], 1))
 
     def cross(numbers):
@@ -172,24 +173,28 @@ def continuation(stage, lifted, samples, density, random, monitor):
         drawn = projections(stage, lifted, directions[:, -DRAWN:], DRAWN, monitor)
         seeds = np.hstack([seeds, diffuse(stage, drawn, _metrics(stage, LONG_TIMES, density), 1, monitor)])
         diffusion = monitor.during(partial(list, _metrics(stage, TIMES, density)))
+        smoothing = monitor.during(partial(stage.smoothing, density / CROSSING_TIME))
         for round_number in range(1 + MOST_ROUNDS):
-            settled = _in_batches(stage, lambda part, its: diffuse(stage, part, diffusion, 1, its), seeds, monitor)
-            settled = _best(stage, settled, round(DESCENDING * seeds.shape[1]))
-            polished = _in_batches(
-                stage, lambda part, its: polish(stage, part, metric, its, SHORT_STEPS), settled, monitor
-            )
-            found = distinct_columns(stage, np.hstack([found, polished]))[:, :KEPT]
+            carried = _carried(stage, seeds, diffusion, metric, monitor)
+            found = distinct_columns(stage, np.hstack([found, carried]))[:, :KEPT]
             value = energies(stage, found[:, :1])[0]
             monitor.found(float(value))
             monitor.at("continuation", 0.4 + 0.5 * (1 + round_number) / (1 + MOST_ROUNDS))
             if found.shape[1] == 1 or (round_number >= FEWEST_ROUNDS and value > (1 - GAIN) * best):
                 break
             best = value
-            seeds = crossings(stage, found, density, CROSSINGS, monitor)
+            seeds, diffusion = crossings(stage, found, smoothing, CROSSINGS, monitor), diffusion[:1]
         found = np.hstack([polish(stage, found[:, :FINALISTS], metric, monitor), found[:, FINALISTS:]])
     except OutOfTime:
         return found, True
     return distinct_columns(stage, found), False
+
+
+def _carried(stage, seeds, diffusion, metric, monitor):
+    """Seeds after diffusion, and the better ones after some steps of descent."""
+    settled = _in_batches(stage, lambda part, its: diffuse(stage, part, diffusion, 1, its), seeds, monitor)
+    settled = _best(stage, settled, round(DESCENDING * seeds.shape[1]))
+    return _in_batches(stage, lambda part, its: polish(stage, part, metric, its, SHORT_STEPS), settled, monitor)
 
 
 def _metrics(stage, times, density):

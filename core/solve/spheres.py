@@ -13,7 +13,6 @@ each column (k values). ``memory`` is how many moves a descent remembers.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg.blas import get_blas_funcs
 
 from .columns import add_multiples, inner_products, precise_inner_products, row_parts
 
@@ -56,7 +55,7 @@ class Lifted:
 
     def precondition(self, vector, metric, point):
         """The inverse metric applied to real coordinates of the kind of ``point``."""
-        return self._reals(metric.solve(_like(vector, point)))
+        return self._reals(metric.precondition(_like(vector, point)))
 
     def tangent(self, point, vector):
         """Part of real coordinates that is tangent at the point."""
@@ -71,15 +70,14 @@ class Lifted:
 
     def inner(self, first, second):
         """(1,) inner product of tangent vectors."""
-        return np.array([np.vdot(first, second)], float)
+        return inner_products(first.reshape(-1, 1), second.reshape(-1, 1)).astype(float)
 
     @staticmethod
     def add(vector, shares, other):
         """Add a multiple of another tangent vector, in place and in one pass through memory."""
         if not vector.flags.c_contiguous:
             raise ValueError("the vector is not contiguous: the sum would be lost in a copy")
-        axpy = get_blas_funcs("axpy", (vector, other))
-        axpy(other.ravel(), vector.ravel(), a=shares[0])
+        add_multiples(vector.reshape(-1, 1), shares, other.reshape(-1, 1))
 
     @staticmethod
     def _project(point, vector):
@@ -136,7 +134,7 @@ class Circles(_Fields):
 
     def precondition(self, vector, metric, _point):
         """The inverse metric of turns applied to angles."""
-        return metric.solve(vector)
+        return metric.precondition(vector)
 
     def tangent(self, _point, vector):
         """All angles are tangent."""
@@ -184,7 +182,7 @@ class Columns(_Fields):
 
     def precondition(self, vector, metric, _point):
         """The inverse metric applied to rows."""
-        return metric.solve(vector)
+        return metric.precondition(vector)
 
     def tangent(self, point, vector):
         """Part of rows that is tangent at the point."""

@@ -20,8 +20,9 @@ from .stage import SHIFT
 
 # Columns at the start: of complex rows (True), and of real ones, which hold half as much.
 START_RANK = {True: 6, False: 9}
-# Where no factorization proves, more columns at first are cheaper than a second search for missing ones.
-MORE_COLUMNS = 4 / 3
+# Where no factorization proves, or a gap below this is asked for, more columns at first are cheaper than a second
+# search for missing ones.
+MORE_COLUMNS, FINE_GAP = 4 / 3, 5e-3
 MAX_RANK = 24
 LEVELS = 12
 # The shift of the metric that finds the first smooth point, as a share of the stiffness.
@@ -75,7 +76,7 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
     with clock("relax"):
         width = provable_width(piece)
         if start is None:
-            point = _coarse_start(workspace, start_rank(piece, width is not None), random, monitor)
+            point = _coarse_start(workspace, start_rank(piece, width is not None, target_gap), random, monitor)
         else:
             point = lifted.normalize(start)
         shift = stage.shift_at(point)
@@ -146,10 +147,12 @@ def _weaker_proof(piece, shift, duals, value, target_gap, width, monitor):
     return None
 
 
-def start_rank(piece, provable):
+def start_rank(piece, provable, target_gap):
     """Columns of the lifted field at the start."""
     rank = START_RANK[piece.is_complex]
-    return min(rank if provable else round(MORE_COLUMNS * rank), piece.matrix.shape[0])
+    if not provable or target_gap < FINE_GAP:
+        rank = round(MORE_COLUMNS * rank)
+    return min(rank, piece.matrix.shape[0])
 
 
 def _coarse_start(workspace, rank, random, monitor):

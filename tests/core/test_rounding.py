@@ -94,6 +94,11 @@ def test_projections_are_the_best_of_the_lifted_field_seen_along_directions(kind
 # Crossings
 
 
+def crossings(stage, columns, density, count):
+    smoothing = stage.smoothing(density / rounding.CROSSING_TIME)
+    return rounding.crossings(stage, columns, smoothing, count, SILENT)
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_column_crossed_with_itself_is_itself(kind):
     """Also where it is turned as a whole, which changes nothing of its energy."""
@@ -103,7 +108,7 @@ def test_a_column_crossed_with_itself_is_itself(kind):
     column = stage.candidates.normalize(random_columns(piece, 1, np.random.default_rng(0)).astype(stage.matrix.dtype))
     turned = column * stage.matrix.dtype.type(np.exp(2j) if piece.is_complex else -1)
     for other in (column, turned):
-        crossed = rounding.crossings(workspace.stages[0], np.hstack([column, other]), piece.stiffness, 5, SILENT)
+        crossed = crossings(stage, np.hstack([column, other]), piece.stiffness, 5)
         np.testing.assert_allclose(crossed, column, atol=2e-6)
 
 
@@ -149,7 +154,7 @@ def test_a_crossing_takes_the_better_half_of_each(with_flips):
     density = alone[0] / piece.mass.sum()
     for order in ([0, 1], [1, 0]):
         parents = columns[:, order].astype(workspace.stages[0].matrix.dtype)
-        crossed = rounding.crossings(workspace.stages[0], parents, density, 5, SILENT)
+        crossed = crossings(workspace.stages[0], parents, density, 5)
         assert crossed.shape == (len(columns), 1)
         assert piece.energy(crossed.astype(columns.dtype))[0] == pytest.approx(2 * low, abs=4 * weak + 1e-3 * low)
 
@@ -174,13 +179,13 @@ def test_the_best_of_all_pairs_come_back_in_order(monkeypatch):
     directions = rounding.random_directions(piece.is_complex, lifted.shape[1], 40, np.random.default_rng(1))
     parents = rounding.projections(stage, lifted, directions, 5, SILENT)
     pairs = [parents[:, [i, j]] for j in range(5) for i in range(j)]
-    alone = [rounding.crossings(workspace.stages[0], pair, density, 1, SILENT) for pair in pairs]
+    alone = [crossings(workspace.stages[0], pair, density, 1) for pair in pairs]
     values = np.sort(piece.energy(np.hstack(alone).astype(complex)))
     for batch in (1, 10**7):
         monkeypatch.setattr(rounding, "MOST_AT_ONCE", batch)
-        result = rounding.crossings(workspace.stages[0], parents, density, 4, SILENT)
+        result = crossings(workspace.stages[0], parents, density, 4)
         np.testing.assert_allclose(piece.energy(result.astype(complex)), values[:4], rtol=1e-4)
-        assert rounding.crossings(workspace.stages[0], parents, density, 99, SILENT).shape[1] == 10
+        assert crossings(workspace.stages[0], parents, density, 99).shape[1] == 10
 
 
 def test_columns_of_the_same_energy_are_one():
