@@ -45,8 +45,7 @@ class StrongGraph:
         on_diagonal = tails == heads
         diagonal = np.zeros(count, sizes.dtype)
         diagonal[tails[on_diagonal]] = sizes[on_diagonal]
-        largest = np.zeros(count, sizes.dtype)
-        np.maximum.at(largest, tails[~on_diagonal], sizes[~on_diagonal])
+        largest = _largest_of_rows(np.where(on_diagonal, 0, sizes), blocks.indptr, 0)
         # Hubs have no strong edges of their own: they would draw everything around them into one aggregate.
         largest[hubs(blocks)] = np.inf
         strong = sizes >= STRENGTH * np.sqrt(diagonal[tails] * diagonal[heads])
@@ -61,16 +60,11 @@ class StrongGraph:
 
     def largest_beside(self, values):
         """(n,) largest value of each node and its neighbours."""
-        result = values.copy()
-        filled = np.flatnonzero(np.diff(self._starts))
-        if len(filled):
-            beside = np.maximum.reduceat(values[self.heads], self._starts[filled])
-            result[filled] = np.maximum(values[filled], beside)
-        return result
+        return np.maximum(values, _largest_of_rows(values[self.heads], self._starts, values.min()))
 
     def independent_nodes(self, distance, random):
         """(n,) bool: a maximal set of nodes that are more than ``distance`` edges apart, drawn at random (Luby)."""
-        waiting = random.permutation(self.count) + 1
+        waiting = random.permutation(self.count).astype(np.int32) + 1
         chosen = np.zeros(self.count, bool)
         while (waiting > 0).any():
             reach = waiting
@@ -89,6 +83,15 @@ class StrongGraph:
         usable = np.flatnonzero((label[self.heads] >= 0) & (label[self.tails] < 0))
         usable = usable[np.lexsort((self.weights[usable], self.tails[usable]))]
         return usable[np.diff(self.tails[usable], append=-1) != 0]
+
+
+def _largest_of_rows(values, starts, otherwise):
+    """Largest of the values of each row, which begin at ``starts``; a number for empty ones."""
+    result = np.full(len(starts) - 1, otherwise, values.dtype)
+    filled = np.flatnonzero(np.diff(starts))
+    if len(filled):
+        result[filled] = np.maximum.reduceat(values, starts[filled])
+    return result
 
 
 def aggregates(matrix, block, ground, random):
@@ -118,6 +121,16 @@ def aggregates(matrix, block, ground, random):
         label[tails] = label[heads]
     starts = np.arange(graph.count + 1)
     return _sparse(units, label, starts, int(roots.sum())), None if ground is None else int(label[ground])
+
+
+def scalar_aggregates(tentative, block, turns):
+    """The same aggregates for one number a node: all alike, or turns, whose sign a reflection of the block changes."""
+    blocks = tentative if block == 1 else bsr_matrix(tentative, blocksize=(block, block))
+    values = np.ones(len(blocks.indices))
+    if turns and block > 1:
+        values = np.sign(np.linalg.det(blocks.data))
+    shape = (tentative.shape[0] // block, tentative.shape[1] // block)
+    return csr_matrix((values.astype(tentative.real.dtype), blocks.indices, blocks.indptr), shape=shape)
 
 
 def graph_laplacian(matrix, block):

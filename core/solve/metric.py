@@ -35,7 +35,7 @@ class Level:
     """One level of a hierarchy: single precision matrix, (N,) mass of each row, prolongation from the next.
 
     ``ground`` is the node whose block may be singular, or None; ``largest`` bounds the spectrum of D^-1 matrix;
-    ``prolongation`` is None on the smallest level.
+    ``tentative`` is the prolongation before it is smoothed, one unit block a node. Both are None on the smallest level.
     """
 
     matrix: csr_matrix
@@ -43,6 +43,7 @@ class Level:
     ground: int | None
     largest: float
     prolongation: csr_matrix | None
+    tentative: csr_matrix | None
 
 
 class Hierarchy:
@@ -54,23 +55,28 @@ class Hierarchy:
     row_mass : (N,) positive
     block : rows per node
     ground : node whose block may be singular, or None
+    tentatives : tentative prolongations to begin with, optional: those of a hierarchy on the same graph
     """
 
-    def __init__(self, matrix, row_mass, block, ground=None):
+    def __init__(self, matrix, row_mass, block, ground=None, tentatives=()):
         random = np.random.default_rng(0)
         matrix = matrix.astype(np.complex64 if np.iscomplexobj(matrix.data) else np.float32)
         row_mass = row_mass.astype(np.float32)
-        self.levels = []
+        self.levels: list[Level] = []
         while True:
             inverse_diagonal = 1 / matrix.diagonal().real
             largest = _largest_eigenvalue(matrix, inverse_diagonal, random)
-            prolongation = None
-            if matrix.shape[0] > SMALLEST_LEVEL * block:
+            prolongation = tentative = coarse_ground = None
+            if len(self.levels) < len(tentatives):
+                tentative = tentatives[len(self.levels)]
+            elif matrix.shape[0] > SMALLEST_LEVEL * block:
                 tentative, coarse_ground = aggregates(matrix, block, ground, random)
-                if tentative.shape[1] <= STAGNATION * matrix.shape[0]:
-                    smoother = diags_array(_smoothing_weights(matrix, 4 / 3 / largest * inverse_diagonal))
-                    prolongation = (tentative - smoother @ (matrix @ tentative)).tocsr()
-            self.levels.append(Level(matrix, row_mass, ground, largest, prolongation))
+                if tentative.shape[1] > STAGNATION * matrix.shape[0]:
+                    tentative = None
+            if tentative is not None:
+                smoother = diags_array(_smoothing_weights(matrix, 4 / 3 / largest * inverse_diagonal))
+                prolongation = (tentative - smoother @ (matrix @ tentative)).tocsr()
+            self.levels.append(Level(matrix, row_mass, ground, largest, prolongation, tentative))
             if prolongation is None:
                 return
             matrix = (prolongation.conj().T.tocsr() @ (matrix @ prolongation)).tocsr()

@@ -36,7 +36,7 @@ SHARPNESS = 5.0
 # Fields that agree to this share are taken for one.
 SAME_FIELD = 0.999
 # Steps of descent: between rounds, for the best few, and for the best in double precision.
-SHORT_STEPS, LONG_STEPS, FINAL_STEPS = 6, 30, 200
+SHORT_STEPS, LONG_STEPS, FINAL_STEPS = 6, 15, 200
 FINALISTS = 2
 TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-12
 # Numbers that are worked on at once, and columns of a batch at least: memory, and how soon a solve can be stopped.

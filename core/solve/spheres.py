@@ -88,7 +88,7 @@ class Lifted:
 class _Fields:
     """What columns have in common, whatever their spheres."""
 
-    memory = 5
+    memory = 4
 
     @staticmethod
     def energies(point, image):

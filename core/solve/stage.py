@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from .coarsening import graph_laplacian, turning_laplacian
+from .coarsening import graph_laplacian, scalar_aggregates, turning_laplacian
 from .metric import SMALLEST_SHIFT, Hierarchy, Metric, definite_metric
 from .products import SharedRows
 from .spheres import Lifted, candidates
@@ -76,14 +76,20 @@ class Stage:
 
     @cached_property
     def _graph_hierarchy(self):
-        return Hierarchy(graph_laplacian(self._level.matrix, self.block), self.row_mass[:: self.block], 1)
+        return self._scalar_hierarchy(graph_laplacian(self._level.matrix, self.block), turns=False)
 
     @cached_property
     def _turning_hierarchy(self):
         if self.block == 1:
             return self._graph_hierarchy
         laplacian = turning_laplacian(self._level.matrix, self.block, self._level.ground)
-        return Hierarchy(laplacian, self.row_mass[:: self.block], 1)
+        return self._scalar_hierarchy(laplacian, turns=True)
+
+    def _scalar_hierarchy(self, laplacian, turns):
+        """A hierarchy of one number a node, with the aggregates of the fields'."""
+        fields = [level.tentative for level in self._hierarchy.levels[self._depth : -1]]
+        tentatives = [scalar_aggregates(tentative, self.block, turns) for tentative in fields]
+        return Hierarchy(laplacian, self.row_mass[:: self.block], 1, tentatives=tentatives)
 
     def candidate_metric(self, shift):
         """The metric in which candidates descend: of turns on the circle, otherwise of vectors."""

@@ -15,8 +15,15 @@ from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.piece import Piece
 from synch_fields.core.problem import Merged, SynchronizationProblem
 from synch_fields.core.solve import metric as metric_module
-from synch_fields.core.solve.coarsening import StrongGraph, aggregates, graph_laplacian, turning_laplacian
+from synch_fields.core.solve.coarsening import (
+    StrongGraph,
+    aggregates,
+    graph_laplacian,
+    scalar_aggregates,
+    turning_laplacian,
+)
 from synch_fields.core.solve.metric import Hierarchy, Metric
+from synch_fields.core.solve.stage import Stage, Workspace
 
 from .graphs import (
     KINDS,
@@ -98,6 +105,27 @@ def test_aggregates_of_a_flat_connection_carry_its_parallel_field(group, build):
     np.testing.assert_allclose(coarse_matrix @ coarse, 0, atol=1e-10)
 
 
+@pytest.mark.parametrize("group", ["circle", "flips"])
+@pytest.mark.parametrize("build", [lambda: bumpy_torus(12), bent_square])
+def test_the_same_aggregates_carry_turns_and_values_on_nodes(group, build):
+    mesh, random = build(), np.random.default_rng(3)
+    units = random_units(group, mesh.vertex_count, random)
+    i, j = mesh.edges.T
+    connection = random_weights(mesh, compose(units[j], adjoint(units[i])), random)
+    matrix, block = laplacian(connection), connection.block
+    tentative, _ = aggregates(matrix, block, None, random)
+    values = np.ones(mesh.vertex_count)
+    turns = np.sign(np.linalg.det(units)) if block == 2 else values
+    for field, make, of_turns in ((values, graph_laplacian, False), (turns, turning_laplacian, True)):
+        np.testing.assert_allclose(make(matrix, block) @ field, 0, atol=1e-11)
+        scalar = scalar_aggregates(tentative, block, of_turns)
+        assert scalar.shape == (mesh.vertex_count, tentative.shape[1] // block)
+        np.testing.assert_array_equal(np.diff(scalar.indptr), 1)
+        np.testing.assert_array_equal(abs(scalar).data, 1)
+        sizes = np.asarray(abs(scalar).sum(axis=0)).ravel()
+        np.testing.assert_allclose(scalar @ (scalar.T @ field / sizes), field, atol=1e-12)
+
+
 @pytest.mark.parametrize("build", MULTILEVEL)
 def test_the_ground_stays_alone(build):
     piece = only_piece(build())
@@ -145,6 +173,12 @@ def test_the_cycle_is_hermitian_positive_and_near_the_inverse(build, share):
     root = np.linalg.cholesky(piece.matrix.toarray() + metric.shift * np.diag(piece.row_mass))
     spectrum = np.linalg.eigvalsh(root.conj().T @ inverse @ root)
     assert spectrum[-1] <= (1.1 if uneven else 1.02)
+    assert spectrum[0] >= 0.15
+    # What descents take: the parts of its levels, of which two may meet in one direction.
+    inverse = metric.precondition(np.eye(piece.matrix.shape[0], dtype=piece.matrix.dtype))
+    np.testing.assert_allclose(inverse, inverse.conj().T, atol=(1e-4 if uneven else 3e-6) * np.abs(inverse).max())
+    spectrum = np.linalg.eigvalsh(root.conj().T @ inverse @ root)
+    assert spectrum[-1] <= 3
     assert spectrum[0] >= 0.15
 
 
@@ -291,8 +325,10 @@ def test_a_node_with_many_neighbours_does_not_fill_the_coarse_levels(build):
     assert Hierarchy(graph_laplacian(piece.matrix, piece.block), piece.mass, 1).complexity < 1.6
 
 
-@pytest.mark.parametrize("make", [graph_laplacian, turning_laplacian])
-def test_turns_and_values_on_nodes_are_solved_as_fast(make):
+@pytest.mark.parametrize(
+    ("make", "metric_of"), [(graph_laplacian, Stage.smoothing), (turning_laplacian, Stage.candidate_metric)]
+)
+def test_turns_and_values_on_nodes_are_solved_as_fast(make, metric_of):
     """Real Laplacians: the turning one of an unbalanced graph has negative links, and no null space."""
     iterations = []
     for across in (26, 52):
@@ -301,5 +337,5 @@ def test_turns_and_values_on_nodes_are_solved_as_fast(make):
         nodes = Piece(
             matrix, matrix, piece.mass, block=1, is_complex=False, ground=None, rows=np.arange(len(piece.mass))
         )
-        iterations.append(gradient_iterations(nodes, Metric(Hierarchy(matrix, piece.mass, 1), 0.05)))
+        iterations.append(gradient_iterations(nodes, metric_of(Workspace(piece).stages[0], 0.05)))
     assert max(iterations) <= 20 and iterations[1] < 1.3 * iterations[0]
