@@ -50,7 +50,10 @@ def _directions(obj, draw):
 
 
 def defect_points(obj):
-    """Disclinations and dislocations by sign, from the attributes that they were written to."""
+    """Disclinations and dislocations by sign, from the attributes that they were written to.
+
+    A quad with a disclination has no index: what dislocation its other triangle has is a part of how its values close.
+    """
     if not len(obj.data.polygons):
         return []
     polygons = scene_io.read_polygons(obj)

@@ -69,6 +69,9 @@ def test_defects_lie_where_the_empties_do_and_have_their_colours():
     obj = scenes.quad_sphere(9)
     assert bpy.ops.synch.stripes(spacing=0.3) == {"FINISHED"}
     empties = defect_empties(obj)
+    torn = {e["synch_face"] for e in empties if e["synch_kind"] == "disclination"}
+    # A dislocation of the other triangle of a quad is one with the disclination there.
+    empties = [e for e in empties if e["synch_kind"] == "disclination" or e["synch_face"] not in torn]
     layers = overlay.defect_points(obj)
     assert sum(len(places) for places, _ in layers) == len(empties) > 8
     for places, colour in layers:
