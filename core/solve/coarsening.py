@@ -124,13 +124,22 @@ def aggregates(matrix, block, ground, random):
 
 
 def scalar_aggregates(tentative, block, turns):
-    """The same aggregates for one number a node: all alike, or turns, whose sign a reflection of the block changes."""
+    """Aggregates as those of fields, for one number a node.
+
+    Parameters
+    ----------
+    tentative : (N, coarse * block) CSR, of :func:`aggregates`
+    block : rows per node
+    turns : whether the numbers are turns of 2x2 blocks, whose sign a reflection changes
+
+    Returns
+    -------
+    (n, coarse) CSR with one entry a node, 1 or -1
+    """
     blocks = tentative if block == 1 else bsr_matrix(tentative, blocksize=(block, block))
-    values = np.ones(len(blocks.indices))
-    if turns and block > 1:
-        values = np.sign(np.linalg.det(blocks.data))
+    values = np.sign(np.linalg.det(blocks.data)) if turns else np.ones(len(blocks.indices))
     shape = (tentative.shape[0] // block, tentative.shape[1] // block)
-    return csr_matrix((values.astype(tentative.real.dtype), blocks.indices, blocks.indptr), shape=shape)
+    return csr_matrix((values.astype(blocks.data.real.dtype), blocks.indices, blocks.indptr), shape=shape)
 
 
 def graph_laplacian(matrix, block):

@@ -51,8 +51,8 @@ def add_multiples(columns, shares, others):
     if not columns.flags.c_contiguous:
         raise ValueError("the columns are not contiguous: the sum would be lost in a copy")
     shares = shares.astype(columns.dtype, copy=False)
-    if columns.shape[1] == 1:
-        get_blas_funcs("axpy", (columns, others))(others.ravel(), columns.ravel(), a=shares[0])
+    if columns.shape[1] == 1 and len(columns):
+        get_blas_funcs("axpy", (columns,))(others.ravel(), columns.ravel(), a=shares[0])
         return
     tiled = np.tile(shares, TOGETHER)
     whole = len(columns) // TOGETHER * TOGETHER

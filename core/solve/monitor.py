@@ -57,8 +57,11 @@ class Monitor:
             raise OutOfTime
 
     def during(self, work):
-        """Result of ``work()``, which cannot be interrupted: a thread does it, left behind when it must stop."""
-        if self._callback is None and self._deadline is None:  # nothing can stop it
+        """Result of ``work()``, which cannot be interrupted: a thread does it, left behind when it must stop.
+
+        Without a callback and a limit it is done at once, which is faster: only Ctrl-C could stop it, and has to wait.
+        """
+        if self._callback is None and self._deadline is None:
             return work()
         results: list = []
         errors: list = []

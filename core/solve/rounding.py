@@ -18,7 +18,7 @@ from .spheres import gaussian
 from .workers import idle_workers, share_out
 
 # Diffusion times of the continuation, in units of 1 / (energy per mass), the first of which does for crossings, whose
-# parents have settled already; and longer ones that some go through before.
+# parents have settled already; and a slower fall that some go through before.
 TIMES = 0.3 * 0.1 ** np.arange(3)
 LONG_TIMES = 0.7 * 0.6 ** np.arange(4)
 # Projections that are carried: the best, and for variety some at random, through the longer times first. The share of
@@ -35,7 +35,7 @@ CROSSING_TIME = 4.0
 SHARPNESS = 5.0
 # Fields that agree to this share are taken for one.
 SAME_FIELD = 0.999
-# Steps of descent: between rounds, for the best few, and for the best in double precision.
+# Steps of descent: between rounds, for the finalists, and for the best one in double precision.
 SHORT_STEPS, LONG_STEPS, FINAL_STEPS = 6, 15, 200
 FINALISTS = 2
 TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-12
@@ -191,7 +191,7 @@ def continuation(stage, lifted, samples, density, random, monitor):
 
 
 def _carried(stage, seeds, diffusion, metric, monitor):
-    """Seeds after diffusion, and the better ones after some steps of descent."""
+    """The better part of the seeds after diffusion, carried on by some steps of descent."""
     settled = _in_batches(stage, lambda part, its: diffuse(stage, part, diffusion, 1, its), seeds, monitor)
     settled = _best(stage, settled, round(DESCENDING * seeds.shape[1]))
     return _in_batches(stage, lambda part, its: polish(stage, part, metric, its, SHORT_STEPS), settled, monitor)

@@ -22,7 +22,7 @@ from .stage import SHIFT
 START_RANK = {True: 6, False: 9}
 # Where no factorization proves, or a gap below this is asked for, more columns at first are cheaper than a second
 # search for missing ones.
-MORE_COLUMNS, FINE_GAP = 4 / 3, 5e-3
+MORE_COLUMNS, SMALL_GAP = 4 / 3, 5e-3
 MAX_RANK = 24
 LEVELS = 12
 # The shift of the metric that finds the first smooth point, as a share of the stiffness.
@@ -32,6 +32,8 @@ LEVEL_STEPS = 300
 # the multipliers, and with them the bound, are off by the root of what the energy is off by. Where no factorization
 # proves (False), more digits at first are cheaper than a second search for negative directions.
 FIRST_TOLERANCE = {True: 0.05, False: 0.02}
+# Proofs that fail cost the more the larger the problem is: the tolerance of this many rows, and how it falls.
+USUAL_SIZE, FALL_WITH_SIZE = 10_000, 0.25
 TIGHTENING = 0.3
 # Nodes of the smallest stage that is solved on the way, and the tolerance of descents on coarser stages.
 SMALLEST_START = 300
@@ -84,9 +86,12 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
     reached = out_of_time = precise = False
     memory: list[tuple] = []
     provable = width is not None
+    first_tolerance = FIRST_TOLERANCE[provable] * target_gap**1.5
+    if provable:
+        first_tolerance *= (USUAL_SIZE / piece.matrix.shape[0]) ** FALL_WITH_SIZE
     try:
         for attempt in range(LEVELS):
-            tolerance = FIRST_TOLERANCE[provable] * target_gap**1.5 * TIGHTENING**attempt
+            tolerance = first_tolerance * TIGHTENING**attempt
             with clock("relax"):
                 metric = None  # before the next one takes its room
                 metric = monitor.during(partial(stage.metric_at, point))
@@ -150,7 +155,7 @@ def _weaker_proof(piece, shift, duals, value, target_gap, width, monitor):
 def start_rank(piece, provable, target_gap):
     """Columns of the lifted field at the start."""
     rank = START_RANK[piece.is_complex]
-    if not provable or target_gap < FINE_GAP:
+    if not provable or target_gap < SMALL_GAP:
         rank = round(MORE_COLUMNS * rank)
     return min(rank, piece.matrix.shape[0])
 

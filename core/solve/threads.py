@@ -5,6 +5,7 @@ Sparse factorizations call BLAS many thousand times on tiny blocks. Waking a poo
 made solves up to ten times slower on a busy machine, and never faster.
 """
 
+import os
 import threading
 from contextlib import contextmanager
 
@@ -19,22 +20,20 @@ _here = threading.local()
 class _Everywhere:
     """The limit of a pool that all threads share, while anybody is inside.
 
-    threadpoolctl heeds one thread only, the first to ask, until that leaves; the others' limits are nothing. So it is
-    a thread of its own that asks, whoever comes first and whoever leaves last.
+    threadpoolctl (from 3.7 on) heeds one thread only, the first to ask, until that leaves; the others' limits are
+    nothing. So it is a thread of its own that asks, whoever comes first and whoever leaves last.
     """
 
     def __init__(self):
         self._lock = threading.Lock()
         self._inside = 0
+        self._ended = self._keeper = None
 
     def __enter__(self):
         with self._lock:
+            if self._inside == 0:
+                self._begin()
             self._inside += 1
-            if self._inside == 1:
-                self._ended, limited = threading.Event(), threading.Event()
-                self._keeper = threading.Thread(target=self._keep, args=(limited, self._ended), daemon=True)
-                self._keeper.start()
-                limited.wait()
 
     def __exit__(self, *_error):
         with self._lock:
@@ -43,24 +42,45 @@ class _Everywhere:
                 self._ended.set()
                 self._keeper.join()
 
-    @staticmethod
-    def _keep(limited, ended):
+    def _begin(self):
+        ended, limited = threading.Event(), threading.Event()
+        keeper = threading.Thread(target=_keep, args=(limited, ended), daemon=True)
+        keeper.start()
         try:
-            with threadpool_limits(1, user_api="blas"):
-                limited.set()
-                ended.wait()
-        finally:  # nobody waits for a limit that failed
+            limited.wait()
+        except BaseException:  # Ctrl-C
+            ended.set()
+            raise
+        self._ended, self._keeper = ended, keeper
+
+
+def _keep(limited, ended):
+    try:
+        with threadpool_limits(1, user_api="blas"):
             limited.set()
+            ended.wait()
+    finally:  # nobody waits for a limit that failed
+        limited.set()
 
 
 _everywhere = _Everywhere()
+
+
+def _forget():
+    """A forked process has none of the threads that are inside."""
+    _everywhere.__init__()
+    _here.is_inside = False
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_forget)
 
 
 @contextmanager
 def one_blas_thread():
     """Context in which BLAS uses one thread, where threadpoolctl is there to say so.
 
-    Some builds of BLAS have a pool for each thread that calls (OpenMP): that is limited here as well.
+    Some builds of BLAS (OpenMP) have a pool for each thread that calls: that of the calling thread is limited as well.
     """
     if threadpool_limits is None or getattr(_here, "is_inside", False):
         yield

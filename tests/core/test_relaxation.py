@@ -14,9 +14,10 @@ from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.fields.stripes import stripe_problem
 from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solve import Options, Status, solve
+from synch_fields.core.solve.staircase import start_rank
 
-from .graphs import PROBLEMS, lifted_matrix, relaxation
-from .meshes import bent_square, icosphere, torus
+from .graphs import PROBLEMS, half_turned_stripes, lifted_matrix, only_piece, random_connection, relaxation
+from .meshes import bent_square, bumpy_torus, icosphere, torus
 from .wishes import bordered_problem, boundary_row
 
 TIGHT = Options(target_gap=1e-7)
@@ -216,3 +217,13 @@ def test_the_lifted_field_is_unit_and_has_the_value(symmetry):
     assert np.vdot(rows, piece.matrix @ rows).real == pytest.approx(solution.sdp_value, rel=1e-5)
     np.testing.assert_allclose(np.linalg.svd(lifted, compute_uv=False), solution.singular_values, rtol=1e-6)
     assert (np.diff(solution.singular_values) <= 0).all()
+
+
+@pytest.mark.parametrize("is_real", [False, True])
+def test_more_columns_at_first_where_no_factorization_proves_or_the_gap_is_small(is_real):
+    piece = only_piece(half_turned_stripes(bumpy_torus(10), 0.35) if is_real else direction_problem(bumpy_torus(10), 4))
+    few, many = (9, 12) if is_real else (6, 8)
+    ranks = [start_rank(piece, provable, gap) for provable in (True, False) for gap in (1e-2, 1e-3)]
+    assert ranks == [few, many, many, many]
+    tiny = only_piece(SynchronizationProblem(random_connection("circle", 4, 3, 0)))
+    assert start_rank(tiny, True, 1e-2) == 4
