@@ -27,7 +27,7 @@ class _Everywhere:
     def __init__(self):
         self._lock = threading.Lock()
         self._inside = 0
-        self._ended = self._keeper = None
+        self._ended, self._keeper = threading.Event(), threading.Thread()
 
     def __enter__(self):
         with self._lock:
@@ -68,8 +68,8 @@ _everywhere = _Everywhere()
 
 def _forget():
     """A forked process has none of the threads that are inside."""
-    _everywhere.__init__()
-    _here.is_inside = False
+    global _everywhere
+    _everywhere, _here.is_inside = _Everywhere(), False
 
 
 if hasattr(os, "register_at_fork"):
