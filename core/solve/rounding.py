@@ -21,13 +21,16 @@ from .workers import idle_workers, share_out
 # parents have settled already; and a slower fall that some go through before.
 TIMES = 0.3 * 0.1 ** np.arange(3)
 LONG_TIMES = 0.7 * 0.6 ** np.arange(4)
-# Projections that are carried: the best, and for variety some at random, through the longer times first. The share of
+# Projections that are carried: the best, and for variety some at random, through the slower fall first. The share of
 # carried fields that go on to descend.
 BEST, DRAWN = 14, 5
 DESCENDING = 0.5
 # Rounds of crossing: fields that are kept and crossed in pairs, crossings that go on, rounds at least and at most, and
 # the relative gain below which they end.
-KEPT, CROSSINGS = 8, 20
+KEPT, CROSSINGS = 7, 20
+# These numbers are for so many nodes. As what there is to choose from, they grow with the size, as its root, between
+# these multiples: small meshes would wait for little, and large ones for long.
+USUAL_SIZE, LEAST_EFFORT, MOST_EFFORT = 4_000, 0.8, 2.0
 FEWEST_ROUNDS, MOST_ROUNDS = 1, 5
 GAIN = 2e-3
 # Over which diffusion time local energies are compared, and how sharply the better one is preferred.
@@ -165,25 +168,27 @@ def continuation(stage, lifted, samples, density, random, monitor):
     random : numpy Generator
     monitor : Monitor
     """
+    effort = float(np.clip(np.sqrt(stage.node_count / USUAL_SIZE), LEAST_EFFORT, MOST_EFFORT))
+    most, some, kept, crossed = (round(effort * number) for number in (BEST, DRAWN, KEPT, CROSSINGS))
     metric = monitor.during(partial(stage.candidate_metric, SHIFT * density))
     directions = random_directions(stage.is_complex, lifted.shape[1], samples, random)
-    seeds = projections(stage, lifted, directions, BEST, monitor)
+    seeds = projections(stage, lifted, directions, most, monitor)
     found, best = seeds[:, :1], np.inf
     try:
-        drawn = projections(stage, lifted, directions[:, -DRAWN:], DRAWN, monitor)
+        drawn = projections(stage, lifted, directions[:, -some:], some, monitor)
         seeds = np.hstack([seeds, diffuse(stage, drawn, _metrics(stage, LONG_TIMES, density), 1, monitor)])
         diffusion = monitor.during(partial(list, _metrics(stage, TIMES, density)))
         smoothing = monitor.during(partial(stage.smoothing, density / CROSSING_TIME))
         for round_number in range(1 + MOST_ROUNDS):
             carried = _carried(stage, seeds, diffusion, metric, monitor)
-            found = distinct_columns(stage, np.hstack([found, carried]))[:, :KEPT]
+            found = distinct_columns(stage, np.hstack([found, carried]))[:, :kept]
             value = energies(stage, found[:, :1])[0]
             monitor.found(float(value))
             monitor.at("continuation", 0.4 + 0.5 * (1 + round_number) / (1 + MOST_ROUNDS))
             if found.shape[1] == 1 or (round_number >= FEWEST_ROUNDS and value > (1 - GAIN) * best):
                 break
             best = value
-            seeds, diffusion = crossings(stage, found, smoothing, CROSSINGS, monitor), diffusion[:1]
+            seeds, diffusion = crossings(stage, found, smoothing, crossed, monitor), diffusion[:1]
         found = np.hstack([polish(stage, found[:, :FINALISTS], metric, monitor), found[:, FINALISTS:]])
     except OutOfTime:
         return found, True
