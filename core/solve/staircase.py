@@ -37,7 +37,7 @@ USUAL_SIZE, FALL_WITH_SIZE = 10_000, 0.25
 TIGHTENING = 0.3
 # Nodes of the smallest stage that is solved on the way, and the tolerance of descents on coarser stages.
 SMALLEST_START = 300
-COARSE_TOLERANCE = 1e-3
+COARSE_TOLERANCE = 3e-3
 
 
 @dataclass(frozen=True)
@@ -173,7 +173,7 @@ def _coarse_start(workspace, rank, random, monitor):
     stage = stages[-1]
     point = _smooth(piece, stage, stage.lifted.normalize(point.astype(stage.matrix.dtype)))
     for stage, finer in zip(stages[:0:-1], stages[-2::-1], strict=True):
-        metric = monitor.during(partial(stage.metric_at, point))
+        metric = monitor.during(partial(stage.metric, stage.shift_at(point)))
         point = descend(stage.matrix, stage.lifted, point, metric, COARSE_TOLERANCE, LEVEL_STEPS, monitor).point
         point = finer.lifted.normalize(stage.prolong(point))
     return point.astype(workspace.matrix.dtype)
