@@ -29,8 +29,9 @@ DESCENDING = 0.5
 # the relative gain below which they end.
 KEPT, CROSSINGS = 7, 20
 # These numbers are for so many nodes. As what there is to choose from, they grow with the size, as its root, between
-# these multiples: small meshes would wait for little, and large ones for long.
-USUAL_SIZE, LEAST_EFFORT, MOST_EFFORT = 4_000, 0.8, 2.0
+# these multiples: small meshes would wait for little, and large ones for long. From the last number of nodes on, they
+# are these again, for memory.
+USUAL_SIZE, LEAST_EFFORT, MOST_EFFORT, LARGE_SIZE = 5_000, 0.8, 2.0, 1_000_000
 FEWEST_ROUNDS, MOST_ROUNDS = 1, 5
 GAIN = 2e-3
 # Over which diffusion time local energies are compared, and how sharply the better one is preferred.
@@ -168,7 +169,7 @@ def continuation(stage, lifted, samples, density, random, monitor):
     random : numpy Generator
     monitor : Monitor
     """
-    effort = float(np.clip(np.sqrt(stage.node_count / USUAL_SIZE), LEAST_EFFORT, MOST_EFFORT))
+    effort = _effort(stage.node_count)
     most, some, kept, crossed = (round(effort * number) for number in (BEST, DRAWN, KEPT, CROSSINGS))
     metric = monitor.during(partial(stage.candidate_metric, SHIFT * density))
     directions = random_directions(stage.is_complex, lifted.shape[1], samples, random)
@@ -193,6 +194,12 @@ def continuation(stage, lifted, samples, density, random, monitor):
     except OutOfTime:
         return found, True
     return distinct_columns(stage, found), False
+
+
+def _effort(size):
+    """How many times the usual numbers of fields are tried on so many nodes."""
+    effort = float(np.clip(np.sqrt(size / USUAL_SIZE), LEAST_EFFORT, MOST_EFFORT))
+    return min(effort, max(LARGE_SIZE / size, 1.0))
 
 
 def _carried(stage, seeds, diffusion, metric, monitor):

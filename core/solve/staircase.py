@@ -31,7 +31,7 @@ LEVEL_STEPS = 300
 # Predicted relative decrease at which a level's descent ends, as a share of the target gap to the power 3/2:
 # the multipliers, and with them the bound, are off by the root of what the energy is off by. Where no factorization
 # proves (False), more digits at first are cheaper than a second search for negative directions.
-FIRST_TOLERANCE = {True: 0.05, False: 0.02}
+FIRST_TOLERANCE = {True: 0.05, False: 0.01}
 # Proofs that fail cost the more the larger the problem is: the tolerance of this many rows, and how it falls.
 USUAL_SIZE, FALL_WITH_SIZE = 10_000, 0.25
 TIGHTENING = 0.3
