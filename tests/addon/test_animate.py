@@ -134,7 +134,8 @@ def test_each_frame_shows_its_own_solve_without_a_seam(pattern, build):
     shape = attribute(seen(obj, 2), "position")
     obj.modifiers.new("Wave", "WAVE").height = 0.0
     report = api.animate(obj, frames=(1, 2), pattern=pattern, spacing=0.7)
-    assert (len(report["warnings"]) == 1) == (build is hexagon_sphere)
+    splits = [line for line in report["warnings"] if "were split into triangles" in line]
+    assert len(splits) == (build is hexagon_sphere)
     assert [modifier.type for modifier in obj.modifiers] == ["WAVE", "NODES"]
     assert stored_frames(obj) == [1, 2]
     for frame in (-4, 1, 2, 9):

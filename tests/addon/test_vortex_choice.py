@@ -56,7 +56,7 @@ def test_both_objects_show_what_the_map_has_at_the_antipode(solved, point):
     around = np.rint(wrap(np.roll(turns, -1, axis=1) - turns).sum(axis=1) / (2 * np.pi))
     agrees = around == found.face_numbers - flow.sphere.seen_from(tuple(-unit)).face_numbers
     faces = np.flatnonzero(found.face_numbers)
-    assert agrees.mean() > 0.99 and agrees[faces].mean() > 0.7
+    assert agrees.mean() > 0.99 and agrees[faces].mean() > 0.6
     assert len(faces) == sum(len(s.points) for s in lines.data.splines)
     assert report["energy"] == pytest.approx(found.energy) and report["energy"] >= first["energy"] - 1e-9
     assert np.linalg.norm(points_of(lines)[:, :2], axis=1) == pytest.approx(RADIUS, abs=0.3)

@@ -91,7 +91,7 @@ def test_a_flood_of_the_surface_stays_in_one_stripe_or_quad(name, symmetry, shar
         sizes = np.bincount(floods)
         regions = met[sizes[met[:, 0]] > 60]  # the rest are specks at borders
         # But for cells beside the end of a grid line, which are one, where the flood does not find the way around it.
-        assert (np.bincount(regions[:, 1]) > 1).sum() <= 0.02 * len(regions), "one number in two regions"
+        assert (np.bincount(regions[:, 1]) > 1).sum() <= 0.03 * len(regions), "one number in two regions"
 
 
 def striped(mesh, growing, turning=0.0):
