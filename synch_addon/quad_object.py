@@ -33,13 +33,15 @@ def smoothed(quads, task):
     """Vertices moved towards the middle of their neighbours and back onto the surface, as often as the task says.
 
     Those on the boundary, on lines that were asked for, on mirror planes and at sharp edges stay there. Refuses a
-    pattern without any face, and one whose faces would meet themselves.
+    pattern without any face, one whose faces would meet themselves, and one that loses a handle.
     """
     if len(quads.sizes) == 0:
         raise SettingError("no grid lines cross on the mesh: reduce the spacing")
     if not quads.is_simple:
         raise SettingError("the quads are too large for the mesh, some would meet themselves: reduce the spacing")
     mesh = task.given.mesh
+    if not mesh.boundary_vertices.any() and quads.euler_characteristic > mesh.euler_characteristic:
+        raise SettingError("the quads are too large for the mesh, a handle of it would be lost: reduce the spacing")
     edges, counts = quads.edges
     free = ~_on_lines(quads, mesh, task.rows)
     free[edges[counts == 1]] = False

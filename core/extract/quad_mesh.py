@@ -61,6 +61,11 @@ class QuadMesh:
         """(e, 2) vertices, the lower first, and (e,) faces at each."""
         return np.unique(np.sort(self.half_edges, axis=1), axis=0, return_counts=True)
 
+    @property
+    def euler_characteristic(self):
+        """V - E + F over all pieces."""
+        return len(self.vertices) - len(self.edges[0]) + len(self.sizes)
+
 
 def quad_mesh(edge_phases):
     """The :class:`QuadMesh` of the grid lines of :class:`EdgePhases` with two phases a vertex."""

@@ -22,7 +22,7 @@ def quality(quads):
         "faces": len(quads.sizes),
         "quad_share": float((quads.sizes == 4).mean()),
         "irregular_vertices": int((inside & (valences != 4)).sum()),
-        "euler_characteristic": len(quads.vertices) - len(edges) + len(quads.sizes),
+        "euler_characteristic": quads.euler_characteristic,
         "closed": bool((counts == 2).all()),
         "angle_deviation": float(off.mean()),
         "worst_angle": float(off.max()),
