@@ -3,13 +3,16 @@
 """The mesh of a quad pattern's grid lines as an object: where it is, its shape and its figures."""
 
 import math
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
-from synch_fields.synch_addon import api
+from synch_fields.core.extract.quad_mesh import QuadMesh
+from synch_fields.synch_addon import api, scene_io
+from synch_fields.synch_addon.quad_object import smoothed
 
 from .constrained import EVERY_PLACE, line_upright, sheet
 from .quad_meshes import (
@@ -358,3 +361,22 @@ def test_a_handle_is_never_lost(spacing):
         assert snapshot() == before
     else:
         assert is_manifold(made) and is_closed(made) and euler_characteristic(made) == 0
+
+
+def test_quads_around_a_ball_are_no_mesh_of_a_torus():
+    """Those of a cube, which meet nowhere twice, for a sphere and for a torus."""
+    corners = np.array([[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]])
+    quads = QuadMesh(np.zeros((8, 3)), np.zeros(8, int), np.full((8, 3), 1 / 3), corners.ravel(), np.full(6, 4))
+    assert quads.is_simple and quads.euler_characteristic == 2
+    for build, refused in ((torus, True), (sphere, False)):
+        mesh = scene_io.read_mesh(build()).mesh
+        task = SimpleNamespace(
+            given=SimpleNamespace(mesh=mesh, stretch=np.eye(3)),
+            rows=(),
+            settings=SimpleNamespace(mirror="", smoothing=0),
+        )
+        if refused:
+            with pytest.raises(SettingError, match="a handle of it would be lost: reduce the spacing"):
+                smoothed(quads, task)
+        else:
+            assert smoothed(quads, task) is quads

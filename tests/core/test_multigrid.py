@@ -54,6 +54,14 @@ def diagonal_of(units):
     return diags_array(units).tocsr() if units.ndim == 1 else block_diag(list(units), format="csr")
 
 
+def flat_laplacian(group, mesh, random):
+    """(n,) or (n, d, d) units that are parallel, the Laplacian of their connection, and its block."""
+    units = random_units(group, mesh.vertex_count, random)
+    i, j = mesh.edges.T
+    connection = random_weights(mesh, compose(units[j], adjoint(units[i])), random)
+    return units, laplacian(connection), connection.block
+
+
 # Aggregates
 
 
@@ -87,11 +95,8 @@ def test_every_node_follows_one_root_at_most_two_edges_away(group, build):
 @pytest.mark.parametrize("group", KINDS)
 @pytest.mark.parametrize("build", [lambda: bumpy_torus(12), bent_square, lambda: cube(6)])
 def test_aggregates_of_a_flat_connection_carry_its_parallel_field(group, build):
-    mesh, random = build(), np.random.default_rng(3)
-    units = random_units(group, mesh.vertex_count, random)
-    i, j = mesh.edges.T
-    connection = random_weights(mesh, compose(units[j], adjoint(units[i])), random)
-    matrix, block = laplacian(connection), connection.block
+    random = np.random.default_rng(3)
+    units, matrix, block = flat_laplacian(group, build(), random)
     tentative, _ = aggregates(matrix, block, None, random)
     assert tentative.shape[1] < 0.4 * tentative.shape[0]
     value = random.standard_normal(block)
@@ -108,19 +113,16 @@ def test_aggregates_of_a_flat_connection_carry_its_parallel_field(group, build):
 @pytest.mark.parametrize("group", ["circle", "flips"])
 @pytest.mark.parametrize("build", [lambda: bumpy_torus(12), bent_square])
 def test_the_same_aggregates_carry_turns_and_values_on_nodes(group, build):
-    mesh, random = build(), np.random.default_rng(3)
-    units = random_units(group, mesh.vertex_count, random)
-    i, j = mesh.edges.T
-    connection = random_weights(mesh, compose(units[j], adjoint(units[i])), random)
-    matrix, block = laplacian(connection), connection.block
+    random = np.random.default_rng(3)
+    units, matrix, block = flat_laplacian(group, build(), random)
     tentative, _ = aggregates(matrix, block, None, random)
-    cases = [(np.ones(mesh.vertex_count), graph_laplacian, False)]
+    cases = [(np.ones(len(units)), graph_laplacian, False)]
     if block == 2:
         cases.append((np.sign(np.linalg.det(units)), turning_laplacian, True))
     for field, make, of_turns in cases:
         np.testing.assert_allclose(make(matrix, block) @ field, 0, atol=1e-11)
         scalar = scalar_aggregates(tentative, block, of_turns)
-        assert scalar.shape == (mesh.vertex_count, tentative.shape[1] // block)
+        assert scalar.shape == (len(units), tentative.shape[1] // block)
         np.testing.assert_array_equal(np.diff(scalar.indptr), 1)
         np.testing.assert_array_equal(abs(scalar).data, 1)
         sizes = np.asarray(abs(scalar).sum(axis=0)).ravel()

@@ -284,3 +284,9 @@ def test_continuation_gains_where_there_is_something_to_gain():
     problem = half_turned_stripes(bumpy_torus(14), 0.4)
     energies = [solve(problem, Options(rounding=r)).energy for r in ("continuation", "polish", "random", "svd")]
     assert all(a < 0.995 * b for a, b in pairwise(energies))
+
+
+def test_effort_grows_with_the_size_and_ends_where_memory_would():
+    sizes = [1, 1000, 5000, 10_000, 20_000, 500_000, 800_000, 1_000_000, 9_000_000]
+    efforts = [rounding._effort(size) for size in sizes]
+    assert efforts == pytest.approx([0.8, 0.8, 1, 2**0.5, 2, 2, 1.25, 1, 1])

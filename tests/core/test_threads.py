@@ -35,6 +35,21 @@ def elsewhere(work):
     thread.join()
     return found[0]
 
+# Another thread stays inside until what this returns is called.
+def stay_elsewhere():
+    begun, end = threading.Event(), threading.Event()
+    def stay():
+        with one_blas_thread():
+            begun.set()
+            end.wait()
+    thread = threading.Thread(target=stay)
+    thread.start()
+    begun.wait()
+    def leave():
+        end.set()
+        thread.join()
+    return leave
+
 before = counts()
 if set(before) != {2}:
     sys.exit(SKIP)
@@ -51,34 +66,18 @@ CASES = {
             assert inside() == one and counts() == one
     """,
     "beside another thread that begins first and ends first": """
-        begun, end = threading.Event(), threading.Event()
-        def other():
-            with one_blas_thread():
-                begun.set()
-                end.wait()
-        thread = threading.Thread(target=other)
-        thread.start()
-        begun.wait()
+        leave = stay_elsewhere()
         with one_blas_thread():
-            end.set()
-            thread.join()
+            leave()
             assert counts() == one
     """,
     "in a forked process": """
         if hasattr(os, "fork"):
-            begun, end = threading.Event(), threading.Event()
-            def other():
-                with one_blas_thread():
-                    begun.set()
-                    end.wait()
-            thread = threading.Thread(target=other)
-            thread.start()
-            begun.wait()
+            leave = stay_elsewhere()
             child = os.fork()
             if child == 0:
                 os._exit(inside() != one)
-            end.set()
-            thread.join()
+            leave()
             assert os.waitpid(child, 0)[1] == 0
     """,
     "a keeper that does not come": """
