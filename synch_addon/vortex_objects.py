@@ -19,6 +19,8 @@ from .vortex_nodes import COLOR, STRENGTH, add_filaments_modifier
 
 # Radius of a filament's tube in cells of the grid.
 _THICKNESS = 0.25
+# How far a tube's vertices are moved from the nodes of the grid before they are evened, as a share of its edges.
+_MARGIN = 0.25
 NORTH = (0.0, 0.0, 1.0)
 
 
@@ -75,7 +77,8 @@ def _tubes(sphere, settings):
     axis = -np.array(settings.point or NORTH, float)
     axis /= np.linalg.norm(axis)
     angle = math.radians(settings.opening)
-    surface = isosurface(sphere.found.grid, sphere.sphere @ axis, math.cos(angle))
+    margin = _MARGIN if settings.smoothing else 0
+    surface = isosurface(sphere.found.grid, sphere.sphere @ axis, math.cos(angle), margin)
     between = evened(surface.mesh, surface.interpolated(sphere.sphere), settings.smoothing)
     # The map is on the circle there: only how far around it is taken from between the nodes.
     around = between - (between @ axis)[:, None] * axis

@@ -24,7 +24,7 @@ class Isosurface:
     ----------
     mesh : TriangleMesh whose normals point to smaller values; open where it leaves the grid
     ends : (n, 2) nodes between which each vertex lies
-    shares : (n,) how far from the first of them to the second
+    shares : (n,) how far from the first of them to the second it is, or was before it was moved along the surface
     """
 
     mesh: TriangleMesh
@@ -49,10 +49,13 @@ def evened(mesh, values, times):
     return evened_along(values, rows[inside], columns[inside], times, _STEPS)
 
 
-def isosurface(grid, values, level):
+def isosurface(grid, values, level, margin=0.0):
     """The :class:`Isosurface` of (n,) values at the nodes of a :class:`Grid` of three dimensions.
 
-    Along a periodic axis it goes on to the image of the first nodes, and is open there.
+    Along a periodic axis it goes on to the image of the first nodes, and is open there. Where the surface nearly
+    touches a node there are slivers around it, which may fold when they are evened. So vertices are moved along the
+    surface as far from either node of their edge as the ``margin``, a share of the edge, asks for; they stay on a
+    boundary.
     """
     grid, sources = _unrolled(grid)
     above = values[sources] - level
@@ -88,7 +91,11 @@ def isosurface(grid, values, level):
     )
     turned = np.einsum("ij,ij->i", normals, outwards) < 0
     triangles[turned] = triangles[turned][:, ::-1]
-    return Isosurface(TriangleMesh(points, triangles), sources[ends], shares)
+    mesh = TriangleMesh(points, triangles)
+    aside = np.where(mesh.boundary_vertices, shares, np.clip(shares, margin, 1 - margin))
+    moves = (aside - shares)[:, None] * (grid.places[ends[:, 1]] - grid.places[ends[:, 0]])
+    moves -= np.einsum("ij,ij->i", moves, mesh.vertex_normals)[:, None] * mesh.vertex_normals
+    return Isosurface(TriangleMesh(points + moves, triangles), sources[ends], aside)
 
 
 def _unrolled(grid):

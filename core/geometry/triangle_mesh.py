@@ -293,4 +293,4 @@ class TriangleMesh:
 
 def _normalized(vectors):
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
-    return np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0)
+    return np.divide(vectors, lengths, out=np.zeros(vectors.shape), where=lengths > 0)

@@ -76,6 +76,29 @@ def test_evening_takes_the_cells_off_a_sphere_and_leaves_its_size():
     assert volume(TriangleMesh(places, found.mesh.triangles)) == pytest.approx(volume(found.mesh), rel=0.02)
 
 
+@pytest.mark.parametrize("radius", [0.65, 0.71, 0.75])
+def test_a_margin_keeps_slivers_from_folding(radius):
+    """The sphere nearly touches nodes: around them faces turn inwards when they are evened, with a margin none does."""
+    least = []
+    for margin in (0, 0.25):
+        found = isosurface(BOX, -np.linalg.norm(BOX.places, axis=1), -radius, margin)
+        np.testing.assert_allclose(np.linalg.norm(found.mesh.vertices, axis=1), radius, atol=0.006)
+        places = evened(found.mesh, found.mesh.vertices, 4)
+        np.testing.assert_allclose(np.linalg.norm(places, axis=1), radius, atol=0.006)
+        mesh = TriangleMesh(places, found.mesh.triangles)
+        least.append(np.einsum("ij,ij->i", mesh.face_normals, places[mesh.triangles].mean(axis=1) / radius).min())
+    assert least[0] < -0.9 and least[1] > 0.9
+
+
+def test_a_margin_leaves_boundaries_where_they_are():
+    values = BOX.places[:, 0] + 0.01 * np.sin(40 * BOX.places[:, 1])
+    exact, moved = (isosurface(BOX, values, 0.001, margin) for margin in (0, 0.25))
+    edge = exact.mesh.boundary_vertices
+    np.testing.assert_array_equal(moved.mesh.vertices[edge], exact.mesh.vertices[edge])
+    assert (moved.mesh.vertices[~edge] != exact.mesh.vertices[~edge]).any()
+    assert moved.shares[~edge].min() >= 0.25 and moved.shares[~edge].max() <= 0.75
+
+
 def test_evening_holds_the_boundary():
     found = isosurface(BOX, BOX.places[:, 0] + 0.01 * np.sin(40 * BOX.places[:, 1]), 0.03)
     edge = found.mesh.boundary_vertices
