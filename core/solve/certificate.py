@@ -23,11 +23,11 @@ from .factorization import front_width, is_positive_definite
 # A factorization in double precision is tried as a proof up to this many rows, and rows of a front, of complex numbers
 # (True) or of real ones: some ten seconds.
 LARGEST_PROOF, WIDEST_PROOF = 400_000, {True: 1_000, False: 1_600}
-# In solids, whose fronts have more nodes than this many roots of all nodes (on surfaces up to 3.8 were seen), no order
+# In solids, whose fronts have more nodes than this many roots of all nodes (on surfaces up to 4.04 were seen), no order
 # of elimination is much better than a sweep: a proof takes as long as about rows * width^2 / (25 nnz) products of L
 # with all columns (measured, within a factor of 2, from 6k to 30k rows), against some 400 for the relaxation. It is
 # tried up to a thousand.
-SURFACE_FRONT, LONGEST_SWEEP = 4.0, 25_000
+SURFACE_FRONT, LONGEST_SWEEP = 4.1, 25_000
 # Rounding of a row in a factorization, in units of the diagonal's last digit: so many for each row of a front.
 ROUNDINGS = 4
 # Rows up to which the space that is searched for negative directions is kept in double precision.
