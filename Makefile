@@ -66,7 +66,7 @@ bench_meshes = spot fandisk rocker-arm fertility stanford-bunny botijo
 
 bench-solver: $(environment)
 	$(python) bench/solver.py $(bench_meshes:%=$(MESHES)/%.obj)
-	$(python) bench/scaling.py $(MESHES)/stanford-bunny.obj=1,2,4,5 $(MESHES)/spot.obj=1,2,4,8,18 sphere=10,32 grid=32,64,128
+	$(python) bench/scaling.py $(MESHES)/stanford-bunny.obj=1,2,4,5 $(MESHES)/spot.obj=1,2,4,8,18 sphere=10,32,316 grid=32,48,64,96,128
 
 pictures: demo
 	cp out/demo.png docs/suzanne.png

@@ -37,7 +37,7 @@ class PaperRun:
     energy : of the field that SVD rounding gives
     rank : columns at the end
     seconds : until the staircase ended, or until the time was up
-    capped : whether the time was up
+    capped : whether the time was up before
     history : list of (seconds, value) whenever the value fell
     """
 
@@ -60,8 +60,8 @@ class _TimeIsUp(Exception):
 class _Relaxation:
     """Half of Re<Y, L Y> with its derivatives in pymanopt's layout, one column of coordinates per node."""
 
-    def __init__(self, piece, cap):
-        self._piece, self._start, self._cap = piece, perf_counter(), cap
+    def __init__(self, piece, seconds):
+        self._piece, self._start, self._end = piece, perf_counter(), perf_counter() + seconds
         self._point, self._image = None, None
         self.best, self.history = None, []
 
@@ -80,7 +80,7 @@ class _Relaxation:
         return np.ascontiguousarray(rows.view(float).reshape(self._piece.node_count, -1).T)
 
     def multiply(self, point):
-        if self.seconds > self._cap:
+        if perf_counter() > self._end:
             raise _TimeIsUp
         return self.coordinates(self._piece.matrix @ self.rows(point))
 
@@ -100,14 +100,14 @@ class _Relaxation:
         return self.multiply(vector)
 
 
-def staircase(piece, seed, cap, preconditioned=False):
-    """Climb from a random point until nothing is left to gain or ``cap`` seconds are over.
+def staircase(piece, seed, seconds, preconditioned=False):
+    """Climb from a random point until nothing is left to gain or so many ``seconds`` are over.
 
     Returns
     -------
     PaperRun
     """
-    relaxation = _Relaxation(piece, cap)
+    relaxation = _Relaxation(piece, seconds)
     coordinates = piece.block * FIRST_RANK * (2 if piece.is_complex else 1)
     point = _unit(np.random.default_rng(seed).standard_normal((coordinates, piece.node_count)))
     inverse = _preconditioner(piece) if preconditioned else None
@@ -124,10 +124,10 @@ def staircase(piece, seed, cap, preconditioned=False):
             point = _climb(relaxation, point, direction)
     except _TimeIsUp:
         capped = True
-    seconds = relaxation.seconds
+    taken = relaxation.seconds
     rows = relaxation.rows(relaxation.best)
     energy = float(piece.energy(_round_by_svd(piece, rows))[0])
-    return PaperRun(relaxation.history[-1][1], energy, rows.shape[1], seconds, capped, relaxation.history)
+    return PaperRun(relaxation.history[-1][1], energy, rows.shape[1], taken, capped, relaxation.history)
 
 
 def _unit(point):

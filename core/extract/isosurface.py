@@ -24,7 +24,8 @@ class Isosurface:
     ----------
     mesh : TriangleMesh whose normals point to smaller values; open where it leaves the grid
     ends : (n, 2) nodes between which each vertex lies
-    shares : (n,) how far from the first of them to the second it is, or was before it was moved along the surface
+    shares : (n,) how far from the first of them to the second; with a margin, where on that edge the vertex would be if
+        it were not kept on the surface
     """
 
     mesh: TriangleMesh
@@ -32,7 +33,7 @@ class Isosurface:
     shares: np.ndarray
 
     def interpolated(self, values):
-        """(n, ...) values at the vertices, from those at the grid's nodes."""
+        """(n, ...) values at the ``shares``, from those at the grid's nodes."""
         shares = self.shares.reshape(-1, *[1] * (values.ndim - 1))
         return (1 - shares) * values[self.ends[:, 0]] + shares * values[self.ends[:, 1]]
 
@@ -53,9 +54,9 @@ def isosurface(grid, values, level, margin=0.0):
     """The :class:`Isosurface` of (n,) values at the nodes of a :class:`Grid` of three dimensions.
 
     Along a periodic axis it goes on to the image of the first nodes, and is open there. Where the surface nearly
-    touches a node there are slivers around it, which may fold when they are evened. So vertices are moved along the
-    surface as far from either node of their edge as the ``margin``, a share of the edge, asks for; they stay on a
-    boundary.
+    touches a node there are slivers around it, which may fold when they are evened. So vertices that are nearer to a
+    node than the ``margin``, a share below a half of their edge, move along the surface by what their edge has in its
+    direction; on a boundary they stay.
     """
     grid, sources = _unrolled(grid)
     above = values[sources] - level
@@ -92,10 +93,12 @@ def isosurface(grid, values, level, margin=0.0):
     turned = np.einsum("ij,ij->i", normals, outwards) < 0
     triangles[turned] = triangles[turned][:, ::-1]
     mesh = TriangleMesh(points, triangles)
-    aside = np.where(mesh.boundary_vertices, shares, np.clip(shares, margin, 1 - margin))
-    moves = (aside - shares)[:, None] * (grid.places[ends[:, 1]] - grid.places[ends[:, 0]])
-    moves -= np.einsum("ij,ij->i", moves, mesh.vertex_normals)[:, None] * mesh.vertex_normals
-    return Isosurface(TriangleMesh(points + moves, triangles), sources[ends], aside)
+    if margin:
+        aside = np.where(mesh.boundary_vertices, shares, np.clip(shares, margin, 1 - margin))
+        moves = (aside - shares)[:, None] * (grid.places[ends[:, 1]] - grid.places[ends[:, 0]])
+        moves -= np.einsum("ij,ij->i", moves, mesh.vertex_normals)[:, None] * mesh.vertex_normals
+        mesh, shares = TriangleMesh(points + moves, triangles), aside
+    return Isosurface(mesh, sources[ends], shares)
 
 
 def _unrolled(grid):

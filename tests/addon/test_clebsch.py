@@ -108,6 +108,11 @@ def test_tubes_are_a_closed_surface_in_the_colours_of_the_sphere(tmp_path):
     np.testing.assert_allclose(np.linalg.norm(shown, axis=1), 1, atol=1e-3)
     assert (shown[:, 2] < -np.cos(np.radians(80)) + 0.1).all()  # around the antipode of the point
     assert report["lower_bound"] <= report["sphere_energy"] <= report["energy"]
+    places = np.array([vertex.co for vertex in made.data.vertices])
+    corners = places[[list(face.vertices) for face in made.data.polygons]]
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    areas = np.array([face.area for face in made.data.polygons])
+    assert (areas / sides.max(axis=1) ** 2).min() > 0.01  # no slivers, whose normals show as specks
 
 
 def test_the_command_line(tmp_path, capfd):
