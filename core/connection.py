@@ -28,6 +28,10 @@ class Connection:
     weights: np.ndarray
     transports: np.ndarray
 
+    def __post_init__(self):
+        for name in ("edges", "weights", "transports"):
+            object.__setattr__(self, name, np.asarray(getattr(self, name)))
+
     @property
     def block(self):
         """Rows per node in coordinates: 1 complex row for U(1), d real rows otherwise."""

@@ -17,6 +17,7 @@ from .connection import compose
 from .errors import SettingError
 from .gauge import balance
 from .piece import Piece
+from .problem_check import check_problem
 
 
 @dataclass(frozen=True)
@@ -62,10 +63,12 @@ class SynchronizationProblem:
     Raises
     ------
     SettingError
-        when a node is constrained twice, or merged into a node that is itself constrained
+        for arrays that do not fit, numbers that are none, negative weights or masses, transports and values that are
+        not of unit length; when a node is constrained twice, or merged into a node that is itself constrained
     """
 
     def __init__(self, connection, mass=None, merged=None, fixed=None, drawn=None):
+        check_problem(connection, mass, merged, fixed, drawn)
         if merged is not None and merged.transports.ndim != connection.transports.ndim:
             connection = replace(connection, transports=as_matrices(connection.transports))
             merged = replace(merged, transports=as_matrices(merged.transports))
@@ -73,9 +76,9 @@ class SynchronizationProblem:
         count = connection.node_count
         self.mass = np.ones(count) if mass is None else np.asarray(mass, float)
         self.merged, self.fixed, self.drawn = merged, fixed, drawn
-        self._check()
+        self._check_constraints()
 
-    def _check(self):
+    def _check_constraints(self):
         constrained = [c.nodes for c in (self.merged, self.fixed) if c is not None]
         nodes = np.concatenate([*constrained, np.empty(0, int)]).astype(int)
         unique, counts = np.unique(nodes, return_counts=True)

@@ -158,12 +158,13 @@ def _check_start(problem, start, options):
 def _solve_piece(piece, options, monitor, clock, start):
     """Solve a piece scaled to a mean diagonal and a mean mass of 1, so that single precision holds all of it."""
     if piece.total_weight == 0:  # nothing is asked
-        return _without_search(piece, options, Status.CERTIFIED if options.method == "sdp" else Status.UNCERTIFIED)
+        status = Status.CERTIFIED if options.method == "sdp" else Status.UNCERTIFIED
+        return _without_search(piece, options, status, start)
     scaled, weight = piece.scaled()
     try:
         result = _solve_by_method(scaled, options, monitor, clock, start)
     except OutOfTime:
-        result = _without_search(scaled, options, Status.TIME_LIMIT)
+        result = _without_search(scaled, options, Status.TIME_LIMIT, start)
     return replace(
         result,
         bound=weight * result.bound,
@@ -172,9 +173,10 @@ def _solve_piece(piece, options, monitor, clock, start):
     )
 
 
-def _without_search(piece, options, status):
-    """Equal phases, and zero as the bound."""
-    column = _fill_zeros(piece, np.zeros((piece.matrix.shape[0], 1), piece.matrix.dtype))
+def _without_search(piece, options, status, start):
+    """The start, or equal phases, and zero as the bound."""
+    column = np.zeros((piece.matrix.shape[0], 1), piece.matrix.dtype) if start.column is None else start.column
+    column = candidates(piece.block, piece.is_circle).normalize(column)
     return _finished(
         piece,
         column,
@@ -201,7 +203,7 @@ def _solve_by_method(piece, options, monitor, clock, start):
 
 def _finished(piece, columns, **quality):
     fields = candidates(piece.block, piece.is_circle).normalize(columns.astype(piece.matrix.dtype))
-    return _PieceResult(rounding.ground_to_one(piece, _fill_zeros(piece, fields)), **quality)
+    return _PieceResult(rounding.ground_to_one(piece, fields), **quality)
 
 
 def _solve_spectral(piece, options, monitor, clock):
@@ -212,14 +214,6 @@ def _solve_spectral(piece, options, monitor, clock):
     return _finished(
         piece, vector[:, None], bound=bound, spectral_bound=bound, certificate="estimated", status=Status.UNCERTIFIED
     )
-
-
-def _fill_zeros(piece, columns):
-    """Unit vectors with 1 where a field vanishes: any phase is as good there."""
-    blocks = columns.reshape(piece.node_count, piece.block, -1).copy()
-    empty = (np.abs(blocks) ** 2).sum(axis=1) < 0.5
-    blocks[:, 0][empty] = 1.0
-    return blocks.reshape(columns.shape)
 
 
 def _solve_diffusion(workspace, options, monitor, clock):

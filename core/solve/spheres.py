@@ -120,11 +120,13 @@ class Circles(_Fields):
         return pairs[:, 0], pairs[:, 1]
 
     def normalize(self, point):
-        """Nearest point: every unit vector scaled to length one; zero vectors stay zero."""
+        """Nearest point: every unit vector scaled to length one; where it vanishes, the phase 1."""
         if self.block == 1:
-            return point * _inverse(np.abs(point))
+            lengths = np.abs(point)
+            return _filled(point * _inverse(lengths), lengths, 1)
         cosine, sine = self._pair(point)
-        return point * np.repeat(_inverse(np.sqrt(cosine * cosine + sine * sine)), 2, axis=0)
+        lengths = np.sqrt(cosine * cosine + sine * sine)
+        return _filled(point * np.repeat(_inverse(lengths), 2, axis=0), lengths, 2)
 
     def gradient(self, point, image):
         """Half the energy's derivative by the angles."""
@@ -173,8 +175,9 @@ class Columns(_Fields):
         return np.repeat(products.reshape(-1, self.block, products.shape[1]).sum(axis=1), self.block, axis=0)
 
     def normalize(self, point):
-        """Nearest point: every unit vector scaled to length one; zero vectors stay zero."""
-        return point * _inverse(np.sqrt(self._products(point, point)))
+        """Nearest point: every unit vector scaled to length one; where it vanishes, the first unit vector."""
+        lengths = np.sqrt(self._products(point, point))
+        return _filled(point * _inverse(lengths), lengths[:: self.block], self.block)
 
     def gradient(self, point, image):
         """Half the energy's gradient: the part of the image that is tangent."""
@@ -208,6 +211,19 @@ def _real_columns(columns):
 def _inverse(lengths):
     """1 / lengths, some number for zero."""
     return 1 / np.maximum(lengths, np.finfo(lengths.dtype).tiny)
+
+
+def _filled(columns, lengths, block):
+    """Columns, in place, with a unit vector where the (nodes, k) lengths were none.
+
+    Any is as good there; without one its edges would cost too little.
+    """
+    empty = lengths < np.finfo(lengths.dtype).tiny
+    if empty.any():
+        columns[::block][empty] = 1
+        for row in range(1, block):
+            columns[row::block][empty] = 0
+    return columns
 
 
 def random_columns(piece, columns, random):

@@ -55,6 +55,20 @@ def test_bounds_never_exceed_the_optimum_and_most_optima_are_found(kind):
     assert found >= 0.95 * GRAPHS and constrained >= 0.4 * GRAPHS
 
 
+@pytest.mark.parametrize("bridge", ["none", "cancelling"])
+def test_halves_that_nothing_holds_together_are_both_solved(bridge):
+    """MAX-CUT of two complete graphs, joined by an edge of no weight or by two edges that take each other back: fields
+    that vanish on one half, as their mixtures do, must not pass for cheap ones."""
+    half = np.array([(i, j) for i in range(4) for j in range(i)])
+    edges = np.concatenate([half, half + 4, [(0, 4)] * 2])
+    weights, transports = np.ones(len(edges)), -np.ones((len(edges), 1, 1))
+    weights[-2:] = 0 if bridge == "none" else 1
+    transports[-1] = 1
+    problem = SynchronizationProblem(Connection(8, edges, weights, transports))
+    energies = [solve(problem, Options(seed=seed)).energy for seed in range(8)]
+    np.testing.assert_allclose(energies, 16 if bridge == "none" else 20)
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_estimated_bounds_stay_below_the_relaxation_on_these_graphs(kind, monkeypatch):
     monkeypatch.setattr(staircase, "provable_width", lambda piece: None)

@@ -155,6 +155,15 @@ def test_a_time_limit_that_has_passed_leaves_usable_phases(method):
     assert solution.status is Status.TIME_LIMIT
 
 
+@pytest.mark.parametrize("method", ["sdp", "descent"])
+def test_a_time_limit_that_has_passed_leaves_the_start(method):
+    problem = direction_problem(torus(), 4)
+    start = solve(problem)
+    solution = solve(problem, Options(method=method, time_limit=1e-9), start=start)
+    assert solution.status is Status.TIME_LIMIT and solution.energy == pytest.approx(start.energy, rel=1e-9)
+    np.testing.assert_allclose(solution.phases, start.phases, atol=1e-6)
+
+
 @pytest.mark.parametrize("questions", [3, 10, 30, 60])
 def test_a_time_limit_at_any_moment_leaves_usable_phases(questions, monkeypatch):
     """The clock jumps past the deadline after a number of questions, wherever the solver is then."""
