@@ -32,7 +32,7 @@ class Options:
     ----------
     method : "sdp", "spectral" or "diffusion"; or "descent", which only goes on from a start, without a bound
     rounding : how the lifted field of "sdp" becomes phases: "svd"; "random", the best of ``samples``
-        projections (Eq. 29); "polish", those followed by descent; "continuation", the default,
+        projections (Eq. 29); "polish", the best of those followed by descent; "continuation", the default,
         with rounds of a seeded continuation before
     target_gap : relative gap between the relaxation's value and its lower bound
     samples : random projections tried
@@ -64,7 +64,7 @@ class Solution:
     rank : columns of the lifted field
     singular_values : of the lifted field, descending, of the largest piece
     lifted : (N, rank) lifted field in the coordinates of ``problem.factor``, or None
-    variations : (k, n) or (k, n, d) phases of other good local optima that were found, best first; the first
+    variations : (k, n) or (k, n, d) phases of other good fields, near local optima, best first; the first
         are ``phases``. In problems of several pieces every piece takes its next best at the same time.
     spectral_bound : the weaker bound of Eq. (23), when the spectral relaxation was solved
     iterations, products : descent steps, and columns multiplied by L
