@@ -29,8 +29,7 @@ class Connection:
     transports: np.ndarray
 
     def __post_init__(self):
-        for name in ("edges", "weights", "transports"):
-            object.__setattr__(self, name, np.asarray(getattr(self, name)))
+        make_arrays(self, "edges", "weights", "transports")
 
     @property
     def block(self):
@@ -49,6 +48,13 @@ class Connection:
         difference = phases[j] - moved
         squares = (difference * difference.conj()).real.sum(axis=tuple(range(1, difference.ndim)))
         return float(self.weights @ squares)
+
+
+def make_arrays(record, *names):
+    """Let lists in attributes of a frozen dataclass be arrays; None stays."""
+    for name in names:
+        if getattr(record, name) is not None:
+            object.__setattr__(record, name, np.asarray(getattr(record, name)))
 
 
 def compose(first, second):

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix, diags_array
 from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
 
-from .connection import compose
+from .connection import compose, make_arrays
 from .errors import SettingError
 from .gauge import balance
 from .piece import Piece
@@ -28,6 +28,9 @@ class Merged:
     roots: np.ndarray
     transports: np.ndarray
 
+    def __post_init__(self):
+        make_arrays(self, "nodes", "roots", "transports")
+
 
 @dataclass(frozen=True)
 class Targets:
@@ -39,6 +42,9 @@ class Targets:
     nodes: np.ndarray
     values: np.ndarray
     weights: np.ndarray | None = None
+
+    def __post_init__(self):
+        make_arrays(self, "nodes", "values", "weights")
 
 
 def joined_targets(parts):

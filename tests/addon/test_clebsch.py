@@ -3,6 +3,7 @@
 """Vortices of flows in Blender: files, volumes and curves go in, curves and meshes come out."""
 
 import json
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -15,6 +16,7 @@ from synch_fields.synch_addon import flows
 from synch_fields.synch_addon.clebsch import clebsch
 from synch_fields.synch_addon.cli import main
 from synch_fields.synch_addon.flow_choice import expected_shape
+from synch_fields.synch_addon.vortex_objects import showing
 
 from .vortex_scenes import write_vdb
 
@@ -108,11 +110,22 @@ def test_tubes_are_a_closed_surface_in_the_colours_of_the_sphere(tmp_path):
     np.testing.assert_allclose(np.linalg.norm(shown, axis=1), 1, atol=1e-3)
     assert (shown[:, 2] < -np.cos(np.radians(80)) + 0.1).all()  # around the antipode of the point
     assert report["lower_bound"] <= report["sphere_energy"] <= report["energy"]
-    places = np.array([vertex.co for vertex in made.data.vertices])
-    corners = places[[list(face.vertices) for face in made.data.polygons]]
-    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
-    areas = np.array([face.area for face in made.data.polygons])
-    assert (areas / sides.max(axis=1) ** 2).min() > 0.01  # no slivers, whose normals show as specks
+
+
+@pytest.mark.parametrize("radius", [0.65, 0.71, 0.75])
+def test_tubes_have_no_faces_that_fold(radius):
+    """A ball that nearly touches nodes of the grid, where slivers would turn inwards and show as dark specks."""
+    grid = Grid((21, 22, 23), spacing=0.1, origin=(-1, -1.05, -1.1))
+    distance = np.linalg.norm(grid.places, axis=1)
+    turn = np.arctan2(grid.places[:, 1], grid.places[:, 0])
+    sphere = np.column_stack([np.sin(distance) * np.cos(turn), np.sin(distance) * np.sin(turn), -np.cos(distance)])
+    found = SimpleNamespace(grid=grid, quantum=1.0)
+    settings = SimpleNamespace(show="tubes", point=None, opening=np.degrees(radius), smoothing=4)
+    tubes = showing(found, SimpleNamespace(found=found, sphere=sphere), settings).tubes
+    corners = tubes.vertices[tubes.triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1) * np.linalg.norm(corners.mean(axis=1), axis=1)
+    assert (np.einsum("ij,ij->i", normals, corners.mean(axis=1)) > 0.8 * lengths).all()
 
 
 def test_the_command_line(tmp_path, capfd):

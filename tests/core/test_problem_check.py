@@ -72,3 +72,5 @@ def test_values_of_vectors_have_their_dimension(dimension):
 def test_lists_are_as_good_as_arrays():
     solution = solve(problem(edges=EDGES.tolist(), weights=[1, 1, 1], transports=[1, 1j, -1j]))
     assert solution.energy == pytest.approx(0, abs=1e-9)
+    solution = solve(problem(merged=Merged([2], [1], [1j]), fixed=Targets([0], [1.0]), drawn=Targets([1], [1j], [1])))
+    assert solution.phases[2] == pytest.approx(1j * solution.phases[1]) and solution.phases[0] == pytest.approx(1)
