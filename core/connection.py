@@ -36,6 +36,11 @@ class Connection:
         """Rows per node in coordinates: 1 complex row for U(1), d real rows otherwise."""
         return 1 if self.transports.ndim == 1 else self.transports.shape[1]
 
+    @property
+    def is_circle(self):
+        """Whether phases are given and returned as complex numbers."""
+        return self.transports.ndim == 1 or self.block == 2
+
     def energy(self, phases):
         """sum of w_e |phi_j - g_e phi_i|^2 (Eq. 17) for (n,) complex or (n, d) real values."""
         i, j = self.edges.T

@@ -97,7 +97,7 @@ class SynchronizationProblem:
     @property
     def is_circle(self):
         """Whether phases are given and returned as complex numbers."""
-        return self.connection.transports.ndim == 1 or self.connection.block == 2
+        return self.connection.is_circle
 
     # Gauge: turn nodes over where that removes all flips of a component.
 

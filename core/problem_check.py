@@ -22,7 +22,6 @@ def check_problem(connection, mass, merged, fixed, drawn):
     _check_transports("edge", connection.transports, len(edges))
     if mass is not None:
         _check_numbers("mass", "node", mass, count)
-    block, is_circle = connection.block, connection.transports.ndim == 1 or connection.block == 2
     if merged is not None:
         _check_nodes("merged node", merged.nodes, count)
         _check_nodes("root of merged nodes", merged.roots, count)
@@ -31,7 +30,7 @@ def check_problem(connection, mass, merged, fixed, drawn):
     for name, targets in (("fixed node", fixed), ("drawn node", drawn)):
         if targets is not None:
             _check_nodes(name, targets.nodes, count)
-            _check_values(name, np.asarray(targets.values), len(targets.nodes), block, is_circle)
+            _check_values(name, targets.values, len(targets.nodes), connection)
     if fixed is not None and fixed.weights is not None:
         raise SettingError("fixed nodes have weights: leave them out, or draw the nodes instead")
     if drawn is not None:
@@ -40,14 +39,17 @@ def check_problem(connection, mass, merged, fixed, drawn):
         _check_numbers("weight", "drawn node", drawn.weights, len(drawn.nodes))
 
 
+def _refuse_first(wrong, line):
+    """Raise a SettingError with line(number) for the first element that is wrong."""
+    if wrong.any():
+        raise SettingError(line(int(np.flatnonzero(wrong)[0])))
+
+
 def _check_nodes(name, nodes, count):
-    nodes = np.asarray(nodes)
     if nodes.size and not np.issubdtype(nodes.dtype, np.integer):
         raise SettingError(f"{name}s are given as {nodes.dtype}: give whole numbers")
     wrong = ((nodes < 0) | (nodes >= count)).any(axis=tuple(range(1, nodes.ndim)))
-    if wrong.any():
-        number = int(np.flatnonzero(wrong)[0])
-        raise SettingError(f"{name} {number} is {nodes[number].tolist()} of {count} nodes: count them from 0")
+    _refuse_first(wrong, lambda k: f"{name} {k} is {nodes[k].tolist()} of {count} nodes: count them from 0")
 
 
 def _check_length(name, element, values, count):
@@ -61,9 +63,7 @@ def _check_numbers(name, element, values, count):
     if values.shape != (count,):
         raise SettingError(f"{name} of {element}s has the shape {values.shape}: give {count} numbers")
     wrong = ~(np.isfinite(values) & (values >= 0))
-    if wrong.any():
-        number = int(np.flatnonzero(wrong)[0])
-        raise SettingError(f"the {name} of {element} {number} is {values[number]}: give a finite number, not below 0")
+    _refuse_first(wrong, lambda k: f"the {name} of {element} {k} is {values[k]}: give a finite number, not below 0")
 
 
 def _check_transports(element, transports, count):
@@ -75,17 +75,15 @@ def _check_transports(element, transports, count):
         wrong = ~(np.abs(squares - np.eye(transports.shape[1])) < UNIT).all(axis=(1, 2))
     else:
         raise SettingError(f"transports of {element}s have the shape {transports.shape}: give (e,) or (e, d, d)")
-    if wrong.any():
-        number = int(np.flatnonzero(wrong)[0])
-        kind = "modulus 1" if transports.ndim == 1 else "orthogonal columns of length 1"
-        raise SettingError(f"the transport of {element} {number} is {transports[number].tolist()}: it needs {kind}")
+    kind = "modulus 1" if transports.ndim == 1 else "orthogonal columns of length 1"
+    _refuse_first(wrong, lambda k: f"the transport of {element} {k} is {transports[k].tolist()}: it needs {kind}")
 
 
-def _check_values(element, values, count, block, is_circle):
-    shape = (count,) if np.iscomplexobj(values) or (is_circle and values.ndim == 1) else (count, block)
+def _check_values(element, values, count, connection):
+    is_number = np.iscomplexobj(values) or (connection.is_circle and values.ndim == 1)
+    shape = (count,) if is_number else (count, connection.block)
     if values.shape != shape:
         raise SettingError(f"values of {element}s have the shape {values.shape}: give {shape}")
-    wrong = ~(np.abs(np.sqrt((np.abs(values) ** 2).sum(axis=tuple(range(1, values.ndim)))) - 1) < UNIT)
-    if wrong.any():
-        number = int(np.flatnonzero(wrong)[0])
-        raise SettingError(f"the value of {element} {number} is {values[number].tolist()}: it needs the length 1")
+    lengths = np.sqrt((np.abs(values) ** 2).sum(axis=tuple(range(1, values.ndim))))
+    wrong = ~(np.abs(lengths - 1) < UNIT)
+    _refuse_first(wrong, lambda k: f"the value of {element} {k} is {values[k].tolist()}: it needs the length 1")

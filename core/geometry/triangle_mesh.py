@@ -292,5 +292,6 @@ class TriangleMesh:
 
 
 def _normalized(vectors):
+    """Unit vectors; zero stays zero. Sums over no triangles are whole numbers, and become real ones."""
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
     return np.divide(vectors, lengths, out=np.zeros(vectors.shape), where=lengths > 0)
