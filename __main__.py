@@ -5,7 +5,7 @@
 import sys
 
 from . import register, unregister
-from .synch_addon.cli import main
+from .synch_addon.command.main import main
 
 register()  # a .blend keeps the object's constraints in properties of ours
 try:

@@ -19,7 +19,7 @@ from tables import Column, print_table
 
 import synch_fields
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.render import render_picture
+from synch_fields.synch_addon.looks.render import render_picture
 
 FRAMES, SHOWN = 24, (1, 7, 13, 19)
 SEGMENTS, RINGS, LENGTH, RADIUS = 56, 190, 5.0, 0.62

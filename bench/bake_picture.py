@@ -18,10 +18,11 @@ from scipy.ndimage import distance_transform_edt
 from tables import Column, print_table
 
 import synch_fields
-from synch_fields.synch_addon import api, files, scene_io
-from synch_fields.synch_addon.bake_settings import MAPS, NEW_MAP
-from synch_fields.synch_addon.bake_stage import read_uv
-from synch_fields.synch_addon.render import render_picture
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.bakes.settings import MAPS, NEW_MAP
+from synch_fields.synch_addon.bakes.stage import read_uv
+from synch_fields.synch_addon.blender import files, meshes
+from synch_fields.synch_addon.looks.render import render_picture
 
 SIZE, CLOSE_SIZE = 2048, 4096
 COLUMNS = (Column("s", "seconds", ".1f"), Column("MB", "mb", ".2f"))
@@ -79,7 +80,7 @@ def close_up(obj, values, dislocations):
     uv = read_uv(obj.data.uv_layers[NEW_MAP])
     corners = [uv[list(obj.data.polygons[d["face"]].loop_indices)] * size for d in dislocations]
     covered = np.zeros((size, size), bool)
-    triangles = uv[scene_io.read_polygons(obj).triangle_corners].mean(axis=1) * size
+    triangles = uv[meshes.read_polygons(obj).triangle_corners].mean(axis=1) * size
     covered[triangles[:, 1].astype(int), triangles[:, 0].astype(int)] = True
     depth = distance_transform_edt(distance_transform_edt(~covered) < 12)
     centres = np.array([corner.mean(axis=0) for corner in corners])

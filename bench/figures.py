@@ -17,8 +17,9 @@ from command import arguments
 from scipy.spatial import Delaunay
 from tables import Column, print_table
 
-from synch_fields.synch_addon import api, files, scene_io
-from synch_fields.synch_addon.render import render_picture
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender import attributes, files
+from synch_fields.synch_addon.looks.render import render_picture
 
 SPACING = 0.075
 EDGE = 0.02
@@ -132,7 +133,7 @@ def contains(polygon, points):
 
 def add_glyphs(obj, length=0.055, width=0.011):
     """The domain with a bar for the direction at some of its vertices."""
-    points, directions = (scene_io.read_values(obj, name, "POINT") for name in ("position", "synch_direction"))
+    points, directions = (attributes.read_values(obj, name, "POINT") for name in ("position", "synch_direction"))
     cells = np.unique(np.floor(points[:, :2] / (1.25 * length)), axis=0, return_index=True)[1]
     along = directions[cells] * length / 2
     across = np.cross([0, 0, 1], directions[cells]) * width / 2

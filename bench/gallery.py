@@ -15,8 +15,9 @@ from command import arguments
 from figures import COLUMNS, beside, row
 from tables import print_table
 
-from synch_fields.synch_addon import api, files, scene_io
-from synch_fields.synch_addon.render import render_picture
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender import attributes, files
+from synch_fields.synch_addon.looks.render import render_picture
 
 # Where they are seen from.
 SPOT, BEHIND = (205, 12), (150, 18)
@@ -47,7 +48,7 @@ def mark_between(axis, place):
     """Mark as seams the edges between faces on both sides of a plane, in object space."""
 
     def prepare(obj):
-        centres = scene_io.read_all(obj.data.polygons, "center", 3, np.float32)
+        centres = attributes.read_all(obj.data.polygons, "center", 3, np.float32)
         sides = {}
         for polygon, above in zip(obj.data.polygons, centres[:, axis] > place, strict=True):
             for key in polygon.edge_keys:
@@ -72,7 +73,7 @@ def group_ring(axis, low, high):
     """A vertex group "ring" of the vertices between two planes of object space."""
 
     def prepare(obj):
-        along = scene_io.read_values(obj, "position", "POINT")[:, axis]
+        along = attributes.read_values(obj, "position", "POINT")[:, axis]
         chosen = np.flatnonzero((along > low) & (along < high))
         obj.vertex_groups.new(name="ring").add(chosen.tolist(), 1.0, "REPLACE")
 
@@ -96,7 +97,7 @@ def nothing(_obj):
 
 def vectors_around(obj):
     """A vector attribute that goes around the object's vertical axis, on its upper half."""
-    places = scene_io.read_values(obj, "position", "POINT")
+    places = attributes.read_values(obj, "position", "POINT")
     around = np.cross([0, 1, 0], places)
     around[places[:, 1] < np.median(places[:, 1])] = 0
     obj.data.attributes.new("around", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", around.ravel())

@@ -13,11 +13,11 @@ from time import perf_counter, process_time
 
 import numpy as np
 
+from synch_fields.core.algebra.threads import one_blas_thread
 from synch_fields.core.solve import Options, solve
 from synch_fields.core.solve.certificate import provable_width
 from synch_fields.core.solve.stage import Workspace
 from synch_fields.core.solve.staircase import start_rank
-from synch_fields.core.solve.threads import one_blas_thread
 
 # CPU seconds from one product to the next where they are timed in between.
 BETWEEN = 0.5

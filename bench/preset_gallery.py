@@ -3,7 +3,7 @@
 
     python bench/preset_gallery.py MESHES --folder docs [--only gallery | thumbnails]
 
-Writes gallery.png to the folder and the thumbnails to synch_addon/thumbnails. MESHES holds spot.obj,
+Writes gallery.png to the folder and the thumbnails to synch_addon/looks/thumbnails. MESHES holds spot.obj,
 stanford-bunny.obj, botijo.obj and cheburashka.obj. Needs Blender as a module (bpy).
 """
 
@@ -17,8 +17,10 @@ from figures import beside
 from quad_gallery import plain_material
 
 import synch_fields
-from synch_fields.synch_addon import api, assets, files, presets
-from synch_fields.synch_addon.render import render_picture
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender import files
+from synch_fields.synch_addon.looks import assets, presets
+from synch_fields.synch_addon.looks.render import render_picture
 
 # Preset, shape, how often it is subdivided, and where it is seen from.
 SHAPES = (

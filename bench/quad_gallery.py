@@ -14,10 +14,11 @@ from command import arguments, make_pictures
 from figures import COLUMNS, beside, read_directions, row, write_directions
 from tables import print_table
 
-from synch_fields.synch_addon import api, files
-from synch_fields.synch_addon.nodes import INK_BLUE, WARM_IVORY
-from synch_fields.synch_addon.quad_profiles import PROFILES, QUADS_NAME
-from synch_fields.synch_addon.render import render_picture
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender import files
+from synch_fields.synch_addon.looks.render import render_picture
+from synch_fields.synch_addon.nodes.quads import PROFILES, QUADS_NAME
+from synch_fields.synch_addon.nodes.stripes import INK_BLUE, WARM_IVORY
 
 # Name of a mesh, where it is seen from, and its period's part of the longest side.
 WAVES = (("spot", (230, 15), 12), ("fertility", (-20, 10), 18), ("rocker-arm", (30, 20), 16))

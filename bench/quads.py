@@ -25,9 +25,10 @@ from synch_fields.core.extract.quad_quality import quality
 from synch_fields.core.fields import direction_field, quad_pattern
 from synch_fields.core.fields.growth import Growth
 from synch_fields.core.solve import Options
-from synch_fields.synch_addon import api, files, scene_io
-from synch_fields.synch_addon.quad_object import nearest, surface_tree
-from synch_fields.synch_addon.quiet import quiet_stdout
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender import attributes, files, meshes
+from synch_fields.synch_addon.blender.bvh import nearest, surface_tree
+from synch_fields.synch_addon.blender.quiet import quiet_stdout
 
 # Periods along the longest side.
 PERIODS = (15, 30)
@@ -141,7 +142,7 @@ def longest_side(mesh):
 def quad_meshes(folder, name, field):
     """Two rows of the second table: our quad mesh of one mesh, and QuadriFlow's."""
     obj = opened(folder / f"{name}.obj")
-    given = scene_io.read_mesh(obj).mesh
+    given = meshes.read_mesh(obj).mesh
     spacing = max(longest_side(given) / MESH_PERIODS, EDGES_PER_PERIOD * np.median(given.edge_lengths))
     label, settings = name, {}
     if field:
@@ -185,7 +186,7 @@ def measured(label, obj, given, seconds):
     }
     row["closed"] = "yes" if row["closed"] else "no"
     try:
-        scene_io.read_mesh(obj)
+        meshes.read_mesh(obj)
     except MeshError as error:
         row["manifold"] = str(error).split(":")[0]
     return row
@@ -193,8 +194,8 @@ def measured(label, obj, given, seconds):
 
 def as_quads(obj):
     """The :class:`QuadMesh` of an object's faces; nothing is known of the surface below."""
-    polygons = scene_io.read_polygons(obj)
-    places = scene_io.read_values(obj, "position", "POINT")
+    polygons = meshes.read_polygons(obj)
+    places = attributes.read_values(obj, "position", "POINT")
     return QuadMesh(places.astype(float), None, None, polygons.corner_vertices, polygons.sizes)
 
 

@@ -24,7 +24,7 @@ from meshes import read_obj
 from subdivide import sphere, subdivided
 from tables import Column, print_table
 
-from synch_fields.core.solve.threads import one_blas_thread
+from synch_fields.core.algebra.threads import one_blas_thread
 
 TARGET_GAP = 1e-2
 # Where the slope is taken.

@@ -7,8 +7,8 @@ from figures import beside as side_by_side
 from solid_cuts import cut_away
 
 from synch_fields.core.extract.defect_curves import defect_curves
-from synch_fields.synch_addon.nodes import WARM_IVORY
-from synch_fields.synch_addon.render import render_picture
+from synch_fields.synch_addon.looks.render import render_picture
+from synch_fields.synch_addon.nodes.stripes import WARM_IVORY
 
 # For each shape: azimuths of the two planes' normals between which a wedge is cut off, where their common line is (as
 # shares of the box, seen from above), where the solid is looked at from, and the power of the function that is shown:

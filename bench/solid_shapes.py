@@ -8,11 +8,11 @@ import numpy as np
 from meshes import read_obj
 
 from synch_fields.core.fields.layers import LayerGroup
+from synch_fields.core.files.tets import read_tets
 from synch_fields.core.geometry import TriangleMesh
-from synch_fields.core.geometry.stuffing import stuffed
-from synch_fields.core.geometry.surface_distance import SurfaceDistance
+from synch_fields.core.geometry.filling.stuffing import stuffed
+from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
 from synch_fields.core.geometry.tet_mesh import TetMesh, positive
-from synch_fields.core.tet_files import read_tets
 
 # Corners of a prism's three tetrahedra when its lower triangle's vertices increase.
 PRISM = ((0, 1, 2, 5), (0, 1, 4, 5), (0, 3, 4, 5))

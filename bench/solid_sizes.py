@@ -18,10 +18,10 @@ from measure import peak_megabytes, row_of_child, untouched
 from solid_shapes import stuffed_bunny
 from tables import Column, print_table
 
+from synch_fields.core.algebra.threads import one_blas_thread
+from synch_fields.core.fields.guidance.solids import harmonic_directions
 from synch_fields.core.fields.layers import layer_problem
-from synch_fields.core.fields.solid_guidance import harmonic_directions
 from synch_fields.core.solve import Options, solve
-from synch_fields.core.solve.threads import one_blas_thread
 
 SIZES = (0.03, 0.02, 0.015, 0.0108, 0.0062)
 # Layers between the base and the tips of the ears, or so.

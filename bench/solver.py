@@ -29,8 +29,8 @@ from measure import (
 from meshes import read_obj
 from tables import Column, Criterion, print_summary, print_table
 
+from synch_fields.core.algebra.threads import one_blas_thread
 from synch_fields.core.solve import Options, solve
-from synch_fields.core.solve.threads import one_blas_thread
 
 CERTIFICATES = ("none", "estimated", "proved")
 # Energies that agree this well are the same optimum.

@@ -16,10 +16,11 @@ from figures import beside
 from grids import QUANTA, trefoil_grid, trefoil_velocity
 from mathutils import Euler, Matrix
 
-from synch_fields.synch_addon.clebsch import clebsch
-from synch_fields.synch_addon.globe import SPHERE, globe_group
-from synch_fields.synch_addon.nodes import STRIPES_NAME
-from synch_fields.synch_addon.render import only_for_now, render_picture
+from synch_fields.synch_addon.blender.transaction import only_for_now
+from synch_fields.synch_addon.flows.job import clebsch
+from synch_fields.synch_addon.looks.render import render_picture
+from synch_fields.synch_addon.nodes.globe import SPHERE, globe_group
+from synch_fields.synch_addon.nodes.stripes import STRIPES_NAME
 
 # Filaments that the knot is cut into.
 CUTS = (6, 4, 3, 2, 1)

@@ -1,42 +1,37 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Everything of Synch Fields that touches Blender; the mathematics is in ``core``."""
 
-from . import (
-    animation_panel,
-    bake_panel,
-    cli,
-    constraint_list,
-    constraint_panel,
-    favourite_list,
-    guide_list,
-    guide_panel,
-    jobs,
-    layer_file_panel,
-    layer_panel,
-    layer_properties,
-    memory,
+from . import operators
+from .blender import translations
+from .command import main
+from .flows import properties as vortex_settings
+from .jobs import jobs
+from .panels import (
+    bakes,
+    constraints,
+    frames,
+    guides,
+    layer_outputs,
+    layers,
     menus,
-    operators,
     overlay_view,
-    panels,
-    preset_panel,
-    preview,
-    refine,
-    result_panel,
+    presets,
+    result,
     setting_presets,
-    settings,
-    translations,
-    vortex_panel,
-    vortex_settings,
+    sidebar,
+    vortices,
 )
+from .patterns import memory, preview, refine
+from .settings import constraint_list, favourite_list, fields, guide_list
+from .solids import properties
 
 _MODULES = (
     translations,
     constraint_list,
     guide_list,
     favourite_list,
-    settings,
-    layer_properties,
+    fields,
+    properties,
     memory,
     refine,
     vortex_settings,
@@ -45,18 +40,18 @@ _MODULES = (
     operators,
     menus,
     setting_presets,
-    guide_panel,
-    panels,
-    result_panel,
-    preset_panel,
-    constraint_panel,
+    guides,
+    sidebar,
+    result,
+    presets,
+    constraints,
     overlay_view,
-    bake_panel,
-    vortex_panel,
-    layer_panel,
-    animation_panel,
-    layer_file_panel,
-    cli,
+    bakes,
+    vortices,
+    layers,
+    frames,
+    layer_outputs,
+    main,
 )
 
 

@@ -10,26 +10,28 @@ from dataclasses import replace
 from ..core.errors import SettingError, SynchError
 from ..core.fields.directions import SYMMETRIES
 from ..core.fields.placement import variation, with_defects
-from . import field_io, memory, presets, scene_io
-from . import isolines as line_object
-from .animation import animate as animate
-from .bake import BakeJob
-from .bake_settings import BakeSettings
-from .clebsch import clebsch as clebsch
-from .field_job import FieldJob, trace, write_again, write_quads, write_result
-from .keywords import from_names
-from .layer_outputs import layer_export as layer_export
-from .layer_outputs import layer_toolpaths as layer_toolpaths
-from .layer_outputs import layer_volume as layer_volume
-from .layer_settings import LayerSettings
-from .layers import LayerJob
-from .read_back import shown_pattern
-from .refine import refine as refine
-from .relief import add_relief
-from .report import versions
-from .settings import Settings
-from .stripe_numbers import number_stripes as number_stripes
-from .vortex_choice import choose_point as choose_point
+from ..core.keywords import from_names
+from .bakes.job import BakeJob
+from .bakes.settings import BakeSettings
+from .blender import field_files, meshes
+from .flows.choice import choose_point as choose_point
+from .flows.job import clebsch as clebsch
+from .frames.job import animate as animate
+from .jobs.report import versions
+from .looks import presets
+from .patterns import lines as line_object
+from .patterns import memory
+from .patterns.job import FieldJob, trace, write_again, write_quads, write_result
+from .patterns.numbers import number_stripes as number_stripes
+from .patterns.read_back import shown_pattern
+from .patterns.refine import refine as refine
+from .patterns.relief import add_relief
+from .settings.fields import Settings
+from .solids.job import LayerJob
+from .solids.outputs import layer_export as layer_export
+from .solids.outputs import layer_toolpaths as layer_toolpaths
+from .solids.outputs import layer_volume as layer_volume
+from .solids.settings import LayerSettings
 
 
 def directions(obj, callback=None, **settings):
@@ -111,7 +113,7 @@ def layers(obj, callback=None, solid=None, **settings):
 
 def layer_job(obj, settings, solid=None):
     """A :class:`LayerJob` of ready :class:`LayerSettings`."""
-    scene_io.refuse(obj)
+    meshes.refuse(obj)
     return LayerJob(obj, settings, solid)
 
 
@@ -162,8 +164,8 @@ def show_again(obj, shown):
 
     Errors as :func:`vary`.
     """
-    scene_io.refuse(obj)
-    with scene_io.object_mode(obj):
+    meshes.refuse(obj)
+    with meshes.object_mode(obj):
         write_again(obj, replace(shown, task=memory.recall(obj).task))
 
 
@@ -177,8 +179,8 @@ def trace_quads(obj, smoothing=Settings.smoothing):
 
     Result and errors as :func:`quad_mesh`.
     """
-    scene_io.refuse(obj)
-    with scene_io.object_mode(obj):
+    meshes.refuse(obj)
+    with meshes.object_mode(obj):
         solved = memory.recall(obj)
         if solved.task.command != "quads":
             raise SynchError(f"{obj.name} shows no quads: solve quads first")
@@ -204,9 +206,9 @@ def isolines(obj, **settings):
     SynchError
         with one line that names the element and the remedy; nothing is made
     """
-    scene_io.refuse(obj)
+    meshes.refuse(obj)
     settings = from_names(line_object.LineSettings, settings)
-    with scene_io.object_mode(obj):
+    with meshes.object_mode(obj):
         return line_object.write(obj, *shown_pattern(obj), settings)
 
 
@@ -232,8 +234,8 @@ def relief(obj, height=0.15, width=0.5, profile=0, level=None, smooth=False):
     SynchError
         with one line that names the element and the remedy; nothing is made
     """
-    scene_io.refuse(obj)
-    with scene_io.object_mode(obj):
+    meshes.refuse(obj)
+    with meshes.object_mode(obj):
         made = add_relief(obj, height, width, profile, level, smooth)
     return {"status": "made", "command": "relief", "object": obj.name, **made, "versions": versions()}
 
@@ -258,7 +260,7 @@ def preset(obj, name, callback=None, solve=False, **settings):
     SynchError
         with one line that names the element and the remedy; nothing is written
     """
-    scene_io.refuse(obj)
+    meshes.refuse(obj)
     needed = presets.solve_for(obj, name, solve or bool(settings))
     solved = None
     if needed is not None:
@@ -294,15 +296,15 @@ def bake(obj, callback=None, **settings):
 
 def run_bake(obj, settings, callback=None):
     """Bake with ready :class:`BakeSettings`."""
-    scene_io.refuse(obj)
+    meshes.refuse(obj)
     job = BakeJob(obj, settings)
     job.solve(callback)
     return job.report
 
 
 def _show(obj, change, number=0):
-    scene_io.refuse(obj)
-    with scene_io.object_mode(obj):
+    meshes.refuse(obj)
+    with meshes.object_mode(obj):
         solved = memory.recall(obj)
         report = solved.report.again()
         with report.clock("round"):
@@ -322,9 +324,9 @@ def import_field(obj, path):
     SynchError
         with one line that names the element and the remedy; nothing is written
     """
-    scene_io.refuse(obj)
-    with scene_io.object_mode(obj):
-        return field_io.import_directions(obj, path)
+    meshes.refuse(obj)
+    with meshes.object_mode(obj):
+        return field_files.import_directions(obj, path)
 
 
 def export_field(obj, path, symmetry="line"):
@@ -341,14 +343,14 @@ def export_field(obj, path, symmetry="line"):
     SynchError
         with one line that names the element and the remedy; nothing is written
     """
-    scene_io.refuse(obj)
+    meshes.refuse(obj)
     if symmetry not in SYMMETRIES:
         raise SettingError(f"symmetry {symmetry!r} is unknown: use one of {', '.join(SYMMETRIES)}")
-    with scene_io.object_mode(obj):
-        field_io.export_directions(obj, path, symmetry)
+    with meshes.object_mode(obj):
+        field_files.export_directions(obj, path, symmetry)
 
 
 def select(obj, vertices):
     """Select vertices and nothing else of an object's mesh, in object or edit mode."""
-    with scene_io.object_mode(obj):
-        scene_io.select_vertices(obj, vertices)
+    with meshes.object_mode(obj):
+        meshes.select_vertices(obj, vertices)

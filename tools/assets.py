@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Make the library of assets from the code of the add-on; prints the path of its .blend.
 
-    python tools/assets.py [--folder synch_addon/assets]
+    python tools/assets.py [--folder synch_addon/looks/library]
 
 `tools/extension.py` does this for the zip; in a checkout the library is only there once this was run. Needs Blender as
 a module (bpy).
@@ -13,7 +13,7 @@ from pathlib import Path
 
 import bpy
 
-from synch_fields.synch_addon import assets
+from synch_fields.synch_addon.looks import assets
 
 
 def main() -> None:

@@ -47,7 +47,7 @@ def build(output_dir: Path, with_wheels: bool) -> list[Path]:
         packed.mkdir()
         stage_tree(stage, with_wheels)
         tags = blender_file("scripts/modules/_bpy_internal/extensions/tags.py")
-        run_tool(ROOT / "tools/assets.py", "--folder", stage / "synch_addon/assets")
+        run_tool(ROOT / "tools/assets.py", "--folder", stage / "synch_addon/looks/library")
         blender_ext("validate", "--valid-tags", tags, stage)
         split = ["--split-platforms"] if with_wheels else []
         blender_ext("build", "--valid-tags", tags, "--source-dir", stage, "--output-dir", packed, *split)

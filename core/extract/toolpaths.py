@@ -4,7 +4,7 @@
 import numpy as np
 
 from ..errors import SettingError
-from ..fields.fronts import front_distance
+from ..fields.guidance.fronts import front_distance
 from ..geometry import TriangleMesh
 from ..interpolate import TURN, EdgePhases
 from .isolines import isolines

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fields that artists ask for, each posed as a synchronization problem."""
 
+from .constraints.lines import Line, boundary_line, line_of_edges
+from .constraints.rows import Row
 from .directions import DirectionField, DirectionWishes, direction_field, given_directions
-from .guidance import Guide
-from .lines import Line, boundary_line, line_of_edges
+from .guidance.guides import Guide
 from .patterns import Pattern
 from .quads import quad_pattern
-from .rows import Row
 from .stripes import stripe_pattern
 
 __all__ = [

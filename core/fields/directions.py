@@ -15,11 +15,11 @@ from ..errors import SettingError
 from ..geometry import TriangleMesh
 from ..problem import SynchronizationProblem, Targets, joined_targets
 from ..solve import Solution, solve
+from .constraints.groups import contracted
+from .constraints.rows import Row, direction_targets
 from .frames import carried_angles, in_sheets_of, next_solution
-from .groups import contracted
-from .guidance import Guide, blended
+from .guidance.guides import Guide, blended
 from .mirror import LEAN, Mirror, on_mirror, snapped, split_links, with_loops
-from .rows import Row, direction_targets
 
 SYMMETRIES = {"vector": 1, "line": 2, "cross": 4}
 

@@ -15,9 +15,9 @@ from ..interpolate import TURN, EdgePhases
 from ..interpolate_solid import TetPhases, face_numbers, tet_phases
 from ..problem import SynchronizationProblem, Targets
 from ..solve import Solution, solve
-from .groups import TOLERANCE, Links, contracted, joined_links
+from .constraints.groups import TOLERANCE, Links, contracted, joined_links
+from .guidance.potentials import potential
 from .patterns import check_spacing
-from .potentials import potential
 
 # Share of the volume on either side that does not tell how thin or thick layers are: single tetrahedra are extreme.
 _RARE = 0.01

@@ -14,7 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from ..connection import Connection, circle_transports
 from ..errors import ContradictionError
 from ..problem import as_matrices
-from .groups import Links, joined_links
+from .constraints.groups import Links, joined_links
 
 # How far, in radians of direction, mirrored wishes may differ: tangent planes lean, strokes are sampled.
 LEAN = 0.1

@@ -14,11 +14,11 @@ from ..errors import ContradictionError, SettingError
 from ..interpolate import dislocation_numbers, face_phases
 from ..problem import SynchronizationProblem, joined_targets
 from ..solve import Solution, solve
+from .constraints.groups import TOLERANCE
+from .constraints.phase_rows import phase_constraints
 from .frames import next_solution
-from .groups import TOLERANCE
 from .growth import Growth
 from .mirror import LEAN, on_mirror, snapped, split_links, with_loops
-from .phase_rows import phase_constraints
 
 
 @dataclass(frozen=True)

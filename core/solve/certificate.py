@@ -17,8 +17,8 @@ import numpy as np
 from scipy.linalg import eigh
 from scipy.sparse import diags_array
 
+from ..algebra.factorization import front_width, is_positive_definite
 from ..errors import SynchError
-from .factorization import front_width, is_positive_definite
 
 # A factorization in double precision is tried as a proof up to this many rows, and rows of a front, of complex numbers
 # (True) or of real ones: some ten seconds.

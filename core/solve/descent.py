@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .monitor import OutOfTime
+from ..monitor import OutOfTime
 
 ARMIJO = 1e-4
 # Moves along which the gradient changed by less than this share of what was predicted tell nothing of the curvature.

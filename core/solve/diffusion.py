@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from .columns import add_multiples, inner_products
+from ..algebra.columns import add_multiples, inner_products
 
 # Conjugate gradient steps for one diffusion step. With one, whose rough parts of the error stay, fields end at
 # clearly higher energies; with two they end where exact solves lead them.

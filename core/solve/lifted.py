@@ -11,13 +11,13 @@ from functools import cached_property, partial
 
 import numpy as np
 
+from ..algebra.threads import one_blas_thread
 from ..errors import SettingError
+from ..monitor import Monitor, OutOfTime
 from .descent import descend
-from .monitor import Monitor, OutOfTime
 from .rounding import ground_to_one
 from .spheres import Lifted, gaussian
 from .stage import Workspace
-from .threads import one_blas_thread
 
 # Descents at a given rank end when the predicted relative decrease is below this share of the target gap, or after so
 # many steps.

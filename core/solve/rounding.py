@@ -11,11 +11,11 @@ from functools import partial
 
 import numpy as np
 
+from ..algebra.workers import idle_workers, share_out
+from ..monitor import OutOfTime
 from .descent import descend
 from .diffusion import diffuse
-from .monitor import OutOfTime
 from .spheres import gaussian
-from .workers import idle_workers, share_out
 
 # Diffusion times of the continuation, in units of 1 / (energy per mass), the first of which does for crossings, whose
 # parents have settled already; and a slower fall that some go through before.

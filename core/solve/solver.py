@@ -6,17 +6,17 @@ from functools import partial
 
 import numpy as np
 
+from ..algebra.metric import SMALLEST_SHIFT
+from ..algebra.threads import one_blas_thread
 from ..errors import SettingError
+from ..monitor import Monitor, OutOfTime
 from . import rounding
 from .diffusion import diffuse
-from .metric import SMALLEST_SHIFT
-from .monitor import Monitor, OutOfTime
 from .solution import DESCENT, METHODS, ROUNDINGS, Clock, Options, Solution, Status, relative_gap
 from .spectral import smallest_eigenpair
 from .spheres import candidates, random_columns
 from .stage import Workspace
 from .staircase import MAX_RANK, relax
-from .threads import one_blas_thread
 
 DIFFUSION_STARTS = 8
 DIFFUSION_TIMES = 0.5 ** np.arange(11)

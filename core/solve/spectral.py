@@ -5,9 +5,9 @@ import numpy as np
 from scipy.sparse import diags_array
 from scipy.sparse.linalg import LinearOperator, eigsh, lobpcg
 
+from ..algebra.factorization import factorize
+from ..algebra.metric import SMALLEST_SHIFT, Hierarchy, definite_metric
 from .certificate import provable_width
-from .factorization import factorize
-from .metric import SMALLEST_SHIFT, Hierarchy, definite_metric
 
 # Vectors that are sought together by multigrid, of which the smallest counts, the steps at most, and the residual at
 # which it is found, at a mean diagonal and a mean mass of 1: phases count even where the vector is tiny.

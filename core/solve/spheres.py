@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .columns import add_multiples, inner_products, precise_inner_products, row_parts
+from ..algebra.columns import add_multiples, inner_products, precise_inner_products, row_parts
 
 
 def candidates(block, is_circle):

@@ -5,9 +5,9 @@ from functools import cached_property
 
 import numpy as np
 
-from .coarsening import graph_laplacian, scalar_aggregates, turning_laplacian
-from .metric import SMALLEST_SHIFT, Hierarchy, Metric, definite_metric
-from .products import SharedRows
+from ..algebra.coarsening import graph_laplacian, scalar_aggregates, turning_laplacian
+from ..algebra.metric import SMALLEST_SHIFT, Hierarchy, Metric, definite_metric
+from ..algebra.products import SharedRows
 from .spheres import Lifted, candidates
 
 # Shift of the metric of lifted fields as a share of the mean energy per mass.

@@ -12,9 +12,9 @@ from functools import partial
 
 import numpy as np
 
+from ..monitor import OutOfTime
 from .certificate import depth_for_bound, lower_bound, measure_slack, provable_width, prove
 from .descent import descend, rounding_noise
-from .monitor import OutOfTime
 from .spheres import random_columns
 from .stage import SHIFT
 

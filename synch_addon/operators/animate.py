@@ -3,11 +3,11 @@
 
 import bpy
 
-from .. import jobs
-from ..animation import AnimationJob
-from ..animation_panel import PROPERTY_NAMES, AnimationProperties, span_of
-from ..report import counted
-from ..settings import SettingProperties
+from ..frames.job import AnimationJob
+from ..jobs import jobs
+from ..jobs.report import counted
+from ..panels.frames import PROPERTY_NAMES, AnimationProperties, span_of
+from ..settings.fields import SettingProperties
 from .field_operator import FieldOperator
 
 

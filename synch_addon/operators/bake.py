@@ -3,10 +3,10 @@
 
 import bpy
 
-from .. import jobs
-from ..bake import BakeJob
-from ..bake_panel import draw_bake
-from ..bake_settings import PROPERTY_NAMES, BakeProperties, BakeSettings, plain
+from ..bakes.job import BakeJob
+from ..bakes.settings import PROPERTY_NAMES, BakeProperties, BakeSettings, plain
+from ..jobs import jobs
+from ..panels.bakes import draw_bake
 from .field_operator import BackgroundOperator
 from .ready import PatternOperator
 

@@ -3,13 +3,14 @@
 
 import bpy
 
-from .. import jobs, memory
-from ..clebsch import ClebschSettings, job_for
-from ..flow_choice import flow_of
-from ..report import counted
-from ..vortex_choice import choose_point
-from ..vortex_panel import draw_vortices
-from ..vortex_settings import PROPERTY_NAMES, VortexProperties, plain
+from ..flows.choice import choose_point
+from ..flows.chosen import flow_of
+from ..flows.job import ClebschSettings, job_for
+from ..flows.properties import PROPERTY_NAMES, VortexProperties, plain
+from ..jobs import jobs
+from ..jobs.report import counted
+from ..panels.vortices import draw_vortices
+from ..patterns import memory
 from .field_operator import BackgroundOperator
 from .ready import PromptOperator
 

@@ -8,9 +8,10 @@ import bpy
 from bpy.props import StringProperty
 
 from ...core.errors import SynchError
-from .. import memory, scene_io
-from ..defect_empties import defect_empties
-from ..translations import said
+from ..blender import meshes
+from ..blender.defect_empties import defect_empties
+from ..blender.translations import said
+from ..patterns import memory
 from .ready import PromptOperator, ReadyOperator
 
 # Distance from which a defect is looked at, in sizes of its empty.
@@ -49,8 +50,8 @@ class SYNCH_OT_select_defects(_DefectOperator, PromptOperator, bpy.types.Operato
     def make(self, context):
         obj = context.active_object
         faces = sorted({empty["synch_face"] for empty in defect_empties(obj)})
-        with scene_io.object_mode(obj):
-            scene_io.select_faces(obj, faces)
+        with meshes.object_mode(obj):
+            meshes.select_faces(obj, faces)
         bpy.ops.object.mode_set(mode="EDIT")
         return f"{len(faces)} faces selected"
 

@@ -3,8 +3,8 @@
 
 import bpy
 
-from ..panels import draw_directions
-from ..settings import SettingProperties
+from ..panels.sidebar import draw_directions
+from ..settings.fields import SettingProperties
 from .field_operator import FieldOperator
 
 

@@ -4,9 +4,9 @@
 import bpy
 from bpy.props import StringProperty
 
-from .. import favourites
-from ..bake_index import pattern_kind
-from ..translations import said
+from ..blender.phases import pattern_kind
+from ..blender.translations import said
+from ..patterns import favourites
 from .ready import PromptOperator, ReadyOperator
 
 

@@ -6,8 +6,8 @@ from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from .. import api
-from ..field_io import DIRECTIONS, SUFFIXES
-from ..settings import SYMMETRY
+from ..blender.field_files import DIRECTIONS, SUFFIXES
+from ..settings.fields import SYMMETRY
 from .ready import PromptOperator, ReadyOperator
 
 _PATTERN = ";".join("*" + suffix for suffix in SUFFIXES)

@@ -9,11 +9,14 @@ import bpy
 from bpy.props import StringProperty
 
 from ...core.errors import Cancelled, SynchError
-from .. import api, field_job, jobs, preview
-from ..guide_list import stored_guidance
-from ..report import counted
-from ..settings import PROPERTY_NAMES, plain
-from ..translations import said
+from .. import api
+from ..blender.translations import said
+from ..jobs import jobs
+from ..jobs.report import counted
+from ..patterns import job as field_job
+from ..patterns import preview
+from ..settings.fields import PROPERTY_NAMES, plain
+from ..settings.guide_list import stored_guidance
 from .ready import ReadyOperator
 
 _POINTING = {"LEFTMOUSE", "MOUSEMOVE"}

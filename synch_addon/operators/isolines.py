@@ -5,8 +5,8 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
 from .. import api
-from ..isolines import LineSettings
-from ..report import counted
+from ..jobs.report import counted
+from ..patterns.lines import LineSettings
 from .ready import PatternOperator, PromptOperator
 
 _DEFAULT = LineSettings()

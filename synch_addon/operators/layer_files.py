@@ -5,10 +5,11 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
-from .. import api, memory
-from ..layer_files import FILLS
-from ..layer_links import solid_of
-from ..report import counted
+from .. import api
+from ..jobs.report import counted
+from ..patterns import memory
+from ..solids.files import FILLS
+from ..solids.links import solid_of
 from .ready import PromptOperator
 
 _FILL = EnumProperty(

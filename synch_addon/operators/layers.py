@@ -5,9 +5,16 @@ import bpy
 from bpy.props import StringProperty
 
 from .. import api
-from ..layer_links import solid_of
-from ..layer_properties import LENGTHS, PROPERTY_NAMES, LayerProperties, plain, stored_groups, stored_guidance
-from ..layer_report import headline
+from ..solids.links import solid_of
+from ..solids.properties import (
+    LENGTHS,
+    PROPERTY_NAMES,
+    LayerProperties,
+    plain,
+    stored_groups,
+    stored_guidance,
+)
+from ..solids.report import headline
 from .field_operator import ObjectOperator
 
 

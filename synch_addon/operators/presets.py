@@ -4,12 +4,13 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 
-from .. import api, assets, presets
-from ..bake_index import pattern_kind
-from ..preset_panel import PRESET
-from ..report import counted
-from ..settings import SettingProperties
-from ..translations import said
+from .. import api
+from ..blender.phases import pattern_kind
+from ..blender.translations import said
+from ..jobs.report import counted
+from ..looks import assets, presets
+from ..panels.presets import PRESET
+from ..settings.fields import SettingProperties
 from .field_operator import FieldOperator
 from .ready import PromptOperator, ReadyOperator
 

@@ -3,8 +3,8 @@
 
 import bpy
 
-from ..panels import draw_directions, draw_faces, draw_pattern, draw_quad_mesh, draw_quads
-from ..settings import SettingProperties
+from ..panels.sidebar import draw_directions, draw_faces, draw_pattern, draw_quad_mesh, draw_quads
+from ..settings.fields import SettingProperties
 from .field_operator import FieldOperator
 
 

@@ -3,10 +3,10 @@
 missing: in one line, which greys them out where it is known beforehand."""
 
 from ...core.errors import SynchError
-from .. import jobs
-from ..bake_index import pattern_kind
-from ..scene_io import refusal
-from ..translations import said
+from ..blender.meshes import refusal
+from ..blender.phases import pattern_kind
+from ..blender.translations import said
+from ..jobs import jobs
 
 
 class PromptOperator:

@@ -4,8 +4,9 @@
 import bpy
 from bpy.props import IntProperty
 
-from .. import api, refine
-from ..translations import said
+from .. import api
+from ..blender.translations import said
+from ..patterns import refine
 from .ready import PromptOperator, ReadyOperator
 
 

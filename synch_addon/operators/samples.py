@@ -5,8 +5,8 @@ import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty
 from bpy_extras.object_utils import AddObjectHelper, add_object_align_init
 
-from .. import samples
-from ..translations import said
+from ..blender.translations import said
+from ..looks import samples
 
 SHAPES = (
     ("SUZANNE", "Suzanne", "Blender's monkey as one smooth surface of even triangles", "MESH_MONKEY", 0),

@@ -8,11 +8,13 @@ from bpy.props import IntProperty
 from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
 
 from ...core.errors import SynchError
-from .. import api, memory, scene_io
-from ..picking import PickedSurface
-from ..settings import SMOOTHING
-from ..stripe_numbers import numbers_later, renew_shown
-from ..translations import said
+from .. import api
+from ..blender import meshes
+from ..blender.translations import said
+from ..patterns import memory
+from ..patterns.numbers import numbers_later, renew_shown
+from ..patterns.picking import PickedSurface
+from ..settings.fields import SMOOTHING
 from .field_operator import navigates, over_sidebar
 from .ready import PromptOperator, ReadyOperator
 
@@ -106,7 +108,7 @@ class SYNCH_OT_place_defect(_VaryingOperator, bpy.types.Operator):
             return {"CANCELLED"}
         obj = context.active_object
         try:
-            with scene_io.object_mode(obj):
+            with meshes.object_mode(obj):
                 self._before = memory.recall(obj)
                 self._surface = PickedSurface.of(obj)
         except SynchError as error:

@@ -6,7 +6,9 @@ import bpy
 import numpy as np
 
 from synch_fields.core.interpolate import evaluate
-from synch_fields.synch_addon import api, memory, scene_io
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender import meshes
+from synch_fields.synch_addon.patterns import memory
 
 from .scenes import attribute, quad_sphere, sphere
 
@@ -35,7 +37,7 @@ def bake(obj, folder, **settings):
 
 def rasterised(obj, size=SIZE, layer="Synch Bake"):
     """Pixels (row, column) whose middle lies in a face, the triangles there, and (k, 3) weights of their corners."""
-    polygons = scene_io.read_polygons(obj)
+    polygons = meshes.read_polygons(obj)
     uv = attribute(obj, layer).astype(float)[polygons.triangle_corners] * size
     pixels, triangles, weights = [], [], []
     for triangle, corners in enumerate(uv):
@@ -53,7 +55,7 @@ def rasterised(obj, size=SIZE, layer="Synch Bake"):
 def phases_at(obj, size=SIZE, layer="Synch Bake"):
     """Pixels, and the (k, p) phases of the solved pattern there: what the core says, without any attribute."""
     pixels, triangles, weights = rasterised(obj, size, layer)
-    polygons = scene_io.read_polygons(obj)
+    polygons = meshes.read_polygons(obj)
     solved = memory.recall(obj)
     assert {d["kind"] for d in solved.plain["disclinations"] + solved.plain["dislocations"]} == {
         "disclination",

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from synch_fields.synch_addon import files
+from synch_fields.synch_addon.blender import files
 
 FOLDER = Path(__file__).resolve().parents[3] / "shared" / "meshes"
 MESHES = sorted(path.stem for path in FOLDER.glob("*.obj"))

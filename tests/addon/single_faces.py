@@ -8,9 +8,9 @@ The formulas are evaluated point by point, which shares nothing with the node gr
 import bpy
 import numpy as np
 
-from synch_fields.synch_addon import nodes
-from synch_fields.synch_addon.canvas import surface_material
-from synch_fields.synch_addon.defect_empties import Defect
+from synch_fields.synch_addon.blender.defect_empties import Defect
+from synch_fields.synch_addon.nodes import stripes
+from synch_fields.synch_addon.nodes.canvas import surface_material
 
 PIXELS = 160
 VIEW_WIDTH = 2.0
@@ -132,7 +132,7 @@ def show_socket(obj, socket_name):
     tree = material.node_tree
     tree.nodes.clear()
     group = tree.nodes.new("ShaderNodeGroup")
-    group.node_tree = nodes.stripes_group()
+    group.node_tree = stripes.stripes_group()
     scaled = tree.nodes.new("ShaderNodeMath")
     scaled.operation = "MULTIPLY_ADD"
     scaled.inputs[1].default_value = scaled.inputs[2].default_value = 0.5

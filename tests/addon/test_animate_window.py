@@ -8,11 +8,14 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.synch_addon import animation, api, cli, jobs
-from synch_fields.synch_addon.animation import AnimationJob, Span
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.command import main
+from synch_fields.synch_addon.frames import job
+from synch_fields.synch_addon.frames.job import AnimationJob, Span
+from synch_fields.synch_addon.jobs import jobs
 from synch_fields.synch_addon.operators.animate import SYNCH_OT_animate
 from synch_fields.synch_addon.operators.field_operator import BackgroundOperator
-from synch_fields.synch_addon.settings import Settings
+from synch_fields.synch_addon.settings.fields import Settings
 
 from .loop import Loop, Recorded
 from .moving import seen, stored_frames, swaying
@@ -33,7 +36,7 @@ class Animate(Recorded, BackgroundOperator):
 @pytest.fixture
 def begun(monkeypatch):
     """A moving object and an operator in a loop of its own, which reads one frame at each tick."""
-    monkeypatch.setattr(animation, "_PIECE", 0.0)
+    monkeypatch.setattr(job, "_PIECE", 0.0)
     obj, loop, operator = swaying(sphere(2), 3), Loop(), Animate()
     bpy.context.scene.frame_set(2)
     before = snapshot()
@@ -92,7 +95,7 @@ def test_operator_and_command_line_give_the_same(tmp_path):
     np.testing.assert_allclose(attribute(obj, "synch_phase.2"), wanted, atol=1e-3)
     path, written = tmp_path / "out.blend", tmp_path / "report.json"
     line = ["animate", "--object", obj.name, "--frames", "1", "2", "--hold", "0.3", "--spacing", "0.7", "--quiet"]
-    assert cli.main([*line, "--output", str(path), "--report", str(written)], loaded=True) == 0
+    assert main.main([*line, "--output", str(path), "--report", str(written)], loaded=True) == 0
     report = json.loads(written.read_text())
     assert [figures["frame"] for figures in report["frames"]] == [1, 2] and report["pattern"] == "stripes"
     again = save_and_reopen(path, obj.name)

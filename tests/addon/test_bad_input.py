@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SynchError
-from synch_fields.synch_addon import api, cli, memory
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.command import main
+from synch_fields.synch_addon.patterns import memory
 
 from .scenes import add_group, add_object, grid, set_vectors, snapshot, sphere, tube
 
@@ -165,7 +167,7 @@ def test_command_line_fails_with_one_line_and_says_so_in_the_report(case, tmp_pa
     flags = [f"--{key.replace('_', '-')}={value}" for key, value in settings.items()]
     outputs = [tmp_path / name for name in ("out.blend", "out.png", "out.json")]
     capfd.readouterr()
-    status = cli.main(
+    status = main.main(
         ["stripes", str(source), *flags, "--quiet", "--output", str(outputs[0]), "--render", str(outputs[1])]
         + ["--report", str(outputs[2])]
     )
@@ -185,7 +187,7 @@ def test_other_commands_name_the_broken_element_too(command, tmp_path, capfd):
     flat_face()
     source = tmp_path / "bad.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(source))
-    cli.main([command, str(source)])
+    main.main([command, str(source)])
     printed = capfd.readouterr()
     assert "face 2 has no area" in printed.out + printed.err
 

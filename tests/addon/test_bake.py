@@ -8,7 +8,9 @@ import pytest
 from scipy.ndimage import binary_dilation
 
 from synch_fields.core.interpolate import evaluate
-from synch_fields.synch_addon import api, memory, scene_io
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender import attributes, meshes
+from synch_fields.synch_addon.patterns import memory
 
 from .baked import PATTERNS, SIZE, SOFTNESS, bake, inside_of, patterned, phases_at, picture, rasterised
 from .scenes import attribute, grid
@@ -42,7 +44,7 @@ def test_phase_is_kept_as_cosine_and_sine(symmetry, tmp_path):
     obj = patterned(symmetry=symmetry) if symmetry == "line" else patterned(symmetry=symmetry, spacing=0.4)
     report = bake(obj, tmp_path, maps="phase", file_format="EXR")
     pixels, triangles, weights = rasterised(obj)
-    polygons = scene_io.read_polygons(obj)
+    polygons = meshes.read_polygons(obj)
     (phase,) = memory.recall(obj).pattern.on_faces(polygons)
     theta = evaluate(phase, polygons, triangles, weights)
     found = 2 * picture(tmp_path / "phase.exr")[pixels[:, 0], pixels[:, 1], :2] - 1
@@ -161,7 +163,7 @@ def test_mask_is_on_all_faces_and_colour_is_that_of_each_material(tmp_path):
     red.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (1, 0, 0, 1)
     obj.data.materials.append(red)
     half = np.arange(len(obj.data.polygons)) % 2
-    scene_io.write_attribute(obj, "material_index", "FACE", "INT", half)
+    attributes.write_attribute(obj, "material_index", "FACE", "INT", half)
     bake(obj, tmp_path, maps="mask,colour")
     pixels, triangles, _ = rasterised(obj)
     _, phases = phases_at(obj)
@@ -169,7 +171,7 @@ def test_mask_is_on_all_faces_and_colour_is_that_of_each_material(tmp_path):
     mask = picture(tmp_path / "mask.png")[pixels[:, 0], pixels[:, 1], 0]
     assert np.quantile(np.abs(mask - (inside > 0))[np.abs(inside) > 0.012], 0.998) < 1 / 255
     colour = picture(tmp_path / "colour.png")[pixels[:, 0], pixels[:, 1], :3]
-    is_red = half[scene_io.read_polygons(obj).triangle_faces[triangles]] == 1
+    is_red = half[meshes.read_polygons(obj).triangle_faces[triangles]] == 1
     assert np.allclose(colour[is_red], (1, 0, 0)) and not (colour[~is_red] == (1, 0, 0)).all(axis=1).any()
     # Nothing shows the pattern any more: the mask has its standard look.
     obj.data.materials.clear()

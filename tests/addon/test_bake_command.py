@@ -8,7 +8,8 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.synch_addon import api, cli
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.command import main
 
 from .scenes import sphere
 from .test_command_line import command_line, run
@@ -93,5 +94,5 @@ def test_the_open_file_is_baked_by_blenders_command(tmp_path):
     obj = sphere(2)
     api.stripes(obj, spacing=0.7)
     flags = ["--unwrap", "--size", "16", "--samples", "1", "--maps", "index", "--folder", str(tmp_path)]
-    assert cli.main(["bake", *flags], loaded=True) == 0
+    assert main.main(["bake", *flags], loaded=True) == 0
     assert [p.name for p in tmp_path.iterdir()] == [f"{obj.name}_index.png"]

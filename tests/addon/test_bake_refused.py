@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import Cancelled, SettingError, SynchError
-from synch_fields.synch_addon import api, bake_stage, scene_io
-from synch_fields.synch_addon.materials import pattern_material
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.bakes import stage as bake_stage
+from synch_fields.synch_addon.blender import attributes
+from synch_fields.synch_addon.nodes.materials import pattern_material
 
 from .baked import patterned
 from .scenes import add_group, attribute, datablocks, hexagon_sphere, make_active, snapshot, sphere
@@ -25,7 +27,7 @@ def furnished():
     obj = hexagon_sphere(2)
     obj.data.materials.append(bpy.data.materials.new("Red"))
     obj.data.materials.append(None)
-    scene_io.write_attribute(obj, "material_index", "FACE", "INT", np.arange(len(obj.data.polygons)) % 2)
+    attributes.write_attribute(obj, "material_index", "FACE", "INT", np.arange(len(obj.data.polygons)) % 2)
     for name in ("First", "Second"):
         obj.data.uv_layers.new(name=name)
     obj.data.uv_layers.active = obj.data.uv_layers["Second"]

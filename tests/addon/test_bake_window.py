@@ -7,9 +7,10 @@ import time
 import bpy
 import pytest
 
-from synch_fields.synch_addon import api, jobs
-from synch_fields.synch_addon.bake import BakeJob
-from synch_fields.synch_addon.bake_settings import BakeSettings
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.bakes.job import BakeJob
+from synch_fields.synch_addon.bakes.settings import BakeSettings
+from synch_fields.synch_addon.jobs import jobs
 from synch_fields.synch_addon.operators.bake import SYNCH_OT_bake
 from synch_fields.synch_addon.operators.field_operator import BackgroundOperator
 

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from synch_fields.synch_addon.bake_shaders import pattern_node
+from synch_fields.synch_addon.bakes.shaders import pattern_node
 
 from .baked import PATTERNS, bake, patterned, picture, rasterised
 from .scenes import add_object, attribute

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.synch_addon.clebsch import clebsch
+from synch_fields.synch_addon.flows.job import clebsch
 
 CENTRE = (0.04, -0.03, 0.0)
 CORE = 0.02

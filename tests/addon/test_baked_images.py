@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.bake_settings import plain as plain_settings
+from synch_fields.synch_addon.bakes.settings import plain as plain_settings
 from synch_fields.synch_addon.operators.bake import SYNCH_OT_bake
 
 from .baked import SIZE, bake, inside_of, patterned, phases_at, picture

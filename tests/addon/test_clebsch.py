@@ -12,11 +12,12 @@ import pytest
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields.biot_savart import filament_velocity
 from synch_fields.core.geometry.grid import Grid
-from synch_fields.synch_addon import flows
-from synch_fields.synch_addon.clebsch import clebsch
-from synch_fields.synch_addon.cli import main
-from synch_fields.synch_addon.flow_choice import expected_shape
-from synch_fields.synch_addon.vortex_objects import showing
+from synch_fields.synch_addon.blender import openvdb
+from synch_fields.synch_addon.command.main import main
+from synch_fields.synch_addon.flows import sources
+from synch_fields.synch_addon.flows.chosen import expected_shape
+from synch_fields.synch_addon.flows.job import clebsch
+from synch_fields.synch_addon.flows.objects import showing
 
 from .vortex_scenes import write_vdb
 
@@ -38,7 +39,7 @@ def circle(radius=1.0, location=(0, 0, 0), strength=1.0, segments=100):
     spline.use_cyclic_u = True
     obj = bpy.data.objects.new("Circle", data)
     obj.location = location
-    obj[flows.STRENGTH] = strength
+    obj[sources.STRENGTH] = strength
     bpy.context.scene.collection.objects.link(obj)
     bpy.context.view_layer.update()
     return obj
@@ -62,7 +63,7 @@ def test_a_curve_comes_back_as_a_filament():
     obj = circle(location=(0.3, 0, 1.0), strength=2.5)
     report = clebsch(obj, quantum=2.5, resolution=28, smoothing=0)
     made = bpy.data.objects[report["object"]]
-    assert made.type == "CURVE" and made[flows.STRENGTH] == 2.5 and bpy.context.active_object == made
+    assert made.type == "CURVE" and made[sources.STRENGTH] == 2.5 and bpy.context.active_object == made
     (spline,) = made.data.splines
     assert spline.use_cyclic_u and report["filaments"][0]["closed"] and report["filaments"][0]["strength"] == 2.5
     away = spline_points(made) - [0.3, 0, 1.0]
@@ -78,7 +79,7 @@ def test_a_curve_comes_back_as_a_filament():
 def test_arrays_and_a_volume_give_the_same_vortex(tmp_path):
     grid, velocity = ring_grid()
     np.savez(tmp_path / "ring.npz", velocity=velocity.reshape(*grid.shape, 3), spacing=0.1, origin=grid.origin)
-    vdb = flows.openvdb_module()
+    vdb = openvdb.openvdb_module()
     volume = vdb.Vec3SGrid()
     volume.name = "velocity"
     volume.copyFromArray(velocity.reshape(*grid.shape, 3).astype(np.float32))
@@ -146,7 +147,7 @@ def test_the_command_line(tmp_path, capfd):
 
 def refuse_files(tmp_path):
     """Files that are no flow, and what has to be said about each."""
-    vdb = flows.openvdb_module()
+    vdb = openvdb.openvdb_module()
     scalar, nothing, broken = vdb.FloatGrid(), vdb.Vec3SGrid(), vdb.Vec3SGrid()
     scalar.name, nothing.name, broken.name = "density", "velocity", "velocity"
     scalar.fill((0, 0, 0), (4, 4, 4), 1.0)
@@ -244,7 +245,7 @@ def test_of_several_grids_of_vectors_the_velocity_is_solved(tmp_path):
         clebsch(mine["vel"], attribute="Cd", resolution=18)
     with pytest.raises(SettingError, match=r"no grid of vectors 'speed' \(it has Cd \(vec3s\), vel \(vec3s\)\)"):
         clebsch(mine["vel"], attribute="speed")
-    source = flows.flow_source(mine["wind"])
+    source = sources.flow_source(mine["wind"])
     source.grid(18)
     assert source.warnings[0].startswith("Cd is taken for the velocity (there are Cd (vec3s), wind (vec3s))")
 
@@ -261,7 +262,7 @@ def test_filaments_that_were_shown_induce_the_flow_that_they_carry():
     spline.points.foreach_set("co", points.ravel())
     spline.points.foreach_set("radius", np.full(100, np.sqrt(2), np.float32))  # two quanta
     spline.use_cyclic_u = True
-    one, other = (flows.flow_source(found) for found in (obj, lines))
+    one, other = (sources.flow_source(found) for found in (obj, lines))
     grid = one.grid(20)
     np.testing.assert_allclose(other.integrals(grid), one.integrals(grid), atol=1e-6)
 
@@ -298,7 +299,7 @@ def test_what_gives_no_flow_is_refused_in_one_line(tmp_path):
     for source in (None, 3, [], [obj, "Circle"]):
         with pytest.raises(SettingError, match="is no flow: give a file"):
             clebsch(source)
-    obj[flows.STRENGTH] = "strong"
+    obj[sources.STRENGTH] = "strong"
     with pytest.raises(SettingError, match="Circle: its synch_strength is 'strong': give the circulation"):
         clebsch(obj)
     bpy.ops.object.volume_import(filepath=str(write_vdb(tmp_path / "ring.vdb")))

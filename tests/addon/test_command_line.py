@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.synch_addon import render
+from synch_fields.synch_addon.looks import render
 
 from .scenes import attribute, empties, sphere
 from .ways import run

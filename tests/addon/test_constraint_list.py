@@ -11,9 +11,11 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
-from synch_fields.synch_addon import api, cli, constraint_panel
-from synch_fields.synch_addon.constraint_list import stored_constraints
-from synch_fields.synch_addon.constraints import PLACES, WISHES, Constraint, wishes_at
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.command import main
+from synch_fields.synch_addon.panels import constraints
+from synch_fields.synch_addon.settings.constraint_list import stored_constraints
+from synch_fields.synch_addon.settings.constraints import PLACES, WISHES, Constraint, wishes_at
 
 from .rows import OPERATORS, add_row, sheet
 from .scenes import (
@@ -126,7 +128,7 @@ def test_rows_are_added_moved_and_removed():
     assert not bpy.ops.synch.constraint_remove.poll() and not bpy.ops.synch.constraint_move.poll()
     assert bpy.ops.synch.constraint_add.poll()
     make_active(add_curve([(0, 0, 0), (1, 0, 0)]))
-    assert not bpy.ops.synch.constraint_add.poll() and not constraint_panel.SYNCH_PT_constraints.poll(bpy.context)
+    assert not bpy.ops.synch.constraint_add.poll() and not constraints.SYNCH_PT_constraints.poll(bpy.context)
 
 
 def test_adding_and_removing_can_be_undone():
@@ -240,7 +242,7 @@ def file(tmp_path):
 
 def run(capfd, *arguments):
     capfd.readouterr()
-    status = cli.main([str(a) for a in arguments])
+    status = main.main([str(a) for a in arguments])
     return status, capfd.readouterr().err
 
 

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from synch_fields.synch_addon.defect_empties import defect_empties, write_defects
+from synch_fields.synch_addon.blender.defect_empties import defect_empties, write_defects
 
 from .single_faces import FACES, some_defects
 

@@ -92,7 +92,7 @@ def test_manifest_says_what_the_program_touches_and_every_licence(archive):
     assert ("clipboard" in manifest()["permissions"]) == ("window_manager.clipboard" in code)
     with zipfile.ZipFile(archive) as content:
         notices = [name for name in content.namelist() if name.endswith("/LICENSE.txt")]
-        assert {name.split("/")[1] for name in notices} == {"assets", "thumbnails"}
+        assert {name.split("/")[2] for name in notices} == {"library", "thumbnails"}
         assert all(b"CC0 1.0 Universal" in content.read(name) for name in notices)
     assert manifest()["license"] == ["SPDX:GPL-3.0-or-later", "SPDX:CC0-1.0"]
 
@@ -110,7 +110,7 @@ def test_zip_holds_the_program_and_nothing_else(archive):
         "blender_manifest.toml",
     }
     assert not [name for name in names if "__pycache__" in name]
-    thumbnails = ROOT / "synch_addon/thumbnails"
+    thumbnails = ROOT / "synch_addon/looks/thumbnails"
     pictures = {path.relative_to(ROOT).as_posix() for path in [*thumbnails.glob("*.png"), thumbnails / "LICENSE.txt"]}
     library = {"LICENSE.txt", "blender_assets.cats.txt", "synch_fields.blend"}
     assert pictures and names - code - {
@@ -118,7 +118,7 @@ def test_zip_holds_the_program_and_nothing_else(archive):
         "__main__.py",
         "LICENSE",
         "blender_manifest.toml",
-    } == pictures | {f"synch_addon/assets/{name}" for name in library}
+    } == pictures | {f"synch_addon/looks/library/{name}" for name in library}
     expected = manifest()
     del expected["wheels"], expected["platforms"], expected["build"]
     assert {key: packed_manifest[key] for key in expected} == expected

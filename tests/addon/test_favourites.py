@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SynchError
-from synch_fields.synch_addon import api, favourites, memory
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.patterns import favourites, memory
 
 from .scenes import (
     add_group,

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SynchError
-from synch_fields.core.field_files import FaceField, read_field, write_field
-from synch_fields.synch_addon import api, cli
-from synch_fields.synch_addon.guide_list import stored_guidance
-from synch_fields.synch_addon.settings import Settings
+from synch_fields.core.files.directions import FaceField, read_field, write_field
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.command import main
+from synch_fields.synch_addon.settings.fields import Settings
+from synch_fields.synch_addon.settings.guide_list import stored_guidance
 
 from .scenes import attribute, directions, grid, snapshot, sphere, torus
 from .ways import undo_and_redo
@@ -128,12 +129,12 @@ def test_command_line_exports_what_it_solved_and_follows_files(command, suffix, 
     obj = triangles(grid)
     path = tmp_path / f"field{suffix}"
     flags = ["--quiet", "--guidance=axis:Y", "--export-field", str(path)]
-    assert cli.main([command, *flags], loaded=True) == 0
+    assert main.main([command, *flags], loaded=True) == 0
     assert f"wrote {path}" in capfd.readouterr().out
     np.testing.assert_allclose(np.abs(read_field(path).vectors[..., 1]), 1, atol=1e-6)
     for guidance in (f"file:{path}", f"file:{path}=0.5,axis:X=0.1"):
         api.directions(obj)
-        assert cli.main([command, "--quiet", f"--guidance={guidance}"], loaded=True) == 0
+        assert main.main([command, "--quiet", f"--guidance={guidance}"], loaded=True) == 0
         np.testing.assert_allclose(np.abs(directions(obj)[:, 1]), 1, atol=1e-4)
 
 
@@ -193,7 +194,7 @@ def test_faces_that_are_no_triangles_are_refused(tmp_path, capfd):
             operator(filepath=str(path))
     bpy.context.active_object.data.attributes.remove(obj.data.attributes["synch_direction"])
     arguments = ["directions", "--quiet", "--export-field", str(tmp_path / "other.rosy")]
-    assert cli.main(arguments, loaded=True) == 1
+    assert main.main(arguments, loaded=True) == 1
     assert REMEDY in capfd.readouterr().err
     assert "synch_direction" not in obj.data.attributes, "it was solved before it was refused"
     assert [p.name for p in tmp_path.iterdir()] == ["field.rosy"]
@@ -213,7 +214,7 @@ def test_what_cannot_be_read_or_written_is_one_line(tmp_path, capfd):
         with pytest.raises(SynchError, match=message):
             attempt()
     for name, message in (("field.txt", "must end in .rawfield or .rosy"), ("no/field.rosy", "create it first")):
-        assert cli.main(["directions", "--quiet", "--export-field", str(tmp_path / name)], loaded=True) == 1
+        assert main.main(["directions", "--quiet", "--export-field", str(tmp_path / name)], loaded=True) == 1
         assert message in capfd.readouterr().err
     assert snapshot() == before
 
@@ -231,7 +232,7 @@ def test_stretched_crosses_need_the_file_that_holds_them_all(tmp_path):
 def test_a_field_of_another_program_guides_crosses():
     """The cross field that comes with Directional's cheburashka."""
     arguments = ["directions", str(OTHER.parent / "cheburashka.obj"), "--symmetry=cross", "--quiet"]
-    assert cli.main([*arguments, f"--guidance=file:{OTHER}"]) == 0
+    assert main.main([*arguments, f"--guidance=file:{OTHER}"]) == 0
     obj = next(obj for obj in bpy.context.scene.objects if obj.type == "MESH")
     followed = directions(obj)
     api.import_field(obj, OTHER)

@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError, SynchError
-from synch_fields.synch_addon import api, cli
-from synch_fields.synch_addon.guidance import Source, parse
-from synch_fields.synch_addon.guide_list import GUIDE_ITEMS, stored_guidance
-from synch_fields.synch_addon.settings import Settings
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.command import main
+from synch_fields.synch_addon.settings.fields import Settings
+from synch_fields.synch_addon.settings.guidance import Source, parse
+from synch_fields.synch_addon.settings.guide_list import GUIDE_ITEMS, stored_guidance
 
 from .scenes import (
     add_curve,
@@ -248,7 +249,7 @@ def test_guidance_that_cannot_be_followed_is_one_line_and_changes_nothing(guidan
         bpy.ops.synch.stripes(guidance=guidance)
     assert line in str(cancelled.value)
     capfd.readouterr()
-    assert cli.main(["directions", "--quiet", f"--guidance={guidance}"], loaded=True) == 1
+    assert main.main(["directions", "--quiet", f"--guidance={guidance}"], loaded=True) == 1
     assert f"synch directions: {line}\n" in capfd.readouterr().err
     assert snapshot() == before
 

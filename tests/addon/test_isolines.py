@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SynchError
-from synch_fields.synch_addon import api, cli
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.command import main
 
 from .scenes import attribute, grid, hexagon_sphere, mark_edges, quad_sphere, snapshot, sphere, torus, tube
 from .ways import undo_and_redo
@@ -336,7 +337,7 @@ def test_command_writes_tubes_to_files(tmp_path, capfd, pattern, suffix):
     mesh, report_file = tmp_path / f"tubes{suffix}", tmp_path / "lines.json"
     flags = ["--spacing", "0.4", "--radius", "0.1", "--quiet", "--pattern", pattern]
     flags += ["--export-mesh", mesh, "--report", report_file, "--output", tmp_path / "lines.blend"]
-    assert cli.main(["isolines", *map(str, flags)], loaded=True) == 0
+    assert main.main(["isolines", *map(str, flags)], loaded=True) == 0
     printed = capfd.readouterr().out
     report = json.loads(report_file.read_text())
     assert report["command"] == "isolines" and report["pattern"] == pattern and report["settings"]["spacing"] == 0.4
@@ -366,7 +367,7 @@ def test_command_writes_tubes_to_files(tmp_path, capfd, pattern, suffix):
 def test_command_refuses_in_one_line_before_it_solves(capfd, flags, says):
     sphere()
     before = snapshot()
-    assert cli.main(["isolines", "--quiet", *flags], loaded=True) == 1
+    assert main.main(["isolines", "--quiet", *flags], loaded=True) == 1
     error = capfd.readouterr().err
     assert says in error and error.startswith("synch isolines: ") and error.count("\n") == 1
     assert snapshot() == before

@@ -9,16 +9,18 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import Cancelled, SynchError
-from synch_fields.synch_addon import api, field_job, jobs, preview
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.jobs import jobs
 from synch_fields.synch_addon.operators import field_operator
-from synch_fields.synch_addon.settings import Settings
+from synch_fields.synch_addon.patterns import job, preview
+from synch_fields.synch_addon.settings.fields import Settings
 
 from .loop import Recorded, begun
 from .scenes import attribute, set_vectors, snapshot, sphere
 
 
 def started(obj, **settings):
-    return jobs.BackgroundSolve(field_job.FieldJob("stripes", obj, Settings(spacing=0.4, **settings)))
+    return jobs.BackgroundSolve(job.FieldJob("stripes", obj, Settings(spacing=0.4, **settings)))
 
 
 def test_background_gives_what_a_blocking_run_gives():

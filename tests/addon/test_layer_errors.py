@@ -8,7 +8,13 @@ import pytest
 
 from synch_fields.core.errors import MeshError, SettingError, SynchError
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.layer_settings import Flush, LayerGuide, LayerSettings, groups_of_text, text_of_groups
+from synch_fields.synch_addon.solids.settings import (
+    Flush,
+    LayerGuide,
+    LayerSettings,
+    groups_of_text,
+    text_of_groups,
+)
 
 from .scenes import add_group, add_object, attribute, grid, make_active, snapshot, tube
 from .solid_objects import block

@@ -10,8 +10,11 @@ import pytest
 
 from synch_fields.core.errors import SettingError, SynchError
 from synch_fields.core.interpolate_solid import evaluate_in_tets
-from synch_fields.synch_addon import api, cli, files, memory
-from synch_fields.synch_addon.flows import openvdb_module
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender import files
+from synch_fields.synch_addon.blender.openvdb import openvdb_module
+from synch_fields.synch_addon.command import main
+from synch_fields.synch_addon.patterns import memory
 
 from .scenes import attribute, make_active, snapshot
 from .solid_objects import bent_bar, block, triangles_of
@@ -349,7 +352,7 @@ def test_the_command_writes_them_all(tmp_path, capfd):
     obj = block()
     files.export_mesh(obj, tmp_path / "block.obj")
     (tmp_path / "part_007.stl").write_text("")
-    status = cli.main(
+    status = main.main(
         ["layers", str(tmp_path / "block.obj"), "--spacing", "0.4", "--size", "0.19", "--quiet"]
         + ["--export-layers", str(tmp_path / "part.stl"), "--export-paths", str(tmp_path / "paths.csv")]
         + ["--export-volume", str(tmp_path / "pattern.vdb"), "--resolution", "16", "--path-step", "0.2"]
@@ -367,9 +370,9 @@ def test_the_command_refuses_before_the_solve_what_it_could_not_write(tmp_path, 
     monkeypatch.setattr(api, "layer_job", None)
     files.export_mesh(block(), tmp_path / "block.obj")
     run = ["layers", str(tmp_path / "block.obj"), "--export-volume"]
-    assert cli.main([*run, str(tmp_path / "x.txt")]) == 1
+    assert main.main([*run, str(tmp_path / "x.txt")]) == 1
     assert "must end in .vdb" in capfd.readouterr().err
-    assert cli.main([*run, str(tmp_path / "x.vdb"), "--resolution", "-4"]) == 1
+    assert main.main([*run, str(tmp_path / "x.vdb"), "--resolution", "-4"]) == 1
     assert "a resolution of -4 voxels shows no layer" in capfd.readouterr().err
 
 
@@ -378,9 +381,9 @@ def test_the_command_saves_the_solve_before_an_export_can_fail(tmp_path, capfd):
     files.export_mesh(block(), tmp_path / "block.obj")
     run = ["layers", str(tmp_path / "block.obj"), "--spacing", "0.4", "--size", "0.19", "--quiet", "--output"]
     run += [str(tmp_path / "scene.blend"), "--export-paths", str(tmp_path / "paths.csv"), "--path-step"]
-    assert cli.main([*run, "50"]) == 1 and "reduce it" in capfd.readouterr().err
+    assert main.main([*run, "50"]) == 1 and "reduce it" in capfd.readouterr().err
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
     assert len(bpy.data.objects["Block Layers"].data.polygons) > 0 and not bpy.data.curves
-    assert cli.main([*run, "0.2"]) == 0 and capfd.readouterr().out.count("wrote") == 2
+    assert main.main([*run, "0.2"]) == 0 and capfd.readouterr().out.count("wrote") == 2
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
     assert len(bpy.data.curves) >= 2

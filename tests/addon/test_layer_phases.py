@@ -8,8 +8,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from synch_fields.core.geometry.tet_mesh import TetMesh
-from synch_fields.synch_addon import api, cli, memory
-from synch_fields.synch_addon.defect_empties import defect_empties
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender.defect_empties import defect_empties
+from synch_fields.synch_addon.command import main
+from synch_fields.synch_addon.patterns import memory
 
 from ..core.solids import block as tetrahedra
 from .continuity import largest_jump
@@ -96,12 +98,14 @@ def test_tetrahedra_of_a_file_are_taken_as_they_are(tmp_path):
     (tmp_path / "block.mesh").write_text("\n".join([*lines, "End"]))
     report, blend = tmp_path / "report.json", tmp_path / "out.blend"
     arguments = ["layers", str(tmp_path / "block.mesh"), "--guidance=axis:Y", "--spacing=0.5", "--quiet"]
-    assert cli.main([*arguments, f"--report={report}", f"--output={blend}", f"--export-mesh={tmp_path / 'l.stl'}"]) == 0
+    assert (
+        main.main([*arguments, f"--report={report}", f"--output={blend}", f"--export-mesh={tmp_path / 'l.stl'}"]) == 0
+    )
     assert bpy.data.objects["block Layers"] and blend.is_file() and (tmp_path / "l.stl").stat().st_size > 1000
     layering = memory.recall_layers(bpy.data.objects["block"])
     assert layering.solid.tet_count == solid.tet_count and layering.pattern.solution.energy < 1e-12
-    assert cli.main(["layers", str(tmp_path / "none.mesh"), "--quiet"]) == 1
-    assert cli.main(["layers", str(tmp_path / "block.mesh"), "--guidance=axis:Q", "--quiet"]) == 1
+    assert main.main(["layers", str(tmp_path / "none.mesh"), "--quiet"]) == 1
+    assert main.main(["layers", str(tmp_path / "block.mesh"), "--guidance=axis:Q", "--quiet"]) == 1
 
 
 def test_tetrahedra_far_from_the_origin_have_their_groups():

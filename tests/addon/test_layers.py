@@ -10,8 +10,11 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import Cancelled, SettingError, SynchError
-from synch_fields.synch_addon import api, cli, jobs, memory
-from synch_fields.synch_addon.layer_settings import LayerSettings
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.command import main
+from synch_fields.synch_addon.jobs import jobs
+from synch_fields.synch_addon.patterns import memory
+from synch_fields.synch_addon.solids.settings import LayerSettings
 
 from .scenes import (
     add_curve,
@@ -199,7 +202,7 @@ def test_the_three_ways_agree(tmp_path):
         else:
             flags = [f"--{key}={value}" for key, value in settings.items()]
             report = tmp_path / "layers.json"
-            assert cli.main(["layers", "--quiet", f"--report={report}", *flags], loaded=True) == 0
+            assert main.main(["layers", "--quiet", f"--report={report}", *flags], loaded=True) == 0
             assert json.loads(report.read_text())["layers_object"] == "Block Layers"
         places.append(attribute(bpy.data.objects["Block Layers"], "position"))
     np.testing.assert_array_equal(places[0], places[1])

@@ -6,8 +6,8 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.synch_addon import nodes
-from synch_fields.synch_addon.materials import pattern_material
+from synch_fields.synch_addon.nodes import stripes as nodes
+from synch_fields.synch_addon.nodes.materials import pattern_material
 
 from .single_faces import FACES, PIXELS, Face, differences, point_samples, show_socket
 

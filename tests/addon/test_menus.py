@@ -8,9 +8,10 @@ from pathlib import Path
 import bpy
 import pytest
 
-from synch_fields.synch_addon import api, menus, setting_presets
-from synch_fields.synch_addon.guide_list import stored_guidance
-from synch_fields.synch_addon.settings import PROPERTY_NAMES
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.panels import menus, setting_presets
+from synch_fields.synch_addon.settings.fields import PROPERTY_NAMES
+from synch_fields.synch_addon.settings.guide_list import stored_guidance
 
 from .scenes import sphere, tube
 

@@ -12,8 +12,9 @@ from mathutils import Matrix
 from scipy.spatial import cKDTree
 
 from synch_fields import synch_addon
-from synch_fields.synch_addon import overlay, overlay_view, scene_io
-from synch_fields.synch_addon.defect_empties import defect_empties
+from synch_fields.synch_addon.blender import meshes
+from synch_fields.synch_addon.blender.defect_empties import defect_empties
+from synch_fields.synch_addon.panels import overlay, overlay_view
 
 from . import scenes
 
@@ -58,7 +59,7 @@ def test_lines_and_marks_are_finite_on_quads_with_an_empty_triangle_and_directio
     vectors = np.tile([1.0, 0.5, 0.0], (12, 1))
     vectors[7], vectors[10] = np.nan, 0
     with_directions(obj, vectors)
-    areas = scene_io.read_mesh(obj).mesh.areas
+    areas = meshes.read_mesh(obj).mesh.areas
     assert areas.min() == 0
     for compute in (overlay.direction_marks, overlay.direction_lines):
         [(points, _)] = compute(obj)

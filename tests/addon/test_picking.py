@@ -8,7 +8,7 @@ import pytest
 from mathutils import Vector
 
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.picking import PickedSurface
+from synch_fields.synch_addon.patterns.picking import PickedSurface
 
 from .scenes import places, sphere
 

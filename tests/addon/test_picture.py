@@ -9,10 +9,10 @@ from bpy_extras.object_utils import world_to_camera_view
 from mathutils import Vector
 
 from synch_fields.core.errors import MeshError, SettingError
-from synch_fields.synch_addon import render
-from synch_fields.synch_addon.defect_empties import write_defects
-from synch_fields.synch_addon.materials import pattern_material
-from synch_fields.synch_addon.render import render_picture
+from synch_fields.synch_addon.blender.defect_empties import write_defects
+from synch_fields.synch_addon.looks import render
+from synch_fields.synch_addon.looks.render import render_picture
+from synch_fields.synch_addon.nodes.materials import pattern_material
 
 from .scenes import datablocks
 from .single_faces import CONVEX_QUAD, FACES, some_defects

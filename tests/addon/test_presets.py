@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError, SynchError
-from synch_fields.synch_addon import api, assets, memory
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.looks import assets
+from synch_fields.synch_addon.looks.presets import PRESETS
 from synch_fields.synch_addon.operators.presets import SYNCH_OT_preset
-from synch_fields.synch_addon.presets import PRESETS
+from synch_fields.synch_addon.patterns import memory
 
 from .scenes import attribute, grid, make_active, quad_sphere, save_and_reopen, snapshot, sphere, torus
 

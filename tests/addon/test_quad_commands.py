@@ -9,8 +9,11 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import Cancelled, SynchError
-from synch_fields.synch_addon import api, field_job, jobs, render
-from synch_fields.synch_addon.settings import Settings
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.jobs import jobs
+from synch_fields.synch_addon.looks import render
+from synch_fields.synch_addon.patterns import job as field_job
+from synch_fields.synch_addon.settings.fields import Settings
 
 from .quad_meshes import corner_vertices, half_edges, made_from
 from .scenes import (

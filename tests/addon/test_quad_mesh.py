@@ -11,8 +11,9 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.extract.quad_mesh import QuadMesh
-from synch_fields.synch_addon import api, scene_io
-from synch_fields.synch_addon.quad_object import smoothed
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender import meshes
+from synch_fields.synch_addon.patterns.quad_mesh import smoothed
 
 from .constrained import EVERY_PLACE, line_upright, sheet
 from .quad_meshes import (
@@ -369,7 +370,7 @@ def test_quads_around_a_ball_are_no_mesh_of_a_torus():
     quads = QuadMesh(np.zeros((8, 3)), np.zeros(8, int), np.full((8, 3), 1 / 3), corners.ravel(), np.full(6, 4))
     assert quads.is_simple and quads.euler_characteristic == 2
     for build, refused in ((torus, True), (sphere, False)):
-        mesh = scene_io.read_mesh(build()).mesh
+        mesh = meshes.read_mesh(build()).mesh
         task = SimpleNamespace(
             given=SimpleNamespace(mesh=mesh, stretch=np.eye(3)),
             rows=(),

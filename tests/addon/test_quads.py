@@ -10,7 +10,7 @@ import pytest
 
 from synch_fields.core.errors import MeshError, SettingError, SynchError
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.settings import Settings
+from synch_fields.synch_addon.settings.fields import Settings
 
 from .continuity import largest_jump
 from .quad_meshes import corner_vertices, mixed_sphere, part

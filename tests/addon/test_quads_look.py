@@ -9,15 +9,16 @@ import pytest
 from synch_fields.core.fields import direction_field
 from synch_fields.core.fields.growth import Growth
 from synch_fields.core.interpolate import evaluate, face_phases
-from synch_fields.synch_addon import quad_profiles, scene_io
-from synch_fields.synch_addon.canvas import surface_material
-from synch_fields.synch_addon.materials import pattern_material
+from synch_fields.synch_addon.blender import attributes, meshes
+from synch_fields.synch_addon.nodes import quads
+from synch_fields.synch_addon.nodes.canvas import surface_material
+from synch_fields.synch_addon.nodes.materials import pattern_material
 
 from .scenes import add_object, attribute, grid, quad_sphere, sphere
 
 PIXELS = 512
 GRID_LINES, CHECKER, WEAVE, DOTS = range(4)
-PROFILES = pytest.mark.parametrize("profile", [GRID_LINES, CHECKER, WEAVE, DOTS], ids=quad_profiles.PROFILES)
+PROFILES = pytest.mark.parametrize("profile", [GRID_LINES, CHECKER, WEAVE, DOTS], ids=quads.PROFILES)
 # Raises every value above zero, where a picture is not clamped.
 OFFSET = 64.0
 
@@ -25,14 +26,14 @@ OFFSET = 64.0
 def write_phases(obj, phases, polygons):
     """The attributes of two phases that the shader reads."""
     for axis, phase in zip("xy", phases, strict=True):
-        scene_io.write_attribute(obj, f"synch_phase_{axis}", "CORNER", "FLOAT", phase.corner_phase)
-        scene_io.write_attribute(obj, f"synch_index_{axis}", "FACE", "INT", phase.index)
+        attributes.write_attribute(obj, f"synch_phase_{axis}", "CORNER", "FLOAT", phase.corner_phase)
+        attributes.write_attribute(obj, f"synch_index_{axis}", "FACE", "INT", phase.index)
         if phase.index_2.any():
-            scene_io.write_attribute(obj, f"synch_index_{axis}_2", "FACE", "INT", phase.index_2)
-        scene_io.write_attribute(obj, f"synch_disclination_{axis}", "FACE", "FLOAT_COLOR", phase.disclination)
-    scene_io.write_attribute(obj, "synch_barycentric", "CORNER", "FLOAT_VECTOR", phases[0].corner_place)
+            attributes.write_attribute(obj, f"synch_index_{axis}_2", "FACE", "INT", phase.index_2)
+        attributes.write_attribute(obj, f"synch_disclination_{axis}", "FACE", "FLOAT_COLOR", phase.disclination)
+    attributes.write_attribute(obj, "synch_barycentric", "CORNER", "FLOAT_VECTOR", phases[0].corner_place)
     closings = np.column_stack([phase.closing for phase in phases])
-    scene_io.write_attribute(obj, "synch_closing", "FACE", "FLOAT2", closings)
+    attributes.write_attribute(obj, "synch_closing", "FACE", "FLOAT2", closings)
 
 
 def unfold(obj, polygons):
@@ -70,7 +71,7 @@ def baked(obj, outputs, **inputs):
     tree = material.node_tree
     tree.nodes.clear()
     group = tree.nodes.new("ShaderNodeGroup")
-    group.node_tree = quad_profiles.quads_group()
+    group.node_tree = quads.quads_group()
     for name, value in inputs.items():
         group.inputs[name].default_value = value
     joined = tree.nodes.new("ShaderNodeCombineXYZ")
@@ -97,7 +98,7 @@ def baked(obj, outputs, **inputs):
 
 def random_phases(obj):
     """The object's faces with random phases along the smoothest crosses: full of defects of both kinds."""
-    given = scene_io.read_mesh(obj)
+    given = meshes.read_mesh(obj)
     growth = Growth.of(given.mesh, direction_field(given.mesh, 4), 0.5)
     random = np.random.default_rng(2)
     phases = np.exp(1j * random.uniform(-np.pi, np.pi, len(growth.masses)))
@@ -127,7 +128,7 @@ def plane():
     corners = np.array([(-1.0, -1), (1, -1), (1, 1), (-1, 1)])
     obj = add_object(np.column_stack([corners, np.zeros(4)]), [range(4)])
     for axis, values in zip("xy", corners.T * 2 * np.pi, strict=True):
-        scene_io.write_attribute(obj, f"synch_phase_{axis}", "CORNER", "FLOAT", values)
+        attributes.write_attribute(obj, f"synch_phase_{axis}", "CORNER", "FLOAT", values)
     layer = obj.data.uv_layers.new()
     layer.uv.foreach_set("vector", np.float32((corners + 1) / 2).ravel())
     return obj
@@ -209,12 +210,12 @@ def test_width_is_the_part_of_the_area_that_has_the_color(plane, width):
 
 
 def test_profile_is_chosen_by_a_number_that_its_description_explains():
-    tree = quad_profiles.quads_group()
+    tree = quads.quads_group()
     socket = next(item for item in tree.interface.items_tree if item.name == "Profile")
     assert (socket.min_value, socket.max_value, socket.default_value) == (0, 3, 0)
     assert socket.description == "0: grid lines, 1: checker, 2: weave, 3: dots"
     names = ["Synch Phase X", "Synch Phase Y", "Synch Quads"]
-    assert quad_profiles.quads_group() == tree and [group.name for group in bpy.data.node_groups] == names
+    assert quads.quads_group() == tree and [group.name for group in bpy.data.node_groups] == names
 
 
 def relief_of(material):

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SynchError
-from synch_fields.synch_addon import api, refine, scene_io, task
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender import groups, meshes
+from synch_fields.synch_addon.patterns import reading, refine
 
 from .scenes import (
     add_group,
@@ -57,14 +59,14 @@ def test_what_the_panel_sees_is_what_the_automatic_spacing_takes(build, scale):
     obj = build()
     obj.scale = scale
     bpy.context.view_layer.update()
-    exact = task.carried_spacing(scene_io.read_mesh(obj).mesh.edge_lengths)
+    exact = reading.carried_spacing(meshes.read_mesh(obj).mesh.edge_lengths)
     assert refine.carried(obj).spacing == pytest.approx(exact, rel=0.1)
 
 
 def test_a_sample_of_many_faces_is_close():
     obj = sphere(5)
     obj.data.transform(((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 3, 0), (0, 0, 0, 1)))
-    exact = task.carried_spacing(scene_io.read_mesh(obj).mesh.edge_lengths)
+    exact = reading.carried_spacing(meshes.read_mesh(obj).mesh.edge_lengths)
     assert len(obj.data.polygons) > 8 * refine.FACES_SEEN
     assert refine.carried(obj).spacing == pytest.approx(exact, rel=0.1)
 
@@ -148,7 +150,7 @@ def test_everything_on_the_mesh_goes_over(build):
     assert np.allclose(attribute(obj, "Map"), now[corners][:, :2], atol=1e-5)
     assert np.allclose(attribute(obj, "height"), now[:, 2], atol=1e-5)
     assert sum(e.use_seam for e in obj.data.edges) == 4 * seams > 0
-    weights = scene_io.read_weights(obj, "upper")
+    weights = groups.read_weights(obj, "upper")
     assert (weights[now[:, 2] > 0.5] > 0.99).all() and (weights[now[:, 2] < -0.5] == 0).all()
     assert obj.data.materials[0].name == "Mine" and not obj.modifiers
 

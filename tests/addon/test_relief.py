@@ -10,7 +10,9 @@ from synch_fields.core.errors import SynchError
 from synch_fields.core.fields import direction_field
 from synch_fields.core.fields.growth import Growth
 from synch_fields.core.interpolate import evaluate, face_phases
-from synch_fields.synch_addon import api, relief, scene_io
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender import attributes, meshes
+from synch_fields.synch_addon.patterns import relief
 
 from .continuity import phases_of, polygons_of
 from .scenes import attribute, grid, hexagon_sphere, quad_sphere, save_and_reopen, snapshot, sphere, torus
@@ -33,7 +35,7 @@ class Evaluated:
 
 def random_stripes(obj):
     """Faces and phases of random stripes along the smoothest lines: full of defects of both kinds."""
-    given = scene_io.read_mesh(obj)
+    given = meshes.read_mesh(obj)
     growth = Growth.of(given.mesh, direction_field(given.mesh, 2), SPACING)
     phases = np.exp(1j * np.random.default_rng(2).uniform(-np.pi, np.pi, given.mesh.vertex_count))
     return given.polygons, face_phases(growth.edge_phases(phases), given.polygons)
@@ -41,12 +43,12 @@ def random_stripes(obj):
 
 def write_stripes(obj, phases):
     (phase,) = phases
-    scene_io.write_attribute(obj, "synch_phase", "CORNER", "FLOAT", phase.corner_phase)
-    scene_io.write_attribute(obj, "synch_barycentric", "CORNER", "FLOAT_VECTOR", phase.corner_place)
-    scene_io.write_attribute(obj, "synch_index", "FACE", "INT", phase.index)
+    attributes.write_attribute(obj, "synch_phase", "CORNER", "FLOAT", phase.corner_phase)
+    attributes.write_attribute(obj, "synch_barycentric", "CORNER", "FLOAT_VECTOR", phase.corner_place)
+    attributes.write_attribute(obj, "synch_index", "FACE", "INT", phase.index)
     if phase.index_2.any():
-        scene_io.write_attribute(obj, "synch_index_2", "FACE", "INT", phase.index_2)
-    scene_io.write_attribute(obj, "synch_disclination", "FACE", "FLOAT_COLOR", phase.disclination)
+        attributes.write_attribute(obj, "synch_index_2", "FACE", "INT", phase.index_2)
+    attributes.write_attribute(obj, "synch_disclination", "FACE", "FLOAT_COLOR", phase.disclination)
 
 
 def randomly_patterned(obj, kind):
@@ -57,7 +59,7 @@ def randomly_patterned(obj, kind):
         write_stripes(obj, phases)
     else:
         write_phases(obj, phases, polygons)
-    scene_io.write_attribute(obj, "face", "FACE", "INT", np.arange(len(polygons.starts)))
+    attributes.write_attribute(obj, "face", "FACE", "INT", np.arange(len(polygons.starts)))
     return polygons, phases
 
 

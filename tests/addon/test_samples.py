@@ -6,7 +6,9 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.synch_addon import api, samples, scene_io
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender import groups, meshes
+from synch_fields.synch_addon.looks import samples
 
 from .scenes import attribute, places, snapshot
 
@@ -24,7 +26,7 @@ def added(shape, **settings):
 @pytest.mark.parametrize("shape", TOPOLOGY)
 def test_shape_is_even_and_of_its_topology(shape, detail):
     obj = added(shape, detail=detail)
-    mesh = scene_io.read_mesh(obj).mesh  # which refuses what is not manifold
+    mesh = meshes.read_mesh(obj).mesh  # which refuses what is not manifold
     euler, is_open = TOPOLOGY[shape]
     assert mesh.euler_characteristic == euler and mesh.pieces.max() == 0
     assert (len(mesh.boundary_edges) > 0) == is_open
@@ -57,7 +59,7 @@ def test_seams_cut_in_half(shape):
 @pytest.mark.parametrize("shape", TOPOLOGY)
 def test_group_serves_as_spacing_map(shape):
     obj = added(shape, detail=2)
-    weights = scene_io.read_weights(obj, "Fine")
+    weights = groups.read_weights(obj, "Fine")
     assert weights.min() < 0.01 and weights.max() > 0.99
     size = max(obj.dimensions)
     report = api.stripes(obj, spacing=size / 5, spacing_map="Fine", spacing_range=obj.synch.spacing_range)
@@ -66,7 +68,7 @@ def test_group_serves_as_spacing_map(shape):
 
 def test_vase_asks_for_a_stripe_on_its_rim():
     obj = added("VASE", detail=2)
-    rim = scene_io.read_weights(obj, "Rim") > 0
+    rim = groups.read_weights(obj, "Rim") > 0
     assert rim.sum() == 32
     assert obj.synch.boundary == "PHASE"
     api.stripes(obj, boundary="phase", vertex_group="Rim")

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SynchError
-from synch_fields.synch_addon import api, favourites, memory, stripe_numbers
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.patterns import favourites, memory
+from synch_fields.synch_addon.patterns import numbers as stripe_numbers
 
 from .scenes import add_group, attribute, make_active, sphere, torus
 

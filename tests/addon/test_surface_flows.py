@@ -9,13 +9,15 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import MeshError, SettingError
-from synch_fields.synch_addon import api, scene_io, surface_vortices
-from synch_fields.synch_addon.clebsch import ClebschSettings, clebsch, job_for
-from synch_fields.synch_addon.cli import main
-from synch_fields.synch_addon.defect_empties import defect_empties
-from synch_fields.synch_addon.flows import ArrayFile
-from synch_fields.synch_addon.surface_flows import surface_flow
-from synch_fields.synch_addon.vortex_nodes import STRENGTH
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender import meshes
+from synch_fields.synch_addon.blender.defect_empties import defect_empties
+from synch_fields.synch_addon.command.main import main
+from synch_fields.synch_addon.flows import surface_job
+from synch_fields.synch_addon.flows.job import ClebschSettings, clebsch, job_for
+from synch_fields.synch_addon.flows.sources import ArrayFile
+from synch_fields.synch_addon.flows.surfaces import surface_flow
+from synch_fields.synch_addon.nodes.vortices import STRENGTH
 
 from .scenes import snapshot
 
@@ -73,7 +75,7 @@ def test_a_plane_becomes_a_mesh_that_shows_its_map(disk):
         assert seen["coverage"] == pytest.approx(report["coverage"], abs=1e-3)
     # The mesh that was solved before it was made is the one that Blender draws.
     np.testing.assert_array_equal(
-        scene_io.read_polygons(obj).triangle_corners, surface_flow(disk, "").given.polygons.triangle_corners
+        meshes.read_polygons(obj).triangle_corners, surface_flow(disk, "").given.polygons.triangle_corners
     )
     assert obj.material_slots[0].material.name == "Synch Stripes"
 
@@ -176,12 +178,12 @@ def test_a_plane_that_fails_while_it_is_written_leaves_nothing(disk, monkeypatch
     job = job_for(disk, ClebschSettings(quantum=QUANTUM, method="spectral"))
     job.solve()
     before = snapshot()
-    paint = surface_vortices.pattern_material
-    monkeypatch.setattr(surface_vortices, "pattern_material", lambda *_, **__: 1 / 0)
+    paint = surface_job.pattern_material
+    monkeypatch.setattr(surface_job, "pattern_material", lambda *_, **__: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         job.write()
     assert snapshot() == before
-    monkeypatch.setattr(surface_vortices, "pattern_material", paint)
+    monkeypatch.setattr(surface_job, "pattern_material", paint)
     obj = bpy.data.objects[job.write()["object"]]
     assert obj.name == "disk" and bpy.context.active_object == obj and obj.select_get()
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import pytest
 
-from synch_fields.synch_addon import translations
+from synch_fields.synch_addon.blender import translations
 
 SOURCES = Path(translations.__file__).parents[1]
 GERMAN = translations.LANGUAGES["de_DE"]
@@ -116,7 +116,7 @@ def test_what_is_put_together_is_translated():
 
 
 def test_menu_entries_are_translated():
-    from synch_fields.synch_addon.menus import _ENTRIES
+    from synch_fields.synch_addon.panels.menus import _ENTRIES
 
     assert untranslated(text for group in _ENTRIES for _, text, _ in group) == []
 

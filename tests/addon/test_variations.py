@@ -8,7 +8,8 @@ import pytest
 
 from synch_fields.core.errors import SettingError, SynchError
 from synch_fields.core.solve.lifted import LiftedField
-from synch_fields.synch_addon import api, memory
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.patterns import memory
 
 from .quad_meshes import corner_vertices
 from .scenes import attribute, empties, grid, make_active, places, quad_sphere, snapshot, sphere, torus

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SynchError
-from synch_fields.synch_addon import api, cli
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.command import main
 
 from .scenes import (
     add_group,
@@ -116,7 +117,7 @@ def test_spacing_maps_that_are_of_no_use_are_refused(capfd):
         with pytest.raises(SynchError) as refused:
             api.stripes(obj, **settings)
         assert message in str(refused.value)
-    assert cli.main(["stripes", "--quiet", "--spacing-range", "3"], loaded=True) == 1
+    assert main.main(["stripes", "--quiet", "--spacing-range", "3"], loaded=True) == 1
     assert "the spacing range belongs to a spacing map: add --spacing-map NAME" in capfd.readouterr().err
     assert snapshot() == before
 
@@ -134,7 +135,7 @@ def test_spokes_ask_for_as_many_dislocations_as_the_rims_differ_in_stripes(capfd
     assert api.stripes(obj, guidance="attribute:spokes", angle=np.pi / 2, spacing=0.15)["forced_dislocations"] < 1
     assert api.directions(obj)["forced_dislocations"] is None
     capfd.readouterr()
-    assert cli.main(["stripes", "--quiet", "--guidance=attribute:spokes", "--spacing=0.3"], loaded=True) == 0
+    assert main.main(["stripes", "--quiet", "--guidance=attribute:spokes", "--spacing=0.3"], loaded=True) == 0
     assert "(exact directions and spacing ask for 13)" in capfd.readouterr().out
 
 

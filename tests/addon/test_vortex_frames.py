@@ -10,12 +10,13 @@ import pytest
 
 from synch_fields.core.errors import Cancelled, SettingError
 from synch_fields.core.fields.clebsch import quantum_for
-from synch_fields.synch_addon import api, vortex_frames
-from synch_fields.synch_addon.clebsch import ClebschSettings, job_for
-from synch_fields.synch_addon.cli import main
-from synch_fields.synch_addon.flow_choice import expected_shape
-from synch_fields.synch_addon.flow_frames import flow_frames
-from synch_fields.synch_addon.flows import flow_source
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.command.main import main
+from synch_fields.synch_addon.flows import sequence_job
+from synch_fields.synch_addon.flows.chosen import expected_shape
+from synch_fields.synch_addon.flows.frames import flow_frames
+from synch_fields.synch_addon.flows.job import ClebschSettings, job_for
+from synch_fields.synch_addon.flows.sources import flow_source
 
 from .scenes import make_active, snapshot
 from .vortex_scenes import QUICK, RADIUS, SPACING, points_of, write_npz, write_vdb
@@ -168,7 +169,7 @@ def test_cancelling_between_frames_writes_nothing(folder):
 
 
 def test_what_fails_while_it_is_written_leaves_nothing(folder, monkeypatch):
-    make, asked = vortex_frames.make_filaments, []
+    make, asked = sequence_job.make_filaments, []
 
     def breaking(name, shown):
         asked.append(name)
@@ -179,7 +180,7 @@ def test_what_fails_while_it_is_written_leaves_nothing(folder, monkeypatch):
     job = job_for(folder / "smoke_####.vdb", ClebschSettings(frames=(1, 2), show="both", **SETTINGS))
     job.solve()
     before, counts = snapshot(), (len(bpy.data.curves), len(bpy.data.actions))
-    monkeypatch.setattr(vortex_frames, "make_filaments", breaking)
+    monkeypatch.setattr(sequence_job, "make_filaments", breaking)
     with pytest.raises(MemoryError):
         job.write()
     assert snapshot() == before and (len(bpy.data.curves), len(bpy.data.actions)) == counts

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.flow_choice import flow_of
+from synch_fields.synch_addon.flows.chosen import flow_of
+from synch_fields.synch_addon.flows.properties import PROPERTY_NAMES
 from synch_fields.synch_addon.operators.clebsch import SYNCH_OT_clebsch
-from synch_fields.synch_addon.vortex_panel import SYNCH_PT_vortex_result, SYNCH_PT_vortices
-from synch_fields.synch_addon.vortex_settings import PROPERTY_NAMES
+from synch_fields.synch_addon.panels.vortices import SYNCH_PT_vortex_result, SYNCH_PT_vortices
 
 from .scenes import make_active
 from .vortex_scenes import QUICK, write_npz, write_vdb

@@ -5,8 +5,8 @@
 import bpy
 import pytest
 
-from synch_fields.synch_addon import jobs
-from synch_fields.synch_addon.clebsch import ClebschSettings, job_for
+from synch_fields.synch_addon.flows.job import ClebschSettings, job_for
+from synch_fields.synch_addon.jobs import jobs
 from synch_fields.synch_addon.operators.clebsch import SYNCH_OT_clebsch
 from synch_fields.synch_addon.operators.field_operator import BackgroundOperator
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from synch_fields.core.fields.biot_savart import filament_velocity
 from synch_fields.core.geometry.grid import Grid
-from synch_fields.synch_addon import flows
+from synch_fields.synch_addon.blender import openvdb
 
 # So coarse that a solve takes a second, and fine enough for half a cell to tell.
 SHAPE, SPACING, RADIUS = (18, 18, 14), 0.1, 0.5
@@ -33,7 +33,7 @@ def write_vdb(path, height=0.0, first=0, last=None, name="velocity", before=()):
     returns its path."""
     grid, velocity = ring_flow(height)
     velocity = velocity[first:last]
-    vdb = flows.openvdb_module()
+    vdb = openvdb.openvdb_module()
     volume, *others = [vdb.Vec3SGrid() for _ in (name, *before)]
     volume.name = name
     for other, called in zip(others, before, strict=True):

@@ -5,7 +5,8 @@
 import bpy
 import numpy as np
 
-from synch_fields.synch_addon import api, cli
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.command import main
 
 from .scenes import snapshot
 
@@ -22,14 +23,14 @@ def solve(way, obj, command="directions", **settings):
         return None
     degrees = {k: np.degrees(v) if k == "angle" else v for k, v in settings.items()}
     flags = [f"--{key.replace('_', '-')}={value}" for key, value in degrees.items()]
-    assert cli.main([command, "--object", obj.name, "--quiet", *flags], loaded=True) == 0
+    assert main.main([command, "--object", obj.name, "--quiet", *flags], loaded=True) == 0
     return None
 
 
 def run(capfd, *arguments, loaded=False):
     """Run a command line in this process: exit status, stdout and stderr."""
     capfd.readouterr()
-    status = cli.main([str(a) for a in arguments], loaded=loaded)
+    status = main.main([str(a) for a in arguments], loaded=loaded)
     printed = capfd.readouterr()
     return status, printed.out, printed.err
 

@@ -7,8 +7,8 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields import DirectionWishes, boundary_line, direction_field
-from synch_fields.core.fields.curvature import principal_directions
-from synch_fields.core.fields.rows import direction_targets
+from synch_fields.core.fields.constraints.rows import direction_targets
+from synch_fields.core.fields.guidance.curvature import principal_directions
 from synch_fields.core.geometry import TriangleMesh
 
 from .meshes import annulus, cylinder, disk, icosphere, square, torus

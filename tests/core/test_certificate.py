@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+from synch_fields.core.algebra.factorization import is_positive_definite
 from synch_fields.core.fields.directions import direction_problem
+from synch_fields.core.fields.guidance.solids import axis_directions
 from synch_fields.core.fields.layers import layer_problem
-from synch_fields.core.fields.solid_guidance import axis_directions
+from synch_fields.core.monitor import SILENT
 from synch_fields.core.solve import Options, solve, spectral
 from synch_fields.core.solve.certificate import lower_bound, measure_slack, provable_width, prove
 from synch_fields.core.solve.descent import descend
-from synch_fields.core.solve.factorization import is_positive_definite
-from synch_fields.core.solve.monitor import SILENT
 from synch_fields.core.solve.spheres import Lifted, random_columns
 from synch_fields.core.solve.stage import Workspace
 

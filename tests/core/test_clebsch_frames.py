@@ -8,13 +8,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from synch_fields.core.algebra.products import SharedRows
 from synch_fields.core.extract.filaments import filaments
 from synch_fields.core.fields.biot_savart import filament_velocity
 from synch_fields.core.fields.clebsch import clebsch_map, edge_integrals, spherical_map
 from synch_fields.core.fields.clebsch_frames import following_map, following_sphere, grown_phases, potential
 from synch_fields.core.geometry.grid import Grid
 from synch_fields.core.solve import Options
-from synch_fields.core.solve.products import SharedRows
 
 from .flows import ring_curve
 

@@ -5,7 +5,13 @@
 import numpy as np
 import pytest
 
-from synch_fields.core.solve.columns import HELD, TOGETHER, add_multiples, inner_products, precise_inner_products
+from synch_fields.core.algebra.columns import (
+    HELD,
+    TOGETHER,
+    add_multiples,
+    inner_products,
+    precise_inner_products,
+)
 
 ROWS = HELD // 5
 SIZES = [0, 1, TOGETHER - 1, TOGETHER, 3 * TOGETHER + 5, ROWS, ROWS + 1, 2 * ROWS + TOGETHER + 7]

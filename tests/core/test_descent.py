@@ -8,9 +8,9 @@ import pytest
 from synch_fields.core.connection import Connection
 from synch_fields.core.errors import Cancelled
 from synch_fields.core.fields.directions import direction_problem
+from synch_fields.core.monitor import SILENT, Monitor
 from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solve.descent import descend, rounding_noise
-from synch_fields.core.solve.monitor import SILENT, Monitor
 from synch_fields.core.solve.spheres import Circles, Columns, Lifted, candidates, random_columns
 from synch_fields.core.solve.stage import Workspace
 

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix
 
+from synch_fields.core.algebra.factorization import front_width
+from synch_fields.core.algebra.metric import Hierarchy
+from synch_fields.core.algebra.products import WORTH_SHARING, SharedRows
 from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.errors import Cancelled, MeshError, SettingError
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.problem import Merged, SynchronizationProblem, Targets
 from synch_fields.core.solve import METHODS, Options, Status, solve
-from synch_fields.core.solve.factorization import front_width
-from synch_fields.core.solve.metric import Hierarchy
-from synch_fields.core.solve.products import WORTH_SHARING, SharedRows
 
 from .graphs import random_connection
 

@@ -9,8 +9,8 @@ import pytest
 
 from synch_fields.core.defects import disclination_numbers
 from synch_fields.core.errors import SettingError
-from synch_fields.core.field_files import FaceField, from_vertices, read_field, to_vertices, write_field
 from synch_fields.core.fields import direction_field
+from synch_fields.core.files.directions import FaceField, from_vertices, read_field, to_vertices, write_field
 from synch_fields.core.geometry import TriangleMesh
 
 from .meshes import EVERY, FLAT, SHARED, bent_square, disk, icosphere, shared_mesh, square, together, torus

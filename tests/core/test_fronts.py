@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from synch_fields.core.fields.fronts import front_distance
+from synch_fields.core.fields.guidance.fronts import front_distance
 
 from .meshes import icosphere, square, together
 

@@ -5,10 +5,7 @@
 import numpy as np
 import pytest
 
-from synch_fields.core.fields.guidance import (
-    distance_guide,
-    geodesic_distance,
-)
+from synch_fields.core.fields.guidance.guides import distance_guide, geodesic_distance
 from synch_fields.core.geometry import TriangleMesh
 
 from .guides import misses

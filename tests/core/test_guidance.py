@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
-from synch_fields.core.fields.curvature import principal_directions
-from synch_fields.core.fields.guidance import (
+from synch_fields.core.fields.guidance.curvature import principal_directions
+from synch_fields.core.fields.guidance.guides import (
     Guide,
     axis_guide,
     blended,

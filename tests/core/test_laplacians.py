@@ -5,9 +5,9 @@
 import numpy as np
 import pytest
 
+from synch_fields.core.algebra.coarsening import graph_laplacian, turning_laplacian
 from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.problem import SynchronizationProblem, Targets
-from synch_fields.core.solve.coarsening import graph_laplacian, turning_laplacian
 
 from .graphs import KINDS, laplacian, only_piece, random_edges, random_units
 

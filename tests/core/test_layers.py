@@ -8,8 +8,12 @@ import pytest
 from synch_fields.core.defects import wrap
 from synch_fields.core.errors import ContradictionError, SettingError
 from synch_fields.core.extract.defect_curves import defect_curves
+from synch_fields.core.fields.guidance.solids import (
+    axis_directions,
+    distance_directions,
+    harmonic_directions,
+)
 from synch_fields.core.fields.layers import LayerGroup, SolidGrowth, layer_problem, solve_layers
-from synch_fields.core.fields.solid_guidance import axis_directions, distance_directions, harmonic_directions
 from synch_fields.core.interpolate_solid import evaluate_in_tets
 from synch_fields.core.solve import Options
 

@@ -5,11 +5,11 @@
 import numpy as np
 import pytest
 
+from synch_fields.core.algebra.metric import Hierarchy, Metric
 from synch_fields.core.connection import Connection
+from synch_fields.core.monitor import SILENT
 from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solve import Options, solve
-from synch_fields.core.solve.metric import Hierarchy, Metric
-from synch_fields.core.solve.monitor import SILENT
 from synch_fields.core.solve.solution import Clock
 from synch_fields.core.solve.spectral import smallest_eigenpair
 from synch_fields.core.solve.spheres import random_columns

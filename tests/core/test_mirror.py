@@ -7,8 +7,8 @@ import pytest
 
 from synch_fields.core.errors import AsymmetryError, ContradictionError
 from synch_fields.core.fields import DirectionWishes, Row, direction_field, line_of_edges, stripe_pattern
+from synch_fields.core.fields.constraints.lines import line_of_group
 from synch_fields.core.fields.directions import direction_problem
-from synch_fields.core.fields.lines import line_of_group
 from synch_fields.core.fields.mirror import Mirror
 from synch_fields.core.fields.stripes import stripe_problem
 from synch_fields.core.geometry import TriangleMesh

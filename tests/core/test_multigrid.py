@@ -10,19 +10,19 @@ from scipy.sparse import block_diag, bsr_matrix, diags_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.sparse.linalg import eigsh
 
-from synch_fields.core.connection import compose
-from synch_fields.core.fields.directions import direction_problem
-from synch_fields.core.piece import Piece
-from synch_fields.core.problem import Merged, SynchronizationProblem
-from synch_fields.core.solve import metric as metric_module
-from synch_fields.core.solve.coarsening import (
+from synch_fields.core.algebra import metric as metric_module
+from synch_fields.core.algebra.coarsening import (
     StrongGraph,
     aggregates,
     graph_laplacian,
     scalar_aggregates,
     turning_laplacian,
 )
-from synch_fields.core.solve.metric import Hierarchy, Metric
+from synch_fields.core.algebra.metric import Hierarchy, Metric
+from synch_fields.core.connection import compose
+from synch_fields.core.fields.directions import direction_problem
+from synch_fields.core.piece import Piece
+from synch_fields.core.problem import Merged, SynchronizationProblem
 from synch_fields.core.solve.stage import Stage, Workspace
 
 from .graphs import (

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.sparse import csr_matrix, random_array
 
+from synch_fields.core.algebra import products, workers
+from synch_fields.core.algebra.products import SharedRows
 from synch_fields.core.fields.directions import direction_problem
-from synch_fields.core.solve import products, workers
-from synch_fields.core.solve.products import SharedRows
 
 from .graphs import only_piece
 from .meshes import bumpy_torus

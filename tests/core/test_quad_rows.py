@@ -17,8 +17,8 @@ from synch_fields.core.fields import (
     line_of_edges,
     quad_pattern,
 )
+from synch_fields.core.fields.constraints.lines import line_of_group, line_of_points
 from synch_fields.core.fields.growth import Growth
-from synch_fields.core.fields.lines import line_of_group, line_of_points
 from synch_fields.core.fields.mirror import Mirror
 from synch_fields.core.fields.quads import quad_problem
 from synch_fields.core.geometry.mirror import mirrored_vertices

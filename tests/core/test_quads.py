@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
-from synch_fields.core.fields import DirectionField, direction_field, given_directions, quad_pattern, stripe_pattern
+from synch_fields.core.fields import (
+    DirectionField,
+    direction_field,
+    given_directions,
+    quad_pattern,
+    stripe_pattern,
+)
 from synch_fields.core.fields.growth import Growth
 from synch_fields.core.fields.quads import quad_problem
 from synch_fields.core.geometry import TriangleMesh

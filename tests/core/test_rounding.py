@@ -7,12 +7,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from synch_fields.core.algebra import workers
 from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.fields.directions import direction_problem
+from synch_fields.core.monitor import SILENT, Monitor
 from synch_fields.core.problem import SynchronizationProblem
-from synch_fields.core.solve import Options, rounding, solve, workers
+from synch_fields.core.solve import Options, rounding, solve
 from synch_fields.core.solve.diffusion import diffuse
-from synch_fields.core.solve.monitor import SILENT, Monitor
 from synch_fields.core.solve.solution import Clock
 from synch_fields.core.solve.spheres import random_columns
 from synch_fields.core.solve.stage import Workspace

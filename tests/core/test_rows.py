@@ -6,14 +6,9 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import ContradictionError, SettingError
-from synch_fields.core.fields import (
-    DirectionWishes,
-    Row,
-    direction_field,
-    stripe_pattern,
-)
-from synch_fields.core.fields.guidance import distance_guide
-from synch_fields.core.fields.lines import line_of_group, line_of_points
+from synch_fields.core.fields import DirectionWishes, Row, direction_field, stripe_pattern
+from synch_fields.core.fields.constraints.lines import line_of_group, line_of_points
+from synch_fields.core.fields.guidance.guides import distance_guide
 from synch_fields.core.fields.stripes import stripe_problem
 from synch_fields.core.solve import Options
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
-from synch_fields.core.fields.potentials import extended, harmonic_function, potential
-from synch_fields.core.fields.solid_distance import solid_distance
-from synch_fields.core.fields.solid_guidance import (
+from synch_fields.core.fields.guidance.potentials import extended, harmonic_function, potential
+from synch_fields.core.fields.guidance.solid_distance import solid_distance
+from synch_fields.core.fields.guidance.solids import (
     axis_directions,
     curve_directions,
     distance_directions,

@@ -167,7 +167,7 @@ def test_a_time_limit_that_has_passed_leaves_the_start(method):
 @pytest.mark.parametrize("questions", [3, 10, 30, 60])
 def test_a_time_limit_at_any_moment_leaves_usable_phases(questions, monkeypatch):
     """The clock jumps past the deadline after a number of questions, wherever the solver is then."""
-    from synch_fields.core.solve import monitor
+    from synch_fields.core import monitor
 
     class Jumping:
         count = 0

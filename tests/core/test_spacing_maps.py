@@ -6,11 +6,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
-from synch_fields.core.fields import (
-    Row,
-    given_directions,
-    stripe_pattern,
-)
+from synch_fields.core.fields import Row, given_directions, stripe_pattern
 from synch_fields.core.fields.directions import DirectionField
 from synch_fields.core.fields.growth import Growth
 

@@ -6,13 +6,8 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import ContradictionError, SettingError
-from synch_fields.core.fields import (
-    DirectionWishes,
-    Row,
-    direction_field,
-    stripe_pattern,
-)
-from synch_fields.core.fields.lines import line_of_points, line_of_strokes
+from synch_fields.core.fields import DirectionWishes, Row, direction_field, stripe_pattern
+from synch_fields.core.fields.constraints.lines import line_of_points, line_of_strokes
 from synch_fields.core.fields.stripes import stripe_problem
 
 from .meshes import disk, square, subdivided

@@ -9,9 +9,9 @@ import pytest
 
 from synch_fields.core.errors import MeshError, SettingError
 from synch_fields.core.geometry import TriangleMesh, check_mesh
-from synch_fields.core.geometry.lattice import lattice_around
-from synch_fields.core.geometry.stencils import stencil
-from synch_fields.core.geometry.stuffing import (
+from synch_fields.core.geometry.filling.lattice import lattice_around
+from synch_fields.core.geometry.filling.stencils import stencil
+from synch_fields.core.geometry.filling.stuffing import (
     DIHEDRAL_BOUNDS,
     WARP_LONG,
     WARP_SHORT,
@@ -19,7 +19,7 @@ from synch_fields.core.geometry.stuffing import (
     estimated_tets,
     stuffed,
 )
-from synch_fields.core.geometry.surface_distance import SurfaceDistance
+from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
 from synch_fields.core.geometry.tet_mesh import TET_EDGES, TetMesh, signed_volumes
 
 from .meshes import shared_mesh

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import MeshError, SettingError
+from synch_fields.core.files.tets import read_tets
 from synch_fields.core.geometry.tet_mesh import TetMesh
-from synch_fields.core.tet_files import read_tets
 
 from .meshes import SHARED
 from .solids import bent_bar, block, jittered

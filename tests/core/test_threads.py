@@ -11,7 +11,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from synch_fields.core.solve import threads
+from synch_fields.core.algebra import threads
 
 # Limits are those of a process: each case has one of its own, in which BLAS has two threads.
 SKIP = 77

@@ -8,8 +8,8 @@ import pytest
 from synch_fields.core.errors import SettingError
 from synch_fields.core.extract.layer_surfaces import layer_surfaces
 from synch_fields.core.extract.toolpaths import rim_distances, toolpaths
+from synch_fields.core.fields.guidance.solids import axis_directions
 from synch_fields.core.fields.layers import LayerGroup, solve_layers
-from synch_fields.core.fields.solid_guidance import axis_directions
 
 from .layered_solids import block, shell
 

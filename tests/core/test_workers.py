@@ -8,14 +8,15 @@ import time
 import numpy as np
 import pytest
 
+from synch_fields.core.algebra import workers
+from synch_fields.core.algebra.workers import idle_workers, share_out
 from synch_fields.core.errors import Cancelled
 from synch_fields.core.fields.directions import direction_problem
-from synch_fields.core.solve import Options, rounding, solve, workers
-from synch_fields.core.solve.monitor import SILENT, Monitor, OutOfTime
+from synch_fields.core.monitor import SILENT, Monitor, OutOfTime
+from synch_fields.core.solve import Options, rounding, solve
 from synch_fields.core.solve.solution import Clock
 from synch_fields.core.solve.stage import Workspace
 from synch_fields.core.solve.staircase import relax
-from synch_fields.core.solve.workers import idle_workers, share_out
 
 from .graphs import only_piece
 from .meshes import bumpy_torus

@@ -4,15 +4,9 @@
 
 import numpy as np
 
-from synch_fields.core.fields import (
-    DirectionWishes,
-    Row,
-    boundary_line,
-    given_directions,
-    line_of_edges,
-)
+from synch_fields.core.fields import DirectionWishes, Row, boundary_line, given_directions, line_of_edges
 from synch_fields.core.fields.directions import direction_problem
-from synch_fields.core.fields.guidance import curvature_guide
+from synch_fields.core.fields.guidance.guides import curvature_guide
 
 
 def boundary_row(mesh, kind="along", vertices=None, value=0.0):

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""All cores for one solve: NumPy and SciPy release the interpreter's lock, so that threads may share the work."""
+
+import math
+import os
+import threading
+from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from functools import cache
+
+from ..monitor import POLL_SECONDS, OutOfTime
+
+WORKERS = min(os.cpu_count() or 1, 8)
+
+_thread = threading.local()
+
+
+def idle_workers():
+    """How many threads may share a piece of work begun here: one inside of work that is shared already."""
+    return 1 if getattr(_thread, "is_shared", False) else WORKERS
+
+
+@cache
+def pool():
+    """Threads for short work that never waits."""
+    return ThreadPoolExecutor(WORKERS, thread_name_prefix="synch_fields")
+
+
+if hasattr(os, "register_at_fork"):
+    # A forked process has none of the threads.
+    os.register_at_fork(after_in_child=pool.cache_clear)
+
+
+class _Follower:
+    """What stands for a monitor in the threads that work while it is asked elsewhere."""
+
+    def __init__(self):
+        self._stopped = threading.Event()
+
+    def stop(self):
+        self._stopped.set()
+
+    def check(self):
+        if self._stopped.is_set():
+            raise OutOfTime
+
+
+def share_out(work, parts, monitor, at_once=math.inf):
+    """[work(part, monitor) for part in parts] by all cores, at most ``at_once`` parts at a time.
+
+    Only the calling thread asks the callback of the given monitor. ``work`` has to ask its own often, which stops
+    it with :class:`OutOfTime` when the caller is stopped or another part fails. When the time limit passes, work may
+    return what it has reached instead.
+    """
+    threads = min(idle_workers(), len(parts), at_once)
+    if threads == 1:
+        return [work(part, monitor) for part in parts]
+    follower = _Follower()
+
+    def alone(part):
+        _thread.is_shared = True
+        return work(part, follower)
+
+    executor = ThreadPoolExecutor(threads)
+    running = [executor.submit(alone, part) for part in parts]
+    try:
+        while not _finished(running):
+            monitor.check()
+    except OutOfTime:
+        follower.stop()
+        wait(running)
+    finally:
+        follower.stop()
+        executor.shutdown(wait=False, cancel_futures=True)
+    return [future.result() for future in running]
+
+
+def _finished(running):
+    """Whether all are done, after a while; the error of one that failed comes out here."""
+    done, waiting = wait(running, POLL_SECONDS, FIRST_EXCEPTION)
+    for future in done:
+        future.result()
+    return not waiting

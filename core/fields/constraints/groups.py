@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Groups of nodes on the circle that follow from one another: merged into one node, or fixed with one of them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import breadth_first_order, connected_components
+
+from ...connection import circle_transports
+from ...errors import ContradictionError
+from ...problem import Merged, Targets
+
+# Unit values that differ by more contradict each other; positions in single precision bend angles by less.
+TOLERANCE = 1e-4
+
+
+@dataclass(frozen=True)
+class Links:
+    """phase_j = exp(1j * angles) * (conj where flips)(phase_i), and the name of what says so."""
+
+    i: np.ndarray
+    j: np.ndarray
+    angles: np.ndarray
+    flips: np.ndarray
+    names: np.ndarray
+
+
+def joined_links(parts):
+    """Any number of :class:`Links` as one."""
+    none = Links(np.empty(0, int), np.empty(0, int), np.empty(0), np.empty(0, bool), np.empty(0, object))
+    names = Links.__dataclass_fields__
+    return Links(*(np.concatenate([getattr(part, name) for part in (none, *parts)]) for name in names))
+
+
+def contracted(count, links, fixed, slack=TOLERANCE):
+    """Groups that links join: those with a fixed node become fixed, the others merge into their first node.
+
+    Parameters
+    ----------
+    count : number of nodes
+    links : Links
+    fixed : Targets or None
+    slack : how far unit values may differ that links join or bring back; joined ones are averaged
+
+    Returns
+    -------
+    fixed : Targets or None
+    merged : Merged or None
+
+    Raises
+    ------
+    ContradictionError
+        when links come back with another phase, or join nodes that are fixed to different ones
+    """
+    if len(links.i) == 0:
+        return fixed, None
+    members = np.unique([links.i, links.j])
+    lead, angles, flips = _from_leads(count, links)
+    closing = links.angles + np.where(links.flips, -angles[links.i], angles[links.i]) - angles[links.j]
+    torn = np.abs(np.exp(1j * closing) - 1) > slack
+    torn |= flips[links.i] ^ links.flips ^ flips[links.j]
+    if torn.any():
+        raise ContradictionError(
+            f"{links.names[torn][0]} cannot keep its phase constant at {{vertices}}: "
+            "another row comes back to it with another phase, remove one of them",
+            links.j[torn],
+        )
+    free = np.ones(count, bool)
+    if fixed is not None and np.isin(fixed.nodes, members).any():
+        inside = np.isin(fixed.nodes, members)
+        known = fixed.nodes[inside]
+        at_lead = np.exp(-1j * angles[known]) * fixed.values[inside]
+        at_lead = np.where(flips[known], at_lead.conj(), at_lead)
+        leading = _agreed_leads(links, lead, known, at_lead, slack)
+        reached = members[np.isin(lead[members], leading.nodes)]
+        value = leading.values[np.searchsorted(leading.nodes, lead[reached])]
+        value = np.exp(1j * angles[reached]) * np.where(flips[reached], value.conj(), value)
+        nodes = np.concatenate([fixed.nodes[~inside], reached])
+        fixed = Targets(nodes, np.concatenate([fixed.values[~inside], value]))
+        free[reached] = False
+    led = members[free[members] & (lead[members] != members)]
+    merged = Merged(led, lead[led], circle_transports(angles[led], flips[led])) if len(led) else None
+    return fixed, merged
+
+
+def _agreed_leads(links, lead, known, at_lead, slack):
+    """One target a lead, from the values there that nodes of known value ask for; refuses different ones."""
+    leads, first, place = np.unique(lead[known], return_index=True, return_inverse=True)
+    apart = np.abs(at_lead - at_lead[first][place]) > slack
+    if apart.any():
+        name = links.names[lead[links.j] == lead[known[apart][0]]][0]
+        raise ContradictionError(
+            f"{name} joins {{vertices}}, for which different values are asked: make them agree, or ask for one only",
+            np.append(known[apart], known[first[place[apart]]]),
+        )
+    sums = np.bincount(place, at_lead.real) + 1j * np.bincount(place, at_lead.imag)
+    return Targets(leads, sums / np.abs(sums))
+
+
+def _from_leads(count, links):
+    """(n,) the first node of each node's group, and angle and flip of the way from there."""
+    graph = coo_matrix((np.ones(len(links.i)), (links.i, links.j)), shape=(count, count))
+    _, first, place = np.unique(connected_components(graph, directed=False)[1], return_index=True, return_inverse=True)
+    lead = first[place]
+    step = {}
+    for i, j, angle, flip in zip(*(a.tolist() for a in (links.i, links.j, links.angles, links.flips)), strict=True):
+        step[i, j] = angle, flip
+        step[j, i] = (angle if flip else -angle), flip
+    # One walk from a node beside all leads reaches every node after the one that it follows from.
+    leads = np.unique(lead[links.i])
+    i, j = np.append(links.i, np.full(len(leads), count)), np.append(links.j, leads)
+    graph = coo_matrix((np.ones(len(i)), (i, j)), shape=(count + 1, count + 1)).tocsr()
+    order, before = breadth_first_order(graph, count, directed=False)
+    angles, flips = np.zeros(count), np.zeros(count, bool)
+    for node, last in zip(order[1:].tolist(), before[order[1:]].tolist(), strict=True):
+        if last < count:
+            angle, flip = step[last, node]
+            angles[node] = angle + (-angles[last] if flip else angles[last])
+            flips[node] = flips[last] ^ flip
+    return lead, angles, flips

@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lines on a surface: boundaries, seams, groups and strokes, along which an artist asks for something.
+
+A line is a list of *stations*: a vertex on or beside it, the direction in which the line passes there,
+and how much of its length the vertex stands for. At a corner a vertex has stations of several directions;
+inside an area, or at a single point, it has none.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from ...errors import SettingError
+from ...gauge import balance
+from ..guidance.face_directions import corner_turns, face_frames
+
+
+@dataclass(frozen=True)
+class Line:
+    """Stations of one or several lines.
+
+    Attributes
+    ----------
+    vertices : (s,) vertex of each station
+    angles : (s,) direction of the line, radians in the vertex's tangent plane; NaN where there is none
+    offsets : (s,) distance of the vertex from the line, positive to its left
+    lengths : (s,) length of line that the station stands for; for areas, area by its square root
+    links : (l, 2) pairs of vertices that the same line passes one after the other
+    """
+
+    vertices: np.ndarray
+    angles: np.ndarray
+    offsets: np.ndarray
+    lengths: np.ndarray
+    links: np.ndarray
+
+    @property
+    def nodes(self):
+        """(k,) the vertices, each once."""
+        return np.unique(self.vertices)
+
+    @property
+    def directed(self):
+        """The stations that have a direction; links as they are."""
+        keep = np.isfinite(self.angles)
+        return replace(
+            self,
+            vertices=self.vertices[keep],
+            angles=self.angles[keep],
+            offsets=self.offsets[keep],
+            lengths=self.lengths[keep],
+        )
+
+    def means(self, values):
+        """(k,) means of real or complex station values at :attr:`nodes`."""
+        _, place = np.unique(self.vertices, return_inverse=True)
+        sums = np.bincount(place, values.real)
+        if np.iscomplexobj(values):
+            sums = sums + 1j * np.bincount(place, values.imag)
+        return sums / np.bincount(place)
+
+    @property
+    def shares(self):
+        """(k,) length of line at each of the nodes."""
+        _, place = np.unique(self.vertices, return_inverse=True)
+        return np.bincount(place, self.lengths)
+
+    @property
+    def pieces(self):
+        """(k,) label of the connected piece of the line that each of the nodes is on."""
+        nodes = self.nodes
+        i, j = np.searchsorted(nodes, self.links).T
+        graph = coo_matrix((np.ones(len(i)), (i, j)), shape=(len(nodes), len(nodes)))
+        return connected_components(graph, directed=False)[1]
+
+
+def line_of_edges(mesh, edges):
+    """The line that runs over mesh edges.
+
+    Boundaries run with the face on their left. Every other chain of edges runs one way from end to end
+    or junction to junction, a way that its lowest edge chooses.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+    edges : (k,) indices of edges
+    """
+    edges = np.unique(edges)
+    reversed_ = _reversed_edges(mesh, edges)
+    towards = np.where(reversed_, np.pi, 0)
+    directions = mesh.edge_directions[edges]
+    # At its higher end an edge's direction is given looking back.
+    angles = np.column_stack([directions[:, 0] + towards, directions[:, 1] + np.pi + towards])
+    ends = mesh.edges[edges]
+    return Line(
+        vertices=ends.ravel(),
+        angles=angles.ravel(),
+        offsets=np.zeros(2 * len(edges)),
+        lengths=np.repeat(mesh.edge_lengths[edges] / 2, 2),
+        links=ends,
+    )
+
+
+def _reversed_edges(mesh, edges):
+    """(k,) bool: edges that the line passes from the higher to the lower vertex."""
+    ends = mesh.edges[edges]
+    # Where exactly two edges meet, one has to arrive and the other to leave.
+    order = np.argsort(ends.ravel(), kind="stable")
+    met = ends.ravel()[order]
+    first = np.flatnonzero(met[:-1] == met[1:])
+    counts = np.bincount(met, minlength=mesh.vertex_count)
+    first = first[counts[met[first]] == 2]
+    pairs = np.column_stack([order[first] // 2, order[first + 1] // 2])
+    same_end = order[first] % 2 == order[first + 1] % 2
+    turned, _ = balance(len(edges), pairs, same_end) if len(pairs) else (np.zeros(len(edges), bool), None)
+    on_boundary = mesh.edge_face_counts[edges] == 1
+    forward = np.zeros(len(mesh.edges), int)
+    forward[mesh.triangle_edges.ravel()] = mesh.triangle_edge_signs.ravel()
+    return np.where(on_boundary, forward[edges] < 0, turned)
+
+
+def boundary_line(mesh, vertices=None):
+    """The boundary, or the part of it whose edges have both ends among (n,) bool ``vertices``.
+
+    Raises
+    ------
+    SettingError
+        where there is none
+    """
+    edges = mesh.boundary_edges
+    if len(edges) == 0:
+        raise SettingError("the mesh has no boundary: set the boundary to free")
+    if vertices is not None:
+        edges = edges[np.asarray(vertices, bool)[mesh.edges[edges]].all(axis=1)]
+        if len(edges) == 0:
+            raise SettingError("the vertex group holds no boundary edge: add both ends of at least one to it")
+    return line_of_edges(mesh, edges)
+
+
+def group_edges(mesh, vertices):
+    """Indices of the edges that are chains of a group of (n,) bool vertices, or outlines of its areas."""
+    inside = vertices[mesh.triangles].all(axis=1)
+    sides = np.bincount(mesh.triangle_edges[inside].ravel(), minlength=len(mesh.edges))
+    return np.flatnonzero(vertices[mesh.edges].all(axis=1) & (sides < 2))
+
+
+def line_of_group(mesh, vertices):
+    """A group of vertices: its chains of edges and the outlines of its areas are lines, the rest are points.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+    vertices : (n,) bool
+    """
+    inside = vertices[mesh.triangles].all(axis=1)
+    among = vertices[mesh.edges].all(axis=1)
+    lines = line_of_edges(mesh, group_edges(mesh, vertices))
+    areas = np.bincount(mesh.triangles[inside].ravel(), np.repeat(mesh.areas[inside] / 3, 3), mesh.vertex_count)
+    alone = np.setdiff1d(np.flatnonzero(vertices), lines.nodes)
+    points = np.concatenate([np.flatnonzero(areas), alone[areas[alone] == 0]])
+    filled = line_of_points(mesh, points, areas=areas[points])
+    return replace(joined([lines, filled]), links=mesh.edges[among])
+
+
+def line_of_points(mesh, vertices, angles=None, areas=None):
+    """Vertices on no line, not linked to each other; with angles, as a field that is given there.
+
+    They stand for their share of the surface, or for (k,) other areas.
+    """
+    angles = np.full(len(vertices), np.nan) if angles is None else angles
+    lengths = (mesh.vertex_masses[vertices] if areas is None else areas) / np.sqrt(mesh.areas.sum())
+    return Line(vertices, angles, np.zeros(len(vertices)), lengths, np.empty((0, 2), int))
+
+
+def line_of_vectors(mesh, vectors):
+    """The vertices at which (n, 3) vectors have a tangential part, each with its direction."""
+    tangent = mesh.tangent_numbers(vectors)
+    nodes = np.flatnonzero(np.abs(tangent) > 1e-6 * np.linalg.norm(vectors, axis=1))
+    return line_of_points(mesh, nodes, np.angle(tangent[nodes]))
+
+
+def line_of_strokes(mesh, strokes):
+    """Curves drawn on the surface, which pass between the vertices.
+
+    Stations are the corners of the faces that a stroke passes, each with direction and offset as seen from
+    the nearest sample.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+    strokes : pairs of (p,) triangles and (p, 3) points in them, sampled more densely than the mesh
+    """
+    frames, turns = face_frames(mesh), corner_turns(mesh)
+    samples = [(np.asarray(faces), np.asarray(points, float)) for faces, points in strokes]
+    return joined([_line_of_stroke(mesh, faces, points, frames, turns[faces]) for faces, points in samples])
+
+
+def _line_of_stroke(mesh, faces, points, frames, turns):
+    if len(points) < 2:
+        raise SettingError("a stroke has a single point: give it two at least")
+    tangents = np.gradient(points, axis=0)
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    lengths = 0.5 * (np.append(steps, 0) + np.insert(steps, 0, 0))
+    x, y = (axis[faces] for axis in frames)
+    heading = np.einsum("ij,ij->i", tangents, x) + 1j * np.einsum("ij,ij->i", tangents, y)
+    corners = mesh.triangles[faces]
+    away = mesh.vertices[corners] - points[:, None]
+    places = np.einsum("pkj,pj->pk", away, x) + 1j * np.einsum("pkj,pj->pk", away, y)
+    heading = heading / np.where(heading == 0, 1, np.abs(heading))
+    offsets = (places * heading.conj()[:, None]).imag
+    angles = np.angle(heading)[:, None] + turns
+    vertices = corners.ravel()
+    order = np.lexsort((np.abs(places).ravel(), vertices))
+    nodes, first = np.unique(vertices[order], return_index=True)
+    nearest = order[first]
+    shares = np.bincount(np.searchsorted(nodes, vertices), np.repeat(lengths / 3, 3))
+    links = mesh.edges[np.unique(mesh.triangle_edges[faces])]
+    return Line(nodes, angles.ravel()[nearest], offsets.ravel()[nearest], shares, links)
+
+
+def joined(lines):
+    """All stations of several lines as one."""
+    return Line(*(np.concatenate(parts) for parts in zip(*map(_columns, lines), strict=True)))
+
+
+def _columns(line):
+    return line.vertices, line.angles, line.offsets, line.lengths, line.links

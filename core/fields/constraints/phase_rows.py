@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the rows of the constraint list ask of patterns: fixed phases, drawn ones, and groups merged into one node."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from ...errors import ContradictionError
+from ...gauge import balance
+from ...problem import Targets
+from .groups import TOLERANCE, Links, contracted, joined_links
+from .rows import Row, penalties
+
+
+@dataclass(frozen=True)
+class _LinePhases:
+    """Phases at a row's nodes, of given vertices, from the one on its line:
+    exp(1j * shifts) * (conj where turned)(phase).
+
+    On the line the phase is meant in the sheet in which it grows to the line's left; of the phases of a vertex it is
+    the one that grows most across the line. Vertices without a direction follow the first of their piece from edge to
+    edge, whose own sheet counts; where there are two phases, both are meant.
+    """
+
+    row: Row
+    nodes: np.ndarray
+    shifts: np.ndarray
+    turned: np.ndarray
+    vertices: np.ndarray
+
+    @classmethod
+    def of(cls, row, growth):
+        count = growth.phase_count
+        line = row.line.directed
+        towards = growth.angles[line.vertices] - line.angles - np.pi / 2
+        rise = np.cos(towards[:, None] + growth.turn * np.arange(count))
+        own = np.abs(rise).argmax(axis=1)
+        rise = np.take_along_axis(rise, own[:, None], axis=1)[:, 0]
+        directed, place = np.unique(count * line.vertices + own, return_inverse=True)
+        alone = np.setdiff1d(row.line.nodes, line.vertices)
+        nodes = np.union1d(directed, (count * alone[:, None] + np.arange(count)).ravel())
+        shifts, turned = np.zeros(len(nodes)), np.zeros(len(nodes), bool)
+        if count == 1:
+            i, j = row.line.links.T
+            flips = growth.matchings[growth.mesh.edges_between(i, j)] == 1
+            turned, _ = balance(len(nodes), np.searchsorted(nodes, row.line.links), flips)
+        at = np.searchsorted(nodes, directed)
+        stations = np.bincount(place)
+        shifts[at] = np.bincount(place, growth.rates.ravel()[directed][place] * line.offsets * rise) / stations
+        turned[at] = (np.bincount(place, rise) < 0) & (not growth.has_signs)
+        return cls(row, nodes, shifts, turned, nodes // count)
+
+    def of_vertices(self, values):
+        """Values at the nodes, for one, or (v,) one at each vertex of the row."""
+        vertices = self.row.line.nodes
+        return np.broadcast_to(values, len(vertices))[np.searchsorted(vertices, self.vertices)]
+
+    @property
+    def values(self):
+        """(k,) complex phases for the phase that the row asks for."""
+        phase = self.of_vertices(self.row.value)
+        return np.exp(1j * (self.shifts + np.where(self.turned, -phase, phase)))
+
+
+def phase_constraints(growth, rows, links=(), slack=TOLERANCE):
+    """Fixed, merged and drawn phases of a pattern: (Targets or None, Merged or None, list of Targets).
+
+    Parameters
+    ----------
+    growth : Growth
+    rows : Rows of the kinds "phase" and "constant"
+    links : further Links between phases
+    slack : how far values that links join may differ
+
+    Raises
+    ------
+    ContradictionError
+        when hard rows ask for different phases at a vertex
+    """
+    phases = [_LinePhases.of(row, growth) for row in rows]
+    hard = [p for p in phases if p.row.kind == "phase" and p.row.is_hard]
+    fixed = None
+    if hard:
+        fixed = _agreed(
+            np.concatenate([p.nodes for p in hard]),
+            np.concatenate([p.values for p in hard]),
+            np.concatenate([np.full(len(p.nodes), p.row.name, object) for p in hard]),
+        )
+    links = joined_links([*links, *(_links(p, growth) for p in phases if p.row.kind == "constant")])
+    count = growth.phase_count * growth.mesh.vertex_count
+    fixed, merged = contracted(count, links, fixed, slack)
+    held = np.zeros(count, bool)
+    held[fixed.nodes if fixed is not None else []] = True
+    drawn = []
+    for p in phases:
+        if not p.row.is_hard:
+            free = ~held[p.nodes]
+            weights = p.of_vertices(penalties(growth.mesh, p.row))
+            drawn.append(Targets(p.nodes[free], p.values[free], weights[free]))
+    return fixed, merged, drawn
+
+
+def _agreed(nodes, values, names):
+    """One target a node; refuses nodes that are wanted at different phases."""
+    unique, first, place = np.unique(nodes, return_index=True, return_inverse=True)
+    apart = np.abs(values - values[first][place]) > TOLERANCE
+    if apart.any():
+        other = np.flatnonzero(apart)[0]
+        raise ContradictionError(
+            f"{names[first[place[other]]]} and {names[other]} fix {{vertices}} to different phases: "
+            "remove one of them there",
+            nodes[apart],
+        )
+    return Targets(unique, values[first])
+
+
+def _links(phases, growth):
+    """From the first node of each piece of a line to the others: vertices that follow one another, in one phase."""
+    count, nodes = growth.phase_count, phases.nodes
+    i, j = np.sort(phases.row.line.links, axis=1).T
+    matched = growth.matchings[growth.mesh.edges_between(i, j)]
+    own = np.arange(count)
+    tails, heads = count * i[:, None] + own, count * j[:, None] + (own - matched[:, None]) % count
+    joined = np.isin(tails, nodes) & np.isin(heads, nodes)
+    tails, heads = np.searchsorted(nodes, tails[joined]), np.searchsorted(nodes, heads[joined])
+    graph = coo_matrix((np.ones(len(tails)), (tails, heads)), shape=(len(nodes), len(nodes)))
+    pieces = connected_components(graph, directed=False)[1]
+    root = np.unique(pieces, return_index=True)[1][pieces]
+    flips = phases.turned != phases.turned[root]
+    angles = phases.shifts - np.where(flips, -1, 1) * phases.shifts[root]
+    return Links(nodes[root], nodes, angles, flips, np.full(len(root), phases.row.name, object))

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Distance inside a solid by front propagation (Fu, Kirby and Whitaker 2013, "A Fast Iterative Method for Solving the
+Eikonal Equation on Tetrahedral Domains"), as :mod:`.fronts` explains."""
+
+from functools import partial
+
+import numpy as np
+
+from ...errors import SettingError
+from ...interpolate_solid import FACE_CORNERS
+from .fronts import UNKNOWN, along, dot, propagated
+
+
+def solid_distance(mesh, sources):
+    """Length of the shortest way inside the solid to the nearest source; between three sources of a face it is 0 too.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+    sources : (n,) bool, vertices at distance 0
+
+    Returns
+    -------
+    (n,) float, scene units; nan on pieces without a source and on loose vertices
+
+    Raises
+    ------
+    SettingError
+        for a set that is empty or of another length
+    """
+    sources = np.array(sources, bool)
+    if sources.shape != (mesh.vertex_count,):
+        raise SettingError(
+            f"the sources have the shape {sources.shape} and the solid has {mesh.vertex_count} vertices: "
+            "give one truth value to each vertex"
+        )
+    sources[mesh.loose_vertices] = False
+    if not sources.any():
+        raise SettingError("no vertex of a tetrahedron is among the sources: add at least one to the group")
+    arrivals = partial(_arrivals, mesh)
+    return propagated(mesh.tets, mesh.edges, mesh.edge_lengths.mean(), sources, arrivals)
+
+
+def _arrivals(mesh, distances, rows):
+    """(k,) distances at corners, 4 t + k, over the opposite faces; unknown where these are farther than the corners."""
+    tets, corners = np.divmod(rows, 4)
+    target = mesh.tets[tets, corners]
+    face = mesh.tets[tets[:, None], FACE_CORNERS[corners]]
+    nearer = distances[face].min(axis=1) < distances[target]
+    result = np.full(len(rows), UNKNOWN)
+    result[nearer] = _over_faces(
+        distances[face[nearer]], mesh.vertices[face[nearer]] - mesh.vertices[target[nearer], None]
+    )
+    return result
+
+
+def _over_faces(values, points):
+    """(k,) distances at the origin over (k, 3, 3) triangles, on which they are linear."""
+    one, two = points[:, 1] - points[:, 0], points[:, 2] - points[:, 0]
+    gram = np.array([dot(one, one), dot(one, two), dot(two, two)])
+    scale = gram[0] * gram[2] - gram[1] ** 2
+    slopes = values[:, 1:].T - values[:, 0]
+    # Solutions of the Gram matrix: where the target projects to, and the slope of the distance.
+    foot = np.array([-dot(one, points[:, 0]), -dot(two, points[:, 0])])
+    shares, steepness = _solved(gram, scale, foot), _solved(gram, scale, slopes)
+    height = np.maximum(dot(points[:, 0], points[:, 0]) - (foot * shares).sum(axis=0), 0)
+    slack = 1 - np.minimum((slopes * steepness).sum(axis=0), 2)
+    through = shares - np.sqrt(height / np.where(slack > 0, slack, 1)) * steepness
+    inside = (slack > 0) & (through >= 0).all(axis=0) & (through.sum(axis=0) <= 1)
+    result = values[:, 0] + (slopes * shares).sum(axis=0) + np.sqrt(height * np.maximum(slack, 0))
+    rim = np.flatnonzero(~inside)
+    sides = [along(points[rim, k - 1], points[rim, k], values[rim, k - 1], values[rim, k]) for k in range(3)]
+    result[rim] = np.minimum.reduce(sides)
+    return result
+
+
+def _solved(gram, scale, right):
+    return np.array([gram[2] * right[0] - gram[1] * right[1], gram[0] * right[1] - gram[1] * right[0]]) / scale

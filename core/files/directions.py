@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Direction fields of other programs: ``.rawfield`` (Directional) and ``.rosy`` (vcglib, QuadWild).
+
+- ``.rawfield``: a line "N faces", then one line a face with the 3 N numbers of its N vectors
+  (https://avaxman.github.io/Directional/file_formats).
+- ``.rosy``: a line with the number of faces, a line with N, then one line a face with one vector whose turns about
+  the normal are the others. vcglib writes and reads N = 4 only; its older versions wrote a line a vertex.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import SettingError
+from ..fields.guidance.face_directions import averaged_in_faces, face_frames
+from ..fields.guidance.guides import face_guide
+
+# Vectors of a set that miss equal turns by more than this (as a cosine) cannot be told by one of them.
+UNEQUAL = 1e-3
+
+
+@dataclass(frozen=True)
+class FaceField:
+    """Directions on faces.
+
+    Attributes
+    ----------
+    symmetry : int, N: 1 vectors, 2 lines, 4 crosses
+    vectors : (m, N, 3), counterclockwise, not matched from face to face; or (m, 1, 3), one that stands for all N
+
+    Raises
+    ------
+    SettingError
+        for another shape
+    """
+
+    symmetry: int
+    vectors: np.ndarray
+
+    def __post_init__(self):
+        shape = np.shape(self.vectors)
+        if self.symmetry < 1 or len(shape) != 3 or shape[1] not in (1, self.symmetry) or shape[2] != 3:
+            raise SettingError(
+                f"vectors of shape {shape} do not make a field of symmetry {self.symmetry}: "
+                "give each face one vector, or as many as the symmetry says"
+            )
+
+
+def read_field(path):
+    """The field in a ``.rawfield`` or ``.rosy`` file, which the suffix tells apart.
+
+    Raises
+    ------
+    SettingError
+        naming the file, the line where there is one, and the remedy
+    """
+    path = Path(path)
+    read_header = _raw_header if _known_suffix(path) == ".rawfield" else _rosy_header
+    try:
+        text = path.read_text(encoding="ascii")
+    except OSError as error:
+        raise SettingError(f"{path} cannot be read ({error.strerror}): check the path") from error
+    except UnicodeDecodeError as error:
+        raise SettingError(f"{path} is not a text file: export the field again, as text") from error
+    lines = [(number, line.split()) for number, line in enumerate(text.splitlines(), 1) if line.strip()]
+    symmetry, count, width, rows = read_header(path, lines)
+    if len(rows) != count:
+        raise SettingError(
+            f"{path} promises {count} faces and has {len(rows)} lines of vectors: it was cut short, export it again"
+        )
+    return FaceField(symmetry, _numbers(path, rows, 3 * width).reshape(count, width, 3))
+
+
+def write_field(path, face_field):
+    """Write a field as ``.rawfield`` or ``.rosy``, by the suffix; numbers keep all their digits.
+
+    Raises
+    ------
+    SettingError
+        for another suffix, a file that cannot be written, or a field that the format cannot hold: ``.rawfield``
+        needs all vectors of a face, ``.rosy`` equal turns between them
+    """
+    path = Path(path)
+    count, given, _ = face_field.vectors.shape
+    if _known_suffix(path) == ".rosy":
+        _refuse_unequal(path, face_field)
+        header, rows = f"{count}\n{face_field.symmetry}", face_field.vectors[:, 0]
+    else:
+        if given != face_field.symmetry:
+            raise SettingError(
+                f"{path} needs {face_field.symmetry} vectors a face and the field has one: "
+                "pass it through to_vertices and from_vertices, or write a .rosy file"
+            )
+        header, rows = f"{face_field.symmetry} {count}", face_field.vectors.reshape(count, -1)
+    try:
+        np.savetxt(path, rows, fmt="%.17g", header=header, comments="")
+    except OSError as error:
+        raise SettingError(f"{path} cannot be written ({error.strerror}): choose another folder") from error
+
+
+def to_vertices(mesh, face_field):
+    """A guide from a field on faces.
+
+    The vectors of a face are replaced by the N equal turns that are nearest to their directions, and powers of
+    these are averaged by area; faces whose vectors miss such turns count for less. The angles are one
+    representative, up to turns by 2 pi / N. A face with a vector that is zero or normal to it asks for nothing.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh whose triangles are the field's faces, in the same order
+    face_field : FaceField
+
+    Returns
+    -------
+    Guide
+
+    Raises
+    ------
+    SettingError
+        where faces and triangles are not as many, or no face has a direction
+    """
+    vectors = face_field.vectors
+    if len(vectors) != mesh.triangle_count:
+        on_vertices = " (it may be a field on vertices)" if len(vectors) == mesh.vertex_count else ""
+        raise SettingError(
+            f"the field has {len(vectors)} faces{on_vertices} and the mesh has {mesh.triangle_count} triangles: "
+            "load it on the triangle mesh that it was made for"
+        )
+    x, y = face_frames(mesh)
+    tangent = np.einsum("tkc,tc->tk", vectors, x) + 1j * np.einsum("tkc,tc->tk", vectors, y)
+    means, defined = _nearest_star(tangent, np.linalg.norm(vectors, axis=2))
+    if not defined.any():
+        raise SettingError("every vector of the field is zero or normal to its face: export the field again")
+    sizes = np.abs(means)
+    powers = np.divide(means, sizes, out=np.zeros_like(means), where=sizes > 0) ** face_field.symmetry
+    return face_guide(mesh, np.where(defined, mesh.areas * sizes * powers, 0), face_field.symmetry)
+
+
+def from_vertices(mesh, symmetry, angles):
+    """Unit vectors on faces from directions at vertices: the mean of the three corners' powers.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+    symmetry : int, N
+    angles : (n,) radians in the vertices' tangent planes, one representative each
+
+    Returns
+    -------
+    FaceField with (m, N, 3) vectors, counterclockwise
+    """
+    powers = averaged_in_faces(mesh, np.exp(1j * symmetry * np.asarray(angles, float)), symmetry)
+    turns = np.angle(powers)[:, None] / symmetry + 2 * np.pi / symmetry * np.arange(symmetry)
+    x, y = face_frames(mesh)
+    return FaceField(symmetry, np.cos(turns)[..., None] * x[:, None] + np.sin(turns)[..., None] * y[:, None])
+
+
+def _nearest_star(tangent, lengths):
+    """The first arm of the equal turns nearest to (m, k) complex vectors, and where all of them have a direction.
+
+    Counterclockwise, the k-th vector turned back by k / N should be the first: the mean of these is the least-squares
+    arm, and its length says how well they agree.
+    """
+    sizes = np.abs(tangent)
+    defined = (sizes > 1e-6 * lengths).all(axis=1)
+    units = np.divide(tangent, sizes, out=np.ones_like(tangent), where=sizes > 0)
+    ordered = np.take_along_axis(units, np.argsort(np.angle(units), axis=1), axis=1)
+    count = tangent.shape[1]
+    return (ordered * np.exp(-2j * np.pi / count * np.arange(count))).mean(axis=1), defined
+
+
+def _known_suffix(path):
+    suffix = path.suffix.lower()
+    if suffix not in (".rawfield", ".rosy"):
+        raise SettingError(f"{path} is no known field file: use the suffix .rawfield or .rosy")
+    return suffix
+
+
+def _raw_header(path, lines):
+    symmetry, count = _whole_numbers(path, lines[:1], 2, 'start with "N faces"')
+    return symmetry, count, symmetry, lines[1:]
+
+
+def _rosy_header(path, lines):
+    wanted = "start with a line for the number of faces and a line for N"
+    (count,) = _whole_numbers(path, lines[:1], 1, wanted)
+    (symmetry,) = _whole_numbers(path, lines[1:2], 1, wanted)
+    return symmetry, count, 1, lines[2:]
+
+
+def _whole_numbers(path, lines, wanted, remedy):
+    if not lines:
+        raise SettingError(f"{path} ends before its header: {remedy}")
+    number, words = lines[0]
+    if len(words) != wanted or not all(word.isdigit() and int(word) > 0 for word in words):
+        raise SettingError(f"{path}, line {number}: {' '.join(words)[:40]!r} is no header, {remedy}")
+    return [int(word) for word in words]
+
+
+def _numbers(path, rows, width):
+    """(rows, width) finite floats."""
+    for number, words in rows:
+        if len(words) != width:
+            raise SettingError(
+                f"{path}, line {number}: {len(words)} numbers where {width} are needed, "
+                "three for each vector of the face"
+            )
+    try:
+        values = np.array([words for _, words in rows], float)
+    except ValueError:
+        values = np.array([[_number(word) for word in words] for _, words in rows])
+    bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
+    if len(bad):
+        number, words = rows[bad[0]]
+        raise SettingError(f"{path}, line {number}: {' '.join(words)[:40]!r} is not all finite numbers, correct it")
+    return values
+
+
+def _number(word):
+    try:
+        return float(word)
+    except ValueError:
+        return np.nan
+
+
+def _refuse_unequal(path, face_field):
+    """One vector stands for all only if they are equal turns of each other."""
+    vectors = face_field.vectors
+    lengths = np.linalg.norm(vectors, axis=2)
+    cosines = np.einsum("tkc,tc->tk", vectors, vectors[:, 0])
+    scale = lengths * lengths[:, :1]
+    expected = np.cos(2 * np.pi / face_field.symmetry * np.arange(vectors.shape[1]))
+    bad = np.flatnonzero((np.abs(cosines - expected * scale) > UNEQUAL * scale).any(axis=1))
+    if len(bad):
+        raise SettingError(
+            f"{path} cannot hold face {bad[0]} ({len(bad)} in all), whose vectors are not equal turns of each other: "
+            "write a .rawfield file"
+        )

@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Solids of other programs: tetrahedra in MEDIT's ``.mesh`` (ASCII) and VTK's ``.vtu``.
+
+- ``.mesh``: keywords, each followed by a count and as many rows of numbers; every row ends with a reference number, and
+  vertices count from 1 (Frey, "MEDIT: an interactive mesh visualization software", 2001, Section 3).
+- ``.vtu``: XML with arrays of text, of base64, or appended, compressed by zlib or not
+  (https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html).
+"""
+
+import re
+import zlib
+from base64 import b64decode
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from ..errors import MeshError, SettingError
+from ..geometry.tet_mesh import TetMesh, positive
+
+# Cells of VTK: a triangle, a tetrahedron, those with a volume that are none, and the quadratic tetrahedron.
+VTK_TRIANGLE, VTK_TET = 5, 10
+VTK_SOLIDS = {11: "voxels", 12: "hexahedra", 13: "prisms", 14: "pyramids", 24: "curved tetrahedra", 42: "polyhedra"}
+MEDIT_SOLIDS = ("Hexahedra", "Hexaedra", "Prisms", "Pyramids", "TetrahedraP2")
+
+
+def read_tets(path):
+    """The solid in a ``.mesh`` or ``.vtu`` file, which the suffix tells apart.
+
+    Inverted tetrahedra are turned the right way. Where triangles of the file enclose some of its tetrahedra and others
+    fill the space around, up to a hull without triangles, only the enclosed ones are the solid. Vertices keep their
+    numbers.
+
+    Returns
+    -------
+    TetMesh
+
+    Raises
+    ------
+    SettingError
+        naming the file, what is wrong in it, and the remedy
+    MeshError
+        likewise, where the file is sound and its tetrahedra are not
+    """
+    path = Path(path)
+    readers = {".mesh": _read_medit, ".vtu": _read_vtu}
+    if path.suffix.lower() not in readers:
+        raise SettingError(f"{path} is no known file of tetrahedra: use the suffix .mesh (MEDIT, text) or .vtu")
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise SettingError(f"{path} cannot be read ({error.strerror}): check the path") from error
+    vertices, tets, triangles = readers[path.suffix.lower()](path, content)
+    if not len(tets):
+        raise SettingError(f"{path} has no tetrahedra: export the solid, not its surface")
+    outside = np.flatnonzero(((tets < 0) | (tets >= len(vertices))).any(axis=1))
+    if len(outside):
+        raise SettingError(
+            f"{path}: tetrahedron {outside[0]} names a vertex that is not among the {len(vertices)}: export it again"
+        )
+    try:
+        mesh = TetMesh(vertices, positive(vertices, tets))
+        return _enclosed(mesh, triangles)
+    except MeshError as error:
+        raise MeshError(f"{path}: {error}") from error
+
+
+def _enclosed(mesh, triangles):
+    """The parts of a solid whose boundary, where triangles cut it into parts, is made of triangles only."""
+    if not len(triangles):
+        return mesh
+    _, names = np.unique(np.concatenate([mesh.faces, np.sort(triangles, axis=1)]), axis=0, return_inverse=True)
+    names = names.reshape(-1)
+    is_wall = np.isin(names[: len(mesh.faces)], names[len(mesh.faces) :])
+    is_hull = mesh.face_tets[:, 1] < 0
+    below, above = mesh.face_tets[~is_wall & ~is_hull].T
+    graph = coo_matrix((np.ones(len(below), bool), (below, above)), shape=(mesh.tet_count, mesh.tet_count))
+    count, parts = connected_components(graph, directed=False)
+    is_open = np.zeros(count, bool)
+    is_open[parts[mesh.face_tets[is_hull & ~is_wall, 0]]] = True
+    kept = ~is_open[parts]
+    return mesh if kept.all() or not kept.any() else TetMesh(mesh.vertices, mesh.tets[kept])
+
+
+def _read_medit(path, content):
+    try:
+        text = re.sub(r"#.*", "", content.decode("ascii"))
+    except UnicodeDecodeError as error:
+        raise SettingError(f"{path} is not a text file: export it as ASCII .mesh") from error
+    # Words of three letters and more are keywords: numbers have one letter at most.
+    parts = re.split(r"([A-Za-z]\w{2,})", text)
+    sections = dict(zip(parts[1::2], (rows.split() for rows in parts[2::2]), strict=True))
+    if "MeshVersionFormatted" not in sections or not sections.get("Vertices"):
+        raise SettingError(f"{path} is no MEDIT file: it lacks MeshVersionFormatted or Vertices, export it again")
+    if sections.get("Dimension", ["3"]) != ["3"]:
+        raise SettingError(f"{path} is flat: export a solid of dimension 3")
+    for name in MEDIT_SOLIDS:
+        if len(sections.get(name, [])) > 1:
+            raise SettingError(f"{path} has {name}: split all cells into straight tetrahedra")
+    vertices = _medit_rows(path, "Vertices", sections["Vertices"], 3)
+    tets = _medit_rows(path, "Tetrahedra", sections.get("Tetrahedra", ["0"]), 4)
+    triangles = _medit_rows(path, "Triangles", sections.get("Triangles", ["0"]), 3)
+    return vertices, tets.astype(np.int64) - 1, triangles.astype(np.int64) - 1
+
+
+def _medit_rows(path, name, words, width):
+    """(count, width) numbers of a section without the references that end its rows."""
+    try:
+        count = int(words[0])
+        numbers = np.array(words[1:], float)
+    except (ValueError, IndexError) as error:
+        raise SettingError(f"{path} has something among its {name} that is no number: export it again") from error
+    if count < 0 or len(numbers) != count * (width + 1):
+        raise SettingError(
+            f"{path} promises {count} {name} of {width + 1} numbers and has {len(numbers)} numbers: "
+            "it was cut short, export it again"
+        )
+    return numbers.reshape(count, width + 1)[:, :width]
+
+
+def _read_vtu(path, content):
+    head, appended, tail = _without_raw_data(content)
+    try:
+        root = ElementTree.fromstring(head + tail)
+    except ElementTree.ParseError as error:
+        raise SettingError(f"{path} is no XML file ({error}): export it again") from error
+    if root.tag != "VTKFile" or root.get("type") != "UnstructuredGrid":
+        raise SettingError(f"{path} is no unstructured grid of VTK: export it as .vtu")
+    points, tets, triangles = [np.zeros((0, 3))], [np.zeros((0, 4), np.int64)], [np.zeros((0, 3), np.int64)]
+    count = 0
+    for piece in root.iter("Piece"):
+        try:
+            here = _vtu_array(root, appended, piece.find("Points/DataArray")).reshape(-1, 3)
+            arrays = {a.get("Name"): a for a in piece.iterfind("Cells/DataArray")}
+            names = ("connectivity", "offsets", "types")
+            corners, ends, types = (_vtu_array(root, appended, arrays[name]).astype(np.int64) for name in names)
+        except (KeyError, ValueError, TypeError, AttributeError, zlib.error) as error:
+            raise SettingError(f"{path} has an array that cannot be read ({error}): export it again") from error
+        for kind in VTK_SOLIDS.keys() & set(types.tolist()):
+            raise SettingError(f"{path} has {VTK_SOLIDS[kind]}: split all cells into straight tetrahedra")
+        if len(ends) != len(types) or (ends < 0).any() or (ends > len(corners)).any():
+            raise SettingError(f"{path} has cells whose corners are missing: it was cut short, export it again")
+        sizes = np.diff(ends, prepend=0)
+        if (sizes[types == VTK_TET] != 4).any() or (sizes[types == VTK_TRIANGLE] != 3).any():
+            raise SettingError(f"{path} has tetrahedra without 4 corners, or triangles without 3: export it again")
+        points.append(here)
+        tets.append(corners[ends[types == VTK_TET][:, None] + np.arange(-4, 0)] + count)
+        triangles.append(corners[ends[types == VTK_TRIANGLE][:, None] + np.arange(-3, 0)] + count)
+        count += len(here)
+    return np.concatenate(points), np.concatenate(tets), np.concatenate(triangles)
+
+
+def _without_raw_data(content):
+    """The XML before and after appended data, and these from their first byte on; raw bytes are no XML."""
+    tag = content.find(b"<AppendedData")
+    first = content.find(b"_", content.find(b">", tag))
+    last = content.rfind(b"</AppendedData>")
+    if tag < 0 or first < 0 or last < first:
+        return content, b"", b""
+    return content[:first], content[first + 1 : last], content[last:]
+
+
+def _vtu_array(root, appended, array):
+    order = ">" if root.get("byte_order") == "BigEndian" else "<"
+    kinds = {"Float": "f", "Int": "i", "UInt": "u"}
+    name = array.get("type", "")
+    dtype = np.dtype(f"{order}{kinds[name.rstrip('0123456789')]}{int(re.sub('[^0-9]', '', name)) // 8}")
+    if array.get("format") == "ascii":
+        return np.array((array.text or "").split(), dtype)
+    compressor = root.get("compressor")
+    if compressor not in (None, "", "vtkZLibDataCompressor"):
+        raise ValueError(f"compressed by {compressor}, use zlib")
+    if array.get("format") == "appended":
+        stored, raw = appended[int(array.get("offset")) :], root.find("AppendedData").get("encoding") == "raw"
+    else:
+        stored, raw = "".join((array.text or "").split()).encode("ascii"), False
+    header = np.dtype(order + {"UInt32": "u4", "UInt64": "u8"}[root.get("header_type", "UInt32")])
+    unpack = _compressed if compressor else _plain
+    return np.frombuffer(unpack(stored, header, raw), dtype)
+
+
+def _plain(stored, header, raw):
+    """Bytes after a header that says how many; in base64 the two make one stream, or one each."""
+    width = header.itemsize
+    size = int(np.frombuffer(_bytes(stored, 0, width, raw), header)[0])
+    if raw:
+        return _bytes(stored, width, size, raw)
+    alone = _characters(width)
+    if stored[:alone].endswith(b"="):
+        return _bytes(stored, alone, size, raw)
+    return _bytes(stored, 0, width + size, raw)[width:]
+
+
+def _compressed(stored, header, raw):
+    """Blocks after a header of their number, their size, the last one's size and the compressed size of each."""
+    blocks = int(np.frombuffer(_bytes(stored, 0, header.itemsize, raw), header)[0])
+    width = (3 + blocks) * header.itemsize
+    sizes = np.frombuffer(_bytes(stored, 0, width, raw), header)[3:].astype(int)
+    ends = np.cumsum(sizes)
+    packed = _bytes(stored, width if raw else _characters(width), int(sizes.sum()), raw)
+    return b"".join(zlib.decompress(packed[end - size : end]) for size, end in zip(sizes, ends, strict=True))
+
+
+def _bytes(stored, first, count, raw):
+    """So many bytes from a place in raw bytes or in base64."""
+    found = stored[first : first + count] if raw else b64decode(stored[first : first + _characters(count)])[:count]
+    if len(found) < count:
+        raise ValueError(f"{len(found)} bytes where {count} are promised")
+    return found
+
+
+def _characters(count):
+    """Characters of base64 for so many bytes."""
+    return -(-count // 3) * 4

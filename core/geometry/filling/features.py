@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sharp edges and corners of a surface, and outlines of parts of it, given back to the solid that fills it.
+
+Stuffing (:mod:`core.geometry.stuffing`) cuts them off: an edge of its boundary runs from one smooth region of the
+surface to another. One of its ends moves onto the sharp edge where the tetrahedra around it keep within the bounds of
+stuffing: nearest ones first, and before them one to each corner, where sharp edges end, branch or bend.
+"""
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from ..tet_mesh import TET_EDGES, TET_FACES, TetMesh, signed_volumes
+from .stuffing import DIHEDRAL_BOUNDS
+
+# Cosine of the angle between the normals of two faces, or between two sharp edges, beyond which they are sharp.
+SHARP = np.cos(np.radians(35))
+# Farthest that a vertex moves, in mean edge lengths of the solid.
+FARTHEST = 0.8
+# How often all are tried, and how many vertices for each corner.
+ROUNDS, CANDIDATES = 3, 8
+
+
+def sharpened(solid, mesh, nearest, labels=None):
+    """The solid with vertices of its boundary moved onto sharp edges and corners of the surface that it fills.
+
+    Parameters
+    ----------
+    solid : TetMesh whose boundary vertices lie on the surface
+    mesh : TriangleMesh, closed
+    nearest : callable, (k, 3) points -> (k,) the triangle nearest to each
+    labels : (m,) int of the surface's triangles, between which edges count as sharp, too; optional
+
+    Returns
+    -------
+    TetMesh of the same tetrahedra
+    """
+    sharp = sharp_edges(mesh, labels)
+    if len(sharp) == 0:
+        return solid
+    moves, reach = _Moves(solid), FARTHEST * solid.edge_lengths.mean()
+    boundary = np.flatnonzero(solid.boundary_vertices)
+    regions = np.full(solid.vertex_count, -1)
+    regions[boundary] = smooth_regions(mesh, sharp)[nearest(solid.vertices[boundary])]
+    sides = np.unique(np.sort(solid.boundary_triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
+    crossing = sides[regions[sides[:, 0]] != regions[sides[:, 1]]]
+    corners, segments = mesh.vertices[corners_of(mesh, sharp)], mesh.vertices[mesh.edges[sharp]]
+    # What has moved makes room for others.
+    for _ in range(ROUNDS):
+        corners = _to_corners(moves, boundary, corners, reach)
+        _to_edges(moves, crossing, segments, reach)
+    return TetMesh(moves.vertices, solid.tets)
+
+
+def sharp_edges(mesh, labels=None):
+    """Indices of the edges of a closed TriangleMesh whose faces bend by more than ``SHARP`` or have other labels."""
+    first, second = _sides(mesh).T
+    bent = np.einsum("ex,ex->e", mesh.face_normals[first], mesh.face_normals[second]) < SHARP
+    return np.flatnonzero(bent if labels is None else bent | (labels[first] != labels[second]))
+
+
+def smooth_regions(mesh, sharp):
+    """(m,) label of the part of the surface, between sharp edges, that each triangle belongs to."""
+    smooth = np.ones(len(mesh.edges), bool)
+    smooth[sharp] = False
+    first, second = _sides(mesh)[smooth].T
+    count = mesh.triangle_count
+    graph = coo_matrix((np.ones(len(first), bool), (first, second)), shape=(count, count))
+    return connected_components(graph, directed=False)[1]
+
+
+def corners_of(mesh, sharp):
+    """Vertices where sharp edges end, branch or bend by more than ``SHARP``."""
+    ends = mesh.edges[sharp]
+    degree = np.bincount(ends.ravel(), minlength=mesh.vertex_count)
+    along = mesh.edge_vectors[sharp] / mesh.edge_lengths[sharp, None]
+    leaving = np.zeros((mesh.vertex_count, 3))
+    np.add.at(leaving, ends[:, 0], along)
+    np.add.at(leaving, ends[:, 1], -along)
+    # Two unit vectors that leave a vertex add up to 0 where they go straight on.
+    bends = np.linalg.norm(leaving, axis=1) > np.sqrt(2 - 2 * SHARP)
+    return np.flatnonzero((degree > 0) & ((degree != 2) | bends))
+
+
+def _sides(mesh):
+    """(e, 2) triangles at the edges of a closed mesh."""
+    order = np.argsort(mesh.triangle_edges.ravel(), kind="stable")
+    return order.reshape(-1, 2) // 3
+
+
+def _to_corners(moves, boundary, corners, reach):
+    """Move to each corner the nearest vertex that can; returns the corners that are left."""
+    tree, left = cKDTree(moves.vertices[boundary]), []
+    for place in corners:
+        ways, rows = tree.query(place, k=min(CANDIDATES, len(boundary)), distance_upper_bound=reach)
+        if not any(moves.attempt(vertex, place, for_good=True) for vertex in boundary[rows[np.isfinite(ways)]]):
+            left.append(place)
+    return np.array(left).reshape(-1, 3)
+
+
+def _to_edges(moves, crossing, segments, reach):
+    """Move to the nearest places of sharp edges one end of each edge that crosses them, nearest ones first."""
+    crossing = crossing[~moves.done[crossing].any(axis=1)]
+    ends = np.unique(crossing)
+    places = _on_segments(segments, moves.vertices[ends], reach)
+    ways = np.linalg.norm(places - moves.vertices[ends], axis=1)
+    others: dict[int, list[int]] = {end: [] for end in ends.tolist()}
+    for i, j in crossing.tolist():
+        others[i].append(j)
+        others[j].append(i)
+    for row in np.argsort(ways)[: np.count_nonzero(ways <= reach)]:
+        if not moves.done[others[ends[row]]].all():
+            moves.attempt(ends[row], places[row])
+
+
+def _on_segments(segments, points, reach):
+    """(k, 3) points of (s, 2, 3) segments nearest to points, where they are within reach; far away otherwise."""
+    begin, along = segments[:, 0], segments[:, 1] - segments[:, 0]
+    counts = np.ceil(np.linalg.norm(along, axis=1) / (reach / 4)).astype(int)
+    owner = np.repeat(np.arange(len(counts)), counts)
+    place = (np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts) + 0.5) / counts[owner]
+    samples = begin[owner] + place[:, None] * along[owner]
+    result = np.full(points.shape, np.inf)
+    if len(points):
+        _, found = cKDTree(samples).query(points, k=min(4, len(samples)))
+        near = owner[found.reshape(len(points), -1)]
+        offsets = points[:, None] - begin[near]
+        shares = np.einsum("pkx,pkx->pk", offsets, along[near]) / np.einsum("pkx,pkx->pk", along[near], along[near])
+        feet = begin[near] + np.clip(shares, 0, 1)[:, :, None] * along[near]
+        best = np.linalg.norm(points[:, None] - feet, axis=2).argmin(axis=1)
+        result = feet[np.arange(len(points)), best]
+    return result
+
+
+class _Moves:
+    """Vertices of a solid that move one after the other, each only if the tetrahedra around it stay within the bounds.
+
+    Attributes
+    ----------
+    vertices : (n, 3) places now
+    done : (n,) bool, those that have moved
+    """
+
+    def __init__(self, solid):
+        self._tets = solid.tets
+        self.vertices = solid.vertices.copy()
+        self.done, self._stays = np.zeros((2, solid.vertex_count), bool)
+        self._order = np.argsort(solid.tets.ravel(), kind="stable") // 4
+        self._ends = np.cumsum(np.bincount(solid.tets.ravel(), minlength=solid.vertex_count))
+
+    def attempt(self, vertex, place, for_good=False):
+        """Move a vertex, unless it has been moved for good; whether it has moved."""
+        if self._stays[vertex]:
+            return False
+        start = self._ends[vertex - 1] if vertex else 0
+        old = self.vertices[vertex].copy()
+        self.vertices[vertex] = place
+        if not _within_bounds(self.vertices, self._tets[self._order[start : self._ends[vertex]]]):
+            self.vertices[vertex] = old
+            return False
+        self.done[vertex], self._stays[vertex] = True, for_good
+        return True
+
+
+def _within_bounds(vertices, tets):
+    """Whether tetrahedra are positive, and their dihedral angles within ``DIHEDRAL_BOUNDS``."""
+    if (signed_volumes(vertices, tets) <= 0).any():
+        return False
+    a, b, c = np.moveaxis(vertices[tets[:, TET_FACES]], 2, 0)
+    normals = np.cross(b - a, c - a)
+    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+    i, j = np.array(TET_EDGES).T
+    cosines = -np.einsum("tex,tex->te", normals[:, i], normals[:, j])
+    sharpest, flattest = np.cos(np.radians(DIHEDRAL_BOUNDS))
+    return bool((cosines <= sharpest).all() and (cosines >= flattest).all())

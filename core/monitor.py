@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Progress, cancellation and time limit, asked at every iteration."""
+
+import threading
+import time
+from copy import copy
+
+from .errors import Cancelled
+
+POLL_SECONDS = 0.05
+
+
+class OutOfTime(Exception):
+    """The time limit has passed; the best result so far is still good."""
+
+
+class Monitor:
+    """Reports progress and stops the computation.
+
+    Parameters
+    ----------
+    callback : callable(stage: str, fraction: float) -> bool, optional
+        Called often; a false answer other than None cancels.
+    time_limit : seconds, optional
+    """
+
+    def __init__(self, callback=None, time_limit=None):
+        self._callback = callback
+        self._deadline = None if time_limit is None else time.perf_counter() + time_limit
+        self.stage, self.fraction = "", 0.0
+        self.bound, self._note = None, ""
+        self._start, self._share = 0.0, 1.0
+
+    def portion(self, start, share):
+        """A monitor for one part of the work: its fractions are a part of the whole."""
+        part = copy(self)
+        part.fraction, part._start, part._share = start, start, share
+        return part
+
+    def at(self, stage, fraction):
+        """Enter a stage at a fraction of the whole work, 0..1."""
+        self.stage, self.fraction = stage, self._start + fraction * self._share
+        self.check()
+
+    def found(self, energy):
+        """A field is there: from now on the stage says how far above the bound it is, where one is known."""
+        if self.bound is not None and energy > 0:
+            self._note = f", gap {max(1 - self.bound / energy, 0):.0%}"
+
+    def check(self):
+        """Raise :class:`Cancelled` or :class:`OutOfTime` where the computation has to stop."""
+        if self._callback is not None:
+            answer = self._callback(self.stage + self._note, self.fraction)
+            if answer is not None and not answer:
+                raise Cancelled("cancelled: nothing was changed")
+        if self._deadline is not None and time.perf_counter() > self._deadline:
+            raise OutOfTime
+
+    def during(self, work):
+        """Result of ``work()``, which cannot be interrupted: a thread does it, left behind when it must stop.
+
+        Without a callback and a limit it is done at once, which is faster: only Ctrl-C could stop it, and has to wait.
+        """
+        if self._callback is None and self._deadline is None:
+            return work()
+        results: list = []
+        errors: list = []
+
+        def run():
+            try:
+                results.append(work())
+            except BaseException as error:  # raised again where it was asked for
+                errors.append(error)
+
+        thread = threading.Thread(target=run, daemon=True)
+        thread.start()
+        while thread.is_alive():
+            thread.join(POLL_SECONDS)
+            self.check()
+        for error in errors:
+            raise error
+        return results[0]
+
+
+SILENT = Monitor()

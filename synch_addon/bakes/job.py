@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Baking: what an object with stripes or quads shows, as images over one of its UV maps."""
+
+import os
+import tempfile
+import time
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ...core.errors import Cancelled, SettingError, SynchError
+from ..blender import meshes
+from ..blender import phases as blender_phases
+from ..jobs.report import versions
+from . import images as bake_images
+from . import index, shaders
+from .settings import MAPS, NEW_MAP
+from .stage import read_uv, staged, write_uv
+
+# How far apart the islands of a new map are at most, in pixels: of a curved surface there are hundreds. In an image
+# smaller than this they are as far apart as in one of this size, for not to vanish.
+_APART, _SMALL = 4, 256
+# How many UV maps a mesh can have.
+_MOST_MAPS = 8
+
+
+class BakeJob:
+    """A bake in pieces, between which a window can be drawn and the whole be cancelled.
+
+    Everything that can be is refused before work begins. Files and images come to be when all maps are baked, so that
+    an error or a cancellation leaves neither.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object with a pattern
+    settings : BakeSettings
+    """
+
+    def __init__(self, obj, settings):
+        self._pieces, self.report = _baking(obj, settings), None
+
+    def advance(self):
+        """Do the piece that was named last; returns what comes next and the share that is done, None at the end."""
+        try:
+            return next(self._pieces)
+        except StopIteration as end:
+            self.report = end.value
+            return None
+        except OSError as error:
+            raise SynchError(f"{error.filename or 'a file'}: {error.strerror or error}") from error
+
+    def solve(self, callback=None):
+        """Do all of it, unless ``callback`` cancels by returning False between two pieces."""
+        try:
+            while (piece := self.advance()) is not None:
+                if callback is not None and not callback(*piece):
+                    raise Cancelled("cancelled: nothing was changed")
+        finally:
+            self.close()
+
+    def close(self):
+        """Leave no trace of a bake that has not come to its end."""
+        self._pieces.close()
+
+
+def _baking(obj, settings):
+    """Bake, yielding each piece's name before it is done and the share that is; returns the report."""
+    with meshes.object_mode(obj):
+        start = time.perf_counter()
+        kind, folder = _kind(obj), _folder(obj, settings)
+        report = {"status": "baked", "command": "bake", "object": obj.name, "pattern": kind, "size": settings.size}
+        report |= {"margin": settings.margin, "samples": settings.samples, "maps": {}, "warnings": []}
+        report["uv_map"], coordinates = _layer(obj, settings, report["warnings"])
+        is_new = coordinates is None
+        with tempfile.TemporaryDirectory(prefix=".synch_", dir=folder) as temporary:
+            if is_new:
+                yield "unwrap", 0.0
+                with staged(obj, modifiers=False) as stage:
+                    coordinates = stage.unwrapped(min(max(settings.margin, 1), _APART) / max(settings.size, _SMALL))
+            yield from _bake_all(obj, kind, settings, coordinates, Path(temporary), report)
+            images = _kept(obj, settings, Path(temporary), folder, report)
+        if is_new:
+            _add_layer(obj, report["uv_map"], coordinates)
+        if settings.material:
+            shown = bake_images.baked_materials(obj, kind, images, report["uv_map"], settings.displacement)
+            report["materials"] = [material.name for material in shown]
+    return report | {"seconds": time.perf_counter() - start, "versions": versions()}
+
+
+def _kind(obj):
+    """The kind of the object's pattern, refusing what cannot be baked at all."""
+    if not hasattr(bpy.context.scene, "cycles"):
+        raise SettingError("Cycles is switched off: enable Cycles Render Engine in Preferences > Add-ons")
+    kind = blender_phases.pattern_kind(obj)
+    if kind is None:
+        raise SynchError(f"{obj.name} has no pattern: solve stripes or quads on it first")
+    return kind
+
+
+def _folder(obj, settings):
+    """Where the files go, None where images are packed."""
+    given = settings.folder
+    if not given:
+        return None
+    if given.startswith("//") and not bpy.data.filepath:
+        raise SettingError(f"{given}: this folder lies beside the .blend: save that first, or choose another folder")
+    folder = Path(bpy.path.abspath(given)).resolve()
+    if not folder.is_dir():
+        raise SettingError(f"{given}: this folder does not exist, create it first")
+    if not os.access(folder, os.W_OK):
+        raise SettingError(f"{given}: nothing can be written to this folder, choose another")
+    for name in settings.maps:
+        if (folder / settings.file_name(obj, name)).is_dir():
+            raise SettingError(f"{folder / settings.file_name(obj, name)}: this is a folder, choose another name")
+    return folder
+
+
+def _layer(obj, settings, warnings):
+    """Name of the UV map, and (c, 2) its coordinates: None where it has to be made."""
+    layers = obj.data.uv_layers
+    name = settings.uv_map or (NEW_MAP if settings.unwrap else "")
+    layer = layers.get(name) if name else layers.active
+    if layer is not None:
+        coordinates = read_uv(layer)
+        _judge(obj, layer.name, coordinates, warnings)
+        return layer.name, coordinates
+    if not settings.unwrap:
+        which = f"UV map {name!r}" if name else "UV map"
+        present = ", ".join(found.name for found in layers) or "none yet"
+        raise SettingError(
+            f"the mesh {obj.data.name} has no {which}: choose one of its maps ({present}), or ask for Smart UV Project"
+        )
+    if name in obj.data.attributes:
+        raise SettingError(f"the mesh {obj.data.name} has another attribute {name!r}: give the UV map another name")
+    if len(layers) >= _MOST_MAPS:
+        raise SettingError(f"the mesh {obj.data.name} has {_MOST_MAPS} UV maps, which is the most: remove one")
+    return name, None
+
+
+def _judge(obj, name, coordinates, warnings):
+    """Refuse a map that shows nothing, and warn of one that shows something twice or not at all."""
+    places = coordinates[meshes.read_polygons(obj).triangle_corners].astype(float)
+    sides = places[:, 1:] - places[:, :1]
+    area = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]).sum() / 2
+    if not area > 0:
+        raise SettingError(f"the UV map {name!r} of {obj.data.name} is empty: unwrap the mesh, or ask for a new map")
+    outside = np.any((coordinates < -1e-6) | (coordinates > 1 + 1e-6), axis=1).mean()
+    if outside > 0:
+        warnings.append(f"{outside:.1%} of the corners lie outside the image in the UV map {name!r}")
+    if area * (1 - outside) > 1:
+        warnings.append(f"faces overlap in the UV map {name!r}: one image cannot show them all")
+
+
+def _bake_all(obj, kind, settings, coordinates, folder, report):
+    """Bake all maps to files in a folder and add them to the report; yields as :func:`_baking`."""
+    phases = blender_phases.read_phases(obj, kind)
+    polygons = meshes.read_polygons(obj)
+    materials = shaders.sources(obj) or [None]
+    is_signed = kind == "stripes" and blender_phases.is_signed(obj, polygons, phases[0])
+    if "phase" in settings.maps:
+        report["phase"] = shaders.phase_channels(kind, is_signed)
+    # What is baked, with what materials, with how many samples, and the channels of each map.
+    passes = (
+        ("EMIT", lambda: shaders.glowing_pattern(materials, kind), settings.samples, {"mask": [0], "height": [1]}),
+        ("EMIT", lambda: shaders.glowing_colours(materials, kind), settings.samples, {"colour": [0, 1, 2]}),
+        ("NORMAL", lambda: shaders.as_rendered(materials), settings.samples, {"normal": [0, 1, 2]}),
+        ("EMIT", lambda: shaders.glowing_phase(materials, kind, is_signed), 1, {"phase": [0, 1, 2]}),
+    )
+    for bake_type, glowing, samples, channels in passes:
+        wanted = [name for name in channels if name in settings.maps]
+        if not wanted:
+            continue
+        yield wanted[0], len(report["maps"]) / len(settings.maps)
+        start = time.perf_counter()
+        with staged(obj) as stage:
+            stage.use_map(report["uv_map"], coordinates)
+            values = stage.bake(bake_type, glowing(), settings.size, samples, settings.margin)
+            for name in wanted:
+                path = folder / settings.file_name(obj, name)
+                bake_images.save(values[:, :, channels[name]], path, settings, name, stage.scene)
+        _describe(report, wanted, settings, start)
+    if "index" in settings.maps:
+        yield "index", len(report["maps"]) / len(settings.maps)
+        start = time.perf_counter()
+        with staged(obj, modifiers=False) as stage:
+            found = index.numbers_at(stage, polygons, coordinates, phases, settings.size, settings.margin)
+            values = _numbered(*found, settings, report)
+            path = folder / settings.file_name(obj, "index")
+            bake_images.save(values[:, :, None], path, settings, "index", stage.scene)
+        _describe(report, ["index"], settings, start)
+    yield "write", 1.0
+
+
+def _numbered(numbers, count, settings, report):
+    """Numbers as an image's values."""
+    report["count"] = count
+    if settings.file_format != "PNG":
+        return numbers
+    if count > index.MOST:
+        report["warnings"].append(f"{count} numbers are more than a PNG holds: they start again after {index.MOST}")
+    return np.where(numbers > 0, (numbers - 1) % index.MOST + 1, 0) / index.MOST
+
+
+def _describe(report, names, settings, start):
+    """Add maps that have been saved to the report; those that were baked together share their time."""
+    seconds = (time.perf_counter() - start) / len(names)
+    for name in names:
+        report["maps"][name] = {
+            "meaning": MAPS[name].meaning,
+            "bits": int(settings.depth(name)),
+            "seconds": seconds,
+        }
+
+
+def _kept(obj, settings, temporary, folder, report):
+    """Put all files in their places, or pack them; returns the images that the .blend holds, by their maps."""
+    images = {}
+    for name, entry in report["maps"].items():
+        target = settings.file_name(obj, name)
+        entry["bytes"] = (temporary / target).stat().st_size
+        if folder is None:
+            images[name] = bake_images.packed(temporary / target, target, name)
+            entry["image"] = images[name].name
+            continue
+        os.replace(temporary / target, folder / target)
+        bake_images.reload(folder / target)
+        entry["file"] = str(folder / target)
+        if settings.material:
+            images[name] = bake_images.loaded(folder / target, name)
+    return images
+
+
+def _add_layer(obj, name, coordinates):
+    """A new UV map; the active ones stay."""
+    layers = obj.data.uv_layers
+    active = layers.active and layers.active.name
+    rendered = next((layer.name for layer in layers if layer.active_render), None)
+    write_uv(layers.new(name=name, do_init=False), coordinates)
+    if active:
+        layers.active = layers[active]
+        layers[rendered].active_render = True
+    meshes.update(obj)

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Attributes of a mesh as arrays, read and written."""
+
+import numpy as np
+
+from ...core.errors import SettingError
+from .groups import is_group, read_weights
+
+# Blender's names for an attribute type: numpy type, width, name in foreach_set.
+_LAYOUTS = {
+    "FLOAT": (np.float32, 1, "value"),
+    "INT": (np.int32, 1, "value"),
+    "BOOLEAN": (bool, 1, "value"),
+    "INT32_2D": (np.int32, 2, "value"),
+    "FLOAT_VECTOR": (np.float32, 3, "vector"),
+    "FLOAT2": (np.float32, 2, "vector"),
+    "FLOAT_COLOR": (np.float32, 4, "color"),
+    "BYTE_COLOR": (np.float32, 4, "color"),
+}
+
+
+# Attributes that mark edges.
+MARKS = {"seams": "uv_seam", "sharp": "sharp_edge", "creases": "crease_edge"}
+
+
+def read_all(elements, name, width=1, dtype=np.int32):
+    """(n,) or (n, width) values of a property of all elements of a collection."""
+    values = np.empty(len(elements) * width, dtype)
+    elements.foreach_get(name, values)
+    return values.reshape(-1, width) if width > 1 else values
+
+
+def read_vectors(obj, name, given):
+    """(n, 3) vectors of a POINT attribute, on the vertices and in the measured space of a :class:`MeshInput`.
+
+    Raises
+    ------
+    SettingError
+        when the attribute is missing or of another kind
+    """
+    return _read(_point_attribute(obj, name, "FLOAT_VECTOR", "vector")).astype(float)[given.source] @ given.stretch.T
+
+
+def read_numbers(obj, name, given, outside=0.0):
+    """(n,) numbers of a POINT attribute, or weights of a vertex group, ``outside`` it another number.
+
+    Errors as :func:`read_vectors`.
+    """
+    if is_group(obj, name):
+        return read_weights(obj, name, outside)[given.source]
+    return _read(_point_attribute(obj, name, "FLOAT", "float")).astype(float)[given.source]
+
+
+def read_uv_map(obj, name):
+    """(c, 2) coordinates of the faces' corners in a UV map, the active one where the name is "".
+
+    Raises
+    ------
+    SettingError
+        when there is no such map
+    """
+    layers = obj.data.uv_layers
+    layer = layers.get(name) if name else layers.active
+    if layer is None:
+        which = f"UV map {name!r}" if name else "UV map"
+        present = ", ".join(found.name for found in layers) or "none yet"
+        raise SettingError(f"the mesh {obj.data.name} has no {which}: choose one of its maps ({present}), or unwrap it")
+    return _read(obj.data.attributes[layer.name]).astype(float)
+
+
+def _point_attribute(obj, name, data_type, kind):
+    attribute = obj.data.attributes.get(name)
+    if attribute is None:
+        present = [a.name for a in obj.data.attributes if a.data_type == data_type and a.name != "position"]
+        have = f"it has {', '.join(present)}" if present else "it has none"
+        raise SettingError(f"the mesh {obj.data.name} has no attribute {name!r}: choose a {kind} attribute ({have})")
+    if attribute.data_type != data_type or attribute.domain != "POINT":
+        raise SettingError(
+            f"the attribute {name!r} is {attribute.data_type} on {attribute.domain}: it must be a {kind} on points"
+        )
+    return attribute
+
+
+def read_marked_edges(obj, mark):
+    """(k, 2) vertices of the edges that are "seams", "sharp" or "creases", where a face uses them."""
+    marked = read_values(obj, MARKS[mark], "EDGE")
+    if marked is None:
+        return np.empty((0, 2), int)
+    loose = read_all(obj.data.edges, "is_loose", dtype=bool)
+    return read_all(obj.data.edges, "vertices", 2)[(marked > 0) & ~loose].astype(np.int64)
+
+
+def read_values(obj, name, domain):
+    """(n,) or (n, width) values of an attribute as they are, None where the mesh has none of the name on a domain."""
+    attribute = obj.data.attributes.get(name)
+    if attribute is None or attribute.domain != domain or attribute.data_type not in _LAYOUTS:
+        return None
+    return _read(attribute)
+
+
+def _read(attribute):
+    dtype, width, name = _LAYOUTS[attribute.data_type]
+    return read_all(attribute.data, name, width, dtype)
+
+
+def write_attribute(obj, name, domain, data_type, values):
+    """Write an attribute, replacing one of the same name that has another domain or type."""
+    attributes = obj.data.attributes
+    attribute = attributes.get(name)
+    if attribute is not None and (attribute.domain, attribute.data_type) != (domain, data_type):
+        attributes.remove(attribute)
+        attribute = None
+    if attribute is None:
+        attribute = attributes.new(name, data_type, domain)
+    dtype, _, value_name = _LAYOUTS[data_type]
+    attribute.data.foreach_set(value_name, np.ascontiguousarray(values, dtype).ravel())
+
+
+def remove_attribute(obj, name):
+    """Remove an attribute if it is there."""
+    attribute = obj.data.attributes.get(name)
+    if attribute is not None:
+        obj.data.attributes.remove(attribute)
+
+
+def show_same_maps(obj, made):
+    """Of another mesh's UV maps and colours, the same are the active and the rendered ones as of the given one."""
+    layers, others = obj.data.uv_layers, made.data.uv_layers
+    for layer in layers:
+        if layer.active_render and layer.name in others:
+            others[layer.name].active_render = True
+    if layers.active is not None and layers.active.name in others:
+        others.active = others[layers.active.name]
+    colors, others = obj.data.color_attributes, made.data.color_attributes
+    if colors.active_color_name in others:
+        others.active_color_name = colors.active_color_name
+    if 0 <= colors.render_color_index < len(colors) and colors[colors.render_color_index].name in others:
+        others.render_color_index = others.find(colors[colors.render_color_index].name)

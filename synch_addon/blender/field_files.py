@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Field files of other programs: directions on the faces of an object, in its own space."""
+
+from functools import partial
+
+import bpy
+import numpy as np
+
+from ...core.errors import MeshError, SettingError, name_elements
+from ...core.fields.directions import SYMMETRIES, DirectionField, given_directions
+from ...core.files.directions import FaceField, from_vertices, read_field, to_vertices, write_field
+from ...core.geometry import mesh_input
+from . import attributes, meshes
+
+SUFFIXES = (".rawfield", ".rosy")
+DIRECTIONS = "synch_direction"
+
+
+def check_triangles(polygons):
+    """Refuse faces that are no triangles: a field file has directions for triangles only."""
+    larger = np.flatnonzero(polygons.sizes > 3)
+    if len(larger):
+        raise MeshError(
+            f"{name_elements('face', larger)} has more than three corners and a field file has directions for "
+            "triangles only: triangulate the mesh with Face > Triangulate Faces"
+        )
+
+
+def read_guide(given, path):
+    """Read a field file for the triangles of a :class:`MeshInput`.
+
+    Returns
+    -------
+    symmetry : int
+    compute : callable without arguments, makes the Guide on the vertices
+
+    Raises
+    ------
+    MeshError, SettingError
+        for faces that are no triangles, and files that cannot be read
+    """
+    check_triangles(given.polygons)
+    field = read_field(bpy.path.abspath(str(path)))
+    measured = FaceField(field.symmetry, field.vectors @ given.stretch.T)
+    return field.symmetry, partial(to_vertices, given.mesh, measured)
+
+
+def import_directions(obj, path):
+    """Write the directions of a field file to the object's ``synch_direction``; returns the symmetry's name.
+
+    Vertices whose faces have no direction get a zero vector.
+    """
+    given = meshes.read_mesh(obj)
+    symmetry, compute = read_guide(given, path)
+    names = {number: name for name, number in SYMMETRIES.items()}
+    if symmetry not in names:
+        raise SettingError(f"{path} has {symmetry} directions a face: import fields of 1, 2 or 4")
+    guide = compute()
+    vectors = given.to_object(DirectionField(given.mesh, symmetry, guide.angles).vectors)
+    vectors[guide.weights == 0] = 0
+    attributes.write_attribute(obj, DIRECTIONS, "POINT", "FLOAT_VECTOR", vectors)
+    meshes.update(obj)
+    return names[symmetry]
+
+
+def export_directions(obj, path, symmetry):
+    """Write the object's ``synch_direction`` as a field file.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object, in object mode
+    path : with the suffix .rawfield or .rosy
+    symmetry : "vector", "line" or "cross", what the directions are
+
+    Raises
+    ------
+    MeshError, SettingError
+        for faces that are no triangles, an object without directions, and files that cannot be written
+    """
+    given = meshes.read_mesh(obj)
+    check_triangles(given.polygons)
+    number = SYMMETRIES[symmetry]
+    angles = given_directions(given.mesh, number, attributes.read_vectors(obj, DIRECTIONS, given)).angles
+    vectors = from_vertices(given.mesh, number, angles).vectors
+    faces, arms, _ = vectors.shape
+    local = mesh_input.unstretched(vectors.reshape(-1, 3), given.stretch).reshape(faces, arms, 3)
+    write_field(bpy.path.abspath(str(path)), FaceField(number, local))

@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Files in and out for the command line, by Blender's own importers."""
+
+import math
+from pathlib import Path
+
+import bmesh
+import bpy
+import numpy as np
+
+from ...core.errors import SettingError
+from .attributes import read_all
+from .field_files import SUFFIXES as FIELD_SUFFIXES
+
+_IMPORTERS = {
+    ".obj": lambda path: bpy.ops.wm.obj_import(filepath=path),
+    ".ply": lambda path: bpy.ops.wm.ply_import(filepath=path),
+    ".stl": lambda path: bpy.ops.wm.stl_import(filepath=path),
+    ".glb": lambda path: bpy.ops.import_scene.gltf(filepath=path),
+}
+_EXPORTERS = {
+    ".obj": lambda **to: bpy.ops.wm.obj_export(export_selected_objects=True, export_materials=False, **to),
+    ".ply": lambda **to: bpy.ops.wm.ply_export(
+        export_selected_objects=True, export_uv=False, export_normals=False, export_colors="NONE", **to
+    ),
+    ".stl": lambda **to: bpy.ops.wm.stl_export(export_selected_objects=True, **to),
+}
+_Z_UP = {"forward_axis": "Y", "up_axis": "Z"}
+MESH_SUFFIXES = tuple(_EXPORTERS)
+# Formats that keep one normal and one UV for each vertex, and so tear a surface at every seam and sharp edge.
+_TORN = (".glb", ".ply")
+# Files without normals are shown smooth, apart from edges bent by more than this.
+_SHARP = math.radians(40)
+
+
+def open_input(path):
+    """Open a .blend, or import a mesh into an empty scene.
+
+    Raises
+    ------
+    SettingError
+        for a missing file or a kind that is not supported
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix != ".blend" and suffix not in _IMPORTERS:
+        raise SettingError(
+            f"{path}: files of the kind {suffix or 'without suffix'} cannot be read: "
+            f"use .blend, {', '.join(_IMPORTERS)}"
+        )
+    if not Path(path).is_file():
+        raise SettingError(f"{path}: no such file")
+    if suffix == ".blend":
+        bpy.ops.wm.open_mainfile(filepath=str(Path(path).resolve()))
+        return
+    bpy.ops.wm.read_homefile(use_empty=True)
+    if suffix == ".glb":
+        import addon_utils
+
+        addon_utils.enable("io_scene_gltf2")
+    _IMPORTERS[suffix](str(Path(path).resolve()))
+    for mesh in bpy.data.meshes:
+        if suffix in _TORN:
+            _weld(mesh)
+        if not mesh.has_custom_normals:
+            mesh.shade_smooth()
+            mesh.set_sharp_from_angle(angle=_SHARP)
+
+
+def _weld(mesh):
+    """Join boundary vertices at the very same place, as Blender's importer of .stl does by itself."""
+    edited = bmesh.new()
+    edited.from_mesh(mesh)
+    first, targets = {}, {}
+    for vertex in edited.verts:
+        if vertex.is_boundary:
+            target = first.setdefault(vertex.co.to_tuple(), vertex)
+            if target is not vertex:
+                targets[vertex] = target
+    if targets:
+        normals = read_all(mesh.corner_normals, "vector", 3, np.float32)
+        bmesh.ops.weld_verts(edited, targetmap=targets)
+        edited.to_mesh(mesh)
+        # Custom normals are stored relative to the faces around a vertex, which have changed.
+        if mesh.has_custom_normals and len(mesh.loops) == len(normals):
+            mesh.normals_split_custom_set(normals)
+    edited.free()
+
+
+def choose_object(name=None):
+    """The mesh object to work on: by name, the only one, or the active one."""
+    meshes = {obj.name: obj for obj in bpy.context.scene.objects if obj.type == "MESH"}
+    if name is not None:
+        if name not in meshes:
+            raise SettingError(f"there is no mesh object {name!r}: choose one of {', '.join(meshes) or 'none'}")
+        chosen = meshes[name]
+    elif not meshes:
+        raise SettingError("the file has no mesh object: a field needs the faces of a mesh")
+    elif len(meshes) == 1:
+        chosen = next(iter(meshes.values()))
+    elif bpy.context.view_layer.objects.active in meshes.values():
+        chosen = bpy.context.view_layer.objects.active
+    else:
+        raise SettingError(f"the file has {len(meshes)} mesh objects: choose with --object ({', '.join(meshes)})")
+    bpy.context.view_layer.objects.active = chosen
+    return chosen
+
+
+def opened(path, name=None):
+    """The mesh object to work on of a file, as :func:`open_input` and :func:`choose_object` have it."""
+    open_input(path)
+    return choose_object(name)
+
+
+def named_object(name):
+    """An object of the file by its name."""
+    obj = bpy.data.objects.get(name)
+    if obj is None:
+        raise SettingError(f"there is no object {name!r}: choose one of {', '.join(bpy.data.objects.keys()) or 'none'}")
+    return obj
+
+
+def check_outputs(blend=None, picture=None, report=None, field=None, mesh=None):
+    """Refuse, before any work, outputs whose folder does not exist or whose suffix is wrong."""
+    asked = (
+        (blend, [".blend"]),
+        (picture, [".png"]),
+        (report, [".json"]),
+        (field, FIELD_SUFFIXES),
+        (mesh, MESH_SUFFIXES),
+    )
+    for path, suffixes in asked:
+        if path:
+            check_output(path, suffixes)
+
+
+def check_output(path, suffixes):
+    """Refuse an output that has another suffix, is a folder, or lies in one that does not exist."""
+    path = Path(path)
+    if path.suffix.lower() not in suffixes:
+        raise SettingError(f"{path}: the name of this output must end in {' or '.join(suffixes)}")
+    if not path.resolve().parent.is_dir():
+        raise SettingError(f"{path}: its folder does not exist, create it first")
+    if path.is_dir():
+        raise SettingError(f"{path}: this is a folder, choose another name")
+
+
+def unwritten(path, reason):
+    """The error of a file that could not be written."""
+    return SettingError(f"{path}: cannot be written ({reason}): make room, or choose another place")
+
+
+def check_written(path):
+    """Refuse an empty file: where the disk is full, Blender's exporters and OpenVDB report success."""
+    if not Path(path).is_file() or not Path(path).stat().st_size:
+        raise unwritten(path, "nothing arrived")
+
+
+def export_mesh(obj, path, z_up=False):
+    """Write one mesh object to a file of its own, in the units of the scene.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+    path : of a kind in MESH_SUFFIXES
+    z_up : coordinates of the world in an .obj file too, whose usual way up is Y; the other kinds have them always
+
+    Raises
+    ------
+    SettingError
+        where the file cannot be written
+    """
+    for other in bpy.context.view_layer.objects:
+        other.select_set(other == obj)
+    target = Path(path).absolute()
+    try:
+        _EXPORTERS[target.suffix.lower()](filepath=str(target), **(_Z_UP if z_up else {}))
+    except RuntimeError as error:
+        raise unwritten(path, " ".join(str(error).split())) from None
+    check_written(path)
+
+
+def is_report(path):
+    """Whether a path may be written as a report: nothing else is ever overwritten with one."""
+    return Path(path).suffix.lower() == ".json"
+
+
+def save_blend(path):
+    """Save the scene as a .blend file, without Blender's backup of an older one; returns its path."""
+    preferences = bpy.context.preferences.filepaths
+    backups, preferences.save_version = preferences.save_version, 0
+    try:
+        bpy.ops.wm.save_as_mainfile(filepath=str(Path(path).resolve()), check_existing=False)
+    finally:
+        preferences.save_version = backups
+    return str(path)

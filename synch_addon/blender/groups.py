@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Vertex groups of an object as arrays, read and written."""
+
+import numpy as np
+
+from ...core.errors import SettingError
+
+
+def is_group(obj, name):
+    """Whether numbers of this name are the weights of a vertex group; an attribute of the name goes first."""
+    return name in obj.vertex_groups and name not in obj.data.attributes
+
+
+def read_group(obj, name):
+    """(n,) bool: vertices of a vertex group, on the object's own vertices."""
+    members = read_weights(obj, name) > 0
+    if not members.any():
+        raise SettingError(f"the vertex group {name!r} is empty: assign vertices to it")
+    return members
+
+
+def read_weights(obj, name, outside=0.0):
+    """(n,) weights of a vertex group, another number for vertices outside."""
+    group = obj.vertex_groups.get(name)
+    if group is None:
+        names = ", ".join(g.name for g in obj.vertex_groups) or "none yet"
+        raise SettingError(f"{obj.name} has no vertex group {name!r}: choose one of its groups ({names})")
+    weights = np.full(len(obj.data.vertices), outside)
+    for vertex in obj.data.vertices:
+        for member in vertex.groups:
+            if member.group == group.index:
+                weights[vertex.index] = member.weight
+    return weights
+
+
+def write_weights(obj, name, weights):
+    """A new vertex group of (n,) weights, without the vertices whose weight is 0."""
+    group = obj.vertex_groups.new(name=name)
+    for vertex in np.flatnonzero(weights > 0).tolist():
+        group.add([vertex], float(weights[vertex]), "REPLACE")

@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The only door between Blender's data and the core's arrays."""
+
+from contextlib import contextmanager
+
+import bmesh
+import bpy
+import numpy as np
+
+from ...core.errors import MeshError, SynchError
+from ...core.geometry import TriangleMesh
+from ...core.geometry.check import check_mesh
+from ...core.geometry.mesh_input import MeshInput
+from ...core.geometry.polygons import Polygons
+from .attributes import read_all, read_values
+
+
+def refusal(obj):
+    """Why an object cannot be given a field, in one line, or None."""
+    if obj is None:
+        return "no active object: select a mesh object"
+    if obj.type != "MESH":
+        return f"{obj.name} is not a mesh: select a mesh object, or convert it with Object > Convert"
+    for owner, kind in ((obj, "object"), (obj.data, "mesh")):
+        if not owner.is_editable:
+            return f"the {kind} {owner.name} is linked: make it local with Object > Relations > Make Local"
+    return None
+
+
+def refuse(obj):
+    """Raise SynchError for an object that cannot be given a field."""
+    reason = refusal(obj)
+    if reason:
+        raise SynchError(reason)
+
+
+@contextmanager
+def object_mode(obj):
+    """Leave edit mode while attributes are read and written, and come back to it."""
+    editing = obj.mode == "EDIT"
+    if editing:
+        if bpy.context.view_layer.objects.active != obj:
+            raise SynchError(
+                f"{obj.name} is in edit mode and not active: make it the active object, or leave edit mode"
+            )
+        bpy.ops.object.mode_set(mode="OBJECT")
+    try:
+        yield
+    finally:
+        if editing and bpy.context.view_layer.objects.active == obj:  # not where a new object took its place
+            bpy.ops.object.mode_set(mode="EDIT")
+
+
+def read_mesh(obj, polygons=None):
+    """Read the object's own mesh (before modifiers) in object mode, measured with the object's scale.
+
+    An evaluated object's own mesh is the one behind the modifiers. Its faces are read where they are not given.
+
+    Raises
+    ------
+    MeshError
+        naming the first element that cannot carry a field
+    """
+    for group in obj.vertex_groups:
+        if group.name.startswith("synch_"):  # Blender would number an attribute of the same name
+            raise MeshError(f"the vertex group {group.name!r} of {obj.name} has a name of our attributes: rename it")
+    stretch = _stretch(obj)
+    vertices = read_values(obj, "position", "POINT") if len(obj.data.vertices) else np.empty((0, 3))
+    polygons = read_polygons(obj) if polygons is None else polygons
+    mesh = TriangleMesh(vertices.astype(float) @ stretch.T, polygons.triangles)
+    check_mesh(mesh, polygons.triangle_faces)
+    return MeshInput(mesh, polygons, stretch, mesh, np.arange(mesh.vertex_count))
+
+
+def is_unchanged(obj, given):
+    """Whether the object still has the positions, faces and scale of a :class:`MeshInput`."""
+    if len(obj.data.vertices) != given.uncut.vertex_count:
+        return False
+    vertices = read_values(obj, "position", "POINT").astype(float) @ given.stretch.T
+    now, then = read_polygons(obj), given.polygons
+    return (
+        np.array_equal(vertices, given.uncut.vertices)
+        and np.array_equal(now.corner_vertices, given.source[then.corner_vertices])
+        and np.array_equal(now.starts, then.starts)
+        and np.array_equal(now.triangle_corners, then.triangle_corners)
+        and np.array_equal(_stretch(obj), given.stretch)
+    )
+
+
+def read_polygons(obj):
+    """The faces of the object's mesh and the triangles that Blender draws them with."""
+    data = obj.data
+    data.calc_loop_triangles()
+    arrays = (
+        read_all(data.loops, "vertex_index"),
+        read_all(data.polygons, "loop_start"),
+        read_all(data.polygons, "loop_total"),
+        read_all(data.loop_triangles, "loops", 3),
+        read_all(data.loop_triangle_polygons, "value"),
+    )
+    return Polygons(*(a.astype(np.int64) for a in arrays))
+
+
+def _stretch(obj):
+    """Symmetric positive part of the object's transform: its scale without rotation and mirroring."""
+    linear = np.array(obj.matrix_world.to_3x3())
+    if not np.isfinite(linear).all():
+        raise MeshError(f"the transform of {obj.name} is not finite: clear it with Object > Clear")
+    values, axes = np.linalg.eigh(linear.T @ linear)
+    if values[0] <= 1e-12 * values[2]:
+        raise MeshError(f"the scale of {obj.name} is zero along an axis: give it a scale in every direction")
+    return (axes * np.sqrt(values)) @ axes.T
+
+
+def split_faces(obj, polygons, faces):
+    """Replace faces by the triangles that draw them, keeping all their corner and face data.
+
+    Returns the (c,) old corner that each corner was.
+    """
+    edited = bmesh.new()
+    edited.from_mesh(obj.data)
+    edited.faces.ensure_lookup_table()
+    edited.verts.ensure_lookup_table()
+    corner = edited.loops.layers.int.new("synch_corner")
+    for number, loop in enumerate(loop for face in edited.faces for loop in face.loops):
+        loop[corner] = number
+    old = [edited.faces[face] for face in faces]
+    for face, index in zip(old, faces, strict=True):
+        loops = list(face.loops)
+        source = {loop.vert: loop for loop in loops}
+        for corners in polygons.triangle_corners[polygons.triangle_faces == index] - polygons.starts[index]:
+            triangle = edited.faces.new([loops[k].vert for k in corners], face)
+            for loop in triangle.loops:
+                loop.copy_from(source[loop.vert])
+    bmesh.ops.delete(edited, geom=old, context="FACES_ONLY")
+    old_corners = [loop[corner] for face in edited.faces for loop in face.loops]
+    edited.loops.layers.int.remove(corner)
+    edited.to_mesh(obj.data)
+    edited.free()
+    return np.array(old_corners)
+
+
+def faces_of_triangles(polygons, triangles):
+    """(k,) face that draws each of (k, 3) triangles given by their vertices."""
+    wanted = np.asarray(triangles).reshape(-1, 3)
+    both = np.sort(np.concatenate([polygons.triangles, wanted]), axis=1)
+    labels = np.unique(both, axis=0, return_inverse=True)[1].reshape(-1)
+    face_of = np.empty(labels.max(initial=0) + 1, int)
+    face_of[labels[: len(polygons.triangle_faces)]] = polygons.triangle_faces
+    return face_of[labels[len(polygons.triangle_faces) :]]
+
+
+def select_vertices(obj, vertices):
+    """Select vertices and nothing else of a mesh in object mode, so that edit mode shows them."""
+    bpy.context.tool_settings.mesh_select_mode = (True, False, False)
+    chosen = np.zeros(len(obj.data.vertices), bool)
+    chosen[vertices] = True
+    ends = read_all(obj.data.edges, "vertices", 2)
+    obj.data.vertices.foreach_set("select", chosen)
+    obj.data.edges.foreach_set("select", chosen[ends].all(axis=1))
+    obj.data.polygons.foreach_set("select", np.zeros(len(obj.data.polygons), bool))
+    obj.data.update()
+
+
+def select_faces(obj, faces):
+    """Select faces and nothing else of a mesh in object mode, so that edit mode shows them.
+
+    Raises
+    ------
+    MeshError
+        where the mesh has fewer faces, and then nothing is selected
+    """
+    if max(faces, default=0) >= len(obj.data.polygons):
+        raise MeshError(f"faces of {obj.name} were deleted since its defects were found: solve it again")
+    bpy.context.tool_settings.mesh_select_mode = (False, False, True)
+    chosen = np.zeros(len(obj.data.polygons), bool)
+    chosen[list(faces)] = True
+    for elements, value in ((obj.data.vertices, False), (obj.data.edges, False)):
+        elements.foreach_set("select", np.full(len(elements), value))
+    obj.data.polygons.foreach_set("select", chosen)
+    obj.data.update()
+
+
+def update(obj):
+    """Tell Blender that the mesh's data changed."""
+    obj.data.update()

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Curves of other objects, read as strokes on the surface."""
+
+from contextlib import contextmanager
+
+import bpy
+import numpy as np
+from mathutils.bvhtree import BVHTree
+
+from ...core.errors import SettingError
+from ..nodes.vortices import is_of_filaments
+from .attributes import read_all
+
+SOURCE_TYPES = {"CURVE", "GREASEPENCIL", "MESH"}
+
+
+def read_strokes(obj, name, given):
+    """Curves of another object, projected to the surface: pairs of (p,) triangles and (p, 3) points.
+
+    Every polyline is sampled at half the mesh's shorter edges. Works with curves, Grease Pencil and meshes of
+    edges, as they are seen, modifiers included; of a curve with thickness or fill the splines alone count.
+
+    Raises
+    ------
+    SettingError
+        when there is no such object, or it holds no curve
+    """
+    source = bpy.data.objects.get(name)
+    if source is None or source == obj:
+        raise SettingError(f"there is no curve object {name!r}: choose a curve or Grease Pencil object of the scene")
+    if source.type not in SOURCE_TYPES:
+        raise SettingError(f"the object {name!r} is a {source.type.lower()}: choose a curve or Grease Pencil object")
+    mesh = given.mesh
+    step = 0.5 * np.quantile(mesh.edge_lengths, 0.1)
+    tree = BVHTree.FromPolygons(mesh.vertices.tolist(), mesh.triangles.tolist(), all_triangles=True)
+    into = given.stretch @ np.array(obj.matrix_world.inverted())[:3]
+    strokes = []
+    for polyline in polylines(source):
+        points = np.column_stack([polyline, np.ones(len(polyline))]) @ np.array(source.matrix_world).T @ into.T
+        hits = [tree.find_nearest(point)[::2] for point in _resampled(points, step)]
+        places, faces = (np.array(column) for column in zip(*hits, strict=True))
+        strokes.append((faces, places))
+    if not strokes:
+        raise SettingError(f"the object {name!r} holds no curve: draw one, or choose another object")
+    return strokes
+
+
+def polylines(source):
+    """(p, 3) points of every curve of an object, in its own space."""
+    evaluated = source.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    if source.type == "GREASEPENCIL":
+        lines = [line for layer in evaluated.data.layers for line in _drawn(layer)]
+    elif source.type == "CURVE" and (_is_thick(source.data) or any(map(is_of_filaments, source.modifiers))):
+        with _middle_line(source) as thin:
+            lines = _chains(thin)
+    else:
+        lines = _chains(evaluated)
+    return [line for line in lines if len(line) > 1 and np.ptp(line, axis=0).any()]
+
+
+def _drawn(layer):
+    """Strokes of a Grease Pencil layer at the present frame."""
+    frame = layer.current_frame()
+    for stroke in frame.drawing.strokes if frame is not None else ():
+        points = [layer.matrix_local @ point.position for point in stroke.points]
+        yield np.array(points + points[:1] if stroke.cyclic else points)
+
+
+def _is_thick(curve):
+    filled = curve.dimensions == "2D" and curve.fill_mode != "NONE"
+    return filled or curve.extrude or curve.bevel_depth or curve.bevel_mode == "OBJECT"
+
+
+@contextmanager
+def _middle_line(source):
+    """For a moment, an object with a curve's splines alone: without thickness, but also without modifiers."""
+    data = source.data.copy()
+    data.dimensions, data.bevel_mode, data.bevel_depth, data.extrude = "3D", "ROUND", 0, 0
+    thin = bpy.data.objects.new(source.name, data)
+    try:
+        yield thin
+    finally:
+        bpy.data.objects.remove(thin)
+        bpy.data.curves.remove(data)
+
+
+def _chains(seen):
+    """Chains of edges of an object that is seen as a mesh, as polylines."""
+    mesh = seen.to_mesh()
+    try:
+        points = read_all(mesh.vertices, "co", 3, np.float32)
+        pairs = read_all(mesh.edges, "vertices", 2)
+    finally:
+        seen.to_mesh_clear()
+    beside = {}
+    for i, j in pairs.tolist():
+        beside.setdefault(i, []).append(j)
+        beside.setdefault(j, []).append(i)
+    chains, passed = [], set()
+    for start in sorted(beside, key=lambda v: len(beside[v]) == 2):  # ends and junctions first, then loops
+        for following in beside[start]:
+            chain = [start]
+            while following is not None and (chain[-1], following) not in passed:
+                passed |= {(chain[-1], following), (following, chain[-1])}
+                chain.append(following)
+                on = [v for v in beside[following] if (following, v) not in passed]
+                following = on[0] if len(beside[following]) == 2 and on else None
+            if len(chain) > 1:
+                chains.append(points[chain])
+    return chains
+
+
+def _resampled(points, step):
+    """Points along a polyline at most a step apart."""
+    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    along = np.append(0, np.cumsum(lengths))
+    places = np.linspace(0, along[-1], max(int(np.ceil(along[-1] / step)), 1) + 1)
+    return np.column_stack([np.interp(places, along, column) for column in points.T])

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command ``clebsch`` of the command line: vortices of a flow."""
+
+import bpy
+
+from ...core.errors import SettingError
+from ..blender import files
+from ..flows.job import SHOWN, ClebschSettings, clebsch
+from ..flows.report import summary
+from ..nodes.vortices import is_of_filaments
+from .flags import Made, add_choice, add_number, add_outputs, add_solver, saved
+
+
+def add_parser(commands):
+    """Add the command to the parser's."""
+    default = ClebschSettings()
+    command = commands.add_parser(
+        "clebsch", help="vortex filaments or tubes of a flow", description="Show the vortices of a flow."
+    )
+    command.add_argument("input", help=".vdb or .npz file with a velocity, or a .blend file with curves or meshes")
+    command.add_argument(
+        "--object", nargs="+", metavar="NAME", help="volume, mesh, or curves that stand for filaments, of a .blend file"
+    )
+    command.add_argument(
+        "--core", type=float, metavar="CELLS", help="radius of curves' vorticity; by default 0.5, and 2 with tubes"
+    )
+    command.add_argument(
+        "--attribute",
+        default=default.attribute,
+        metavar="NAME",
+        help="velocity on a mesh's vertices, or grid of a volume (%(default)s)",
+    )
+    add_choice(command, "--show", SHOWN, default.show)
+    add_number(command, "--resolution", default.resolution, "nodes along the longest side, but for .npz files", "N")
+    add_number(command, "--count", default.count, "filaments through the plane with most vorticity")
+    command.add_argument("--quantum", type=float, metavar="H", help="circulation of one filament; goes before --count")
+    command.add_argument(
+        "--point", nargs=3, type=float, metavar=("X", "Y", "Z"), help="of the sphere, from which it is seen"
+    )
+    add_number(command, "--opening", default.opening, "width of tubes", "DEG")
+    add_number(command, "--smoothing", default.smoothing, "of what is shown", "N")
+    command.add_argument(
+        "--frames",
+        nargs=2,
+        type=int,
+        metavar=("FIRST", "LAST"),
+        help="a range of a sequence: files with # for each digit of the number, smoke_####.vdb, or a volume's",
+    )
+    add_solver(command)
+    add_outputs(command, "energies, bounds, filaments and times")
+
+
+def _only(attribute):
+    """The objects of the scene that are a flow: a volume, a mesh with the attribute, or all curves, but those that a
+    flow has shown before.
+
+    Raises
+    ------
+    SettingError
+        when there is none, or more than one, naming them
+    """
+    objects = list(bpy.context.scene.objects)
+    curves = [obj for obj in objects if obj.type == "CURVE" and not any(map(is_of_filaments, obj.modifiers))]
+    alone = [
+        obj for obj in objects if obj.type == "VOLUME" or (obj.type == "MESH" and attribute in obj.data.attributes)
+    ]
+    choices = [[obj] for obj in alone] + [curves] * bool(curves)
+    if len(choices) == 1:
+        return choices[0]
+    names = ", ".join(obj.name for obj in (alone + curves if choices else objects)) or "nothing"
+    reason = f"the file has several flows ({names})" if choices else f"nothing in the file is a flow (it has {names})"
+    raise SettingError(f"{reason}: name an object with --object, and a mesh's velocity with --attribute")
+
+
+def run(options, _open_object, progress):
+    """Run the command."""
+    files.check_outputs(options.output, report=options.report)
+    settings = {name: getattr(options, name) for name in ClebschSettings.__dataclass_fields__}
+    source = options.input
+    if str(options.input).lower().endswith(".blend"):
+        files.open_input(options.input)
+        source = [files.named_object(name) for name in options.object] if options.object else _only(options.attribute)
+        source = source[0] if len(source) == 1 else source
+    else:
+        bpy.ops.wm.read_homefile(use_empty=True)
+    settings["frames"] = tuple(options.frames) if options.frames else None
+    report = clebsch(source, progress, **settings)
+    return Made(report, summary(report), saved(options))

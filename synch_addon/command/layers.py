@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command ``layers`` of the command line: layers in the solid of a mesh, or in a file of tetrahedra."""
+
+from pathlib import Path
+
+import bpy
+
+from ...core.files.tets import read_tets
+from .. import api
+from ..blender import files
+from ..solids.report import summary
+from ..solids.settings import KINDS, WISHES, LayerSettings
+from . import layer_outputs
+from .flags import Made, add_input, add_outputs, add_solver, add_spacing, saved, solver_of, spacing_of
+
+_DEFAULT = LayerSettings()
+SOLID_SUFFIXES = (".mesh", ".vtu")
+
+
+def add_parser(commands):
+    """Add the command to the parser's."""
+    command = commands.add_parser(
+        "layers",
+        help="evenly spaced layers in a solid",
+        description="Solve layers in the solid that a closed mesh encloses, or in one of tetrahedra (.mesh, .vtu).",
+    )
+    add_input(command)
+    command.add_argument(
+        "--guidance",
+        default=_DEFAULT.guidance,
+        metavar="KIND:NAME",
+        help=f"what the layers follow; kinds: {', '.join(KINDS)}; harmonic:LOW:HIGH (%(default)s)",
+    )
+    command.add_argument(
+        "--groups",
+        default=_DEFAULT.groups,
+        metavar="NAME=WISH,...",
+        help=f"what is asked on vertex groups' faces or on the boundary: {' or '.join(WISHES)}",
+    )
+    add_spacing(command, "between layers")
+    command.add_argument(
+        "--size", type=float, metavar="LENGTH", help="longest edge of the tetrahedra; default: automatic"
+    )
+    add_solver(command)
+    layer_outputs.add_arguments(command)
+    add_outputs(command, "energies, spacings, curves and times", "the layers", "all layers as one mesh")
+
+
+def run(options, open_object, progress):
+    """Run the command."""
+    settings = LayerSettings(
+        options.guidance, options.groups, size=options.size, **spacing_of(options), **solver_of(options)
+    )
+    files.check_outputs(options.output, options.render, options.report, mesh=options.export_mesh)
+    layer_outputs.check(options)
+    if options.input and Path(options.input).suffix.lower() in SOLID_SUFFIXES:
+        obj, solid = _open_solid(options.input)
+    else:
+        obj, solid = open_object(), None
+    job = api.layer_job(obj, settings, solid)
+    job.solve(progress)
+    report = job.write(obj)
+    layers = bpy.data.objects[report["layers_object"]]
+    # Before anything else can fail, and once more with the curves and the volume that exports make.
+    written = saved(options)
+    if options.export_mesh:
+        files.export_mesh(layers, options.export_mesh, z_up=True)
+        written.append(options.export_mesh)
+    paths, warned = layer_outputs.write(options, obj)
+    written += paths
+    report["warnings"] += warned
+    if options.export_paths or options.export_volume:
+        saved(options)
+    return Made(report, summary(report), written, layers)
+
+
+def _open_solid(path):
+    """An object of the boundary of the tetrahedra in a file, in an empty scene, and these."""
+    solid = read_tets(path)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    boundary, _ = solid.boundary_surface
+    name = Path(path).stem
+    data = bpy.data.meshes.new(name)
+    data.from_pydata(boundary.vertices.tolist(), [], boundary.triangles.tolist())
+    data.shade_smooth()
+    obj = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    return obj, solid

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line, inside Blender and from the bpy wheel.
+
+    blender -b file.blend --command synch stripes --object Body --spacing 0.05 --output out.blend
+    python -m synch_fields stripes mesh.obj --spacing 0.05 --output out.blend --render out.png --report out.json
+
+Progress goes to stderr, nothing but the result to stdout. The exit status is 0 only when everything that
+was asked for has been written; every failure is one line.
+"""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+import bpy
+
+from ...core.errors import SettingError, SynchError
+from .. import api
+from ..blender import files
+from ..blender.quiet import quiet_stdout
+from ..jobs.report import failure, summary
+from ..looks.demo import add_demo_object
+from ..patterns.info import describe
+from ..settings.fields import Settings
+from . import animate, bake, clebsch, fields, layers
+from . import lines as cli_lines
+from .flags import Made, add_input, add_quiet, add_view, saved
+
+_command = None
+
+
+def main(arguments, loaded=False):
+    """Run a command line; ``loaded`` tells that Blender has opened the file already. Exit status."""
+    parser = _parser(loaded)
+    try:
+        options = parser.parse_args(arguments)
+    except SystemExit as stop:
+        return stop.code or 0
+    with quiet_stdout() as out:
+        try:
+            progress = None if getattr(options, "quiet", True) else _show_progress
+            made = _COMMANDS[options.command](options, lambda: _open(options, loaded), progress)
+            lines = _deliver(made, options, progress)
+        except SynchError as error:
+            return _fail(options, str(error))
+        except OSError as error:
+            return _fail(options, f"{error.filename or 'a file'}: {error.strerror or error}")
+        except RuntimeError as error:  # what an importer or exporter of Blender reports
+            return _fail(options, " ".join(str(error).split()))
+        print("\n".join(lines), file=out)
+    return 0
+
+
+def _fail(options, line):
+    path = getattr(options, "report", None)
+    if path and files.is_report(path):
+        settings = {k: v for k, v in vars(options).items() if isinstance(v, str | int | float | None)}
+        try:
+            _write_json(path, failure(options.command, settings, line))
+        except OSError as error:
+            line += "" if path in line else f" (and no report: {path}: {error.strerror})"
+    print(f"synch {options.command}: {line}", file=sys.stderr)
+    return 1
+
+
+def _deliver(made, options, progress):
+    """Write the report and the picture that are asked for; the lines to print."""
+    report, picture = (getattr(options, name, None) for name in ("report", "render"))
+    if report:  # a picture may take minutes, and what was solved should not be lost with it
+        _write_json(report, made.report)
+    if picture:
+        from ..looks.render import render_picture
+
+        if progress:
+            progress("rendering", 0.0)
+        render_picture(made.shown, picture, view=options.view, **made.look)
+    written = [*made.written, *(path for path in (picture, report) if path)]
+    warnings = [f"warning: {line}" for line in made.report.get("warnings", ())]
+    return [*made.lines, *warnings, *(f"wrote {path}" for path in written)]
+
+
+# Commands
+
+
+def _run_demo(options, _open_object, progress):
+    folder = Path(options.folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, suffix in (("output", ".blend"), ("render", ".png"), ("report", ".json")):
+        setattr(options, name, str(folder / f"demo{suffix}"))
+    bpy.ops.wm.read_homefile(use_empty=True)
+    obj = add_demo_object()
+    report = api.run("stripes", obj, Settings(), progress)
+    return Made(report, summary(report), saved(options), obj)
+
+
+def _run_info(options, open_object, _progress):
+    files.check_outputs(report=options.report)
+    report, lines = describe(open_object())
+    return Made(report, lines, [])
+
+
+_COMMANDS = dict.fromkeys(fields.COMMANDS, fields.run) | {
+    "animate": animate.run,
+    "bake": bake.run,
+    "clebsch": clebsch.run,
+    "demo": _run_demo,
+    "info": _run_info,
+    "isolines": cli_lines.run,
+    "layers": layers.run,
+}
+
+
+def _open(options, loaded):
+    if options.input:
+        return files.opened(options.input, options.object)
+    if not loaded:
+        raise SettingError("no input: name a .blend, .obj, .ply, .stl or .glb file")
+    return files.choose_object(options.object)
+
+
+def _show_progress(stage, fraction):
+    line = f"{stage} {fraction:.0%}"
+    if sys.stderr.isatty():
+        print(f"\r{line:<40}", end="", file=sys.stderr, flush=True)
+    elif line != _show_progress.last:
+        print(line, file=sys.stderr)
+    _show_progress.last = line
+    return True
+
+
+_show_progress.last = ""
+
+
+def _write_json(path, report):
+    Path(path).write_text(json.dumps(report, indent=2) + "\n")
+
+
+# Parser
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message):
+        self.exit(2, f"{self.prog}: {message} (see --help)\n")
+
+
+def _parser(loaded):
+    parser = _Parser(
+        prog="blender --command synch" if loaded else "python -m synch_fields",
+        description="Stripes, quads and direction fields with a proved optimality gap.",
+    )
+    commands = parser.add_subparsers(dest="command", required=True, metavar="command")
+    fields.add_parsers(commands)
+    for module in (cli_lines, animate, clebsch, layers, bake):
+        module.add_parser(commands)
+    command = commands.add_parser("info", help="what a mesh can carry", description="Describe a mesh.")
+    add_input(command)
+    command.add_argument("--report", metavar="FILE.json", help="write the same as JSON")
+    command = commands.add_parser("demo", help="stripes on Suzanne", description="Stripes on a remeshed Suzanne.")
+    add_view(command)
+    command.add_argument("--folder", default="out", help="where demo.blend, demo.png and demo.json go (%(default)s)")
+    add_quiet(command)
+    return parser
+
+
+def register():
+    global _command
+    _command = bpy.utils.register_cli_command("synch", lambda arguments: main(arguments, loaded=True))
+
+
+def unregister():
+    bpy.utils.unregister_cli_command(_command)

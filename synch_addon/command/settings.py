@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The settings of fields and patterns as flags of the command line."""
+
+import json
+import math
+from pathlib import Path
+
+from ...core.errors import SettingError
+from ..settings.constraints import from_plain
+from ..settings.fields import BOUNDARIES, SYMMETRIES, Settings
+from ..settings.guidance import KINDS
+from .flags import add_choice, add_number, add_solver, add_spacing, solver_of, spacing_of
+
+
+def add_settings(command, name):
+    """Add the flags that a command of a name has to its parser."""
+    default = Settings()
+    of_quads = name in ("quads", "quad_mesh")
+    if name != "directions":
+        add_spacing(command, "two quads' length" if of_quads else "between stripes")
+    if of_quads:
+        aspect = "spacing along the second direction over that along the first, which is nearer to X"
+        add_number(command, "--aspect", default.aspect, aspect)
+    else:
+        symmetry = "what is the same at a point; cross for directions only"
+        add_choice(command, "--symmetry", tuple(SYMMETRIES), default.symmetry, symmetry)
+    if name == "quad_mesh":
+        smoothing = "how often vertices move to the middle of their neighbours on the surface"
+        add_number(command, "--smoothing", default.smoothing, smoothing, "N")
+    command.add_argument(
+        "--guidance",
+        default=default.guidance,
+        metavar="SPEC",
+        help=f"smooth, or sources KIND:NAME=STRENGTH separated by commas; kinds: {', '.join(KINDS)} (%(default)s)",
+    )
+    command.add_argument(
+        "--angle", type=float, default=0.0, metavar="DEG", help="turn the directions, counterclockwise"
+    )
+    command.add_argument(
+        "--angle-attribute", default="", metavar="NAME", help="float attribute, radians from vertex to vertex on top"
+    )
+    boundary = "what directions do at open edges; phase: a line lies exactly on them"
+    add_choice(command, "--boundary", BOUNDARIES, default.boundary, boundary)
+    command.add_argument("--vertex-group", default="", metavar="NAME", help="restrict the boundary to this group")
+    command.add_argument(
+        "--mirror", default="", metavar="AXES", help="X, Y, Z or several: the result is its own mirror image in them"
+    )
+    command.add_argument(
+        "--constraints", metavar="ROWS.json", help="a list of rows; default: the list stored with the object"
+    )
+    add_solver(command)
+
+
+def settings_of(options):
+    """The :class:`Settings` that the flags stand for."""
+    if options.vertex_group and options.boundary == "free":
+        raise SettingError(
+            f"the vertex group {options.vertex_group!r} restricts the boundary, which is free: "
+            "add --boundary along, across or phase"
+        )
+    only_some = {name: getattr(options, name) for name in ("aspect", "smoothing") if hasattr(options, name)}
+    return Settings(
+        symmetry=getattr(options, "symmetry", "cross"),
+        guidance=options.guidance,
+        angle=math.radians(options.angle),
+        angle_attribute=options.angle_attribute,
+        boundary=options.boundary,
+        vertex_group=options.vertex_group,
+        mirror=options.mirror.upper(),
+        constraints=_read_constraints(options.constraints) if options.constraints else None,
+        **(spacing_of(options) if hasattr(options, "spacing") else {}),
+        **only_some,
+        **solver_of(options),
+        assign_material=True,
+    )
+
+
+def _read_constraints(path):
+    try:
+        return from_plain(json.loads(Path(path).read_text(encoding="utf-8")))
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise SettingError(f"{path}: {error}: write a JSON list of rows") from None
+    except SettingError as error:
+        raise SettingError(f"{path}: {error}") from None

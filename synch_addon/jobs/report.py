@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The report of a run: what was asked, found and written, ready for JSON."""
+
+import json
+import platform
+import sys
+import time
+import tomllib
+from copy import copy
+from dataclasses import asdict
+from pathlib import Path
+
+import bpy
+import numpy as np
+import scipy
+
+from ...core.errors import name_elements, plural
+from ...core.solve.solution import Clock, relative_gap
+from ..frames.nodes import changing_modifiers
+
+_MANIFEST = Path(__file__).parents[2] / "blender_manifest.toml"
+VERSION = tomllib.loads(_MANIFEST.read_text(encoding="utf-8"))["version"]
+
+
+class Report:
+    """Collects warnings and times during a run and becomes a dict at its end."""
+
+    def __init__(self, command, obj, settings):
+        self.command, self.object_name, self.settings = command, obj.name, settings
+        self.clock = Clock()
+        self.warnings = []
+        self.forced_dislocations = None
+        self.quad_mesh = None
+        self._start = time.perf_counter()
+        self._task = None
+
+    def again(self, command=None):
+        """A report of the same run for another result of its solve: new times, no warnings yet."""
+        fresh = copy(self)
+        fresh.command = command or self.command
+        fresh.clock, fresh.warnings, fresh._start = Clock(), [], time.perf_counter()
+        return fresh
+
+    def warn(self, line):
+        """Add a line that the user should read although the run succeeds."""
+        self.warnings.append(line)
+
+    def warn_about(self, obj, task):
+        """Warn about what the object has that the result cannot follow."""
+        self._task = task
+        loose = task.given.mesh.loose_vertices
+        if len(loose):
+            self.warn(
+                f"{name_elements('vertex', loose)} without a face get no field: "
+                "remove loose geometry with Mesh > Clean Up > Delete Loose"
+            )
+        changing = [modifier.name for modifier in changing_modifiers(obj)]
+        if changing and self.command != "animate":  # which reads the mesh behind its modifiers
+            self.warn(
+                f"the pattern is solved on the mesh before its modifiers ({', '.join(changing)}): "
+                "apply them first if it should follow the result"
+            )
+        rows = self.settings.all_constraints
+        unheard = [row.label for row in rows if row.what in ("along", "across", "angle")]
+        if self.settings.exact_attribute and unheard:
+            self.warn(
+                f"directions that an attribute gives are taken as they are, without {', '.join(unheard)}: "
+                f"give it a strength (attribute:{self.settings.exact_attribute}=1) where rows should turn them"
+            )
+        given = [row.label for row in rows if row.what == "phase" and row.where == "attribute"]
+        if given and self.settings.symmetry == "line" and not self.settings.exact_attribute:
+            self.warn(
+                f"phases of {', '.join(given)} are meant for the directions that they were written with: "
+                "guide by attribute:synch_direction without a strength"
+            )
+        striped = [row.label for row in rows if row.what in ("phase", "constant") and row.where != "attribute"]
+        if np.any(task.turn) and striped:
+            self.warn(f"the angle turns directions away from lines with a stripe ({', '.join(striped)}): set it to 0")
+        if self.settings.exact_attribute and self.settings.mirror:
+            self.warn(
+                "directions that an attribute gives are taken as they are, without the mirror: "
+                f"give it a strength (attribute:{self.settings.exact_attribute}=1) where they should be mirrored"
+            )
+        if np.any(task.turn) and self.settings.mirror:
+            self.warn("the angle turns directions the same way on both sides of the mirror: set it to 0")
+        users = obj.data.users - obj.data.use_fake_user
+        if users > 1 and self.command != "quad_mesh":
+            self.warn(f"the mesh {obj.data.name} is shared by {users} users, which all get the pattern")
+
+    def finish(self, field, pattern, defects):
+        """The report as a dict of plain values."""
+        solution = field.solution if pattern is None else pattern.solution
+        mesh = self._task.given.mesh
+        times = dict(self.clock.seconds)
+        for part in (field, pattern):
+            for phase, seconds in (part.solution.times if part is not None and part.solution else {}).items():
+                times[phase] = times.get(phase, 0.0) + seconds
+        times["total"] = time.perf_counter() - self._start
+        rows = [asdict(row) for row in self.settings.constraints]
+        settings = asdict(self.settings) | {"spacing": self._task.spacing, "constraints": rows}
+        report = {
+            "status": solution.status.value if solution else "given",
+            "command": self.command,
+            "object": self.object_name,
+            "nodes": mesh.vertex_count - len(mesh.loose_vertices),
+            "edges": len(mesh.edges),
+            **quality(solution),
+        }
+        shown = field if pattern is None else pattern
+        if solution is not None:  # a variation has an energy of its own
+            report["energy"] = shown.energy
+            report["gap"] = relative_gap(shown.energy, solution.lower_bound, solution.noise)
+        if self.settings.method == "spectral":
+            report["spectral_energy"] = report["energy"]
+        if pattern is not None:
+            report["directions"] = quality(field.solution)
+        return report | {
+            "euler_characteristic": mesh.euler_characteristic,
+            "closed": len(mesh.boundary_edges) == 0,
+            "disclinations": [d for d in defects if d["kind"] == "disclination"],
+            "dislocations": [d for d in defects if d["kind"] == "dislocation"],
+            "forced_dislocations": self.forced_dislocations,
+            **({"quad_mesh": self.quad_mesh} if self.quad_mesh else {}),
+            "times": times,
+            "peak_memory_mb": peak_memory(),
+            "seed": self.settings.seed,
+            "settings": settings,
+            "warnings": self.warnings,
+            "versions": versions(),
+        }
+
+
+def failure(command, settings, error):
+    """The report of a run that was refused."""
+    return {"status": "failed", "command": command, "error": str(error), "settings": settings, "versions": versions()}
+
+
+def quality(solution):
+    """Energy, bounds and certificate of a solution; nulls for directions that were given."""
+    names = ("energy", "lower_bound", "gap", "sdp_value", "sdp_gap", "certificate", "rank", "iterations")
+    values = {name: getattr(solution, name, None) for name in names}
+    values["spectral_bound"] = getattr(solution, "spectral_bound", None)
+    return values
+
+
+def versions():
+    """Versions of everything that a result may depend on."""
+    return {
+        "synch_fields": VERSION,
+        "blender": bpy.app.version_string,
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+    }
+
+
+def peak_memory():
+    """Peak memory of the process in MB, None where the system does not tell."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return None
+    unit = 2**20 if sys.platform == "darwin" else 2**10
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
+
+
+def summary(report):
+    """The lines that a person wants to read."""
+    lines = [f"{report['command']} on {report['object']}: {report['nodes']} vertices, {report['edges']} edges"]
+    if report["energy"] is not None:
+        saving = "no field saves more than" if report["certificate"] == "proved" else "gap"
+        bound = f"lower bound {report['lower_bound']:.6g} ({report['certificate']})"
+        lines.append(f"energy {report['energy']:.6g}, {bound}: {saving} {report['gap']:.1%}")
+    if report["sdp_value"] is not None:
+        width = f"the bound is {report['sdp_gap']:.2%} below it"
+        lines.append(f"relaxation {report['sdp_value']:.6g}, {width}: {report['status']}")
+    disclinations = counted(len(report["disclinations"]), "disclination")
+    if report["closed"]:
+        total = sum(d["index"] for d in report["disclinations"])
+        disclinations += f" (indices sum to {total:g}, the Euler characteristic is {report['euler_characteristic']})"
+    dislocations = counted(len(report["dislocations"]), "dislocation")
+    if report["forced_dislocations"] is not None:
+        dislocations += f" (exact directions and spacing ask for {report['forced_dislocations']:.0f})"
+    lines.append(f"{disclinations}, {dislocations}")
+    if "quad_mesh" in report:
+        lines.append(_quad_line(report["quad_mesh"]))
+    lines.append(f"{report['times']['total']:.2f} s")
+    return lines
+
+
+def _quad_line(made):
+    return (
+        f"{made['object']}: {made['faces']} faces, {made['quad_share']:.1%} quads, "
+        f"{counted(made['irregular_vertices'], 'irregular vertex')}, corners off a right angle by "
+        f"{made['angle_deviation']:.1f} degrees on average, {made['hausdorff_distance']:.2g} from the surface at most"
+    )
+
+
+def result_line(report):
+    """What the panel shows of a report, and the settings with which it can be read back, as JSON."""
+    names = ("command", "energy", "lower_bound", "gap", "certificate", "status", "nodes")
+    counts = {kind: len(report[kind]) for kind in ("disclinations", "dislocations")}
+    kept = {"seconds": report["times"]["total"], "settings": report["settings"]}
+    return json.dumps({name: report[name] for name in names} | counts | kept)
+
+
+def counted(count, noun):
+    """ "1 dislocation", "2 dislocations", "0 vertices" """
+    return f"{count} {noun if count == 1 else plural(noun)}"

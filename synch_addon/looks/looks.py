@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the presets look like: each function draws a material around the node group of its pattern.
+
+Lengths are in spacings, so that a look is the same on objects of any size. Irregularities come from noise in the
+object's space, which goes with it.
+"""
+
+from ..nodes.canvas import Expression
+from ..nodes.quads import PROFILES as QUAD_PROFILES
+from ..nodes.stripe_profiles import PROFILES as STRIPE_PROFILES
+
+# Where the light of a drawing comes from, in the world: from above, the left and the front.
+_DRAWN_LIGHT = (-0.55, -0.5, 0.67)
+
+
+class _Texture:
+    """Noise around an object."""
+
+    def __init__(self, canvas, spacing_attribute="synch_spacing"):
+        self.canvas = canvas
+        (spacing,) = canvas.attribute(spacing_attribute, "Fac")
+        spacing.socket.node.attribute_type = "OBJECT"
+        places = canvas.node("ShaderNodeTexCoord", 0, "Place")
+        places = Expression(canvas, places.outputs["Object"], 0)
+        scale = canvas.math("DIVIDE", 1.0, spacing)
+        node = canvas.node("ShaderNodeVectorMath", 2, "in spacings", {0: places, "Scale": scale}, operation="SCALE")
+        self._places = Expression(canvas, node.outputs["Vector"], 2)
+
+    def noise(self, scale, detail=2.0, distortion=0.0):
+        """Noise with a mean of 0, mostly between -1 and 1, that changes `scale` times in a spacing."""
+        inputs = {"Vector": self._places, "Scale": scale, "Detail": detail, "Distortion": distortion}
+        node = self.canvas.node("ShaderNodeTexNoise", 3, f"noise {scale:g}", inputs, noise_dimensions="3D")
+        value = Expression(self.canvas, node.outputs[0], 3)
+        return (value - 0.5) * 3.0
+
+
+def zebra(canvas, group):
+    """Black and white hair, stripes of uneven width with frayed edges."""
+    texture = _Texture(canvas)
+    fur = texture.noise(9.0, 4.0)
+    width = (0.53 + texture.noise(0.35) * 0.17 + fur * 0.035).clamped()
+    pattern = canvas.group(group, inputs={"Profile": STRIPE_PROFILES.index("sine"), "Width": width, "Softness": 0.07})
+    shade = (0.5 + texture.noise(0.22) * 0.5 + fur * 0.16).clamped()
+    light = canvas.color_mix(shade, (0.86, 0.82, 0.74, 1), (0.66, 0.55, 0.41, 1))
+    dark = canvas.color_mix(shade, (0.010, 0.009, 0.009, 1), (0.030, 0.020, 0.014, 1))
+    return {
+        "Base Color": canvas.color_mix(pattern["Factor"], light, dark),
+        "Roughness": 0.62,
+        "Sheen Weight": 0.25,
+        "Height": fur,
+        "Relief": 0.012,
+    }
+
+
+def corduroy(canvas, group):
+    """Ribs of velvet, lighter on top."""
+    texture = _Texture(canvas)
+    pile = texture.noise(7.0, 3.0)
+    pattern = canvas.group(group, inputs={"Profile": STRIPE_PROFILES.index("rounded"), "Width": 0.96, "Softness": 0.3})
+    top = (pattern["Height"] * pattern["Height"]).named("top")
+    worn = top * 0.85 + pile * 0.13 + texture.noise(0.3) * 0.09 + (pattern["Random"] - 0.5) * 0.14
+    return {
+        "Base Color": canvas.color_mix(worn.clamped(), (0.075, 0.022, 0.010, 1), (0.33, 0.118, 0.045, 1)),
+        "Roughness": 0.85,
+        "Specular IOR Level": 0.2,
+        "Sheen Weight": 0.9,
+        "Sheen Roughness": 0.35,
+        "Sheen Tint": (1.0, 0.72, 0.48, 1),
+        "Height": pattern["Height"] + pile * 0.10,
+        "Relief": 0.26,
+    }
+
+
+def wood_cut(canvas, group):
+    """Ink on paper: lines that swell in the shade and end in the light."""
+    texture = _Texture(canvas)
+    normal = Expression(canvas, canvas.node("ShaderNodeNewGeometry", 0, "Surface").outputs["Normal"], 0)
+    inputs = {0: normal, 1: _DRAWN_LIGHT}
+    light = canvas.node("ShaderNodeVectorMath", 1, "light", inputs, operation="DOT_PRODUCT")
+    light = Expression(canvas, light.outputs["Value"], 1)
+    shade = (0.62 - light * 0.62 + texture.noise(0.9) * 0.05 + texture.noise(5.0) * 0.035).named("shade")
+    width = shade.maximum(0.0).minimum(0.9)
+    pattern = canvas.group(group, inputs={"Profile": STRIPE_PROFILES.index("square"), "Width": width, "Softness": 0.05})
+    paper = canvas.color_mix(
+        (0.5 + texture.noise(2.5, 5.0) * 0.5).clamped(), (0.90, 0.85, 0.74, 1), (0.80, 0.73, 0.60, 1)
+    )
+    ink = canvas.color_mix(pattern["Factor"], paper, (0.014, 0.012, 0.016, 1))
+    return {
+        "Base Color": ink,
+        "Roughness": 0.95,
+        "Specular IOR Level": 0.1,
+        "Height": pattern["Factor"],
+        "Relief": 0.01,
+    }
+
+
+def knit(canvas, group):
+    """Columns of stitches: each two loops of yarn that meet in the middle of the stripe."""
+    texture = _Texture(canvas)
+    pattern = canvas.group(group, 1, {"Profile": STRIPE_PROFILES.index("rounded"), "Width": 1.0, "Softness": 0.3})
+    across = abs(pattern["Across"]).named("from the middle")
+    leg = ((across * 3.14159).sine() * 0.96 + 0.04).root().named("leg")
+    row = ((pattern["Along"] * 2.0 + across * 0.85) * 3.14159).named("row")
+    loop = abs(row.sine())
+    body = (leg * (loop.root() * 0.8 + 0.2)).named("yarn")
+    fibre = texture.noise(11.0, 4.0)
+    shade = (body * 0.95 + fibre * 0.13 + texture.noise(0.5) * 0.05).clamped()
+    return {
+        "Base Color": canvas.color_mix(shade, (0.006, 0.028, 0.036, 1), (0.065, 0.30, 0.33, 1)),
+        "Roughness": 0.9,
+        "Specular IOR Level": 0.15,
+        "Sheen Weight": 0.5,
+        "Sheen Roughness": 0.5,
+        "Sheen Tint": (0.75, 0.95, 1.0, 1),
+        "Height": body + fibre * 0.06,
+        "Relief": 0.34,
+    }
+
+
+def cane(canvas, group):
+    """Strips of rattan that go over and under one another."""
+    texture = _Texture(canvas)
+    pattern = canvas.group(group, inputs={"Profile": QUAD_PROFILES.index("weave"), "Width": 0.62, "Softness": 0.04})
+    grain = texture.noise(6.0, 4.0, 1.5)
+    tone = (0.5 + texture.noise(0.8) * 0.28 + grain * 0.22).clamped()
+    strip = canvas.color_mix(tone, (0.74, 0.47, 0.20, 1), (0.50, 0.25, 0.085, 1))
+    depth = (pattern["Height"] * 1.25).clamped()
+    lit = canvas.color_mix(depth, (0.10, 0.040, 0.012, 1), strip)
+    return {
+        "Base Color": canvas.color_mix(pattern["Factor"], (0.012, 0.007, 0.004, 1), lit),
+        "Roughness": 0.38,
+        "Coat Weight": 0.25,
+        "Coat Roughness": 0.25,
+        "Height": pattern["Height"] + grain * 0.015,
+        "Relief": 0.14,
+    }
+
+
+def fingerprint(canvas, group):
+    """Ink of ridges that break off and swell, with pores along them, on porcelain."""
+    texture = _Texture(canvas)
+    blotch, grain = texture.noise(0.5), texture.noise(2.6, 3.0)
+    width = (0.58 + blotch * 0.13 + grain * 0.13).clamped()
+    pattern = canvas.group(group, inputs={"Profile": STRIPE_PROFILES.index("sine"), "Width": width, "Softness": 0.16})
+    along = pattern["Along"].ping_pong(0.5)
+    pore = (along * along + pattern["Across"] * pattern["Across"] * 0.25).root().named("to the pore")
+    closed = ((pore + 0.01 - grain * 0.06) * 24.0).clamped()
+    ridge = (pattern["Factor"] * (pattern["Index"] > 0.5).choose(closed, 1.0)).named("ridge")
+    density = (1.02 + blotch * 0.05 + texture.noise(9.0, 2.0) * 0.09).clamped()
+    return {
+        "Base Color": canvas.color_mix(ridge * density, (0.86, 0.85, 0.82, 1), (0.006, 0.010, 0.052, 1)),
+        "Roughness": 0.34,
+        "Coat Weight": 0.4,
+        "Coat Roughness": 0.08,
+        "Height": ridge,
+        "Relief": 0.012,
+    }

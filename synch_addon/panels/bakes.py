@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The box "Bake" of the sidebar tab; its settings are the scene's."""
+
+import bpy
+
+from ..bakes.settings import BakeProperties
+from ..blender.phases import pattern_kind
+from ..blender.registration import keeping
+from .sidebar import SettingsPanel, property_column
+
+
+class SynchBake(BakeProperties, bpy.types.PropertyGroup):
+    """Settings of bakes, kept in the file."""
+
+
+class SYNCH_PT_bake(SettingsPanel, bpy.types.Panel):
+    """The pattern as images"""
+
+    bl_label = "Bake"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 4
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and pattern_kind(context.active_object) is not None
+
+    def draw(self, context):
+        draw_bake(self.layout, context.scene.synch_bake, context.active_object)
+        self.layout.operator("synch.bake", icon="RENDER_STILL")
+
+
+def draw_bake(layout, settings, obj):
+    """Settings of a bake; ``settings`` are the scene's or an operator's."""
+    layout.column(align=True).grid_flow(columns=3, align=True).prop(settings, "maps")
+    column = property_column(layout)
+    for name in ("size", "margin", "samples"):
+        column.prop(settings, name)
+    column.prop_search(settings, "uv_map", obj.data, "uv_layers", icon="GROUP_UVS")
+    column.prop(settings, "unwrap")
+    column.prop(settings, "folder", placeholder="in the .blend")
+    column.prop(settings, "naming")
+    column.prop(settings, "file_format")
+    column.prop(settings, "material")
+    row = column.row()
+    row.enabled = settings.material and "HEIGHT" in settings.maps
+    row.prop(settings, "displacement")
+
+
+register, unregister = keeping((SynchBake, SYNCH_PT_bake), (bpy.types.Scene, "synch_bake", SynchBake))

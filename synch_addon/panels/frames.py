@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings of animated patterns as Blender properties, the object's and the operator's, and their panel."""
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
+
+from ..blender.registration import keeping
+from ..frames.job import HOLD, Span
+from ..frames.nodes import shows_frames
+from .sidebar import SettingsPanel, property_column
+
+
+class AnimationProperties:
+    """What is solved in which frames; mixed into the panel's storage and the operator."""
+
+    pattern: EnumProperty(
+        name="Pattern",
+        description="What is solved in each frame",
+        items=[
+            ("STRIPES", "Stripes", "Evenly spaced stripes along a vector or line field"),
+            ("QUADS", "Quads", "Two crossing families of lines along a cross field"),
+        ],
+        default="STRIPES",
+    )
+    scene_frames: BoolProperty(name="Scene Range", description="Solve all frames of the scene", default=True)
+    first: IntProperty(name="First Frame", description="First frame to solve", default=1)
+    last: IntProperty(name="Last Frame", description="Last frame to solve", default=24)
+    hold: FloatProperty(
+        name="Hold",
+        description="How strongly the pattern holds on to the frame before: at 0 it may jump where the mesh moves on, "
+        "larger values let it slide more slowly",
+        default=HOLD,
+        min=0.0,
+        soft_max=2.0,
+    )
+
+
+PROPERTY_NAMES = tuple(AnimationProperties.__annotations__)
+
+
+class SynchAnimation(AnimationProperties, bpy.types.PropertyGroup):
+    """Settings of an object's animated pattern, kept in the file."""
+
+
+class SYNCH_PT_animation(SettingsPanel, bpy.types.Panel):
+    """The pattern in each frame of a moving mesh"""
+
+    bl_label = "Animation"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 5
+
+    def draw(self, context):
+        settings = context.active_object.synch_animation
+        column = property_column(self.layout)
+        column.prop(settings, "pattern")
+        column.prop(settings, "scene_frames")
+        if not settings.scene_frames:
+            column.prop(settings, "first")
+            column.prop(settings, "last")
+        column.prop(settings, "hold")
+        self.layout.operator("synch.animate", icon="RENDER_ANIMATION")
+        if any(shows_frames(modifier) for modifier in context.active_object.modifiers):
+            self.layout.label(text="Animated: a new solve replaces it", icon="INFO")
+
+
+def span_of(settings, scene):
+    """The :class:`Span` that properties stand for."""
+    first, last = settings.first, settings.last
+    if settings.scene_frames:
+        first, last = scene.frame_start, scene.frame_end
+    return Span(first, last, settings.pattern.lower(), settings.hold)
+
+
+register, unregister = keeping(
+    (SynchAnimation, SYNCH_PT_animation), (bpy.types.Object, "synch_animation", SynchAnimation)
+)

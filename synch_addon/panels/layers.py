@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel "Layers" of the sidebar tab, and the operators that add and remove its groups."""
+
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+
+from ..blender.attributes import read_all
+from ..blender.translations import said
+from ..solids.job import EDGES_PER_LAYER
+from ..solids.links import solid_of
+from ..solids.properties import GUIDE_NAMES, LENGTHS
+from ..solids.surface import estimate
+from .row_operators import RemoveRow, RowOperator
+from .sidebar import (
+    SidebarPanel,
+    draw_automatic,
+    draw_solver,
+    draw_spacing_map,
+    draw_unready,
+    property_column,
+)
+
+# Volume, area and bounds of the mesh that was measured last, and what it was known by.
+_measured: dict[tuple, SimpleNamespace] = {}
+
+
+class SYNCH_PT_layers(SidebarPanel, bpy.types.Panel):
+    """Evenly spaced layers in the solid that a closed mesh encloses"""
+
+    bl_label = "Layers"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        obj = solid_of(context.active_object)
+        if draw_unready(self.layout, obj):
+            return
+        if obj != context.active_object:
+            self.layout.label(text=said("Layers of {name}", name=obj.name), icon="OBJECT_DATA")
+        row = self.layout.row()
+        row.scale_y = 1.3
+        row.operator("synch.layers", icon="ALIGN_JUSTIFY")
+        _draw_estimate(self.layout, obj)
+        draw_layers(self.layout, obj.synch_layering)
+
+
+def draw_layers(layout, stored):
+    """Settings of an object's layers."""
+    column = property_column(layout)
+    column.prop(stored, "guide")
+    for name in GUIDE_NAMES[stored.guide]:
+        field = column.row()
+        field.alert = not getattr(stored, name)
+        field.prop(stored, name)
+    for number, row in enumerate(stored.groups):
+        line = layout.row(align=True)
+        line.prop(row, "group", text="")
+        line.prop(row, "wish", text="")
+        line.operator("synch.layer_group_remove", text="", icon="X").number = number
+    layout.operator("synch.layer_group_add", icon="ADD")
+    column = property_column(layout)
+    for name, automatic in LENGTHS.items():
+        draw_automatic(column, stored, name, automatic)
+    draw_spacing_map(column, stored)
+    draw_solver(layout, stored)
+
+
+def _draw_estimate(layout, obj):
+    """How large the solid will be, before it is made."""
+    if obj.mode == "EDIT" or len(obj.data.polygons) == 0:
+        return
+    stored, measures = obj.synch_layering, _measures(obj)
+    if measures.volume <= 0:
+        return
+    expected = estimate(measures, None if stored.automatic_size else stored.size)
+    if stored.automatic_size and not stored.automatic_spacing:
+        expected = estimate(measures, min(expected.size, stored.spacing / EDGES_PER_LAYER))
+    about = said("About {tets:,} tetrahedra, {megabytes:,.0f} MB", tets=expected.tets, megabytes=expected.megabytes)
+    layout.label(text=about, icon="MESH_ICOSPHERE")
+
+
+def _measures(obj):
+    """Volume, area and bounds of an object's mesh; measured again where its counts, its box or its scale change."""
+    mesh = obj.data
+    box = tuple(np.round(np.array(obj.bound_box).ravel(), 6))
+    key = (mesh.session_uid, len(mesh.vertices), len(mesh.polygons), box, tuple(obj.matrix_world.to_scale()))
+    if key not in _measured:
+        _measured.clear()
+        mesh.calc_loop_triangles()
+        points = read_all(mesh.vertices, "co", 3, np.float32)
+        triangles = read_all(mesh.loop_triangles, "vertices", 3)
+        points = (points - points.mean(axis=0)).astype(float) * np.abs(key[-1])
+        a, b, c = np.moveaxis(points[triangles], 1, 0)
+        normals = np.cross(b - a, c - a)
+        _measured[key] = SimpleNamespace(
+            volume=abs(float(np.einsum("tx,tx->", a, normals))) / 6,
+            area=float(np.linalg.norm(normals, axis=1).sum()) / 2,
+            bounds=np.array([points.min(axis=0), points.max(axis=0)]),
+        )
+    return _measured[key]
+
+
+class _GroupOperator:
+    """Mixed into operators on the groups of the solid whose layers the active object shows."""
+
+    @staticmethod
+    def owner(context):
+        return solid_of(context.active_object)
+
+
+class SYNCH_OT_layer_group_add(_GroupOperator, RowOperator, bpy.types.Operator):
+    """Ask something of the layers on a part of the surface"""
+
+    bl_idname = "synch.layer_group_add"
+    bl_label = "Add Group"
+
+    def execute(self, context):
+        obj = self.owner(context)
+        row = obj.synch_layering.groups.add()
+        if obj.vertex_groups.active:
+            row.group = obj.vertex_groups.active.name
+        return {"FINISHED"}
+
+
+class SYNCH_OT_layer_group_remove(_GroupOperator, RemoveRow, bpy.types.Operator):
+    """Ask nothing of the layers there"""
+
+    bl_idname = "synch.layer_group_remove"
+    bl_label = "Remove Group"
+
+    def rows(self, obj):
+        return obj.synch_layering.groups
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (SYNCH_OT_layer_group_add, SYNCH_OT_layer_group_remove, SYNCH_PT_layers)
+)

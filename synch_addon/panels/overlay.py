@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the overlay shows of an object, as points and segments: directions, defects, constrained edges.
+
+Every function here takes an object and returns [(points, colour)] in its space: (k, 2, 3) ends of segments
+or (k, 3) points, and four numbers red, green, blue, alpha.
+"""
+
+import numpy as np
+
+from ...core.errors import SynchError
+from ...core.extract import direction_glyphs, evenly_traced
+from ...core.fields.directions import SYMMETRIES
+from ..blender import attributes, groups, meshes
+from ..blender.defect_empties import COLORS as DEFECT_COLORS
+
+# No more marks or streamlines than this, however dense the mesh.
+GLYPHS, STREAMLINES = 6_000, 250
+DIRECTION_COLOR = (0.05, 0.35, 0.95, 1.0)
+# Of constrained edges, by what is asked there.
+WISH_COLORS = {
+    "ALONG": (0.30, 0.85, 0.15, 1.0),
+    "ACROSS": (0.0, 0.75, 0.85, 1.0),
+    "ANGLE": (0.45, 0.40, 1.0, 1.0),
+    "PHASE": (1.0, 0.25, 0.75, 1.0),
+    "CONSTANT": (1.0, 0.65, 0.05, 1.0),
+    "CUT": (0.90, 0.12, 0.05, 1.0),
+}
+
+
+def direction_marks(obj):
+    """A short line, cross or arrow for the attribute ``synch_direction`` at the vertices."""
+    return _directions(obj, lambda *field: direction_glyphs(*field, GLYPHS))
+
+
+def direction_lines(obj):
+    """Streamlines of the attribute ``synch_direction``."""
+    return _directions(obj, lambda mesh, *field: evenly_traced(mesh, *field, STREAMLINES).segments(mesh))
+
+
+def _directions(obj, draw):
+    if "synch_direction" not in obj.data.attributes:
+        return []
+    try:
+        given = meshes.read_mesh(obj)
+        vectors = attributes.read_vectors(obj, "synch_direction", given)
+    except SynchError:  # the mesh was edited, and cannot carry a field any more
+        return []
+    segments = draw(given.mesh, vectors, SYMMETRIES[obj.synch.symmetry.lower()])
+    return [(segments @ np.linalg.inv(given.stretch).T, DIRECTION_COLOR)]
+
+
+def defect_points(obj):
+    """Disclinations and dislocations by sign, from the attributes that they were written to.
+
+    A quad with a disclination has no index: what dislocation its other triangle has is a part of how its values close.
+    """
+    if not len(obj.data.polygons):
+        return []
+    polygons = meshes.read_polygons(obj)
+    places = attributes.read_values(obj, "position", "POINT")
+    corners = np.add.reduceat(places[polygons.corner_vertices], polygons.starts)
+    centres = places[polygons.triangles].mean(axis=1)
+    first = polygons.first_triangles
+    found = {}
+    for name, kind, at in (
+        ("synch_singularity", "disclination", corners / polygons.sizes[:, None]),
+        ("synch_index", "dislocation", centres[first]),
+        ("synch_index_2", "dislocation", centres[np.minimum(first + 1, len(centres) - 1)]),
+    ):
+        index = attributes.read_values(obj, name, "FACE")
+        if index is not None:
+            for chosen, colour in zip((index > 0, index < 0), DEFECT_COLORS[kind], strict=True):
+                found.setdefault(colour, []).append(at[chosen])
+    return _not_empty([(np.concatenate(points), colour) for colour, points in found.items()])
+
+
+def constraint_lines(obj):
+    """The edges that the constraint list and the boundary setting speak of; curves are seen by themselves."""
+    if not len(obj.data.edges):
+        return []
+    settings = obj.synch
+    rows = [(row.where, row.what, row.vertex_group) for row in settings.constraints if row.enabled]
+    if settings.boundary != "FREE":
+        rows.append(("BOUNDARY", settings.boundary, settings.vertex_group))
+    ends = attributes.read_values(obj, ".edge_verts", "EDGE")
+    segments = attributes.read_values(obj, "position", "POINT")[ends]
+    return _not_empty(
+        [(segments[_edges_at(obj, where, group, ends)], WISH_COLORS[what]) for where, what, group in rows]
+    )
+
+
+def _edges_at(obj, where, group, ends):
+    """(e,) bool: edges that a row holds, none where the solve would refuse it."""
+    chosen = np.zeros(len(ends), bool)
+    if where in ("SEAMS", "SHARP", "CREASES"):
+        marked = attributes.read_values(obj, attributes.MARKS[where.lower()], "EDGE")
+        return chosen if marked is None else marked > 0
+    if where == "BOUNDARY" and len(obj.data.polygons):
+        chosen = np.bincount(attributes.read_values(obj, ".corner_edge", "CORNER"), minlength=len(ends)) == 1
+    if where == "GROUP":
+        chosen[:] = bool(group)
+    if group:
+        try:
+            chosen &= groups.read_group(obj, group)[ends].all(axis=1)
+        except SynchError:  # no such group, or an empty one
+            chosen[:] = False
+    return chosen
+
+
+def _not_empty(layers):
+    return [(points, colour) for points, colour in layers if len(points)]

@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The overlay of the active object in the 3D View: its switch, its panel and its drawing.
+
+Nothing here solves or changes anything. A part is computed when it is first drawn, and again when the mesh
+or a setting that it depends on has changed.
+"""
+
+import bpy
+import gpu
+import numpy as np
+from bpy.app.handlers import depsgraph_update_post, load_post, persistent, redo_post, undo_post
+from bpy.props import BoolProperty, EnumProperty
+from gpu_extras.batch import batch_for_shader
+from mathutils import Matrix
+
+from ..blender.registration import keeping
+from .overlay import constraint_lines, defect_points, direction_lines, direction_marks
+from .sidebar import SidebarPanel, property_column
+
+# Everything is drawn nearer by this share of its distance, so that it does not fight with the faces.
+NEARER = 2e-3
+# In pixels.
+LINE_WIDTHS = {"MARKS": 1.5, "STREAMLINES": 1.5, "CONSTRAINTS": 3.0}
+POINT_SIZE = 10.0
+
+_PARTS = {
+    "MARKS": direction_marks,
+    "STREAMLINES": direction_lines,
+    "CONSTRAINTS": constraint_lines,
+    "DEFECTS": defect_points,
+}
+
+_draw_handler = None
+_changes = {}  # session_uid of a mesh: how often it has changed
+_cache = {}  # (session_uid of an object, part): (key, layers)
+
+
+class SynchOverlay(bpy.types.PropertyGroup):
+    """What is shown in a scene."""
+
+    show: BoolProperty(name="Overlay", description="Draw the field of the active object over it")
+    directions: EnumProperty(
+        name="Directions",
+        description="How directions are drawn",
+        items=[
+            ("NONE", "None", "Do not draw directions"),
+            ("MARKS", "Marks", "A line, cross or arrow at the vertices"),
+            ("STREAMLINES", "Streamlines", "Lines that follow the directions"),
+        ],
+        default="MARKS",
+    )
+    defects: BoolProperty(
+        name="Defects", description="Disclinations and dislocations, in the colours of their empties", default=True
+    )
+    constraints: BoolProperty(
+        name="Constraints", description="Edges of the constraint list, coloured by what they ask for", default=True
+    )
+
+    @property
+    def parts(self):
+        """Names of the parts to draw."""
+        chosen = {self.directions, "DEFECTS" if self.defects else "", "CONSTRAINTS" if self.constraints else ""}
+        return [part for part in _PARTS if part in chosen]
+
+
+class SYNCH_PT_overlay(SidebarPanel, bpy.types.Panel):
+    """What is drawn over the active object"""
+
+    bl_label = "Overlay"
+    bl_parent_id = "SYNCH_PT_fields"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 3  # below the solver
+
+    def draw_header(self, context):
+        self.layout.prop(context.scene.synch_overlay, "show", text="")
+
+    def draw(self, context):
+        overlay = context.scene.synch_overlay
+        column = property_column(self.layout)
+        column.active = overlay.show
+        column.prop(overlay, "directions")
+        column.prop(overlay, "defects")
+        column.prop(overlay, "constraints")
+
+
+def shown_object(context):
+    """The object whose field is drawn in the view of a context, or None."""
+    obj, space = context.active_object, context.space_data
+    if not context.scene.synch_overlay.show or not space.overlay.show_overlays:
+        return None
+    if obj is None or obj.type != "MESH" or obj.mode == "EDIT":  # in edit mode the attributes are not there
+        return None
+    return obj if obj.visible_get(view_layer=context.view_layer, viewport=space) else None
+
+
+def key(obj):
+    """What the parts of an object depend on: equal as long as they need not be computed again."""
+    linear = np.array(obj.matrix_world.to_3x3())
+    scale = linear.T @ linear
+    proportions = (scale / max(np.trace(scale), np.finfo(float).tiny)).round(3) + 0.0
+    rows = tuple((row.where, row.what, row.vertex_group, row.enabled) for row in obj.synch.constraints)
+    settings = obj.synch.symmetry, obj.synch.boundary, obj.synch.vertex_group, rows
+    return obj.data.session_uid, _changes.get(obj.data.session_uid, 0), proportions.tobytes(), *settings
+
+
+def layers(obj, part):
+    """[(batch, kind, colour)] of a part of an object, from the cache where its key is the same."""
+    now = key(obj)
+    then, made = _cache.get((obj.session_uid, part), (None, None))
+    if then != now:
+        made = [_layer(points, colour) for points, colour in _PARTS[part](obj)]
+        _cache[obj.session_uid, part] = now, made
+    return made
+
+
+def _layer(points, colour):
+    kind = "LINES" if points.ndim == 3 else "POINTS"
+    batch = batch_for_shader(_shader(kind), kind, {"pos": np.ascontiguousarray(points, np.float32).reshape(-1, 3)})
+    return batch, kind, colour
+
+
+def _shader(kind):
+    return gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR" if kind == "LINES" else "POINT_UNIFORM_COLOR")
+
+
+def _draw():
+    context = bpy.context
+    obj = shown_object(context)
+    if obj is not None:
+        pixel = context.preferences.system.pixel_size
+        view = context.region_data
+        draw_object(obj, context.scene.synch_overlay.parts, nearer(view) @ view.view_matrix, pixel)
+
+
+def nearer(view):
+    """The transform of view space that brings everything a little nearer without moving it on the screen."""
+    if view.is_perspective:
+        return Matrix.Diagonal((1 - NEARER, 1 - NEARER, 1 - NEARER, 1))
+    return Matrix.Translation((0, 0, NEARER * view.view_distance))
+
+
+def draw_object(obj, parts, view_matrix, pixel=1.0):
+    """Draw parts of an object into the active framebuffer, hidden by what is nearer."""
+    gpu.state.blend_set("ALPHA")
+    gpu.state.depth_test_set("LESS_EQUAL")
+    gpu.state.point_size_set(POINT_SIZE * pixel)
+    with gpu.matrix.push_pop():
+        gpu.matrix.load_matrix(view_matrix @ obj.matrix_world)
+        for part in parts:
+            for batch, kind, colour in layers(obj, part):
+                shader = _shader(kind)
+                shader.uniform_float("color", colour)
+                if kind == "LINES":
+                    shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
+                    shader.uniform_float("lineWidth", LINE_WIDTHS[part] * pixel)
+                batch.draw(shader)
+    gpu.state.point_size_set(1.0)
+    gpu.state.depth_test_set("NONE")
+    gpu.state.blend_set("NONE")
+
+
+@persistent
+def _note_changes(scene, depsgraph):
+    for update in depsgraph.updates:
+        if update.is_updated_geometry and isinstance(update.id, bpy.types.Mesh):
+            uid = update.id.original.session_uid
+            _changes[uid] = _changes.get(uid, 0) + 1
+
+
+@persistent
+def _forget(*_):
+    _changes.clear()
+    _cache.clear()
+
+
+_HANDLERS = [(depsgraph_update_post, _note_changes)] + [(event, _forget) for event in (load_post, undo_post, redo_post)]
+_register, _unregister = keeping((SynchOverlay, SYNCH_PT_overlay), (bpy.types.Scene, "synch_overlay", SynchOverlay))
+
+
+def register():
+    global _draw_handler
+    _register()
+    for event, handler in _HANDLERS:
+        event.append(handler)
+    _draw_handler = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
+
+
+def unregister():
+    bpy.types.SpaceView3D.draw_handler_remove(_draw_handler, "WINDOW")
+    for event, handler in _HANDLERS:
+        event.remove(handler)
+    _forget()
+    _unregister()

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel of presets: their thumbnails as icons, a button that applies one, and one for the library of assets."""
+
+import bpy
+import bpy.utils.previews
+from bpy.props import EnumProperty
+
+from ..blender.phases import pattern_kind
+from ..looks import assets
+from ..looks.presets import PRESETS
+from .sidebar import SettingsPanel
+
+# Items without icons, for what is shown as text.
+PRESET = [(name, preset.label, preset.description) for name, preset in PRESETS.items()]
+
+_icons = None
+# Blender keeps no reference to the texts of items that a function returns.
+_items = []
+
+
+def _with_icons(_owner, _context):
+    return _items
+
+
+class SYNCH_PT_material_presets(SettingsPanel, bpy.types.Panel):
+    """Materials in one click"""
+
+    bl_label = "Material Presets"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.template_icon_view(context.scene, "synch_preset", show_labels=True, scale=5.0, scale_popup=5.0)
+        layout.operator("synch.preset", text=PRESETS[context.scene.synch_preset].label, icon="MATERIAL")
+        if pattern_kind(context.active_object) == "stripes":
+            layout.operator("synch.number_stripes", icon="LINENUMBERS_ON")
+        if not assets.is_registered(context.preferences):
+            layout.operator("synch.asset_library", icon="ASSET_MANAGER")
+
+
+def register():
+    global _icons
+    _icons = bpy.utils.previews.new()
+    for number, (name, label, tip) in enumerate(PRESET):
+        icon = _icons.load(name, str(assets.THUMBNAILS / f"{name}.png"), "IMAGE")
+        _items.append((name, label, tip, icon.icon_id, number))
+    bpy.types.Scene.synch_preset = EnumProperty(
+        name="Preset", description="What the object looks like", items=_with_icons
+    )
+    bpy.utils.register_class(SYNCH_PT_material_presets)
+
+
+def unregister():
+    global _icons
+    bpy.utils.unregister_class(SYNCH_PT_material_presets)
+    del bpy.types.Scene.synch_preset
+    _items.clear()
+    bpy.utils.previews.remove(_icons)
+    _icons = None

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The box "Result" of the sidebar tab: what the last solve found, its variations, its defects."""
+
+import json
+
+import bpy
+
+from ..blender.translations import counted, said
+from ..patterns import memory
+from .sidebar import SettingsPanel, property_column
+
+
+class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
+    """What the last solve found"""
+
+    bl_label = "Result"
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and bool(context.active_object.synch.result)
+
+    def draw(self, context):
+        synch = context.active_object.synch
+        result = json.loads(synch.result)
+        if result["command"] != "directions":
+            draw_shading(self.layout, context.space_data.shading)
+        held = memory.holds(context.active_object)
+        draw_figures(self.layout, result, held)
+        if held:
+            row = property_column(self.layout).row(align=True)
+            slider = row.row(align=True)
+            slider.enabled = memory.solve_of(context.active_object).varies
+            slider.prop(synch, "variation")
+            row.operator("synch.draw_variation", text="", icon="FILE_REFRESH")
+            self.layout.operator("synch.place_defect", icon="PIVOT_CURSOR")
+            if result["command"] == "quads":
+                self.layout.operator("synch.trace_quads", icon="MOD_REMESH")
+        if result["command"] != "directions":
+            draw_favourites(self.layout, synch.favourites)
+            row = self.layout.row(align=True)
+            row.operator("synch.isolines", icon="MOD_CURVE")
+            row.operator("synch.relief", icon="MOD_DISPLACE")
+        row = self.layout.row(align=True)
+        row.operator("synch.select_defects", text="Select Defects", icon="RESTRICT_SELECT_OFF")
+        row.operator("synch.next_defect", text="Next Defect", icon="VIEWZOOM")
+
+
+def draw_shading(layout, shading):
+    """Buttons that show the pattern in a view which does not draw materials; ``shading`` is the view's."""
+    if shading.type in {"MATERIAL", "RENDERED"}:
+        return
+    layout.label(text="To see the pattern:", icon="HIDE_OFF")
+    row = layout.row(align=True)
+    row.scale_y = 1.3
+    row.prop_enum(shading, "type", "MATERIAL", text="Preview")
+    row.prop_enum(shading, "type", "RENDERED", text="Rendered")
+
+
+def draw_favourites(layout, favourites):
+    """A button that keeps what is shown, and a row for everything that is kept."""
+    layout.operator("synch.keep_favourite", icon="FUND")
+    column = layout.column(align=True)
+    for favourite in favourites:
+        row = column.row(align=True)
+        row.operator("synch.show_favourite", text="", icon="HIDE_OFF").name = favourite.name
+        row.prop(favourite, "name", text="")
+        row.label(text=f"{json.loads(favourite.result)['energy']:.4g}")
+        row.operator("synch.remove_favourite", text="", icon="X").name = favourite.name
+
+
+def draw_figures(layout, result, held):
+    """Energy, bound and counts.
+
+    ``result`` is what :func:`report.result_line` keeps. Where its whole report is held, the lines say in their tooltips
+    what they mean, and copy it when they are clicked.
+    """
+    column = layout.column(align=True)
+
+    def line(text, icon, about):
+        row = column.row()
+        row.alignment = "LEFT"
+        if held:
+            row.operator("synch.copy_report", text=text, icon=icon, emboss=False).about = about
+        else:
+            row.label(text=text, icon=icon)
+
+    if result["energy"] is not None:
+        line(said("Energy {energy:.4g}", energy=result["energy"]), "SORTTIME", "energy")
+        if result["certificate"] == "proved":
+            line(said("Proved: no field saves more than {gap:.0%}", gap=result["gap"]), "CHECKMARK", "proved")
+        elif result["certificate"] == "estimated":
+            line(said("About {gap:.0%} above the bound", gap=result["gap"]), "QUESTION", "estimated")
+    for kind in ("disclination", "dislocation"):
+        line(counted(result[kind + "s"], kind), "DOT", kind)
+    line(f"{result['seconds']:.2f} s, {counted(result['nodes'], 'vertex')}", "TIME", "time")
+
+
+register, unregister = bpy.utils.register_classes_factory((SYNCH_PT_result,))

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What operators share that change the lists in panels."""
+
+from bpy.props import IntProperty
+
+from ..blender.meshes import refusal
+from ..jobs import jobs
+
+
+def can_set(obj):
+    """Whether an object's settings can be changed now."""
+    return refusal(obj) is None and jobs.running is None
+
+
+class RowOperator:
+    """Mixed into operators that change a list of the active object, or of the one that ``owner`` finds."""
+
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
+
+    @classmethod
+    def poll(cls, context):
+        return can_set(cls.owner(context))
+
+    @staticmethod
+    def owner(context):
+        """The object whose list it is."""
+        return context.active_object
+
+
+class RemoveRow(RowOperator):
+    """Mixed into operators that remove a row of the list that ``rows`` finds."""
+
+    number: IntProperty(name="Row", description="Which of the rows, from 0 on", min=0)
+
+    def execute(self, context):
+        rows = self.rows(self.owner(context))
+        if self.number >= len(rows):
+            return {"CANCELLED"}
+        rows.remove(self.number)
+        return {"FINISHED"}

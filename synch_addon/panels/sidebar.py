@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The sidebar tab "Synch" of the 3D View."""
+
+import bpy
+
+from ..blender.meshes import refusal
+from ..jobs import jobs
+from ..patterns.refine import draw_warning
+from .guides import draw_guidance
+from .row_operators import can_set
+from .setting_presets import SYNCH_PT_presets
+
+
+def draw_directions(layout, settings, obj, of_quads=False):
+    """Settings of the direction field; ``settings`` are the object's or an operator's. Quads have no symmetry."""
+    column = property_column(layout)
+    if not of_quads:
+        column.prop(settings, "symmetry")
+    if hasattr(settings, "guides"):
+        draw_guidance(column, settings)
+    else:
+        column.prop(settings, "guidance")
+    column.prop(settings, "angle")
+    column.prop(settings, "angle_attribute")
+    column.prop(settings, "boundary")
+    if settings.boundary != "FREE":
+        column.prop_search(settings, "vertex_group", obj, "vertex_groups")
+    row = column.row(align=True, heading="Mirror")
+    for number, axis in enumerate("XYZ"):
+        row.prop(settings, "mirror", index=number, text=axis, toggle=True)
+
+
+def draw_pattern(layout, settings):
+    """Settings of a pattern, below those of the directions."""
+    column = property_column(layout)
+    if hasattr(settings, "automatic_spacing"):
+        draw_automatic(column, settings, "spacing", "automatic_spacing")
+    else:
+        column.prop(settings, "spacing")
+    draw_spacing_map(column, settings)
+
+
+def draw_automatic(column, settings, name, automatic):
+    """A setting below the one that makes it automatic."""
+    column.prop(settings, automatic)
+    row = column.row()
+    row.enabled = not getattr(settings, automatic)
+    row.prop(settings, name)
+
+
+def draw_spacing_map(column, settings):
+    """What makes the spacing vary."""
+    column.prop(settings, "spacing_map")
+    if settings.spacing_map:
+        column.prop(settings, "spacing_range")
+
+
+def draw_faces(layout, settings):
+    """Which faces show the pattern."""
+    property_column(layout).prop(settings, "assign_material")
+
+
+def draw_quads(layout, settings):
+    """What only quads have."""
+    column = property_column(layout)
+    column.prop(settings, "aspect")
+
+
+def draw_quad_mesh(layout, settings):
+    """Settings of the mesh of quads."""
+    property_column(layout).prop(settings, "smoothing")
+
+
+def draw_solver(layout, settings):
+    """Settings of the solver."""
+    column = property_column(layout)
+    column.prop(settings, "method")
+    column.prop(settings, "seed")
+    if settings.method == "SDP":
+        column.prop(settings, "target_gap")
+
+
+def property_column(layout):
+    """A column of settings with their names on the left, as in Blender's own panels."""
+    column = layout.column()
+    column.use_property_split = True
+    column.use_property_decorate = False
+    return column
+
+
+def draw_unready(layout, obj):
+    """Say why an object can carry nothing, or how far the job is that runs; whether there is either."""
+    reason = refusal(obj)
+    if reason:
+        layout.label(text=reason[0].upper() + reason[1:], icon="INFO")
+    elif jobs.running is not None:
+        draw_progress(layout, jobs.running)
+    else:
+        return False
+    return True
+
+
+def draw_progress(layout, work):
+    """A bar for the job that runs."""
+    layout.progress(factor=work.fraction, text=work.line)
+    layout.label(text=work.times, icon="TIME")
+    layout.operator("synch.cancel", icon="EVENT_ESC")
+
+
+class SidebarPanel:
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Synch"
+
+
+class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
+    """Direction fields, stripes and quads"""
+
+    bl_label = "Synch Fields"
+
+    def draw_header_preset(self, context):
+        if can_set(context.active_object):
+            SYNCH_PT_presets.draw_panel_header(self.layout)
+
+    def draw(self, context):
+        obj = context.active_object
+        if draw_unready(self.layout, obj):
+            return
+        column = self.layout.column(align=True)
+        column.scale_y = 1.3
+        row = column.row(align=True)
+        row.operator("synch.stripes", icon="MOD_WAVE")
+        row.operator("synch.quads", icon="MESH_GRID")
+        row = column.row(align=True)
+        row.operator("synch.directions", icon="ORIENTATION_NORMAL")
+        row.operator("synch.quad_mesh", icon="MOD_REMESH")
+        draw_warning(self.layout, obj)
+
+
+class SettingsPanel(SidebarPanel):
+    """Mixed into panels of an object's settings, which hide while there is nothing to set."""
+
+    bl_parent_id = "SYNCH_PT_fields"
+
+    @classmethod
+    def poll(cls, context):
+        return can_set(context.active_object)
+
+
+class SYNCH_PT_directions(SettingsPanel, bpy.types.Panel):
+    """What the stripes run along"""
+
+    bl_label = "Directions"
+    bl_order = 1
+
+    def draw(self, context):
+        obj = context.active_object
+        draw_directions(self.layout, obj.synch, obj)
+
+
+class SYNCH_PT_pattern(SettingsPanel, bpy.types.Panel):
+    """How far stripes are from one another, and which faces show them"""
+
+    bl_label = "Pattern"
+    bl_order = 1
+
+    def draw(self, context):
+        obj = context.active_object
+        draw_pattern(self.layout, obj.synch)
+        if len(obj.data.materials) > 1:
+            draw_faces(self.layout, obj.synch)
+
+
+class SYNCH_PT_quads(SettingsPanel, bpy.types.Panel):
+    """What only quads have"""
+
+    bl_label = "Quads"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 1
+
+    def draw(self, context):
+        settings = context.active_object.synch
+        draw_quads(self.layout, settings)
+        draw_quad_mesh(self.layout, settings)
+
+
+class SYNCH_PT_solver(SettingsPanel, bpy.types.Panel):
+    """How the fields are optimized"""
+
+    bl_label = "Solver"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 2  # below the constraints
+
+    def draw(self, context):
+        draw_solver(self.layout, context.active_object.synch)
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (SYNCH_PT_fields, SYNCH_PT_directions, SYNCH_PT_pattern, SYNCH_PT_quads, SYNCH_PT_solver)
+)

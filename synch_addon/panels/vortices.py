@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The box "Vortices" of the sidebar tab: settings, an estimate, what was found, and the choice of a point."""
+
+import math
+
+import bpy
+
+from ..blender.translations import counted, said
+from ..flows.chosen import expected_shape
+from ..flows.sources import solve_memory
+from ..jobs import jobs
+from ..patterns import memory
+from .sidebar import SidebarPanel, draw_progress, draw_solver, property_column
+
+
+class SYNCH_PT_vortices(SidebarPanel, bpy.types.Panel):
+    """Vortex filaments and tubes of a flow in space"""
+
+    bl_label = "Vortices"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 10
+
+    def draw(self, context):
+        settings = context.scene.synch_vortices
+        if jobs.running is not None:
+            draw_progress(self.layout, jobs.running)
+            return
+        draw_vortices(self.layout, settings)
+        draw_estimate(self.layout, context, settings)
+        column = self.layout.column()
+        column.scale_y = 1.3
+        column.operator("synch.clebsch", icon="FORCE_VORTEX")
+
+
+class SYNCH_PT_vortex_result(SidebarPanel, bpy.types.Panel):
+    """What the last solve of the active object's vortices found"""
+
+    bl_label = "Result"
+    bl_parent_id = "SYNCH_PT_vortices"
+
+    @classmethod
+    def poll(cls, context):
+        obj = context.active_object
+        return obj is not None and bool(obj.synch_vortices.result) and jobs.running is None
+
+    def draw(self, context):
+        obj = context.active_object
+        draw_figures(self.layout, obj.synch_vortices.figures)
+        if memory.flows.holds(obj):
+            draw_choice(self.layout, obj.synch_vortices)
+
+
+def draw_vortices(layout, settings):
+    """What is solved; ``settings`` are the scene's or an operator's."""
+    column = property_column(layout)
+    column.prop(settings, "filepath", placeholder="chosen objects")
+    column.prop(settings, "show")
+    column.prop(settings, "resolution")
+    if not settings.filepath:
+        column.prop(settings, "core")
+    column.prop(settings, "attribute")
+    column.prop(settings, "by")
+    column.prop(settings, "count" if settings.by == "COUNT" else "quantum")
+    if settings.show != "FILAMENTS":
+        column.prop(settings, "opening")
+    column.prop(settings, "smoothing")
+    column.prop(settings, "use_frames")
+    if settings.use_frames:
+        row = column.row(align=True)
+        row.prop(settings, "frame_start", text="First, Last")
+        row.prop(settings, "frame_end", text="")
+    draw_solver(layout, settings)
+
+
+def draw_estimate(layout, context, settings):
+    """How many nodes and how much memory a solve will take, where that can be told beforehand."""
+    shape = expected_shape(context, settings.filepath, settings.resolution, settings.attribute)
+    if shape is None:
+        return
+    nodes = math.prod(shape)
+    sizes = " × ".join(map(str, shape))
+    text = said("{sizes} nodes, about {gigabytes:.1f} GB", sizes=sizes, gigabytes=solve_memory(nodes) / 2**30)
+    layout.label(text=text, icon="ERROR" if nodes > 2_000_000 else "INFO")
+
+
+def draw_figures(layout, found):
+    """Energy, bound, counts and what of the vorticity the filaments carry."""
+    column = layout.column(align=True)
+    column.label(text=said("Energy {energy:.4g}", energy=found["energy"]), icon="SORTTIME")
+    if found["certificate"] == "proved":
+        column.label(text=said("Proved: no map saves more than {gap:.0%}", gap=found["gap"]), icon="CHECKMARK")
+    elif found["certificate"] == "estimated":
+        column.label(text=said("About {gap:.0%} above the bound", gap=found["gap"]), icon="QUESTION")
+    if "filaments" in found:
+        closed = said("{closed} closed, {length:.3g} long in all", closed=found["closed"], length=found["length"])
+        column.label(text=f"{counted(found['filaments'], 'filament')}, {closed}", icon="CURVE_DATA")
+    if "vortices" in found:
+        column.label(text=counted(found["vortices"], "vortex"), icon="DOT")
+    if "tubes" in found:
+        column.label(text=counted(found["tubes"], "tube"), icon="MESH_CYLINDER")
+    share = found["vorticity_share"]
+    if share is not None:
+        carried = said(
+            "Circulation {quantum:.4g} each: {share:.0%} of the vorticity", quantum=found["quantum"], share=share
+        )
+        column.label(text=carried, icon="FORCE_VORTEX")
+    column.label(text=said("{seconds:.1f} s, {nodes} nodes", **found), icon="TIME")
+
+
+def draw_choice(layout, look):
+    """The ball with the point of the sphere, and what else is shown at once."""
+    row = layout.row()
+    row.enabled = look.id_data.mode == "OBJECT"
+    row.prop(look, "point", text="")
+    column = row.column(align=True)
+    column.use_property_split = False
+    north, east = look.place
+    column.label(text=f"{abs(north):.0f}° {'N' if north >= 0 else 'S'}, {abs(east):.0f}° {'E' if east >= 0 else 'W'}")
+    column.prop(look, "opening")
+    column.prop(look, "smoothing")
+    column.operator("synch.best_vortices", icon="LOOP_BACK")
+
+
+register, unregister = bpy.utils.register_classes_factory((SYNCH_PT_vortices, SYNCH_PT_vortex_result))

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Favourites: configurations of defects that are kept as attributes of the mesh, and shown again without a solve.
+
+A favourite is the directions and the phases at the vertices (:mod:`.read_back`), so that it survives saving, and costs
+some bytes a vertex.
+"""
+
+import json
+import re
+
+import bpy
+import numpy as np
+
+from ...core.errors import SynchError
+from ...core.keywords import from_names
+from ..blender import attributes, meshes
+from ..jobs.report import Report
+from ..settings.fields import Settings
+from . import job, memory
+from .read_back import DIRECTION, PHASE, SUFFIXES, is_cut, read_back
+
+# How far directions may be off those of a solve in memory to be its own: single precision.
+_SAME = 1e-4
+
+
+def keep(obj, name=""):
+    """Keep what an object's stripes or quads show under a name, or one that says which variation it is.
+
+    Returns
+    -------
+    str, the name: another one where it is taken
+
+    Raises
+    ------
+    SynchError
+        with one line that names the element and the remedy; nothing is kept
+    """
+    meshes.refuse(obj)
+    result = json.loads(obj.synch.result) if obj.synch.result else {}
+    if result.get("command") not in SUFFIXES:
+        raise SynchError(f"{obj.name} shows no stripes or quads: solve them first")
+    if is_cut(from_names(Settings, result["settings"])):
+        raise SynchError(f"the pattern of {obj.name} has cuts, which attributes of vertices cannot tell: use the seed")
+    with meshes.object_mode(obj):
+        values = {to: attributes.read_values(obj, source, "POINT") for source, to in _names(result["command"])}
+        if any(part is None for part in values.values()):
+            raise SynchError(f"attributes of the pattern of {obj.name} are missing: solve it again")
+        number = _unused_number(obj)
+        favourite = obj.synch.favourites.add()
+        favourite.number, favourite.variation, favourite.result = number, obj.synch.variation, obj.synch.result
+        favourite.name = name
+        for to, part in values.items():
+            kind = "FLOAT_VECTOR" if part.ndim > 1 else "FLOAT"
+            attributes.write_attribute(obj, favourite.attributes + to, "POINT", kind, part)
+    return favourite.name
+
+
+def show(obj, name):
+    """Show a favourite; returns what :func:`report.result_line` keeps of it, as a dict.
+
+    Where it comes from the solve that is in memory, that stays there, and the slider goes on from it.
+
+    Raises
+    ------
+    SynchError
+        with one line that names the element and the remedy; nothing is written
+    """
+    meshes.refuse(obj)
+    favourite = _favourite(obj, name)
+    result, start = favourite.result, favourite.attributes
+    with meshes.object_mode(obj):
+        task, field, pattern = read_back(obj, result, start + "direction", start + "phase")
+        solved = _solve_of(obj, task, field)
+        if solved is not None:
+            phases, report = pattern.phases, solved.report.again()
+            shown = solved.pattern.showing(phases)
+            arguments = solved.task, solved.field, shown, report, favourite.variation
+            job.write_result(obj, *arguments, lambda state: state.pattern.showing(phases))
+        else:
+            job.show(obj, task, field, pattern, Report(task.command, obj, task.settings))
+            memory.show_line(obj, result, favourite.variation)
+    return json.loads(obj.synch.result)
+
+
+def remove(obj, name):
+    """Remove a favourite, with its attributes unless a linked copy of the object has it, too."""
+    meshes.refuse(obj)
+    favourite = _favourite(obj, name)
+    if not _is_shared(obj, favourite):
+        with meshes.object_mode(obj):
+            for attribute in [a.name for a in obj.data.attributes if a.name.startswith(favourite.attributes)]:
+                attributes.remove_attribute(obj, attribute)
+    obj.synch.favourites.remove(obj.synch.favourites.find(name))
+
+
+def _names(command):
+    """Names of the attributes that a pattern is kept in, and those that a favourite has for them."""
+    return [(DIRECTION, "direction"), *((PHASE + suffix, "phase" + suffix) for suffix in SUFFIXES[command])]
+
+
+def _favourite(obj, name):
+    found = obj.synch.favourites.get(name)
+    if found is None:
+        names = ", ".join(other.name for other in obj.synch.favourites) or "none yet"
+        raise SynchError(f"{obj.name} has no favourite {name!r}: choose one of its own ({names})")
+    return found
+
+
+def _solve_of(obj, task, field):
+    """The solve in memory, where it is one of a task's command and spacing along the directions of a field."""
+    try:
+        solved = memory.recall(obj)
+    except SynchError:
+        return None
+    same = solved.task.command == task.command and len(solved.field.angles) == len(field.angles)
+    same = same and np.array_equal(solved.task.spacings, task.spacings)
+    return solved if same and np.abs(solved.field.vectors - field.vectors).max(initial=0) < _SAME else None
+
+
+def _unused_number(obj):
+    """The next number for a favourite: of the mesh, which other objects may show, too."""
+    found = [re.match(r"synch_favourite_(\d+)_", attribute.name) for attribute in obj.data.attributes]
+    numbers = [favourite.number for favourite in obj.synch.favourites]
+    return max([*numbers, *(int(match[1]) for match in found if match)], default=0) + 1
+
+
+def _is_shared(obj, favourite):
+    """Whether another object of the same mesh has the same favourite, as linked copies do."""
+    others = [other for other in bpy.data.objects if other.data == obj.data and other != obj]
+    return any(favourite.number == kept.number for other in others for kept in other.synch.favourites)

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a mesh is and what it can carry."""
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from ...core.errors import MeshError
+from ..blender.meshes import read_mesh
+from ..jobs.report import versions
+from .reading import COARSE_SHARE, EDGES_PER_PERIOD, automatic_spacing
+
+
+def describe(obj):
+    """Facts about a mesh object: the dict for the report, and lines to read."""
+    try:
+        given = read_mesh(obj)
+    except MeshError as error:
+        facts = {"command": "info", "object": obj.name, "status": "refused", "reason": str(error)}
+        return facts | {"versions": versions()}, [f"{obj.name}: cannot carry a field: {error}"]
+    mesh, polygons = given.mesh, given.polygons
+    facts = {
+        "command": "info",
+        "object": obj.name,
+        "status": "ready",
+        "vertices": mesh.vertex_count,
+        "loose_vertices": len(mesh.loose_vertices),
+        "edges": len(mesh.edges),
+        "faces": len(polygons.starts),
+        "triangles": mesh.triangle_count,
+        "pieces": len(np.unique(mesh.pieces[mesh.triangles[:, 0]])),
+        "boundary_loops": _boundary_loops(mesh),
+        "euler_characteristic": mesh.euler_characteristic,
+        "size": np.ptp(mesh.vertices, axis=0).tolist(),
+        "area": float(mesh.areas.sum()),
+        "edge_length": {
+            "shortest": float(mesh.edge_lengths.min()),
+            "median": float(np.median(mesh.edge_lengths)),
+            "longest": float(mesh.edge_lengths.max()),
+        },
+        "automatic_spacing": automatic_spacing("stripes", mesh),
+        "finest_spacing": 2 * float(np.quantile(mesh.edge_lengths, 1 - COARSE_SHARE)),
+        "versions": versions(),
+    }
+    return facts, _lines(facts)
+
+
+def _boundary_loops(mesh):
+    """Number of connected pieces of the boundary."""
+    i, j = mesh.edges[mesh.boundary_edges].T
+    if len(i) == 0:
+        return 0
+    graph = coo_matrix((np.ones(len(i)), (i, j)), shape=(mesh.vertex_count, mesh.vertex_count))
+    labels = connected_components(graph, directed=False)[1]
+    return len(np.unique(labels[i]))
+
+
+def _lines(facts):
+    lengths = facts["edge_length"]
+    return [
+        f"{facts['object']}: {facts['vertices']} vertices, {facts['edges']} edges, {facts['faces']} faces "
+        f"({facts['triangles']} triangles)",
+        f"pieces {facts['pieces']}, boundary loops {facts['boundary_loops']}, Euler characteristic "
+        f"{facts['euler_characteristic']}, loose vertices {facts['loose_vertices']}",
+        "size {:.4g} x {:.4g} x {:.4g}, area {:.4g}".format(*facts["size"], facts["area"]),
+        f"edges {lengths['shortest']:.3g} to {lengths['longest']:.3g}, median {lengths['median']:.3g}",
+        f"automatic spacing {facts['automatic_spacing']:.4g} ({EDGES_PER_PERIOD} edges or more to a stripe); "
+        f"finest that the edges carry {facts['finest_spacing']:.4g}",
+    ]

@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Isolines of a pattern as a curve object: tubes, wires or ribbons that lie on the surface."""
+
+import math
+from collections import Counter
+from dataclasses import asdict, dataclass, replace
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from ...core.errors import SettingError
+from ...core.extract.isolines import End
+from ...core.extract.isolines import isolines as traced_lines
+from ...core.keywords import check_choice, check_whole
+from ..blender.bvh import nearest, surface_tree
+from ..jobs.report import counted, versions
+from .quad_mesh import barycentric
+
+SPLINES = ("poly", "bezier", "nurbs")
+
+# As traced, lines pass vertices of the mesh that lie on them several times: points closer than this are one, in
+# spacings.
+_SAME = 1e-4
+# Share of the way to the middle of its neighbours that a point moves at once.
+_STEP = 0.5
+# Below this sum of its components in X and Y, a tangent is vertical to Blender's Z-up frames.
+_VERTICAL = 1e-4
+
+
+@dataclass(frozen=True)
+class LineSettings:
+    """Settings of the operator, the command line and the API alike; lengths are in spacings.
+
+    Attributes
+    ----------
+    width : the part of a period that is stripe and whose edges are drawn; 0 for the middles of stripes, 1 for those of
+        gaps; quads have grid lines, and 0
+    distance : between the points of a line; 0 for where it crosses the mesh's edges
+    smoothing : how often points move to the middle of their neighbours, before they are put back on the surface
+    radius : of tubes around the lines; 0 for none
+    spline : "poly", whose tilt follows the surface, or "bezier" or "nurbs", which are smooth between the points
+    """
+
+    width: float = 0.0
+    distance: float = 0.1
+    smoothing: int = 6
+    radius: float = 0.1
+    spline: str = "poly"
+
+    def __post_init__(self):
+        for name in ("width", "distance", "radius"):
+            value = getattr(self, name)
+            if not isinstance(value, int | float) or not 0 <= value < math.inf:
+                raise SettingError(f"the {name} is {value!r}: give a number from 0 on")
+        if self.width > 1:
+            raise SettingError(f"the width is {self.width:g}: give a part of a period from 0 (middles) to 1 (of gaps)")
+        check_whole(self, "smoothing")
+        check_choice(self, "spline", SPLINES)
+
+
+def write(obj, task, pattern, settings):
+    """Make the curve object of a pattern's lines beside a mesh object; returns the report.
+
+    It has the place and turn of the mesh object, and the scale is in its points, so that tubes are round and lengths
+    those of the scene. Line k of the report's order is spline k.
+    """
+    spacing = task.spacing
+    lines = traced_lines(pattern.edge_phases, settings.width)
+    if len(lines.sizes) == 0:
+        raise SettingError(f"no line of the pattern lies on {obj.name}: reduce the spacing and solve again")
+    length = float(lines.lengths.sum())
+    distance = settings.distance * spacing
+    shown = lines.resampled(distance) if distance else lines.without_repeats(_SAME * spacing)
+    shown = smoothed(shown, settings.smoothing)
+    data = bpy.data.curves.new(f"{obj.data.name} Lines", "CURVE")
+    data.dimensions, data.resolution_u = "3D", 4
+    # Frames that depend on each point alone can be turned to the surface exactly, but are not smooth between points.
+    data.twist_mode = "Z_UP" if settings.spline == "poly" else "MINIMUM"
+    data.bevel_depth = settings.radius * spacing
+    data.use_fill_caps = True
+    add_splines(data, shown, settings.spline)
+    made = bpy.data.objects.new(f"{obj.name} Lines", data)
+    for collection in obj.users_collection:
+        collection.objects.link(made)
+    made.matrix_world = obj.matrix_world @ Matrix(np.linalg.inv(task.given.stretch)).to_4x4()
+    return _report(made, shown, length, settings)
+
+
+def smoothed(lines, times):
+    """Lines whose points have moved to the middle of their neighbours, but for the ends, and back onto the surface.
+
+    It takes out what comes from the mesh's edges, above all the bends with which lines reach the centres of triangles
+    with a dislocation.
+    """
+    if times == 0:
+        return lines
+    mesh, following = lines.mesh, lines.next
+    ends = np.concatenate([lines.starts, lines.starts + lines.sizes - 1])[np.tile(~lines.closed, 2)]
+    previous = np.arange(len(following))
+    previous[following] = np.arange(len(following))
+    free = np.ones(len(following), bool)
+    free[ends] = False
+    points, normals = lines.points, lines.normals
+    for _ in range(times):
+        # Along the surface only: from inside a convex one, the nearest points jump from face to face.
+        step = _STEP * (0.5 * (points[following] + points[previous]) - points)
+        step -= np.einsum("ij,ij->i", step, normals)[:, None] * normals
+        points[free] += step[free]
+    places, triangles = nearest(surface_tree(mesh.vertices, mesh.triangles), points[free])
+    moved = replace(lines, triangles=lines.triangles.copy(), weights=lines.weights.copy())
+    moved.triangles[free], moved.weights[free] = triangles, barycentric(mesh, triangles, places)
+    return moved
+
+
+def add_splines(data, lines, kind):
+    """Add a spline of a kind to a curve for each line, poly splines with the tilt of the surface."""
+    points = np.column_stack([lines.points, np.ones(len(lines.triangles))]).astype(np.float32)
+    tilts = tilts_of(lines).astype(np.float32)
+    for start, size, closed in zip(lines.starts, lines.sizes, lines.closed, strict=True):
+        run = slice(start, start + size)
+        spline = data.splines.new(kind.upper())
+        spline.use_cyclic_u = bool(closed)
+        if kind == "bezier":
+            spline.bezier_points.add(size - 1)
+            spline.bezier_points.foreach_set("co", points[run, :3].ravel())
+            for point in spline.bezier_points:
+                point.handle_left_type = point.handle_right_type = "AUTO"
+            continue
+        spline.points.add(size - 1)
+        spline.points.foreach_set("co", points[run].ravel())
+        if kind == "poly":
+            spline.points.foreach_set("tilt", tilts[run])
+        else:
+            spline.order_u = min(4, size)
+            spline.use_endpoint_u = not closed
+
+
+def tilts_of(lines):
+    """(n,) radians that turn the Z-up frame of a polygonal curve so that its normal is the surface's."""
+    tangents = _tangents(lines)
+    x, y, _ = tangents.T
+    level = np.column_stack([y, -x, np.zeros(len(x))])
+    level[np.abs(x) + np.abs(y) < _VERTICAL] = [1, 0, 0]
+    level /= np.linalg.norm(level, axis=1, keepdims=True)
+    across = np.cross(tangents, level)
+    normals = lines.normals
+    return np.arctan2(np.einsum("ij,ij->i", normals, across), np.einsum("ij,ij->i", normals, level))
+
+
+def _tangents(lines):
+    """(n, 3) unit tangents as Blender has them: halfway between the directions to the points on both sides."""
+    leaving = _normalized(lines.points[lines.next] - lines.points)
+    arriving = np.zeros_like(leaving)
+    arriving[lines.next] = leaving
+    last = (lines.starts + lines.sizes - 1)[~lines.closed]
+    arriving[lines.starts[~lines.closed]] = 0
+    arriving[last] = leaving[last - 1]
+    leaving[last] = 0
+    return _normalized(arriving + leaving)
+
+
+def _normalized(vectors):
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.divide(vectors, lengths, out=np.tile([0.0, 0.0, 1.0], (len(vectors), 1)), where=lengths > 0)
+
+
+def _report(made, lines, length, settings):
+    counts = Counter(End(kind) for kind in lines.ends[~lines.closed].ravel().tolist())
+    return {
+        "status": "made",
+        "command": "isolines",
+        "object": made.name,
+        "lines": len(lines.sizes),
+        "closed": int(lines.closed.sum()),
+        "ends": {end.name.lower(): counts[end] for end in End if end != End.CLOSED},
+        "length": length,
+        "points": len(lines.triangles),
+        "settings": asdict(settings),
+        "versions": versions(),
+    }
+
+
+def summary_line(report):
+    """What a person wants to read of the report."""
+    at = {"boundary": "on the boundary", "dislocation": "at dislocations", "disclination": "at disclinations"}
+    ends = [f"{count} {at[end]}" for end, count in report["ends"].items() if count]
+    lines = f"{report['object']}: {counted(report['lines'], 'line')}, {report['length']:.4g} long in all"
+    return f"{lines}, {report['closed']} closed" + (f"; ends: {', '.join(ends)}" if ends else "")

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Numbers of an object's stripes and coordinates along them, written for shaders and geometry nodes."""
+
+from contextlib import contextmanager
+
+from ...core.errors import SettingError, SynchError
+from ...core.extract.isolines import isolines
+from ...core.extract.stripe_numbers import stripe_table
+from ..blender import attributes, meshes
+from ..blender.phases import pattern_kind, read_phases
+from ..nodes.stripe_profiles import ALONG, NUMBER
+from .read_back import shown_pattern
+
+# Between the points of the lines along which coordinates are measured, in spacings.
+_STEP = 0.1
+# Not empty while numbers are left as they are.
+_waiting = []
+
+
+def number_stripes(obj):
+    """Number the stripes that an object shows and write coordinates along them, for shaders and relief.
+
+    What is written follows every later solve and variation of the object.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object with stripes
+
+    Returns
+    -------
+    int, how many stripes there are: number k is that of spline k - 1 of :func:`api.isolines`
+
+    Raises
+    ------
+    SynchError
+        with one line that names the element and the remedy; nothing is written
+    """
+    meshes.refuse(obj)
+    with meshes.object_mode(obj):
+        if pattern_kind(obj) != "stripes":
+            raise SynchError("stripes are numbered: solve stripes first")
+        return _write(obj, *shown_pattern(obj))
+
+
+def _write(obj, task, pattern):
+    lines = isolines(pattern.edge_phases)
+    if len(lines.sizes) == 0:
+        raise SettingError(f"no stripe has its middle on {obj.name}: reduce the spacing and solve again")
+    (phase,) = read_phases(obj, "stripes")
+    table = stripe_table(phase, task.given.polygons, lines.resampled(_STEP * task.spacing), task.spacing)
+    attributes.write_attribute(obj, NUMBER, "FACE", "FLOAT_VECTOR", table.numbers)
+    attributes.write_attribute(obj, ALONG, "CORNER", "FLOAT_VECTOR", table.along)
+    meshes.update(obj)
+    return len(lines.sizes)
+
+
+@contextmanager
+def numbers_later():
+    """Leave numbers as they are while other states are shown one after the other; :func:`renew_shown` ends that."""
+    _waiting.append(True)
+    try:
+        yield
+    finally:
+        _waiting.pop()
+
+
+def renew_shown(obj):
+    """Number the stripes that an object shows anew where they were numbered before."""
+    if NUMBER in obj.data.attributes:
+        with meshes.object_mode(obj):
+            renew_numbers(obj, *shown_pattern(obj))
+
+
+def renew_numbers(obj, task, pattern):
+    """Number the stripes of an object anew where they were numbered before; they go where that cannot be."""
+    if NUMBER not in obj.data.attributes or _waiting:
+        return
+    if pattern is None or pattern_kind(obj) != "stripes":
+        remove_numbers(obj)
+        return
+    try:
+        _write(obj, task, pattern)
+    except SynchError:
+        remove_numbers(obj)
+
+
+def remove_numbers(obj):
+    """Take the numbers of an object's stripes away."""
+    for name in (NUMBER, ALONG):
+        attributes.remove_attribute(obj, name)

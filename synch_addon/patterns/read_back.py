@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an object shows, read back from its attributes: the pattern of a file that was opened again, or a favourite.
+
+Directions and phases at the vertices say it all: how the phases change along the edges follows from what the directions
+ask for there, which is what the solver was asked for.
+"""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+
+from ...core.errors import SynchError
+from ...core.fields import Pattern, given_directions
+from ...core.fields.directions import SYMMETRIES
+from ...core.fields.growth import Growth
+from ...core.keywords import from_names
+from ..blender import attributes
+from ..settings.fields import Settings
+from . import memory
+from .reading import gather
+
+DIRECTION, PHASE = "synch_direction", "synch_vertex_phase"
+# Suffixes of the attributes of each phase.
+SUFFIXES = {"stripes": ("",), "quads": ("_x", "_y")}
+
+
+def shown_pattern(obj):
+    """The Task and the Pattern that an object in object mode shows: of its last solve, or else read back.
+
+    Raises
+    ------
+    SynchError
+        where there is none
+    """
+    if memory.holds(obj):
+        solved = memory.recall(obj)
+        if solved.pattern is None:
+            raise SynchError("lines are drawn of stripes and quads: solve one of them first")
+        return solved.task, solved.pattern
+    task, _, pattern = read_back(obj, obj.synch.result)
+    return task, pattern
+
+
+def read_back(obj, result, direction=DIRECTION, phase=PHASE):
+    """The Task, DirectionField and Pattern of attributes on the vertices.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object in object mode
+    result : what the object keeps of their solve, see :func:`report.result_line`
+    direction, phase : names of the attributes, the latter without its suffix
+
+    Returns
+    -------
+    Task, DirectionField, Pattern; the pattern has no problem and no solution
+
+    Raises
+    ------
+    SynchError
+        where an attribute is missing, or edges were cut, whose second sides have phases of their own
+    """
+    kept = json.loads(result) if result else {}
+    command = kept.get("command")
+    if command not in SUFFIXES or "settings" not in kept:
+        raise SynchError(f"{obj.name} has no pattern whose settings are known: solve stripes or quads on it first")
+    settings = from_names(Settings, kept["settings"])
+    if is_cut(settings):
+        raise SynchError(f"the pattern of {obj.name} has cuts, which its attributes cannot tell: solve it again")
+    task = gather(command, obj, _spacing_alone(settings))
+    given = task.given
+    vectors = attributes.read_vectors(obj, direction, given)
+    field = given_directions(given.mesh, SYMMETRIES[settings.symmetry], vectors)
+    columns = [attributes.read_numbers(obj, phase + suffix, given) for suffix in SUFFIXES[command]]
+    phases = np.exp(1j * np.column_stack(columns)).ravel()
+    return task, field, Pattern(Growth.of(given.mesh, field, task.spacings), None, None, phases)
+
+
+def is_cut(settings):
+    """Whether edges are cut, so that vertices have several phases."""
+    return any(row.what == "cut" for row in settings.constraints)
+
+
+def _spacing_alone(settings):
+    """The settings that say how far apart lines are, without what their directions were to follow."""
+    plain = Settings()
+    names = ("guidance", "angle", "angle_attribute", "boundary", "vertex_group", "mirror")
+    return replace(settings, constraints=(), **{name: getattr(plain, name) for name in names})

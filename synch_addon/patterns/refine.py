@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How fine a spacing an object's mesh carries, seen on some of its faces, and subdivision where it is too coarse.
+
+The panel asks at every redraw, so that the answer is kept until a mesh changes, and costs the same for any mesh.
+"""
+
+import math
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ...core.errors import SettingError, SynchError
+from ..blender import groups, meshes
+from ..blender.translations import said
+from ..jobs.report import versions
+from . import memory, write
+from .reading import LINES_ACROSS, carried_spacing
+
+# Faces that are looked at, spread over all of them.
+FACES_SEEN = 500
+# Automatic spacing takes what the mesh carries: the panel offers more when that is fewer lines across than this.
+FEW_LINES = LINES_ACROSS // 3
+# No warning while the edges are at most this much longer than they should be.
+SLACK = 1.1
+MOST_LEVELS, MOST_FACES = 6, 4_000_000
+
+_seen = {}
+
+
+@dataclass(frozen=True)
+class Carried:
+    """What a mesh can carry, in scene units.
+
+    Attributes
+    ----------
+    spacing : the finest one, with what the spacing map does to it
+    size : longest side of the object
+    """
+
+    spacing: float
+    size: float
+
+
+def refine(obj, levels=None):
+    """Subdivide an object's mesh without changing its shape, so that it carries the spacing that is set.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+    levels : how often every edge is halved; None for as often as its spacing needs, at least once
+
+    Returns
+    -------
+    dict, the report with ``levels``, ``faces_before`` and ``faces``
+
+    Raises
+    ------
+    SynchError
+        with one line that names the element and the remedy; nothing is changed
+    """
+    reason = meshes.refusal(obj)
+    if reason:
+        raise SynchError(reason)
+    with meshes.object_mode(obj):
+        levels = max(offered_levels(obj), 1) if levels is None else levels
+        before = len(obj.data.polygons)
+        _subdivide(obj, levels)
+    memory.forget(obj)
+    counts = {"levels": levels, "faces_before": before, "faces": len(obj.data.polygons)}
+    return {"status": "made", "command": "refine", "object": obj.name, **counts, "versions": versions()}
+
+
+def carried(obj):
+    """:class:`Carried` of a mesh object in object mode, or None where it has no faces."""
+    data, settings = obj.data, obj.synch
+    scale = tuple(tuple(row) for row in obj.matrix_world.to_3x3())
+    key = (len(data.polygons), len(data.loops), scale, settings.spacing_map, settings.spacing_range)
+    if _seen.get(obj.session_uid, (None,))[0] != key:
+        _seen[obj.session_uid] = key, _look_at(obj)
+    return _seen[obj.session_uid][1]
+
+
+def missing_levels(obj):
+    """How often the mesh has to be subdivided for the spacing that is set, as a number to round up; 0 or less for not.
+
+    Of automatic spacing, for as many lines across as :data:`FEW_LINES`.
+    """
+    found = carried(obj)
+    if found is None or found.size == 0:
+        return 0.0
+    wanted = found.size / FEW_LINES if obj.synch.automatic_spacing else obj.synch.spacing
+    return math.log2(found.spacing / (SLACK * wanted)) if wanted > 0 and found.spacing > 0 else 0.0
+
+
+def faces_after(obj, levels):
+    """How many faces the mesh has after simple subdivision: one at each corner, then four times as many each time."""
+    return len(obj.data.loops) * 4 ** (levels - 1)
+
+
+def offered_levels(obj):
+    """How often the mesh should be subdivided, as often as is sensible; 0 where it need not be."""
+    levels = min(math.ceil(missing_levels(obj)), MOST_LEVELS)
+    while levels > 1 and faces_after(obj, levels) > MOST_FACES:
+        levels -= 1
+    return max(levels, 0)
+
+
+def _subdivide(obj, levels):
+    """Subdivide the mesh of an object in object mode, without smoothing, and take the pattern of the old faces away.
+
+    UV maps, colours, groups, seams, materials and attributes go over; other users of the mesh keep theirs.
+
+    Raises
+    ------
+    SynchError
+        where it cannot be; nothing is changed
+    """
+    if not isinstance(levels, int) or not 1 <= levels <= MOST_LEVELS:
+        raise SettingError(f"the level is {levels!r}: give a whole number from 1 to {MOST_LEVELS}")
+    if obj.data.shape_keys:
+        raise SynchError(f"{obj.name} has shape keys, which subdivision would lose: apply or remove them first")
+    if len(obj.data.polygons) == 0:
+        raise SynchError(f"{obj.name} has no faces: add some first")
+    if faces_after(obj, levels) > MOST_FACES:
+        raise SettingError(f"level {levels} would make {faces_after(obj, levels):,} faces: take a lower one")
+    modifier = obj.modifiers.new("Synch Refine", "SUBSURF")
+    name = modifier.name
+    modifier.subdivision_type, modifier.levels, modifier.uv_smooth = "SIMPLE", levels, "NONE"
+    modifier.use_limit_surface = False  # it would bend what is on a face
+    obj.modifiers.move(len(obj.modifiers) - 1, 0)
+    render = bpy.context.scene.render
+    simplified, render.use_simplify = render.use_simplify, False  # it would hold the levels down
+    try:
+        with bpy.context.temp_override(object=obj, active_object=obj, selected_objects=[obj]):
+            bpy.ops.object.modifier_apply(modifier=name, single_user=True)
+    except RuntimeError as error:
+        raise SynchError(f"{obj.name} cannot be subdivided: {str(error).strip().removeprefix('Error: ')}") from error
+    finally:
+        render.use_simplify = simplified
+        if name in obj.modifiers:
+            obj.modifiers.remove(obj.modifiers[name])
+    write.clear(obj)
+
+
+def draw_warning(layout, obj):
+    """Say where the mesh is too coarse for the spacing that is set, with a button that subdivides it."""
+    if obj.mode != "OBJECT" or missing_levels(obj) <= 0:
+        return
+    found, levels = carried(obj), offered_levels(obj)
+    column = layout.box().column(align=True)
+    if obj.synch.automatic_spacing:
+        across = max(round(found.size / found.spacing), 1)
+        column.label(text=said("Coarse mesh: about {count} lines across", count=across), icon="ERROR")
+    else:
+        carries = bpy.utils.units.to_string(
+            bpy.context.scene.unit_settings.system, "LENGTH", found.spacing, precision=3
+        )
+        column.label(text=said("Coarse mesh: carries {spacing}", spacing=carries), icon="ERROR")
+    text = said("Subdivide to {count:,} Faces", count=faces_after(obj, levels))
+    column.operator("synch.refine", text=text, icon="MOD_SUBSURF").levels = levels
+
+
+def _look_at(obj):
+    places, ends = _sample(obj.data)
+    if len(ends) == 0:
+        return None
+    vertices = np.array(list(places))
+    points = np.array(list(places.values()))
+    rotated = points @ np.array(obj.matrix_world.to_3x3()).T
+    first, second = np.searchsorted(vertices, ends.T)
+    lengths = np.linalg.norm(rotated[first] - rotated[second], axis=1)
+    factors = np.maximum(_factors(obj, vertices.tolist()), 1e-6)
+    stretched = np.ptp(points, axis=0) * np.array(obj.matrix_world.to_scale())
+    return Carried(carried_spacing(lengths / factors[first]), float(np.abs(stretched).max()))
+
+
+def _sample(data):
+    """Positions by vertex, in order, and (k, 2) ends of the edges of some faces, cut into triangles.
+
+    Edges between faces come up for both, so that those inside a face count twice.
+    """
+    places, ends = {}, []
+    for number in range(0, len(data.polygons), max(1, len(data.polygons) // FACES_SEEN)):
+        corners = data.polygons[number].vertices[:]
+        ends += zip(corners, corners[1:] + corners[:1], strict=True)
+        ends += [(corners[0], other) for other in corners[2:-1]] * 2
+        places.update((vertex, data.vertices[vertex].co[:]) for vertex in corners)
+    return dict(sorted(places.items())), np.array(ends, int).reshape(-1, 2)
+
+
+def _factors(obj, vertices):
+    """What the spacing map multiplies the spacing by at some vertices, 1 where it is of no use."""
+    name, data = obj.synch.spacing_map, obj.data
+    if name and groups.is_group(obj, name):
+        index = obj.vertex_groups[name].index
+        weights = [{m.group: m.weight for m in data.vertices[v].groups}.get(index, 0.0) for v in vertices]
+        return obj.synch.spacing_range ** np.array(weights)
+    found = data.attributes.get(name) if name else None
+    if found is None or (found.domain, found.data_type) != ("POINT", "FLOAT"):
+        return np.ones(len(vertices))
+    return np.array([found.data[v].value for v in vertices])
+
+
+@bpy.app.handlers.persistent
+def _mesh_changed(_scene, depsgraph):
+    if _seen and any(update.is_updated_geometry for update in depsgraph.updates):
+        _seen.clear()
+
+
+@bpy.app.handlers.persistent
+def _forget(*_):
+    _seen.clear()
+
+
+_FORGETTING = ("load_post", "undo_post", "redo_post")
+
+
+def register():
+    bpy.app.handlers.depsgraph_update_post.append(_mesh_changed)
+    for name in _FORGETTING:
+        getattr(bpy.app.handlers, name).append(_forget)
+
+
+def unregister():
+    for name in _FORGETTING:
+        getattr(bpy.app.handlers, name).remove(_forget)
+    bpy.app.handlers.depsgraph_update_post.remove(_mesh_changed)
+    _seen.clear()

@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Relief: geometry node groups that subdivide a mesh and raise it by the profile of its pattern.
+
+They read the attributes alone, as the shaders do, so that relief and colour lie on each other. At a corner of a small
+face the attributes have the values of the place in the large face that it came from, linear in a triangle and bilinear
+in a quad, and the phase is evaluated there by the same formula. From face to face its sign and its multiples of 2 pi
+differ, but no profile sees them: the heights at the corners of a vertex agree, and the mean of them moves it.
+"""
+
+import math
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+
+from ...core.errors import SettingError, SynchError
+from ..blender.attributes import read_all, read_values
+from ..blender.defect_empties import mean_scale
+from ..nodes.canvas import Expression, GeometryCanvas, Socket, group_tree, set_input
+from ..nodes.quads import PROFILES as QUAD_PROFILES
+from ..nodes.quads import phase_attributes, profile_shapes
+from ..nodes.stripe_profiles import PROFILES as STRIPE_PROFILES
+from ..nodes.stripe_profiles import THREAD_TIP, chosen, place_in_stripe, profile_heights
+from ..nodes.stripes import VERSION, PhaseAttributes, phase_group
+
+# Edges that a period should have, and the faces up to which the mesh is subdivided for them.
+_EDGES_PER_PERIOD = 12
+
+
+_MOST_FACES = 1_500_000
+
+
+_DEEPEST = 6
+
+
+class _Kind(NamedTuple):
+    """What relief there is of a kind of pattern: its group's name, profiles, and the attribute that tells it."""
+
+    name: str
+    profiles: tuple
+    attribute: str
+
+
+KINDS = {
+    "stripes": _Kind("Synch Relief", STRIPE_PROFILES, "synch_phase"),
+    "quads": _Kind("Synch Quad Relief", QUAD_PROFILES, "synch_phase_x"),
+}
+
+
+_OUTPUTS = (Socket("Geometry", "Geometry", "The mesh with its relief"),)
+
+
+def _inputs(kind, profiles):
+    sockets = (
+        Socket("Geometry", "Geometry", "A mesh with a pattern"),
+        Socket("Height", "Float", "How high the pattern stands out of the surface; below 0 it is cut in", 0.05),
+        Socket("Width", "Float", "Part of a period, or of the area of quads, that is raised", 0.5, (0.0, 1.0)),
+        Socket(
+            "Profile",
+            "Int",
+            ", ".join(f"{number}: {name}" for number, name in enumerate(profiles)),
+            0,
+            (0, len(profiles) - 1),
+        ),
+        Socket("Level", "Int", "How often the mesh is subdivided: each time, edges are halved", 2, (0, _DEEPEST)),
+        Socket("Smooth", "Bool", "Round the surface while it is subdivided", False),
+    )
+    return sockets if kind == "quads" else (*sockets, Socket("Strands", "Int", THREAD_TIP, 2, (0, 64)))
+
+
+def relief_group(kind) -> bpy.types.GeometryNodeTree:
+    """The group "Synch Relief" of stripes or "Synch Quad Relief", built when missing, rebuilt when outdated."""
+    name, profiles, _ = KINDS[kind]
+    tree, canvas = group_tree(name, f"{VERSION}", _inputs(kind, profiles), _OUTPUTS, GeometryCanvas)
+    phases = _phase_groups(kind)
+    if canvas is None:
+        return tree
+    tree.interface.items_tree["Height"].subtype = "DISTANCE"
+    tree.is_modifier = True
+    with canvas.band("Phase"):
+        inputs = canvas.inputs()
+        phases = [canvas.group(phase) for phase in phases]
+    height = _stripe_height(canvas, phases, inputs) if kind == "stripes" else _quad_height(canvas, phases, inputs)
+    with canvas.band("Relief"):
+        canvas.outputs(Geometry=_raised(canvas, inputs, canvas.on_corners(height)))
+    return tree
+
+
+def _phase_groups(kind):
+    if kind == "stripes":
+        return [phase_group("Synch Relief Phase", PhaseAttributes(), GeometryCanvas)]
+    return [phase_group(f"Synch Relief Phase {a.upper()}", phase_attributes(a), GeometryCanvas) for a in "xy"]
+
+
+def _stripe_height(canvas, phases, inputs):
+    """Heights from 0 to 1."""
+    with canvas.band("Profiles"):
+        place = place_in_stripe(canvas, phases[0]["Phase"])
+        return chosen(inputs["Profile"], profile_heights(place, inputs["Width"], inputs["Strands"]))
+
+
+def _quad_height(canvas, phases, inputs):
+    with canvas.band("Pattern"):
+        x, y = (phase["Phase"] for phase in phases)
+        pattern = (phases[0]["Cosine"] * phases[1]["Cosine"]).named("cos x cos y")
+    shapes = profile_shapes(canvas, x, y, pattern, inputs["Width"])
+    with canvas.band("Chosen profile"):
+        return chosen(inputs["Profile"], [shape.height for shape in shapes], QUAD_PROFILES)
+
+
+def _raised(canvas, inputs, height):
+    """The subdivided mesh, moved along its normals.
+
+    Subdividing leaves faces flat, and the normals of the given mesh are carried over to round the relief; a mesh that
+    is rounded has normals of its own.
+    """
+    capture = canvas.node("GeometryNodeCaptureAttribute", 1, "smooth normals", domain="POINT")
+    capture.capture_items.new("VECTOR", "Normal")
+    normal = Expression(canvas, canvas.node("GeometryNodeInputNormal", 0).outputs["Normal"], 0)
+    canvas.connect(inputs["Geometry"], capture.inputs["Geometry"])
+    canvas.connect(normal, capture.inputs["Normal"])
+    captured = Expression(canvas, capture.outputs["Geometry"], 1)
+    meshes = []
+    for depth, name in ((2, "GeometryNodeSubdivideMesh"), (3, "GeometryNodeSubdivisionSurface")):
+        node = canvas.node(name, depth, inputs={"Mesh": captured, "Level": inputs["Level"]})
+        meshes.append(Expression(canvas, node.outputs["Mesh"], depth))
+    normals = [Expression(canvas, capture.outputs["Normal"], 1), normal]
+    mesh, normal = (
+        Expression(
+            canvas,
+            canvas.node(
+                "GeometryNodeSwitch",
+                4,
+                "smooth?",
+                inputs={"Switch": inputs["Smooth"], "False": flat, "True": smooth},
+                input_type=input_type,
+            ).outputs["Output"],
+            4,
+        )
+        for input_type, (flat, smooth) in (("GEOMETRY", meshes), ("VECTOR", normals))
+    )
+    unit = canvas.node("ShaderNodeVectorMath", 5, "unit normal", inputs={0: normal}, operation="NORMALIZE")
+    unit = Expression(canvas, unit.outputs["Vector"], 5)
+    length = (height * inputs["Height"]).named("way")
+    depth = max(length.depth, unit.depth) + 1
+    offset = canvas.node("ShaderNodeVectorMath", depth, "offset", operation="SCALE", inputs={0: unit, "Scale": length})
+    offset = Expression(canvas, offset.outputs["Vector"], depth)
+    moved = canvas.node("GeometryNodeSetPosition", depth + 1, inputs={"Geometry": mesh, "Offset": offset})
+    return Expression(canvas, moved.outputs["Geometry"], depth + 1)
+
+
+def add_relief(obj, height, width, profile, level, smooth):
+    """Give an object a modifier with the relief of its pattern, or set the one that it has.
+
+    Arguments as :func:`api.relief`. Returns the modifier's name and what its inputs are set to, for the report.
+    """
+    kind = _kind_of(obj)
+    spacing = obj["synch_spacing"] / mean_scale(obj)
+    values = {
+        "Height": _number("height", height, -math.inf, math.inf) * spacing,
+        "Width": _number("width", width, 0, 1),
+        "Profile": _profile(kind, profile),
+        "Level": _level_for(obj, spacing) if level is None else _whole("level", level, _DEEPEST),
+        "Smooth": bool(smooth),
+    }
+    group = relief_group(kind)
+    modifier = relief_modifier(obj) or obj.modifiers.new(group.name, "NODES")
+    modifier.node_group = group
+    for name, value in values.items():
+        set_input(modifier, name, value)
+    named = KINDS[kind].profiles[values["Profile"]]
+    return {"modifier": modifier.name, **{name.lower(): value for name, value in values.items()}, "profile": named}
+
+
+def _number(name, value, least, most):
+    if not isinstance(value, int | float) or not (math.isfinite(value) and least <= value <= most):
+        between = f" from {least:g} to {most:g}" if math.isfinite(least) else ""
+        raise SettingError(f"the {name} is {value!r}: give a number{between}")
+    return float(value)
+
+
+def _whole(name, value, most):
+    if not isinstance(value, int) or not 0 <= value <= most:
+        raise SettingError(f"the {name} is {value!r}: give a whole number from 0 to {most}")
+    return value
+
+
+def _profile(kind, profile):
+    """The number of a profile that is given by its name or number."""
+    names = KINDS[kind].profiles
+    if profile in names:
+        return names.index(profile)
+    if isinstance(profile, int) and 0 <= profile < len(names):
+        return profile
+    raise SettingError(f"the profile {profile!r} is unknown: use one of {', '.join(names)}")
+
+
+def relief_modifier(obj):
+    """The modifier of an object that uses one of the groups, or None."""
+    return next((modifier for modifier in obj.modifiers if is_relief(modifier)), None)
+
+
+def is_relief(modifier):
+    """Whether a modifier uses one of the groups."""
+    group = modifier.node_group if modifier.type == "NODES" else None
+    return group is not None and group.name in [kind.name for kind in KINDS.values()]
+
+
+def _kind_of(obj):
+    for name, kind in KINDS.items():
+        if kind.attribute in obj.data.attributes and "synch_spacing" in obj:
+            return name
+    raise SynchError(f"{obj.name} has no stripes or quads: solve one of them first")
+
+
+def _level_for(obj, spacing):
+    """As often as edges have to be halved for a period to have enough of them, as long as the faces stay few enough."""
+    data = obj.data
+    ends, places = read_all(data.edges, "vertices", 2), read_values(obj, "position", "POINT")
+    edge = np.median(np.linalg.norm(places[ends[:, 0]] - places[ends[:, 1]], axis=1))
+    wanted = math.ceil(math.log2(max(_EDGES_PER_PERIOD * edge / spacing, 1)))
+    # The first level gives a face to each corner.
+    carried = 1 + math.floor(math.log(max(_MOST_FACES / len(data.loops), 1), 4))
+    return min(wanted, carried, _DEEPEST)

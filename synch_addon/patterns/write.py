@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Write a solved field to the object at once: attributes, material and defect empties."""
+
+from dataclasses import replace
+
+import numpy as np
+from mathutils import Vector
+
+from ...core.interpolate import face_phases
+from ..blender import attributes, meshes
+from ..blender.defect_empties import KINDS, Defect, write_defects
+from ..nodes.materials import pattern_material
+
+# Suffixes of each phase's attributes, by how many phases a vertex has, and the domains and types of those attributes.
+_SUFFIXES = {1: ("",), 2: ("_x", "_y")}
+# How far attributes may be off what was solved to be the same: single precision.
+_SAME = 1e-4
+_PER_PHASE = {
+    "synch_phase{}": ("CORNER", "FLOAT"),
+    "synch_index{}": ("FACE", "INT"),
+    "synch_index{}_2": ("FACE", "INT"),
+    "synch_disclination{}": ("FACE", "FLOAT_COLOR"),
+    "synch_vertex_phase{}": ("POINT", "FLOAT"),
+}
+
+
+def layout(count):
+    """Domain and type of each attribute of a pattern with so many phases at a vertex, by their names."""
+    names = {name.format(suffix): kind for suffix in _SUFFIXES[count] for name, kind in _PER_PHASE.items()}
+    closing = {"synch_closing": ("FACE", "FLOAT2")} if count == 2 else {}
+    places = {"synch_barycentric": ("CORNER", "FLOAT_VECTOR"), "synch_pattern": ("POINT", "FLOAT")}
+    return names | closing | places
+
+
+def results(obj, task, field, pattern, report):
+    """Write directions and, where there is one, the pattern.
+
+    Returns the defects as dicts of plain values for the report, and the faces as they are afterwards.
+    """
+    given, spacing = task.given, task.spacing
+    polygons = given.polygons
+    if pattern is not None:
+        polygons = write_phases(obj, given, pattern.edge_phases, report.warn)
+    defects = _defects(given, field, pattern, polygons)
+    _write_field(obj, given, field, polygons, [d for d in defects if d.kind == "disclination"])
+    kinds = ("disclination",) if pattern is None else KINDS
+    write_defects(obj, defects, kinds=kinds, length=spacing)
+    if pattern is not None:
+        all_faces = task.settings.assign_material or has_one_material(obj)
+        pattern_material(obj, task.command, spacing=spacing, assign_faces=all_faces)
+    meshes.update(obj)
+    return [_plain(obj, d) for d in defects], polygons
+
+
+def is_written(obj, task, field, pattern):
+    """Whether an object's attributes are those of a field or a pattern, up to single precision."""
+    count = task.given.uncut.vertex_count
+    if pattern is None:
+        values = attributes.read_values(obj, "synch_direction", "POINT")
+        return values is not None and np.abs(values - task.given.to_object(field.vectors)).max(initial=0) < _SAME
+    phases = pattern.edge_phases.arguments[:count]
+    for suffix, column in zip(_SUFFIXES[phases.shape[1]], phases.T, strict=True):
+        values = attributes.read_values(obj, "synch_vertex_phase" + suffix, "POINT")
+        if values is None or np.abs(np.sin((values - column) / 2)).max(initial=0) > _SAME:
+            return False
+    return True
+
+
+def clear(obj):
+    """Take away the pattern and the defects that were written for other faces; directions stay, as guidance."""
+    for name in [a.name for a in obj.data.attributes if a.name.startswith("synch_") and a.name != "synch_direction"]:
+        attributes.remove_attribute(obj, name)
+    write_defects(obj, [])
+    if hasattr(obj, "synch"):  # as long as the extension is registered
+        obj.synch.result = ""
+        obj.synch.favourites.clear()
+
+
+def reported_defects(obj, task, field, pattern):
+    """The defects of a solved pattern for the report, without writing anything."""
+    return [_plain(obj, d) for d in _defects(task.given, field, pattern, task.given.polygons)]
+
+
+def _defects(given, field, pattern, polygons):
+    """All defects as records for the scene, in object space, with the faces that they are in."""
+    found = field.disclinations + (pattern.dislocations if pattern is not None else [])
+    triangles = given.mesh.triangles[[d.triangle for d in found]] if found else np.empty((0, 3), int)
+    faces = meshes.faces_of_triangles(polygons, triangles)
+    return [_defect(given, pattern, d, face) for d, face in zip(found, faces, strict=True)]
+
+
+def _write_field(obj, given, field, polygons, disclinations):
+    attributes.write_attribute(obj, "synch_direction", "POINT", "FLOAT_VECTOR", given.to_object(field.vectors))
+    singularity = np.zeros(len(polygons.starts))
+    np.add.at(singularity, [d.face for d in disclinations], [d.index for d in disclinations])
+    attributes.write_attribute(obj, "synch_singularity", "FACE", "FLOAT", singularity)
+
+
+def write_phases(obj, given, edge_phases, warn):
+    """Write the phases that an :class:`EdgePhases` of the measured mesh has; returns the faces as they are now.
+
+    ``warn`` is called with a line about the faces that had to be split, if any.
+    """
+    polygons = given.polygons
+    phases = face_phases(edge_phases, polygons)
+    unfit = phases[0].unfit
+    if len(unfit):
+        warn(split_line(unfit))
+        old_corners = meshes.split_faces(obj, polygons, unfit)
+        polygons = replace(meshes.read_polygons(obj), corner_vertices=polygons.corner_vertices[old_corners])
+        phases = face_phases(edge_phases, polygons)
+    pattern_attributes(obj, attribute_values(phases, edge_phases.arguments[: given.uncut.vertex_count]))
+    return polygons
+
+
+def split_line(faces):
+    """The warning that faces were split."""
+    return (
+        f"{len(faces)} faces with a defect were split into triangles, first face "
+        f"{faces[0]}: corner values carry one disclination, or two dislocations, in at most four corners"
+    )
+
+
+def attribute_values(phases, vertex_phases):
+    """Values of a pattern's attributes by their names, without those that only some meshes need.
+
+    Parameters
+    ----------
+    phases : tuple of k FacePhases
+    vertex_phases : (n, k) radians
+    """
+    suffixes = _SUFFIXES[len(phases)]
+    values = {"synch_barycentric": phases[0].corner_place, "synch_pattern": np.cos(vertex_phases).prod(axis=1)}
+    for suffix, phase, at_vertices in zip(suffixes, phases, vertex_phases.T, strict=True):
+        values["synch_phase" + suffix] = phase.corner_phase
+        values["synch_index" + suffix] = phase.index
+        values["synch_vertex_phase" + suffix] = at_vertices
+        if phase.index_2.any():  # absent means zero to a shader
+            values[f"synch_index{suffix}_2"] = phase.index_2
+        # A face may be singular for the other phase alone: its values here have to be zero, not absent.
+        if phase.disclination.any() or len(phases) == 2:
+            values["synch_disclination" + suffix] = phase.disclination
+    if len(phases) == 2:
+        values["synch_closing"] = np.column_stack([phase.closing for phase in phases])
+    return values
+
+
+def pattern_attributes(obj, values):
+    """Write a pattern's attributes, and remove those of another pattern that it lacks."""
+    kinds = layout(1) | layout(2)
+    for name in kinds.keys() - values.keys():
+        attributes.remove_attribute(obj, name)
+    for name, array in values.items():
+        attributes.write_attribute(obj, name, *kinds[name], array)
+
+
+def _defect(given, pattern, defect, face):
+    inverse = np.linalg.inv(given.stretch)
+    normal = given.stretch @ defect.normal  # normals go the other way round than points
+    of_two = defect.kind == "dislocation" and pattern.edge_phases.phase_count == 2
+    return Defect(
+        defect.kind,
+        int(face),
+        defect.index,
+        tuple((inverse @ defect.position).tolist()),
+        tuple((normal / np.linalg.norm(normal)).tolist()),
+        "xy"[defect.phase] if of_two else "",
+    )
+
+
+def _plain(obj, defect):
+    """A defect for the report, at its place in the world."""
+    position = obj.matrix_world @ Vector(defect.position)
+    plain = {"kind": defect.kind, "face": defect.face, "index": defect.index, "position": list(position)}
+    return plain | {"phase": defect.phase} if defect.phase else plain
+
+
+def has_one_material(obj):
+    """Whether showing the pattern on all faces loses no assignment of the user's."""
+    return len(np.unique(attributes.read_all(obj.data.polygons, "material_index"))) <= 1

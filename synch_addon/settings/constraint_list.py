@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The constraint list as Blender properties, which an object keeps in the file."""
+
+import math
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
+
+from ..blender.strokes import SOURCE_TYPES
+from .constraints import Constraint, wishes_at
+from .guide_list import suggest_numbers, suggest_vectors
+from .solver import TURN
+
+_PLACES = (
+    ("BOUNDARY", "Boundary", "The open edges of the mesh, or those of a vertex group", "MESH_PLANE"),
+    ("GROUP", "Vertex Group", "The chains of edges, areas and points of a vertex group", "GROUP_VERTEX"),
+    ("SEAMS", "Seams", "Edges marked as seams", "UV_EDGESEL"),
+    ("SHARP", "Sharp Edges", "Edges marked as sharp", "MOD_EDGESPLIT"),
+    ("CREASES", "Creases", "Edges with a crease", "MOD_SUBSURF"),
+    ("CURVE", "Curve", "A curve or drawn strokes of another object, projected to the surface", "CURVE_DATA"),
+    ("ATTRIBUTE", "Attribute", "Vertices, each with a direction or a phase of its own", "SPREADSHEET"),
+)
+_WISHES = (
+    ("ALONG", "Along", "Stripes run along the line, or along the attribute's vectors"),
+    ("ACROSS", "Across", "Stripes meet the line at a right angle"),
+    ("ANGLE", "Angle", "Stripes meet the line at an angle"),
+    ("PHASE", "Phase", "A stripe lies on the line: its middle at 0°, the middle of a gap at 180°"),
+    ("CONSTANT", "Same Phase", "The line follows one stripe, at a distance from its middle that is left free"),
+    ("CUT", "Cut", "Nothing is carried across: the panels on both sides have patterns of their own"),
+)
+
+
+def _keep_possible(row, context):
+    """After another place was chosen."""
+    if row.what not in row.possible:
+        row.what = "ALONG"
+
+
+def _is_source(row, candidate):
+    return candidate.type in SOURCE_TYPES and candidate != row.id_data
+
+
+def _suggest_attributes(row, context, text):
+    suggest = suggest_numbers if row.what == "PHASE" else suggest_vectors
+    return suggest(row, context, text)
+
+
+class SynchConstraint(bpy.types.PropertyGroup):
+    """One row of the constraint list, kept in the file."""
+
+    where: EnumProperty(
+        name="Where",
+        description="Where something is asked for",
+        items=[(*item, k) for k, item in enumerate(_PLACES)],
+        update=_keep_possible,
+    )
+    what: EnumProperty(name="Ask For", description="What is asked for there", items=_WISHES)
+    vertex_group: StringProperty(name="Vertex Group", description="Vertices with a weight above zero")
+    curve: PointerProperty(
+        name="Curve",
+        description="A curve, a Grease Pencil object, or a mesh of edges",
+        type=bpy.types.Object,
+        poll=_is_source,
+    )
+    attribute: StringProperty(
+        name="Attribute",
+        description="Vector attribute on the vertices; for phases a float attribute, in radians, or a vertex group",
+        search=_suggest_attributes,
+    )
+    angle: FloatProperty(name="Angle", description="From the line, counterclockwise seen from outside", **TURN)
+    phase: FloatProperty(
+        name="Phase",
+        description="0° is the middle of a stripe, 180° the middle of a gap; it grows to the left of the line",
+        **TURN,
+    )
+    soft: BoolProperty(name="Soft", description="Draw the pattern towards this, instead of holding it exactly")
+    weight: FloatProperty(
+        name="Weight",
+        description="How strongly it draws: at 1 about as strongly as the rest of the surface holds against it",
+        default=1.0,
+        min=0.0,
+        soft_max=100.0,
+    )
+    enabled: BoolProperty(name="Enabled", description="Use this row", default=True)
+
+    @property
+    def possible(self):
+        """What can be asked for where the row is."""
+        return [what.upper() for what in wishes_at(self.where.lower())]
+
+    @property
+    def is_incomplete(self):
+        """Whether the row lacks the vertex group, curve or attribute that it needs."""
+        return self.where in {"GROUP", "CURVE", "ATTRIBUTE"} and not self.place_name
+
+    @property
+    def has_weight(self):
+        """Whether the row may be soft."""
+        return self.what not in {"CUT", "CONSTANT"}
+
+    @property
+    def place_name(self):
+        """Name of the vertex group, curve object or attribute; "" where the place has none."""
+        if self.where == "CURVE":
+            # The row alone would keep a curve that was deleted.
+            return self.curve.name if self.curve and self.curve.users_scene else ""
+        if self.where in {"BOUNDARY", "GROUP"}:
+            return self.vertex_group
+        return self.attribute if self.where == "ATTRIBUTE" else ""
+
+
+def stored_constraints(obj):
+    """The enabled rows of an object's list.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+
+    Returns
+    -------
+    tuple of Constraint; empty where the extension is not registered, so that objects keep no list
+
+    Raises
+    ------
+    SettingError
+        when a row lacks its vertex group, curve or attribute, or asks for what is impossible there
+    """
+    return tuple(_plain(row) for row in obj.synch.constraints if row.enabled) if hasattr(obj, "synch") else ()
+
+
+def _plain(row):
+    radians = {"ANGLE": row.angle, "PHASE": row.phase}.get(row.what, 0.0)
+    return Constraint(
+        where=row.where.lower(),
+        what=row.what.lower(),
+        name=row.place_name,
+        degrees=round(math.degrees(radians), 4),  # Blender keeps radians in single precision
+        weight=row.weight if row.soft and row.has_weight else None,
+    )
+
+
+register, unregister = bpy.utils.register_classes_factory((SynchConstraint,))

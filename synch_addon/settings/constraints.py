@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The constraint list: rows as plain data, from JSON, and as what the core asks along lines of the mesh."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from ...core.errors import SettingError
+from ...core.fields import Row, boundary_line, line_of_edges
+from ...core.fields.constraints.lines import (
+    group_edges,
+    line_of_group,
+    line_of_points,
+    line_of_strokes,
+    line_of_vectors,
+)
+from ...core.fields.constraints.rows import KINDS
+from ...core.geometry import mesh_input
+from ...core.geometry.cut import carried_edges, cut_open
+from ..blender import attributes, groups
+from ..blender.strokes import read_strokes
+
+PLACES = ("boundary", "group", "seams", "sharp", "creases", "curve", "attribute")
+WISHES = (*KINDS, "cut")
+# Places that have a name; the boundary may have the name of a group that restricts it.
+_NAMED = {"group": "a vertex group", "curve": "a curve object", "attribute": "an attribute"}
+
+
+def wishes_at(where):
+    """What can be asked for at a place: only edges of the mesh can be cut, and an attribute gives no line."""
+    impossible = {"boundary": {"cut"}, "curve": {"cut"}, "attribute": {"cut", "constant"}}.get(where, ())
+    return [what for what in WISHES if what not in impossible]
+
+
+@dataclass(frozen=True)
+class Constraint:
+    """One row of the list.
+
+    Attributes
+    ----------
+    where : "boundary", "group", "seams", "sharp", "creases", "curve" or "attribute"
+    what : "along", "across" or "angle" of directions, "phase" or "constant" of stripes, or "cut": nothing is
+        carried across these edges
+    name : of the vertex group, the curve object or the attribute
+    degrees : the angle from the line, or the phase
+    weight : None for a hard wish, otherwise how strong a soft one is
+    """
+
+    where: str
+    what: str
+    name: str = ""
+    degrees: float = 0.0
+    weight: float | None = None
+
+    def __post_init__(self):
+        for value, choices in ((self.where, PLACES), (self.what, WISHES)):
+            if value not in choices:
+                raise SettingError(f"{self.label} has {value!r}: use one of {', '.join(choices)}")
+        if not isinstance(self.name, str):
+            raise SettingError(f"the name {self.name!r} in {self.where} {self.what} is no text: give a name")
+        if self.where in _NAMED and not self.name:
+            raise SettingError(f"{self.label} has no name: choose {_NAMED[self.where]}")
+        for key in ("degrees", "weight"):
+            value = getattr(self, key)
+            if not (isinstance(value, int | float) or (key == "weight" and value is None)):
+                raise SettingError(f"the {key} of {self.label} is {value!r}: give a number")
+        if self.what not in wishes_at(self.where):
+            raise SettingError(f"{self.label} is impossible: use one of {', '.join(wishes_at(self.where))} there")
+        if self.what == "cut" and self.weight is not None:
+            raise SettingError(f"{self.label} has a weight: a cut can only be hard")
+
+    @property
+    def label(self):
+        """What the row is called in messages."""
+        return f"the constraint {self.where}{' ' + self.name if self.name else ''} {self.what}"
+
+
+def from_plain(rows):
+    """Constraints from a list of dicts with the attributes of :class:`Constraint` as keys, as JSON gives it."""
+    if not isinstance(rows, list | tuple):
+        raise SettingError("the constraints are no list: give a list of rows such as {'where': 'seams', 'what': 'cut'}")
+    known = [f.name for f in fields(Constraint)]
+    constraints = []
+    for number, row in enumerate(rows, start=1):
+        if isinstance(row, Constraint):
+            constraints.append(row)
+            continue
+        if not isinstance(row, dict) or not {"where", "what"} <= set(row):
+            raise SettingError(f"row {number} is {row!r}: give it a 'where' and a 'what'")
+        for key in row:
+            if key not in known:
+                raise SettingError(f"row {number} has the key {key!r}: use {', '.join(known)}")
+        try:
+            constraints.append(Constraint(**row))
+        except SettingError as error:
+            raise SettingError(f"row {number}: {error}") from None
+    return tuple(constraints)
+
+
+def cut_mesh(obj, given, constraints):
+    """The :class:`MeshInput` with the edges apart that a row cuts."""
+    cutting = [c for c in constraints if c.what == "cut"]
+    if not cutting:
+        return given
+    edges = np.unique(np.concatenate([_edges(obj, given, c) for c in cutting]))
+    mesh, source = cut_open(given.mesh, edges)
+    return mesh_input.MeshInput(mesh, given.polygons.with_triangles(mesh.triangles), given.stretch, given.uncut, source)
+
+
+def rows_of(obj, given, constraints):
+    """The core's rows for all constraints but cuts, on the mesh as it may have been cut."""
+    return tuple(_row(obj, given, c) for c in constraints if c.what != "cut")
+
+
+def _row(obj, given, constraint):
+    value = np.radians(constraint.degrees)
+    if constraint.where == "attribute":
+        line, phases = _line_of_attribute(obj, given, constraint)
+        value = value if phases is None else value + phases
+    else:
+        line = _line(obj, given, constraint)
+    return Row(line, constraint.what, value, constraint.weight, constraint.label)
+
+
+def _line(obj, given, constraint):
+    if constraint.where == "curve":
+        return line_of_strokes(given.mesh, read_strokes(obj, constraint.name, given))
+    group = groups.read_group(obj, constraint.name) if constraint.name else None
+    if constraint.where == "boundary":
+        try:
+            line = boundary_line(given.uncut, group)
+        except SettingError as error:
+            raise SettingError(f"{constraint.label}: {error}, or remove the row") from None
+        edges = given.uncut.edges_between(*line.links.T)
+    elif constraint.where == "group":
+        return line_of_group(given.mesh, group[given.source])
+    else:
+        edges = _edges(obj, given, constraint)
+    return line_of_edges(given.mesh, carried_edges(given.uncut, given.mesh, edges))
+
+
+def _edges(obj, given, constraint):
+    """Indices of edges of the uncut mesh."""
+    if constraint.where == "group":
+        members = groups.read_group(obj, constraint.name)
+        edges = group_edges(given.uncut, members)
+        remedy = f"add both ends of at least one to {constraint.name!r}"
+    else:
+        pairs = attributes.read_marked_edges(obj, constraint.where)
+        edges = given.uncut.edges_between(*pairs.T) if len(pairs) else np.empty(0, int)
+        remedy = {"seams": "Mark Seam", "sharp": "Mark Sharp", "creases": "Edge Crease"}[constraint.where]
+        remedy = f"mark edges with {remedy} first"
+    if len(edges) == 0:
+        raise SettingError(f"{constraint.label} holds no edge: {remedy}, or remove the row")
+    return edges
+
+
+def _line_of_attribute(obj, given, constraint):
+    """A field of directions, or of phases, as unlinked points, and the phases."""
+    phases = None
+    if constraint.what == "phase":
+        numbers = attributes.read_numbers(obj, constraint.name, given, outside=np.nan)
+        line = line_of_points(given.mesh, np.flatnonzero(np.isfinite(numbers)))
+        phases = numbers[line.nodes]
+    else:
+        line = line_of_vectors(given.mesh, attributes.read_vectors(obj, constraint.name, given))
+    if len(line.vertices) == 0:
+        kind = "tangential vector" if phases is None else "number"
+        raise SettingError(f"{constraint.label} holds nowhere: give one vertex at least a {kind}, or remove the row")
+    return line, phases

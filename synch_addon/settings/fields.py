@@ -1,0 +1,254 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an artist can set: once as plain data for the Python API, once as Blender properties."""
+
+import math
+from dataclasses import dataclass
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    BoolVectorProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+from ...core.errors import SettingError, SynchError
+from ...core.fields.directions import SYMMETRIES
+from ...core.keywords import check_choice, check_positive, check_whole
+from ..blender.registration import keeping
+from .constraint_list import SynchConstraint
+from .constraints import Constraint, from_plain
+from .favourite_list import SynchFavourite
+from .guidance import exact_attribute, parse
+from .guide_list import GUIDE_ITEMS, SynchGuide, suggest_numbers
+from .solver import FACTOR, METHOD, RANGE, SEED, SPACING_MAP, SPACING_RANGE, TARGET_GAP, TURN, SolverSettings
+
+BOUNDARIES = ("free", "along", "across", "phase")
+
+
+@dataclass(frozen=True)
+class Settings(SolverSettings):
+    """Settings of the operators, the command line and the API alike, besides those of the solver.
+
+    Attributes
+    ----------
+    symmetry : "vector", "line" or "cross"
+    guidance : "smooth", or sources that directions follow, as :mod:`.guidance` reads them
+    angle : radians by which the directions are turned
+    angle_attribute : name of a float attribute or vertex group on the vertices, more radians; "" for none
+    boundary : "free", "along", "across" or "phase" (a stripe or grid line lies on the boundary)
+    vertex_group : restricts the boundary to the edges in a vertex group; "" for all of it
+    mirror : axes "X", "Y", "Z", or several, in which the field is its own mirror image; "" for none
+    constraints : rows of the constraint list, :class:`Constraint` or dicts; None for the object's own list
+    spacing : period in scene units, the distance between two stripes or two quads' length; None for about forty
+        stripes or quads across the object
+    spacing_map : name of a float attribute on the vertices, a factor on the spacing, or of a vertex group; "" for none
+    spacing_range : factor on the spacing where the vertex group's weight is 1
+    aspect : of quads, the spacing along the second direction over that along the first, which is the one nearer to X
+    smoothing : of quad meshes, how often vertices move to the middle of their neighbours on the surface
+    assign_material : show the pattern on all faces, whatever materials they have
+    """
+
+    symmetry: str = "line"
+    guidance: str = "smooth"
+    angle: float = 0.0
+    angle_attribute: str = ""
+    boundary: str = "free"
+    vertex_group: str = ""
+    mirror: str = ""
+    constraints: tuple[Constraint, ...] | None = None
+    spacing: float | None = None
+    spacing_map: str = ""
+    spacing_range: float = RANGE
+    aspect: float = 1.0
+    smoothing: int = 3
+    assign_material: bool = False
+
+    def __post_init__(self):
+        if self.constraints is not None:
+            object.__setattr__(self, "constraints", from_plain(self.constraints))
+        super().__post_init__()
+        check_choice(self, "symmetry", SYMMETRIES)
+        check_choice(self, "boundary", BOUNDARIES)
+        for name in ("angle", "spacing"):
+            value = getattr(self, name)
+            if value is not None and not isinstance(value, int | float):
+                raise SettingError(f"the {name} is {value!r}: give a number")
+        if not math.isfinite(self.angle):
+            raise SettingError(f"the angle is {self.angle}: give a finite one")
+        check_positive(self, "spacing_range", "aspect")
+        check_whole(self, "smoothing")
+        if not isinstance(self.mirror, str) or set(self.mirror) - set("XYZ"):
+            raise SettingError(f"the mirror is {self.mirror!r}: use axes of X, Y and Z, such as X or XY")
+        parse(self.guidance)
+
+    @property
+    def all_constraints(self):
+        """The constraint list with what is asked of the boundary."""
+        if self.boundary == "free":
+            return self.constraints
+        return (Constraint("boundary", self.boundary, self.vertex_group), *self.constraints)
+
+    @property
+    def sources(self):
+        """The sources of guidance, none for "smooth"."""
+        return parse(self.guidance)
+
+    @property
+    def exact_attribute(self):
+        """Name of the vector attribute whose directions are taken exactly as they are, or None."""
+        return exact_attribute(self.sources)
+
+
+def _items(*entries):
+    return [(name.upper().replace("-", "_"), label, tip) for name, label, tip in entries]
+
+
+SYMMETRY = EnumProperty(
+    name="Symmetry",
+    description="What is the same at a point: one direction, a line or a cross",
+    items=_items(
+        ("vector", "Vector", "One direction at each point"),
+        ("line", "Line", "A direction and its opposite count as the same, as for stripes and hatching"),
+        ("cross", "Cross", "Four directions at right angles, as for quads"),
+    ),
+    default="LINE",
+)
+SMOOTHING = IntProperty(
+    name="Smoothing",
+    description="How often the quad mesh's vertices move to the middle of their neighbours on the surface",
+    default=Settings.smoothing,
+    min=0,
+    soft_max=20,
+)
+
+
+class SettingProperties:
+    """The settings as Blender properties, shared by the panel's storage and the operators."""
+
+    symmetry: SYMMETRY
+    angle: FloatProperty(
+        name="Angle", description="Turn the directions by this angle, counterclockwise seen from outside", **TURN
+    )
+    angle_attribute: StringProperty(
+        name="Angle Map",
+        description="Float attribute or vertex group on the vertices, radians added to the angle",
+        search=suggest_numbers,
+    )
+    boundary: EnumProperty(
+        name="Boundary",
+        description="What happens at open edges",
+        items=_items(
+            ("free", "Free", "Nothing is asked of the boundary"),
+            ("along", "Along", "Directions run along the boundary"),
+            ("across", "Across", "Directions meet the boundary at a right angle"),
+            ("phase", "Line on It", "Directions run along the boundary and a stripe or grid line lies exactly on it"),
+        ),
+        default="FREE",
+    )
+    vertex_group: StringProperty(
+        name="Vertex Group", description="Restrict the boundary to open edges with both ends in this group"
+    )
+    mirror: BoolVectorProperty(
+        name="Mirror",
+        description="Make the pattern its own mirror image in these axes of the object, whose mesh has to be symmetric",
+        size=3,
+    )
+    spacing: FloatProperty(
+        name="Spacing",
+        description="Distance from one stripe to the next; the object's scale counts",
+        subtype="DISTANCE",
+        default=0.1,
+        soft_min=1e-4,
+        precision=4,
+    )
+    spacing_map: SPACING_MAP
+    spacing_range: SPACING_RANGE
+    aspect: FloatProperty(
+        name="Aspect",
+        description="Spacing of quads along their second direction over that along the first, the one nearer to X; "
+        "only where the two never change places around a disclination",
+        default=1.0,
+        **FACTOR,
+    )
+    smoothing: SMOOTHING
+    method: METHOD
+    seed: SEED
+    target_gap: TARGET_GAP
+    assign_material: BoolProperty(
+        name="Assign to All Faces",
+        description="Show the pattern on all faces, also on an object with several materials",
+    )
+
+
+def _show_variation(settings, context):
+    """The slider shows the variation that it is set to."""
+    from .. import api
+    from ..patterns import memory  # both need the settings
+
+    obj = settings.id_data
+    if not memory.holds(obj):
+        return
+    try:
+        api.vary(obj, settings.variation)
+    except SynchError as error:
+        line = str(error)
+        memory.show_line(obj, settings.result, memory.solve_of(obj).number)  # the slider goes back
+        if context.window is not None and not bpy.app.background:
+            context.window_manager.popup_menu(lambda menu, _: menu.layout.label(text=line), icon="ERROR")
+
+
+class SynchSettings(SettingProperties, bpy.types.PropertyGroup):
+    """Settings of an object, kept in the file."""
+
+    guidance: EnumProperty(
+        name="Guidance",
+        description="What the directions follow",
+        items=[
+            ("SMOOTH", "Smoothest", "The field that turns least over the surface"),
+            *GUIDE_ITEMS,
+            ("BLEND", "Blend", "Several guides, each with a strength"),
+        ],
+        default="SMOOTH",
+    )
+    guide: PointerProperty(name="Guide", description="The only guide", type=SynchGuide)
+    guides: CollectionProperty(name="Guides", description="The guides of a blend", type=SynchGuide)
+    automatic_spacing: BoolProperty(
+        name="Automatic Spacing",
+        description="About forty stripes across the object, or as many as the mesh can carry",
+        default=True,
+    )
+    constraints: CollectionProperty(
+        name="Constraints", description="What is asked of the pattern along lines of the mesh", type=SynchConstraint
+    )
+    active_constraint: IntProperty(name="Active Constraint", description="Row that the panel shows", min=0)
+    variation: IntProperty(
+        name="Variation",
+        description="Other configurations of defects from the last solve: 0 is the best one, the next are other good "
+        "ones, high numbers are drawn at random",
+        min=0,
+        soft_max=20,
+        update=_show_variation,
+    )
+    favourites: CollectionProperty(name="Favourites", description="Variations that are kept", type=SynchFavourite)
+    result: StringProperty(name="Result", description="What the panel shows of the last solve, as JSON")
+
+
+PROPERTY_NAMES = tuple(SettingProperties.__annotations__)
+
+
+def plain(properties, spacing):
+    """:class:`Settings` from an operator's properties, with the spacing given apart (None: automatic)."""
+    values = {name: getattr(properties, name) for name in ("guidance", *PROPERTY_NAMES)}
+    for name in ("symmetry", "boundary", "method"):
+        values[name] = values[name].lower()
+    values["spacing"] = spacing
+    values["mirror"] = "".join(axis for axis, chosen in zip("XYZ", properties.mirror, strict=True) if chosen)
+    return Settings(**values)
+
+
+register, unregister = keeping((SynchSettings,), (bpy.types.Object, "synch", SynchSettings))

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings that surfaces, solids and flows have in common: as plain data and as Blender properties."""
+
+import math
+from dataclasses import dataclass, fields
+
+from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
+
+from ...core.keywords import check_choice, check_positive, check_whole
+from ...core.solve import METHODS, Options
+from .guide_list import suggest_numbers
+
+
+@dataclass(frozen=True, kw_only=True)
+class SolverSettings:
+    """How a field is optimized.
+
+    Attributes
+    ----------
+    method : "sdp", "spectral" or "diffusion"
+    seed : of every random choice
+    target_gap : relative gap of the relaxation to prove
+    time_limit : seconds for each solve, None for no limit
+    """
+
+    method: str = "sdp"
+    seed: int = 0
+    target_gap: float = 1e-2
+    time_limit: float | None = None
+
+    def __post_init__(self):
+        check_choice(self, "method", METHODS)
+        check_whole(self, "seed")
+        check_positive(self, "target_gap", optional=("time_limit",))
+
+    @property
+    def options(self):
+        """Options of the core's solver."""
+        return Options(**{field.name: getattr(self, field.name) for field in fields(SolverSettings)})
+
+
+METHOD = EnumProperty(
+    name="Method",
+    description="How the field is optimized",
+    items=[
+        (
+            "SDP",
+            "Semidefinite",
+            "Best results, with a bound on what could still be gained: proved, or estimated for large ones",
+        ),
+        ("SPECTRAL", "Spectral", "Fast and rough: one eigenvector"),
+        ("DIFFUSION", "Diffusion", "Repeated smoothing and normalizing, without a useful bound"),
+    ],
+)
+SEED = IntProperty(name="Seed", description="Another seed gives another result of about the same quality", min=0)
+TARGET_GAP = FloatProperty(
+    name="Target Gap",
+    description="How closely the relaxation's optimum is bracketed, as a share of its energy",
+    default=SolverSettings.target_gap,
+    min=1e-6,
+    max=0.5,
+    precision=4,
+)
+# Factor on the spacing where the weight of a vertex group is 1; limits of such factors, and of angles.
+RANGE = 2.0
+FACTOR = {"min": 1e-3, "soft_min": 0.25, "soft_max": 4.0}
+TURN = {"subtype": "ANGLE", "soft_min": -math.pi, "soft_max": math.pi}
+SPACING_MAP = StringProperty(
+    name="Spacing Map",
+    description="Float attribute, a factor on the spacing, or vertex group, which takes it from 1 to the range",
+    search=suggest_numbers,
+)
+SPACING_RANGE = FloatProperty(
+    name="Range", description="Factor on the spacing where the vertex group's weight is 1", default=RANGE, **FACTOR
+)

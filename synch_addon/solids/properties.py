@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings of layers as Blender properties: those that the panel stores and those of the operator."""
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    StringProperty,
+)
+
+from ..blender.registration import keeping
+from ..blender.strokes import SOURCE_TYPES
+from ..settings.guidance import BOUNDARY
+from ..settings.guide_list import AXIS, VECTORS
+from ..settings.solver import METHOD, SEED, SPACING_MAP, SPACING_RANGE, TARGET_GAP
+from .settings import Flush, LayerGuide, LayerSettings, text_of_groups
+
+_LENGTH = {"subtype": "DISTANCE", "min": 1e-6, "soft_min": 1e-4, "precision": 4}
+_KINDS = (
+    ("axis", "Axis", "An axis of the object: flat layers"),
+    ("harmonic", "Between Groups", "From one vertex group's faces to another's, along a harmonic function"),
+    ("distance", "Away From", "Away from a vertex group's faces, from the whole surface, or from another mesh"),
+    ("curve", "Along Curve", "Along a curve object: layers cross it"),
+    ("around", "Around Curve", "Away from a curve object: layers lie around it like skins"),
+    ("attribute", "Attribute", "A vector attribute on the vertices, extended into the solid"),
+)
+# Lengths that may be automatic, and the properties that say so.
+LENGTHS = {"spacing": "automatic_spacing", "size": "automatic_size"}
+
+
+def _suggest_groups(properties, context, text):
+    return [*(group.name for group in properties.id_data.vertex_groups), BOUNDARY]
+
+
+def _suggest_origins(properties, context, text):
+    own = properties.id_data
+    meshes = [obj.name for obj in context.scene.objects if obj.type == "MESH" and obj != own]
+    return [*_suggest_groups(properties, context, text), *meshes]
+
+
+def _suggest_curves(properties, context, text):
+    own = properties.id_data
+    return [obj.name for obj in context.scene.objects if obj.type in SOURCE_TYPES and obj != own]
+
+
+class LayerProperties:
+    """Shared by the panel's storage and the operator."""
+
+    spacing: FloatProperty(
+        name="Spacing",
+        description="Distance from one layer to the next; the object's scale counts",
+        default=0.1,
+        **_LENGTH,
+    )
+    spacing_map: SPACING_MAP
+    spacing_range: SPACING_RANGE
+    size: FloatProperty(
+        name="Resolution",
+        description="Longest edge of the tetrahedra that fill the object, at most half the spacing",
+        default=0.05,
+        **_LENGTH,
+    )
+    method: METHOD
+    seed: SEED
+    target_gap: TARGET_GAP
+
+
+PROPERTY_NAMES = tuple(LayerProperties.__annotations__)
+
+
+class SynchFlush(bpy.types.PropertyGroup):
+    """What is asked of the layers on a part of the surface."""
+
+    group: StringProperty(
+        name="Group", description="Vertex group, or the word boundary", default=BOUNDARY, search=_suggest_groups
+    )
+    wish: EnumProperty(
+        name="Wish",
+        description="What the layers do there",
+        items=[
+            ("LAYER", "Layer on It", "A layer lies exactly on these faces"),
+            ("CONSTANT", "Parallel", "Layers run along each piece of these faces, at whichever distance"),
+        ],
+    )
+
+
+class SynchLayering(LayerProperties, bpy.types.PropertyGroup):
+    """Settings of an object's layers, kept in the file; each kind of guide has names of its own."""
+
+    guide: EnumProperty(
+        name="Guidance",
+        description="What the layers follow",
+        items=[(kind.upper(), label, tip) for kind, label, tip in _KINDS],
+    )
+    axis: AXIS
+    low: StringProperty(name="From", description="Vertex group where the layers begin", search=_suggest_groups)
+    high: StringProperty(name="To", description="Vertex group where the layers end", search=_suggest_groups)
+    origin: StringProperty(
+        name="From",
+        description="Vertex group, mesh object, or the word boundary",
+        default=BOUNDARY,
+        search=_suggest_origins,
+    )
+    curve: StringProperty(name="Curve", description="Curve or Grease Pencil object", search=_suggest_curves)
+    vectors: VECTORS
+    groups: CollectionProperty(name="Groups", description="What is asked of parts of the surface", type=SynchFlush)
+    automatic_spacing: BoolProperty(
+        name="Automatic Spacing", description="As many layers as the resolution carries, forty at most", default=True
+    )
+    automatic_size: BoolProperty(
+        name="Automatic Resolution",
+        description="About a hundred thousand tetrahedra, or more where the spacing needs them",
+        default=True,
+    )
+
+
+# Properties with the names of each kind of guide.
+GUIDE_NAMES = {
+    "AXIS": ("axis",),
+    "HARMONIC": ("low", "high"),
+    "DISTANCE": ("origin",),
+    "CURVE": ("curve",),
+    "AROUND": ("curve",),
+    "ATTRIBUTE": ("vectors",),
+}
+
+
+def stored_guidance(stored):
+    """The guidance as text, from an object's settings."""
+    names = tuple(getattr(stored, name) for name in GUIDE_NAMES[stored.guide])
+    return str(LayerGuide(stored.guide.lower(), names))
+
+
+def stored_groups(stored):
+    """The groups as text, from an object's settings."""
+    return text_of_groups([Flush(row.group, row.wish.lower()) for row in stored.groups if row.group])
+
+
+def plain(properties, lengths, guidance, groups):
+    """:class:`LayerSettings` from properties, with the lengths given apart (None: automatic)."""
+    values = {name: getattr(properties, name) for name in PROPERTY_NAMES} | lengths
+    values["method"] = values["method"].lower()
+    return LayerSettings(guidance=guidance, groups=groups, **values)
+
+
+register, unregister = keeping((SynchFlush, SynchLayering), (bpy.types.Object, "synch_layering", SynchLayering))

@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What can be set for layers in a solid: as plain data, and as text for operators and the command line."""
+
+import csv
+from dataclasses import dataclass
+
+from ...core.errors import SettingError
+from ...core.keywords import check_positive
+from ..settings.guidance import AXES, BOUNDARY
+from ..settings.solver import RANGE, SolverSettings
+
+_GROUP = "a vertex group"
+# What each kind of guide needs names of.
+KINDS = {
+    "axis": ("X, Y or Z",),
+    "harmonic": (_GROUP, "another one"),
+    "distance": (f"a vertex group, a mesh object, or {BOUNDARY}",),
+    "curve": ("a curve object",),
+    "around": ("a curve object",),
+    "attribute": ("a vector attribute",),
+}
+# What a boundary group may ask for.
+HELD, CONSTANT = "layer", "constant"
+WISHES = (HELD, CONSTANT)
+
+
+@dataclass(frozen=True)
+class LayerGuide:
+    """What layers follow.
+
+    Attributes
+    ----------
+    kind : one of ``KINDS``
+    names : of the axis, vertex groups, object or attribute
+    """
+
+    kind: str
+    names: tuple[str, ...]
+
+    @classmethod
+    def of_text(cls, text):
+        """From text such as ``axis:Z`` or ``harmonic:Bottom:Top``; names with a colon or quotes go in double quotes."""
+        kind, *names = _split(text, ":", "guidance")
+        if kind not in KINDS:
+            raise SettingError(f"the guidance {kind!r} is unknown: use one of {', '.join(KINDS)}")
+        needed = KINDS[kind]
+        if len(names) != len(needed) or not all(names):
+            raise SettingError(f"the guidance {text!r} is incomplete: write {kind}:, {', :, '.join(needed)}")
+        if kind == "axis" and names[0] not in AXES:
+            raise SettingError(f"the axis {names[0]!r} is unknown: use X, Y or Z")
+        return cls(kind, tuple(names))
+
+    def __str__(self):
+        return ":".join([self.kind, *(quoted(name, ":") for name in self.names)])
+
+
+@dataclass(frozen=True)
+class Flush:
+    """What is asked of the layers on a vertex group's faces, or on the whole boundary.
+
+    Attributes
+    ----------
+    group : name of the vertex group, or "boundary"
+    wish : "layer" (one lies exactly on it) or "constant" (the same phase on each piece of it, whichever)
+    """
+
+    group: str
+    wish: str
+
+    def __post_init__(self):
+        if self.wish not in WISHES:
+            raise SettingError(
+                f"the wish {self.wish!r} of the group {self.group!r} is unknown: use {' or '.join(WISHES)}"
+            )
+
+    def __str__(self):
+        return quoted(f"{self.group}={self.wish}", ",")
+
+
+def groups_of_text(text):
+    """Tuple of :class:`Flush` from text such as ``Top=layer,Bottom=constant``, empty for none."""
+    rows = []
+    for part in _split(text, ",", "groups") if text.strip() else ():
+        group, _, wish = part.rpartition("=")
+        if not group:
+            raise SettingError(f"the group {part!r} lacks its name or its wish: write NAME=layer or NAME=constant")
+        rows.append(Flush(group.strip(), wish.strip()))
+    return tuple(rows)
+
+
+def text_of_groups(groups):
+    """The text that :func:`groups_of_text` reads."""
+    return ",".join(str(row) for row in groups)
+
+
+@dataclass(frozen=True)
+class LayerSettings(SolverSettings):
+    """Settings of the operator, the command line and the API alike, besides those of the solver.
+
+    Attributes
+    ----------
+    guidance : what the layers follow, as :meth:`LayerGuide.of_text` reads it
+    groups : what is asked of parts of the boundary, as :func:`groups_of_text` reads it
+    spacing : distance between layers in scene units; None for an automatic one
+    spacing_map : name of a float attribute on the vertices, a factor on the spacing, or of a vertex group; "" for none
+    spacing_range : factor on the spacing where the vertex group's weight is 1
+    size : of the tetrahedra, their longest edge in scene units; None for an automatic one
+    """
+
+    guidance: str = "axis:Z"
+    groups: str = ""
+    spacing: float | None = None
+    spacing_map: str = ""
+    spacing_range: float = RANGE
+    size: float | None = None
+
+    def __post_init__(self):
+        super().__post_init__()
+        check_positive(self, "spacing_range", optional=("spacing", "size"))
+        for name in ("guidance", "groups"):
+            if not isinstance(getattr(self, name), str):
+                raise SettingError(f"the {name} is {getattr(self, name)!r}: give a text such as {_EXAMPLES[name]}")
+        _ = self.guide, self.flush
+
+    @property
+    def guide(self):
+        """The :class:`LayerGuide`."""
+        return LayerGuide.of_text(self.guidance)
+
+    @property
+    def flush(self):
+        """Tuple of :class:`Flush`."""
+        return groups_of_text(self.groups)
+
+
+_EXAMPLES = {"guidance": "'axis:Z'", "groups": "'Top=layer'"}
+
+
+def quoted(name, special):
+    """A name as it is written where some characters separate names."""
+    if not set(name) & set(special + '"\r\n') and name == name.strip():
+        return name
+    return '"' + name.replace('"', '""') + '"'
+
+
+def _split(text, separator, what):
+    try:
+        return next(csv.reader([text], delimiter=separator, strict=True, skipinitialspace=True), [""])
+    except csv.Error as error:
+        raise SettingError(f"the {what} {text!r} cannot be read ({error}): close every double quote") from None
