@@ -1,29 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Everything of Synch Fields that touches Blender; the mathematics is in ``core``."""
+"""Everything of Synch Fields that touches Blender; the mathematics is in ``core``.
 
-from . import operators
+Packages are rooms on floors: each imports from those below it only (docs/architecture.md).
+"""
+
+from . import operators, panels
 from .blender import translations
 from .command import main
-from .flows import properties as vortex_settings
-from .jobs import jobs
-from .panels import (
-    bakes,
-    constraints,
-    frames,
-    guides,
-    layer_outputs,
-    layers,
-    menus,
-    overlay_view,
-    presets,
-    result,
-    setting_presets,
-    sidebar,
-    vortices,
-)
-from .patterns import memory, preview, refine
+from .flows import properties as flow_properties
+from .jobs import jobs, shelf
+from .patterns import preview, refine
 from .settings import constraint_list, favourite_list, fields, guide_list
-from .solids import properties
+from .solids import properties as layer_properties
 
 _MODULES = (
     translations,
@@ -31,26 +19,14 @@ _MODULES = (
     guide_list,
     favourite_list,
     fields,
-    properties,
-    memory,
+    layer_properties,
+    shelf,
     refine,
-    vortex_settings,
+    flow_properties,
     jobs,
     preview,
     operators,
-    menus,
-    setting_presets,
-    guides,
-    sidebar,
-    result,
-    presets,
-    constraints,
-    overlay_view,
-    bakes,
-    vortices,
-    layers,
-    frames,
-    layer_outputs,
+    panels,
     main,
 )
 

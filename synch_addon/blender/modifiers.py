@@ -1,7 +1,52 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Modifiers of an object: which of them change faces, and evaluating without them."""
+"""Modifiers of an object: which of them change faces, which are ours, and evaluating without them."""
 
 from contextlib import contextmanager
+
+# Names of our groups of geometry nodes, by what they show.
+FRAMES = {"stripes": "Synch Frames", "quads": "Synch Quad Frames"}
+RELIEFS = {"stripes": "Synch Relief", "quads": "Synch Quad Relief"}
+FILAMENTS = "Synch Filaments"
+# Modifiers after which the mesh may have other faces.
+_CHANGES_FACES = (
+    {"ARRAY", "BEVEL", "BOOLEAN", "BUILD", "DECIMATE", "EDGE_SPLIT", "EXPLODE", "MASK", "MIRROR", "MULTIRES"}
+    | {"NODES", "OCEAN", "REMESH", "SCREW", "SKIN", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WELD", "WIREFRAME"}
+)  # fmt: skip
+
+
+def changing_modifiers(obj):
+    """The modifiers after which the mesh that is seen may have other faces than the one that carries a pattern."""
+    return [m for m in obj.modifiers if m.show_viewport and changes_faces(m) and not is_ours(m)]
+
+
+def changes_faces(modifier):
+    """Whether the mesh may have other faces after a modifier."""
+    return modifier.type in _CHANGES_FACES
+
+
+def is_ours(modifier):
+    """Whether a modifier shows a pattern and does not shape the mesh that carries it."""
+    return shows_frames(modifier) or is_relief(modifier)
+
+
+def shows_frames(modifier):
+    """Whether a modifier shows a pattern frame by frame."""
+    return _uses(modifier, FRAMES.values())
+
+
+def is_relief(modifier):
+    """Whether a modifier raises the surface by its pattern."""
+    return _uses(modifier, RELIEFS.values())
+
+
+def is_of_filaments(modifier):
+    """Whether a modifier makes tubes of filaments."""
+    return _uses(modifier, [FILAMENTS])
+
+
+def _uses(modifier, names):
+    group = modifier.node_group if modifier.type == "NODES" else None
+    return group is not None and group.name in names
 
 
 @contextmanager

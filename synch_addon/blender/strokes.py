@@ -8,8 +8,8 @@ import numpy as np
 from mathutils.bvhtree import BVHTree
 
 from ...core.errors import SettingError
-from ..nodes.vortices import is_of_filaments
 from .attributes import read_all
+from .modifiers import is_of_filaments
 
 SOURCE_TYPES = {"CURVE", "GREASEPENCIL", "MESH"}
 

@@ -5,9 +5,9 @@ import bpy
 
 from ...core.errors import SettingError
 from ..blender import files
+from ..blender.modifiers import is_of_filaments
 from ..flows.job import SHOWN, ClebschSettings, clebsch
 from ..flows.report import summary
-from ..nodes.vortices import is_of_filaments
 from .flags import Made, add_choice, add_number, add_outputs, add_solver, saved
 
 

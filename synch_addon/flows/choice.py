@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import bpy
 
 from ...core.errors import SynchError
-from ..patterns import memory
+from . import memory
 from .objects import NORTH, seen
 from .report import SolvedFlow, report_of, result_line
 

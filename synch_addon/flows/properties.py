@@ -15,8 +15,8 @@ from bpy.props import (
 )
 
 from ..blender.registration import keeping
-from ..patterns import memory
 from ..settings.solver import METHOD, SEED, TARGET_GAP
+from . import memory
 from .choice import is_filling, slide
 from .job import ClebschSettings
 from .objects import NORTH

@@ -17,29 +17,20 @@ from ...core.errors import SettingError
 from ...core.fields.biot_savart import filament_integrals
 from ...core.fields.clebsch import edge_integrals
 from ...core.geometry.grid import Grid
+from ..blender.modifiers import is_of_filaments
 from ..blender.openvdb import openvdb_module
 from ..blender.strokes import SOURCE_TYPES, polylines
 from ..blender.volume_files import shown_file
-from ..nodes.vortices import STRENGTH, is_of_filaments
+from ..nodes.vortices import STRENGTH
 
 SUFFIXES = (".vdb", ".npz")
-
-
 # Vector attribute of a mesh, the one that Blender's own liquids have, and names of a volume's.
 VELOCITY = "velocity"
-
-
 _USUAL = (VELOCITY, "vel", "v")
-
-
 # Volumes so thin, as a share of their width, are flat: their scale is rounded to about as much.
 _FLAT = 1e-6
-
-
 # Space around curves, as a share of their longest side, and the radius of their cores in cells unless one is given.
 MARGIN, CORE = 0.35, 0.5
-
-
 # Bytes that a solve takes for each node with a proved bound, which is tried up to so many nodes, and without; and the
 # most nodes, 47 GB.
 _PROVED, _PROVED_NODES, _ESTIMATED, _MOST_NODES = 22_000, 36_000, 5_000, 10_000_000

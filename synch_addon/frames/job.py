@@ -20,13 +20,13 @@ from ...core.geometry import TriangleMesh
 from ...core.geometry.polygons import Polygons
 from ...core.interpolate import EdgePhases, face_phases
 from ...core.keywords import check_choice, from_names
-from ..blender import attributes, meshes
+from ..blender import attributes, meshes, modifiers
 from ..blender.defect_empties import write_defects
 from ..blender.modifiers import hidden
 from ..jobs.jobs import portion
 from ..jobs.report import Report
 from ..nodes.materials import pattern_material
-from ..patterns import memory, numbers, write
+from ..patterns import frame_attributes, memory, numbers, write
 from ..patterns.reading import gather, settings_for, solve_directions, solve_pattern
 from ..settings.fields import Settings
 from . import nodes
@@ -58,7 +58,7 @@ class Span:
     def __post_init__(self):
         if not (isinstance(self.first, int) and isinstance(self.last, int) and self.first <= self.last):
             raise SettingError(f"the frames are {self.first!r} to {self.last!r}: give the first and the last, in order")
-        check_choice(self, "pattern", nodes.NAMES)
+        check_choice(self, "pattern", modifiers.FRAMES)
         if not isinstance(self.hold, int | float) or not (math.isfinite(self.hold) and self.hold >= 0):
             raise SettingError(f"the hold is {self.hold!r}: give a number from 0 on, such as {HOLD}")
 
@@ -205,10 +205,10 @@ class AnimationJob:
         }
 
     def _write(self, obj, task):
-        nodes.remove_frames(obj)
+        frame_attributes.remove_frames(obj)
         corners = self._split(obj)
         count = self._base.mesh.vertex_count
-        own = nodes.frame_layout(self._span.pattern)
+        own = frame_attributes.frame_layout(self._span.pattern)
         places, first = None, None
         for frame in self._solved:
             phases = face_phases(frame.edge_phases, corners(frame.polygons))
@@ -219,7 +219,9 @@ class AnimationJob:
             # A face's places are the same in all frames in which it is singular, and do not matter in others.
             places = place if places is None else np.where(places.any(axis=1, keepdims=True), places, place)
             for name in own.keys() & values.keys():
-                attributes.write_attribute(obj, nodes.frame_name(name, frame.number), *own[name], values[name])
+                attributes.write_attribute(
+                    obj, frame_attributes.frame_name(name, frame.number), *own[name], values[name]
+                )
         directions = first.pop("synch_direction")
         write.pattern_attributes(obj, first | {"synch_barycentric": places})
         attributes.write_attribute(obj, "synch_direction", *own["synch_direction"], directions)
@@ -228,10 +230,8 @@ class AnimationJob:
         all_faces = task.settings.assign_material or write.has_one_material(obj)
         pattern_material(obj, self._span.pattern, spacing=task.spacing, assign_faces=all_faces)
         nodes.add_frames(obj, self._span.pattern, self._span.first, self._span.last)
-        memory.forget(obj)
+        memory.show_nothing(obj)
         numbers.remove_numbers(obj)
-        if hasattr(obj, "synch"):  # as long as the extension is registered
-            obj.synch.variation, obj.synch.result = 0, ""
         meshes.update(obj)
 
     def _split(self, obj):
@@ -271,7 +271,7 @@ def _at_present(obj):
     scene = bpy.context.scene
     present = scene.frame_current, scene.frame_subframe
     try:
-        with hidden([modifier for modifier in obj.modifiers if nodes.is_ours(modifier)]):
+        with hidden([modifier for modifier in obj.modifiers if modifiers.is_ours(modifier)]):
             yield
     finally:
         scene.frame_set(present[0], subframe=present[1])

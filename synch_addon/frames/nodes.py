@@ -5,17 +5,11 @@ A geometry node group stores the attributes of the scene's frame, ``synch_phase.
 that materials and reliefs read. It needs no driver and no script, so that a render farm shows what the viewport shows.
 """
 
+from ..blender.modifiers import FRAMES, changes_faces, shows_frames
 from ..nodes.canvas import Expression, GeometryCanvas, Socket, group_tree, set_input
-from ..patterns.relief import is_relief
-from ..patterns.write import layout
+from ..patterns.frame_attributes import frame_layout, frame_name
 
-NAMES = {"stripes": "Synch Frames", "quads": "Synch Quad Frames"}
 _VERSION = 1
-# Modifiers after which the mesh may have other faces.
-_CHANGES_FACES = (
-    {"ARRAY", "BEVEL", "BOOLEAN", "BUILD", "DECIMATE", "EDGE_SPLIT", "EXPLODE", "MASK", "MIRROR", "MULTIRES"}
-    | {"NODES", "OCEAN", "REMESH", "SCREW", "SKIN", "SOLIDIFY", "SUBSURF", "TRIANGULATE", "WELD", "WIREFRAME"}
-)  # fmt: skip
 _INPUTS = (
     Socket("Geometry", "Geometry", "A mesh with a pattern for each frame"),
     Socket("First", "Int", "First frame that has a pattern: it is shown before it, too", 1),
@@ -24,21 +18,9 @@ _INPUTS = (
 _OUTPUTS = (Socket("Geometry", "Geometry", "The mesh with the pattern of this frame"),)
 
 
-def frame_layout(kind):
-    """Domain and type of the attributes that each frame has of its own, by their plain names."""
-    same = ("synch_barycentric", "synch_vertex_phase")
-    own = {name: kind for name, kind in layout(1 if kind == "stripes" else 2).items() if not name.startswith(same)}
-    return own | {"synch_direction": ("POINT", "FLOAT_VECTOR")}
-
-
-def frame_name(name, frame):
-    """What an attribute is called in a frame."""
-    return f"{name}.{frame}"
-
-
 def frames_group(kind):
     """The group "Synch Frames" of stripes or "Synch Quad Frames", built when missing, rebuilt when outdated."""
-    tree, canvas = group_tree(NAMES[kind], f"{_VERSION}", _INPUTS, _OUTPUTS, GeometryCanvas)
+    tree, canvas = group_tree(FRAMES[kind], f"{_VERSION}", _INPUTS, _OUTPUTS, GeometryCanvas)
     if canvas is None:
         return tree
     tree.is_modifier = True
@@ -82,35 +64,3 @@ def add_frames(obj, kind, first, last):
     place = next(others, len(obj.modifiers) - 1)
     obj.modifiers.move(len(obj.modifiers) - 1, place)
     return obj.modifiers[place]
-
-
-def changing_modifiers(obj):
-    """The modifiers after which the mesh that is seen may have other faces than the one that carries a pattern."""
-    return [m for m in obj.modifiers if m.show_viewport and changes_faces(m) and not is_ours(m)]
-
-
-def changes_faces(modifier):
-    """Whether the mesh may have other faces after a modifier."""
-    return modifier.type in _CHANGES_FACES
-
-
-def is_ours(modifier):
-    """Whether a modifier shows a pattern and does not shape the mesh that carries it."""
-    return shows_frames(modifier) or is_relief(modifier)
-
-
-def shows_frames(modifier):
-    """Whether a modifier uses one of the groups."""
-    group = modifier.node_group if modifier.type == "NODES" else None
-    return group is not None and group.name in NAMES.values()
-
-
-def remove_frames(obj):
-    """Remove the modifier and all attributes of frames."""
-    for modifier in [m for m in obj.modifiers if shows_frames(m)]:
-        obj.modifiers.remove(modifier)
-    plain = frame_layout("stripes") | frame_layout("quads")
-    for name in [attribute.name for attribute in obj.data.attributes]:
-        head, _, frame = name.rpartition(".")
-        if head in plain and frame.lstrip("-").isdigit():
-            obj.data.attributes.remove(obj.data.attributes[name])

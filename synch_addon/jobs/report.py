@@ -16,7 +16,7 @@ import scipy
 
 from ...core.errors import name_elements, plural
 from ...core.solve.solution import Clock, relative_gap
-from ..frames.nodes import changing_modifiers
+from ..blender.modifiers import changing_modifiers
 
 _MANIFEST = Path(__file__).parents[2] / "blender_manifest.toml"
 VERSION = tomllib.loads(_MANIFEST.read_text(encoding="utf-8"))["version"]

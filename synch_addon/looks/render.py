@@ -20,24 +20,12 @@ from ..nodes.stripes import INK_BLUE, WARM_IVORY
 
 # Part of the picture that stays free at each edge.
 _MARGIN = 0.07
-
-
 _LENS, _SENSOR = 70.0, 36.0
-
-
 _FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".exr": "OPEN_EXR", ".tif": "TIFF", ".webp": "WEBP"}
-
-
 _WITH_FACES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
-
-
 # Radius of a marker by the size of its empty: small enough to leave the branching stripes in view.
 _MARKER_SIZE = {"disclination": 0.75, "dislocation": 0.45, "vortex": 0.75}
-
-
 _BACKDROP_COLOR = (0.72, 0.71, 0.695, 1.0)
-
-
 # Direction from the object (right, up, towards the camera), size and distance in radii of the
 # object, watts for a radius of 1, colour.
 _LIGHTS = {
@@ -45,11 +33,7 @@ _LIGHTS = {
     "fill": ((1.0, 0.25, 0.55), 3.6, 4.6, 50.0, (0.88, 0.94, 1.0)),
     "rim": ((0.6, 0.8, -0.9), 2.0, 4.4, 200.0, (1.0, 0.98, 0.95)),
 }
-
-
 _WORLD_STRENGTH = 0.22
-
-
 # Thickness of drawn edges, in mean edges.
 _EDGE_THICKNESS = 0.14
 

@@ -15,6 +15,12 @@ from mathutils import Matrix
 from ..blender import attributes, groups, meshes
 from .demo import add_demo_object, apply_modifiers
 
+# What there is: identifier, name, description, icon and number.
+SHAPES = (
+    ("SUZANNE", "Suzanne", "Blender's monkey as one smooth surface of even triangles", "MESH_MONKEY", 0),
+    ("PRETZEL", "Pretzel", "A closed surface of quads with two holes, and seams that cut it in half", "MESH_TORUS", 1),
+    ("VASE", "Vase", "A bent vase of quads, open at its rim, where a stripe is asked for", "MESH_CYLINDER", 2),
+)
 # Subdivisions of the cages by default; Suzanne's faces are as many times more or fewer.
 DETAIL = 4
 # Factors on the edges of the demo's Suzanne, by detail, at which she is in one piece.
@@ -38,7 +44,7 @@ def add_sample(shape, detail=DETAIL, size=2.0):
     size : its longest side, in scene units
     """
     bpy.ops.object.select_all(action="DESELECT")
-    obj = SHAPES[shape](detail)
+    obj = _MAKERS[shape](detail)
     places = attributes.read_values(obj, "position", "POINT").astype(float)
     lower, sides = places.min(axis=0), np.ptp(places, axis=0)
     obj.data.transform(Matrix.Scale(size / sides.max(), 4) @ Matrix.Translation(-(lower + sides / 2)))
@@ -94,7 +100,7 @@ def vase(detail):
     return obj
 
 
-SHAPES = {"SUZANNE": suzanne, "PRETZEL": pretzel, "VASE": vase}
+_MAKERS = {"SUZANNE": suzanne, "PRETZEL": pretzel, "VASE": vase}
 
 
 def _bent(points):

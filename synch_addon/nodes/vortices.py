@@ -8,15 +8,15 @@ import math
 
 import bpy
 
+from ..blender.modifiers import FILAMENTS
 from .canvas import Expression, GeometryCanvas, Socket, group_tree, set_input, surface_material
 from .globe import SPHERE, globe_group
 
-TUBES_NAME, FILAMENTS_NAME = "Synch Tubes", "Synch Filaments"
+TUBES_NAME = "Synch Tubes"
 _VERSION = 1
 # What objects of vortices carry: the circulation, as a custom property of curves too, and a point's color.
 STRENGTH, COLOR = "synch_strength", "synch_color"
 _BRASS, _CRIMSON = (0.60, 0.33, 0.09, 1.0), (0.42, 0.02, 0.05, 1.0)
-
 _TUBES_INPUTS = (
     Socket("Wheel", "Float", "0 for the globe, 1 for hues by longitude in bands of latitude", 0.0, (0.0, 1.0)),
     Socket("Saturation", "Float", "Of the wheel's hues", 0.8, (0.0, 1.0)),
@@ -64,7 +64,7 @@ def tubes_group() -> bpy.types.ShaderNodeTree:
 
 def filaments_group() -> bpy.types.GeometryNodeTree:
     """The node group "Synch Filaments", built when missing and rebuilt in place when outdated."""
-    tree, canvas = group_tree(FILAMENTS_NAME, f"{_VERSION}", _FILAMENTS_INPUTS, _FILAMENTS_OUTPUTS, GeometryCanvas)
+    tree, canvas = group_tree(FILAMENTS, f"{_VERSION}", _FILAMENTS_INPUTS, _FILAMENTS_OUTPUTS, GeometryCanvas)
     if canvas is None:
         return tree
     tree.interface.items_tree["Radius"].subtype = "DISTANCE"
@@ -136,19 +136,13 @@ def add_filaments_modifier(obj, radius, circulation):
     obj.data.materials.append(material)
 
 
-def is_of_filaments(modifier):
-    """Whether a modifier makes tubes of filaments."""
-    group = modifier.node_group if modifier.type == "NODES" else None
-    return group is not None and group.name == FILAMENTS_NAME
-
-
 def filament_material():
     """The file's own material of filaments, made on first use: the colour that the nodes store, as polished metal."""
     for material in bpy.data.materials:
-        if material.library is None and material.get(FILAMENTS_NAME):
+        if material.library is None and material.get(FILAMENTS):
             return material
-    material = surface_material(FILAMENTS_NAME)
-    material[FILAMENTS_NAME] = True
+    material = surface_material(FILAMENTS)
+    material[FILAMENTS] = True
     material.diffuse_color = _BRASS
     tree = material.node_tree
     surface = tree.nodes["Principled BSDF"]

@@ -3,6 +3,7 @@
 
 import bpy
 
+from ..flows import memory
 from ..flows.choice import choose_point
 from ..flows.chosen import flow_of
 from ..flows.job import ClebschSettings, job_for
@@ -10,7 +11,6 @@ from ..flows.properties import PROPERTY_NAMES, VortexProperties, plain
 from ..jobs import jobs
 from ..jobs.report import counted
 from ..panels.vortices import draw_vortices
-from ..patterns import memory
 from .field_operator import BackgroundOperator
 from .ready import PromptOperator
 

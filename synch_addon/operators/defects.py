@@ -16,8 +16,6 @@ from .ready import PromptOperator, ReadyOperator
 
 # Distance from which a defect is looked at, in sizes of its empty.
 _VIEWED = 30
-
-
 # What the figures of the box Result mean.
 _MEANINGS = {
     "energy": "What is left of the wish for even stripes along the directions: 0 is a perfect pattern",

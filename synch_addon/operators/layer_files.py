@@ -7,7 +7,7 @@ from bpy_extras.io_utils import ExportHelper
 
 from .. import api
 from ..jobs.report import counted
-from ..patterns import memory
+from ..solids import memory
 from ..solids.files import FILLS
 from ..solids.links import solid_of
 from .ready import PromptOperator

@@ -8,12 +8,6 @@ from bpy_extras.object_utils import AddObjectHelper, add_object_align_init
 from ..blender.translations import said
 from ..looks import samples
 
-SHAPES = (
-    ("SUZANNE", "Suzanne", "Blender's monkey as one smooth surface of even triangles", "MESH_MONKEY", 0),
-    ("PRETZEL", "Pretzel", "A closed surface of quads with two holes, and seams that cut it in half", "MESH_TORUS", 1),
-    ("VASE", "Vase", "A bent vase of quads, open at its rim, where a stripe is asked for", "MESH_CYLINDER", 2),
-)
-
 
 class SYNCH_OT_add_sample(AddObjectHelper, bpy.types.Operator):
     """Add a shape to try patterns on, with vertex groups and seams for constraints"""
@@ -22,7 +16,7 @@ class SYNCH_OT_add_sample(AddObjectHelper, bpy.types.Operator):
     bl_label = "Add Synch Sample"
     bl_options = {"REGISTER", "UNDO", "PRESET"}
 
-    shape: EnumProperty(name="Shape", description="What is added", items=SHAPES)
+    shape: EnumProperty(name="Shape", description="What is added", items=samples.SHAPES)
     size: FloatProperty(
         name="Size",
         description="Longest side of the object",

@@ -1,2 +1,47 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is drawn in the window: sidebar, menus and overlay."""
+
+from . import (
+    bakes,
+    constraints,
+    frames,
+    guides,
+    layer_outputs,
+    layers,
+    menus,
+    overlay_view,
+    presets,
+    result,
+    setting_presets,
+    sidebar,
+    variation_slider,
+    vortices,
+)
+
+# In the order in which they are drawn.
+_MODULES = (
+    variation_slider,
+    menus,
+    setting_presets,
+    guides,
+    sidebar,
+    result,
+    presets,
+    constraints,
+    overlay_view,
+    bakes,
+    vortices,
+    layers,
+    frames,
+    layer_outputs,
+)
+
+
+def register():
+    for module in _MODULES:
+        module.register()
+
+
+def unregister():
+    for module in reversed(_MODULES):
+        module.unregister()

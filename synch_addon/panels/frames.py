@@ -4,9 +4,9 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
+from ..blender.modifiers import shows_frames
 from ..blender.registration import keeping
 from ..frames.job import HOLD, Span
-from ..frames.nodes import shows_frames
 from .sidebar import SettingsPanel, property_column
 
 

@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..patterns import memory
+from ..solids import memory
 from ..solids.links import solid_of
 from .sidebar import SidebarPanel
 

@@ -5,7 +5,7 @@ there, File > Import and File > Export."""
 import bpy
 
 from ..blender.meshes import refusal
-from ..operators.samples import SHAPES
+from ..looks.samples import SHAPES
 
 # Operators by what they need, with the text of their entry; each group is set off by a line.
 _ENTRIES = (

@@ -30,7 +30,7 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
             row = property_column(self.layout).row(align=True)
             slider = row.row(align=True)
             slider.enabled = memory.solve_of(context.active_object).varies
-            slider.prop(synch, "variation")
+            slider.prop(context.active_object.synch_shown, "variation")
             row.operator("synch.draw_variation", text="", icon="FILE_REFRESH")
             self.layout.operator("synch.place_defect", icon="PIVOT_CURSOR")
             if result["command"] == "quads":

@@ -6,10 +6,10 @@ import math
 import bpy
 
 from ..blender.translations import counted, said
+from ..flows import memory
 from ..flows.chosen import expected_shape
 from ..flows.sources import solve_memory
 from ..jobs import jobs
-from ..patterns import memory
 from .sidebar import SidebarPanel, draw_progress, draw_solver, property_column
 
 

@@ -47,7 +47,7 @@ def keep(obj, name=""):
             raise SynchError(f"attributes of the pattern of {obj.name} are missing: solve it again")
         number = _unused_number(obj)
         favourite = obj.synch.favourites.add()
-        favourite.number, favourite.variation, favourite.result = number, obj.synch.variation, obj.synch.result
+        favourite.number, favourite.variation, favourite.result = number, obj.synch_shown.variation, obj.synch.result
         favourite.name = name
         for to, part in values.items():
             kind = "FLOAT_VECTOR" if part.ndim > 1 else "FLOAT"

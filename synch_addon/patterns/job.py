@@ -8,10 +8,9 @@ import bpy
 from ...core.errors import ContradictionError, SynchError
 from ...core.extract.quad_mesh import quad_mesh as traced_quads
 from ..blender import meshes
-from ..frames import nodes
 from ..jobs.jobs import portion
 from ..jobs.report import Report, result_line
-from . import memory, numbers, quad_mesh, write
+from . import frame_attributes, memory, numbers, quad_mesh, write
 from .reading import PATTERNS, gather, settings_for, solve_directions, solve_pattern
 
 
@@ -99,7 +98,7 @@ def write_again(obj, solved):
 def show(obj, task, field, pattern, report):
     """Write a field or pattern in place of all that an object shows; returns its defects, and the task with the faces
     as they are now."""
-    nodes.remove_frames(obj)
+    frame_attributes.remove_frames(obj)
     defects, polygons = write.results(obj, task, field, pattern, report)
     task = replace(task, given=replace(task.given, polygons=polygons))
     numbers.renew_numbers(obj, task, pattern)

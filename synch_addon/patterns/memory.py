@@ -7,75 +7,21 @@ and the state that belongs to it is found here.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from uuid import uuid4
-
-import bpy
-import numpy as np
 
 from ...core.errors import SynchError
 from ...core.fields import DirectionField, Pattern
 from ..blender import meshes as blender_meshes
 from ..jobs.report import Report
-from ..solids.links import made_of
-from ..solids.surface import Layering
+from ..jobs.shelf import ObjectShelf
 from . import write
 from .reading import Task
 
-# Objects whose solves are kept, the latest ones: some hundred bytes a vertex each, of flows a kilobyte a node.
-MOST, MOST_FLOWS = 8, 4
+# Objects whose solves are kept, the latest ones: some hundred bytes a vertex each.
+MOST = 8
 # Of each object: solves, and states that they have shown, each a report and how it was made.
 SOLVES, STATES = 2, 256
-# Solves of solids that are kept, up to a kilobyte a tetrahedron; undo brings earlier ones of an object back.
-MOST_SOLIDS = 3
-KEPT_SOLIDS = f"kept for the last {MOST_SOLIDS} solves while the file is open"
-# Custom property of the layers that were made: which solve they show.
-RUN = "synch_run"
 
-
-class Shelf:
-    """What was computed for objects, of the latest of them."""
-
-    def __init__(self, most):
-        self._most, self._kept = most, {}
-
-    def put(self, obj, solved):
-        """Keep something for an object, in place of what there was."""
-        self.drop(obj)
-        self._kept[obj.session_uid] = solved
-        while len(self._kept) > self._most:
-            del self._kept[next(iter(self._kept))]
-
-    def get(self, obj):
-        """What is kept for an object.
-
-        Raises
-        ------
-        SynchError
-            where there is nothing
-        """
-        if not self.holds(obj):
-            kept = f"kept for the last {self._most} objects while the file is open"
-            raise SynchError(f"{obj.name} has no solve in memory ({kept}): solve it first")
-        return self._kept[obj.session_uid]
-
-    def drop(self, obj):
-        """Keep it no longer."""
-        self._kept.pop(obj.session_uid, None)
-
-    def holds(self, obj):
-        """Whether anything is kept for an object."""
-        return obj is not None and obj.session_uid in self._kept
-
-    def clear(self):
-        """Keep nothing."""
-        self._kept.clear()
-
-
-_fields = Shelf(MOST)
-# Of the objects that show the vortices of a flow.
-flows = Shelf(MOST_FLOWS)
-# Of solids, by the run that the layers show.
-_solids = {}
+_fields = ObjectShelf(MOST)
 
 
 @dataclass
@@ -158,7 +104,13 @@ def show_line(obj, line, number):
     """Say at the object which state it shows, by what :func:`report.result_line` keeps of it, and set the slider."""
     if hasattr(obj, "synch"):  # as long as the extension is registered
         obj.synch.result = ""  # so that setting the slider asks for nothing
-        obj.synch.variation, obj.synch.result = number, line
+        obj.synch_shown.variation, obj.synch.result = number, line
+
+
+def show_nothing(obj):
+    """Say at the object that it shows no state of a solve, and keep its solves no longer."""
+    forget(obj)
+    show_line(obj, "", 0)
 
 
 def _line(obj):
@@ -208,46 +160,6 @@ def solve_of(obj):
     return _fields.get(obj).unmade(_line(obj))
 
 
-def remember_layers(obj, given, layering):
-    """Keep the :class:`Layering` that the layers of an object show, whose mesh was a :class:`MeshInput`."""
-    run = uuid4().hex
-    made_of(obj, "layers")[RUN] = run
-    _solids[run] = given, layering
-    while len(_solids) > MOST_SOLIDS:
-        del _solids[next(iter(_solids))]
-
-
-def recall_layers(obj) -> Layering:
-    """The :class:`Layering` that the layers of an object show, where these layers are now.
-
-    Raises
-    ------
-    SynchError
-        where there is none, or the mesh has changed since
-    """
-    made = made_of(obj, "layers")
-    if made is None or made.get(RUN) not in _solids:
-        raise SynchError(f"no layers of {obj.name} are in memory ({KEPT_SOLIDS}): solve them first")
-    given, layering = _solids[made[RUN]]
-    if not blender_meshes.is_unchanged(obj, given):
-        raise SynchError(f"the mesh or the scale of {obj.name} has changed since its layers were solved: solve again")
-    bpy.context.view_layer.update()
-    return replace(layering, matrix=np.array(made.matrix_world, float))
-
-
-def holds_layers(obj):
-    """Whether there is a :class:`Layering` of the layers that an object has, be its mesh changed or not."""
-    made = made_of(obj, "layers")
-    return made is not None and made.get(RUN) in _solids
-
-
-def solid_matrix(obj, given):
-    """(4, 4) from the space in which an object was measured to the world."""
-    unscaled = np.eye(4)
-    unscaled[:3, :3] = np.linalg.inv(given.stretch)
-    return np.array(obj.matrix_world, float) @ unscaled
-
-
 def forget(obj):
     """Keep the solves of an object no longer."""
     _fields.drop(obj)
@@ -256,19 +168,3 @@ def forget(obj):
 def holds(obj):
     """Whether there is a solve of what an object shows, be its mesh changed or not."""
     return _fields.holds(obj) and _fields.get(obj).holds(_line(obj))
-
-
-@bpy.app.handlers.persistent
-def _forget_all(*_):
-    _fields.clear()
-    flows.clear()
-    _solids.clear()
-
-
-def register():
-    bpy.app.handlers.load_post.append(_forget_all)
-
-
-def unregister():
-    bpy.app.handlers.load_post.remove(_forget_all)
-    _forget_all()

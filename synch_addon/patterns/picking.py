@@ -9,8 +9,7 @@ from mathutils.bvhtree import BVHTree
 
 from ..blender import attributes, meshes
 from ..blender.bvh import surface_tree
-from ..blender.modifiers import hidden
-from ..frames.nodes import changes_faces
+from ..blender.modifiers import changes_faces, hidden
 
 
 @dataclass(frozen=True)

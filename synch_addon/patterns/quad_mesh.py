@@ -17,24 +17,14 @@ from ..settings.fields import PROPERTY_NAMES
 # Shares of the way to the middle of its neighbours that a vertex moves at once, forth and back: uneven places are
 # smoothed, and little shrinks (after Taubin 1995).
 _STEPS = 0.5, -0.4
-
-
 # A vertex nearer than this to a mirror plane, as a share of the object's size, lies on it.
 _ON_PLANE = 1e-5
-
-
 # Cosine of the angle between the normals of neighbours beyond which both stay where they are: rims keep their shape.
 _SHARP = 0.5
-
-
 # A vertex of the quad mesh nearer to an edge than this, as a barycentric coordinate, lies on it.
 _ON_EDGE = 1e-3
-
-
 # How far from a corner, towards the middle of its face, the values of corners are read: on the face's side of a seam.
 _INSIDE = 0.05
-
-
 # Types whose values can be averaged; the others are taken from one face.
 _SMOOTH = {"FLOAT", "FLOAT2", "FLOAT_VECTOR", "FLOAT_COLOR", "BYTE_COLOR"}
 

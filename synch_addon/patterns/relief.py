@@ -16,6 +16,7 @@ import numpy as np
 from ...core.errors import SettingError, SynchError
 from ..blender.attributes import read_all, read_values
 from ..blender.defect_empties import mean_scale
+from ..blender.modifiers import RELIEFS, is_relief
 from ..nodes.canvas import Expression, GeometryCanvas, Socket, group_tree, set_input
 from ..nodes.quads import PROFILES as QUAD_PROFILES
 from ..nodes.quads import phase_attributes, profile_shapes
@@ -25,11 +26,7 @@ from ..nodes.stripes import VERSION, PhaseAttributes, phase_group
 
 # Edges that a period should have, and the faces up to which the mesh is subdivided for them.
 _EDGES_PER_PERIOD = 12
-
-
 _MOST_FACES = 1_500_000
-
-
 _DEEPEST = 6
 
 
@@ -42,11 +39,9 @@ class _Kind(NamedTuple):
 
 
 KINDS = {
-    "stripes": _Kind("Synch Relief", STRIPE_PROFILES, "synch_phase"),
-    "quads": _Kind("Synch Quad Relief", QUAD_PROFILES, "synch_phase_x"),
+    "stripes": _Kind(RELIEFS["stripes"], STRIPE_PROFILES, "synch_phase"),
+    "quads": _Kind(RELIEFS["quads"], QUAD_PROFILES, "synch_phase_x"),
 }
-
-
 _OUTPUTS = (Socket("Geometry", "Geometry", "The mesh with its relief"),)
 
 
@@ -198,12 +193,6 @@ def _profile(kind, profile):
 def relief_modifier(obj):
     """The modifier of an object that uses one of the groups, or None."""
     return next((modifier for modifier in obj.modifiers if is_relief(modifier)), None)
-
-
-def is_relief(modifier):
-    """Whether a modifier uses one of the groups."""
-    group = modifier.node_group if modifier.type == "NODES" else None
-    return group is not None and group.name in [kind.name for kind in KINDS.values()]
 
 
 def _kind_of(obj):

@@ -16,7 +16,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from ...core.errors import SettingError, SynchError
+from ...core.errors import SettingError
 from ...core.fields.directions import SYMMETRIES
 from ...core.keywords import check_choice, check_positive, check_whole
 from ..blender.registration import keeping
@@ -185,23 +185,6 @@ class SettingProperties:
     )
 
 
-def _show_variation(settings, context):
-    """The slider shows the variation that it is set to."""
-    from .. import api
-    from ..patterns import memory  # both need the settings
-
-    obj = settings.id_data
-    if not memory.holds(obj):
-        return
-    try:
-        api.vary(obj, settings.variation)
-    except SynchError as error:
-        line = str(error)
-        memory.show_line(obj, settings.result, memory.solve_of(obj).number)  # the slider goes back
-        if context.window is not None and not bpy.app.background:
-            context.window_manager.popup_menu(lambda menu, _: menu.layout.label(text=line), icon="ERROR")
-
-
 class SynchSettings(SettingProperties, bpy.types.PropertyGroup):
     """Settings of an object, kept in the file."""
 
@@ -226,14 +209,6 @@ class SynchSettings(SettingProperties, bpy.types.PropertyGroup):
         name="Constraints", description="What is asked of the pattern along lines of the mesh", type=SynchConstraint
     )
     active_constraint: IntProperty(name="Active Constraint", description="Row that the panel shows", min=0)
-    variation: IntProperty(
-        name="Variation",
-        description="Other configurations of defects from the last solve: 0 is the best one, the next are other good "
-        "ones, high numbers are drawn at random",
-        min=0,
-        soft_max=20,
-        update=_show_variation,
-    )
     favourites: CollectionProperty(name="Favourites", description="Variations that are kept", type=SynchFavourite)
     result: StringProperty(name="Result", description="What the panel shows of the last solve, as JSON")
 

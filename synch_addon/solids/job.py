@@ -19,9 +19,8 @@ from ...core.solve.solution import Clock
 from ..blender import meshes
 from ..blender.vertex_maps import read_factors
 from ..jobs.jobs import portion
-from ..patterns import memory
 from ..patterns.reading import COARSE_SHARE, LINES_ACROSS
-from . import objects
+from . import memory, objects
 from .carried import Carried
 from .guides import read_area, read_guide
 from .phases import surface_phases

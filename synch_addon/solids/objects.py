@@ -106,9 +106,7 @@ def write_surface(obj, layering, given, phases, warn, spacing):
         for name in ("synch_direction", "synch_singularity"):  # of an earlier field on the surface
             attributes.remove_attribute(obj, name)
         write_defects(obj, (), kinds=KINDS)
-        memory.forget(obj)
-        if hasattr(obj, "synch"):
-            obj.synch.variation, obj.synch.result = 0, ""
+        memory.show_nothing(obj)
     write.write_phases(shown, given, phases.edge_phases, warn)
     pattern_material(shown, "stripes", spacing=spacing, assign_faces=phases.is_own)
     meshes.update(shown)

@@ -6,8 +6,8 @@ import bpy
 from ...core.errors import SettingError
 from ..blender import meshes
 from ..blender.files import check_output
-from ..patterns import memory
 from . import files as layer_files
+from . import memory
 from .links import solid_of
 from .volume import write_volume
 

@@ -8,7 +8,7 @@ import pytest
 
 from synch_fields.core.errors import Cancelled, SynchError
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.frames.nodes import frame_layout
+from synch_fields.synch_addon.patterns.frame_attributes import frame_layout
 
 from .baked import picture
 from .continuity import largest_jump

@@ -74,7 +74,7 @@ def test_favourite_is_shown_again_exactly(kind):
     api.vary(obj, 0)
     result = favourites.show(obj, "Variation 1000")
     assert agree(obj, before) and result["energy"] == pytest.approx(energy, rel=1e-5)
-    assert obj.synch.variation == 1000
+    assert obj.synch_shown.variation == 1000
     assert sorted((e["synch_kind"], e["synch_face"]) for e in empties(obj)) == defects
     # The solve stays in memory: the slider goes on.
     api.vary(obj, 3)

@@ -14,7 +14,7 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import files
 from synch_fields.synch_addon.blender.openvdb import openvdb_module
 from synch_fields.synch_addon.command import main
-from synch_fields.synch_addon.patterns import memory
+from synch_fields.synch_addon.solids import memory
 
 from .scenes import attribute, make_active, snapshot
 from .solid_objects import bent_bar, block, triangles_of

@@ -12,7 +12,7 @@ import pytest
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.operators.layers import SYNCH_OT_layers
 from synch_fields.synch_addon.panels.layers import SYNCH_PT_layers
-from synch_fields.synch_addon.patterns import memory
+from synch_fields.synch_addon.solids import memory
 from synch_fields.synch_addon.solids.properties import LENGTHS, PROPERTY_NAMES, SynchLayering
 from synch_fields.synch_addon.solids.surface import estimate, read_surface
 

@@ -12,6 +12,7 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender.defect_empties import defect_empties
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.patterns import memory
+from synch_fields.synch_addon.solids.memory import recall_layers
 
 from ..core.solids import block as tetrahedra
 from .continuity import largest_jump
@@ -40,7 +41,7 @@ def test_a_coarse_mesh_is_left_alone_and_the_solids_boundary_carries_the_phase()
     report = api.layers(obj, guidance="axis:X", spacing=0.2, size=0.09)
     shown = made(report, "surface")
     assert shown != obj and shown.hide_get() and not [a for a in obj.data.attributes if a.name.startswith("synch_")]
-    layering = memory.recall_layers(obj)
+    layering = recall_layers(obj)
     assert len(shown.data.polygons) == len(layering.solid.boundary_faces)
     phases = attribute(shown, "synch_vertex_phase") - 2 * np.pi * attribute(shown, "position")[:, 0] / 0.2
     np.testing.assert_allclose(np.exp(1j * (phases - phases[0])), 1, atol=1e-4)
@@ -102,7 +103,7 @@ def test_tetrahedra_of_a_file_are_taken_as_they_are(tmp_path):
         main.main([*arguments, f"--report={report}", f"--output={blend}", f"--export-mesh={tmp_path / 'l.stl'}"]) == 0
     )
     assert bpy.data.objects["block Layers"] and blend.is_file() and (tmp_path / "l.stl").stat().st_size > 1000
-    layering = memory.recall_layers(bpy.data.objects["block"])
+    layering = recall_layers(bpy.data.objects["block"])
     assert layering.solid.tet_count == solid.tet_count and layering.pattern.solution.energy < 1e-12
     assert main.main(["layers", str(tmp_path / "none.mesh"), "--quiet"]) == 1
     assert main.main(["layers", str(tmp_path / "block.mesh"), "--guidance=axis:Q", "--quiet"]) == 1
@@ -116,5 +117,5 @@ def test_tetrahedra_far_from_the_origin_have_their_groups():
     boundary = far.boundary_surface[0]
     obj = make_active(add_object(boundary.vertices, boundary.triangles))
     api.layers(obj, solid=far, guidance="distance:boundary", groups="boundary=layer", spacing=0.4)
-    phases = memory.recall_layers(obj).pattern.vertex_phases
+    phases = recall_layers(obj).pattern.vertex_phases
     np.testing.assert_allclose(phases[far.boundary_vertices], 0, atol=1e-12)

@@ -13,7 +13,7 @@ from synch_fields.core.errors import Cancelled, SettingError, SynchError
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.jobs import jobs
-from synch_fields.synch_addon.patterns import memory
+from synch_fields.synch_addon.solids import memory
 from synch_fields.synch_addon.solids.settings import LayerSettings
 
 from .scenes import (

@@ -96,6 +96,6 @@ def test_undo_and_edit_mode():
 
 
 def test_every_shape_is_offered():
-    from synch_fields.synch_addon.operators.samples import SHAPES
+    from synch_fields.synch_addon.looks.samples import SHAPES
 
-    assert [item[0] for item in SHAPES] == list(samples.SHAPES)
+    assert [item[0] for item in SHAPES] == list(samples._MAKERS)

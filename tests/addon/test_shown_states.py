@@ -52,10 +52,10 @@ def test_undo_and_redo_bring_back_the_state_in_memory():
     bpy.ops.ed.undo()
     assert shown(active()) < 1e-4 and made(active()) == placed
     bpy.ops.ed.undo()
-    assert shown(active()) < 1e-4 and made(active()) == first and active().synch.variation == 0
+    assert shown(active()) < 1e-4 and made(active()) == first and active().synch_shown.variation == 0
     bpy.ops.ed.redo()
     bpy.ops.ed.redo()
-    assert shown(active()) < 1e-4 and made(active()) == varied and active().synch.variation == 319
+    assert shown(active()) < 1e-4 and made(active()) == varied and active().synch_shown.variation == 319
     # The slider goes on from there, and so do placed defects.
     api.vary(active(), 0)
     assert made(active()) == first

@@ -133,27 +133,27 @@ def test_methods_without_a_lifted_field_say_that_they_do_not_vary(method):
     for name in ("draw_variation", "variation", "place_defect"):
         with pytest.raises(RuntimeError, match="only the semidefinite method finds variations"):
             getattr(bpy.ops.synch, name)()
-    obj.synch.variation = 50
-    assert (obj.synch.variation, obj.synch.result) == (0, line) and snapshot()["meshes"] == written
+    obj.synch_shown.variation = 50
+    assert (obj.synch_shown.variation, obj.synch.result) == (0, line) and snapshot()["meshes"] == written
     assert memory.recall(obj).varies is False and api.isolines(obj)["lines"]
 
 
 def test_the_slider_goes_back_where_the_mesh_has_changed_and_on_when_that_is_undone():
     obj = sphere()
     api.stripes(obj, spacing=0.5)
-    obj.synch.variation = 30
+    obj.synch_shown.variation = 30
     bpy.ops.ed.undo_push(message="variation")
     obj.data.vertices[3].co *= 1.1
     bpy.ops.ed.undo_push(message="edit")
-    obj.synch.variation = 40
-    assert obj.synch.variation == 30
+    obj.synch_shown.variation = 40
+    assert obj.synch_shown.variation == 30
     with pytest.raises(RuntimeError, match="has changed since it was solved: solve it again"):
         bpy.ops.synch.draw_variation()
-    assert obj.synch.variation == 30
+    assert obj.synch_shown.variation == 30
     bpy.ops.ed.undo()
     obj = bpy.context.active_object
-    assert bpy.ops.synch.draw_variation() == {"FINISHED"} and obj.synch.variation >= 100
-    assert memory.recall(obj).number == obj.synch.variation
+    assert bpy.ops.synch.draw_variation() == {"FINISHED"} and obj.synch_shown.variation >= 100
+    assert memory.recall(obj).number == obj.synch_shown.variation
 
 
 def test_defects_are_not_placed_in_directions_alone():

@@ -12,10 +12,10 @@ import pytest
 from synch_fields.core.defects import wrap
 from synch_fields.core.errors import Cancelled, SynchError
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.flows import memory
 from synch_fields.synch_addon.flows.job import ClebschSettings, job_for
 from synch_fields.synch_addon.jobs import jobs
 from synch_fields.synch_addon.nodes.vortices import filaments_group, tubes_group
-from synch_fields.synch_addon.patterns import memory
 
 from .scenes import snapshot
 from .vortex_scenes import QUICK, RADIUS, points_of, write_npz

@@ -91,7 +91,7 @@ def state():
         "children": sorted([child.name, *map(float, child.location)] for child in obj.children),
         "collections": sorted(collection.name for collection in bpy.data.collections),
         "result": obj.synch.result,
-        "variation": obj.synch.variation,
+        "variation": obj.synch_shown.variation,
     }
 
 

@@ -122,13 +122,13 @@ def test_variation_slider_shows_other_patterns_without_a_solve(panel):
     for step in (10, 20, 30):
         panel.move(place + (step, 0))
     panel.release()
-    number = panel.until("active().synch.variation")
+    number = panel.until("active().synch_shown.variation")
     after = panel.value("state()")
     assert after["attributes"]["synch_phase"] != before["attributes"]["synch_phase"]
     assert after["attributes"]["position"] == before["attributes"]["position"]
     assert result(panel)["lower_bound"] == json.loads(before["result"])["lower_bound"] <= result(panel)["energy"]
     panel.wait_for(f"Energy {result(panel)['energy']:.4g}")
-    panel.run("active().synch.variation = 0")
+    panel.run("active().synch_shown.variation = 0")
     assert panel.value("state()['attributes']") == before["attributes"]
     assert number > 0
 
