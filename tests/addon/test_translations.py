@@ -11,7 +11,7 @@ import pytest
 
 from synch_fields.synch_addon.blender import translations
 
-SOURCES = Path(translations.__file__).parents[1]
+SOURCES = Path(translations.__file__).parents[2]
 GERMAN = translations.LANGUAGES["de_DE"]
 # Blender's own helpers bring labels of their own, which it translates itself.
 BLENDERS = {
@@ -84,21 +84,8 @@ def test_panels_and_menus_are_translated():
 
 def _panels():
     """Names of the panels and menus in the files that are held complete."""
-    for name in (
-        "panels",
-        "result_panel",
-        "bake_panel",
-        "animation_panel",
-        "constraint_panel",
-        "layer_panel",
-        "layer_file_panel",
-        "overlay_view",
-        "menus",
-        "setting_presets",
-        "preset_panel",
-        "vortex_panel",
-    ):
-        yield from re.findall(r"class (SYNCH_\w+)", (SOURCES / f"{name}.py").read_text(encoding="utf-8"))
+    for path in sorted((SOURCES / "panels").glob("*.py")):
+        yield from re.findall(r"class (SYNCH_\w+)", path.read_text(encoding="utf-8"))
 
 
 def said_texts():

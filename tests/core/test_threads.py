@@ -19,7 +19,7 @@ SCRIPT = """
 import os, sys, threading
 import numpy, scipy.linalg
 from threadpoolctl import threadpool_info
-from synch_fields.core.solve.threads import one_blas_thread
+from synch_fields.core.algebra.threads import one_blas_thread
 
 def counts():
     return [pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"]
