@@ -83,3 +83,10 @@ class Monitor:
 
 
 SILENT = Monitor()
+
+
+def portion(callback, start, share):
+    """A callback for a part of the whole work, None for None."""
+    if callback is None:
+        return None
+    return lambda stage, fraction: callback(stage, start + share * fraction)

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Work as plain data: what is asked (a request) and what is found (a result), with the function between them.
+
+A request is a frozen dataclass of arrays and plain values, read from a scene beforehand. Its method
+``solve(progress)`` gives the result and needs nothing else: no Blender, no file that is open, no state of the process.
+Both can be pickled, so that a process of its own may do the work (:mod:`..worker`).
+
+``progress`` is a callable(stage, fraction) or None; a false answer other than None cancels with
+:class:`..errors.Cancelled`. What the work should tell the user is in the result's ``warnings``, and how long its parts
+took, by their names, in its ``seconds``. ``request.shared`` are objects that the result holds, too: they need not
+travel back. A request that has ``solve_early(progress)`` gives a first, rough result of the same kind.
+"""
+
+import importlib
+import sys
+
+import numpy
+import scipy
+
+# Where requests are: a process that waits for them has these loaded.
+_MODULES = ("surfaces", "frames", "solids", "flows")
+
+
+def load():
+    """Load all that requests need, so that none of them has to wait for it."""
+    for name in _MODULES:
+        importlib.import_module(f".{name}", __name__)
+
+
+def versions():
+    """What a result may depend on: by names, a version and where it was loaded from."""
+    return {"python": (sys.version, sys.prefix)} | {
+        module.__name__: (module.__version__, module.__file__) for module in (numpy, scipy)
+    }

@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Directions, stripes, quads and quad meshes on one surface."""
+
+import dataclasses
+from collections.abc import Callable
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..errors import ContradictionError, SettingError
+from ..extract.quad_mesh import QuadMesh, quad_mesh
+from ..extract.quad_smoothing import smoothed
+from ..fields import (
+    DirectionField,
+    DirectionWishes,
+    Guide,
+    Pattern,
+    Row,
+    direction_field,
+    given_directions,
+    quad_pattern,
+    stripe_pattern,
+)
+from ..fields.directions import SYMMETRIES
+from ..fields.growth import Growth
+from ..fields.mirror import Mirror
+from ..geometry.mesh_input import MeshInput
+from ..monitor import Monitor, portion
+from ..solve import Options
+from ..solve.solution import Clock
+
+# What a command solves along its directions; "directions" stops before.
+PATTERNS = {"stripes": stripe_pattern, "quads": quad_pattern, "quad_mesh": quad_pattern}
+# Warn when more than this share of the edges turn the phase by more than half a period.
+COARSE_SHARE = 0.05
+
+
+@dataclass(frozen=True)
+class PendingGuide:
+    """A guide whose data has been read and that has still to be computed.
+
+    Attributes
+    ----------
+    label : what errors call it
+    compute : callable without arguments that can be pickled, makes the Guide
+    share : how much of its weights counts
+    """
+
+    label: str
+    compute: Callable[[], Guide]
+    share: float
+
+    @property
+    def weighted(self):
+        """The guide, and the share of its weights that counts.
+
+        Raises
+        ------
+        SettingError
+            naming the guide, when it gives no directions
+        """
+        try:
+            return self.compute(), self.share
+        except SettingError as error:
+            raise SettingError(f"{self.label}: {error}") from None
+
+
+@dataclass(frozen=True)
+class SurfaceRequest:
+    """A field, a pattern or a quad mesh that is asked for.
+
+    Attributes
+    ----------
+    command : "directions", or one of :data:`PATTERNS`
+    given : the mesh
+    symmetry : "vector", "line" or "cross"
+    options : of each solve
+    directions : (n, 3) vectors that are taken exactly as they are, or None
+    guides : what the directions follow
+    turn : radians by which the directions are turned, one or (n,)
+    rows : Rows of the constraint list
+    mirrors : reflections that leave the field as it is
+    spacing : the spacing, in scene units
+    spacings : that times its map, (n,), and for quads with an aspect (n, 2), or the spacing alone
+    mirror_axes : the axes of the mirrors in the object's space, 0, 1 or 2
+    smoothing : of quad meshes, how often vertices move to the middle of their neighbours
+    """
+
+    command: str
+    given: MeshInput
+    symmetry: str
+    options: Options
+    directions: np.ndarray | None
+    guides: tuple[PendingGuide, ...]
+    turn: float | np.ndarray
+    rows: tuple[Row, ...]
+    mirrors: tuple[Mirror, ...]
+    spacing: float
+    spacings: float | np.ndarray
+    mirror_axes: tuple[int, ...] = ()
+    smoothing: int = 0
+
+    @property
+    def shared(self):
+        """The meshes that fields and patterns are on."""
+        return self.given.mesh, self.given.uncut
+
+    def solve(self, progress=None):
+        """The :class:`SurfaceResult`.
+
+        Raises
+        ------
+        Cancelled
+            when the progress is answered with False
+        ContradictionError
+            naming vertices of the object
+        """
+        if self.command not in PATTERNS:
+            return SurfaceResult(self.directed(progress))
+        found = self.along(self.directed(portion(progress, 0.0, 0.4)), portion(progress, 0.4, 0.55))
+        return replace(found, **self.traced(found.pattern)) if self.command == "quad_mesh" else found
+
+    def solve_early(self, progress=None):
+        """A first pattern by one eigenvector each, None for a command that shows no pattern. Errors as :meth:`solve`."""
+        if self.command not in ("stripes", "quads"):
+            return None
+        return replace(self, options=replace(self.options, method="spectral")).solve(progress)
+
+    def directed(self, progress=None, before=None):
+        """The :class:`DirectionField`, turned by its angle; from the one of the frame before, if there is one."""
+        mesh, symmetry = self.given.mesh, SYMMETRIES[self.symmetry]
+        if self.directions is not None:
+            return given_directions(mesh, symmetry, self.directions).turned(self.turn)
+        with self._own_vertices():
+            wishes = DirectionWishes(tuple(guide.weighted for guide in self.guides), self.rows, self.mirrors)
+            return direction_field(mesh, symmetry, wishes, self.options, progress, before).turned(self.turn)
+
+    def along(self, directions, progress=None, before=None, hold=0.0):
+        """The :class:`SurfaceResult` of the pattern along a field; from the one of the frame before, if there is one."""
+        growth = Growth.of(self.given.mesh, directions, self.spacings)
+        # What the map asks for is seen before the stripes are there.
+        Monitor(progress).at(f"pattern, {growth.forced_dislocations:.0f} dislocations asked for", 0.0)
+        with self._own_vertices():
+            pattern = PATTERNS[self.command](
+                self.given.mesh,
+                directions,
+                self.spacings,
+                self.rows,
+                self.mirrors,
+                self.options,
+                progress,
+                before=before,
+                hold=hold,
+            )
+        warnings = self._judged(growth.coarse_share)
+        return SurfaceResult(directions, pattern, None, growth.forced_dislocations, warnings)
+
+    def traced(self, pattern):
+        """The quad mesh of a pattern's grid lines, and the seconds that it took, as fields of a result."""
+        clock = Clock()
+        with clock("extract"):
+            inverse = np.linalg.inv(self.given.stretch)
+            planes = [inverse[axis] for axis in self.mirror_axes]
+            quads = smoothed(quad_mesh(pattern.edge_phases), self.given.mesh, self.rows, planes, self.smoothing)
+        return {"quads": quads, "seconds": clock.seconds}
+
+    def _judged(self, coarse_share):
+        if coarse_share <= COARSE_SHARE:
+            return ()
+        finest = np.min(self.spacings)
+        return (
+            f"the spacing {finest:g} is finer than the mesh can carry on {coarse_share:.0%} of its edges: "
+            f"it needs edges shorter than {finest / 2:.3g}, subdivide or remesh",
+        )
+
+    @contextmanager
+    def _own_vertices(self):
+        """Errors name vertices of the object, whose second sides at cuts are the same."""
+        try:
+            yield
+        except ContradictionError as error:
+            raise error.renumbered(self.given.source) from None
+
+
+@dataclass(frozen=True)
+class SurfaceResult:
+    """What was found on a surface.
+
+    Attributes
+    ----------
+    field : DirectionField
+    pattern : Pattern, None after directions alone
+    quads : QuadMesh, or None
+    forced_dislocations : how many exact directions and spacing ask for, None without a pattern
+    warnings : lines that the user should read
+    seconds : that parts of the work took which solutions do not tell, by their names
+    """
+
+    field: DirectionField
+    pattern: Pattern | None = None
+    quads: QuadMesh | None = None
+    forced_dislocations: float | None = None
+    warnings: tuple[str, ...] = ()
+    seconds: dict[str, float] = dataclasses.field(default_factory=dict)
