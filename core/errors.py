@@ -5,12 +5,17 @@ import numpy as np
 
 
 class SynchError(Exception):
-    """Base of every error that a user can act on; its text is one line.
+    """Base of every error that a user can act on.
 
-    ``vertices`` are those of the mesh that it names, where it names any.
+    Parameters
+    ----------
+    text : one line
+    vertices : (k,) those of the mesh that the text names, where it names any; kept ascending, each once
     """
 
-    vertices: np.ndarray = np.empty(0, int)
+    def __init__(self, text, vertices=()):
+        super().__init__(text)
+        self.vertices = np.unique(np.asarray(vertices, int))
 
 
 class MeshError(SynchError):
@@ -31,8 +36,11 @@ class ContradictionError(SettingError):
     """
 
     def __init__(self, message, vertices):
-        self.message, self.vertices = message, np.unique(vertices)
-        super().__init__(message.replace("{vertices}", name_elements("vertex", self.vertices)))
+        super().__init__(message.replace("{vertices}", name_elements("vertex", np.unique(vertices))), vertices)
+        self.message = message
+
+    def __reduce__(self):
+        return ContradictionError, (self.message, self.vertices)
 
     def renumbered(self, numbers):
         """The same error where each vertex has another number, (n,) ``numbers``."""
@@ -43,11 +51,15 @@ class AsymmetryError(MeshError):
     """A mesh that is not its own mirror image; ``vertices`` are those without a counterpart."""
 
     def __init__(self, axis, vertices):
-        self.axis, self.vertices = axis, np.unique(vertices)
         super().__init__(
-            f"the mesh is not symmetric in {axis}: {name_elements('vertex', self.vertices)} lack a counterpart: "
-            f"symmetrize it (Mesh > Symmetrize), or switch the mirror off"
+            f"the mesh is not symmetric in {axis}: {name_elements('vertex', np.unique(vertices))} lack a counterpart: "
+            f"symmetrize it (Mesh > Symmetrize), or switch the mirror off",
+            vertices,
         )
+        self.axis = axis
+
+    def __reduce__(self):
+        return AsymmetryError, (self.axis, self.vertices)
 
     def renumbered(self, numbers):
         """The same error where each vertex has another number, (n,) ``numbers``."""

@@ -302,9 +302,7 @@ def _fresh(mesh):
 
 def _in_frame(frame, error):
     """The error with its frame."""
-    named = SynchError(f"frame {frame}: {error}")
-    named.vertices = error.vertices
-    return named
+    return SynchError(f"frame {frame}: {error}", error.vertices)
 
 
 def _rest_directions(obj, settings, span):

@@ -69,12 +69,11 @@ def _refuse_contact(surface, low, high):
     triangles = surface.mesh.triangles
     shared = np.intersect1d(triangles[low.triangles], triangles[high.triangles])
     if len(shared):
-        error = SettingError(
+        raise SettingError(
             f"{low.name} and {high.name} meet at {name_elements('vertex', shared)}: "
-            "leave a part of the surface between them, across which the layers follow one another"
+            "leave a part of the surface between them, across which the layers follow one another",
+            shared,
         )
-        error.vertices = shared
-        raise error
 
 
 def _distance(obj, surface, name):

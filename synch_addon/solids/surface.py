@@ -136,12 +136,11 @@ def _refuse_crossings(given, tree):
     if len(met):
         faces = np.unique(given.polygons.triangle_faces[met])
         verb = "meets" if len(faces) == 1 else "meet"
-        error = MeshError(
+        raise MeshError(
             f"{name_elements('face', faces)} {verb} other faces of the mesh, where inside and outside cannot be told: "
-            "join the parts with a Boolean union or a Remesh modifier, and apply it"
+            "join the parts with a Boolean union or a Remesh modifier, and apply it",
+            triangles[met],
         )
-        error.vertices = np.unique(triangles[met])
-        raise error
 
 
 def estimate(distance, size=None):

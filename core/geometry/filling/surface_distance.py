@@ -13,6 +13,7 @@ from scipy.spatial import cKDTree
 
 from ...errors import MeshError
 from ..check import check_mesh
+from ..nearest import nearest_in_triangles
 from .shells import turned_outwards
 
 # Triangles are cut into pieces until these cover about as much area each as the surface's over this number, at least.
@@ -128,56 +129,6 @@ def normals_at(mesh, triangles, shares):
     return normals
 
 
-def nearest_in_triangles(points, corners):
-    """Shares of the corners in the nearest point of triangles; exactly 0 for the corners that it does not depend on.
-
-    Parameters
-    ----------
-    points : (..., 3)
-    corners : (3, ..., 3)
-
-    Returns
-    -------
-    (..., 3) barycentric coordinates
-
-    Source
-    ------
-    Ericson, "Real-Time Collision Detection" (2005), Section 5.1.5
-    """
-    a, b, c = corners
-    ab, ac, ap = b - a, c - a, points - a
-    aa, bb, cross = _dot(ab, ab), _dot(ac, ac), _dot(ab, ac)
-    d1, d2 = _dot(ab, ap), _dot(ac, ap)
-    d3, d4, d5, d6 = d1 - aa, d2 - cross, d1 - cross, d2 - bb
-    va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
-    to_b, to_c = d4 - d3, d5 - d6
-    zero = np.zeros_like(va)
-    # In the order in which a region rules out those after it.
-    regions = [
-        ((d1 <= 0) & (d2 <= 0), (zero, zero)),
-        ((d3 >= 0) & (d4 <= d3), (zero + 1, zero)),
-        ((vc <= 0) & (d1 >= 0) & (d3 <= 0), (_ratio(d1, d1 - d3), zero)),
-        ((d6 >= 0) & (d5 <= d6), (zero, zero + 1)),
-        ((vb <= 0) & (d2 >= 0) & (d6 <= 0), (zero, _ratio(d2, d2 - d6))),
-        ((va <= 0) & (to_b >= 0) & (to_c >= 0), (1 - _ratio(to_b, to_b + to_c), _ratio(to_b, to_b + to_c))),
-    ]
-    conditions = [condition for condition, _ in regions]
-    total = va + vb + vc
-    at_b = np.select(conditions, [shares[0] for _, shares in regions], _ratio(vb, total))
-    at_c = np.select(conditions, [shares[1] for _, shares in regions], _ratio(vc, total))
-    on_far_edge = np.select(conditions, [False] * 5 + [True], False)
-    at_a = np.where(on_far_edge | (at_b == 1) | (at_c == 1), 0, 1 - at_b - at_c)
-    return np.stack([at_a, at_b, at_c], axis=-1)
-
-
-def _dot(u, v):
-    return np.einsum("...x,...x->...", u, v)
-
-
-def _ratio(part, whole):
-    return np.divide(part, whole, out=np.zeros_like(part), where=whole != 0)
-
-
 def _pieces(corners, radius):
     """Centres of pieces of triangles, (k, 3), none reaching beyond ``radius``, and (k,) whose they are."""
     owners = np.arange(len(corners))
@@ -201,9 +152,8 @@ def _refuse_open(mesh):
     if len(mesh.boundary_edges):
         i, j = mesh.edges[mesh.boundary_edges[0]]
         more = f" and {len(mesh.boundary_edges) - 1} more" if len(mesh.boundary_edges) > 1 else ""
-        error = MeshError(
+        raise MeshError(
             f"the edge between vertices {i} and {j}{more} has one face only, and a solid needs a closed surface: "
-            "fill the holes with Mesh > Clean Up > Fill Holes"
+            "fill the holes with Mesh > Clean Up > Fill Holes",
+            mesh.edges[mesh.boundary_edges],
         )
-        error.vertices = np.unique(mesh.edges[mesh.boundary_edges])
-        raise error
