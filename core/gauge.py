@@ -2,8 +2,8 @@
 """Remove the flips of a graph that a choice of sheet at every node removes."""
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
+
+from .graphs import components
 
 
 def balance(node_count, edges, flips):
@@ -30,8 +30,7 @@ def balance(node_count, edges, flips):
     shift = np.where(flips, node_count, 0)
     rows = np.concatenate([i, i + node_count])
     columns = np.concatenate([j + shift, j + node_count - shift])
-    graph = coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(2 * node_count, 2 * node_count))
-    _, sheets = connected_components(graph, directed=False)
+    sheets = components(2 * node_count, np.column_stack([rows, columns]))
     front, back = sheets[:node_count], sheets[node_count:]
     balanced = front != back
     # The first node of a component has its front in the sheet with the lower label.

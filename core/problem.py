@@ -11,11 +11,12 @@ from functools import cached_property
 
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix, diags_array
-from scipy.sparse.csgraph import connected_components, reverse_cuthill_mckee
+from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from .connection import compose, make_arrays
 from .errors import SettingError
 from .gauge import balance
+from .graphs import components
 from .piece import Piece
 from .problem_check import check_problem
 
@@ -109,8 +110,8 @@ class SynchronizationProblem:
         if self.merged is not None:
             pairs.append(np.column_stack([self.merged.roots, self.merged.nodes]))
             transports.append(self.merged.transports)
-        components = connected_components(_graph(count, np.concatenate(pairs)), directed=False)[1]
-        return np.concatenate(pairs), transports, components
+        joined = np.concatenate(pairs)
+        return joined, transports, components(count, joined)
 
     @cached_property
     def turned(self):

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..graphs import ragged_arange
 from ..sheets import after_turns
 from .fans import ASIDE, in_radians
 from .levels import GRID
@@ -37,8 +38,8 @@ def crossings_of(phases, levels=GRID):
     end = np.where(np.abs(end - np.rint(end)) < ASIDE / 4, np.rint(end), end)  # a centre, but for rounding
     first = levels.above(np.minimum(begin, end))
     counts = np.maximum(levels.not_below(np.maximum(begin, end)) - first, 0).ravel()
-    which = np.repeat(np.arange(len(counts)), counts)
-    numbers = first.ravel()[which] + np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts)
+    which, place = ragged_arange(counts)
+    numbers = first.ravel()[which] + place
     edges, phase = which // count, which % count
     shares = (levels.value(numbers) - begin.ravel()[which]) / phases.changes.ravel()[which]
     # Two lines at the same place: an order, no matter which, that both triangles of the edge see.
@@ -154,8 +155,7 @@ def _places_on_rims(mesh, crossings):
     """(r,) triangle, side, crossing and rank of the places on the triangles' rims."""
     edges = mesh.triangle_edges.ravel()
     counts = crossings.counts[edges]
-    half = np.repeat(np.arange(len(edges)), counts)
-    place = np.arange(len(half)) - np.repeat(np.cumsum(counts) - counts, counts)
+    half, place = ragged_arange(counts)
     forward = mesh.triangle_edge_signs.ravel()[half] > 0
     crossing = crossings.starts[edges[half]] + np.where(forward, place, counts[half] - 1 - place)
     return half // 3, half % 3, crossing, stride(crossings) * (half % 3) + 1 + place

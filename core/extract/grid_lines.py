@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..graphs import ragged_arange
 from .border import border_of
 from .chords import chord_ends, chords_of, crossings_of, on_rim, rims_of, stride
 from .fans import moved_aside, split_at_disclinations
@@ -103,8 +104,8 @@ def _meeting_chords(chords):
     sums = np.append(0, np.cumsum(~is_y))
     x_counts = sums[stop] - sums[start]
     rows = np.flatnonzero(is_y)
-    y = np.repeat(rows, x_counts[rows])
-    place = np.arange(len(y)) - np.repeat(np.cumsum(x_counts[rows]) - x_counts[rows], x_counts[rows])
+    row, place = ragged_arange(x_counts[rows])
+    y = rows[row]
     x, y = order[start[y] + place], order[y]
     inside = (chords.ranks[x][:, :1] < chords.ranks[y]) & (chords.ranks[y] < chords.ranks[x][:, 1:])
     share_end = chords.ranks[x][:, 1] == chords.ranks[y][:, 1]

@@ -14,10 +14,11 @@ from enum import IntEnum
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components, depth_first_order
+from scipy.sparse.csgraph import depth_first_order
 
 from ..errors import SettingError
 from ..geometry import TriangleMesh
+from ..graphs import components, ragged_arange
 from .chords import chord_ends, chords_of, crossings_of, on_rim, rims_of
 from .fans import moved_aside, split_at_disclinations
 from .levels import GRID, stripe_levels
@@ -119,17 +120,18 @@ class Isolines:
 
         Closed lines get three points at least. The way between two points may lead over an edge.
         """
-        steps = np.maximum(np.rint(self.lengths / distance).astype(int), np.where(self.closed, 3, 1))
-        sizes = steps + ~self.closed
-        line = np.repeat(np.arange(len(sizes)), sizes)
-        place = np.arange(len(line)) - (np.cumsum(sizes) - sizes)[line]
-        along = self.lengths[line] * place / steps[line]
-        way = np.concatenate([[0.0], np.cumsum(self.steps)])
-        last = self.starts + self.sizes - np.where(self.closed, 1, 2)
-        point = np.searchsorted(way[1:-1], way[self.starts[line]] + along, side="right")
-        point = np.clip(point, self.starts[line], last[line])
-        step = np.maximum(self.steps[point], np.finfo(float).tiny)
-        share = np.clip((along - self.arc_lengths[point]) / step, 0, 1)[:, None]
+        traced, starts = self.steps, self.starts
+        lengths = np.bincount(self.numbers, traced, len(self.sizes))
+        counts = np.maximum(np.rint(lengths / distance).astype(int), np.where(self.closed, 3, 1))
+        sizes = counts + ~self.closed
+        line, place = ragged_arange(sizes)
+        along = lengths[line] * place / counts[line]
+        way = np.concatenate([[0.0], np.cumsum(traced)])
+        last = starts + self.sizes - np.where(self.closed, 1, 2)
+        point = np.searchsorted(way[1:-1], way[starts[line]] + along, side="right")
+        point = np.clip(point, starts[line], last[line])
+        passed = way[point] - way[starts[line]]
+        share = np.clip((along - passed) / np.maximum(traced[point], np.finfo(float).tiny), 0, 1)[:, None]
         weights = (1 - share) * self.weights[point] + share * self.ahead[point]
         return replace(self, triangles=self.triangles[point], weights=weights, sizes=sizes)
 
@@ -261,12 +263,12 @@ def _traced(mesh, fans, pieces):
     """:class:`Isolines` of pieces joined at their nodes, of which each has one or two."""
     count = len(pieces.kinds)
     degrees = np.bincount(pieces.nodes.ravel(), minlength=count)
-    joined = _graph(count, *pieces.nodes.T)
-    labels = connected_components(joined, directed=False)[1]
+    labels = components(count, pieces.nodes)
     # Every line starts at an end, or anywhere, and is walked from there by a search that goes on as far as it can.
     candidates = np.lexsort((degrees != 1, labels))
     first = candidates[np.flatnonzero(np.diff(labels[candidates], prepend=-1))]
-    hub = _graph(count + 1, *np.append(pieces.nodes, np.column_stack([np.full(len(first), count), first]), axis=0).T)
+    joined = np.append(pieces.nodes, np.column_stack([np.full(len(first), count), first]), axis=0)
+    hub = coo_matrix((np.ones(len(joined)), joined.T), shape=(count + 1, count + 1)).tocsr()
     order = depth_first_order(hub, count, directed=False, return_predecessors=False)[1:]
     place = np.empty(count, int)
     place[order] = np.arange(count)
@@ -321,8 +323,7 @@ def _crossed(lines, pieces, begin, end):
     others = np.flatnonzero(lines.next != np.arange(len(lines.triangles)))
     others = others[np.argsort(lines.triangles[others], kind="stable")]
     first, stop = (np.searchsorted(lines.triangles[others], lines.triangles[pieces], side=s) for s in ("left", "right"))
-    which = np.repeat(np.arange(len(pieces)), stop - first)
-    place = np.arange(len(which)) - np.repeat(np.cumsum(stop - first) - (stop - first), stop - first)
+    which, place = ragged_arange(stop - first)
     other = others[first[which] + place]
     p, q, r, s = begin[which], end[which], lines.weights[other], lines.ahead[other]
     apart = (_side(p, q, r) != _side(p, q, s)) & (_side(r, s, p) != _side(r, s, q))
@@ -349,7 +350,3 @@ def _inside(weights, start):
     falling = start - weights
     share = np.where(weights < 0, start / np.where(weights < 0, falling, 1), 1).min(axis=1, keepdims=True)
     return np.maximum(start + np.clip(share, 0, 1) * (weights - start), 0)
-
-
-def _graph(count, tails, heads):
-    return coo_matrix((np.ones(len(tails)), (tails, heads)), shape=(count, count)).tocsr()

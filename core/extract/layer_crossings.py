@@ -12,10 +12,9 @@ solid is: nothing else is found beside them.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from ..geometry.tet_mesh import TetMesh
+from ..graphs import components, ragged_arange
 from ..interpolate import TURN
 from ..interpolate_solid import EDGE_CORNERS, FACE_CORNERS
 
@@ -62,16 +61,15 @@ def crossings_of(edge_phases, offset=0.0):
     rising = changes > 0
     first = np.where(rising, np.floor(begins) + 1, np.ceil(begins) - 1)
     counts = np.where(rising, np.ceil(ends) - first, first - np.floor(ends)).astype(int)
-    starts = np.cumsum(counts) - counts
-    edges = np.repeat(np.arange(len(counts)), counts)
-    levels = first[edges] + np.where(rising, 1, -1)[edges] * (np.arange(len(edges)) - starts[edges])
+    edges, place = ragged_arange(counts)
+    levels = first[edges] + np.where(rising, 1, -1)[edges] * place
     shares = np.clip((levels - begins[edges]) / changes[edges], 0, 1)
     at_begin = near[i][edges] & (levels == np.rint(begins[edges]))
     at_end = near[j][edges] & (levels == np.rint(ends[edges]))
     nodes = np.arange(len(edges))
     nodes[at_begin] = len(edges) + i[edges[at_begin]]
     nodes[at_end] = len(edges) + j[edges[at_end]]
-    return Crossings(mesh, phases, changes, starts, counts, edges, shares, nodes, faces)
+    return Crossings(mesh, phases, changes, np.cumsum(counts) - counts, counts, edges, shares, nodes, faces)
 
 
 def _layers_on_boundary(mesh, near, changes):
@@ -90,9 +88,7 @@ def _layers_on_boundary(mesh, near, changes):
     inward = np.where(triangles[:, 0] < behind, inward, -inward)
     votes = np.where(np.abs(inward) < 2 * ASIDE, 0, np.sign(inward))
     at_vertex = np.bincount(triangles.ravel(), np.repeat(votes, 3), mesh.vertex_count)
-    ends = triangles[:, [0, 1, 1, 2]].reshape(-1, 2).T
-    graph = coo_matrix((np.ones(ends.shape[1]), ends), shape=(mesh.vertex_count, mesh.vertex_count))
-    patches = connected_components(graph, directed=False)[1]
+    patches = components(mesh.vertex_count, triangles[:, [0, 1, 1, 2]].reshape(-1, 2))
     at_patch = np.bincount(patches[triangles[:, 0]], votes, patches.max() + 1)
     vertices = np.unique(triangles)
     sides[vertices] = np.where(at_vertex == 0, at_patch[patches], at_vertex)[vertices] >= 0
@@ -119,8 +115,8 @@ def polygons_in(crossings, tets):
     values[:, 1:] += np.where(corners[:, :1] < corners[:, 1:], 1, -1) * crossings.changes[edges[:, :3]]
     first = np.floor(values.min(axis=1)) + 1
     counts = np.maximum(np.ceil(values.max(axis=1)) - first, 0).astype(int)
-    row = np.repeat(np.arange(len(tets)), counts)
-    levels = first[row] + np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
+    row, place = ragged_arange(counts)
+    levels = first[row] + place
     pattern = (values[row] > levels[:, None]) @ (1 << np.arange(4))
     parts = []
     for patterns, table in _POLYGONS:

@@ -8,9 +8,8 @@ along an edge only where exactly two meet, and a vertex at which sheets merely t
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
+from ..graphs import components
 from ..interpolate_solid import face_numbers, outward_numbers
 from .layer_crossings import crossings_of, polygons_in
 from .punctured_layers import sheets_in
@@ -119,11 +118,12 @@ def _numbered(crossings, triangles, inner_count, heights):
     links = _links(triangles, inner_count)
     following = np.arange(triangles.size).reshape(-1, 3)[:, [1, 2, 0]].ravel()
     one, other = links.T
-    ends = np.concatenate([[one, following[other]], [following[one], other]], axis=1)
-    vertex_count, vertex = _components(triangles.size, ends)
-    node = np.empty(vertex_count, int)
+    ends = np.column_stack([np.append(one, following[one]), np.append(following[other], other)])
+    vertex = components(triangles.size, ends)
+    node = np.empty(vertex.max(initial=-1) + 1, int)
     node[vertex] = triangles.ravel()
-    piece_count, piece = _components(len(triangles), links.T // 3)
+    piece = components(len(triangles), links // 3)
+    piece_count = piece.max(initial=-1) + 1
     corners, weights = _places(crossings, node)
     at_corner = np.einsum("pk,pk->p", weights, heights[corners])[vertex.reshape(-1, 3)].mean(axis=1)
     means = np.bincount(piece, at_corner, piece_count) / np.bincount(piece, minlength=piece_count)
@@ -132,10 +132,6 @@ def _numbered(crossings, triangles, inner_count, heights):
     points = np.einsum("pk,pkx->px", weights, crossings.mesh.vertices[corners])
     order = np.argsort(rank[piece], kind="stable")
     return LayerSurfaces(points, vertex.reshape(-1, 3)[order].astype(int), rank[piece][order], corners, weights)
-
-
-def _components(count, pairs):
-    return connected_components(coo_matrix((np.ones(pairs.shape[1]), pairs), shape=(count, count)), directed=False)
 
 
 def _places(crossings, nodes):

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
+
+from ..graphs import components
 
 
 @dataclass(frozen=True)
@@ -52,8 +52,7 @@ class LineGraph:
     def face_labels(self):
         """(2 e,) face to the left of each dart."""
         count = len(self.tails)
-        graph = coo_matrix((np.ones(count), (np.arange(count), self.next)), shape=(count, count))
-        return connected_components(graph, directed=False)[1]
+        return components(count, np.column_stack([np.arange(count), self.next]))
 
     def faces(self):
         """Faces of the surface as (c,) darts, those of a face following one another, and (f,) counts."""
@@ -83,8 +82,7 @@ class LineGraph:
         passing = passing[np.argsort(self.tails[passing], kind="stable")]
         met = np.flatnonzero(self.tails[passing[1:]] == self.tails[passing[:-1]])
         count = len(self.tails) // 2
-        i, j = passing[met] // 2, passing[met + 1] // 2
-        chain = connected_components(coo_matrix((np.ones(len(i)), (i, j)), shape=(count, count)), directed=False)[1]
+        chain = components(count, np.column_stack([passing[met], passing[met + 1]]) // 2)
         ends = np.flatnonzero(~through[self.tails])
         ends = ends[np.argsort(chain[ends // 2], kind="stable")]
         labels = chain[ends // 2]

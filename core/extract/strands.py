@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..graphs import ragged_arange
+
 
 @dataclass(frozen=True)
 class Strand:
@@ -69,6 +71,5 @@ def _through(cell_faces, numbers, starts):
     """Cells and strands through their faces of positive number, sorted by cell."""
     cells, sides = np.nonzero(numbers > 0)
     repeats = numbers[cells, sides]
-    which = np.repeat(np.arange(len(cells)), repeats)
-    place = np.arange(len(which)) - np.repeat(np.cumsum(repeats) - repeats, repeats)
+    which, place = ragged_arange(repeats)
     return cells[which], starts[cell_faces[cells, sides]][which] + place

@@ -5,17 +5,16 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from ..connection import Connection, circle_transports
-from ..errors import ContradictionError, SettingError
+from ..errors import SettingError
 from ..geometry.tet_mesh import TetMesh
+from ..graphs import components
 from ..interpolate import TURN, EdgePhases
 from ..interpolate_solid import TetPhases, face_numbers, tet_phases
-from ..problem import SynchronizationProblem, Targets
+from ..problem import SynchronizationProblem
 from ..solve import Solution, solve
-from .constraints.groups import TOLERANCE, Links, contracted, joined_links
+from .constraints.groups import Links, contracted, fixed_phases, joined_links
 from .guidance.potentials import potential
 from .patterns import check_spacing
 
@@ -67,9 +66,7 @@ class LayerGroup:
     def links(self):
         """Every vertex follows the first one of its piece."""
         count = len(self.vertices)
-        ends = np.searchsorted(self.vertices, self.sides)
-        graph = coo_matrix((np.ones(len(ends)), ends.T), shape=(count, count))
-        pieces = connected_components(graph, directed=False)[1]
+        pieces = components(count, np.searchsorted(self.vertices, self.sides))
         roots = self.vertices[np.unique(pieces, return_index=True)[1][pieces]]
         names = np.full(count, self.name, object)
         return Links(roots, self.vertices, np.zeros(count), np.zeros(count, bool), names)
@@ -233,28 +230,13 @@ def solve_layers(mesh, directions, spacing, groups=(), options=None, callback=No
 
 def _problem(growth, groups):
     links = joined_links([group.links for group in groups if group.phase is None])
-    fixed = _fixed_phases([group for group in groups if group.phase is not None])
+    held = [group for group in groups if group.phase is not None]
+    fixed = fixed_phases(
+        [(group.name, group.vertices, np.full(len(group.vertices), np.exp(1j * group.phase))) for group in held],
+        "take them out of one of the groups",
+    )
     fixed, merged = contracted(growth.mesh.vertex_count, links, fixed)
     return SynchronizationProblem(growth.connection, growth.mesh.vertex_masses, merged, fixed)
-
-
-def _fixed_phases(groups):
-    """Targets of the groups' vertices, each once, or None."""
-    if not groups:
-        return None
-    nodes = np.concatenate([group.vertices for group in groups])
-    values = np.concatenate([np.full(len(group.vertices), np.exp(1j * group.phase)) for group in groups])
-    names = np.concatenate([np.full(len(group.vertices), group.name, object) for group in groups])
-    unique, first, place = np.unique(nodes, return_index=True, return_inverse=True)
-    apart = np.abs(values - values[first][place]) > TOLERANCE
-    if apart.any():
-        other = np.flatnonzero(apart)[0]
-        raise ContradictionError(
-            f"{names[first[place[other]]]} and {names[other]} fix {{vertices}} to different phases: "
-            "take them out of one of the groups",
-            nodes[apart],
-        )
-    return Targets(unique, values[first]) if len(unique) else None
 
 
 def _places(mesh):

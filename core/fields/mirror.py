@@ -8,11 +8,10 @@ mirror plane is linked to itself; its phase is then one of two, which a strong e
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from ..connection import Connection, circle_transports
 from ..errors import ContradictionError
+from ..graphs import components
 from ..problem import as_matrices
 from .constraints.groups import Links, joined_links
 
@@ -78,8 +77,7 @@ def split_links(count, parts):
     for links in parts:
         alone = links.i == links.j
         loops.append(_chosen(links, alone & links.flips))
-        graph = coo_matrix((np.ones(len(between.i)), (between.i, between.j)), shape=(count, count))
-        labels = connected_components(graph, directed=False)[1]
+        labels = components(count, np.column_stack([between.i, between.j]))
         pairs = np.sort(np.column_stack([labels[links.i], labels[links.j]]), axis=1)
         first = np.zeros(len(pairs), bool)
         first[np.unique(pairs, axis=0, return_index=True)[1]] = True

@@ -2,9 +2,8 @@
 """Cut a surface open along edges, so that nothing is carried across them."""
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
+from ..graphs import components
 from .triangle_mesh import TriangleMesh
 
 
@@ -27,9 +26,7 @@ def cut_open(mesh, edges):
     twins = mesh.twins[halves]
     # Corners on both sides of an edge that stays closed belong together: a half-edge's tail and its twin's head.
     pairs = np.concatenate([np.column_stack([halves, _following(twins)]), np.column_stack([_following(halves), twins])])
-    count = 3 * mesh.triangle_count
-    graph = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(count, count))
-    fans = connected_components(graph, directed=False)[1]
+    fans = components(3 * mesh.triangle_count, pairs)
     _, first_corner = np.unique(fans, return_index=True)
     vertex_of_fan = mesh.triangles.ravel()[first_corner]
     _, kept = np.unique(vertex_of_fan, return_index=True)

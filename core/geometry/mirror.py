@@ -2,11 +2,10 @@
 """Find which vertices mirror which, on a surface that is symmetric about coordinate planes through the origin."""
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from ..errors import AsymmetryError
+from ..graphs import components
 
 # How far from its mirror image a vertex may lie, in edge lengths.
 TOLERANCE = 1e-3
@@ -46,8 +45,7 @@ def _mirrored_places(points, axis, near):
     """(n,) label of each point's place, and the place at the mirror image of each place, -1 where there is none."""
     tree = cKDTree(points)
     pairs = tree.query_pairs(near, output_type="ndarray")
-    graph = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(len(points), len(points)))
-    places = connected_components(graph, directed=False)[1]
+    places = components(len(points), pairs)
     first = np.unique(places, return_index=True)[1]
     mirrored = points[first].copy()
     mirrored[:, axis] *= -1

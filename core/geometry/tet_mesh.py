@@ -8,10 +8,9 @@ every quantity on edges (transport, phase change) is meant in that direction.
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from ..errors import MeshError, name_elements
+from ..graphs import components
 from .touching import separated_fans
 from .triangle_mesh import TriangleMesh
 
@@ -143,9 +142,7 @@ class TetMesh:
     @cached_property
     def pieces(self):
         """(n,) label of the connected piece of each vertex."""
-        i, j = self.edges.T
-        graph = coo_matrix((np.ones(len(i)), (i, j)), shape=(self.vertex_count, self.vertex_count))
-        return connected_components(graph, directed=False)[1]
+        return components(self.vertex_count, self.edges)
 
     @cached_property
     def loose_vertices(self):
@@ -241,12 +238,6 @@ def _rows(values, width, dtype, remedy):
     return np.ascontiguousarray(array, dtype=dtype).reshape(-1, width)
 
 
-def _refusal(message, vertices):
-    error = MeshError(message)
-    error.vertices = np.unique(vertices)
-    return error
-
-
 def _refuse_indices(vertices, tets):
     if not len(tets):
         raise MeshError("the solid has no tetrahedra: a field in a solid needs one at least")
@@ -259,7 +250,7 @@ def _refuse_indices(vertices, tets):
     lost = np.flatnonzero(~np.isfinite(vertices).all(axis=1))
     if len(lost):
         verb = "has" if len(lost) == 1 else "have"
-        raise _refusal(f"{name_elements('vertex', lost)} {verb} no finite position: set the coordinates", lost)
+        raise MeshError(f"{name_elements('vertex', lost)} {verb} no finite position: set the coordinates", lost)
 
 
 def _refuse_flat(vertices, tets, volumes):
@@ -274,7 +265,7 @@ def _refuse_flat(vertices, tets, volumes):
         if len(bad):
             name = name_elements("tetrahedron", bad).replace("tetrahedrons", "tetrahedra")
             verb = "has" if len(bad) == 1 else "have"
-            raise _refusal(f"{name} {verb} {what}: {remedy}", tets[bad])
+            raise MeshError(f"{name} {verb} {what}: {remedy}", tets[bad])
 
 
 def _refuse_overlaps(faces, halves, counts, even):
@@ -285,7 +276,7 @@ def _refuse_overlaps(faces, halves, counts, even):
     for bad, what in ((crowded, "more than two"), (same_side, "two on the same side")):
         if len(bad):
             more = f" and {len(bad) - 1} more" if len(bad) > 1 else ""
-            raise _refusal(
+            raise MeshError(
                 f"the triangle of vertices {', '.join(map(str, faces[bad[0]]))}{more} has {what} tetrahedra "
                 f"(one is {halves[bad[0], 0] // 4}): remove those that overlap",
                 faces[bad],

@@ -2,8 +2,8 @@
 """Where a solid or its surface touches itself in a vertex or an edge, each side gets vertices of its own."""
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
+
+from ..graphs import components
 
 
 def separated_fans(triangles):
@@ -66,8 +66,7 @@ def separated_solid(mesh, at):
 
 def _merged(cells, links):
     """Vertices from corners of cells: corners that are linked, one way or another, make one vertex."""
-    rows, columns = (np.concatenate(ends) for ends in zip(*links, strict=True))
-    graph = coo_matrix((np.ones(len(rows), bool), (rows, columns)), shape=(cells.size, cells.size))
-    count, labels = connected_components(graph, directed=False)
+    labels = components(cells.size, np.concatenate([np.column_stack(ends) for ends in links]))
+    count = labels.max(initial=-1) + 1
     source, numbers = np.unique(cells.ravel() * count + labels, return_inverse=True)
     return source // max(count, 1), numbers.reshape(cells.shape)

@@ -9,10 +9,9 @@ change) is meant in that direction.
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from ..errors import MeshError
+from ..graphs import components
 
 # Cotangent weights are kept in this range: Eq. (2) needs them positive, and slivers would
 # otherwise outweigh the rest of the mesh by ten orders of magnitude.
@@ -119,9 +118,7 @@ class TriangleMesh:
     @cached_property
     def pieces(self):
         """(n,) label of the connected piece of each vertex."""
-        i, j = self.edges.T
-        graph = coo_matrix((np.ones(len(i)), (i, j)), shape=(self.vertex_count, self.vertex_count))
-        return connected_components(graph, directed=False)[1]
+        return components(self.vertex_count, self.edges)
 
     @cached_property
     def loose_vertices(self):

@@ -2,10 +2,9 @@
 """What a mesh is and what it can carry."""
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from ...core.errors import MeshError
+from ...core.graphs import components
 from ..blender.meshes import read_mesh
 from ..jobs.report import versions
 from .reading import COARSE_SHARE, EDGES_PER_PERIOD, automatic_spacing
@@ -47,12 +46,8 @@ def describe(obj):
 
 def _boundary_loops(mesh):
     """Number of connected pieces of the boundary."""
-    i, j = mesh.edges[mesh.boundary_edges].T
-    if len(i) == 0:
-        return 0
-    graph = coo_matrix((np.ones(len(i)), (i, j)), shape=(mesh.vertex_count, mesh.vertex_count))
-    labels = connected_components(graph, directed=False)[1]
-    return len(np.unique(labels[i]))
+    edges = mesh.edges[mesh.boundary_edges]
+    return len(np.unique(components(mesh.vertex_count, edges)[edges]))
 
 
 def _lines(facts):

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import breadth_first_order, connected_components
+from scipy.sparse.csgraph import breadth_first_order
 
 from ...connection import circle_transports
 from ...errors import ContradictionError
+from ...graphs import components
 from ...problem import Merged, Targets
 
 # Unit values that differ by more contradict each other; positions in single precision bend angles by less.
@@ -31,6 +32,34 @@ def joined_links(parts):
     none = Links(np.empty(0, int), np.empty(0, int), np.empty(0), np.empty(0, bool), np.empty(0, object))
     names = Links.__dataclass_fields__
     return Links(*(np.concatenate([getattr(part, name) for part in (none, *parts)]) for name in names))
+
+
+def fixed_phases(parts, remedy):
+    """What fixes phases as :class:`Targets`, each node once; None where nothing is fixed.
+
+    Parameters
+    ----------
+    parts : names, (k,) nodes and (k,) complex values of what fixes them
+    remedy : what to do where two of the parts contradict each other
+
+    Raises
+    ------
+    ContradictionError
+        for nodes that are fixed to different phases
+    """
+    if not sum(len(nodes) for _, nodes, _ in parts):
+        return None
+    nodes, values = (np.concatenate(arrays) for arrays in list(zip(*parts, strict=True))[1:])
+    names = np.concatenate([np.full(len(met), name, object) for name, met, _ in parts])
+    unique, first, place = np.unique(nodes, return_index=True, return_inverse=True)
+    apart = np.abs(values - values[first][place]) > TOLERANCE
+    if apart.any():
+        other = np.flatnonzero(apart)[0]
+        raise ContradictionError(
+            f"{names[first[place[other]]]} and {names[other]} fix {{vertices}} to different phases: {remedy}",
+            nodes[apart],
+        )
+    return Targets(unique, values[first])
 
 
 def contracted(count, links, fixed, slack=TOLERANCE):
@@ -100,9 +129,8 @@ def _agreed_leads(links, lead, known, at_lead, slack):
 
 def _from_leads(count, links):
     """(n,) the first node of each node's group, and angle and flip of the way from there."""
-    graph = coo_matrix((np.ones(len(links.i)), (links.i, links.j)), shape=(count, count))
-    _, first, place = np.unique(connected_components(graph, directed=False)[1], return_index=True, return_inverse=True)
-    lead = first[place]
+    labels = components(count, np.column_stack([links.i, links.j]))
+    lead = np.unique(labels, return_index=True)[1][labels]
     step = {}
     for i, j, angle, flip in zip(*(a.tolist() for a in (links.i, links.j, links.angles, links.flips)), strict=True):
         step[i, j] = angle, flip

@@ -9,11 +9,10 @@ inside an area, or at a single point, it has none.
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from ...errors import SettingError
 from ...gauge import balance
+from ...graphs import components
 from ..guidance.face_directions import corner_turns, face_frames
 
 
@@ -71,9 +70,7 @@ class Line:
     def pieces(self):
         """(k,) label of the connected piece of the line that each of the nodes is on."""
         nodes = self.nodes
-        i, j = np.searchsorted(nodes, self.links).T
-        graph = coo_matrix((np.ones(len(i)), (i, j)), shape=(len(nodes), len(nodes)))
-        return connected_components(graph, directed=False)[1]
+        return components(len(nodes), np.searchsorted(nodes, self.links))
 
 
 def line_of_edges(mesh, edges):

@@ -4,13 +4,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
-from ...errors import ContradictionError
 from ...gauge import balance
+from ...graphs import components
 from ...problem import Targets
-from .groups import TOLERANCE, Links, contracted, joined_links
+from .groups import TOLERANCE, Links, contracted, fixed_phases, joined_links
 from .rows import Row, penalties
 
 
@@ -81,13 +79,7 @@ def phase_constraints(growth, rows, links=(), slack=TOLERANCE):
     """
     phases = [_LinePhases.of(row, growth) for row in rows]
     hard = [p for p in phases if p.row.kind == "phase" and p.row.is_hard]
-    fixed = None
-    if hard:
-        fixed = _agreed(
-            np.concatenate([p.nodes for p in hard]),
-            np.concatenate([p.values for p in hard]),
-            np.concatenate([np.full(len(p.nodes), p.row.name, object) for p in hard]),
-        )
+    fixed = fixed_phases([(p.row.name, p.nodes, p.values) for p in hard], "remove one of them there")
     links = joined_links([*links, *(_links(p, growth) for p in phases if p.row.kind == "constant")])
     count = growth.phase_count * growth.mesh.vertex_count
     fixed, merged = contracted(count, links, fixed, slack)
@@ -102,20 +94,6 @@ def phase_constraints(growth, rows, links=(), slack=TOLERANCE):
     return fixed, merged, drawn
 
 
-def _agreed(nodes, values, names):
-    """One target a node; refuses nodes that are wanted at different phases."""
-    unique, first, place = np.unique(nodes, return_index=True, return_inverse=True)
-    apart = np.abs(values - values[first][place]) > TOLERANCE
-    if apart.any():
-        other = np.flatnonzero(apart)[0]
-        raise ContradictionError(
-            f"{names[first[place[other]]]} and {names[other]} fix {{vertices}} to different phases: "
-            "remove one of them there",
-            nodes[apart],
-        )
-    return Targets(unique, values[first])
-
-
 def _links(phases, growth):
     """From the first node of each piece of a line to the others: vertices that follow one another, in one phase."""
     count, nodes = growth.phase_count, phases.nodes
@@ -125,8 +103,7 @@ def _links(phases, growth):
     tails, heads = count * i[:, None] + own, count * j[:, None] + (own - matched[:, None]) % count
     joined = np.isin(tails, nodes) & np.isin(heads, nodes)
     tails, heads = np.searchsorted(nodes, tails[joined]), np.searchsorted(nodes, heads[joined])
-    graph = coo_matrix((np.ones(len(tails)), (tails, heads)), shape=(len(nodes), len(nodes)))
-    pieces = connected_components(graph, directed=False)[1]
+    pieces = components(len(nodes), np.column_stack([tails, heads]))
     root = np.unique(pieces, return_index=True)[1][pieces]
     flips = phases.turned != phases.turned[root]
     angles = phases.shifts - np.where(flips, -1, 1) * phases.shifts[root]

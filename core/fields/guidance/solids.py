@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...errors import SettingError, name_elements
+from ...graphs import ragged_arange
 from .potentials import extended, harmonic_function
 from .solid_distance import solid_distance
 
@@ -130,8 +131,7 @@ def _stations(curves, step):
         lengths = np.linalg.norm(along, axis=1)
         begins, along, lengths = curve[:-1][lengths > 0], along[lengths > 0], lengths[lengths > 0]
         counts = np.ceil(lengths / step).astype(int)
-        which = np.repeat(np.arange(len(counts)), counts)
-        place = np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts)
+        which, place = ragged_arange(counts)
         points.append(begins[which] + ((place + 0.5) / counts[which])[:, None] * along[which])
         tangents.append((along / lengths[:, None])[which])
         sizes.append((lengths / counts)[which])

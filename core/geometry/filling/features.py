@@ -7,10 +7,9 @@ stuffing: nearest ones first, and before them one to each corner, where sharp ed
 """
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from ...graphs import components, ragged_arange
 from ..tet_mesh import TET_EDGES, TET_FACES, TetMesh, signed_volumes
 from .stuffing import DIHEDRAL_BOUNDS
 
@@ -64,10 +63,7 @@ def smooth_regions(mesh, sharp):
     """(m,) label of the part of the surface, between sharp edges, that each triangle belongs to."""
     smooth = np.ones(len(mesh.edges), bool)
     smooth[sharp] = False
-    first, second = _sides(mesh)[smooth].T
-    count = mesh.triangle_count
-    graph = coo_matrix((np.ones(len(first), bool), (first, second)), shape=(count, count))
-    return connected_components(graph, directed=False)[1]
+    return components(mesh.triangle_count, _sides(mesh)[smooth])
 
 
 def corners_of(mesh, sharp):
@@ -118,9 +114,8 @@ def _on_segments(segments, points, reach):
     """(k, 3) points of (s, 2, 3) segments nearest to points, where they are within reach; far away otherwise."""
     begin, along = segments[:, 0], segments[:, 1] - segments[:, 0]
     counts = np.ceil(np.linalg.norm(along, axis=1) / (reach / 4)).astype(int)
-    owner = np.repeat(np.arange(len(counts)), counts)
-    place = (np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts) + 0.5) / counts[owner]
-    samples = begin[owner] + place[:, None] * along[owner]
+    owner, place = ragged_arange(counts)
+    samples = begin[owner] + ((place + 0.5) / counts[owner])[:, None] * along[owner]
     result = np.full(points.shape, np.inf)
     if len(points):
         _, found = cKDTree(samples).query(points, k=min(4, len(samples)))
