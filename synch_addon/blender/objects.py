@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Objects found again after undo, a new name, or while something else went on."""
+
+from dataclasses import dataclass
+
+import bpy
+
+from ...core.errors import SynchError
+
+
+@dataclass(frozen=True)
+class ObjectLink:
+    """An object by the number that it has as long as the file is open.
+
+    Attributes
+    ----------
+    number : its ``session_uid``
+    name : what it was called
+    """
+
+    number: int
+    name: str
+
+    @classmethod
+    def to(cls, obj):
+        """The link to an object."""
+        return cls(obj.session_uid, obj.name)
+
+    @property
+    def present(self):
+        """The object, None where it is gone."""
+        return next((obj for obj in bpy.data.objects if obj.session_uid == self.number), None)
+
+    @property
+    def found(self):
+        """The object.
+
+        Raises
+        ------
+        SynchError
+            where it is gone
+        """
+        obj = self.present
+        if obj is None:
+            raise SynchError(f"the object {self.name} is gone: nothing was written")
+        return obj
