@@ -122,7 +122,7 @@ class SurfaceRequest:
         return replace(found, **self.traced(found.pattern)) if self.command == "quad_mesh" else found
 
     def solve_early(self, progress=None):
-        """A first pattern by one eigenvector each, None for a command that shows no pattern. Errors as :meth:`solve`."""
+        """A first pattern by one eigenvector each, None where no pattern is shown. Errors as :meth:`solve`."""
         if self.command not in ("stripes", "quads"):
             return None
         return replace(self, options=replace(self.options, method="spectral")).solve(progress)
@@ -137,7 +137,7 @@ class SurfaceRequest:
             return direction_field(mesh, symmetry, wishes, self.options, progress, before).turned(self.turn)
 
     def along(self, directions, progress=None, before=None, hold=0.0):
-        """The :class:`SurfaceResult` of the pattern along a field; from the one of the frame before, if there is one."""
+        """The :class:`SurfaceResult` of the pattern along a field; from that of the frame before, if there is one."""
         growth = Growth.of(self.given.mesh, directions, self.spacings)
         # What the map asks for is seen before the stripes are there.
         Monitor(progress).at(f"pattern, {growth.forced_dislocations:.0f} dislocations asked for", 0.0)
