@@ -32,6 +32,11 @@ class Merged:
     def __post_init__(self):
         make_arrays(self, "nodes", "roots", "transports")
 
+    @classmethod
+    def none(cls):
+        """Of no node on the circle."""
+        return cls(np.empty(0, int), np.empty(0, int), np.empty(0, complex))
+
 
 @dataclass(frozen=True)
 class Targets:
@@ -47,13 +52,36 @@ class Targets:
     def __post_init__(self):
         make_arrays(self, "nodes", "values", "weights")
 
+    @classmethod
+    def none(cls):
+        """Of no node on the circle, without weights."""
+        return cls(np.empty(0, int), np.empty(0, complex))
+
 
 def joined_targets(parts):
-    """Several :class:`Targets` with weights as one, None where there is nothing to draw."""
-    parts = [(part.nodes, part.values, part.weights) for part in parts]
-    arrays = [np.concatenate(columns) for columns in zip(*parts, strict=True)]
-    drawing = arrays[2] > 0 if arrays else np.empty(0, bool)
-    return Targets(*(array[drawing] for array in arrays)) if drawing.any() else None
+    """Several :class:`Targets` with weights as one, without those that do not draw."""
+    parts = parts or [replace(Targets.none(), weights=np.empty(0))]
+    arrays = [np.concatenate([getattr(part, name) for part in parts]) for name in ("nodes", "values", "weights")]
+    return Targets(*(array[arrays[2] > 0] for array in arrays))
+
+
+@dataclass(frozen=True)
+class _Embedding:
+    """Where the phases of nodes stand among the columns that are solved for.
+
+    Attributes
+    ----------
+    columns : (n,) column that each node follows
+    units : (n,) complex or (n, d, d) phase of each node where its column has the phase 1
+    masses, components : (c,) of the columns: their mass, and the label of their component of the graph
+    grounds : (labels,) column that is the ground of each component, -1 where there is none
+    """
+
+    columns: np.ndarray
+    units: np.ndarray
+    masses: np.ndarray
+    components: np.ndarray
+    grounds: np.ndarray
 
 
 class SynchronizationProblem:
@@ -66,6 +94,8 @@ class SynchronizationProblem:
     merged : Merged, optional
     fixed : Targets without weights, optional
     drawn : Targets with weights, optional
+
+    What is left out is of no node: the attributes ``merged``, ``fixed`` and ``drawn`` are never None.
 
     Raises
     ------
@@ -82,18 +112,20 @@ class SynchronizationProblem:
         self.connection = connection
         count = connection.node_count
         self.mass = np.ones(count) if mass is None else np.asarray(mass, float)
-        self.merged, self.fixed, self.drawn = merged, fixed, drawn
+        nobody = np.empty(0, int)
+        nothing = np.empty(0, complex) if connection.is_circle else np.empty((0, connection.block))
+        self.merged = Merged(nobody, nobody, connection.transports[:0]) if merged is None else merged
+        self.fixed = Targets(nobody, nothing) if fixed is None else fixed
+        self.drawn = Targets(nobody, nothing, np.empty(0)) if drawn is None else drawn
         self._check_constraints()
 
     def _check_constraints(self):
-        constrained = [c.nodes for c in (self.merged, self.fixed) if c is not None]
-        nodes = np.concatenate([*constrained, np.empty(0, int)]).astype(int)
-        unique, counts = np.unique(nodes, return_counts=True)
+        constrained, counts = np.unique(np.append(self.merged.nodes, self.fixed.nodes), return_counts=True)
         if (counts > 1).any():
-            raise SettingError(f"node {unique[counts > 1][0]} is constrained twice: keep one of the constraints")
-        if self.merged is not None and np.isin(self.merged.roots, unique).any():
-            root = self.merged.roots[np.isin(self.merged.roots, unique)][0]
-            raise SettingError(f"node {root} leads a merged group and is constrained itself: fix the group instead")
+            raise SettingError(f"node {constrained[counts > 1][0]} is constrained twice: keep one of the constraints")
+        roots = self.merged.roots[np.isin(self.merged.roots, constrained)]
+        if len(roots):
+            raise SettingError(f"node {roots[0]} leads a merged group and is constrained itself: fix the group instead")
 
     @property
     def is_circle(self):
@@ -102,16 +134,15 @@ class SynchronizationProblem:
 
     # Gauge: turn nodes over where that removes all flips of a component.
 
+    @property
+    def _pairs(self):
+        """(p, 2) nodes that a transport joins: the edges, and roots with the nodes merged into them."""
+        return np.concatenate([self.connection.edges, np.column_stack([self.merged.roots, self.merged.nodes])])
+
     @cached_property
-    def _links(self):
-        """All pairs that a transport joins, with node_count standing for the ground."""
-        count = self.connection.node_count
-        pairs, transports = [self.connection.edges], [self.connection.transports]
-        if self.merged is not None:
-            pairs.append(np.column_stack([self.merged.roots, self.merged.nodes]))
-            transports.append(self.merged.transports)
-        joined = np.concatenate(pairs)
-        return joined, transports, components(count, joined)
+    def _components(self):
+        """(n,) label of the component of the graph that each node is in."""
+        return components(self.connection.node_count, self._pairs)
 
     @cached_property
     def turned(self):
@@ -121,11 +152,10 @@ class SynchronizationProblem:
     @cached_property
     def _gauge(self):
         count = self.connection.node_count
-        pairs, transports, _ = self._links
         if self.connection.block != 2:
             return np.zeros(count, bool), self.connection.transports.ndim == 1
-        flips = np.concatenate([_is_flip(t) for t in transports])
-        turned, balanced = balance(count, pairs, flips)
+        flips = np.append(_is_flip(self.connection.transports), _is_flip(self.merged.transports))
+        turned, balanced = balance(count, self._pairs, flips)
         return turned, bool(balanced.all())
 
     @property
@@ -157,76 +187,69 @@ class SynchronizationProblem:
 
     @cached_property
     def _embedding(self):
-        """Column node and unit block of every node, with the count of columns and their masses."""
-        count, block = self.connection.node_count, self.block
-        components = self._links[2]
+        count, labels = self.connection.node_count, self._components
+        merged, fixed = self.merged, self.fixed
         free = np.ones(count, bool)
-        for constraint in (self.merged, self.fixed):
-            if constraint is not None:
-                free[constraint.nodes] = False
-        column = np.full(count, -1)
-        column[free] = np.arange(free.sum())
-        grounded = [t.nodes for t in (self.fixed, self.drawn) if t is not None]
-        grounds = np.unique(components[np.concatenate([*grounded, np.empty(0, int)]).astype(int)])
-        ground_of = np.full(components.max() + 1, -1)
-        ground_of[grounds] = free.sum() + np.arange(len(grounds))
-        units = np.ones(count, complex) if self.is_complex else np.tile(np.eye(block), (count, 1, 1))
-        if self.merged is not None:
-            roots, nodes = self.merged.roots, self.merged.nodes
-            column[nodes] = column[roots]
-            units[nodes] = self._transports(self.merged.transports, roots, nodes)
-        if self.fixed is not None:
-            column[self.fixed.nodes] = ground_of[components[self.fixed.nodes]]
-            units[self.fixed.nodes] = _ground_blocks(self._values(self.fixed))
-        column_count = free.sum() + len(grounds)
-        mass = np.bincount(column, weights=self.mass, minlength=column_count)
-        mass[mass == 0] = self.mass.mean()
-        column_component = np.empty(column_count, int)
-        column_component[column] = components
-        column_component[free.sum() :] = grounds
-        return column, units, mass, column_component, ground_of
+        free[merged.nodes] = free[fixed.nodes] = False
+        columns = np.full(count, -1)
+        columns[free] = np.arange(free.sum())
+        grounded = np.unique(labels[np.append(fixed.nodes, self.drawn.nodes)])
+        grounds = np.full(labels.max() + 1, -1)
+        grounds[grounded] = free.sum() + np.arange(len(grounded))
+        units = np.ones(count, complex) if self.is_complex else np.tile(np.eye(self.block), (count, 1, 1))
+        columns[merged.nodes] = columns[merged.roots]
+        units[merged.nodes] = self._transports(merged.transports, merged.roots, merged.nodes)
+        columns[fixed.nodes] = grounds[labels[fixed.nodes]]
+        units[fixed.nodes] = _ground_blocks(self._values(fixed))
+        column_count = free.sum() + len(grounded)
+        masses = np.bincount(columns, weights=self.mass, minlength=column_count)
+        masses[masses == 0] = self.mass.mean()
+        column_labels = np.empty(column_count, int)
+        column_labels[columns] = labels
+        column_labels[free.sum() :] = grounded
+        return _Embedding(columns, units, masses, column_labels, grounds)
 
     @cached_property
     def factor(self):
         """Sparse B with energy = |B x|^2: one block of rows an edge (Eq. 2 in the merged nodes)."""
-        column, units, mass, _, ground_of = self._embedding
+        columns, units = self._embedding.columns, self._embedding.units
         i, j = self.connection.edges.T
         moved = compose(self._transports(self.connection.transports, i, j), units[i])
         scale = np.sqrt(self.connection.weights)
         parts = [
-            (np.arange(len(i)), column[j], _scaled(units[j], scale)),
-            (np.arange(len(i)), column[i], _scaled(moved, -scale)),
+            (np.arange(len(i)), columns[j], _scaled(units[j], scale)),
+            (np.arange(len(i)), columns[i], _scaled(moved, -scale)),
         ]
-        if self.drawn is not None:
-            nodes = self.drawn.nodes
-            scale = np.sqrt(self.drawn.weights)
-            ground = ground_of[self._links[2][nodes]]
-            wished = len(i) + np.arange(len(nodes))
-            parts.append((wished, column[nodes], _scaled(units[nodes], scale)))
-            parts.append((wished, ground, _scaled(_ground_blocks(self._values(self.drawn)), -scale)))
-        rows, columns, values = (np.concatenate(part) for part in zip(*parts, strict=True))
-        return _block_matrix(rows, columns, values, (rows.max(initial=-1) + 1, len(mass)))
+        nodes, scale = self.drawn.nodes, np.sqrt(np.asarray(self.drawn.weights))
+        wished = len(i) + np.arange(len(nodes))
+        grounds = self._embedding.grounds[self._components[nodes]]
+        parts.append((wished, columns[nodes], _scaled(units[nodes], scale)))
+        parts.append((wished, grounds, _scaled(_ground_blocks(self._values(self.drawn)), -scale)))
+        rows, places, values = (np.concatenate(part) for part in zip(*parts, strict=True))
+        return _block_matrix(rows, places, values, (rows.max(initial=-1) + 1, len(self._embedding.masses)))
 
     @cached_property
     def pieces(self):
         """The connected pieces that have at least one edge; the others keep the phase 1."""
-        _, _, mass, component, ground_of = self._embedding
-        order = np.lexsort((self._places, component))
-        ends = np.cumsum(np.bincount(component))
-        edge_rows = self._row_pieces(component)
+        embedding = self._embedding
+        order = np.lexsort((self._places, embedding.components))
+        ends = np.cumsum(np.bincount(embedding.components))
+        edge_rows = self._row_pieces(embedding.components)
         pieces = []
         for label, nodes in enumerate(np.split(order, ends[:-1])):
             if len(nodes) and len(edge_rows[label]):
-                pieces.append(self._piece(nodes, edge_rows[label], mass[nodes], ground_of[label]))
+                mass, ground = embedding.masses[nodes], embedding.grounds[label]
+                pieces.append(self._piece(nodes, edge_rows[label], mass, ground))
         return pieces
 
     @cached_property
     def _places(self):
         """(columns,) places in an order in which neighbours are near, so that products find them in the cache."""
-        column, _, mass = self._embedding[:3]
-        order = reverse_cuthill_mckee(_graph(self.connection.node_count, self.connection.edges).tocsr())
-        places = np.full(len(mass), len(order))
-        places[column[order[::-1]]] = np.arange(len(order))[::-1]
+        count, edges = self.connection.node_count, self.connection.edges
+        graph = coo_matrix((np.ones(len(edges)), edges.T), shape=(count, count))
+        order = reverse_cuthill_mckee(graph.tocsr())
+        places = np.full(len(self._embedding.masses), len(order))
+        places[self._embedding.columns[order[::-1]]] = np.arange(len(order))[::-1]
         return places
 
     def _row_pieces(self, component):
@@ -261,11 +284,11 @@ class SynchronizationProblem:
         ----------
         coordinates : (N,) array in the rows of :attr:`factor`'s columns
         """
-        column, units = self._embedding[:2]
+        columns, units = self._embedding.columns, self._embedding.units
         if self.is_complex:
-            phases = units * coordinates[column]
+            phases = units * coordinates[columns]
             return np.where(self.turned, phases.conj(), phases)
-        vectors = np.einsum("nab,nb->na", units, coordinates.reshape(-1, self.block)[column])
+        vectors = np.einsum("nab,nb->na", units, coordinates.reshape(-1, self.block)[columns])
         return vectors[:, 0] + 1j * vectors[:, 1] if self.is_circle else vectors
 
     def coordinates(self, phases):
@@ -275,21 +298,21 @@ class SynchronizationProblem:
         ----------
         phases : (n,) complex on the circle, else (n, d)
         """
-        column, units, mass = self._embedding[:3]
+        columns, units = self._embedding.columns, self._embedding.units
         if self.is_complex:
             values = np.where(self.turned, phases.conj(), phases) * units.conj()
         else:
             values = np.column_stack([phases.real, phases.imag]) if np.iscomplexobj(phases) else phases
             values = np.einsum("nba,nb->na", units, values)
-        sums = np.zeros((len(mass), *values.shape[1:]), values.dtype)
-        np.add.at(sums, column, values * self.mass.reshape(-1, *[1] * (values.ndim - 1)))
+        sums = np.zeros((len(self._embedding.masses), *values.shape[1:]), values.dtype)
+        np.add.at(sums, columns, values * self.mass.reshape(-1, *[1] * (values.ndim - 1)))
         fallback = self.unit_coordinates().reshape(sums.shape)
         lengths = np.sqrt((np.abs(sums) ** 2).reshape(len(sums), -1).sum(axis=1)).reshape(-1, *[1] * (sums.ndim - 1))
         return np.where(lengths > 0, sums / np.where(lengths > 0, lengths, 1), fallback).ravel()
 
     def rows_of(self, nodes):
         """(k, block) rows of :meth:`expand`'s coordinates that (k,) nodes follow from."""
-        return self._embedding[0][nodes][:, None] * self.block + np.arange(self.block)
+        return self._embedding.columns[nodes][:, None] * self.block + np.arange(self.block)
 
     def unit_coordinates(self):
         """(N,) coordinates with the phase 1 at every node."""
@@ -298,12 +321,9 @@ class SynchronizationProblem:
 
     def energy(self, phases):
         """Energy of phases as the user knows them: edges plus soft wishes."""
-        total = self.connection.energy(phases)
-        if self.drawn is not None:
-            difference = phases[self.drawn.nodes] - self.drawn.values
-            squares = (difference * np.conj(difference)).real.sum(axis=tuple(range(1, difference.ndim)))
-            total += float(self.drawn.weights @ squares)
-        return total
+        difference = phases[self.drawn.nodes] - self.drawn.values
+        squares = (difference * np.conj(difference)).real.sum(axis=tuple(range(1, difference.ndim)))
+        return self.connection.energy(phases) + float(self.drawn.weights @ squares)
 
 
 def as_matrices(transports):
@@ -312,10 +332,6 @@ def as_matrices(transports):
         return transports
     cosine, sine = transports.real, transports.imag
     return np.stack([np.stack([cosine, -sine], -1), np.stack([sine, cosine], -1)], -2)
-
-
-def _graph(count, pairs):
-    return coo_matrix((np.ones(len(pairs)), pairs.T), shape=(count, count))
 
 
 def _is_flip(transports):

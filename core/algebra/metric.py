@@ -137,6 +137,31 @@ def definite_metric(hierarchy, shift, depth=0):
     return metric if metric.is_definite else definite_metric(hierarchy, 10 * shift, depth)
 
 
+@dataclass(frozen=True)
+class _Step:
+    """What a cycle needs on a level above the smallest, scaled to unit diagonal: smoothing then has none to divide by.
+
+    ``damping`` is the length of a Jacobi step; ``prolongation`` comes from the next smaller level, and ``restriction``
+    leads to it.
+    """
+
+    matrix: SharedRows
+    damping: np.float32
+    prolongation: SharedRows
+    restriction: SharedRows
+
+    @classmethod
+    def of(cls, level, scale, coarse_scale):
+        """On a :class:`Level`, from the (N,) scales of its rows and of those of the next."""
+        prolongation = _scaled(level.prolongation, 1 / scale, coarse_scale)
+        return cls(
+            SharedRows(_unit_diagonal(level.matrix, scale)),
+            np.float32(2 / (level.largest * (1 + SMOOTHED_PART))),
+            SharedRows(prolongation),
+            SharedRows(prolongation.conj().T.tocsr()),
+        )
+
+
 class Metric:
     """A = L + shift M with an approximate inverse: one V-cycle on all columns at once, in single precision.
 
@@ -157,22 +182,11 @@ class Metric:
 
     def __init__(self, hierarchy, shift, depth=0):
         self.shift = shift
-        self._steps: list[tuple] = []
-        finer = None
-        for level in hierarchy.levels[depth:]:
-            diagonal = level.matrix.diagonal().real + np.float32(shift) * level.row_mass
-            scale = 1 / np.sqrt(diagonal)
-            # Every level is scaled to unit diagonal, so that smoothing needs no diagonal of its own.
-            matrix = _scaled(level.matrix, scale, scale)
-            matrix.setdiag(1)
-            if finer is None:
-                self._scale = scale[:, None]
-            else:
-                prolongation = _scaled(finer[0], 1 / finer[1], scale)
-                self._steps[-1] += (SharedRows(prolongation), SharedRows(prolongation.conj().T.tocsr()))
-            damping = np.float32(2 / (level.largest * (1 + SMOOTHED_PART)))
-            self._steps.append((SharedRows(matrix), damping))
-            finer = (level.prolongation, scale)
+        levels = hierarchy.levels[depth:]
+        scales = [1 / np.sqrt(lv.matrix.diagonal().real + np.float32(shift) * lv.row_mass) for lv in levels]
+        self._scale = scales[0][:, None]
+        self._steps = [_Step.of(*of_level) for of_level in zip(levels[:-1], scales[:-1], scales[1:], strict=True)]
+        matrix = _unit_diagonal(levels[-1].matrix, scales[-1])
         try:
             self._smallest = factorize(matrix)
             self.is_definite = has_positive_pivots(self._smallest)
@@ -203,22 +217,22 @@ class Metric:
         return columns
 
     def _cycle(self, right, depth=0):
-        if depth == len(self._steps) - 1:
+        if depth == len(self._steps):
             return self._smallest.solve(np.asfortranarray(right)).astype(self.dtype, order="C")
-        matrix, damping, prolongation, restriction = self._steps[depth]
-        guess = damping * right
-        guess += prolongation @ self._cycle(restriction @ _residual(matrix, guess, right), depth + 1)
-        change = _residual(matrix, guess, right)
-        change *= damping
+        step = self._steps[depth]
+        guess = step.damping * right
+        guess += step.prolongation @ self._cycle(step.restriction @ _residual(step.matrix, guess, right), depth + 1)
+        change = _residual(step.matrix, guess, right)
+        change *= step.damping
         guess += change
         return guess
 
     def _sum(self, right):
-        if len(self._steps) == 1:
+        if not self._steps:
             return self._cycle(right)
-        _, damping, prolongation, restriction = self._steps[0]
-        result = ADDED_STEP * damping * right
-        result += prolongation @ self._cycle(restriction @ right, 1)
+        step = self._steps[0]
+        result = ADDED_STEP * step.damping * right
+        result += step.prolongation @ self._cycle(step.restriction @ right, 1)
         return result
 
 
@@ -226,6 +240,13 @@ def _residual(matrix, guess, right):
     """right - matrix guess, in one new array: on large grids memory's speed is what a cycle costs."""
     image = matrix @ guess
     return np.subtract(right, image, out=image)
+
+
+def _unit_diagonal(matrix, scale):
+    """diag(scale) matrix diag(scale) with ones on the diagonal, which are there but for rounding."""
+    scaled = _scaled(matrix, scale, scale)
+    scaled.setdiag(1)
+    return scaled
 
 
 def _scaled(matrix, row_scale, column_scale):

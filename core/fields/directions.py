@@ -100,7 +100,7 @@ def direction_problem(mesh, symmetry, wishes=None):
     fixed, merged = contracted(mesh.vertex_count, links, on_mirror(fixed, loops, LEAN * symmetry), LEAN * symmetry)
     if wishes.guides:
         values, weights = blended([g for g, _ in wishes.guides], [strength for _, strength in wishes.guides], symmetry)
-        weights[fixed.nodes if fixed is not None else []] = 0
+        weights[fixed.nodes] = 0
         nodes = np.flatnonzero(weights > 0)
         drawn.append(Targets(nodes, values[nodes], weights[nodes]))
     connection = with_loops(connection, loops)

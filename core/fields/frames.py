@@ -73,12 +73,9 @@ def next_solution(problem, phases, options=None, callback=None, hold=None):
 def _drawn_to(problem, phases, weights):
     """The problem with soft wishes for phases at all nodes that are not fixed."""
     weights = np.array(weights, float)
-    weights[problem.fixed.nodes if problem.fixed is not None else []] = 0
-    drawn = [Targets(np.arange(len(phases)), phases, weights)]
-    drawn += [problem.drawn] if problem.drawn is not None else []
-    return SynchronizationProblem(
-        problem.connection, problem.mass, problem.merged, problem.fixed, joined_targets(drawn)
-    )
+    weights[problem.fixed.nodes] = 0
+    drawn = joined_targets([Targets(np.arange(len(phases)), phases, weights), problem.drawn])
+    return SynchronizationProblem(problem.connection, problem.mass, problem.merged, problem.fixed, drawn)
 
 
 def _turned_back(problem, solution, phases):

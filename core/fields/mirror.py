@@ -103,12 +103,10 @@ def with_loops(connection, loops):
 
 
 def on_mirror(fixed, loops, slack):
-    """Fixed values (Targets or None), those on a mirror plane moved to their own mirror image.
+    """Fixed values (Targets), those on a mirror plane moved to their own mirror image.
 
     Refuses what differs from that by more than the slack.
     """
-    if fixed is None:
-        return None
     nodes, place, loop = np.intersect1d(fixed.nodes, loops.i, return_indices=True)
     middle = np.exp(0.5j * loops.angles[loop])
     middle = np.where((fixed.values[place] * middle.conj()).real < 0, -middle, middle)

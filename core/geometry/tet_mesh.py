@@ -5,6 +5,7 @@ Corner ``k`` of a tetrahedron is opposite to its face ``k``. An edge ``e = (i, j
 every quantity on edges (transport, phase change) is meant in that direction.
 """
 
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -25,6 +26,24 @@ FLAT_TET = 1e-12
 SHARPEST_ANGLE = np.radians(10)
 # The mean cotangent around an edge is at least this. The long edges of a body-centred lattice have weight 0.
 SMALLEST_COTANGENT = 1e-4
+
+
+@dataclass(frozen=True)
+class _Edges:
+    """(e, 2) vertices of the edges, and (m, 6) edge of each pair of corners of a tetrahedron."""
+
+    vertices: np.ndarray
+    of_tets: np.ndarray
+
+
+@dataclass(frozen=True)
+class _Faces:
+    """(f, 3) vertices of the faces, (m, 4) face opposite to each corner, and (f, 2) places in that table, flattened,
+    where each face stands: one for each tetrahedron, -1 outside."""
+
+    vertices: np.ndarray
+    of_tets: np.ndarray
+    halves: np.ndarray
 
 
 class TetMesh:
@@ -58,21 +77,21 @@ class TetMesh:
     # Connectivity
 
     @cached_property
-    def _edge_data(self):
+    def _edges(self):
         tails, heads = np.moveaxis(self.tets[:, TET_EDGES], -1, 0)
         keys = np.minimum(tails, heads) * self.vertex_count + np.maximum(tails, heads)
         keys, inverse = np.unique(keys.ravel(), return_inverse=True)
-        return np.column_stack(np.divmod(keys, max(self.vertex_count, 1))), inverse.reshape(-1, 6)
+        return _Edges(np.column_stack(np.divmod(keys, max(self.vertex_count, 1))), inverse.reshape(-1, 6))
 
     @property
     def edges(self):
         """(e, 2) vertex indices, the lower one first, sorted."""
-        return self._edge_data[0]
+        return self._edges.vertices
 
     @property
     def tet_edges(self):
         """(m, 6) edges between the pairs of corners in the order of ``TET_EDGES``."""
-        return self._edge_data[1]
+        return self._edges.of_tets
 
     def edges_between(self, tails, heads):
         """Indices of the edges that join pairs of vertices, whichever way; the pairs must be edges."""
@@ -80,7 +99,7 @@ class TetMesh:
         return np.searchsorted(keys, np.minimum(tails, heads) * self.vertex_count + np.maximum(tails, heads))
 
     @cached_property
-    def _face_data(self):
+    def _faces(self):
         corners = self.tets[:, TET_FACES].reshape(-1, 3)
         even = (corners[:, 0] < corners[:, 1]) ^ (corners[:, 1] < corners[:, 2]) ^ (corners[:, 0] < corners[:, 2])
         corners.sort(axis=1)
@@ -93,33 +112,33 @@ class TetMesh:
         later = np.flatnonzero(first[inverse] != np.arange(len(inverse)))
         halves[inverse[later], 1] = later
         _refuse_overlaps(faces, halves, counts, even)
-        return faces, inverse.reshape(-1, 4), halves
+        return _Faces(faces, inverse.reshape(-1, 4), halves)
 
     @property
     def faces(self):
         """(f, 3) vertex indices of each triangle, once, in increasing order, sorted."""
-        return self._face_data[0]
+        return self._faces.vertices
 
     @property
     def tet_faces(self):
         """(m, 4) faces, the one opposite to corner k at place k."""
-        return self._face_data[1]
+        return self._faces.of_tets
 
     @cached_property
     def face_tets(self):
         """(f, 2) tetrahedra on the two sides, the lower index first; -1 outside."""
-        halves = self._face_data[2]
+        halves = self._faces.halves
         return np.where(halves < 0, -1, halves // 4)
 
     @cached_property
     def boundary_faces(self):
         """Indices of the faces that have one tetrahedron only."""
-        return np.flatnonzero(self._face_data[2][:, 1] < 0)
+        return np.flatnonzero(self._faces.halves[:, 1] < 0)
 
     @cached_property
     def boundary_triangles(self):
         """(b, 3) vertices of the boundary faces, in their order, counterclockwise from outside."""
-        tets, corners = np.divmod(self._face_data[2][self.boundary_faces, 0], 4)
+        tets, corners = np.divmod(self._faces.halves[self.boundary_faces, 0], 4)
         return self.tets[tets[:, None], np.array(TET_FACES)[corners]]
 
     @cached_property

@@ -6,6 +6,7 @@ Half-edge ``h = 3 t + k`` runs in triangle ``t`` from its corner ``k`` to corner
 change) is meant in that direction.
 """
 
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -23,6 +24,22 @@ def _rows_of_three(values, dtype, remedy):
     if array.size and (array.ndim != 2 or array.shape[1] != 3):
         raise MeshError(f"an array of shape {array.shape} where (n, 3) is needed: {remedy}")
     return np.ascontiguousarray(array, dtype=dtype).reshape(-1, 3)
+
+
+@dataclass(frozen=True)
+class _HalfEdges:
+    """Which edge each half-edge runs along.
+
+    Attributes
+    ----------
+    edges : (e, 2) vertices, the lower one first, sorted
+    numbers : (3 m,) edge of each half-edge
+    forward : (3 m,) bool, from the lower vertex to the higher
+    """
+
+    edges: np.ndarray
+    numbers: np.ndarray
+    forward: np.ndarray
 
 
 class TriangleMesh:
@@ -61,28 +78,28 @@ class TriangleMesh:
     # Connectivity
 
     @cached_property
-    def _edge_data(self):
+    def _half_edges(self):
         tails = self.triangles.ravel()
         heads = self.triangles[:, [1, 2, 0]].ravel()
         low, high = np.minimum(tails, heads), np.maximum(tails, heads)
         keys, inverse = np.unique(low * self.vertex_count + high, return_inverse=True)
         edges = np.column_stack(np.divmod(keys, max(self.vertex_count, 1)))
-        return edges, inverse.reshape(-1), tails == low
+        return _HalfEdges(edges, inverse.reshape(-1), tails == low)
 
     @property
     def edges(self):
         """(e, 2) vertex indices, the lower one first, sorted."""
-        return self._edge_data[0]
+        return self._half_edges.edges
 
     @property
     def triangle_edges(self):
         """(m, 3) edge from corner k to corner k + 1."""
-        return self._edge_data[1].reshape(-1, 3)
+        return self._half_edges.numbers.reshape(-1, 3)
 
     @property
     def triangle_edge_signs(self):
         """(m, 3) +1 where the triangle runs along the edge's stored direction, else -1."""
-        return np.where(self._edge_data[2], 1, -1).reshape(-1, 3)
+        return np.where(self._half_edges.forward, 1, -1).reshape(-1, 3)
 
     def edges_between(self, tails, heads):
         """Indices of the edges that join pairs of vertices, whichever way; the pairs must be edges."""
@@ -92,7 +109,7 @@ class TriangleMesh:
     @cached_property
     def edge_face_counts(self):
         """(e,) number of triangles at each edge: 1 on the boundary, 2 inside."""
-        return np.bincount(self._edge_data[1], minlength=len(self.edges))
+        return np.bincount(self._half_edges.numbers, minlength=len(self.edges))
 
     @property
     def boundary_edges(self):
@@ -109,7 +126,7 @@ class TriangleMesh:
     @cached_property
     def twins(self):
         """(3 m,) the opposite half-edge, -1 on the boundary; needs a manifold mesh."""
-        halves = np.argsort(self._edge_data[1], kind="stable")
+        halves = np.argsort(self._half_edges.numbers, kind="stable")
         twins = np.full(3 * self.triangle_count, -1)
         first = np.concatenate([[0], np.cumsum(self.edge_face_counts)[:-1]])[self.edge_face_counts == 2]
         twins[halves[first]], twins[halves[first + 1]] = halves[first + 1], halves[first]
@@ -186,7 +203,7 @@ class TriangleMesh:
         dots, double_areas = self._corner_products
         cotangents = dots / np.maximum(double_areas, np.finfo(float).tiny)
         opposite = cotangents[:, [2, 0, 1]].ravel()
-        sums = np.bincount(self._edge_data[1], weights=0.5 * opposite, minlength=len(self.edges))
+        sums = np.bincount(self._half_edges.numbers, weights=0.5 * opposite, minlength=len(self.edges))
         return np.clip(sums, *WEIGHT_RANGE)
 
     # Rescaled tangent planes (Knöppel et al. 2013, Section 3.1)
@@ -245,7 +262,7 @@ class TriangleMesh:
         following = halves - halves % 3 + (halves + 1) % 3
         at_head = at_tail[following] + self.scaled_angles.ravel()[following]
         directions = np.zeros((len(self.edges), 2))
-        edge, forward = self._edge_data[1], self._edge_data[2]
+        edge, forward = self._half_edges.numbers, self._half_edges.forward
         directions[edge[forward]] = np.column_stack([at_tail, at_head])[forward]
         backward = ~forward & (self.edge_face_counts[edge] == 1)
         directions[edge[backward]] = np.column_stack([at_head, at_tail])[backward]

@@ -250,9 +250,8 @@ def test_variations_are_other_phases_best_first(build, how):
         assert (np.diff(energies) > 0).all()
     if how == "svd":
         assert len(energies) == 1
-    if problem.fixed is not None:
-        for phases in solution.variations:
-            np.testing.assert_allclose(phases[problem.fixed.nodes], problem.fixed.values, atol=1e-6)
+    for phases in solution.variations:
+        np.testing.assert_allclose(phases[problem.fixed.nodes], problem.fixed.values, atol=1e-6)
 
 
 def test_frustrated_problems_have_several_variations():

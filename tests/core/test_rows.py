@@ -309,4 +309,5 @@ def test_a_weight_of_zero_is_no_wish(kind):
     field = direction_field(mesh, 2, DirectionWishes(rows=(row,)))
     pattern = stripe_pattern(mesh, field, SPACING, [row] if row.is_of_phases else [])
     assert field.solution.energy < 1e-12 and pattern.solution.energy < 1e-12
-    assert stripe_problem(mesh, field, SPACING, [row] if row.is_of_phases else []).drawn is None
+    problem = stripe_problem(mesh, field, SPACING, [row] if row.is_of_phases else [])
+    assert len(problem.drawn.nodes) == len(problem.fixed.nodes) == 0

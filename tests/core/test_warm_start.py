@@ -25,7 +25,7 @@ def lengths_of(phases):
 def agreement(problem, first, second):
     """Mean inner product per node, 1 where two fields are the same up to what the problem leaves free."""
     product = np.vdot(first, second)
-    is_turned = problem.is_complex and problem.fixed is None and problem.drawn is None
+    is_turned = problem.is_complex and not len(problem.fixed.nodes) and not len(problem.drawn.nodes)
     return (abs(product) if is_turned else product.real) / len(first)
 
 

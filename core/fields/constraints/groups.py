@@ -35,7 +35,7 @@ def joined_links(parts):
 
 
 def fixed_phases(parts, remedy):
-    """What fixes phases as :class:`Targets`, each node once; None where nothing is fixed.
+    """What fixes phases as :class:`Targets`, each node once.
 
     Parameters
     ----------
@@ -47,8 +47,8 @@ def fixed_phases(parts, remedy):
     ContradictionError
         for nodes that are fixed to different phases
     """
-    if not sum(len(nodes) for _, nodes, _ in parts):
-        return None
+    if not parts:
+        return Targets.none()
     nodes, values = (np.concatenate(arrays) for arrays in list(zip(*parts, strict=True))[1:])
     names = np.concatenate([np.full(len(met), name, object) for name, met, _ in parts])
     unique, first, place = np.unique(nodes, return_index=True, return_inverse=True)
@@ -69,13 +69,13 @@ def contracted(count, links, fixed, slack=TOLERANCE):
     ----------
     count : number of nodes
     links : Links
-    fixed : Targets or None
+    fixed : Targets, without weights
     slack : how far unit values may differ that links join or bring back; joined ones are averaged
 
     Returns
     -------
-    fixed : Targets or None
-    merged : Merged or None
+    fixed : Targets
+    merged : Merged
 
     Raises
     ------
@@ -83,7 +83,7 @@ def contracted(count, links, fixed, slack=TOLERANCE):
         when links come back with another phase, or join nodes that are fixed to different ones
     """
     if len(links.i) == 0:
-        return fixed, None
+        return fixed, Merged.none()
     members = np.unique([links.i, links.j])
     lead, angles, flips = _from_leads(count, links)
     closing = links.angles + np.where(links.flips, -angles[links.i], angles[links.i]) - angles[links.j]
@@ -96,8 +96,8 @@ def contracted(count, links, fixed, slack=TOLERANCE):
             links.j[torn],
         )
     free = np.ones(count, bool)
-    if fixed is not None and np.isin(fixed.nodes, members).any():
-        inside = np.isin(fixed.nodes, members)
+    inside = np.isin(fixed.nodes, members)
+    if inside.any():
         known = fixed.nodes[inside]
         at_lead = np.exp(-1j * angles[known]) * fixed.values[inside]
         at_lead = np.where(flips[known], at_lead.conj(), at_lead)
@@ -109,8 +109,7 @@ def contracted(count, links, fixed, slack=TOLERANCE):
         fixed = Targets(nodes, np.concatenate([fixed.values[~inside], value]))
         free[reached] = False
     led = members[free[members] & (lead[members] != members)]
-    merged = Merged(led, lead[led], circle_transports(angles[led], flips[led])) if len(led) else None
-    return fixed, merged
+    return fixed, Merged(led, lead[led], circle_transports(angles[led], flips[led]))
 
 
 def _agreed_leads(links, lead, known, at_lead, slack):

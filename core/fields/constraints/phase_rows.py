@@ -63,7 +63,7 @@ class _LinePhases:
 
 
 def phase_constraints(growth, rows, links=(), slack=TOLERANCE):
-    """Fixed, merged and drawn phases of a pattern: (Targets or None, Merged or None, list of Targets).
+    """Fixed, merged and drawn phases of a pattern: (Targets, Merged, list of Targets).
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def phase_constraints(growth, rows, links=(), slack=TOLERANCE):
     count = growth.phase_count * growth.mesh.vertex_count
     fixed, merged = contracted(count, links, fixed, slack)
     held = np.zeros(count, bool)
-    held[fixed.nodes if fixed is not None else []] = True
+    held[fixed.nodes] = True
     drawn = []
     for p in phases:
         if not p.row.is_hard:

@@ -84,7 +84,7 @@ def penalties(mesh, row):
 
 
 def direction_targets(mesh, symmetry, rows):
-    """Fixed and drawn directions, as unit powers: (Targets or None, list of Targets).
+    """Fixed and drawn directions, as unit powers: (Targets, list of Targets).
 
     Raises
     ------
@@ -94,12 +94,12 @@ def direction_targets(mesh, symmetry, rows):
     hard = [row for row in rows if row.is_hard]
     for first, second in combinations(hard, 2):
         _refuse_contradiction(symmetry, first, second)
-    fixed, drawn = None, []
-    held = np.zeros(mesh.vertex_count, bool)
+    fixed, drawn = Targets.none(), []
     if hard:
         lines = [replace(row.line.directed, angles=row.line.directed.angles + row.turn) for row in hard]
         fixed = Targets(*_agreed(*Row(joined(lines), "along").directions(symmetry)))
-        held[fixed.nodes] = True
+    held = np.zeros(mesh.vertex_count, bool)
+    held[fixed.nodes] = True
     for row in rows:
         if not row.is_hard:
             nodes, values = _agreed(*row.directions(symmetry))
