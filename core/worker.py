@@ -4,9 +4,8 @@
 This process ends when the pipe from its parent is closed, whatever it is doing, so that none outlives Blender. Its
 threads are its own: none of them runs beside Blender.
 
-Messages are tuples that begin with a word. In: ("solve", request, early), with ``early`` whether a first result is
-wanted. Out: ("ready", versions), ("progress", stage, fraction), ("early", result), ("done", result, peak in MB),
-("failed", SynchError), ("broken", traceback).
+Messages are tuples that begin with a word. In: ("solve", request). Out: ("ready", versions), ("progress", stage,
+fraction), ("early", picture), ("done", result, peak in MB), ("failed", SynchError), ("broken", traceback).
 """
 
 import os
@@ -46,16 +45,16 @@ def serve(limit):
     send = partial(_send, out)
     send(("ready", tasks.versions()))
     while True:
-        request, early = requests.get()
-        send(_answer(request, early, send, peak_megabytes), request.shared)
+        request = requests.get()
+        send(_answer(request, send, peak_megabytes), request.shared)
 
 
 def _read(requests):
     """Put what is asked into a queue; the end of the pipe is the end of the process."""
     unpacker = Unpacker()
     while data := os.read(0, 1 << 20):
-        for _, request, early in unpacker.feed(data):
-            requests.put((request, early))
+        for _, request in unpacker.feed(data):
+            requests.put(request)
     os._exit(0)
 
 
@@ -73,14 +72,15 @@ def _send(out, message, shared=()):
             rest = rest[os.write(out, rest) :]
 
 
-def _answer(request, early, send, peak_megabytes):
+def _answer(request, send, peak_megabytes):
     """The last message about a request."""
     from .errors import SynchError
 
     try:
         progress = _Progress(send)
-        if early and (found := _first(request, progress.part(0.0, _EARLY))) is not None:
-            send(("early", found), request.shared)
+        picture = _first(request, progress.part(0.0, _EARLY))
+        if picture is not None:
+            send(("early", picture))
             progress = progress.part(_EARLY, 1 - _EARLY)
         return "done", request.solve(progress), peak_megabytes()
     except SynchError as error:
@@ -92,9 +92,11 @@ def _answer(request, early, send, peak_megabytes):
 
 
 def _first(request, progress):
-    """A first result, None where there is none: what is wrong is told by the solve itself."""
+    """The picture of a first result, None where there is none: what is wrong is told by the solve itself."""
     from .errors import SynchError
 
+    if not hasattr(request, "solve_early"):
+        return None
     try:
         return request.solve_early(progress)
     except SynchError:

@@ -8,8 +8,8 @@ from . import operators, panels
 from .blender import translations
 from .command import main
 from .flows import properties as flow_properties
-from .jobs import jobs, shelf
-from .patterns import preview, refine
+from .jobs import queue, shelf
+from .patterns import refine
 from .settings import constraint_list, favourite_list, fields, guide_list
 from .solids import properties as layer_properties
 
@@ -23,8 +23,7 @@ _MODULES = (
     shelf,
     refine,
     flow_properties,
-    jobs,
-    preview,
+    queue,
     operators,
     panels,
     main,

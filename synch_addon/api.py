@@ -11,17 +11,19 @@ from ..core.errors import SettingError, SynchError
 from ..core.fields.directions import SYMMETRIES
 from ..core.fields.placement import variation, with_defects
 from ..core.keywords import from_names
+from ..core.tasks.surfaces import SurfaceResult
 from .bakes.job import BakeJob
 from .bakes.settings import BakeSettings
 from .blender import field_files, meshes
 from .flows.choice import choose_point as choose_point
 from .flows.job import clebsch as clebsch
 from .frames.job import animate as animate
+from .jobs import job
 from .jobs.report import versions
 from .looks import presets
 from .patterns import lines as line_object
 from .patterns import memory
-from .patterns.job import FieldJob, trace, write_again, write_quads, write_result
+from .patterns.job import FieldJob, write_again, write_quads, write_result
 from .patterns.numbers import number_stripes as number_stripes
 from .patterns.read_back import shown_pattern
 from .patterns.refine import refine as refine
@@ -82,9 +84,7 @@ def quad_mesh(obj, callback=None, **settings):
 
 def run(command, obj, settings, callback=None):
     """Run a command by its name, with ready :class:`Settings`."""
-    job = FieldJob(command, obj, settings)
-    job.solve(callback)
-    return job.write(obj)
+    return job.run(FieldJob(command, obj, settings), callback)
 
 
 def layers(obj, callback=None, solid=None, **settings):
@@ -166,7 +166,7 @@ def show_again(obj, shown):
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj):
-        write_again(obj, replace(shown, task=memory.recall(obj).task))
+        write_again(obj, replace(shown, request=memory.recall(obj).request))
 
 
 def trace_quads(obj, smoothing=Settings.smoothing):
@@ -182,11 +182,13 @@ def trace_quads(obj, smoothing=Settings.smoothing):
     meshes.refuse(obj)
     with meshes.object_mode(obj):
         solved = memory.recall(obj)
-        if solved.task.command != "quads":
+        if solved.request.command != "quads":
             raise SynchError(f"{obj.name} shows no quads: solve quads first")
-        task = replace(solved.task, settings=replace(solved.task.settings, smoothing=smoothing))
+        request = replace(solved.request, smoothing=smoothing)
+        found = SurfaceResult(solved.field, solved.pattern, **request.traced(solved.pattern))
         report = solved.report.again("quad_mesh")
-        return write_quads(obj, task, solved.field, solved.pattern, trace(task, solved.pattern, report), report)
+        report.take(found)
+        return write_quads(obj, request, found, report)
 
 
 def isolines(obj, **settings):
@@ -297,9 +299,7 @@ def bake(obj, callback=None, **settings):
 def run_bake(obj, settings, callback=None):
     """Bake with ready :class:`BakeSettings`."""
     meshes.refuse(obj)
-    job = BakeJob(obj, settings)
-    job.solve(callback)
-    return job.report
+    return job.run(BakeJob(obj, settings), callback)
 
 
 def _show(obj, change, number=0):
@@ -309,7 +309,7 @@ def _show(obj, change, number=0):
         report = solved.report.again()
         with report.clock("round"):
             field, pattern = solved.showing(change(solved))
-        return write_result(obj, solved.task, field, pattern, report, number, change)
+        return write_result(obj, solved.request, field, pattern, report, number, change)
 
 
 def import_field(obj, path):

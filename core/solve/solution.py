@@ -4,7 +4,7 @@
 import time
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from enum import Enum
+from enum import Enum, StrEnum
 
 import numpy as np
 
@@ -13,31 +13,66 @@ DESCENT = "descent"
 ROUNDINGS = ("continuation", "polish", "random", "svd")
 
 
-class Status(Enum):
-    """How far a solve came."""
+class Certificate(StrEnum):
+    """What vouches for a lower bound; the text is what reports say.
 
-    CERTIFIED = "certified"
-    ESTIMATED = "target gap reached by estimate"
-    TARGET_GAP_NOT_REACHED = "target gap not reached"
-    MAX_RANK = "largest rank reached"
-    TIME_LIMIT = "time limit"
-    UNCERTIFIED = "no bound asked"
+    Attributes
+    ----------
+    strength : the larger, the more; a problem of several pieces has the weakest of theirs
+    """
+
+    strength: int
+
+    def __new__(cls, text, strength):
+        member = str.__new__(cls, text)
+        member._value_, member.strength = text, strength
+        return member
+
+    NONE = "none", 0
+    ESTIMATED = "estimated", 1
+    PROVED = "proved", 2
+
+
+class Status(Enum):
+    """How far a solve came; the value is what reports say.
+
+    Attributes
+    ----------
+    severity : a problem of several pieces has the status of the most severe of theirs
+    """
+
+    severity: int
+
+    def __new__(cls, text, severity):
+        member = object.__new__(cls)
+        member._value_, member.severity = text, severity
+        return member
+
+    CERTIFIED = "certified", 0
+    ESTIMATED = "target gap reached by estimate", 1
+    TARGET_GAP_NOT_REACHED = "target gap not reached", 2
+    MAX_RANK = "largest rank reached", 3
+    TIME_LIMIT = "time limit", 4
+    UNCERTIFIED = "no bound asked", 5
 
 
 @dataclass(frozen=True)
 class Options:
-    """How to solve.
+    """How to solve: all that a caller may turn. What else was chosen are constants beside the code that uses them.
 
     Attributes
     ----------
-    method : "sdp", "spectral" or "diffusion"; or "descent", which only goes on from a start, without a bound
+    method : "sdp", the default, relaxes, certifies and rounds; "spectral" takes the smallest eigenvector and
+        "diffusion" the best of some starts of threshold dynamics, both with the weaker bound of Eq. (23); "descent"
+        only goes on from a start, without a bound
     rounding : how the lifted field of "sdp" becomes phases: "svd"; "random", the best of ``samples``
         projections (Eq. 29); "polish", the best of those followed by descent; "continuation", the default,
         with rounds of a seeded continuation before
-    target_gap : relative gap between the relaxation's value and its lower bound
-    samples : random projections tried
-    seed : of every random choice
-    time_limit : seconds, or None
+    target_gap : relative gap between the relaxation's value and its lower bound at which "sdp" stops, in (0, 1); it
+        says nothing of what rounding adds. Digits beyond about 1e-12 drown in rounding: the status then says so
+    samples : random projections tried, at least 1; not for the rounding "svd"
+    seed : of every random choice, 0 or more; the same seed gives the same result to the last digit
+    time_limit : seconds after which the best so far is returned, with the status ``TIME_LIMIT``; None for no limit
     """
 
     method: str = "sdp"
@@ -59,7 +94,7 @@ class Solution:
     lower_bound : no phases have less energy; 0 when no bound was asked
     sdp_value : of the relaxation (22); None for other methods
     noise : energy that rounding alone can cause; a fit below it counts as perfect, with a gap of 0
-    certificate : "proved", "estimated" or "none"
+    certificate : Certificate of the lower bound
     status : Status
     rank : columns of the lifted field
     singular_values : of the lifted field, descending, of the largest piece
@@ -76,7 +111,7 @@ class Solution:
     lower_bound: float
     sdp_value: float | None
     noise: float
-    certificate: str
+    certificate: Certificate
     status: Status
     rank: int
     singular_values: np.ndarray
@@ -115,4 +150,9 @@ class Clock:
         try:
             yield
         finally:
-            self.seconds[phase] = self.seconds.get(phase, 0.0) + time.perf_counter() - start
+            self.add({phase: time.perf_counter() - start})
+
+    def add(self, seconds):
+        """Seconds that phases have taken elsewhere, by their names."""
+        for phase, spent in seconds.items():
+            self.seconds[phase] = self.seconds.get(phase, 0.0) + spent

@@ -12,23 +12,21 @@ travel back. A request that has ``solve_early(progress)`` gives a first, rough r
 """
 
 import importlib
+import pkgutil
 import sys
 
 import numpy
 import scipy
 
-# Where requests are: a process that waits for them has these loaded.
-_MODULES = ("surfaces", "frames", "solids", "flows")
-
 
 def load():
     """Load all that requests need, so that none of them has to wait for it."""
-    for name in _MODULES:
-        importlib.import_module(f".{name}", __name__)
+    for module in pkgutil.iter_modules(__path__):
+        importlib.import_module(f".{module.name}", __name__)
 
 
 def versions():
     """What a result may depend on: by names, a version and where it was loaded from."""
-    return {"python": (sys.version, sys.prefix)} | {
+    return {"python": sys.version} | {
         module.__name__: (module.__version__, module.__file__) for module in (numpy, scipy)
     }

@@ -34,6 +34,8 @@ from ..solve.solution import Clock
 PATTERNS = {"stripes": stripe_pattern, "quads": quad_pattern, "quad_mesh": quad_pattern}
 # Warn when more than this share of the edges turn the phase by more than half a period.
 COARSE_SHARE = 0.05
+# Vertices from which on a first, spectral result is worth its time, a fifth to a third of all.
+EARLY_FROM = 20_000
 
 
 @dataclass(frozen=True)
@@ -122,10 +124,18 @@ class SurfaceRequest:
         return replace(found, **self.traced(found.pattern)) if self.command == "quad_mesh" else found
 
     def solve_early(self, progress=None):
-        """A first pattern by one eigenvector each, None where no pattern is shown. Errors as :meth:`solve`."""
-        if self.command not in ("stripes", "quads"):
+        """The :class:`Picture` of a first pattern by one eigenvector each; errors as :meth:`solve`.
+
+        None where no pattern is shown, and for a mesh whose solve does not take long.
+        """
+        if self.command not in ("stripes", "quads") or self.given.mesh.vertex_count < EARLY_FROM:
             return None
-        return replace(self, options=replace(self.options, method="spectral")).solve(progress)
+        found = replace(self, options=replace(self.options, method="spectral")).solve(progress)
+        polygons, inverse = self.given.polygons, np.linalg.inv(self.given.stretch)
+        places = (self.given.mesh.vertices @ inverse.T)[polygons.triangles]
+        corners = polygons.triangle_corners.ravel()
+        phases = np.column_stack([phase.corner_phase[corners] for phase in found.pattern.on_faces(polygons)])
+        return Picture(places.reshape(-1, 3).astype(np.float32), phases.astype(np.float32))
 
     def directed(self, progress=None, before=None):
         """The :class:`DirectionField`, turned by its angle; from the one of the frame before, if there is one."""
@@ -181,6 +191,20 @@ class SurfaceRequest:
             yield
         except ContradictionError as error:
             raise error.renumbered(self.given.source) from None
+
+
+@dataclass(frozen=True)
+class Picture:
+    """Triangles to draw.
+
+    Attributes
+    ----------
+    places : (3 t, 3) float32 corners of the triangles one after the other, in the object's space
+    phases : (3 t, k) float32 radians there
+    """
+
+    places: np.ndarray
+    phases: np.ndarray
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,10 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ...core.errors import Cancelled, SettingError, SynchError
+from ...core.errors import SettingError, SynchError
 from ..blender import meshes
 from ..blender import phases as blender_phases
+from ..blender.objects import ObjectLink
 from ..jobs.report import versions
 from . import images as bake_images
 from . import index, shaders
@@ -26,7 +27,7 @@ _MOST_MAPS = 8
 
 
 class BakeJob:
-    """A bake in pieces, between which a window can be drawn and the whole be cancelled.
+    """A bake in pieces, between which a window can be drawn and the whole be cancelled; see :mod:`..jobs.job`.
 
     Everything that can be is refused before work begins. Files and images come to be when all maps are baked, so that
     an error or a cancellation leaves neither.
@@ -37,31 +38,29 @@ class BakeJob:
     settings : BakeSettings
     """
 
+    request = None
+
     def __init__(self, obj, settings):
-        self._pieces, self.report = _baking(obj, settings), None
+        self.link = ObjectLink.to(obj)
+        self._pieces, self._report = _baking(obj, settings), None
 
     def advance(self):
         """Do the piece that was named last; returns what comes next and the share that is done, None at the end."""
         try:
             return next(self._pieces)
         except StopIteration as end:
-            self.report = end.value
+            self._report = end.value
             return None
         except OSError as error:
             raise SynchError(f"{error.filename or 'a file'}: {error.strerror or error}") from error
 
-    def solve(self, callback=None):
-        """Do all of it, unless ``callback`` cancels by returning False between two pieces."""
-        try:
-            while (piece := self.advance()) is not None:
-                if callback is not None and not callback(*piece):
-                    raise Cancelled("cancelled: nothing was changed")
-        finally:
-            self.close()
-
     def close(self):
         """Leave no trace of a bake that has not come to its end."""
         self._pieces.close()
+
+    def write(self, _):
+        """Everything is written; returns the report."""
+        return self._report
 
 
 def _baking(obj, settings):

@@ -6,9 +6,15 @@ can be pickled (:mod:`core.tasks`). ``write(result)`` puts the result into the s
 returns the report. Before that nothing has changed. A job also has
 
 - ``link``, the :class:`ObjectLink` of the object that it is for, None where there is none;
-- ``advance()``, where it reads, or does all its work, in pieces that need Blender: see :class:`.queue.Work`;
-- ``show_early(result)``, where a first result can be shown.
+- ``advance()``, where it reads, or does all its work, in pieces that need Blender: it does one and returns what comes
+  next and the share of the pieces that is done, None when that was the last one. ``close()`` ends it between two;
+- ``request = None`` in its class, where pieces are all its work: ``write(None)`` then returns the report.
 """
+
+from ...core.monitor import Monitor, portion
+
+# Share of the work that reading in pieces is.
+READING = 0.1
 
 
 def run(job, progress=None):
@@ -23,4 +29,24 @@ def run(job, progress=None):
     SynchError
         with one line that names the element and the remedy; nothing is written
     """
+    if hasattr(job, "advance"):
+        solves = solves_after_pieces(job)
+        _do_pieces(job, portion(progress, 0.0, READING) if solves else progress)
+        if not solves:
+            return job.write(None)
+        progress = portion(progress, READING, 1 - READING)
     return job.write(job.request.solve(progress))
+
+
+def solves_after_pieces(job):
+    """Whether a job that is done in pieces goes on to solve."""
+    return getattr(type(job), "request", None) is not None
+
+
+def _do_pieces(job, progress):
+    monitor = Monitor(progress)
+    try:
+        while (piece := job.advance()) is not None:
+            monitor.at(*piece)
+    finally:
+        job.close()

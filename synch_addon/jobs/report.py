@@ -32,7 +32,7 @@ class Report:
         self.forced_dislocations = None
         self.quad_mesh = None
         self._start = time.perf_counter()
-        self._task = None
+        self._request = None
 
     def again(self, command=None):
         """A report of the same run for another result of its solve: new times, no warnings yet."""
@@ -45,10 +45,16 @@ class Report:
         """Add a line that the user should read although the run succeeds."""
         self.warnings.append(line)
 
-    def warn_about(self, obj, task):
+    def take(self, result):
+        """Take over what a result tells beside what was found."""
+        self.warnings += result.warnings
+        self.forced_dislocations = result.forced_dislocations
+        self.clock.add(result.seconds)
+
+    def warn_about(self, obj, request):
         """Warn about what the object has that the result cannot follow."""
-        self._task = task
-        loose = task.given.mesh.loose_vertices
+        self._request = request
+        loose = request.given.mesh.loose_vertices
         if len(loose):
             self.warn(
                 f"{name_elements('vertex', loose)} without a face get no field: "
@@ -74,14 +80,14 @@ class Report:
                 "guide by attribute:synch_direction without a strength"
             )
         striped = [row.label for row in rows if row.what in ("phase", "constant") and row.where != "attribute"]
-        if np.any(task.turn) and striped:
+        if np.any(request.turn) and striped:
             self.warn(f"the angle turns directions away from lines with a stripe ({', '.join(striped)}): set it to 0")
         if self.settings.exact_attribute and self.settings.mirror:
             self.warn(
                 "directions that an attribute gives are taken as they are, without the mirror: "
                 f"give it a strength (attribute:{self.settings.exact_attribute}=1) where they should be mirrored"
             )
-        if np.any(task.turn) and self.settings.mirror:
+        if np.any(request.turn) and self.settings.mirror:
             self.warn("the angle turns directions the same way on both sides of the mirror: set it to 0")
         users = obj.data.users - obj.data.use_fake_user
         if users > 1 and self.command != "quad_mesh":
@@ -90,14 +96,14 @@ class Report:
     def finish(self, field, pattern, defects):
         """The report as a dict of plain values."""
         solution = field.solution if pattern is None else pattern.solution
-        mesh = self._task.given.mesh
+        mesh = self._request.given.mesh
         times = dict(self.clock.seconds)
         for part in (field, pattern):
             for phase, seconds in (part.solution.times if part is not None and part.solution else {}).items():
                 times[phase] = times.get(phase, 0.0) + seconds
         times["total"] = time.perf_counter() - self._start
         rows = [asdict(row) for row in self.settings.constraints]
-        settings = asdict(self.settings) | {"spacing": self._task.spacing, "constraints": rows}
+        settings = asdict(self.settings) | {"spacing": self._request.spacing, "constraints": rows}
         report = {
             "status": solution.status.value if solution else "given",
             "command": self.command,

@@ -4,7 +4,6 @@
 import bpy
 
 from ..frames.job import AnimationJob
-from ..jobs import jobs
 from ..jobs.report import counted
 from ..panels.frames import PROPERTY_NAMES, AnimationProperties, span_of
 from ..settings.fields import SettingProperties
@@ -16,7 +15,6 @@ class SYNCH_OT_animate(FieldOperator, AnimationProperties, SettingProperties, bp
 
     bl_idname = "synch.animate"
     bl_label = "Animate"
-    work = jobs.ReadAndSolve
     bl_options = {"UNDO"}  # without a redo panel: every change there would solve all frames again
 
     def _take(self, context):
@@ -25,11 +23,7 @@ class SYNCH_OT_animate(FieldOperator, AnimationProperties, SettingProperties, bp
             setattr(self, name, getattr(context.active_object.synch_animation, name))
 
     def _job(self, context):
-        self._object_name = context.active_object.name
         return AnimationJob(context.active_object, self._settings(), span_of(self, context.scene))
-
-    def _show_early(self, early):
-        """Nothing: the first frame is one of many."""
 
     def _headline(self, report):
         frames = report["frames"]

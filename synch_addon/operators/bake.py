@@ -5,7 +5,6 @@ import bpy
 
 from ..bakes.job import BakeJob
 from ..bakes.settings import PROPERTY_NAMES, BakeProperties, BakeSettings, plain
-from ..jobs import jobs
 from ..panels.bakes import draw_bake
 from .field_operator import BackgroundOperator
 from .ready import PatternOperator
@@ -16,7 +15,6 @@ class SYNCH_OT_bake(PatternOperator, BackgroundOperator, BakeProperties, bpy.typ
 
     bl_idname = "synch.bake"
     bl_label = "Bake"
-    work = jobs.Pieces
 
     def _take(self, context):
         for name in PROPERTY_NAMES:
@@ -24,9 +22,6 @@ class SYNCH_OT_bake(PatternOperator, BackgroundOperator, BakeProperties, bpy.typ
 
     def _job(self, context):
         return BakeJob(context.active_object, BakeSettings(**plain(self)))
-
-    def _write(self, job):
-        return job.report
 
     def _headline(self, report):
         return f"baked {', '.join(report['maps'])} in {report['seconds']:.1f} s"

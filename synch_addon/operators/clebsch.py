@@ -8,7 +8,7 @@ from ..flows.choice import choose_point
 from ..flows.chosen import flow_of
 from ..flows.job import ClebschSettings, job_for
 from ..flows.properties import PROPERTY_NAMES, VortexProperties, plain
-from ..jobs import jobs
+from ..jobs.queue import queue
 from ..jobs.report import counted
 from ..panels.vortices import draw_vortices
 from .field_operator import BackgroundOperator
@@ -26,8 +26,8 @@ class SYNCH_OT_clebsch(BackgroundOperator, VortexProperties, bpy.types.Operator)
         reason = None
         if context.mode != "OBJECT":
             reason = "leave the present mode: vortices are made in object mode"
-        elif jobs.running is not None:
-            reason = "something is being solved: wait for it, or cancel it with Esc"
+        elif queue.holds(None):
+            reason = "vortices are being solved: wait for them, or cancel them"
         if reason:
             cls.poll_message_set(reason)
         return reason is None
@@ -41,9 +41,6 @@ class SYNCH_OT_clebsch(BackgroundOperator, VortexProperties, bpy.types.Operator)
 
     def _job(self, context):
         return job_for(flow_of(context, self.filepath), ClebschSettings(**plain(self)))
-
-    def _write(self, job):
-        return job.write()
 
     def _headline(self, report):
         return f"{report['object']}: {_found(report)}, {report['times']['total']:.1f} s"

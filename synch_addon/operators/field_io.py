@@ -6,7 +6,8 @@ from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from .. import api
-from ..blender.field_files import DIRECTIONS, SUFFIXES
+from ..blender.field_files import SUFFIXES
+from ..blender.schema import DIRECTION
 from ..settings.fields import SYMMETRY
 from .ready import PromptOperator, ReadyOperator
 
@@ -29,8 +30,8 @@ class SYNCH_OT_import_field(_FieldFileOperator, ImportHelper, bpy.types.Operator
     def make(self, context):
         obj = context.active_object
         obj.synch.symmetry = api.import_field(obj, self.filepath).upper()
-        obj.synch.guidance, obj.synch.guide.vectors = "ATTRIBUTE", DIRECTIONS
-        return f"{DIRECTIONS} of {obj.name} is read from {self.filepath}"
+        obj.synch.guidance, obj.synch.guide.vectors = "ATTRIBUTE", DIRECTION.name
+        return f"{DIRECTION.name} of {obj.name} is read from {self.filepath}"
 
 
 class SYNCH_OT_export_field(_FieldFileOperator, ExportHelper, bpy.types.Operator):

@@ -1,37 +1,38 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the field operators share: poll, settings from the panel, progress, errors as one line.
+"""What the operators share that solve: poll, settings from the panel, progress, errors as one line.
 
-From a script the operator runs to its end. From the window it solves in a thread: the view can be
-turned meanwhile, Esc cancels, and the result is written when it is there.
+From a script such an operator runs to its end. From the window it puts a job into the row and waits beside all else
+that the user does: nothing but Esc over the 3D view is kept from Blender, and the result is written when it is there.
 """
 
 import bpy
-from bpy.props import StringProperty
+from bpy.props import IntProperty, StringProperty
 
 from ...core.errors import Cancelled, SynchError
 from .. import api
 from ..blender.translations import said
-from ..jobs import jobs
+from ..jobs.job import run
+from ..jobs.queue import queue
 from ..jobs.report import counted
 from ..patterns import job as field_job
-from ..patterns import preview
 from ..settings.fields import PROPERTY_NAMES, plain
 from ..settings.guide_list import stored_guidance
 from .ready import ReadyOperator
 
 _POINTING = {"LEFTMOUSE", "MOUSEMOVE"}
 _NAVIGATION = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE"}
+# Seconds between two looks at the row of jobs.
+_TICK = 0.05
 
 
 class BackgroundOperator:
-    """Mixed into an operator that solves: blocking from a script, in a thread from the window.
+    """Mixed into an operator that solves: blocking from a script, in the row of jobs from the window.
 
     A subclass says what it runs: ``_take`` (its settings from where the panel keeps them), ``_job`` (reads the scene,
-    see :class:`jobs.BackgroundSolve`), ``_write`` (puts a result into the scene), ``_headline`` (says what was found).
+    see :mod:`..jobs.job`), ``_headline`` (says what was found).
     """
 
     bl_options = {"REGISTER", "UNDO", "PRESET"}
-    work = jobs.BackgroundSolve
 
     def invoke(self, context, event):
         """From the window: take the panel's settings and solve in the background."""
@@ -46,27 +47,25 @@ class BackgroundOperator:
         return self._reporting(self._run, context)
 
     def modal(self, context, event):
-        work = jobs.running
-        if work is None:  # the extension was taken out meanwhile
-            return {"CANCELLED"}
-        if event.type == "ESC" and event.value == "PRESS":
-            work.cancel()
-        elif event.type == "TIMER" and not work.finished and not work.cancelled:
-            work.advance()
-        if work.cancelled or (event.type == "TIMER" and work.finished):
+        work = self._work
+        if event.type == "ESC" and event.value == "PRESS" and work is queue.running and _over_view(context, event):
+            queue.cancel(work)
+        elif event.type == "TIMER" and not work.is_over:
+            queue.advance()
+            self._look_after(work)
+        if work.is_over and (work.error is not None or not self._postponed()):
             return self._reporting(self._finish, context)
         if event.type == "TIMER":
-            if work.early is not None:
-                early, work.early = work.early, None
-                self._try_early(early)
-            work.show(f"{said(self.bl_label)}: {work.line}   {work.times}   {said('Esc: cancel')}")
+            self._tell(context, work)
+        if not work.holds_window:
+            return {"PASS_THROUGH"}
         free = navigates(event) or (event.type in _POINTING and over_sidebar(context, event))
         return {"PASS_THROUGH"} if free else {"RUNNING_MODAL"}
 
     def cancel(self, context):
         """The window or the file is being closed."""
-        if jobs.running is not None:
-            self._leave().cancel()
+        queue.cancel(self._work)
+        self._give_back(context)
 
     def _reporting(self, step, context):
         """Run a step; an error becomes one line and CANCELLED."""
@@ -88,27 +87,27 @@ class BackgroundOperator:
         manager = context.window_manager
         manager.progress_begin(0, 1)
         try:
-            job = self._job(context)
-            job.solve(progress_of(manager))
-            report = self._write(job)
+            report = run(self._job(context), progress_of(manager))
         finally:
             manager.progress_end()
         return self._announce(report)
 
     def _start(self, context):
-        job = self._job(context)
-        jobs.running = self.work(job)
-        jobs.running.take(context)
-        context.window_manager.modal_handler_add(self)
+        self._work = queue.add(self._job(context), self.bl_label)
+        manager = context.window_manager
+        self._timer = manager.event_timer_add(_TICK, window=context.window)
+        manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
     def _finish(self, context):
-        work = self._leave()
-        if work.cancelled:
-            raise Cancelled("cancelled: nothing was changed")
+        work = self._work
+        self._give_back(context)
         if work.error is not None:
             raise work.error
-        return self._announce(self._write(work.job))
+        report = work.job.write(work.result)
+        if work.peak is not None:
+            report["peak_memory_mb"] = work.peak
+        return self._announce(report)
 
     def _announce(self, report):
         for warning in report["warnings"]:
@@ -116,32 +115,45 @@ class BackgroundOperator:
         self.report({"INFO"}, self._headline(report))
         return {"FINISHED"}
 
-    def _try_early(self, early):
-        """Show a first result of the job; one that cannot be shown does not stop it."""
-        try:
-            self._show_early(early)
-        except Exception as error:
-            self.report({"WARNING"}, f"the first result is not shown: {error}")
+    def _look_after(self, work):
+        """End a job whose object is gone."""
+        link = work.job.link
+        if link is not None and link.present is None and not work.is_over:
+            queue.cancel(work)
+            work.error = SynchError(f"the object {link.name} is gone: nothing was written")
 
-    def _show_early(self, early):
-        """Show a first result of the job."""
+    def _postponed(self):
+        """Why the result cannot be written yet, in one line, or None."""
+        link = self._work.job.link
+        obj = None if link is None else link.present
+        if bpy.app.is_job_running("RENDER"):
+            return said("the result waits for the end of the render")
+        if obj is not None and obj.mode not in {"OBJECT", "EDIT"}:
+            return said("the result waits for object or edit mode of {name}", name=obj.name)
+        return None
 
-    def _leave(self):
-        """Give the window back; returns the job. A thread that was cancelled ends by itself: it writes nothing."""
-        work, jobs.running = jobs.running, None
-        work.give_back()
-        preview.hide()
-        return work
+    def _tell(self, context, work):
+        """Say in the status bar how far the first job is, and have the panels drawn again."""
+        if work is queue.running:
+            line = f"{said(work.label)}: {work.line}   {work.times}   {said('Esc over the 3D view: cancel')}"
+        elif work.is_over:
+            line = self._postponed()
+        else:
+            return
+        context.workspace.status_text_set(line)
+        _redraw(context)
+
+    def _give_back(self, context):
+        """Give back what was taken of the window."""
+        if self._timer is not None:
+            context.window_manager.event_timer_remove(self._timer)
+            self._timer = None
+            context.workspace.status_text_set(None)
+            _redraw(context)
 
 
 class ObjectOperator(ReadyOperator, BackgroundOperator):
-    """Mixed into an operator that solves for a mesh object, whose name ``_job`` keeps."""
-
-    def _write(self, job):
-        obj = bpy.data.objects.get(self._object_name)
-        if obj is None:
-            raise SynchError(f"the object {self._object_name} is gone: nothing was written")
-        return job.write(obj)
+    """Mixed into an operator that solves for a mesh object."""
 
 
 class FieldOperator(ObjectOperator):
@@ -168,11 +180,7 @@ class FieldOperator(ObjectOperator):
         return plain(self, self.spacing if self.properties.is_property_set("spacing") else None)
 
     def _job(self, context):
-        self._object_name = context.active_object.name
         return field_job.FieldJob(self.command, context.active_object, self._settings())
-
-    def _show_early(self, early):
-        preview.show(bpy.data.objects.get(self._object_name), *early)
 
     def _announce(self, report):
         self.spacing = report["settings"]["spacing"]
@@ -190,17 +198,20 @@ class FieldOperator(ObjectOperator):
 
 
 class SYNCH_OT_cancel(bpy.types.Operator):
-    """Stop the solve that runs; everything stays as it was"""
+    """Stop a solve that runs or waits; everything stays as it was"""
 
     bl_idname = "synch.cancel"
     bl_label = "Cancel"
+    bl_options = {"INTERNAL"}
+
+    place: IntProperty(name="Place", description="Which job of the row, from 0 on", min=0)
 
     @classmethod
     def poll(cls, context):
-        return jobs.running is not None
+        return queue.running is not None
 
     def execute(self, context):
-        jobs.running.cancel()
+        queue.cancel(queue.works[min(self.place, len(queue.works) - 1)])
         return {"FINISHED"}
 
 
@@ -211,14 +222,27 @@ def navigates(event):
 
 def over_sidebar(context, event):
     """Whether the mouse is over a sidebar, which lies over the view."""
-    return any(
-        region.type == "UI"
-        and 0 <= event.mouse_x - region.x < region.width
-        and 0 <= event.mouse_y - region.y < region.height
-        for area in context.screen.areas
-        if area.type == "VIEW_3D"
-        for region in area.regions
-    )
+    return any(region.type == "UI" and _is_over(region, event) for area in _views(context) for region in area.regions)
+
+
+def _over_view(context, event):
+    """Whether the mouse is over a 3D view."""
+    return any(_is_over(area, event) for area in _views(context))
+
+
+def _is_over(place, event):
+    return 0 <= event.mouse_x - place.x < place.width and 0 <= event.mouse_y - place.y < place.height
+
+
+def _views(context):
+    return [area for area in context.screen.areas if area.type == "VIEW_3D"]
+
+
+def _redraw(context):
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
 
 
 def progress_of(manager):

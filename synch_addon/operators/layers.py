@@ -45,9 +45,7 @@ class SYNCH_OT_layers(ObjectOperator, LayerProperties, bpy.types.Operator):
 
     def _job(self, context):
         lengths = {name: getattr(self, name) if self.properties.is_property_set(name) else None for name in LENGTHS}
-        target = self._target(context)
-        self._object_name = target.name
-        return api.layer_job(target, plain(self, lengths, self.guidance, self.groups))
+        return api.layer_job(self._target(context), plain(self, lengths, self.guidance, self.groups))
 
     def _announce(self, report):
         for name in LENGTHS:

@@ -6,7 +6,7 @@ from ...core.errors import SynchError
 from ..blender.meshes import refusal
 from ..blender.phases import pattern_kind
 from ..blender.translations import said
-from ..jobs import jobs
+from ..jobs.queue import queue
 
 
 class PromptOperator:
@@ -53,6 +53,8 @@ def _unready(context):
     reason = refusal(context.active_object)
     if reason is None and context.mode not in {"OBJECT", "EDIT_MESH"}:
         reason = said("leave the present mode: fields are solved in object or edit mode")
-    if reason is None and jobs.running is not None:
-        reason = said("a field is being solved: wait for it, or cancel it with Esc")
+    if reason is None and queue.holds(context.active_object):
+        reason = said("{name} is being solved: wait for it, or cancel it", name=context.active_object.name)
+    if reason is None and queue.holds_window:
+        reason = said("something is being read or baked: wait for it, or cancel it with Esc")
     return reason

@@ -4,6 +4,7 @@
 from . import (
     bakes,
     constraints,
+    early_view,
     frames,
     guides,
     layer_outputs,
@@ -29,6 +30,7 @@ _MODULES = (
     presets,
     constraints,
     overlay_view,
+    early_view,
     bakes,
     vortices,
     layers,

@@ -12,6 +12,7 @@ from ...core.extract import direction_glyphs, evenly_traced
 from ...core.fields.directions import SYMMETRIES
 from ..blender import attributes, groups, meshes
 from ..blender.defect_empties import COLORS as DEFECT_COLORS
+from ..blender.schema import DIRECTION, PHASES, SINGULARITY
 
 # No more marks or streamlines than this, however dense the mesh.
 GLYPHS, STREAMLINES = 6_000, 250
@@ -38,11 +39,11 @@ def direction_lines(obj):
 
 
 def _directions(obj, draw):
-    if "synch_direction" not in obj.data.attributes:
+    if DIRECTION.name not in obj.data.attributes:
         return []
     try:
         given = meshes.read_mesh(obj)
-        vectors = attributes.read_vectors(obj, "synch_direction", given)
+        vectors = attributes.read_vectors(obj, DIRECTION.name, given)
     except SynchError:  # the mesh was edited, and cannot carry a field any more
         return []
     segments = draw(given.mesh, vectors, SYMMETRIES[obj.synch.symmetry.lower()])
@@ -62,12 +63,13 @@ def defect_points(obj):
     centres = places[polygons.triangles].mean(axis=1)
     first = polygons.first_triangles
     found = {}
-    for name, kind, at in (
-        ("synch_singularity", "disclination", corners / polygons.sizes[:, None]),
-        ("synch_index", "dislocation", centres[first]),
-        ("synch_index_2", "dislocation", centres[np.minimum(first + 1, len(centres) - 1)]),
+    (stripes,) = PHASES["stripes"]
+    for attribute, kind, at in (
+        (SINGULARITY, "disclination", corners / polygons.sizes[:, None]),
+        (stripes.index, "dislocation", centres[first]),
+        (stripes.index_2, "dislocation", centres[np.minimum(first + 1, len(centres) - 1)]),
     ):
-        index = attributes.read_values(obj, name, "FACE")
+        index = attributes.read(obj, attribute)
         if index is not None:
             for chosen, colour in zip((index > 0, index < 0), DEFECT_COLORS[kind], strict=True):
                 found.setdefault(colour, []).append(at[chosen])

@@ -4,12 +4,12 @@
 from bpy.props import IntProperty
 
 from ..blender.meshes import refusal
-from ..jobs import jobs
+from ..jobs.queue import queue
 
 
 def can_set(obj):
     """Whether an object's settings can be changed now."""
-    return refusal(obj) is None and jobs.running is None
+    return refusal(obj) is None and not queue.holds(obj) and not queue.holds_window
 
 
 class RowOperator:

@@ -4,7 +4,8 @@
 import bpy
 
 from ..blender.meshes import refusal
-from ..jobs import jobs
+from ..blender.translations import said
+from ..jobs.queue import queue
 from ..patterns.refine import draw_warning
 from .guides import draw_guidance
 from .row_operators import can_set
@@ -89,22 +90,25 @@ def property_column(layout):
 
 
 def draw_unready(layout, obj):
-    """Say why an object can carry nothing, or how far the job is that runs; whether there is either."""
+    """Say why an object can carry nothing, or that its job is on its way; whether there is either."""
     reason = refusal(obj)
     if reason:
         layout.label(text=reason[0].upper() + reason[1:], icon="INFO")
-    elif jobs.running is not None:
-        draw_progress(layout, jobs.running)
-    else:
-        return False
-    return True
+    return bool(reason) or queue.holds(obj)
 
 
-def draw_progress(layout, work):
-    """A bar for the job that runs."""
-    layout.progress(factor=work.fraction, text=work.line)
-    layout.label(text=work.times, icon="TIME")
-    layout.operator("synch.cancel", icon="EVENT_ESC")
+def draw_row(layout):
+    """A bar for the job that runs, and a line for each that waits."""
+    for place, work in enumerate(queue.works):
+        box = layout.column(align=True)
+        obj = None if work.job.link is None else work.job.link.present
+        row = box.row()
+        row.label(text=f"{said(work.label)}: {obj.name}" if obj is not None else said(work.label), translate=False)
+        if place == 0:
+            row.label(text=work.times, icon="TIME", translate=False)
+            row = box.row(align=True)
+            row.progress(factor=work.fraction, text=work.line)
+        row.operator("synch.cancel", text="", icon="CANCEL").place = place
 
 
 class SidebarPanel:
@@ -123,6 +127,7 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
             SYNCH_PT_presets.draw_panel_header(self.layout)
 
     def draw(self, context):
+        draw_row(self.layout)
         obj = context.active_object
         if draw_unready(self.layout, obj):
             return

@@ -9,8 +9,7 @@ from ..blender.translations import counted, said
 from ..flows import memory
 from ..flows.chosen import expected_shape
 from ..flows.sources import solve_memory
-from ..jobs import jobs
-from .sidebar import SidebarPanel, draw_progress, draw_solver, property_column
+from .sidebar import SidebarPanel, draw_solver, property_column
 
 
 class SYNCH_PT_vortices(SidebarPanel, bpy.types.Panel):
@@ -22,9 +21,6 @@ class SYNCH_PT_vortices(SidebarPanel, bpy.types.Panel):
 
     def draw(self, context):
         settings = context.scene.synch_vortices
-        if jobs.running is not None:
-            draw_progress(self.layout, jobs.running)
-            return
         draw_vortices(self.layout, settings)
         draw_estimate(self.layout, context, settings)
         column = self.layout.column()
@@ -41,7 +37,7 @@ class SYNCH_PT_vortex_result(SidebarPanel, bpy.types.Panel):
     @classmethod
     def poll(cls, context):
         obj = context.active_object
-        return obj is not None and bool(obj.synch_vortices.result) and jobs.running is None
+        return obj is not None and bool(obj.synch_vortices.result)
 
     def draw(self, context):
         obj = context.active_object

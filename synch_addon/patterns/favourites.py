@@ -6,18 +6,17 @@ some bytes a vertex.
 """
 
 import json
-import re
 
 import bpy
 import numpy as np
 
 from ...core.errors import SynchError
 from ...core.keywords import from_names
-from ..blender import attributes, meshes
+from ..blender import attributes, meshes, schema
 from ..jobs.report import Report
 from ..settings.fields import Settings
 from . import job, memory
-from .read_back import DIRECTION, PHASE, SUFFIXES, is_cut, read_back
+from .read_back import is_cut, read_back
 
 # How far directions may be off those of a solve in memory to be its own: single precision.
 _SAME = 1e-4
@@ -37,21 +36,20 @@ def keep(obj, name=""):
     """
     meshes.refuse(obj)
     result = json.loads(obj.synch.result) if obj.synch.result else {}
-    if result.get("command") not in SUFFIXES:
+    if result.get("command") not in schema.KEPT:
         raise SynchError(f"{obj.name} shows no stripes or quads: solve them first")
     if is_cut(from_names(Settings, result["settings"])):
         raise SynchError(f"the pattern of {obj.name} has cuts, which attributes of vertices cannot tell: use the seed")
     with meshes.object_mode(obj):
-        values = {to: attributes.read_values(obj, source, "POINT") for source, to in _names(result["command"])}
+        values = {attribute: attributes.read(obj, attribute) for attribute in schema.KEPT[result["command"]]}
         if any(part is None for part in values.values()):
             raise SynchError(f"attributes of the pattern of {obj.name} are missing: solve it again")
         number = _unused_number(obj)
         favourite = obj.synch.favourites.add()
         favourite.number, favourite.variation, favourite.result = number, obj.synch_shown.variation, obj.synch.result
         favourite.name = name
-        for to, part in values.items():
-            kind = "FLOAT_VECTOR" if part.ndim > 1 else "FLOAT"
-            attributes.write_attribute(obj, favourite.attributes + to, "POINT", kind, part)
+        for attribute, part in values.items():
+            attributes.write(obj, attribute.in_favourite(number), part)
     return favourite.name
 
 
@@ -67,17 +65,17 @@ def show(obj, name):
     """
     meshes.refuse(obj)
     favourite = _favourite(obj, name)
-    result, start = favourite.result, favourite.attributes
+    result = favourite.result
     with meshes.object_mode(obj):
-        task, field, pattern = read_back(obj, result, start + "direction", start + "phase")
-        solved = _solve_of(obj, task, field)
+        settings, request, field, pattern = read_back(obj, result, favourite.number)
+        solved = _solve_of(obj, request, field)
         if solved is not None:
             phases, report = pattern.phases, solved.report.again()
             shown = solved.pattern.showing(phases)
-            arguments = solved.task, solved.field, shown, report, favourite.variation
+            arguments = solved.request, solved.field, shown, report, favourite.variation
             job.write_result(obj, *arguments, lambda state: state.pattern.showing(phases))
         else:
-            job.show(obj, task, field, pattern, Report(task.command, obj, task.settings))
+            job.show(obj, request, field, pattern, Report(request.command, obj, settings))
             memory.show_line(obj, result, favourite.variation)
     return json.loads(obj.synch.result)
 
@@ -88,14 +86,9 @@ def remove(obj, name):
     favourite = _favourite(obj, name)
     if not _is_shared(obj, favourite):
         with meshes.object_mode(obj):
-            for attribute in [a.name for a in obj.data.attributes if a.name.startswith(favourite.attributes)]:
-                attributes.remove_attribute(obj, attribute)
+            for attribute in (*schema.KEPT["stripes"], *schema.KEPT["quads"]):
+                attributes.remove_attribute(obj, attribute.in_favourite(favourite.number).name)
     obj.synch.favourites.remove(obj.synch.favourites.find(name))
-
-
-def _names(command):
-    """Names of the attributes that a pattern is kept in, and those that a favourite has for them."""
-    return [(DIRECTION, "direction"), *((PHASE + suffix, "phase" + suffix) for suffix in SUFFIXES[command])]
 
 
 def _favourite(obj, name):
@@ -106,20 +99,20 @@ def _favourite(obj, name):
     return found
 
 
-def _solve_of(obj, task, field):
-    """The solve in memory, where it is one of a task's command and spacing along the directions of a field."""
+def _solve_of(obj, request, field):
+    """The solve in memory, where it is one of a request's command and spacing along the directions of a field."""
     try:
         solved = memory.recall(obj)
     except SynchError:
         return None
-    same = solved.task.command == task.command and len(solved.field.angles) == len(field.angles)
-    same = same and np.array_equal(solved.task.spacings, task.spacings)
+    same = solved.request.command == request.command and len(solved.field.angles) == len(field.angles)
+    same = same and np.array_equal(solved.request.spacings, request.spacings)
     return solved if same and np.abs(solved.field.vectors - field.vectors).max(initial=0) < _SAME else None
 
 
 def _unused_number(obj):
     """The next number for a favourite: of the mesh, which other objects may show, too."""
-    found = [re.match(r"synch_favourite_(\d+)_", attribute.name) for attribute in obj.data.attributes]
+    found = [schema.FAVOURITE.match(attribute.name) for attribute in obj.data.attributes]
     numbers = [favourite.number for favourite in obj.synch.favourites]
     return max([*numbers, *(int(match[1]) for match in found if match)], default=0) + 1
 

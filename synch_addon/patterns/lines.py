@@ -12,10 +12,10 @@ from mathutils import Matrix
 from ...core.errors import SettingError
 from ...core.extract.isolines import End
 from ...core.extract.isolines import isolines as traced_lines
+from ...core.extract.quad_smoothing import barycentric
+from ...core.geometry.nearest import NearestTriangles
 from ...core.keywords import check_choice, check_whole
-from ..blender.bvh import nearest, surface_tree
 from ..jobs.report import counted, versions
-from .quad_mesh import barycentric
 
 SPLINES = ("poly", "bezier", "nurbs")
 
@@ -59,13 +59,13 @@ class LineSettings:
         check_choice(self, "spline", SPLINES)
 
 
-def write(obj, task, pattern, settings):
+def write(obj, request, pattern, settings):
     """Make the curve object of a pattern's lines beside a mesh object; returns the report.
 
     It has the place and turn of the mesh object, and the scale is in its points, so that tubes are round and lengths
     those of the scene. Line k of the report's order is spline k.
     """
-    spacing = task.spacing
+    spacing = request.spacing
     lines = traced_lines(pattern.edge_phases, settings.width)
     if len(lines.sizes) == 0:
         raise SettingError(f"no line of the pattern lies on {obj.name}: reduce the spacing and solve again")
@@ -83,7 +83,7 @@ def write(obj, task, pattern, settings):
     made = bpy.data.objects.new(f"{obj.name} Lines", data)
     for collection in obj.users_collection:
         collection.objects.link(made)
-    made.matrix_world = obj.matrix_world @ Matrix(np.linalg.inv(task.given.stretch)).to_4x4()
+    made.matrix_world = obj.matrix_world @ Matrix(np.linalg.inv(request.given.stretch)).to_4x4()
     return _report(made, shown, length, settings)
 
 
@@ -107,7 +107,7 @@ def smoothed(lines, times):
         step = _STEP * (0.5 * (points[following] + points[previous]) - points)
         step -= np.einsum("ij,ij->i", step, normals)[:, None] * normals
         points[free] += step[free]
-    places, triangles = nearest(surface_tree(mesh.vertices, mesh.triangles), points[free])
+    places, triangles = NearestTriangles(mesh.vertices, mesh.triangles).nearest(points[free])
     moved = replace(lines, triangles=lines.triangles.copy(), weights=lines.weights.copy())
     moved.triangles[free], moved.weights[free] = triangles, barycentric(mesh, triangles, places)
     return moved

@@ -10,11 +10,11 @@ from dataclasses import dataclass, replace
 
 from ...core.errors import SynchError
 from ...core.fields import DirectionField, Pattern
+from ...core.tasks.surfaces import SurfaceRequest
 from ..blender import meshes as blender_meshes
 from ..jobs.report import Report
 from ..jobs.shelf import ObjectShelf
 from . import write
-from .reading import Task
 
 # Objects whose solves are kept, the latest ones: some hundred bytes a vertex each.
 MOST = 8
@@ -30,7 +30,7 @@ class Solved:
 
     Attributes
     ----------
-    task : what was read; its polygons are those after writing
+    request : what was read; its polygons are those after writing
     field : DirectionField
     pattern : Pattern, or None after directions alone
     report : Report that collected warnings and times
@@ -39,7 +39,7 @@ class Solved:
     change : what makes the variation of the solve, Solved -> DirectionField or Pattern; None for the solution itself
     """
 
-    task: Task
+    request: SurfaceRequest
     field: DirectionField
     pattern: Pattern | None
     report: Report
@@ -83,9 +83,9 @@ class _States:
     def put(self, line, solved):
         self._line, self._present = line, solved
         self._unmade[line] = solved.unmade()
-        meshes = {id(state.task.given.mesh): None for state in reversed(self._unmade.values())}
+        meshes = {id(state.request.given.mesh): None for state in reversed(self._unmade.values())}
         kept = list(meshes)[:SOLVES]
-        lines = [line for line, state in self._unmade.items() if id(state.task.given.mesh) in kept]
+        lines = [line for line, state in self._unmade.items() if id(state.request.given.mesh) in kept]
         self._unmade = {line: self._unmade[line] for line in lines[-STATES:]}
 
     def holds(self, line):
@@ -148,9 +148,9 @@ def recall(obj):
         where there is none, the mesh has changed since, or another object that shares it has been solved
     """
     solved = state(obj)
-    if not blender_meshes.is_unchanged(obj, solved.task.given):
+    if not blender_meshes.is_unchanged(obj, solved.request.given):
         raise SynchError(f"the mesh or the scale of {obj.name} has changed since it was solved: solve it again")
-    if not write.is_written(obj, solved.task, solved.field, solved.pattern):
+    if not write.is_written(obj, solved.request, solved.field, solved.pattern):
         raise SynchError(f"the mesh {obj.data.name} shows another pattern than {obj.name} was given: solve it again")
     return solved
 

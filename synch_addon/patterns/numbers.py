@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from ...core.errors import SettingError, SynchError
 from ...core.extract.isolines import isolines
 from ...core.extract.stripe_numbers import stripe_table
-from ..blender import attributes, meshes
+from ..blender import attributes, meshes, schema
 from ..blender.phases import pattern_kind, read_phases
 from ..nodes.stripe_profiles import ALONG, NUMBER
 from .read_back import shown_pattern
@@ -42,14 +42,14 @@ def number_stripes(obj):
         return _write(obj, *shown_pattern(obj))
 
 
-def _write(obj, task, pattern):
+def _write(obj, request, pattern):
     lines = isolines(pattern.edge_phases)
     if len(lines.sizes) == 0:
         raise SettingError(f"no stripe has its middle on {obj.name}: reduce the spacing and solve again")
     (phase,) = read_phases(obj, "stripes")
-    table = stripe_table(phase, task.given.polygons, lines.resampled(_STEP * task.spacing), task.spacing)
-    attributes.write_attribute(obj, NUMBER, "FACE", "FLOAT_VECTOR", table.numbers)
-    attributes.write_attribute(obj, ALONG, "CORNER", "FLOAT_VECTOR", table.along)
+    table = stripe_table(phase, request.given.polygons, lines.resampled(_STEP * request.spacing), request.spacing)
+    attributes.write(obj, schema.NUMBER, table.numbers)
+    attributes.write(obj, schema.ALONG, table.along)
     meshes.update(obj)
     return len(lines.sizes)
 
@@ -71,7 +71,7 @@ def renew_shown(obj):
             renew_numbers(obj, *shown_pattern(obj))
 
 
-def renew_numbers(obj, task, pattern):
+def renew_numbers(obj, request, pattern):
     """Number the stripes of an object anew where they were numbered before; they go where that cannot be."""
     if NUMBER not in obj.data.attributes or _waiting:
         return
@@ -79,7 +79,7 @@ def renew_numbers(obj, task, pattern):
         remove_numbers(obj)
         return
     try:
-        _write(obj, task, pattern)
+        _write(obj, request, pattern)
     except SynchError:
         remove_numbers(obj)
 

@@ -15,18 +15,14 @@ from ...core.fields import Pattern, given_directions
 from ...core.fields.directions import SYMMETRIES
 from ...core.fields.growth import Growth
 from ...core.keywords import from_names
-from ..blender import attributes
+from ..blender import attributes, schema
 from ..settings.fields import Settings
 from . import memory
 from .reading import gather
 
-DIRECTION, PHASE = "synch_direction", "synch_vertex_phase"
-# Suffixes of the attributes of each phase.
-SUFFIXES = {"stripes": ("",), "quads": ("_x", "_y")}
-
 
 def shown_pattern(obj):
-    """The Task and the Pattern that an object in object mode shows: of its last solve, or else read back.
+    """The SurfaceRequest and the Pattern that an object in object mode shows: of its last solve, or else read back.
 
     Raises
     ------
@@ -37,23 +33,23 @@ def shown_pattern(obj):
         solved = memory.recall(obj)
         if solved.pattern is None:
             raise SynchError("lines are drawn of stripes and quads: solve one of them first")
-        return solved.task, solved.pattern
-    task, _, pattern = read_back(obj, obj.synch.result)
-    return task, pattern
+        return solved.request, solved.pattern
+    _, request, _, pattern = read_back(obj, obj.synch.result)
+    return request, pattern
 
 
-def read_back(obj, result, direction=DIRECTION, phase=PHASE):
-    """The Task, DirectionField and Pattern of attributes on the vertices.
+def read_back(obj, result, favourite=None):
+    """The Settings, SurfaceRequest, DirectionField and Pattern of attributes on the vertices.
 
     Parameters
     ----------
     obj : bpy.types.Object in object mode
     result : what the object keeps of their solve, see :func:`report.result_line`
-    direction, phase : names of the attributes, the latter without its suffix
+    favourite : number of the one that the attributes are of, None for what the object shows
 
     Returns
     -------
-    Task, DirectionField, Pattern; the pattern has no problem and no solution
+    Settings, SurfaceRequest, DirectionField, Pattern; the pattern has no problem and no solution
 
     Raises
     ------
@@ -62,18 +58,19 @@ def read_back(obj, result, direction=DIRECTION, phase=PHASE):
     """
     kept = json.loads(result) if result else {}
     command = kept.get("command")
-    if command not in SUFFIXES or "settings" not in kept:
+    if command not in schema.KEPT or "settings" not in kept:
         raise SynchError(f"{obj.name} has no pattern whose settings are known: solve stripes or quads on it first")
     settings = from_names(Settings, kept["settings"])
     if is_cut(settings):
         raise SynchError(f"the pattern of {obj.name} has cuts, which its attributes cannot tell: solve it again")
-    task = gather(command, obj, _spacing_alone(settings))
-    given = task.given
-    vectors = attributes.read_vectors(obj, direction, given)
+    request = gather(command, obj, _spacing_alone(settings))
+    given = request.given
+    own = schema.KEPT[command] if favourite is None else [a.in_favourite(favourite) for a in schema.KEPT[command]]
+    vectors = attributes.read_vectors(obj, own[0].name, given)
     field = given_directions(given.mesh, SYMMETRIES[settings.symmetry], vectors)
-    columns = [attributes.read_numbers(obj, phase + suffix, given) for suffix in SUFFIXES[command]]
+    columns = [attributes.read_numbers(obj, phase.name, given) for phase in own[1:]]
     phases = np.exp(1j * np.column_stack(columns)).ravel()
-    return task, field, Pattern(Growth.of(given.mesh, field, task.spacings), None, None, phases)
+    return settings, request, field, Pattern(Growth.of(given.mesh, field, request.spacings), None, None, phases)
 
 
 def is_cut(settings):

@@ -1,71 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A run's input: everything that is read from the scene before anything is solved, and the solves themselves."""
+"""What a run is asked: everything that is read from the scene before anything is solved."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ...core.errors import AsymmetryError, SettingError
-from ...core.fields import (
-    DirectionWishes,
-    Row,
-    direction_field,
-    given_directions,
-    quad_pattern,
-    stripe_pattern,
-)
-from ...core.fields.directions import SYMMETRIES
-from ...core.fields.growth import Growth
+from ...core.fields import quad_pattern
 from ...core.fields.mirror import Mirror
 from ...core.fields.patterns import check_spacing
-from ...core.geometry import mesh_input
 from ...core.geometry.mirror import mirrored_vertices
-from ...core.monitor import Monitor
+from ...core.tasks.surfaces import COARSE_SHARE, PATTERNS, SurfaceRequest
 from ..blender import attributes, meshes
 from ..blender.vertex_maps import read_factors, read_turns
 from ..settings import constraints
 from ..settings.constraint_list import stored_constraints
-from ..settings.fields import Settings
-from ..settings.guidance import PendingGuide, read_guides
+from ..settings.guidance import read_guides
 
-# What a command solves along its directions; "directions" stops before.
-PATTERNS = {"stripes": stripe_pattern, "quads": quad_pattern, "quad_mesh": quad_pattern}
 # Automatic spacing: this many stripes or quads across the object, and at least this many edges to a period;
 # an object of few edges gets these lines all the same, with a warning.
 LINES_ACROSS = 40
 EDGES_PER_PERIOD = 4
 FEWEST_LINES = 2
-# Warn when more than this share of the edges turn the phase by more than half a period.
-COARSE_SHARE = 0.05
-
-
-@dataclass(frozen=True)
-class Task:
-    """All that is read from the scene before solving.
-
-    Attributes
-    ----------
-    command : "directions", or one of :data:`PATTERNS`
-    given, settings : what the rest belongs to
-    directions : (n, 3) vectors that are taken exactly as they are, or None
-    guides : what the directions follow
-    turn : radians by which the directions are turned, one or (n,)
-    rows : Rows of the constraint list
-    mirrors : reflections that leave the field as it is
-    spacing : the spacing, in scene units
-    spacings : that times its map, (n,), and for quads with an aspect (n, 2), or the spacing alone
-    """
-
-    command: str
-    given: mesh_input.MeshInput
-    settings: Settings
-    directions: np.ndarray | None
-    guides: tuple[PendingGuide, ...]
-    turn: float | np.ndarray
-    rows: tuple[Row, ...]
-    mirrors: tuple[Mirror, ...]
-    spacing: float
-    spacings: float | np.ndarray
 
 
 def settings_for(command, obj, settings):
@@ -82,7 +38,10 @@ def settings_for(command, obj, settings):
 
 
 def gather(command, obj, settings, polygons=None):
-    """Read what the settings ask for; refuse what cannot be. The faces are read where they are not given."""
+    """The :class:`SurfaceRequest` of what settings ask for on an object in object mode; refuses what cannot be.
+
+    The faces are read where they are not given.
+    """
     given = constraints.cut_mesh(obj, meshes.read_mesh(obj, polygons), settings.constraints)
     spacing = automatic_spacing(command, given.mesh) if settings.spacing is None else settings.spacing
     spacings, turn, directions, guides = spacing, settings.angle, None, ()
@@ -102,7 +61,21 @@ def gather(command, obj, settings, polygons=None):
             raise SettingError(f"{row.label} gives one phase a vertex, and quads have two: remove the row")
     rows = constraints.rows_of(obj, given, settings.all_constraints)
     mirrors = read_mirrors(given, settings.mirror)
-    return Task(command, given, settings, directions, guides, turn, rows, mirrors, spacing, spacings)
+    return SurfaceRequest(
+        command,
+        given,
+        settings.symmetry,
+        settings.options,
+        directions,
+        guides,
+        turn,
+        rows,
+        mirrors,
+        spacing,
+        spacings,
+        tuple(map("XYZ".index, settings.mirror)),
+        settings.smoothing,
+    )
 
 
 def read_mirrors(given, axes):
@@ -112,52 +85,6 @@ def read_mirrors(given, axes):
         return tuple(Mirror.of(given.mesh, mirrored_vertices(given.mesh, given.polygons, n), n) for n in numbers)
     except AsymmetryError as error:
         raise error.renumbered(given.source) from None
-
-
-def solve_directions(task, callback, before=None):
-    """The :class:`DirectionField` of a task, turned by its angle; from the one of the frame before, if there is one."""
-    mesh, settings = task.given.mesh, task.settings
-    symmetry = SYMMETRIES[settings.symmetry]
-    if task.directions is not None:
-        return given_directions(mesh, symmetry, task.directions).turned(task.turn)
-    wishes = DirectionWishes(tuple(guide.weighted for guide in task.guides), task.rows, task.mirrors)
-    return direction_field(mesh, symmetry, wishes, settings.options, callback, before).turned(task.turn)
-
-
-def solve_pattern(task, field, report, callback, before=None, hold=0.0):
-    """The :class:`Pattern` of a task along a field; from the one of the frame before, if there is one.
-
-    What the spacing asks for is told to the report, where there is one.
-    """
-    if report is not None:
-        _judge_spacing(task, field, report, callback)
-    solve = PATTERNS[task.command]
-    settings = task.settings
-    return solve(
-        task.given.mesh,
-        field,
-        task.spacings,
-        task.rows,
-        task.mirrors,
-        settings.options,
-        callback,
-        before=before,
-        hold=hold,
-    )
-
-
-def _judge_spacing(task, field, report, callback):
-    growth = Growth.of(task.given.mesh, field, task.spacings)
-    share = growth.coarse_share
-    if share > COARSE_SHARE:
-        finest = np.min(task.spacings)
-        report.warn(
-            f"the spacing {finest:g} is finer than the mesh can carry on {share:.0%} of its edges: "
-            f"it needs edges shorter than {finest / 2:.3g}, subdivide or remesh"
-        )
-    report.forced_dislocations = growth.forced_dislocations
-    # What the map asks for is seen before the stripes are there.
-    Monitor(callback).at(f"pattern, {report.forced_dislocations:.0f} dislocations asked for", 0.0)
 
 
 def automatic_spacing(command, mesh, across=LINES_ACROSS):

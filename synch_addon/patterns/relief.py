@@ -17,12 +17,13 @@ from ...core.errors import SettingError, SynchError
 from ..blender.attributes import read_all, read_values
 from ..blender.defect_empties import mean_scale
 from ..blender.modifiers import RELIEFS, is_relief
+from ..blender.schema import PHASES
 from ..nodes.canvas import Expression, GeometryCanvas, Socket, group_tree, set_input
 from ..nodes.quads import PROFILES as QUAD_PROFILES
-from ..nodes.quads import phase_attributes, profile_shapes
+from ..nodes.quads import phase_groups, profile_shapes
 from ..nodes.stripe_profiles import PROFILES as STRIPE_PROFILES
 from ..nodes.stripe_profiles import THREAD_TIP, chosen, place_in_stripe, profile_heights
-from ..nodes.stripes import VERSION, PhaseAttributes, phase_group
+from ..nodes.stripes import VERSION, phase_group
 
 # Edges that a period should have, and the faces up to which the mesh is subdivided for them.
 _EDGES_PER_PERIOD = 12
@@ -39,8 +40,8 @@ class _Kind(NamedTuple):
 
 
 KINDS = {
-    "stripes": _Kind(RELIEFS["stripes"], STRIPE_PROFILES, "synch_phase"),
-    "quads": _Kind(RELIEFS["quads"], QUAD_PROFILES, "synch_phase_x"),
+    "stripes": _Kind(RELIEFS["stripes"], STRIPE_PROFILES, PHASES["stripes"][0].phase.name),
+    "quads": _Kind(RELIEFS["quads"], QUAD_PROFILES, PHASES["quads"][0].phase.name),
 }
 _OUTPUTS = (Socket("Geometry", "Geometry", "The mesh with its relief"),)
 
@@ -83,8 +84,8 @@ def relief_group(kind) -> bpy.types.GeometryNodeTree:
 
 def _phase_groups(kind):
     if kind == "stripes":
-        return [phase_group("Synch Relief Phase", PhaseAttributes(), GeometryCanvas)]
-    return [phase_group(f"Synch Relief Phase {a.upper()}", phase_attributes(a), GeometryCanvas) for a in "xy"]
+        return [phase_group("Synch Relief Phase", canvas_type=GeometryCanvas)]
+    return phase_groups("Synch Relief Phase", GeometryCanvas)
 
 
 def _stripe_height(canvas, phases, inputs):

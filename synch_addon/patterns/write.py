@@ -7,37 +7,22 @@ import numpy as np
 from mathutils import Vector
 
 from ...core.interpolate import face_phases
-from ..blender import attributes, meshes
+from ..blender import attributes, meshes, schema
 from ..blender.defect_empties import KINDS, Defect, write_defects
 from ..nodes.materials import pattern_material
 
-# Suffixes of each phase's attributes, by how many phases a vertex has, and the domains and types of those attributes.
-_SUFFIXES = {1: ("",), 2: ("_x", "_y")}
+# Each phase's attributes by how many phases a vertex has.
+_PHASES = {len(phases): phases for phases in schema.PHASES.values()}
 # How far attributes may be off what was solved to be the same: single precision.
 _SAME = 1e-4
-_PER_PHASE = {
-    "synch_phase{}": ("CORNER", "FLOAT"),
-    "synch_index{}": ("FACE", "INT"),
-    "synch_index{}_2": ("FACE", "INT"),
-    "synch_disclination{}": ("FACE", "FLOAT_COLOR"),
-    "synch_vertex_phase{}": ("POINT", "FLOAT"),
-}
 
 
-def layout(count):
-    """Domain and type of each attribute of a pattern with so many phases at a vertex, by their names."""
-    names = {name.format(suffix): kind for suffix in _SUFFIXES[count] for name, kind in _PER_PHASE.items()}
-    closing = {"synch_closing": ("FACE", "FLOAT2")} if count == 2 else {}
-    places = {"synch_barycentric": ("CORNER", "FLOAT_VECTOR"), "synch_pattern": ("POINT", "FLOAT")}
-    return names | closing | places
-
-
-def results(obj, task, field, pattern, report):
+def results(obj, request, field, pattern, report):
     """Write directions and, where there is one, the pattern.
 
     Returns the defects as dicts of plain values for the report, and the faces as they are afterwards.
     """
-    given, spacing = task.given, task.spacing
+    given, spacing = request.given, request.spacing
     polygons = given.polygons
     if pattern is not None:
         polygons = write_phases(obj, given, pattern.edge_phases, report.warn)
@@ -46,21 +31,21 @@ def results(obj, task, field, pattern, report):
     kinds = ("disclination",) if pattern is None else KINDS
     write_defects(obj, defects, kinds=kinds, length=spacing)
     if pattern is not None:
-        all_faces = task.settings.assign_material or has_one_material(obj)
-        pattern_material(obj, task.command, spacing=spacing, assign_faces=all_faces)
+        all_faces = report.settings.assign_material or has_one_material(obj)
+        pattern_material(obj, request.command, spacing=spacing, assign_faces=all_faces)
     meshes.update(obj)
     return [_plain(obj, d) for d in defects], polygons
 
 
-def is_written(obj, task, field, pattern):
+def is_written(obj, request, field, pattern):
     """Whether an object's attributes are those of a field or a pattern, up to single precision."""
-    count = task.given.uncut.vertex_count
+    count = request.given.uncut.vertex_count
     if pattern is None:
-        values = attributes.read_values(obj, "synch_direction", "POINT")
-        return values is not None and np.abs(values - task.given.to_object(field.vectors)).max(initial=0) < _SAME
+        values = attributes.read(obj, schema.DIRECTION)
+        return values is not None and np.abs(values - request.given.to_object(field.vectors)).max(initial=0) < _SAME
     phases = pattern.edge_phases.arguments[:count]
-    for suffix, column in zip(_SUFFIXES[phases.shape[1]], phases.T, strict=True):
-        values = attributes.read_values(obj, "synch_vertex_phase" + suffix, "POINT")
+    for own, column in zip(_PHASES[phases.shape[1]], phases.T, strict=True):
+        values = attributes.read(obj, own.vertex_phase)
         if values is None or np.abs(np.sin((values - column) / 2)).max(initial=0) > _SAME:
             return False
     return True
@@ -68,17 +53,18 @@ def is_written(obj, task, field, pattern):
 
 def clear(obj):
     """Take away the pattern and the defects that were written for other faces; directions stay, as guidance."""
-    for name in [a.name for a in obj.data.attributes if a.name.startswith("synch_") and a.name != "synch_direction"]:
-        attributes.remove_attribute(obj, name)
+    for name in [a.name for a in obj.data.attributes if a.name.startswith(schema.PREFIX)]:
+        if name != schema.DIRECTION.name:
+            attributes.remove_attribute(obj, name)
     write_defects(obj, [])
     if hasattr(obj, "synch"):  # as long as the extension is registered
         obj.synch.result = ""
         obj.synch.favourites.clear()
 
 
-def reported_defects(obj, task, field, pattern):
+def reported_defects(obj, request, field, pattern):
     """The defects of a solved pattern for the report, without writing anything."""
-    return [_plain(obj, d) for d in _defects(task.given, field, pattern, task.given.polygons)]
+    return [_plain(obj, d) for d in _defects(request.given, field, pattern, request.given.polygons)]
 
 
 def _defects(given, field, pattern, polygons):
@@ -90,10 +76,10 @@ def _defects(given, field, pattern, polygons):
 
 
 def _write_field(obj, given, field, polygons, disclinations):
-    attributes.write_attribute(obj, "synch_direction", "POINT", "FLOAT_VECTOR", given.to_object(field.vectors))
+    attributes.write(obj, schema.DIRECTION, given.to_object(field.vectors))
     singularity = np.zeros(len(polygons.starts))
     np.add.at(singularity, [d.face for d in disclinations], [d.index for d in disclinations])
-    attributes.write_attribute(obj, "synch_singularity", "FACE", "FLOAT", singularity)
+    attributes.write(obj, schema.SINGULARITY, singularity)
 
 
 def write_phases(obj, given, edge_phases, warn):
@@ -129,29 +115,26 @@ def attribute_values(phases, vertex_phases):
     phases : tuple of k FacePhases
     vertex_phases : (n, k) radians
     """
-    suffixes = _SUFFIXES[len(phases)]
-    values = {"synch_barycentric": phases[0].corner_place, "synch_pattern": np.cos(vertex_phases).prod(axis=1)}
-    for suffix, phase, at_vertices in zip(suffixes, phases, vertex_phases.T, strict=True):
-        values["synch_phase" + suffix] = phase.corner_phase
-        values["synch_index" + suffix] = phase.index
-        values["synch_vertex_phase" + suffix] = at_vertices
+    values = {schema.BARYCENTRIC: phases[0].corner_place, schema.PATTERN: np.cos(vertex_phases).prod(axis=1)}
+    for own, phase, at_vertices in zip(_PHASES[len(phases)], phases, vertex_phases.T, strict=True):
+        values |= {own.phase: phase.corner_phase, own.index: phase.index, own.vertex_phase: at_vertices}
         if phase.index_2.any():  # absent means zero to a shader
-            values[f"synch_index{suffix}_2"] = phase.index_2
+            values[own.index_2] = phase.index_2
         # A face may be singular for the other phase alone: its values here have to be zero, not absent.
         if phase.disclination.any() or len(phases) == 2:
-            values["synch_disclination" + suffix] = phase.disclination
+            values[own.disclination] = phase.disclination
     if len(phases) == 2:
-        values["synch_closing"] = np.column_stack([phase.closing for phase in phases])
-    return values
+        values[schema.CLOSING] = np.column_stack([phase.closing for phase in phases])
+    return {attribute.name: array for attribute, array in values.items()}
 
 
 def pattern_attributes(obj, values):
     """Write a pattern's attributes, and remove those of another pattern that it lacks."""
-    kinds = layout(1) | layout(2)
-    for name in kinds.keys() - values.keys():
-        attributes.remove_attribute(obj, name)
+    for attribute in (*schema.PATTERNS["stripes"], *schema.PATTERNS["quads"]):
+        if attribute.name not in values:
+            attributes.remove_attribute(obj, attribute.name)
     for name, array in values.items():
-        attributes.write_attribute(obj, name, *kinds[name], array)
+        attributes.write_attribute(obj, name, *schema.layout_of(name), array)
 
 
 def _defect(given, pattern, defect, face):

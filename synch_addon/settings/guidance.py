@@ -7,7 +7,6 @@ not. A name with a comma, an equals sign or a double quote goes in double quotes
 
 import math
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
@@ -17,13 +16,13 @@ import numpy as np
 from ...core.errors import SettingError
 from ...core.fields.directions import SYMMETRIES
 from ...core.fields.guidance.guides import (
-    Guide,
     axis_guide,
     curvature_guide,
     distance_guide,
     gradient_guide,
     vectors_guide,
 )
+from ...core.tasks.surfaces import PendingGuide
 from ..blender import attributes
 from ..blender import groups as blender_groups
 from ..blender.field_files import read_guide
@@ -158,34 +157,6 @@ def exact_attribute(sources):
     return None
 
 
-@dataclass(frozen=True)
-class PendingGuide:
-    """A source whose data is read, so that the guide can be computed without Blender.
-
-    Attributes
-    ----------
-    source : Source
-    compute : callable without arguments, makes the Guide
-    """
-
-    source: Source
-    compute: Callable[[], Guide]
-
-    @property
-    def weighted(self):
-        """The guide, and the share of its weights that counts.
-
-        Raises
-        ------
-        SettingError
-            naming the source, when it gives no directions
-        """
-        try:
-            return self.compute(), self.source.share
-        except SettingError as error:
-            raise SettingError(f"{self.source.label}: {error}") from None
-
-
 def read_guides(obj, given, symmetry, sources):
     """Read what sources need of the object.
 
@@ -205,7 +176,7 @@ def read_guides(obj, given, symmetry, sources):
     SettingError
         for names that do not exist, files that do not fit, and lines or crosses as guides of another symmetry
     """
-    return tuple(PendingGuide(source, _pending(obj, given, symmetry, source)) for source in sources)
+    return tuple(PendingGuide(s.label, _pending(obj, given, symmetry, s), s.share) for s in sources)
 
 
 def _pending(obj, given, symmetry, source):

@@ -14,12 +14,12 @@ from ...core.extract.layer_surfaces import layer_surfaces
 from ...core.fields.layers import SolidGrowth, solve_layers
 from ...core.geometry.tet_mesh import TetMesh
 from ...core.interpolate import TURN
-from ...core.monitor import Monitor
+from ...core.monitor import Monitor, portion
 from ...core.solve.solution import Clock
+from ...core.tasks.surfaces import COARSE_SHARE
 from ..blender import meshes
 from ..blender.vertex_maps import read_factors
-from ..jobs.jobs import portion
-from ..patterns.reading import COARSE_SHARE, LINES_ACROSS
+from ..patterns.reading import LINES_ACROSS
 from . import memory, objects
 from .carried import Carried
 from .guides import read_area, read_guide

@@ -371,13 +371,13 @@ def test_quads_around_a_ball_are_no_mesh_of_a_torus():
     assert quads.is_simple and quads.euler_characteristic == 2
     for build, refused in ((torus, True), (sphere, False)):
         mesh = meshes.read_mesh(build()).mesh
-        task = SimpleNamespace(
+        request = SimpleNamespace(
             given=SimpleNamespace(mesh=mesh, stretch=np.eye(3)),
             rows=(),
             settings=SimpleNamespace(mirror="", smoothing=0),
         )
         if refused:
             with pytest.raises(SettingError, match="a handle of it would be lost: reduce the spacing"):
-                smoothed(quads, task)
+                smoothed(quads, request)
         else:
-            assert smoothed(quads, task) is quads
+            assert smoothed(quads, request) is quads

@@ -69,7 +69,7 @@ def test_undo_of_a_second_solve_brings_back_the_first_in_memory():
     api.stripes(obj, spacing=0.7)
     step("second")
     bpy.ops.ed.undo()
-    assert made(active()) == first and memory.recall(active()).task.spacing == pytest.approx(0.4)
+    assert made(active()) == first and memory.recall(active()).request.spacing == pytest.approx(0.4)
     assert api.vary(active(), 200)["settings"]["spacing"] == pytest.approx(0.4)
 
 

@@ -1,0 +1,246 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The row of jobs that the window waits for: the first one runs, the others wait for their turn."""
+
+import time
+
+import bpy
+
+from ...core.errors import Cancelled, SynchError
+from ...core.memory import machine_bytes
+from ..blender.translations import said
+from .job import READING, solves_after_pieces
+from .worker import Worker, WorkerGone
+
+# Share of the work after which its time can be told.
+_TELLING = 0.15
+# Seconds after its last job at which the child ends, and between two looks.
+_IDLE, _LOOK = 300.0, 30.0
+# Share of the machine's memory that a solve may take where nothing is set.
+_MEMORY_SHARE = 0.8
+
+
+class Work:
+    """A job in the row.
+
+    Attributes
+    ----------
+    job : see :mod:`.job`
+    label : what it is called in the window
+    stage, fraction : how far it is
+    picture : of a first result, None as long as there is none
+    result : what was found
+    peak : MB that the solve has taken at most, None where it was not told
+    error : what stopped it, or None
+    is_over : whether it has come to its end, good or bad
+    """
+
+    def __init__(self, job, label):
+        self.job, self.label = job, label
+        self.stage, self.fraction, self.picture, self.error, self.result, self.peak = "", 0.0, None, None, None, None
+        self.is_over = self.has_begun = False
+        self.holds_window = hasattr(job, "advance")
+        self._start = time.monotonic()
+
+    def begin(self):
+        """Its turn has come."""
+        self.has_begun, self._start = True, time.monotonic()
+
+    def advance(self):
+        """Do one of its pieces, which need Blender; what goes wrong is its error."""
+        try:
+            piece = self.job.advance()
+        except BaseException as error:  # told by who waits for it
+            self.fail(error)
+            return
+        if piece is not None:
+            self.stage, self.fraction = piece[0], piece[1] * (READING if self.solves else 1.0)
+            return
+        self.holds_window = False
+        self.is_over = not self.solves
+
+    @property
+    def solves(self):
+        """Whether it solves after its pieces, if it has any."""
+        return not hasattr(self.job, "advance") or solves_after_pieces(self.job)
+
+    def hear(self, word, *rest):
+        """Take a message of the worker."""
+        if word == "progress":
+            stage, fraction = rest
+            start = READING if hasattr(self.job, "advance") else 0.0
+            self.stage, self.fraction = stage, start + (1 - start) * fraction
+        elif word == "early":
+            (self.picture,) = rest
+        elif word == "done":
+            self.result, self.peak = rest
+            self.is_over = True
+        elif word == "failed":
+            self.fail(rest[0])
+        else:
+            self.fail(RuntimeError(f"in the process that solves:\n{rest[0]}"))
+
+    def fail(self, error):
+        """It has stopped for this reason."""
+        self.error, self.is_over, self.picture, self.holds_window = error, True, None, False
+
+    @property
+    def line(self):
+        """How far it is, for the progress bar."""
+        name, comma, rest = (self.stage or ("starting" if self.has_begun else "waiting")).partition(",")
+        return f"{self.fraction:.0%}  {said(name)}{comma}{rest}"
+
+    @property
+    def times(self):
+        """Seconds that have passed, and about how many are left, once that can be told."""
+        passed = time.monotonic() - self._start
+        if self.fraction <= _TELLING:
+            return said("{passed:.0f} s", passed=passed)
+        left = passed * (1 / self.fraction - 1)
+        return said("{passed:.0f} s, about {left:.0f} s left", passed=passed, left=left)
+
+
+class Queue:
+    """Works in a row, and the worker that solves them one after the other."""
+
+    def __init__(self):
+        self.works: list[Work] = []
+        self._worker, self._asked, self._last = None, None, 0.0
+
+    @property
+    def running(self):
+        """The work whose turn it is, None where there is none."""
+        return self.works[0] if self.works else None
+
+    def add(self, job, label):
+        """Put a job at the end of the row; returns its :class:`Work`."""
+        work = Work(job, label)
+        self.works.append(work)
+        self.advance()
+        return work
+
+    def holds(self, obj):
+        """Whether a job for an object runs or waits; for None, one for no object in particular."""
+        number = None if obj is None else obj.session_uid
+        return number in [None if work.job.link is None else work.job.link.number for work in self.works]
+
+    @property
+    def holds_window(self):
+        """Whether a job runs that needs Blender's data to stay as they are."""
+        return self.running is not None and self.running.holds_window
+
+    def advance(self):
+        """Do what can be done now, which is little: a piece, or a look at what the worker says."""
+        work = self.running
+        if work is None:
+            return
+        if not work.has_begun:
+            work.begin()
+        if work.holds_window:
+            work.advance()
+        elif not work.is_over:
+            self._solve(work)
+        if work.is_over:
+            self._next(work)
+
+    def cancel(self, work):
+        """End a job, whatever it is doing, without writing."""
+        if not work.is_over:
+            work.fail(Cancelled("cancelled: nothing was changed"))
+            if hasattr(work.job, "close"):
+                work.job.close()
+        if self._asked is work:
+            self._end_worker()
+        if work in self.works:
+            self._next(work)
+
+    def stop(self):
+        """End all jobs, and the worker: the file is being closed, or the add-on taken out."""
+        for work in reversed(self.works.copy()):
+            self.cancel(work)
+        self._end_worker()
+
+    def end_when_idle(self):
+        """End a worker that has long had nothing to do; returns the seconds to the next look."""
+        if not self.works and time.monotonic() > self._last + _IDLE:
+            self._end_worker()
+        return _LOOK
+
+    def _solve(self, work):
+        try:
+            if self._asked is not work:
+                limit = _memory_limit()
+                if self._worker is not None and self._worker.limit != limit:
+                    self._end_worker()
+                if self._worker is None:
+                    self._worker = Worker(limit)
+                self._asked = work
+                self._worker.ask(work.job.request)
+            for message in self._worker.exchange():
+                work.hear(*message)
+        except SynchError as error:
+            work.fail(error)
+            if isinstance(error, WorkerGone):
+                self._worker = None
+
+    def _next(self, work):
+        self.works.remove(work)
+        self._asked, self._last = None, time.monotonic()
+        if self.running is not None:
+            self.advance()
+
+    def _end_worker(self):
+        if self._worker is not None:
+            self._worker.end()
+        self._worker = self._asked = None
+
+
+queue = Queue()
+_PACKAGE = __package__.removesuffix(".synch_addon.jobs")
+
+
+class SynchPreferences(bpy.types.AddonPreferences):
+    """What is set once for all files."""
+
+    bl_idname = _PACKAGE
+
+    memory_limit: bpy.props.IntProperty(
+        name="Memory Limit (MB)",
+        description="Memory that a solve may take before it is stopped; 0 stands for four fifths of the machine's",
+        default=0,
+        min=0,
+    )
+
+    def draw(self, context):
+        column = self.layout.column()
+        column.use_property_split = True
+        column.prop(self, "memory_limit")
+
+
+def _memory_limit():
+    """Bytes that the worker may take."""
+    addon = bpy.context.preferences.addons.get(_PACKAGE)
+    megabytes = addon.preferences.memory_limit if addon is not None and addon.preferences is not None else 0
+    return megabytes * 2**20 or int(_MEMORY_SHARE * machine_bytes())
+
+
+@bpy.app.handlers.persistent
+def _stop(*_):
+    """Another file is about to be opened: what runs is of no use any more."""
+    queue.stop()
+
+
+def _end_when_idle():
+    return queue.end_when_idle()
+
+
+def register():
+    bpy.utils.register_class(SynchPreferences)
+    bpy.app.handlers.load_pre.append(_stop)
+    bpy.app.timers.register(_end_when_idle, first_interval=_LOOK, persistent=True)
+
+
+def unregister():
+    queue.stop()
+    bpy.app.timers.unregister(_end_when_idle)
+    bpy.app.handlers.load_pre.remove(_stop)
+    bpy.utils.unregister_class(SynchPreferences)

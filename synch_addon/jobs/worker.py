@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The parent's side of the process that solves: a child of Blender's own Python, see :mod:`core.worker`.
+
+Nothing here waits and nothing runs beside Blender: what the child says is read from a pipe when it is asked for, and
+what it is told is written as fast as it reads.
+"""
+
+import os
+import subprocess
+import sys
+import time
+from collections import deque
+from pathlib import Path
+
+import bpy
+
+from ...core.errors import SynchError
+from ...core.parcels import MARK, BrokenParcel, Unpacker, packed
+from ...core.tasks import versions
+from ...core.worker import TOO_MUCH_MEMORY
+
+# Seconds that one look at the pipes takes at most, and bytes that are read at once.
+_SLICE, _CHUNK = 0.02, 1 << 20
+# Seconds that a child has to end after it has closed its pipe.
+_FAREWELL = 0.5
+# What a Blender that is the child may say of itself before its first message.
+_MOST_NOISE = 1 << 16
+# The package that holds ``core`` and ``synch_addon``, and where it is.
+_PACKAGE, _FOLDER = __package__.removesuffix(".synch_addon.jobs"), Path(__file__).parents[2]
+# The child has the package under the name that it has here, so that what is pickled there is known here, without what
+# its parents do when they are imported.
+_BEGIN = """
+import importlib, sys, types
+name, folder, limit = sys.argv[-3:]
+parts = name.split(".")
+for count in range(1, len(parts) + 1):
+    package = types.ModuleType(".".join(parts[:count]))
+    package.__path__ = [folder] if count == len(parts) else []
+    sys.modules[package.__name__] = package
+importlib.import_module(name + ".core.worker").serve(int(limit))
+"""
+
+
+class WorkerGone(SynchError):
+    """The child has ended, or is of no use any more: a new one has to be started."""
+
+
+class Worker:
+    """A child process that solves one request after the other.
+
+    Parameters
+    ----------
+    limit : bytes of memory that it may take
+
+    Attributes
+    ----------
+    is_ready : whether it has loaded all that it needs
+    """
+
+    def __init__(self, limit):
+        self.limit = limit
+        self.is_ready, self._noise, self._unpacker = False, b"", Unpacker()
+        self._outgoing: deque = deque()
+        self._child = subprocess.Popen(
+            [*_python(), _PACKAGE, str(_FOLDER), str(limit)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env=_environment(),
+            bufsize=0,
+            **_alone(),
+        )
+        self._input, self._output = self._child.stdin.fileno(), self._child.stdout.fileno()
+        if sys.platform != "win32":
+            os.set_blocking(self._input, False)
+            os.set_blocking(self._output, False)
+
+    @property
+    def number(self):
+        """The child's process number."""
+        return self._child.pid
+
+    def ask(self, request):
+        """Begin to tell it what to solve."""
+        self._unpacker.shared = request.shared
+        self._outgoing.extend(memoryview(part).cast("B") for part in packed(("solve", request)))
+
+    def exchange(self):
+        """Go on telling, and hear what it says; returns its messages, see :mod:`core.worker`.
+
+        Raises
+        ------
+        WorkerGone
+            with one line that says why
+        """
+        end, messages = time.monotonic() + _SLICE, []
+        try:
+            while self._write() + self._read(messages) and time.monotonic() < end:
+                pass
+        except BrokenParcel as error:
+            self.end()
+            raise WorkerGone(f"the process that solves said what is no message ({error}): run again") from None
+        return [message for message in messages if not self._is_greeting(message)]
+
+    def end(self):
+        """End it at once, whatever it is doing."""
+        self._child.kill()
+        self._child.wait()
+        self._child.stdin.close()
+        self._child.stdout.close()
+
+    def _write(self):
+        """Write what the child takes now; returns how much."""
+        written = 0
+        try:
+            while self._outgoing:
+                count = os.write(self._input, self._outgoing[0][:_CHUNK])
+                self._outgoing[0] = self._outgoing[0][count:]
+                if not len(self._outgoing[0]):
+                    self._outgoing.popleft()
+                written += count
+        except BlockingIOError:
+            pass
+        except OSError:  # its end is told when it is read
+            self._outgoing.clear()
+        return written
+
+    def _read(self, messages):
+        """Read what is there; returns how much."""
+        try:
+            data = os.read(self._output, _CHUNK) if _has_data(self._output) else None
+        except BlockingIOError:
+            data = None
+        if data is None:
+            return 0
+        if not data:
+            raise WorkerGone(self._last_words())
+        messages += self._unpacker.feed(self._without_noise(data))
+        return len(data)
+
+    def _without_noise(self, data):
+        if self._noise is None:
+            return data
+        self._noise += data
+        start = self._noise.find(MARK)
+        if start < 0 and len(self._noise) > _MOST_NOISE:
+            raise BrokenParcel("it does not begin as a message")
+        data = self._noise[start:] if start >= 0 else b""
+        self._noise = None if start >= 0 else self._noise
+        return data
+
+    def _is_greeting(self, message):
+        if message[0] != "ready":
+            return False
+        for name, here in versions().items():
+            there = message[1].get(name)
+            if there != here:
+                self.end()
+                raise WorkerGone(f"the process that solves has another {name} than Blender ({there}, not {here})")
+        self.is_ready = True
+        return True
+
+    def _last_words(self):
+        try:
+            status = self._child.wait(_FAREWELL)
+        except subprocess.TimeoutExpired:
+            status = "none: its pipe is closed"
+        self.end()
+        if status == TOO_MUCH_MEMORY:
+            return (
+                f"this takes more than {self.limit / 2**20:,.0f} MB of memory: use a coarser mesh, or raise the limit "
+                "in Preferences > Add-ons > Synch Fields"
+            )
+        how = f"status {status}" if isinstance(status, str) or status >= 0 else f"signal {-status}"
+        return f"the process that solves has ended ({how}): nothing was changed, run again"
+
+
+def _python():
+    """What starts a Python with a program: Blender's own, or Blender where there is none."""
+    if Path(sys.executable).stem.lower().startswith("python"):
+        return [sys.executable, "-c", _BEGIN]
+    return [bpy.app.binary_path, "--background", "--factory-startup", "--python-expr", _BEGIN, "--"]
+
+
+def _environment():
+    """Variables of the child: the modules of this process are its own, and no others."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+    folders = [folder for folder in sys.path if folder and Path(folder).exists()]
+    return kept | {"PYTHONPATH": os.pathsep.join(folders), "PYTHONNOUSERSITE": "1", "PYTHONSAFEPATH": "1"}
+
+
+def _alone():
+    """How the child is kept apart: no console, and no Ctrl-C that is meant for its parent."""
+    if sys.platform == "win32":
+        return {"creationflags": subprocess.CREATE_NO_WINDOW | subprocess.CREATE_NEW_PROCESS_GROUP}
+    return {"start_new_session": True}
+
+
+def _has_data(pipe):
+    """Whether reading from a pipe would not wait. Elsewhere than on Windows, pipes tell that themselves."""
+    if sys.platform != "win32":
+        return True
+    import ctypes
+    import msvcrt
+
+    count = ctypes.c_ulong()
+    handle = ctypes.c_void_p(msvcrt.get_osfhandle(pipe))
+    is_open = ctypes.windll.kernel32.PeekNamedPipe(handle, None, 0, None, ctypes.byref(count), None)
+    return not is_open or count.value > 0  # a closed one is read to its end

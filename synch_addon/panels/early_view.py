@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The first result of a job that goes on, drawn over its object: nothing of the scene is changed for it."""
+
+import bpy
+import gpu
+import numpy as np
+from gpu_extras.batch import batch_for_shader
+
+from ..jobs.queue import queue
+from .overlay_view import nearer
+
+_VERTEX = """
+void main()
+{
+  vec4 place = view * vec4(pos, 1.0);
+  at = place.xyz;
+  phases = phase;
+  gl_Position = projection * place;
+}
+"""
+# Lit from the eye; the lines have soft edges one pixel wide.
+_FRAGMENT = """
+void main()
+{
+  float height = cos(phases.x) * cos(phases.y);
+  float line = smoothstep(-0.5, 0.5, height / max(fwidth(height), 1e-4));
+  vec3 normal = normalize(cross(dFdx(at), dFdy(at)));
+  float light = 0.35 + 0.65 * abs(normal.z);
+  color = vec4(pow(mix(ink, paper, line) * light, vec3(0.4545)), 1.0);
+}
+"""
+_INK, _PAPER = (0.05, 0.09, 0.2), (0.87, 0.79, 0.66)
+
+
+class _View:
+    """Draws the picture of the running job, whose triangles go to the graphics card once."""
+
+    def __init__(self):
+        self._handler = self._shader = None
+        self._picture, self._batch = None, None
+
+    def register(self):
+        """Begin to draw in all 3D views."""
+        self._handler = bpy.types.SpaceView3D.draw_handler_add(self.draw, (), "WINDOW", "POST_VIEW")
+
+    def unregister(self):
+        """Draw no longer."""
+        bpy.types.SpaceView3D.draw_handler_remove(self._handler, "WINDOW")
+        self._handler = self._shader = self._picture = self._batch = None
+
+    def draw(self):
+        """Draw over the object of the running job, where that has a picture and can be seen."""
+        work, context = queue.running, bpy.context
+        picture = None if work is None else work.picture
+        if picture is None:
+            self._picture = self._batch = None
+            return
+        obj = work.job.link.present
+        if obj is not None and obj.visible_get(view_layer=context.view_layer, viewport=context.space_data):
+            region = context.region_data
+            self.draw_picture(picture, nearer(region) @ region.view_matrix @ obj.matrix_world, region.window_matrix)
+
+    def draw_picture(self, picture, view, projection):
+        """Draw a picture into the active framebuffer, hidden by what is nearer."""
+        shader = self._shader = self._shader or _shader()
+        if picture is not self._picture:
+            phases = np.zeros((len(picture.phases), 2), np.float32)
+            phases[:, : picture.phases.shape[1]] = picture.phases
+            self._batch = batch_for_shader(shader, "TRIS", {"pos": picture.places, "phase": phases})
+            self._picture = picture
+        gpu.state.depth_test_set("LESS_EQUAL")
+        shader.uniform_float("view", view)
+        shader.uniform_float("projection", projection)
+        shader.uniform_float("ink", _INK)
+        shader.uniform_float("paper", _PAPER)
+        self._batch.draw(shader)
+        gpu.state.depth_test_set("NONE")
+
+
+def _shader():
+    between = gpu.types.GPUStageInterfaceInfo("synch_early")
+    between.smooth("VEC3", "at")
+    between.smooth("VEC2", "phases")
+    info = gpu.types.GPUShaderCreateInfo()
+    for kind, name in (("MAT4", "view"), ("MAT4", "projection"), ("VEC3", "ink"), ("VEC3", "paper")):
+        info.push_constant(kind, name)
+    info.vertex_in(0, "VEC3", "pos")
+    info.vertex_in(1, "VEC2", "phase")
+    info.vertex_out(between)
+    info.fragment_out(0, "VEC4", "color")
+    info.vertex_source(_VERTEX)
+    info.fragment_source(_FRAGMENT)
+    return gpu.shader.create_from_info(info)
+
+
+view = _View()
+register, unregister = view.register, view.unregister
