@@ -69,7 +69,7 @@ class Options:
         projections (Eq. 29); "polish", the best of those followed by descent; "continuation", the default,
         with rounds of a seeded continuation before
     target_gap : relative gap between the relaxation's value and its lower bound at which "sdp" stops, in (0, 1); it
-        says nothing of what rounding adds. Digits beyond about 1e-12 drown in rounding: the status then says so
+        says nothing of what rounding adds. Below about 1e-11 rounding hides it: the status then says so
     samples : random projections tried, at least 1; not for the rounding "svd"
     seed : of every random choice, 0 or more; the same seed gives the same result to the last digit
     time_limit : seconds after which the best so far is returned, with the status ``TIME_LIMIT``; None for no limit

@@ -3,6 +3,7 @@
 
 from dataclasses import dataclass, replace
 from functools import partial
+from operator import attrgetter
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from ..errors import SettingError
 from ..monitor import Monitor, OutOfTime
 from . import rounding
 from .diffusion import diffuse
-from .solution import DESCENT, METHODS, ROUNDINGS, Clock, Options, Solution, Status, relative_gap
+from .solution import DESCENT, METHODS, ROUNDINGS, Certificate, Clock, Options, Solution, Status, relative_gap
 from .spectral import smallest_eigenpair
 from .spheres import candidates, random_columns
 from .stage import Workspace
@@ -30,7 +31,7 @@ class _PieceResult:
     fields: np.ndarray
     bound: float = 0.0
     sdp_value: float = 0.0
-    certificate: str = "none"
+    certificate: Certificate = Certificate.NONE
     status: Status = Status.UNCERTIFIED
     lifted: np.ndarray | None = None
     singular_values: np.ndarray | None = None
@@ -181,7 +182,7 @@ def _without_search(piece, options, status, start):
         piece,
         column,
         sdp_value=float(piece.energy(column)[0]),
-        certificate="none" if status is Status.TIME_LIMIT else "proved",
+        certificate=Certificate.NONE if status is Status.TIME_LIMIT else Certificate.PROVED,
         status=status,
         lifted=column if options.method == "sdp" else None,
         singular_values=np.linalg.norm(column, axis=0),
@@ -212,7 +213,12 @@ def _solve_spectral(piece, options, monitor, clock):
         eigenvalue, vector = monitor.during(partial(smallest_eigenpair, piece, options.seed))
     bound = eigenvalue * piece.mass.sum()
     return _finished(
-        piece, vector[:, None], bound=bound, spectral_bound=bound, certificate="estimated", status=Status.UNCERTIFIED
+        piece,
+        vector[:, None],
+        bound=bound,
+        spectral_bound=bound,
+        certificate=Certificate.ESTIMATED,
+        status=Status.UNCERTIFIED,
     )
 
 
@@ -234,7 +240,7 @@ def _solve_diffusion(workspace, options, monitor, clock):
         columns = rounding.polish(stage, columns, metric, monitor)
         columns = np.hstack([rounding.finish(workspace, columns[:, :1], metric, monitor), columns[:, 1:]])
     return _finished(
-        piece, columns, bound=bound, spectral_bound=bound, certificate="estimated", status=Status.UNCERTIFIED
+        piece, columns, bound=bound, spectral_bound=bound, certificate=Certificate.ESTIMATED, status=Status.UNCERTIFIED
     )
 
 
@@ -246,7 +252,7 @@ def _solve_descent(workspace, monitor, clock, start):
         density = float(piece.energy(start)[0]) / piece.mass.sum()
         metric = monitor.during(partial(workspace.stages[0].candidate_metric, rounding.SHIFT * density))
         column = rounding.finish(workspace, start, metric, monitor)
-    return _finished(piece, column, certificate="none", status=Status.UNCERTIFIED)
+    return _finished(piece, column, certificate=Certificate.NONE, status=Status.UNCERTIFIED)
 
 
 def _solve_sdp(workspace, options, monitor, clock, start):
@@ -259,7 +265,7 @@ def _solve_sdp(workspace, options, monitor, clock, start):
     if relaxation.out_of_time or timed_out:
         status = Status.TIME_LIMIT
     elif relaxation.reached:
-        status = Status.CERTIFIED if relaxation.certificate == "proved" else Status.ESTIMATED
+        status = Status.CERTIFIED if relaxation.certificate is Certificate.PROVED else Status.ESTIMATED
     else:
         status = Status.MAX_RANK if relaxation.lifted.shape[1] >= MAX_RANK else Status.TARGET_GAP_NOT_REACHED
     result = _finished(
@@ -325,9 +331,7 @@ def _combine(problem, pieces, results, options, times):
         for piece, result in zip(pieces, results, strict=True):
             coordinates[piece.rows] = result.fields[:, min(number, result.fields.shape[1] - 1)]
         variations.append(problem.expand(coordinates))
-    order = list(Status)
     is_sdp = options.method == "sdp"
-    kinds = {r.certificate for r in results} or {"proved"}
     largest = max(range(len(pieces)), key=lambda k: pieces[k].node_count, default=None)
     default_status = Status.CERTIFIED if is_sdp else Status.UNCERTIFIED
     return Solution(
@@ -336,8 +340,8 @@ def _combine(problem, pieces, results, options, times):
         lower_bound=sum(r.bound for r in results),
         sdp_value=sum(r.sdp_value for r in results) if is_sdp else None,
         noise=sum(piece.perfect for piece in pieces),
-        certificate=next(kind for kind in ("none", "estimated", "proved") if kind in kinds),
-        status=max((r.status for r in results), key=order.index, default=default_status),
+        certificate=min((r.certificate for r in results), key=attrgetter("strength"), default=Certificate.PROVED),
+        status=max((r.status for r in results), key=attrgetter("severity"), default=default_status),
         rank=rank,
         singular_values=np.empty(0) if largest is None else results[largest].singular_values,
         lifted=lifted if rank else None,

@@ -15,6 +15,7 @@ import numpy as np
 from ..monitor import OutOfTime
 from .certificate import depth_for_bound, lower_bound, measure_slack, provable_width, prove
 from .descent import descend, rounding_noise
+from .solution import Certificate
 from .spheres import random_columns
 from .stage import SHIFT
 
@@ -44,15 +45,15 @@ COARSE_TOLERANCE = 3e-3
 class Relaxation:
     """A solution of the relaxation (22) with its bound.
 
-    ``lifted`` is (N, r) in principal columns, singular values descending; ``certificate`` is "proved" or
-    "estimated"; ``reached`` tells whether the target gap was.
+    ``lifted`` is (N, r) in principal columns, singular values descending; ``certificate`` is that of the bound;
+    ``reached`` tells whether the target gap was.
     """
 
     lifted: np.ndarray
     singular_values: np.ndarray
     value: float
     lower_bound: float
-    certificate: str
+    certificate: Certificate
     reached: bool
     out_of_time: bool
     steps: int
@@ -82,7 +83,7 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
         else:
             point = lifted.normalize(start)
         shift = stage.shift_at(point)
-    best_bound, certificate = 0.0, "proved"
+    best_bound, certificate = 0.0, Certificate.PROVED
     reached = out_of_time = precise = False
     memory: list[tuple] = []
     provable = width is not None
@@ -112,7 +113,11 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
                 duals = lifted.multipliers(point, image)
                 allowed = depth_for_bound(piece, shift, duals, value * (1 - 0.95 * target_gap))
                 if provable and monitor.during(partial(prove, piece, shift, duals, allowed, width)):
-                    best_bound, certificate, reached = lower_bound(piece, shift, duals, allowed), "proved", True
+                    best_bound, certificate, reached = (
+                        lower_bound(piece, shift, duals, allowed),
+                        Certificate.PROVED,
+                        True,
+                    )
                     break
                 if provable and attempt == 0:
                     continue  # most often a closer point is all that is missing
@@ -120,7 +125,7 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
                 slack = measure_slack(workspace, shift, metric, point, duals, random, monitor, enough)
                 bound = lower_bound(piece, shift, duals, max(slack.depth, 0.0) + slack.error)
             if bound > best_bound:
-                best_bound, certificate = bound, "estimated"
+                best_bound, certificate = bound, Certificate.ESTIMATED
             if not provable and value - best_bound <= target_gap * value:
                 reached = True
                 break
@@ -134,7 +139,7 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
             with clock("certify"):
                 proved = _weaker_proof(piece, shift, duals, value, target_gap, width, monitor)
             if proved is not None:
-                best_bound, certificate = proved, "proved"
+                best_bound, certificate = proved, Certificate.PROVED
     except OutOfTime:
         out_of_time = True
     principal, singular_values = _principal(point)

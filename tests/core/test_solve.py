@@ -2,8 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a caller of solve() relies on: reproducible, additive over pieces, stoppable, with every method and rounding."""
 
+import json
+import pickle
 import time
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -12,7 +15,7 @@ from synch_fields.core.connection import Connection
 from synch_fields.core.errors import Cancelled, SettingError
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.problem import SynchronizationProblem
-from synch_fields.core.solve import METHODS, Options, Status, solve
+from synch_fields.core.solve import METHODS, Certificate, Options, Status, solve, solver
 from synch_fields.core.solve.solution import ROUNDINGS
 
 from .graphs import KINDS, random_connection, random_values
@@ -246,3 +249,32 @@ def test_options_out_of_range_are_refused(change, word):
     with pytest.raises(SettingError, match=word) as caught:
         solve(direction_problem(icosphere(1), 1), replace(Options(), **change))
     assert ": " in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_pieces_have_the_weakest_certificate_and_the_most_severe_status(monkeypatch):
+    """Whatever order the kinds are declared in, and whichever piece comes first."""
+    weakest_first = [Certificate.NONE, Certificate.ESTIMATED, Certificate.PROVED]
+    mildest_first = [
+        Status.CERTIFIED,
+        Status.ESTIMATED,
+        Status.TARGET_GAP_NOT_REACHED,
+        Status.MAX_RANK,
+        Status.TIME_LIMIT,
+        Status.UNCERTIFIED,
+    ]
+    assert set(weakest_first) == set(Certificate) and set(mildest_first) == set(Status)
+    solved, given = solver._solve_piece, iter(())
+    monkeypatch.setattr(solver, "_solve_piece", lambda *arguments: replace(solved(*arguments), **next(given)))
+    problem = direction_problem(together(cube(1), cube(1)), 1)
+    for name, ranked in (("certificate", weakest_first), ("status", mildest_first[::-1])):
+        for first, second in combinations(ranked, 2):
+            for pair in ((first, second), (second, first)):
+                given = iter([{name: kind} for kind in pair])
+                assert getattr(solve(problem, Options(rounding="svd")), name) is first
+
+
+def test_reports_say_certificates_and_statuses_in_words():
+    solution = solve(direction_problem(cube(2), 2))
+    assert json.dumps([solution.certificate, solution.status.value]) == '["proved", "certified"]'
+    assert f"{solution.certificate}" == "proved" and Status("certified") is Status.CERTIFIED
+    assert pickle.loads(pickle.dumps(solution)).certificate is Certificate.PROVED
