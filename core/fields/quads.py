@@ -14,10 +14,10 @@ def quad_problem(mesh, field, spacing, rows=(), mirrors=()):
     return pattern_problem(mesh, field, spacing, rows, mirrors)
 
 
-def quad_pattern(mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None, **frame):
+def quad_pattern(mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None, before=None, hold=0.0):
     """Quads along a cross field; arguments as :func:`solve_pattern`."""
     _check_symmetry(field)
-    return solve_pattern(mesh, field, spacing, rows, mirrors, options, callback, **frame)
+    return solve_pattern(mesh, field, spacing, rows, mirrors, options, callback, before, hold)
 
 
 def _check_symmetry(field):

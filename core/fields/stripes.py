@@ -11,10 +11,10 @@ def stripe_problem(mesh, field, spacing, rows=(), mirrors=()):
     return pattern_problem(mesh, field, spacing, rows, mirrors)
 
 
-def stripe_pattern(mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None, **frame):
+def stripe_pattern(mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None, before=None, hold=0.0):
     """Stripes along a vector or line field; arguments as :func:`solve_pattern`."""
     _check_symmetry(field)
-    return solve_pattern(mesh, field, spacing, rows, mirrors, options, callback, **frame)
+    return solve_pattern(mesh, field, spacing, rows, mirrors, options, callback, before, hold)
 
 
 def _check_symmetry(field):
