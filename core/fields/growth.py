@@ -17,6 +17,8 @@ from ..interpolate import EdgePhases
 from ..sheets import after_turns, matchings
 
 AXES = "XYZ"
+# More than this share of the edges that turn the phase by more than half a period are too many.
+COARSE_SHARE = 0.05
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from ..fields import (
     stripe_pattern,
 )
 from ..fields.directions import SYMMETRIES
-from ..fields.growth import Growth
+from ..fields.growth import COARSE_SHARE, Growth
 from ..fields.mirror import Mirror
 from ..geometry.mesh_input import MeshInput
 from ..monitor import Monitor, portion
@@ -32,8 +32,6 @@ from ..solve.solution import Clock
 
 # What a command solves along its directions; "directions" stops before.
 PATTERNS = {"stripes": stripe_pattern, "quads": quad_pattern, "quad_mesh": quad_pattern}
-# Warn when more than this share of the edges turn the phase by more than half a period.
-COARSE_SHARE = 0.05
 # Vertices from which on a first, spectral result is worth its time, a fifth to a third of all.
 EARLY_FROM = 20_000
 
