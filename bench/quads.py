@@ -27,7 +27,7 @@ from synch_fields.core.fields.growth import Growth
 from synch_fields.core.solve import Options
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import attributes, files, meshes
-from synch_fields.synch_addon.blender.bvh import nearest, surface_tree
+from synch_fields.synch_addon.blender.bvh import surface_tree
 from synch_fields.synch_addon.blender.quiet import quiet_stdout
 
 # Periods along the longest side.
@@ -205,9 +205,10 @@ def distance(quads, given):
     middles = np.array([quads.vertices[corner].mean(axis=0) for corner in corners])
     ours = np.concatenate([quads.vertices, middles])
     theirs = given.vertices[np.unique(given.triangles)]
-    there = nearest(surface_tree(given.vertices, given.triangles), ours)[0] - ours
-    back = nearest(surface_tree(quads.vertices, corners), theirs)[0] - theirs
-    return max(np.linalg.norm(there, axis=1).max(), np.linalg.norm(back, axis=1).max())
+    there, back = surface_tree(given.vertices, given.triangles), surface_tree(quads.vertices, corners)
+    return max(
+        tree.find_nearest(point)[3] for tree, points in ((there, ours), (back, theirs)) for point in points.tolist()
+    )
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ from synch_fields.core.extract.layer_surfaces import layer_surfaces
 from synch_fields.core.fields.guidance.potentials import harmonic_function
 from synch_fields.core.fields.guidance.solids import gradient_directions
 from synch_fields.core.fields.layers import LayerPattern, SolidGrowth, solve_layers
-from synch_fields.core.geometry.filling.surface_distance import nearest_in_triangles
+from synch_fields.core.geometry.nearest import nearest_in_triangles
 from synch_fields.core.solve import Options
 
 # Size of the stuffed bunny's lattice, whose surface has an area of 1.

@@ -10,9 +10,8 @@ from scipy.spatial import cKDTree
 from ...core.errors import SettingError
 from ...core.fields.guidance.potentials import extended
 from ...core.fields.layers import LayerGroup
-from ...core.geometry.filling.surface_distance import nearest_in_triangles
+from ...core.geometry.nearest import NearestTriangles, nearest_in_triangles
 from ...core.geometry.tet_mesh import TetMesh
-from ..blender.bvh import nearest, surface_tree
 from .surface import Surface
 
 # Vertices of the solid this near to a group's faces lie on them, as a share of the surface's size: stuffing puts them
@@ -76,7 +75,7 @@ class Carried:
         triangles = self.solid.boundary_triangles
         triangles = triangles[self._lies_on(area)[triangles].all(axis=1)]
         # Between vertices of the area there may be other faces.
-        under = self.surface.nearest(self.solid.vertices[triangles].mean(axis=1))
+        under = self.surface.distance.nearest(self.solid.vertices[triangles].mean(axis=1))
         triangles = triangles[np.isin(under, area.triangles)]
         if len(triangles) == 0:
             raise SettingError(
@@ -114,7 +113,7 @@ class Carried:
         """(n,) bool, whether vertices of the solid's boundary lie on an :class:`Area`."""
         mesh, boundary = self.surface.mesh, np.flatnonzero(self.solid.boundary_vertices)
         marked, points = mesh.triangles[area.triangles], self.solid.vertices[boundary]
-        _, found = nearest(surface_tree(mesh.vertices, marked), points)
+        _, found = NearestTriangles(mesh.vertices, marked).nearest(points)
         corners = mesh.vertices[marked[found]]
         shares = nearest_in_triangles(points, np.moveaxis(corners, 1, 0))
         apart = np.linalg.norm(points - np.einsum("pc,pcx->px", shares, corners), axis=1)
@@ -141,5 +140,5 @@ class Carried:
     def _places(self):
         """(b,) triangles of the surface nearest to the boundary's vertices, and (b, 3) weights of their corners."""
         mesh, points = self.surface.mesh, self.solid.vertices[self.solid.boundary_vertices]
-        triangles = self.surface.nearest(points)
+        triangles = self.surface.distance.nearest(points)
         return triangles, nearest_in_triangles(points, np.moveaxis(mesh.vertices[mesh.triangles[triangles]], 1, 0))

@@ -14,10 +14,10 @@ from ...core.fields.guidance.solids import (
 )
 from ...core.geometry import TriangleMesh
 from ...core.geometry.check import check_mesh
-from ...core.geometry.filling.surface_distance import nearest_in_triangles, normals_at
+from ...core.geometry.filling.surface_distance import normals_at
+from ...core.geometry.nearest import NearestTriangles, nearest_in_triangles
 from ..blender import attributes
 from ..blender import groups as blender_groups
-from ..blender.bvh import nearest, surface_tree
 from ..blender.strokes import SOURCE_TYPES, polylines
 from ..settings.guidance import AXES, BOUNDARY
 from .carried import Area
@@ -158,7 +158,7 @@ def away_from(base, points):
     base : TriangleMesh, open or closed
     points : (k, 3)
     """
-    _, found = nearest(surface_tree(base.vertices, base.triangles), points)
+    _, found = NearestTriangles(base.vertices, base.triangles).nearest(points)
     corners = base.vertices[base.triangles[found]]
     shares = nearest_in_triangles(points, np.moveaxis(corners, 1, 0))
     offsets = points - np.einsum("pc,pcx->px", shares, corners)

@@ -11,8 +11,8 @@ from mathutils import Matrix
 
 from ...core.errors import SynchError
 from ...core.geometry import mesh_input
+from ...core.geometry.nearest import NearestTriangles
 from ..blender import attributes, meshes
-from ..blender.bvh import nearest, surface_tree
 from ..blender.defect_empties import KINDS, Defect, write_defects
 from ..nodes.layers import curve_material, layer_material
 from ..nodes.materials import pattern_material
@@ -60,7 +60,7 @@ def _ends(layering):
     ]
     if not ends:
         return []
-    _, faces = nearest(surface_tree(surfaces.vertices, surfaces.triangles), np.array([end[0] for end in ends]))
+    _, faces = NearestTriangles(surfaces.vertices, surfaces.triangles).nearest([end[0] for end in ends])
     rows = np.searchsorted(solid.boundary_faces, [end[1] for end in ends])
     a, b, c = np.moveaxis(solid.vertices[solid.boundary_triangles[rows]], 1, 0)
     normals = np.cross(b - a, c - a)

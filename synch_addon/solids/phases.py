@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.geometry import TriangleMesh
-from ...core.geometry.filling.surface_distance import nearest_in_triangles
+from ...core.geometry.nearest import NearestTriangles, nearest_in_triangles
 from ...core.interpolate import EdgePhases
 from ...core.interpolate_solid import evaluate_in_tets
-from ..blender.bvh import nearest, surface_tree
 from ..patterns.reading import COARSE_SHARE
 
 
@@ -48,7 +47,7 @@ def _on_surface(mesh, pattern, growth):
     """EdgePhases at the surface's own vertices: the solid's at the nearest place, and from there as the growth asks."""
     solid = pattern.mesh
     boundary, source = solid.boundary_surface
-    places, found = nearest(surface_tree(boundary.vertices, boundary.triangles), mesh.vertices)
+    _, found = NearestTriangles(boundary.vertices, boundary.triangles).nearest(mesh.vertices)
     corners = source[boundary.triangles[found]]
     shares = nearest_in_triangles(mesh.vertices, np.moveaxis(solid.vertices[corners], 1, 0))
     places = np.einsum("pc,pcx->px", shares, solid.vertices[corners])

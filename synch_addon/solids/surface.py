@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Solids of mesh objects: a closed surface filled with tetrahedra, and what was solved in it."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -17,7 +16,7 @@ from ...core.geometry.filling.stuffing import MOST_CUBES, estimated_bytes, estim
 from ...core.geometry.filling.surface_distance import SurfaceDistance
 from ...core.geometry.tet_mesh import TetMesh
 from ..blender import meshes
-from ..blender.bvh import nearest, surface_tree
+from ..blender.bvh import surface_tree
 
 # A solid has about so many tetrahedra where no size is given.
 AUTOMATIC_TETS = 100_000
@@ -80,12 +79,10 @@ class Surface:
     ----------
     given : MeshInput
     distance : SurfaceDistance to it, in scene units along the object's axes
-    nearest : callable, (k, 3) points -> (k,) its nearest triangles
     """
 
     given: mesh_input.MeshInput
     distance: SurfaceDistance
-    nearest: Callable
 
     @property
     def mesh(self):
@@ -98,7 +95,7 @@ class Surface:
 
     def filled(self, size, labels=None):
         """The TetMesh inside, its edges as long as a size, with the surface's sharp edges and where labels change."""
-        return sharpened(stuffed(self.distance, self.distance.bounds, size), self.mesh, self.nearest, labels)
+        return sharpened(stuffed(self.distance, self.distance.bounds, size), self.mesh, self.distance.nearest, labels)
 
     def lost_share(self, solid):
         """Share of the volume that a solid does not have."""
@@ -115,21 +112,17 @@ def read_surface(obj):
     """
     given = meshes.read_mesh(obj)
     mesh = given.mesh
-    tree = surface_tree(mesh.vertices, mesh.triangles)
-
-    def nearest_triangles(points):
-        return nearest(tree, points)[1]
-
-    distance = SurfaceDistance(mesh, nearest_triangles)
-    _refuse_crossings(given, tree)
+    distance = SurfaceDistance(mesh)
+    _refuse_crossings(given)
     if distance.volume <= 1e-9 * float(np.ptp(distance.bounds, axis=0).max()) ** 3:
         raise MeshError(f"{obj.name} encloses no volume: give it thickness, with Solidify for instance")
-    return Surface(given, distance, nearest_triangles)
+    return Surface(given, distance)
 
 
-def _refuse_crossings(given, tree):
+def _refuse_crossings(given):
     """Refuse faces that meet others without sharing a vertex with them."""
     triangles = given.mesh.triangles
+    tree = surface_tree(given.mesh.vertices, triangles)
     pairs = np.array(tree.overlap(tree), int).reshape(-1, 2)
     apart = (triangles[pairs[:, 0], :, None] != triangles[pairs[:, 1], None, :]).all(axis=(1, 2))
     met = np.unique(pairs[apart])

@@ -9,7 +9,8 @@ from scipy.spatial.transform import Rotation
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.filling.features import corners_of, sharp_edges, sharpened, smooth_regions
 from synch_fields.core.geometry.filling.stuffing import DIHEDRAL_BOUNDS, stuffed
-from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance, nearest_in_triangles
+from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
+from synch_fields.core.geometry.nearest import nearest_in_triangles
 
 from .meshes import cube, icosphere
 from .solids import dihedral_angles, enclosed_volume

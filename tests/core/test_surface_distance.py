@@ -7,7 +7,8 @@ import pytest
 
 from synch_fields.core.errors import MeshError
 from synch_fields.core.geometry import TriangleMesh
-from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance, nearest_in_triangles
+from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
+from synch_fields.core.geometry.nearest import nearest_in_triangles
 
 from .meshes import CLOSED, bent_square, cube, icosphere, octahedron, together
 from .solids import box_distance, shell
