@@ -9,13 +9,13 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields.guidance.curvature import principal_directions
+from synch_fields.core.fields.guidance.fronts import front_distance
 from synch_fields.core.fields.guidance.guides import (
     Guide,
     axis_guide,
     blended,
     curvature_guide,
     distance_guide,
-    geodesic_distance,
     gradient_guide,
     vectors_guide,
 )
@@ -292,12 +292,15 @@ ONE = Guide(np.zeros(16), np.ones(16))
             lambda: vectors_guide(MESH, np.tile([0, 0, 1.0], (16, 1))),
             "every guidance vector is zero or points",
         ),
-        (lambda: distance_guide(MESH, np.zeros(16)), "no vertex with a face is among the sources: add at least one"),
-        (lambda: distance_guide(MESH, np.ones(16)), "every vertex is at distance 0: leave at least one out"),
-        (lambda: geodesic_distance(MESH, np.ones(3)), "shape (3,) and the mesh has 16 vertices: give one truth value"),
         (
-            lambda: geodesic_distance(together(MESH, loose=1), np.arange(17) == 16),
-            "no vertex with a face is among the sources",
+            lambda: distance_guide(MESH, np.zeros(16)),
+            "no vertex with a face is in the group of sources: add",
+        ),
+        (lambda: distance_guide(MESH, np.ones(16)), "every vertex is at distance 0: leave at least one out"),
+        (lambda: front_distance(MESH, np.ones(3)), "shape (3,) and the mesh has 16 vertices: give one truth value"),
+        (
+            lambda: front_distance(together(MESH, loose=1), np.arange(17) == 16),
+            "no vertex with a face is in the group of sources",
         ),
         (lambda: blended([], [], 2), "there are no guides to blend: give at least one"),
         (lambda: blended([ONE], [1, 2], 2), "the shares [1.0, 2.0] do not fit 1 guides: give each a finite number"),

@@ -226,7 +226,7 @@ def test_two_curves_share_the_solid():
     [
         (lambda m, none: harmonic_function(m, none, ~none), "low group"),
         (lambda m, none: harmonic_function(m, ~none, ~none), "both groups"),
-        (lambda m, none: harmonic_function(m, none[:3], ~none), "3 values"),
+        (lambda m, none: harmonic_function(m, none[:3], ~none), "shape"),
         (lambda m, none: solid_distance(m, none), "sources"),
         (lambda m, none: solid_distance(m, none[:3]), "shape"),
         (lambda m, none: gradient_directions(m, np.full(len(none), 3.3)), "same all over"),

@@ -12,7 +12,7 @@ import numpy as np
 from ...errors import SettingError, name_elements
 from .curvature import principal_directions
 from .face_directions import face_gradients, half_edges, summed_at_vertices
-from .geodesics import geodesic_distance
+from .fronts import front_distance
 
 # Where a gradient is weaker than this share of its mean over the surface, its direction counts for less.
 FAINT = 0.1
@@ -145,7 +145,7 @@ def distance_guide(mesh, sources, contour=False):
     SettingError
         for a set that is empty, of another length, or of all vertices
     """
-    distances = np.nan_to_num(geodesic_distance(mesh, sources))
+    distances = np.nan_to_num(front_distance(mesh, sources))
     guide = _slope_guide(mesh, distances[mesh.triangles], contour)
     if not guide.weights.any():
         raise SettingError("every vertex is at distance 0: leave at least one out of the group of sources")

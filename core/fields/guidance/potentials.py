@@ -8,6 +8,7 @@ from scipy.sparse.linalg import LinearOperator, cg
 from ...algebra.factorization import factorize
 from ...algebra.metric import Hierarchy, definite_metric
 from ...errors import SettingError, SynchError, name_elements
+from .fronts import chosen_vertices
 
 # In solids the time of a factorization grows with the square of the unknowns: from here on, multigrid is faster.
 LARGEST_FACTORIZED = 3000
@@ -33,7 +34,7 @@ def harmonic_function(mesh, low, high):
     SettingError
         for sets that are empty or overlap
     """
-    low, high = _set_of(mesh, low, "low"), _set_of(mesh, high, "high")
+    low, high = chosen_vertices(mesh, low, "low group"), chosen_vertices(mesh, high, "high group")
     both = np.flatnonzero(low & high)
     if len(both):
         raise SettingError(
@@ -122,16 +123,3 @@ def _solved(mesh, matrix, nodes, right):
                 "remove its flattest tetrahedra, or make it anew at another resolution"
             )
     return result.reshape(right.shape)
-
-
-def _set_of(mesh, chosen, name):
-    chosen = np.array(chosen, bool)
-    if chosen.shape != (mesh.vertex_count,):
-        raise SettingError(
-            f"the {name} group has {chosen.size} values and the solid {mesh.vertex_count} vertices: "
-            "give each a truth value"
-        )
-    chosen[mesh.loose_vertices] = False
-    if not chosen.any():
-        raise SettingError(f"no vertex of a tetrahedron is in the {name} group: add at least one")
-    return chosen

@@ -6,9 +6,8 @@ from functools import partial
 
 import numpy as np
 
-from ...errors import SettingError
 from ...interpolate_solid import FACE_CORNERS
-from .fronts import UNKNOWN, along, dot, propagated
+from .fronts import UNKNOWN, along, chosen_vertices, dot, propagated
 
 
 def solid_distance(mesh, sources):
@@ -28,15 +27,7 @@ def solid_distance(mesh, sources):
     SettingError
         for a set that is empty or of another length
     """
-    sources = np.array(sources, bool)
-    if sources.shape != (mesh.vertex_count,):
-        raise SettingError(
-            f"the sources have the shape {sources.shape} and the solid has {mesh.vertex_count} vertices: "
-            "give one truth value to each vertex"
-        )
-    sources[mesh.loose_vertices] = False
-    if not sources.any():
-        raise SettingError("no vertex of a tetrahedron is among the sources: add at least one to the group")
+    sources = chosen_vertices(mesh, sources, "group of sources")
     arrivals = partial(_arrivals, mesh)
     return propagated(mesh.tets, mesh.edges, mesh.edge_lengths.mean(), sources, arrivals)
 
