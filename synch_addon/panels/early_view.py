@@ -20,6 +20,8 @@ void main()
 """
 # Lit from the eye; the lines have soft edges one pixel wide.
 _FRAGMENT = """
+const vec3 ink = vec3(0.05, 0.09, 0.2), paper = vec3(0.87, 0.79, 0.66);
+
 void main()
 {
   float height = cos(phases.x) * cos(phases.y);
@@ -29,7 +31,6 @@ void main()
   color = vec4(pow(mix(ink, paper, line) * light, vec3(0.4545)), 1.0);
 }
 """
-_INK, _PAPER = (0.05, 0.09, 0.2), (0.87, 0.79, 0.66)
 
 
 class _View:
@@ -71,8 +72,6 @@ class _View:
         gpu.state.depth_test_set("LESS_EQUAL")
         shader.uniform_float("view", view)
         shader.uniform_float("projection", projection)
-        shader.uniform_float("ink", _INK)
-        shader.uniform_float("paper", _PAPER)
         self._batch.draw(shader)
         gpu.state.depth_test_set("NONE")
 
@@ -82,8 +81,8 @@ def _shader():
     between.smooth("VEC3", "at")
     between.smooth("VEC2", "phases")
     info = gpu.types.GPUShaderCreateInfo()
-    for kind, name in (("MAT4", "view"), ("MAT4", "projection"), ("VEC3", "ink"), ("VEC3", "paper")):
-        info.push_constant(kind, name)
+    info.push_constant("MAT4", "view")
+    info.push_constant("MAT4", "projection")
     info.vertex_in(0, "VEC3", "pos")
     info.vertex_in(1, "VEC2", "phase")
     info.vertex_out(between)
