@@ -25,12 +25,14 @@ SMALLEST_SHIFT = 1e-6
 # Nodes of the smallest level, which is factorized, and the ratio of sizes that stops coarsening.
 SMALLEST_LEVEL = 200
 STAGNATION = 0.7
-# Damped Jacobi smoothing: the part of the spectrum that it damps evenly, below the largest eigenvalue. One step
+# Damped Jacobi smoothing: the part of the spectrum that it damps evenly, below the largest eigenvalue; 0.15 does as
+# well for the relaxation, 0.5 takes 6 % more products (measured as in :mod:`core.solve.staircase`). One step
 # before and after is faster in all than Chebyshev polynomials of degree 2 or 3, which save few steps.
 SMOOTHED_PART = 0.3
 POWER_STEPS = 10
 SAFETY = 1.1
-# How much longer than in a cycle the Jacobi step is that is added to the coarser levels' part.
+# How much longer than in a cycle the Jacobi step is that is added to the coarser levels' part: at half of it the
+# relaxation takes 21 % more products, at twice of it 64 %.
 ADDED_STEP = 1.5
 
 

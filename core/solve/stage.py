@@ -10,9 +10,10 @@ from ..algebra.metric import SMALLEST_SHIFT, Hierarchy, Metric, definite_metric
 from ..algebra.products import SharedRows
 from .spheres import Lifted, candidates
 
-# Shift of the metric of lifted fields as a share of the mean energy per mass.
+# Shift of the metric of lifted fields as a share of the mean energy per mass. Halved or doubled, the products L Y to a
+# gap change by less than 4 % (measured as in :mod:`.staircase`).
 SHIFT = 0.1
-# The part of the multipliers that is taken off.
+# The part of the multipliers that is taken off: with none 6 % more products, with 0.6 as many.
 TAKEN_OFF = 0.4
 
 
