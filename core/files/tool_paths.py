@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Paths of a tool as text: a table with a row for each point, or polylines as .obj files have them.
+
+Closed paths come back to their first point.
+"""
+
+import numpy as np
+
+
+def table_of(lines, layers, points, normals):
+    """Text of a .csv file: layer, path, place and normal of each point.
+
+    Parameters
+    ----------
+    lines : Isolines
+    layers : (l,) the layer of each line
+    points, normals : (n, 3) of the lines' points
+    """
+    rows = ["layer,path,x,y,z,nx,ny,nz"]
+    for number, (layer, run) in enumerate(zip(layers, _runs(lines), strict=True)):
+        for values in np.hstack([points[run], normals[run]]):
+            rows.append(f"{layer},{number}," + ",".join(f"{value:.9g}" for value in values))
+    return "\n".join(rows) + "\n"
+
+
+def polylines_of(lines, layers, points, normals):
+    """Text of an .obj file, an object for each layer; parameters as :func:`table_of`, normals are left out."""
+    rows, before = [], None
+    rows += ["v " + " ".join(f"{value:.9g}" for value in point) for point in points]
+    for layer, run in zip(layers, _runs(lines), strict=True):
+        if layer != before:
+            rows.append(f"o layer_{layer:03d}")
+            before = layer
+        rows.append("l " + " ".join(map(str, run + 1)))
+    return "\n".join(rows) + "\n"
+
+
+def _runs(lines):
+    """Points of each line, the first one again where it is closed."""
+    for start, size, closed in zip(lines.starts, lines.sizes, lines.closed, strict=True):
+        run = np.arange(start, start + size)
+        yield np.append(run, start) if closed else run
+
+
+WRITERS = {".csv": table_of, ".obj": polylines_of}

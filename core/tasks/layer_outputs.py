@@ -1,0 +1,226 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is made of solved layers: paths for a tool, and a grid of the pattern."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import SettingError
+from ..extract.defect_curves import DefectCurve
+from ..extract.isolines import Isolines
+from ..extract.layer_surfaces import LayerSurfaces
+from ..extract.toolpaths import rim_distances, toolpaths
+from ..extract.voxels import points_inside
+from ..fields.layers import LayerPattern
+from ..geometry.tet_mesh import TetMesh
+from ..interpolate_solid import TetPhases, evaluate_in_tets
+from ..keywords import check_choice
+from ..monitor import Monitor
+
+FILLS = ("contour", "across-x", "across-y", "across-z")
+# Points of a path closer than this are one, in steps.
+_SAME = 1e-4
+# A microsecond and four bytes each.
+MOST_VOXELS = 50_000_000
+# Outside of the solid; half way between layers inside.
+NOTHING, _LEAST = -1.0, np.nextafter(np.float32(-1), np.float32(0))
+
+
+@dataclass(frozen=True)
+class PathSettings:
+    """Which paths a tool follows on each layer.
+
+    Attributes
+    ----------
+    step : distance between two, in scene units; None for the mean spacing of the layers
+    fill : "contour", one inside the other from the rim inwards, the first half a step from it; or in planes across
+        an axis of the object, a step apart, "across-x" ...
+    """
+
+    step: float | None = None
+    fill: str = "contour"
+
+    def __post_init__(self):
+        check_choice(self, "fill", FILLS)
+        if self.step is not None and not (isinstance(self.step, int | float) and 0 < self.step < math.inf):
+            raise SettingError(f"the step between paths is {self.step!r}: give a positive number")
+
+
+@dataclass(frozen=True)
+class Layering:
+    """Layers that were solved in a solid, and where they are.
+
+    Attributes
+    ----------
+    pattern : LayerPattern, whose mesh is the solid in scene units, along the object's axes: its scale has been applied,
+        its place and turn have not
+    surfaces : LayerSurfaces in the solid's space
+    curves : DefectCurves in the solid's space
+    matrix : (4, 4) from the solid's space to the world: the place, turn and mirroring of the object, without its scale
+    """
+
+    pattern: LayerPattern
+    surfaces: LayerSurfaces
+    curves: tuple[DefectCurve, ...]
+    matrix: np.ndarray
+
+    @property
+    def solid(self):
+        """The TetMesh."""
+        return self.pattern.mesh
+
+    def paths(self, settings):
+        """The :class:`PathsRequest` of :class:`PathSettings`."""
+        step = self.pattern.spacings.mean if settings.step is None else settings.step
+        return PathsRequest(self.surfaces, float(step), settings.fill)
+
+    def voxels(self, resolution):
+        """The :class:`VoxelsRequest` of so many voxels along the longest side; too many in all are refused."""
+        return VoxelsRequest(self.solid, self.pattern.tet_phases, resolution)
+
+
+@dataclass(frozen=True)
+class PathsRequest:
+    """Paths that are asked for.
+
+    Attributes
+    ----------
+    surfaces : LayerSurfaces
+    step, fill : see :class:`PathSettings`
+    """
+
+    surfaces: LayerSurfaces
+    step: float
+    fill: str
+
+    @property
+    def shared(self):
+        """Vertices and triangles of the layers, which the paths are on."""
+        return self.surfaces.vertices, self.surfaces.triangles
+
+    def solve(self, progress=None):
+        """The :class:`Paths`.
+
+        Raises
+        ------
+        SettingError
+            where the step is wider than every layer, or makes more points than there may be
+        Cancelled
+            when the progress is answered with False
+        """
+        monitor = Monitor(progress)
+        monitor.at("tool paths", 0.0)
+        lines, layers = monitor.during(lambda: toolpaths(self.surfaces, self._values, self.step))
+        if len(lines.sizes) == 0:
+            raise SettingError(f"no path of the step {self.step:g} fits on a layer: reduce it")
+        length = float(lines.lengths.sum())
+        return Paths(lines.without_repeats(_SAME * self.step), layers, length)
+
+    @property
+    def _values(self):
+        if self.fill == "contour":
+            return rim_distances(self.surfaces) - self.step / 2
+        return self.surfaces.vertices[:, "xyz".index(self.fill[-1])]
+
+
+@dataclass(frozen=True)
+class Paths:
+    """Paths of a tool.
+
+    Attributes
+    ----------
+    lines : Isolines over the triangles of the layers
+    layers : (l,) the layer of each line, ascending
+    length : of all
+    """
+
+    lines: Isolines
+    layers: np.ndarray
+    length: float
+
+
+@dataclass(frozen=True)
+class VoxelsRequest:
+    """A grid of the pattern that is asked for; a resolution that makes too many voxels is refused.
+
+    Attributes
+    ----------
+    solid : TetMesh
+    phases : TetPhases in it
+    resolution : voxels along the longest side
+    """
+
+    solid: TetMesh
+    phases: TetPhases
+    resolution: int
+
+    def __post_init__(self):
+        count = self._layout[1].prod(dtype=float)
+        if count > MOST_VOXELS:
+            raise SettingError(
+                f"a resolution of {self.resolution} makes {count:.1e} voxels, and {MOST_VOXELS:.0e} is the most: "
+                f"reduce it to {self._fitting}"
+            )
+
+    @property
+    def shared(self):
+        """Nothing."""
+        return ()
+
+    def solve(self, progress=None):
+        """The :class:`Voxels`.
+
+        Raises
+        ------
+        Cancelled
+            when the progress is answered with False
+        """
+        monitor = Monitor(progress)
+        monitor.at("voxels", 0.0)
+        return monitor.during(self._sampled)
+
+    def _sampled(self):
+        step, counts = self._layout
+        low, extents = self.solid.vertices.min(axis=0), np.ptp(self.solid.vertices, axis=0)
+        origin = low + (extents - step * (counts - 1)) / 2
+        values = np.full(counts, NOTHING, np.float32)
+        for places, tets, weights in points_inside(self.solid, origin, step, counts):
+            cosines = np.cos(evaluate_in_tets(self.phases, tets, weights))
+            values[tuple(places.T)] = np.maximum(cosines.astype(np.float32), _LEAST)
+        return Voxels(values, origin, step)
+
+    @property
+    def _layout(self):
+        """Size of the voxels, and (3,) how many there are along each axis."""
+        return _grid(np.ptp(self.solid.vertices, axis=0), self.resolution)
+
+    @property
+    def _fitting(self):
+        """A resolution not much below the largest that makes no more voxels than the most."""
+        extents, resolution = np.ptp(self.solid.vertices, axis=0), self.resolution
+        while _grid(extents, resolution)[1].prod(dtype=float) > MOST_VOXELS:
+            resolution = int(0.95 * resolution)
+        return resolution
+
+
+@dataclass(frozen=True)
+class Voxels:
+    """The pattern on a regular grid.
+
+    Attributes
+    ----------
+    values : (i, j, k) float32 of cos(phase) at the voxels' middles: 1 on the layers, above -1 in the solid and -1
+        outside
+    origin : (3,) middle of the first voxel
+    step : size of a voxel
+    """
+
+    values: np.ndarray
+    origin: np.ndarray
+    step: float
+
+
+def _grid(extents, resolution):
+    step = float(extents.max()) / resolution
+    return step, np.ceil(extents / step).astype(int)

@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Layers in the solid that a closed surface encloses (paper, Section 3.4)."""
+
+import dataclasses
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import SettingError
+from ..extract.curve_ends import CurveEnd, curve_ends
+from ..extract.defect_curves import DefectCurve, defect_curves
+from ..extract.layer_surfaces import LayerSurfaces, layer_surfaces
+from ..fields.filled_surface import FilledSurface
+from ..fields.growth import COARSE_SHARE
+from ..fields.layers import LayerPattern, SolidGrowth, solve_layers
+from ..fields.surface_phases import SurfacePhases, surface_phases
+from ..geometry.filling.closed_surface import Area, ClosedSurface
+from ..geometry.filling.lengths import Lengths
+from ..geometry.tet_mesh import TetMesh
+from ..interpolate import TURN
+from ..monitor import Monitor, portion
+from ..solve import Options
+from ..solve.solution import Clock
+
+# A solid that has lost more than this share of the surface's volume has lost a part that can be seen.
+LOST_VOLUME = 0.1
+# Areas of which the solid covers less are told about.
+COVERED = 0.95
+# Where the parts of the work begin, as shares of it.
+_GUIDANCE, _PHASES, _SURFACES = 0.15, 0.25, 0.9
+
+
+@dataclass(frozen=True)
+class SolidGuide:
+    """What layers follow.
+
+    Attributes
+    ----------
+    label : what errors call it
+    compute : callable that can be pickled, FilledSurface -> (n, 3) unit vectors at the solid's vertices
+        (:mod:`..fields.guidance.filled`)
+    """
+
+    label: str
+    compute: Callable[[FilledSurface], np.ndarray]
+
+    def directions(self, filled):
+        """(n, 3) unit vectors at the solid's vertices; errors name the guide."""
+        try:
+            return self.compute(filled)
+        except SettingError as error:
+            raise SettingError(f"{self.label}: {error}") from None
+
+
+@dataclass(frozen=True)
+class AskedArea:
+    """A part of the surface that layers follow.
+
+    Attributes
+    ----------
+    area : Area
+    phase : radians, 0 for a layer on it; None for one that is left to the solver, the same all over each piece of it
+    """
+
+    area: Area
+    phase: float | None
+
+
+@dataclass(frozen=True)
+class SolidRequest:
+    """Layers that are asked for.
+
+    Attributes
+    ----------
+    surface : ClosedSurface
+    solid : TetMesh whose boundary it is, None for one that fills it
+    guide : SolidGuide
+    asked : AskedAreas
+    lengths : Lengths
+    factors : (n,) at the surface's vertices, on the spacing; None for 1
+    options : of the solve
+    """
+
+    surface: ClosedSurface
+    solid: TetMesh | None
+    guide: SolidGuide
+    asked: tuple[AskedArea, ...]
+    lengths: Lengths
+    factors: np.ndarray | None
+    options: Options
+
+    @property
+    def shared(self):
+        """The surface's mesh, and the solid where it was given."""
+        return (self.surface.mesh,) if self.solid is None else (self.surface.mesh, self.solid)
+
+    def solve(self, progress=None):
+        """The :class:`SolidResult`.
+
+        Raises
+        ------
+        Cancelled
+            when the progress is answered with False
+        SynchError
+            with one line that says what is wrong and the remedy
+        """
+        monitor, clock = Monitor(progress), Clock()
+        monitor.at("filling the surface", 0.0)
+        with clock("fill"):
+            solid = monitor.during(self._filled)
+        filled = FilledSurface(self.surface, solid)
+        monitor.at("guidance", _GUIDANCE)
+        with clock("build"):
+            directions, spacings, groups = monitor.during(lambda: self._asked(filled))
+            growth = SolidGrowth.of(solid, directions, spacings)
+        solving = portion(progress, _PHASES, _SURFACES - _PHASES)
+        pattern = solve_layers(solid, directions, spacings, groups, self.options, solving)
+        monitor.at("layers", _SURFACES)
+        with clock("extract"):
+            surfaces = monitor.during(lambda: layer_surfaces(pattern.edge_phases, pattern.heights))
+            if surfaces.count == 0:
+                raise SettingError(_no_layer(self.lengths.spacing * float(np.ptp(pattern.heights)) / TURN))
+            curves = tuple(defect_curves(solid, pattern.face_numbers))
+            ends = curve_ends(solid, surfaces, curves)
+            phases = monitor.during(lambda: surface_phases(self.surface.mesh, pattern, growth))
+        warnings = (*self._about_loss(solid), *self._about_rims(filled, groups), *_about_edges(growth))
+        return SolidResult(pattern, surfaces, curves, ends, phases, warnings, clock.seconds)
+
+    def _filled(self):
+        if self.solid is not None:
+            return self.solid
+        return self.surface.filled(self.lengths.size, [asked.area for asked in self.asked])
+
+    def _asked(self, filled):
+        """Directions, spacings and groups on the solid."""
+        directions, spacings = self.guide.directions(filled), self.lengths.spacing
+        if self.factors is not None:
+            spacings = spacings * filled.inside(self.factors)
+        return directions, spacings, [filled.group_on(asked.area, asked.phase) for asked in self.asked]
+
+    def _about_loss(self, solid):
+        lost = self.surface.lost_share(solid)
+        if lost > LOST_VOLUME:
+            yield (
+                f"the solid lacks {lost:.0%} of the surface's volume: what is thinner than {self.lengths.size:.3g} is "
+                "lost, reduce the size of its tetrahedra"
+            )
+
+    def _about_rims(self, filled, groups):
+        for asked, group in zip(self.asked, groups, strict=True):
+            covered = filled.covered_share(asked.area, group.triangles)
+            if covered < COVERED:
+                finer = self.lengths.size * (1 - COVERED) / (1 - covered)
+                yield (
+                    f"the solid's triangles cover {covered:.0%} of {asked.area.name}, where they do not cut off its "
+                    f"rim: tetrahedra of a size of about {finer:.2g} would do"
+                )
+
+
+@dataclass(frozen=True)
+class SolidResult:
+    """What was found in a solid.
+
+    Attributes
+    ----------
+    pattern : LayerPattern, whose mesh is the solid in scene units, along the object's axes
+    surfaces : LayerSurfaces in the solid's space
+    curves : DefectCurves in the solid's space
+    ends : CurveEnds of these
+    phases : SurfacePhases
+    warnings : lines that the user should read
+    seconds : that parts of the work took, by their names
+    """
+
+    pattern: LayerPattern
+    surfaces: LayerSurfaces
+    curves: tuple[DefectCurve, ...]
+    ends: tuple[CurveEnd, ...]
+    phases: SurfacePhases
+    warnings: tuple[str, ...] = ()
+    seconds: dict[str, float] = dataclasses.field(default_factory=dict)
+
+    @property
+    def solid(self):
+        return self.pattern.mesh
+
+
+def _about_edges(growth):
+    if growth.coarse_share > COARSE_SHARE:
+        yield (
+            f"the spacing is finer than the solid can carry on {growth.coarse_share:.0%} of its edges: "
+            "increase it, or make the solid of smaller tetrahedra"
+        )
+
+
+def _no_layer(depth):
+    if depth > 0:
+        return f"no layer lies in the solid, which is about {depth:.2g} deep for them: give a spacing below that"
+    return "no layer lies in the solid, whose phase is the same everywhere: change the guidance or the groups"
