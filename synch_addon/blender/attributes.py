@@ -5,18 +5,8 @@ import numpy as np
 
 from ...core.errors import SettingError
 from .groups import is_group, read_weights
+from .schema import PREFIX, TYPES, layout_of
 
-# Blender's names for an attribute type: numpy type, width, name in foreach_set.
-_LAYOUTS = {
-    "FLOAT": (np.float32, 1, "value"),
-    "INT": (np.int32, 1, "value"),
-    "BOOLEAN": (bool, 1, "value"),
-    "INT32_2D": (np.int32, 2, "value"),
-    "FLOAT_VECTOR": (np.float32, 3, "vector"),
-    "FLOAT2": (np.float32, 2, "vector"),
-    "FLOAT_COLOR": (np.float32, 4, "color"),
-    "BYTE_COLOR": (np.float32, 4, "color"),
-}
 # Attributes that mark edges.
 MARKS = {"seams": "uv_seam", "sharp": "sharp_edge", "creases": "crease_edge"}
 
@@ -91,27 +81,56 @@ def read_marked_edges(obj, mark):
 def read_values(obj, name, domain):
     """(n,) or (n, width) values of an attribute as they are, None where the mesh has none of the name on a domain."""
     attribute = obj.data.attributes.get(name)
-    if attribute is None or attribute.domain != domain or attribute.data_type not in _LAYOUTS:
+    if attribute is None or attribute.domain != domain or attribute.data_type not in TYPES:
         return None
     return _read(attribute)
 
 
 def _read(attribute):
-    dtype, width, name = _LAYOUTS[attribute.data_type]
+    dtype, width, name = TYPES[attribute.data_type]
     return read_all(attribute.data, name, width, dtype)
 
 
+def read(obj, attribute):
+    """What :func:`read_values` reads of an attribute of :mod:`.schema`."""
+    return read_values(obj, attribute.name, attribute.domain)
+
+
+def write(obj, attribute, values):
+    """Write an attribute of :mod:`.schema`; errors as :func:`write_attribute`."""
+    write_attribute(obj, attribute.name, *attribute.layout, values)
+
+
 def write_attribute(obj, name, domain, data_type, values):
-    """Write an attribute, replacing one of the same name that has another domain or type."""
+    """Write an attribute, replacing one of the same name that has another domain or type.
+
+    Raises
+    ------
+    ValueError
+        before anything is changed, where values do not fit the domain and the type, or one of ours does not fit
+        :mod:`.schema`, or is not finite
+    """
     attributes = obj.data.attributes
+    values = _fitting(name, domain, data_type, attributes.domain_size(domain), np.asarray(values))
     attribute = attributes.get(name)
     if attribute is not None and (attribute.domain, attribute.data_type) != (domain, data_type):
         attributes.remove(attribute)
         attribute = None
     if attribute is None:
         attribute = attributes.new(name, data_type, domain)
-    dtype, _, value_name = _LAYOUTS[data_type]
-    attribute.data.foreach_set(value_name, np.ascontiguousarray(values, dtype).ravel())
+    attribute.data.foreach_set(TYPES[data_type][2], values.ravel())
+
+
+def _fitting(name, domain, data_type, count, given):
+    dtype, width, _ = TYPES[data_type]
+    fits = given.shape == ((count, width) if width > 1 else (count,)) and np.can_cast(given.dtype, dtype, "same_kind")
+    values = np.ascontiguousarray(given, dtype) if fits else given
+    if fits and name.startswith(PREFIX):
+        finite = np.isfinite(values) if values.dtype.kind == "f" else values == given
+        fits = layout_of(name) == (domain, data_type) and finite.all()
+    if not fits:
+        raise ValueError(f"{name} as {data_type} on {count} x {domain} does not take {given.dtype} {given.shape}")
+    return values
 
 
 def remove_attribute(obj, name):

@@ -11,9 +11,9 @@ from ...core.fields.directions import SYMMETRIES, DirectionField, given_directio
 from ...core.files.directions import FaceField, from_vertices, read_field, to_vertices, write_field
 from ...core.geometry import mesh_input
 from . import attributes, meshes
+from .schema import DIRECTION
 
 SUFFIXES = (".rawfield", ".rosy")
-DIRECTIONS = "synch_direction"
 
 
 def check_triangles(polygons):
@@ -58,7 +58,7 @@ def import_directions(obj, path):
     guide = compute()
     vectors = given.to_object(DirectionField(given.mesh, symmetry, guide.angles).vectors)
     vectors[guide.weights == 0] = 0
-    attributes.write_attribute(obj, DIRECTIONS, "POINT", "FLOAT_VECTOR", vectors)
+    attributes.write(obj, DIRECTION, vectors)
     meshes.update(obj)
     return names[symmetry]
 
@@ -80,7 +80,7 @@ def export_directions(obj, path, symmetry):
     given = meshes.read_mesh(obj)
     check_triangles(given.polygons)
     number = SYMMETRIES[symmetry]
-    angles = given_directions(given.mesh, number, attributes.read_vectors(obj, DIRECTIONS, given)).angles
+    angles = given_directions(given.mesh, number, attributes.read_vectors(obj, DIRECTION.name, given)).angles
     vectors = from_vertices(given.mesh, number, angles).vectors
     faces, arms, _ = vectors.shape
     local = mesh_input.unstretched(vectors.reshape(-1, 3), given.stretch).reshape(faces, arms, 3)

@@ -6,38 +6,37 @@ from dataclasses import replace
 import numpy as np
 
 from ...core.interpolate import FacePhases
-from . import attributes
-
-_SUFFIXES = {"stripes": ("",), "quads": ("_x", "_y")}
+from . import attributes, schema
 
 
 def pattern_kind(obj):
     """ "stripes" or "quads", the pattern that an object's attributes hold, or None."""
-    for kind, suffixes in _SUFFIXES.items():
-        found = [obj.data.attributes.get(f"synch_phase{suffix}") for suffix in suffixes]
-        if all(phase is not None and (phase.domain, phase.data_type) == ("CORNER", "FLOAT") for phase in found):
+    for kind, phases in schema.PHASES.items():
+        found = [(phase.layout, obj.data.attributes.get(phase.name)) for phase, *_ in phases]
+        if all(there is not None and (there.domain, there.data_type) == layout for layout, there in found):
             return kind
     return None
 
 
 def read_phases(obj, kind):
     """The :class:`FacePhases` of each phase, as the shader reads them."""
-    faces, corners = len(obj.data.polygons), len(obj.data.loops)
 
-    def read(name, domain, *shape):
-        values = attributes.read_values(obj, name, domain)
-        return np.zeros(shape) if values is None else values.astype(float)
+    def read(attribute):
+        values = attributes.read(obj, attribute)
+        if values is None:
+            width = schema.TYPES[attribute.data_type][1]
+            values = np.zeros((obj.data.attributes.domain_size(attribute.domain), width)[: 1 + (width > 1)])
+        return values.astype(float)
 
-    place = read("synch_barycentric", "CORNER", corners, 3)
-    closings = read("synch_closing", "FACE", faces, 2)
+    place, closings = read(schema.BARYCENTRIC), read(schema.CLOSING)
     result = []
-    for number, suffix in enumerate(_SUFFIXES[kind]):
+    for number, own in enumerate(schema.PHASES[kind]):
         phase = FacePhases(
-            corner_phase=read(f"synch_phase{suffix}", "CORNER", corners),
+            corner_phase=read(own.phase),
             corner_place=place,
-            index=read(f"synch_index{suffix}", "FACE", faces).astype(int),
-            index_2=read(f"synch_index{suffix}_2", "FACE", faces).astype(int),
-            disclination=read(f"synch_disclination{suffix}", "FACE", faces, 4),
+            index=read(own.index).astype(int),
+            index_2=read(own.index_2).astype(int),
+            disclination=read(own.disclination),
             closing=closings[:, number],
             unfit=np.empty(0, int),
         )
@@ -47,7 +46,7 @@ def read_phases(obj, kind):
 
 def is_signed(obj, polygons, phase):
     """Whether the phase of stripes has the same sign in all faces: their corners have the phase of their vertex."""
-    at_vertices = attributes.read_values(obj, "synch_vertex_phase", "POINT")
+    at_vertices = attributes.read(obj, schema.PHASES["stripes"][0].vertex_phase)
     if at_vertices is None or phase.disclination.any():
         return False
     off = np.abs(np.exp(1j * (phase.corner_phase - at_vertices[polygons.corner_vertices])) - 1)

@@ -8,10 +8,11 @@ import math
 
 import bpy
 
+from ..blender import schema
 from .canvas import Expression, Socket, group_tree
 
 GLOBE_NAME = "Synch Globe"
-SPHERE = "synch_sphere"
+SPHERE = schema.SPHERE.name
 _VERSION = 1
 # Meridians and parallels: their distance in radians.
 _STEP = math.pi / 6

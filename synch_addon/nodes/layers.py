@@ -3,6 +3,7 @@
 
 import bpy
 
+from ..blender.schema import LAYER
 from .canvas import Expression, Socket, group_tree, surface_material
 
 LAYERS_NAME = "Synch Layers"
@@ -54,7 +55,7 @@ def layers_group():
     if canvas is None:
         return tree
     inputs = canvas.inputs()
-    (layer,) = canvas.attribute("synch_layer", "Fac")
+    (layer,) = canvas.attribute(LAYER.name, "Fac")
     count = canvas.place("ShaderNodeAttribute", 0, "number of layers")
     count.attribute_type, count.attribute_name = "OBJECT", COUNT
     total = Expression(canvas, count.outputs["Fac"], 0)

@@ -15,8 +15,9 @@ from typing import NamedTuple
 
 import bpy
 
+from ..blender.schema import PHASES
 from .canvas import Expression, Socket, group_tree
-from .stripes import INK_BLUE, VERSION, WARM_IVORY, PhaseAttributes, faded, phase_group, rounded
+from .stripes import INK_BLUE, VERSION, WARM_IVORY, Canvas, faded, phase_group, rounded
 
 QUADS_NAME = "Synch Quads"
 # In the order of the numbers that choose them.
@@ -56,7 +57,7 @@ class _Shape(NamedTuple):
 def quads_group() -> bpy.types.ShaderNodeTree:
     """The node group "Synch Quads", built when missing and rebuilt in place when outdated."""
     tree, canvas = group_tree(QUADS_NAME, f"{VERSION}", _INPUTS, _OUTPUTS)
-    phase_trees = [phase_group(f"Synch Phase {axis.upper()}", phase_attributes(axis)) for axis in "xy"]
+    phase_trees = phase_groups("Synch Phase", Canvas)
     if canvas is None:
         return tree
     with canvas.band("Phases"):
@@ -88,16 +89,9 @@ def profile_shapes(canvas, x, y, pattern, width):
     return grid, checker, weave, dots
 
 
-def phase_attributes(axis):
-    """Names of the attributes of the phase "x" or "y" of quads."""
-    return PhaseAttributes(
-        phase=f"synch_phase_{axis}",
-        index=f"synch_index_{axis}",
-        index_2=f"synch_index_{axis}_2",
-        disclination=f"synch_disclination_{axis}",
-        closing="synch_closing",
-        closing_component="xy".index(axis),
-    )
+def phase_groups(name, canvas_type):
+    """The groups that evaluate both phases, their names with X and Y, of a canvas's kind."""
+    return [phase_group(f"{name} {'XY'[k]}", phase, k, canvas_type) for k, phase in enumerate(PHASES["quads"])]
 
 
 def _grid_lines(across, width):

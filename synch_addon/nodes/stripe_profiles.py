@@ -10,9 +10,10 @@ import math
 from typing import NamedTuple
 
 from ...core.extract.stripe_numbers import SLOTS
+from ..blender import schema
 from .canvas import Expression
 
-NUMBER, ALONG = "synch_number", "synch_along"
+NUMBER, ALONG = schema.NUMBER.name, schema.ALONG.name
 # In the order of the numbers that choose them.
 PROFILES = ("sine", "square", "triangle", "rounded", "thread")
 PROFILE_TIP = ", ".join(f"{number}: {name}" for number, name in enumerate(PROFILES))

@@ -10,10 +10,10 @@ phases of quads the pair of cosines, in either order.
 """
 
 import math
-from dataclasses import astuple, dataclass
 
 import bpy
 
+from ..blender.schema import BARYCENTRIC, CLOSING, PHASES
 from .canvas import Canvas, Socket, group_tree
 from .stripe_profiles import PROFILE_TIP, PROFILES, THREAD_TIP, chosen, place_in_stripe, profile_heights
 
@@ -29,23 +29,6 @@ _THIRD = math.pi / 3.0
 _TINY = 1e-6
 # Narrowest fade of an edge, in periods or cells: none at all.
 _SHARP = 5e-6
-
-
-@dataclass(frozen=True)
-class PhaseAttributes:
-    """Names of the attributes that hold one phase; the defaults are those of stripes.
-
-    The value with which a walk around a disclination comes back to its first corner is a component of the
-    attribute `closing`; without such an attribute it is the negative of the first value, as for lines.
-    """
-
-    phase: str = "synch_phase"
-    barycentric: str = "synch_barycentric"
-    index: str = "synch_index"
-    index_2: str = "synch_index_2"
-    disclination: str = "synch_disclination"
-    closing: str = ""
-    closing_component: int = 0
 
 
 def turning_angle(at_p, at_q, at_r):
@@ -142,24 +125,28 @@ _STRIPES_OUTPUTS = (
 )
 
 
-def phase_group(name=PHASE_NAME, attributes=PhaseAttributes(), canvas_type=Canvas):
+def phase_group(name=PHASE_NAME, attributes=PHASES["stripes"][0], component=None, canvas_type=Canvas):
     """The node group `name` that evaluates one phase from `attributes`, built when missing, of a canvas's kind.
 
+    The value with which a walk around a disclination comes back to its first corner is a `component` of
+    :data:`CLOSING`; for None it is the negative of the first value, as for lines.
     Its outputs are Phase (theta, radians) and Cosine. A group of that name that was built for
     other attributes or by an older version is rebuilt in place.
     """
-    stamp = f"{VERSION} {' '.join(map(str, astuple(attributes)))}"
+    read = attributes.phase, BARYCENTRIC, attributes.index, attributes.index_2, attributes.disclination
+    closing = " 0" if component is None else f"{CLOSING.name} {component}"
+    stamp = f"{VERSION} {' '.join(attribute.name for attribute in read)} {closing}"
     tree, canvas = group_tree(name, stamp, (), _PHASE_OUTPUTS, canvas_type)
     if canvas is None:
         return tree
     with canvas.band("Attributes of the mesh"):
-        (phase,) = canvas.attribute(attributes.phase, "Fac")
-        (index,) = canvas.attribute(attributes.index, "Fac")
-        (index_2,) = canvas.attribute(attributes.index_2, "Fac")
-        place = canvas.separate(*canvas.attribute(attributes.barycentric, "Vector"))
-        color, fourth = canvas.attribute(attributes.disclination, "Color", "Alpha")
+        (phase,) = canvas.attribute(attributes.phase.name, "Fac")
+        (index,) = canvas.attribute(attributes.index.name, "Fac")
+        (index_2,) = canvas.attribute(attributes.index_2.name, "Fac")
+        place = canvas.separate(*canvas.attribute(BARYCENTRIC.name, "Vector"))
+        color, fourth = canvas.attribute(attributes.disclination.name, "Color", "Alpha")
         values = (*canvas.separate(color), fourth)
-        closing = _closing(canvas, attributes, values[0])
+        closing = _closing(canvas, component, values[0])
     with canvas.band("Turn around a dislocation: N lstar(b)"):
         dislocation = dislocation_turn(place, index, index_2)
     with canvas.band("Turn around a disclination: D"):
@@ -172,11 +159,11 @@ def phase_group(name=PHASE_NAME, attributes=PhaseAttributes(), canvas_type=Canva
     return tree
 
 
-def _closing(canvas, attributes, first):
-    if not attributes.closing:
+def _closing(canvas, component, first):
+    if component is None:
         return -first
-    (both,) = canvas.attribute(attributes.closing, "Vector")
-    return canvas.separate(both)[attributes.closing_component]
+    (both,) = canvas.attribute(CLOSING.name, "Vector")
+    return canvas.separate(both)[component]
 
 
 def stripes_group() -> bpy.types.ShaderNodeTree:

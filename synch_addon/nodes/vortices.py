@@ -8,6 +8,7 @@ import math
 
 import bpy
 
+from ..blender import schema
 from ..blender.modifiers import FILAMENTS
 from .canvas import Expression, GeometryCanvas, Socket, group_tree, set_input, surface_material
 from .globe import SPHERE, globe_group
@@ -15,7 +16,7 @@ from .globe import SPHERE, globe_group
 TUBES_NAME = "Synch Tubes"
 _VERSION = 1
 # What objects of vortices carry: the circulation, as a custom property of curves too, and a point's color.
-STRENGTH, COLOR = "synch_strength", "synch_color"
+STRENGTH, COLOR = schema.STRENGTH.name, schema.COLOR.name
 _BRASS, _CRIMSON = (0.60, 0.33, 0.09, 1.0), (0.42, 0.02, 0.05, 1.0)
 _TUBES_INPUTS = (
     Socket("Wheel", "Float", "0 for the globe, 1 for hues by longitude in bands of latitude", 0.0, (0.0, 1.0)),

@@ -25,10 +25,5 @@ class SynchFavourite(bpy.types.PropertyGroup):
     variation: IntProperty(name="Variation", description="What the slider said", min=0)
     result: StringProperty(name="Result", description="What the panel shows of it, as JSON")
 
-    @property
-    def attributes(self):
-        """Start of its attributes' names."""
-        return f"synch_favourite_{self.number}_"
-
 
 register, unregister = bpy.utils.register_classes_factory((SynchFavourite,))

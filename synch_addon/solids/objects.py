@@ -12,7 +12,7 @@ from mathutils import Matrix
 from ...core.errors import SynchError
 from ...core.geometry import mesh_input
 from ...core.geometry.nearest import NearestTriangles
-from ..blender import attributes, meshes
+from ..blender import attributes, meshes, schema
 from ..blender.defect_empties import KINDS, Defect, write_defects
 from ..nodes.layers import curve_material, layer_material
 from ..nodes.materials import pattern_material
@@ -43,7 +43,7 @@ def write_layers(obj, layering, spacing):
     data.from_pydata(surfaces.vertices.tolist(), [], surfaces.triangles.tolist())
     data.shade_smooth()
     made = placed(obj, "layers", f"{obj.name} Layers", data, layering.matrix)
-    attributes.write_attribute(made, "synch_layer", "FACE", "INT", surfaces.layers)
+    attributes.write(made, schema.LAYER, surfaces.layers)
     layer_material(made, surfaces.count)
     write_defects(made, _ends(layering), kinds=KINDS, length=spacing)
     return made
@@ -103,8 +103,8 @@ def write_surface(obj, layering, given, phases, warn, spacing):
     else:
         _remove(obj, "surface")
         shown = obj
-        for name in ("synch_direction", "synch_singularity"):  # of an earlier field on the surface
-            attributes.remove_attribute(obj, name)
+        for earlier in (schema.DIRECTION, schema.SINGULARITY):  # of a field on the surface
+            attributes.remove_attribute(obj, earlier.name)
         write_defects(obj, (), kinds=KINDS)
         memory.show_nothing(obj)
     write.write_phases(shown, given, phases.edge_phases, warn)

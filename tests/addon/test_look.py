@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
+from synch_fields.synch_addon.blender.schema import PHASES
 from synch_fields.synch_addon.nodes import stripes as nodes
 from synch_fields.synch_addon.nodes.materials import pattern_material
 
@@ -132,9 +133,8 @@ def test_inner_group_reads_other_attributes(tmp_path):
     face = FACES["regular triangle"]
     obj = face.build()
     obj.data.attributes["synch_phase"].name = "synch_phase_x"
-    show_socket(obj, "Cosine").node_tree = nodes.phase_group(
-        "Synch Phase x", nodes.PhaseAttributes(phase="synch_phase_x")
-    )
+    renamed = PHASES["stripes"][0]._replace(phase=PHASES["quads"][0].phase)
+    show_socket(obj, "Cosine").node_tree = nodes.phase_group("Synch Phase x", renamed)
     tree = obj.data.materials[0].node_tree
     tree.links.new(tree.nodes["Group"].outputs["Cosine"], tree.nodes["Math"].inputs[0])
     assert differences(face, point_samples(tmp_path)).max() < 2e-4

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every attribute that the program writes to a mesh: its name, domain, type and meaning, in one place."""
+
+import re
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+
+# Blender's names for an attribute type: numpy type, width, name in foreach_set.
+TYPES = {
+    "FLOAT": (np.float32, 1, "value"),
+    "INT": (np.int32, 1, "value"),
+    "BOOLEAN": (bool, 1, "value"),
+    "INT32_2D": (np.int32, 2, "value"),
+    "FLOAT_VECTOR": (np.float32, 3, "vector"),
+    "FLOAT2": (np.float32, 2, "vector"),
+    "FLOAT_COLOR": (np.float32, 4, "color"),
+    "BYTE_COLOR": (np.float32, 4, "color"),
+}
+PREFIX = "synch_"
+FAVOURITE = re.compile(rf"{PREFIX}favourite_(\d+)_")
+
+
+@dataclass(frozen=True)
+class Attribute:
+    """An attribute of a mesh: as wide as its type in :data:`TYPES`, a value for each element of its domain."""
+
+    name: str
+    domain: str
+    data_type: str
+    meaning: str
+
+    @property
+    def layout(self):
+        """Domain and type."""
+        return self.domain, self.data_type
+
+    def in_favourite(self, number):
+        """What a favourite keeps of it."""
+        own = self.name.removeprefix(PREFIX).removeprefix("vertex_")
+        return replace(self, name=f"{PREFIX}favourite_{number}_{own}")
+
+
+class Phase(NamedTuple):
+    """The attributes of one phase of a pattern; but for the first and the last they are absent where all is zero."""
+
+    phase: Attribute
+    index: Attribute
+    index_2: Attribute
+    disclination: Attribute
+    vertex_phase: Attribute
+
+    def suffixed(self, suffix):
+        """Those of one of several phases."""
+        return Phase(*(replace(attribute, name=attribute.name.format(suffix)) for attribute in self))
+
+
+_PHASE = Phase(
+    Attribute("synch_phase{}", "CORNER", "FLOAT", "phase α in radians"),
+    Attribute("synch_index{}", "FACE", "INT", "dislocation number of the face, of a quad's first triangle"),
+    Attribute("synch_index{}_2", "FACE", "INT", "dislocation number of a quad's second triangle"),
+    Attribute("synch_disclination{}", "FACE", "FLOAT_COLOR", "rim values around a disclination, less the centre's"),
+    Attribute("synch_vertex_phase{}", "POINT", "FLOAT", "α at the vertex, in the sheet of its `synch_direction`"),
+)
+PHASES = {"stripes": (_PHASE.suffixed(""),), "quads": (_PHASE.suffixed("_x"), _PHASE.suffixed("_y"))}
+DIRECTION = Attribute("synch_direction", "POINT", "FLOAT_VECTOR", "unit direction in object space, along the stripes")
+SINGULARITY = Attribute("synch_singularity", "FACE", "FLOAT", "disclination index k/2 (k/4 for crosses)")
+_PLACE = "place inside singular faces, zero elsewhere: corner weights of a triangle; (s, t, −1) of a quad"
+BARYCENTRIC = Attribute("synch_barycentric", "CORNER", "FLOAT_VECTOR", _PLACE)
+PATTERN = Attribute("synch_pattern", "POINT", "FLOAT", "cos α, for quads cos α_x · cos α_y, for quick use")
+_BACK = "quads: rim value of each phase where the walk around a disclination is back at the first corner"
+CLOSING = Attribute("synch_closing", "FACE", "FLOAT2", _BACK)
+_SLOTS = "stripes, after Number Stripes: number of the stripe in each slot (period of the phase modulo 3); negative "
+_SLOTS += "where the phase grows to the right of the direction along"
+NUMBER = Attribute("synch_number", "FACE", "FLOAT_VECTOR", _SLOTS)
+ALONG = Attribute("synch_along", "CORNER", "FLOAT_VECTOR", "likewise: way along the stripe of each slot, in spacings")
+LAYER = Attribute("synch_layer", "FACE", "INT", "layers: number of the layer, from the bottom")
+SPHERE = Attribute("synch_sphere", "POINT", "FLOAT_VECTOR", "tubes and flows on a surface: what the map shows there")
+COLOR = Attribute("synch_color", "POINT", "FLOAT_COLOR", "the same as a colour")
+STRENGTH = Attribute("synch_strength", "FACE", "FLOAT", "flows on a surface: circulation of the vortices in the face")
+
+# What each kind of pattern has; what tells it by itself, which a favourite keeps; and, first those of the pattern, what
+# each frame of an animation has of its own: the places are the same in all frames.
+PATTERNS = {
+    kind: (*sum(phases, ()), *[CLOSING] * (len(phases) - 1), BARYCENTRIC, PATTERN) for kind, phases in PHASES.items()
+}
+KEPT = {kind: (DIRECTION, *(phase.vertex_phase for phase in phases)) for kind, phases in PHASES.items()}
+FRAMED = {kind: (*(a for a in own if a not in (BARYCENTRIC, *KEPT[kind])), DIRECTION) for kind, own in PATTERNS.items()}
+ATTRIBUTES = tuple(
+    dict.fromkeys(
+        (DIRECTION, SINGULARITY, *PATTERNS["stripes"], *PATTERNS["quads"])
+        + (NUMBER, ALONG, LAYER, SPHERE, COLOR, STRENGTH)
+    )
+)
+_NUMBERS = re.compile(rf"(?<=\.)-?\d+$|(?<={PREFIX}favourite_)\d+")
+_LAYOUTS = (
+    {a.name: a.layout for a in ATTRIBUTES}
+    | {f"{a.name}.0": a.layout for framed in FRAMED.values() for a in framed}
+    | {a.in_favourite(0).name: a.layout for kept in KEPT.values() for a in kept}
+)
+
+
+def layout_of(name):
+    """Domain and type of an attribute of ours, also of a frame or a favourite, by its name; None for another one."""
+    return _LAYOUTS.get(_NUMBERS.sub("0", name))
