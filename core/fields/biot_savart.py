@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The flow around given vortex filaments, by Biot and Savart's law: a scene without a simulation."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ..errors import SettingError
+from ..geometry.grid import box_grid
 
 # Places times points that are worked on at once: what a cache holds.
 CHUNK = 250_000
 # Places and weights on 0..1 of Gauss and Legendre's rule along an edge.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
 SHARES, SHARE_WEIGHTS = 0.5 * (_NODES + 1), 0.5 * _WEIGHTS
+# Space around filaments, as a share of their longest side.
+_MARGIN = 0.35
 
 
 def filament_velocity(places, curves, core):
@@ -70,3 +75,40 @@ def filament_integrals(grid, curves, core):
         places[rows, axes] += share * lengths
         total += weight * filament_velocity(places, curves, core)[rows, axes]
     return total * lengths
+
+
+def surrounding_grid(low, high, resolution):
+    """A grid around filaments whose lowest and highest corner are given, with so many nodes along its longest side."""
+    margin = _MARGIN * (high - low).max()
+    return box_grid(low - margin, high + margin, resolution)
+
+
+@dataclass(frozen=True)
+class FilamentCurves:
+    """Vortex filaments in space, and the flow that they induce around them.
+
+    Attributes
+    ----------
+    name : of what they were read from
+    curves : pairs of points and circulation, as :func:`filament_velocity` has them
+    core : radius over which their vorticity is spread, in cells of the grid
+    warnings : none
+    """
+
+    name: str
+    curves: tuple[tuple[np.ndarray, float], ...]
+    core: float
+    warnings: tuple[str, ...] = ()
+
+    def read(self):
+        """The flow: these, as nothing is left to be read."""
+        return self
+
+    def grid(self, resolution):
+        """A grid around the curves with so many nodes along its longest side."""
+        points = np.concatenate([points for points, _ in self.curves])
+        return surrounding_grid(points.min(axis=0), points.max(axis=0), resolution)
+
+    def integrals(self, grid):
+        """(e,) of the velocity along the grid's edges."""
+        return filament_integrals(grid, self.curves, self.core * grid.spacing[0])

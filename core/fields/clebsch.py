@@ -155,6 +155,12 @@ class ClebschMap:
         """(f,) filaments through each face, counted with their direction; they cancel around every cell."""
         return np.rint(circulations(self.grid, self.changes) / TURN).astype(int)
 
+    @property
+    def vorticity_share(self):
+        """What of the flow's vorticity through all faces the filaments carry; None for a flow without any."""
+        caught = self.quantum * np.abs(self.face_numbers).sum()
+        return float(caught / self.vorticity) if self.vorticity else None
+
 
 @dataclass(frozen=True)
 class SphericalMap:

@@ -203,3 +203,12 @@ def _outer(factors):
     for factor in factors:
         result = result[..., None] * factor
     return result
+
+
+def box_grid(low, high, resolution):
+    """A :class:`Grid` of cubes over a box, with so many nodes along its longest side."""
+    size = np.maximum(high - low, 1e-9)
+    spacing = size.max() / (resolution - 1)
+    counts = np.maximum(np.round(size / spacing).astype(int) + 1, 4)
+    origin = (low + high) / 2 - spacing * (counts - 1) / 2
+    return Grid(counts, spacing, origin)

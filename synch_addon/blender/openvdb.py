@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's own OpenVDB module."""
+"""Where Blender's own OpenVDB module is."""
 
 import importlib.util
 import sys
@@ -8,22 +8,20 @@ from pathlib import Path
 
 import bpy
 
-from ...core.errors import SettingError
+from ...core.files import openvdb
 
 
 @cache
+def module_file():
+    """Its file, which the bpy wheel keeps beside its scripts; None where it is found by its name, or not at all."""
+    if importlib.util.find_spec("openvdb") is not None:
+        return None
+    version = f"python{sys.version_info.major}.{sys.version_info.minor}"
+    folder = Path(bpy.utils.resource_path("LOCAL")) / "python" / "lib" / version / "site-packages"
+    found = [path for suffix in ("so", "pyd") for path in sorted(folder.glob(f"*openvdb*.{suffix}"))]
+    return str(found[0]) if found else None
+
+
 def openvdb_module():
-    """Blender's own OpenVDB module, which the bpy wheel keeps beside its scripts."""
-    try:
-        import openvdb
-    except ImportError:
-        folder = Path(bpy.utils.resource_path("LOCAL")) / "python" / "lib"
-        name = f"python{sys.version_info.major}.{sys.version_info.minor}/site-packages"
-        for found in sorted((folder / name).glob("*openvdb*.so")) + sorted((folder / name).glob("*openvdb*.pyd")):
-            module_name = found.name.split(".")[0]
-            spec = importlib.util.spec_from_file_location(module_name, found)
-            openvdb = importlib.util.module_from_spec(spec)
-            spec.loader.exec_module(openvdb)
-            return openvdb
-        raise SettingError("this Blender has no OpenVDB module: use another one, or flows as .npz") from None
-    return openvdb
+    """Blender's own OpenVDB module; SettingError where there is none."""
+    return openvdb.openvdb_module(module_file())

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tubes around vortices: where a map to the sphere is so far from a point (paper, Section 3.6)."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from .isosurface import evened, isosurface
+
+# How far vertices are moved from the nodes of the grid before they are evened, as a share of its edges.
+_MARGIN = 0.25
+NORTH = (0.0, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Tubes:
+    """A surface around vortices.
+
+    Attributes
+    ----------
+    vertices, triangles : (n, 3) and (m, 3)
+    sphere : (n, 3) point of the sphere at each vertex
+    strength : circulation around one that the map covers once
+    pieces : connected parts
+    """
+
+    vertices: np.ndarray
+    triangles: np.ndarray
+    sphere: np.ndarray
+    strength: float
+    pieces: int
+
+
+def vortex_tubes(sphere, point, opening, smoothing):
+    """The :class:`Tubes` of a :class:`SphericalMap`.
+
+    Parameters
+    ----------
+    sphere : SphericalMap on a Grid of three dimensions
+    point : of the sphere, not of unit length; tubes are around its antipode. None for the north
+    opening : degrees around the antipode that are inside
+    smoothing : how often vertices move to the middle of their neighbours
+    """
+    axis = -np.array(point or NORTH, float)
+    axis /= np.linalg.norm(axis)
+    angle = math.radians(opening)
+    margin = _MARGIN if smoothing else 0
+    surface = isosurface(sphere.found.grid, sphere.sphere @ axis, math.cos(angle), margin)
+    between = evened(surface.mesh, surface.interpolated(sphere.sphere), smoothing)
+    # The map is on the circle there: only how far around it is taken from between the nodes.
+    around = between - (between @ axis)[:, None] * axis
+    around /= np.maximum(np.linalg.norm(around, axis=1, keepdims=True), 1e-12)
+    shown = math.cos(angle) * axis + math.sin(angle) * around
+    places = evened(surface.mesh, surface.mesh.vertices, smoothing)
+    strength = sphere.found.quantum * 0.5 * (1 - math.cos(angle))
+    pieces = int(surface.mesh.pieces.max(initial=-1)) + 1
+    return Tubes(places, surface.mesh.triangles, shown, strength, pieces)

@@ -1,0 +1,280 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flows in files: arrays of NumPy, and OpenVDB.
+
+A source says what is to be read and can be pickled; its ``read()`` gives the flow, which has ``grid(resolution)``,
+``integrals(grid)`` and ``warnings``, lines that the user should read.
+"""
+
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from zipfile import BadZipFile, ZipFile
+
+import numpy as np
+from scipy.ndimage import map_coordinates
+
+from ..errors import SettingError
+from ..fields.clebsch import edge_integrals
+from ..geometry.grid import Grid, box_grid
+from .openvdb import openvdb_module
+
+SUFFIXES = (".vdb", ".npz")
+# Vector attribute of a mesh, the one that Blender's own liquids have, and names of a volume's.
+VELOCITY = "velocity"
+_USUAL = (VELOCITY, "vel", "v")
+# Volumes so thin, as a share of their width, are flat: their scale is rounded to about as much.
+_FLAT = 1e-6
+# Arrays that say where a file's nodes are: their names, kinds of values, and what those are.
+_PLACES = {
+    "spacing": ("fiu", "one positive number"),
+    "origin": ("fiu", "one number"),
+    "periodic": ("biu", "one true or false"),
+}
+
+
+def flow_file(path, attribute=VELOCITY, module=None):
+    """The :class:`ArrayFile` or :class:`VolumeFile` of a path; see those for the rest.
+
+    Raises
+    ------
+    SettingError
+        for a file of another kind, or none
+    """
+    path = Path(path)
+    if path.suffix.lower() not in SUFFIXES:
+        raise SettingError(f"{path}: flows are read from {' and '.join(SUFFIXES)} files")
+    if not path.is_file():
+        raise SettingError(f"{path}: no such file")
+    if path.suffix.lower() == ".npz":
+        return ArrayFile(path)
+    return VolumeFile(path, np.eye(4), path.name, attribute, module)
+
+
+@dataclass(frozen=True)
+class GridFlow:
+    """A flow at the nodes of a grid of its own.
+
+    Attributes
+    ----------
+    own : Grid
+    velocity : (n, 3) or (n, 2) at its nodes
+    warnings : none
+    """
+
+    own: Grid
+    velocity: np.ndarray
+    warnings: tuple[str, ...] = ()
+
+    def grid(self, _resolution):
+        """The flow's own grid."""
+        return self.own
+
+    def integrals(self, grid):
+        """(e,) of the velocity along the grid's edges."""
+        return edge_integrals(grid, self.velocity)
+
+
+@dataclass(frozen=True)
+class ArrayFile:
+    """A .npz file with velocity (nx, ny, nz, 3) or (nx, ny, 2), and optional spacing, origin and periodic.
+
+    Attributes
+    ----------
+    path : of the file
+    """
+
+    path: Path
+
+    @property
+    def name(self):
+        """Of the file."""
+        return self.path.name
+
+    @property
+    def is_plane(self):
+        """Whether the velocity has the shape of one in a plane, as its header says; False where that cannot be read."""
+        try:
+            with ZipFile(self.path) as archive, archive.open("velocity.npy") as file:
+                version = np.lib.format.read_magic(file)
+                read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+                shape, _, _ = read(file)
+        except (ValueError, OSError, EOFError, KeyError, BadZipFile, zlib.error):
+            return False
+        return len(shape) == 3
+
+    def read(self):
+        """The :class:`GridFlow`.
+
+        Raises
+        ------
+        SettingError
+            in one line, for a file that is no such flow
+        """
+        arrays = self._arrays()
+        velocity = arrays["velocity"]
+        grid = Grid(velocity.shape[:-1], **{name: arrays[name] for name in _PLACES if name in arrays})
+        return GridFlow(grid, velocity.reshape(-1, velocity.shape[-1]))
+
+    def _arrays(self):
+        path = self.path
+        try:
+            found = _read_arrays(path)
+        except (ValueError, OSError, EOFError, MemoryError, BadZipFile, zlib.error) as error:
+            raise SettingError(f"{path}: {error}: write it with numpy.savez") from None
+        if "velocity" not in found:
+            have = ", ".join(found) or "nothing"
+            raise SettingError(f"{path}: has no array 'velocity' (it has {have}): save the flow under that name")
+        velocity = found["velocity"]
+        if velocity.ndim not in (3, 4) or velocity.shape[-1] != velocity.ndim - 1:
+            raise SettingError(f"{path}: velocity has the shape {velocity.shape}: use (nx, ny, nz, 3) or (nx, ny, 2)")
+        if velocity.dtype.kind not in "fiu":
+            raise SettingError(f"{path}: velocity holds {velocity.dtype} values: save it as floating-point numbers")
+        for name in _PLACES.keys() & found.keys():
+            (kinds, wanted), given, axes = _PLACES[name], found[name], velocity.ndim - 1
+            if given.dtype.kind not in kinds or given.shape not in ((), (1,), (axes,)) or not np.isfinite(given).all():
+                has = given.tolist() if given.size < 4 else f"of the shape {given.shape}"
+                raise SettingError(f"{path}: {name} is {has!r}: give {wanted}, or {axes} of them")
+        return found
+
+
+def _read_arrays(path):
+    arrays = np.load(path, allow_pickle=False)
+    if not isinstance(arrays, np.lib.npyio.NpzFile):
+        raise ValueError("a single array without a name")
+    with arrays:
+        return {name: arrays[name] for name in arrays.files}
+
+
+@dataclass(frozen=True)
+class VoxelFlow:
+    """A flow at the voxels of a volume.
+
+    Attributes
+    ----------
+    values : (nx, ny, nz, 3) velocity along the file's axes
+    low : (3,) index of the first voxel
+    to_world : (4, 4) matrix that takes indices to the world
+    turn : (3, 3) matrix that takes velocities to the world
+    warnings : lines that the user should read
+    """
+
+    values: np.ndarray
+    low: np.ndarray
+    to_world: np.ndarray
+    turn: np.ndarray
+    warnings: tuple[str, ...]
+
+    @property
+    def box(self):
+        """Lowest and highest corner in the world."""
+        return world_box(self.low, self.low + self.values.shape[:3] - 1, self.to_world)
+
+    def grid(self, resolution):
+        """A grid along the world's axes, with so many nodes along its longest side."""
+        low, high = self.box
+        return box_grid(low, high, resolution)
+
+    def integrals(self, grid):
+        """(e,) of the velocity, sampled at the grid's nodes, along its edges."""
+        inverse = np.linalg.inv(self.to_world)
+        places = inverse[:3, :3] @ grid.places.T + inverse[:3, 3:] - self.low[:, None]
+        sampled = [map_coordinates(self.values[..., k], places, order=1, mode="nearest") for k in range(3)]
+        return edge_integrals(grid, np.stack(sampled, axis=1) @ self.turn.T)
+
+
+@dataclass(frozen=True)
+class VolumeFile:
+    """A grid of vectors of a .vdb file.
+
+    Attributes
+    ----------
+    path : of the file
+    matrix : (4, 4) that takes the file's world to the scene's
+    name : what errors call the volume
+    attribute : name of its grid, as :func:`_vector_grid` has it
+    module : file of the OpenVDB module, None where that is found by its name
+    """
+
+    path: Path
+    matrix: np.ndarray
+    name: str
+    attribute: str
+    module: str | None
+
+    def read(self):
+        """The :class:`VoxelFlow`.
+
+        Raises
+        ------
+        SettingError
+            in one line, for a file that is no such flow, and for a matrix that makes it flat
+        """
+        path, vdb = self.path, openvdb_module(self.module)
+        if not path.is_file():
+            raise SettingError(f"{path}: no such file")
+        try:
+            chosen, warnings = _vector_grid(path, vdb.readAllGridMetadata(str(path)), self.attribute)
+            found = vdb.read(str(path), chosen.name)
+        except (OSError, KeyError, RuntimeError) as error:
+            raise SettingError(f"{path}: {error}: choose an OpenVDB file") from None
+        low, high = found.evalActiveVoxelBoundingBox()
+        counts = np.array(high) - low + 1
+        if found.activeVoxelCount() == 0 or (counts < 2).any():
+            raise SettingError(f"{path}: the grid {found.name} is empty: export a frame that has a flow")
+        values = np.empty((*counts, 3), np.float32)
+        found.copyToArray(values, ijk=low)
+        if not np.isfinite(values).all():
+            raise SettingError(f"{path}: the grid {found.name} has voxels that are not numbers: mend the simulation")
+        to_world = self.matrix @ _index_to_world(found)
+        stretches = np.linalg.svd(to_world[:3, :3], compute_uv=False)
+        if not stretches[-1] > _FLAT * stretches[0]:
+            raise SettingError(f"the volume {self.name} is scaled to nothing along an axis: give it another scale")
+        return VoxelFlow(values, np.array(low), to_world, self.matrix[:3, :3], warnings)
+
+    def header(self):
+        """Lowest and highest index of the file's grid, and the (4, 4) matrix that takes indices to the file's world,
+        without reading any voxel; None where the header does not tell them."""
+        try:
+            grids = openvdb_module(self.module).readAllGridMetadata(str(self.path))
+            chosen, _ = _vector_grid(self.path, grids, self.attribute)
+            low, high = (np.array(chosen[name]) for name in ("file_bbox_min", "file_bbox_max"))
+        except (SettingError, OSError, KeyError, RuntimeError):
+            return None
+        return low, high, _index_to_world(chosen)
+
+
+def _vector_grid(path, grids, attribute):
+    """The grid of a volume that is the velocity, among all by their headers, and lines that the user should read.
+
+    It is the one that ``attribute`` names; where that is "velocity" and there is none, one of another usual name, then
+    the first one of vectors. SettingError names those that there are when there is none.
+    """
+    vectors = [grid for grid in grids if grid.valueTypeName.startswith("vec3")]
+    have = ", ".join(f"{grid.name} ({grid.valueTypeName})" for grid in grids) or "none"
+    if not vectors:
+        raise SettingError(f"{path}: has no grid of vectors (it has {have}): export the velocity")
+    wanted = _USUAL if attribute == VELOCITY else (attribute,)
+    named = [grid for name in wanted for grid in vectors if grid.name == name]
+    if named:
+        return named[0], ()
+    if attribute != VELOCITY:
+        raise SettingError(f"{path}: has no grid of vectors {attribute!r} (it has {have}): name one of these")
+    warning = f"{vectors[0].name} is taken for the velocity (there are {have}): name another grid as the attribute"
+    return vectors[0], (warning,) if len(vectors) > 1 else ()
+
+
+def _index_to_world(grid):
+    """(4, 4) matrix of a grid's linear transform."""
+    origin = np.array(grid.transform.indexToWorld((0, 0, 0)))
+    matrix = np.eye(4)
+    for axis in range(3):
+        matrix[:3, axis] = np.array(grid.transform.indexToWorld(tuple(np.eye(3)[axis]))) - origin
+    matrix[:3, 3] = origin
+    return matrix
+
+
+def world_box(low, high, to_world):
+    """Lowest and highest corner in the world of a box of indices."""
+    corners = np.array(np.meshgrid(*zip(low, high, strict=True), indexing="ij")).reshape(3, -1)
+    world = to_world[:3, :3] @ corners + to_world[:3, 3:]
+    return world.min(axis=1), world.max(axis=1)

@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Vortices of the frames of a sequence of flows, each solved from the frame before."""
+
+import dataclasses
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import SettingError, name_elements
+from ..fields.clebsch import circulations, clebsch_map, quantum_for, spherical_map
+from ..fields.clebsch_frames import following_map, following_sphere
+from ..files.flows import ArrayFile, GridFlow, VolumeFile
+from ..geometry.grid import Grid, box_grid
+from ..monitor import Monitor, portion
+from .flow_settings import ClebschSettings
+from .flows import FlowResult, Shown, check_grid, check_resolution, showing
+
+# Shares of the work: finding the grid of all frames, and the quantum.
+_GRID, _QUANTUM = 0.03, 0.07
+
+
+@dataclass(frozen=True)
+class FrameFile:
+    """The file of one frame.
+
+    Attributes
+    ----------
+    frame : of the scene
+    source : what its flow is read from, anew each time, so that no frame is kept longer than it is needed
+    """
+
+    frame: int
+    source: ArrayFile | VolumeFile
+
+
+@dataclass(frozen=True)
+class FlowFrame:
+    """What a frame of a sequence shows.
+
+    Attributes
+    ----------
+    frame : of the scene
+    shown : Shown
+    facts : of the solve, for the report, by their names
+    """
+
+    frame: int
+    shown: Shown
+    facts: dict
+
+
+@dataclass(frozen=True)
+class SequenceResult:
+    """A solved sequence.
+
+    Attributes
+    ----------
+    grid : Grid of all frames
+    quantum : circulation of one filament in all of them
+    frames : FlowFrame of each
+    warnings : lines that the user should read, with the frames that they are of
+    seconds : none, as those of the frames are in their facts
+    """
+
+    grid: Grid
+    quantum: float
+    frames: tuple[FlowFrame, ...]
+    warnings: tuple[str, ...]
+    seconds: dict[str, float] = dataclasses.field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class SequenceRequest:
+    """Vortices of each frame of a sequence.
+
+    Attributes
+    ----------
+    files : FrameFile of each frame
+    settings : ClebschSettings
+
+    Raises
+    ------
+    SettingError
+        for a resolution that shows nothing, or a method that cannot go on from a frame
+    """
+
+    files: tuple[FrameFile, ...]
+    settings: ClebschSettings
+
+    def __post_init__(self):
+        check_resolution(self.settings.resolution)
+        if self.settings.method != "sdp":
+            raise SettingError("a frame starts from the relaxation of the one before: use the method sdp")
+
+    @property
+    def shared(self):
+        """Nothing: the grid is known once all frames are read."""
+        return ()
+
+    def solve(self, progress=None):
+        """The :class:`SequenceResult`, the circulation of a filament being the same in all frames.
+
+        Raises
+        ------
+        Cancelled
+            when the progress is answered with False
+        SettingError
+            with one line that says what is wrong with a file
+        """
+        monitor, count = Monitor(progress), len(self.files)
+
+        def reading(part, share):
+            return lambda number: monitor.at(f"reading frame {self.files[number].frame}", part + share * number / count)
+
+        grid = monitor.during(lambda: self._common_grid(reading(0.0, _GRID)))
+        check_grid(grid, self.files[0].source.path)
+        quantum = self.settings.quantum
+        if quantum is None:
+            quantum = monitor.during(lambda: self._quantum(grid, reading(_GRID, _QUANTUM)))
+        frames: list[FlowFrame] = []
+        warned: dict[str, list[int]] = {}
+        found = sphere = None
+        begin = _GRID + _QUANTUM
+        for number, file in enumerate(self.files):
+            part = portion(progress, begin + (1 - begin) * number / count, (1 - begin) / count)
+            found, sphere, warnings = self._solved(file, grid, quantum, found, sphere, _named(part, file.frame))
+            result = FlowResult(found, sphere, found, None).seeing(self.settings)
+            shown = monitor.during(lambda seen=result.seen, sphere=sphere: showing(seen, sphere, self.settings))
+            frames.append(FlowFrame(file.frame, shown, _facts(file, result.seen, shown)))
+            for line in (*warnings, *shown.missing):
+                warned.setdefault(line, []).append(file.frame)
+        lines = tuple(f"{name_elements('frame', named)}: {line}" for line, named in warned.items())
+        return SequenceResult(grid, quantum, tuple(frames), lines)
+
+    def _solved(self, file, grid, quantum, found, sphere, progress):
+        """The maps of a frame, from those of the frame before if there is one, and warnings of its flow."""
+        flow, options = file.source.read(), self.settings.options
+        integrals = Monitor(progress).during(lambda: flow.integrals(grid))
+        of_map, of_sphere = portion(progress, 0.0, 0.8), portion(progress, 0.8, 0.15)
+        if found is None:
+            found = clebsch_map(grid, integrals, quantum, options, of_map)
+            return found, spherical_map(found, of_sphere), flow.warnings
+        found = following_map(found, integrals, options, of_map)
+        return found, following_sphere(sphere, found, of_sphere), flow.warnings
+
+    def _common_grid(self, step):
+        """A grid that holds the flow of every frame; ``step`` is called with the number of each file before it is read.
+
+        SettingError where files hold grids of their own that differ.
+        """
+        low, high, fixed = np.full(3, np.inf), np.full(3, -np.inf), None
+        for number, file in enumerate(self.files):
+            step(number)
+            flow = file.source.read()
+            if isinstance(flow, GridFlow):
+                fixed = fixed or flow.own
+                if not _is_same(flow.own, fixed):
+                    raise SettingError(
+                        f"{file.source.path}: its grid is not that of {self.files[0].source.path.name}: "
+                        "all frames need the same"
+                    )
+            else:
+                lowest, highest = flow.box
+                low, high = np.minimum(low, lowest), np.maximum(high, highest)
+        return fixed or box_grid(low, high, self.settings.resolution)
+
+    def _quantum(self, grid, step):
+        """That of the frame with most vorticity."""
+        largest = 0.0
+        for number, file in enumerate(self.files):
+            step(number)
+            integrals = file.source.read().integrals(grid)
+            if abs(circulations(grid, integrals)).max() > 0:
+                largest = max(largest, quantum_for(grid, integrals, self.settings.count))
+        if largest == 0:
+            raise SettingError("no frame has vorticity: there are no vortices to show")
+        return largest
+
+
+def _is_same(grid, other):
+    places = [(one.shape, one.periodic, *one.spacing, *one.origin) for one in (grid, other)]
+    return places[0] == places[1]
+
+
+def _named(progress, frame):
+    if progress is None:
+        return None
+    return lambda stage, fraction: progress(f"frame {frame}, {stage}", fraction)
+
+
+def _facts(file, found, shown):
+    solution = found.solution
+    return {
+        "frame": file.frame,
+        "file": file.source.path.name,
+        "energy": found.energy,
+        "lower_bound": solution.lower_bound,
+        "certificate": solution.certificate,
+        "status": solution.status.value,
+        "products": solution.products,
+        "filaments": None if shown.lines is None else len(shown.lines),
+        "length": None if shown.lines is None else sum(line.length for line in shown.lines),
+        "tubes": None if shown.tubes is None else shown.tubes.pieces,
+        "vorticity_share": found.vorticity_share,
+        "seconds": sum(solution.times.values()),
+    }

@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Vortices of flows in space and on surfaces (paper, Section 3.6)."""
+
+import dataclasses
+from dataclasses import dataclass, replace
+from numbers import Integral
+
+import numpy as np
+
+from ..errors import SettingError
+from ..extract.filaments import Filament, filaments
+from ..extract.tubes import Tubes, vortex_tubes
+from ..fields.biot_savart import FilamentCurves
+from ..fields.clebsch import ClebschMap, SphericalMap, clebsch_map, edge_integrals, quantum_for, spherical_map
+from ..files.flows import ArrayFile, VolumeFile
+from ..geometry.mesh_input import MeshInput
+from ..geometry.surface import Surface
+from ..monitor import Monitor, portion
+from .flow_settings import ClebschSettings
+
+# Radius of a filament's tube in cells of the grid.
+_THICKNESS = 0.25
+# Bytes that a solve takes for each node with a proved bound, which is tried up to so many nodes, and without; and the
+# most nodes, 47 GB.
+_PROVED, _PROVED_NODES, _ESTIMATED, _MOST_NODES = 22_000, 36_000, 5_000, 10_000_000
+
+
+def solve_memory(nodes):
+    """Bytes that a solve takes at its peak, measured on 24^3 to 64^3 nodes."""
+    return nodes * (_PROVED if nodes <= _PROVED_NODES else _ESTIMATED)
+
+
+def check_resolution(resolution):
+    """Refuse a resolution that nothing can be seen at."""
+    if not isinstance(resolution, Integral) or resolution < 8:
+        raise SettingError(f"a resolution of {resolution!r} nodes shows no vortex: give a whole number from 8 on")
+
+
+def check_grid(grid, name):
+    """Refuse the grid of a source if it lies in a plane, or if no usual machine can hold a solve of it."""
+    if grid.dimension != 3:
+        raise SettingError(f"{name}: a flow in a plane has no filaments to show: give one in space")
+    if grid.node_count > _MOST_NODES:
+        shape, needed = " x ".join(map(str, grid.shape)), solve_memory(grid.node_count) / 2**30
+        raise SettingError(
+            f"the grid has {shape} nodes, which take about {needed:.0f} GB: give a lower resolution, or a smaller file"
+        )
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What is shown of a map in space.
+
+    Attributes
+    ----------
+    lines : list of Filament, or None where they are not asked for
+    tubes : Tubes, or None
+    quantum : circulation of one filament
+    thickness : radius of one, in scene units
+    """
+
+    lines: list[Filament] | None
+    tubes: Tubes | None
+    quantum: float
+    thickness: float
+
+    @property
+    def missing(self):
+        """Lines that say what the map shows nothing of, and the remedy."""
+        remedy, lines = "ask for more filaments, or a smaller circulation of each", []
+        if self.lines == []:
+            lines.append(f"the map has no filaments: {remedy}")
+        if self.tubes is not None and not len(self.tubes.triangles):
+            lines.append(f"the map does not come so near to the point's antipode: make the tubes wider, or {remedy}")
+        return tuple(lines)
+
+
+def showing(found, sphere, settings):
+    """The :class:`Shown` that settings ask for; the sphere may be missing where there are only filaments."""
+    lines = filaments(found, settings.smoothing) if settings.show != "tubes" else None
+    tubes = None
+    if settings.show != "filaments":
+        tubes = vortex_tubes(sphere, settings.point, settings.opening, settings.smoothing)
+    return Shown(lines, tubes, found.quantum, _THICKNESS * float(found.grid.spacing.min()))
+
+
+@dataclass(frozen=True)
+class FlowResult:
+    """A solved flow, of which every point of the sphere shows other vortices.
+
+    Attributes
+    ----------
+    found : ClebschMap, the best
+    sphere : SphericalMap, None for methods without a relaxation
+    seen : ClebschMap whose vortices are shown
+    shown : Shown, None on surfaces, which show the map itself
+    warnings : lines that the user should read
+    seconds : that the map to the sphere took
+    """
+
+    found: ClebschMap
+    sphere: SphericalMap | None
+    seen: ClebschMap
+    shown: Shown | None
+    warnings: tuple[str, ...] = ()
+    seconds: dict[str, float] = dataclasses.field(default_factory=dict)
+
+    @classmethod
+    def of(cls, grid, integrals, settings, progress):
+        """The maps of a flow, by its (e,) integrals along the edges of a Grid or Surface; nothing is shown yet."""
+        quantum = settings.quantum
+        if quantum is None:
+            quantum = quantum_for(grid, integrals, settings.count)
+        found = clebsch_map(grid, integrals, quantum, settings.options, portion(progress, 0.0, 0.8))
+        sphere = spherical_map(found, portion(progress, 0.8, 0.2)) if settings.method == "sdp" else None
+        return cls(found, sphere, found, None, (), {"sphere": sphere.seconds} if sphere else {}).seeing(settings)
+
+    def seeing(self, settings):
+        """The map that the settings' point of the sphere gives, the best one for None."""
+        if settings.point is None or self.sphere is None:
+            return replace(self, seen=self.found)
+        return replace(self, seen=self.sphere.seen_from(settings.point))
+
+    def again(self, settings):
+        """What another point, width or smoothing shows of the same solve."""
+        other = self.seeing(settings)
+        return other if self.shown is None else replace(other, shown=showing(other.seen, self.sphere, settings))
+
+
+@dataclass(frozen=True)
+class FlowRequest:
+    """Vortices of a flow in space.
+
+    Attributes
+    ----------
+    source : what the flow is read from
+    settings : ClebschSettings
+
+    Raises
+    ------
+    SettingError
+        for a resolution that shows nothing
+    """
+
+    source: ArrayFile | VolumeFile | FilamentCurves
+    settings: ClebschSettings
+
+    def __post_init__(self):
+        check_resolution(self.settings.resolution)
+
+    @property
+    def shared(self):
+        """Nothing: the grid is known once the flow is read."""
+        return ()
+
+    def solve(self, progress=None):
+        """The :class:`FlowResult`.
+
+        Raises
+        ------
+        Cancelled
+            when the progress is answered with False
+        SettingError
+            with one line that says what is wrong with the source
+        """
+        settings = self.settings
+        grid, integrals, warnings = _interruptible(self._read, "flow", progress)
+        result = FlowResult.of(grid, integrals, settings, portion(progress, 0.1, 0.85))
+        shown = _interruptible(lambda: showing(result.seen, result.sphere, settings), "vortices", progress, 0.95)
+        return replace(result, shown=shown, warnings=(*warnings, *shown.missing))
+
+    def _read(self):
+        flow = self.source.read()
+        grid = flow.grid(self.settings.resolution)
+        check_grid(grid, self.source.name)
+        return grid, flow.integrals(grid), flow.warnings
+
+
+def _interruptible(work, stage, progress, fraction=0.0):
+    """The result of work that asks nobody whether it should stop; it is left behind when it should."""
+    monitor = Monitor(progress)
+    monitor.at(stage, fraction)
+    return monitor.during(work)
+
+
+@dataclass(frozen=True)
+class SurfaceFlowRequest:
+    """The map and the vortices of a flow on a surface.
+
+    Attributes
+    ----------
+    given : the mesh
+    velocity : (n, 3) at its vertices, of which the tangential part counts
+    settings : ClebschSettings
+    """
+
+    given: MeshInput
+    velocity: np.ndarray
+    settings: ClebschSettings
+
+    @property
+    def shared(self):
+        """The mesh that the map is on."""
+        return (self.given.mesh,)
+
+    def solve(self, progress=None):
+        """The :class:`FlowResult`; errors as :meth:`FlowRequest.solve`."""
+        surface = Surface(self.given.mesh)
+        return FlowResult.of(surface, edge_integrals(surface, self.velocity), self.settings, progress)
