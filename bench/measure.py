@@ -13,7 +13,7 @@ from time import perf_counter, process_time
 
 import numpy as np
 
-from synch_fields.core.algebra.threads import one_blas_thread
+from synch_fields.core.algebra.workers import solving
 from synch_fields.core.solve import Options, solve
 from synch_fields.core.solve.certificate import provable_width
 from synch_fields.core.solve.stage import Workspace
@@ -79,7 +79,7 @@ def relaxation_in_products(problem, target_gap, seed=0):
 
 def energy_of(problem, method):
     """Energy of a peer's fields on all pieces."""
-    with one_blas_thread():
+    with solving():
         return sum(float(piece.energy(method(piece))[0]) for piece in problem.pieces)
 
 

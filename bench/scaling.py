@@ -24,7 +24,7 @@ from meshes import read_obj
 from subdivide import sphere, subdivided
 from tables import Column, print_table
 
-from synch_fields.core.algebra.threads import one_blas_thread
+from synch_fields.core.algebra.workers import solving
 
 TARGET_GAP = 1e-2
 # Where the slope is taken.
@@ -71,7 +71,7 @@ def _arguments():
 
 def measure(shape, size, problem_name, repeat):
     """A row of the table; runs in a process of its own."""
-    with one_blas_thread():
+    with solving():
         problem = _problem(shape, size, problem_name)
         _, build = timed(lambda: problem.pieces)
         row = {"nodes": problem.connection.node_count, "edges": len(problem.connection.edges), "build s": build}

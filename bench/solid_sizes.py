@@ -18,7 +18,7 @@ from measure import peak_megabytes, row_of_child, untouched
 from solid_shapes import stuffed_bunny
 from tables import Column, print_table
 
-from synch_fields.core.algebra.threads import one_blas_thread
+from synch_fields.core.algebra.workers import solving
 from synch_fields.core.fields.guidance.solids import harmonic_directions
 from synch_fields.core.fields.layers import layer_problem
 from synch_fields.core.solve import Options, solve
@@ -59,7 +59,7 @@ def main():
 
 def measure(folder, size):
     """A row of the table; runs in a process of its own."""
-    with one_blas_thread():
+    with solving():
         shape, mesh_seconds = processed(stuffed_bunny, folder, size)
         mesh = shape.mesh
         directions, guidance_seconds = processed(harmonic_directions, mesh, shape.low, shape.high)

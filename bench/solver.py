@@ -29,7 +29,7 @@ from measure import (
 from meshes import read_obj
 from tables import Column, Criterion, print_summary, print_table
 
-from synch_fields.core.algebra.threads import one_blas_thread
+from synch_fields.core.algebra.workers import solving
 from synch_fields.core.solve import Options, solve
 
 CERTIFICATES = ("none", "estimated", "proved")
@@ -134,7 +134,7 @@ def main():
     """Print the tables and the summary."""
     options = _arguments()
     rows = []
-    with one_blas_thread():
+    with solving():
         for path in options.meshes:
             mesh = read_obj(path)
             stem = Path(path).stem
@@ -228,7 +228,7 @@ def run_fixed_diffusion(problem):
 
 def peak_of_solve(problem):
     """Megabytes of a process that has solved one problem by default."""
-    with one_blas_thread():
+    with solving():
         solve(problem, Options())
     return peak_megabytes()
 

@@ -31,7 +31,7 @@ class SharedRows:
             rows, share = part
             result[rows] = share @ columns
 
-        list(workers.pool().map(fill, self._parts))
+        workers.pool.map(fill, self._parts)
         return result
 
     @cached_property

@@ -5,9 +5,10 @@ import math
 import os
 import threading
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
-from functools import cache
+from contextlib import contextmanager
 
 from ..monitor import POLL_SECONDS, OutOfTime
+from .threads import one_blas_thread
 
 WORKERS = min(os.cpu_count() or 1, 8)
 
@@ -19,15 +20,49 @@ def idle_workers():
     return 1 if getattr(_thread, "is_shared", False) else WORKERS
 
 
-@cache
-def pool():
-    """Threads for short work that never waits."""
-    return ThreadPoolExecutor(WORKERS, thread_name_prefix="synch_fields")
+class _Pool:
+    """Threads for short work that never waits; they end with the last solve that is inside."""
+
+    def __init__(self):
+        self.forget()
+
+    def forget(self):
+        """Nobody is inside: a forked process has none of the threads."""
+        self._lock, self._inside, self._executor = threading.Lock(), 0, None
+
+    def __enter__(self):
+        with self._lock:
+            self._inside += 1
+
+    def __exit__(self, *_error):
+        with self._lock:
+            self._inside -= 1
+            ended = None if self._inside else self._executor
+            self._executor = self._executor if self._inside else None
+        if ended is not None:
+            ended.shutdown()
+
+    def map(self, work, parts):
+        """[work(part) for part in parts], by threads where a solve is inside that they end with."""
+        with self._lock:
+            if self._inside and self._executor is None:
+                self._executor = ThreadPoolExecutor(WORKERS, thread_name_prefix="synch_fields")
+            executor = self._executor
+        return list((map if executor is None else executor.map)(work, parts))
+
+
+pool = _Pool()
 
 
 if hasattr(os, "register_at_fork"):
-    # A forked process has none of the threads.
-    os.register_at_fork(after_in_child=pool.cache_clear)
+    os.register_at_fork(after_in_child=pool.forget)
+
+
+@contextmanager
+def solving():
+    """Context of a solve: BLAS has one thread, and what threads share the work end with it."""
+    with one_blas_thread(), pool:
+        yield
 
 
 class _Follower:
@@ -70,7 +105,7 @@ def share_out(work, parts, monitor, at_once=math.inf):
         wait(running)
     finally:
         follower.stop()
-        executor.shutdown(wait=False, cancel_futures=True)
+        executor.shutdown(cancel_futures=True)
     return [future.result() for future in running]
 
 

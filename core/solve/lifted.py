@@ -11,7 +11,7 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from ..algebra.threads import one_blas_thread
+from ..algebra.workers import solving
 from ..errors import SettingError
 from ..monitor import Monitor, OutOfTime
 from .descent import descend
@@ -135,7 +135,7 @@ def lifted_of_rank(problem, solution, rank, options, callback=None, start=None):
     result = np.array(starts[0])
     left = None if options.time_limit is None else max(options.time_limit - sum(solution.times.values()), 0.0)
     monitor = Monitor(callback, left)
-    with one_blas_thread():
+    with solving():
         for piece in problem.pieces:
             points = [Lifted(piece.block).normalize(point[piece.rows]) for point in starts]
             result[piece.rows] = _descended(piece, points, TOLERANCE * options.target_gap, monitor)

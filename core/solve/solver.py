@@ -8,7 +8,7 @@ from operator import attrgetter
 import numpy as np
 
 from ..algebra.metric import SMALLEST_SHIFT
-from ..algebra.threads import one_blas_thread
+from ..algebra.workers import solving
 from ..errors import SettingError
 from ..monitor import Monitor, OutOfTime
 from . import rounding
@@ -67,7 +67,7 @@ def solve(problem, options=None, callback=None, start=None):
     """
     options = Options() if options is None else options
     _check(options, problem, start)
-    with one_blas_thread():
+    with solving():
         return _solve(problem, options, callback, start)
 
 
@@ -250,7 +250,7 @@ def _solve_descent(workspace, monitor, clock, start):
     with clock("round"):
         monitor.at("descent", 0.0)
         density = float(piece.energy(start)[0]) / piece.mass.sum()
-        metric = monitor.during(partial(workspace.stages[0].candidate_metric, rounding.SHIFT * density))
+        metric = monitor.during(partial(workspace.stages[0].candidate_metric, rounding.CANDIDATE_SHIFT * density))
         column = rounding.finish(workspace, start, metric, monitor)
     return _finished(piece, column, certificate=Certificate.NONE, status=Status.UNCERTIFIED)
 
@@ -308,7 +308,7 @@ def _round(workspace, relaxation, options, monitor, start):
                 if timed_out:
                     return columns, True
         monitor.at("polish", 0.9)
-        metric = stage.candidate_metric(rounding.SHIFT * density)
+        metric = stage.candidate_metric(rounding.CANDIDATE_SHIFT * density)
         finished = rounding.finish(workspace, columns[:, :1], metric, monitor)
         columns = np.hstack([finished, columns[:, 1:]])
     except OutOfTime:

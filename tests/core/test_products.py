@@ -21,6 +21,13 @@ MATRICES = [
 ]
 
 
+@pytest.fixture(autouse=True)
+def solving():
+    """Threads share the rows inside of a solve only."""
+    with workers.solving():
+        yield
+
+
 @pytest.mark.parametrize("size", MATRICES)
 @pytest.mark.parametrize("dtype", [np.float32, np.float64, np.complex64, np.complex128])
 @pytest.mark.parametrize("count", [2, 5])
@@ -67,7 +74,7 @@ def test_all_work_in_one_row_is_still_shared_out_once(monkeypatch):
 
 def test_small_products_are_not_shared(monkeypatch):
     monkeypatch.setattr(workers, "WORKERS", 2)
-    monkeypatch.setattr(workers, "pool", lambda: pytest.fail("threads for a small product"))
+    monkeypatch.setattr(workers.pool, "map", lambda *_: pytest.fail("threads for a small product"))
     matrix = csr_matrix(random_array((500, 500), density=0.1, rng=np.random.default_rng(2)))
     right = np.ones((500, 4))
     np.testing.assert_array_equal(SharedRows(matrix) @ right, matrix @ right)

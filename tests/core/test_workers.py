@@ -8,7 +8,7 @@ import time
 import numpy as np
 import pytest
 
-from synch_fields.core.algebra import workers
+from synch_fields.core.algebra import products, workers
 from synch_fields.core.algebra.workers import idle_workers, share_out
 from synch_fields.core.errors import Cancelled
 from synch_fields.core.fields.directions import direction_problem
@@ -142,3 +142,37 @@ def test_a_solve_has_the_same_result_on_any_number_of_cores(monkeypatch):
     for other in results[1:]:
         assert other.energy == pytest.approx(results[0].energy, rel=1e-9)
         np.testing.assert_allclose(other.phases, results[0].phases, atol=1e-4)
+
+
+@pytest.mark.parametrize("end", ["found", "cancelled between parts"])
+def test_no_thread_outlives_the_solve_that_it_works_for(monkeypatch, end):
+    """Blender allows threads only where they are joined before its own goes on."""
+    monkeypatch.setattr(workers, "WORKERS", 2)
+    monkeypatch.setattr(products, "WORTH_SHARING", 1)
+    monkeypatch.setattr(rounding, "WORTH_SHARING", 1)
+    before, seen = set(threading.enumerate()), set()
+
+    def callback(stage, fraction):
+        seen.update(threading.enumerate())
+        return end == "found" or fraction < 0.6
+
+    try:
+        solve(direction_problem(bumpy_torus(24), 2), Options(), callback)
+        assert end == "found"
+    except Cancelled:
+        assert end != "found"
+    assert any(thread.name.startswith("synch_fields") for thread in seen)
+    assert set(threading.enumerate()) - before == set()
+
+
+def test_a_pool_serves_several_solves_and_ends_with_the_last(monkeypatch):
+    monkeypatch.setattr(workers, "WORKERS", 2)
+
+    def threads():
+        return [thread for thread in threading.enumerate() if thread.name.startswith("synch_fields")]
+
+    with workers.solving():
+        with workers.solving():
+            assert workers.pool.map(lambda part: part + 1, range(5)) == [1, 2, 3, 4, 5]
+        assert threads()
+    assert not threads() and workers.pool.map(lambda part: part + 1, range(5)) == [1, 2, 3, 4, 5] and not threads()
