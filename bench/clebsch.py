@@ -18,8 +18,9 @@ from grids import QUANTA, trefoil_grid, trefoil_velocity
 from tables import Column, print_table
 
 from synch_fields.core.extract.filaments import filaments
-from synch_fields.core.fields.clebsch import TURN, circulations, clebsch_map, edge_integrals, quantum_for
+from synch_fields.core.fields.clebsch import circulations, clebsch_map, edge_integrals, quantum_for
 from synch_fields.core.fields.loops import loop_error
+from synch_fields.core.interpolate import TURN
 from synch_fields.core.solve import Options
 
 CUTS = (6, 4, 3, 2, 1)

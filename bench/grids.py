@@ -4,8 +4,9 @@
 import numpy as np
 
 from synch_fields.core.fields.biot_savart import filament_velocity
-from synch_fields.core.fields.clebsch import TURN, clebsch_problem, edge_integrals
+from synch_fields.core.fields.clebsch import clebsch_problem, edge_integrals
 from synch_fields.core.geometry.grid import Grid
+from synch_fields.core.interpolate import TURN
 
 # Lengths are in units of the box's longest side.
 SIZE = 0.32

@@ -5,7 +5,7 @@ import numpy as np
 
 # A boundary that bulges by more than this, in distances between two lines that meet it, keeps a corner there, and
 # everywhere where it turns by more than this at once.
-BULGE, TURN = 0.3, np.radians(60)
+BULGE, SHARP = 0.3, np.radians(60)
 
 
 def border_of(mesh, crossings, met, node_count):
@@ -68,7 +68,7 @@ def _corners(points, hit, is_vertex):
         away = points[between] - points[start]
         along = np.clip(away @ chord / max(length, np.finfo(float).tiny) ** 2, 0, 1)
         bulge = np.linalg.norm(away - along[:, None] * chord, axis=1)
-        sharp = between[_turns(points, between) > TURN]
+        sharp = between[_turns(points, between) > SHARP]
         if len(sharp):
             corners += sharp.tolist()
         elif len(bulge) and bulge.max() > BULGE * length:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..fields.clebsch import TURN
+from ..interpolate import TURN
 from .evening import evened_line
 from .strands import joined_strands
 from .vortex_fit import fitted_places

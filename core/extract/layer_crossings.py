@@ -23,7 +23,7 @@ ASIDE = 1e-7
 
 
 @dataclass(frozen=True)
-class Crossings:
+class LayerCrossings:
     """Phases in periods, none of them on a level, and the places where levels cross the edges.
 
     Attributes
@@ -49,7 +49,7 @@ class Crossings:
 
 
 def crossings_of(edge_phases, offset=0.0):
-    """:class:`Crossings` of the levels offset + 2 pi k."""
+    """:class:`LayerCrossings` of the levels offset + 2 pi k."""
     mesh = edge_phases.mesh
     given, changes = (edge_phases.arguments[:, 0] - offset) / TURN, edge_phases.changes[:, 0] / TURN
     near = np.abs(given - np.rint(given)) < ASIDE
@@ -69,7 +69,7 @@ def crossings_of(edge_phases, offset=0.0):
     nodes = np.arange(len(edges))
     nodes[at_begin] = len(edges) + i[edges[at_begin]]
     nodes[at_end] = len(edges) + j[edges[at_end]]
-    return Crossings(mesh, phases, changes, np.cumsum(counts) - counts, counts, edges, shares, nodes, faces)
+    return LayerCrossings(mesh, phases, changes, np.cumsum(counts) - counts, counts, edges, shares, nodes, faces)
 
 
 def _layers_on_boundary(mesh, near, changes):
@@ -102,7 +102,7 @@ def polygons_in(crossings, tets):
 
     Parameters
     ----------
-    crossings : Crossings
+    crossings : LayerCrossings
     tets : (t,) tetrahedra around whose faces the phase comes back
 
     Returns

@@ -20,7 +20,7 @@ def sheets_in(crossings, numbers, tets):
 
     Parameters
     ----------
-    crossings : Crossings
+    crossings : LayerCrossings
     numbers : (f,) dislocation numbers of the faces
     tets : (t,) tetrahedra
 

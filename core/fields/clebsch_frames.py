@@ -15,8 +15,9 @@ from dataclasses import replace
 import numpy as np
 from scipy.fft import dct, fft, idct, ifft
 
+from ..interpolate import TURN
 from ..solve.lifted import lifted_of_rank
-from .clebsch import TURN, SphericalMap, clebsch_map
+from .clebsch import SphericalMap, clebsch_map
 
 
 def following_map(before, integrals, options=None, callback=None):

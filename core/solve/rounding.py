@@ -48,7 +48,7 @@ TOLERANCE, FINAL_TOLERANCE = 3e-5, 1e-12
 MOST_AT_ONCE, SMALLEST_BATCH = 1_000_000, 4
 WORTH_SHARING = 60_000
 # Metric shift of descents as a share of the energy per mass.
-SHIFT = 1.0
+CANDIDATE_SHIFT = 1.0
 
 
 def random_directions(is_complex, rank, count, random):
@@ -84,8 +84,8 @@ def crossings(stage, columns, smoothing, count, monitor):
         sums = np.abs(smooth[:, first]) + np.abs(smooth[:, second])
         preference = np.tanh(SHARPNESS * (smooth[:, second] - smooth[:, first]) / np.where(sums > 0, sums, 1))
         preference = np.repeat(preference, block, axis=0)
-        one, other = np.take(columns, first, axis=1), np.take(columns, second, axis=1)
-        return stage.candidates.normalize((1 + preference) * one + (1 - preference) * _aligned(other, one))
+        kept, joined = np.take(columns, first, axis=1), np.take(columns, second, axis=1)
+        return stage.candidates.normalize((1 + preference) * kept + (1 - preference) * _aligned(joined, kept))
 
     return _best_of(stage, cross, len(pairs), count, monitor)
 
@@ -93,15 +93,15 @@ def crossings(stage, columns, smoothing, count, monitor):
 def _best_of(stage, make, total, count, monitor):
     """Of ``total`` columns, which make(numbers) makes, the best ``count``, best first; few are held at once."""
 
-    def made(numbers, work):
-        def one(part, its):
-            its.check()
-            return work(make(part))
+    def making(numbers, work):
+        def make_batch(batch, batch_monitor):
+            batch_monitor.check()
+            return work(make(batch))
 
-        return _in_batches(stage, one, numbers, monitor)
+        return _in_batches(stage, make_batch, numbers, monitor)
 
-    values = made(np.arange(total), partial(energies, stage))
-    return made(np.argsort(values, kind="stable")[:count], lambda columns: columns)
+    values = making(np.arange(total), partial(energies, stage))
+    return making(np.argsort(values, kind="stable")[:count], lambda columns: columns)
 
 
 def _best(stage, columns, count):
@@ -171,7 +171,7 @@ def continuation(stage, lifted, samples, density, random, monitor):
     """
     effort = _effort(stage.node_count)
     most, some, kept, crossed = (round(effort * number) for number in (BEST, DRAWN, KEPT, CROSSINGS))
-    metric = monitor.during(partial(stage.candidate_metric, SHIFT * density))
+    metric = monitor.during(partial(stage.candidate_metric, CANDIDATE_SHIFT * density))
     directions = random_directions(stage.is_complex, lifted.shape[1], samples, random)
     seeds = projections(stage, lifted, directions, most, monitor)
     found, best = seeds[:, :1], np.inf
@@ -204,9 +204,16 @@ def _effort(size):
 
 def _carried(stage, seeds, diffusion, metric, monitor):
     """The better part of the seeds after diffusion, carried on by some steps of descent."""
-    settled = _in_batches(stage, lambda part, its: diffuse(stage, part, diffusion, 1, its), seeds, monitor)
+
+    def settle(batch, batch_monitor):
+        return diffuse(stage, batch, diffusion, 1, batch_monitor)
+
+    def go_on(batch, batch_monitor):
+        return polish(stage, batch, metric, batch_monitor, SHORT_STEPS)
+
+    settled = _in_batches(stage, settle, seeds, monitor)
     settled = _best(stage, settled, round(DESCENDING * seeds.shape[1]))
-    return _in_batches(stage, lambda part, its: polish(stage, part, metric, its, SHORT_STEPS), settled, monitor)
+    return _in_batches(stage, go_on, settled, monitor)
 
 
 def _metrics(stage, times, density):

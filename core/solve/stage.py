@@ -12,7 +12,7 @@ from .spheres import Lifted, candidates
 
 # Shift of the metric of lifted fields as a share of the mean energy per mass. Halved or doubled, the products L Y to a
 # gap change by less than 4 % (measured as in :mod:`.staircase`).
-SHIFT = 0.1
+LIFTED_SHIFT = 0.1
 # The part of the multipliers that is taken off: with none 6 % more products, with 0.6 as many.
 TAKEN_OFF = 0.4
 
@@ -55,7 +55,7 @@ class Stage:
 
     def shift_at(self, point):
         """Shift of the metric of lifted fields: small enough to leave the metric alone."""
-        return max(SHIFT * self.density(point), self._smallest_shift)
+        return max(LIFTED_SHIFT * self.density(point), self._smallest_shift)
 
     def metric_at(self, point):
         """The metric in which a lifted field descends from a point: L + shift M, less a part of the multipliers.

@@ -12,7 +12,8 @@ from .fronts import chosen_vertices
 
 # In solids the time of a factorization grows with the square of the unknowns: from here on, multigrid is faster.
 LARGEST_FACTORIZED = 3000
-SHIFT = 1e-6
+# What makes the Laplacian definite, which is zero on constants, as a share of its scale.
+SMALL_SHIFT = 1e-6
 PRECISION = 1e-12
 MAX_STEPS = 400
 
@@ -111,7 +112,7 @@ def _solved(mesh, matrix, nodes, right):
     if len(nodes) <= LARGEST_FACTORIZED:
         return factorize(matrix, single=False).solve(right)
     scale, mass = matrix.diagonal().mean(), mesh.vertex_masses[nodes]
-    metric = definite_metric(Hierarchy(matrix / scale, mass / mass.mean(), 1), SHIFT)
+    metric = definite_metric(Hierarchy(matrix / scale, mass / mass.mean(), 1), SMALL_SHIFT)
     preconditioner = LinearOperator(matrix.shape, matvec=metric.solve)
     columns = right.reshape(len(right), -1) / scale
     result = np.zeros_like(columns)
