@@ -14,11 +14,10 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from ..errors import MeshError, SettingError
 from ..geometry.tet_mesh import TetMesh, positive
+from ..graphs import components
 
 # Cells of VTK: a triangle, a tetrahedron, those with a volume that are none, and the quadratic tetrahedron.
 VTK_TRIANGLE, VTK_TET = 5, 10
@@ -75,10 +74,8 @@ def _enclosed(mesh, triangles):
     names = names.reshape(-1)
     is_wall = np.isin(names[: len(mesh.faces)], names[len(mesh.faces) :])
     is_hull = mesh.face_tets[:, 1] < 0
-    below, above = mesh.face_tets[~is_wall & ~is_hull].T
-    graph = coo_matrix((np.ones(len(below), bool), (below, above)), shape=(mesh.tet_count, mesh.tet_count))
-    count, parts = connected_components(graph, directed=False)
-    is_open = np.zeros(count, bool)
+    parts = components(mesh.tet_count, mesh.face_tets[~is_wall & ~is_hull])
+    is_open = np.zeros(parts.max(initial=-1) + 1, bool)
     is_open[parts[mesh.face_tets[is_hull & ~is_wall, 0]]] = True
     kept = ~is_open[parts]
     return mesh if kept.all() or not kept.any() else TetMesh(mesh.vertices, mesh.tets[kept])

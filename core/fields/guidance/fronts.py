@@ -11,6 +11,7 @@ equation along a geodesic), and over an edge the distance sags by it. That leave
 import numpy as np
 
 from ...errors import SettingError
+from ...graphs import ragged_arange
 
 # Vertices are brought up to date together that the front reaches within this many mean edge lengths.
 BAND = 1.0
@@ -126,9 +127,7 @@ class _Lists:
 
     def of(self, vertices):
         """All rows of vertices, and which of these each belongs to."""
-        counts = self._counts[vertices]
-        of = np.repeat(np.arange(len(vertices)), counts)
-        place = np.arange(len(of)) - np.repeat(np.cumsum(counts) - counts, counts)
+        of, place = ragged_arange(self._counts[vertices])
         return self._order[self._starts[vertices][of] + place], of
 
 
