@@ -17,7 +17,7 @@ BRANCHES = 4
 # Triangles whose sizes differ by less than this power of two share boxes: one that is far larger would widen them all.
 SIZE_POWER = 3
 # Pairs of a point and a box that are looked at together, which bounds the memory to about a kilobyte times as many.
-BATCH = 8192
+BATCH = 16384
 # Squared sine of the angle at the first corner up to which a triangle is thin.
 THIN = 1e-4
 # Share of the largest coordinate that the computed distances may be wrong by, by far.

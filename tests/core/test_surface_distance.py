@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Signed distance to triangle surfaces against closed forms, brute force and winding numbers."""
 
+import pickle
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,7 @@ from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
 from synch_fields.core.geometry.nearest import nearest_in_triangles
 
-from .meshes import CLOSED, bent_square, cube, icosphere, octahedron, together
+from .meshes import CLOSED, bent_square, bumpy_torus, cube, icosphere, octahedron, together
 from .solids import box_distance, shell
 
 
@@ -140,3 +142,9 @@ def test_open_and_broken_surfaces_are_refused():
     triangles[0] = triangles[0][::-1]
     with pytest.raises(MeshError, match="face opposite ways"):
         SurfaceDistance(TriangleMesh(cube(2).vertices, triangles))
+
+
+def test_a_distance_measures_the_same_in_another_process():
+    mesh = bumpy_torus(20)
+    distance, points = SurfaceDistance(mesh), scattered(mesh)
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(distance))(points), distance(points))
