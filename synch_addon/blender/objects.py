@@ -44,3 +44,30 @@ class ObjectLink:
         if obj is None:
             raise SynchError(f"the object {self.name} is gone: nothing was written")
         return obj
+
+
+@dataclass(frozen=True)
+class Selection:
+    """What was active when work began, so that its result takes nothing from a user who has gone on meanwhile.
+
+    Attributes
+    ----------
+    active : number of the object, None where there was none
+    """
+
+    active: int | None
+
+    @classmethod
+    def now(cls):
+        """The present one."""
+        active = bpy.context.view_layer.objects.active
+        return cls(None if active is None else active.session_uid)
+
+    def give_to(self, objects):
+        """Select some objects instead, the last one active; nothing where another one is active by now."""
+        layer = bpy.context.view_layer
+        if Selection.now() != self:
+            return
+        for other in layer.objects:
+            other.select_set(other in objects)
+        layer.objects.active = objects[-1]

@@ -4,9 +4,10 @@
 import bpy
 
 from ...core.errors import SettingError
+from ...core.tasks.flow_settings import SHOWN, ClebschSettings
 from ..blender import files
 from ..blender.modifiers import is_of_filaments
-from ..flows.job import SHOWN, ClebschSettings, clebsch
+from ..flows.job import clebsch
 from ..flows.report import summary
 from .flags import Made, add_choice, add_number, add_outputs, add_solver, saved
 

@@ -7,8 +7,9 @@ import bpy
 
 from ...core.errors import SettingError
 from ...core.solve import METHODS
+from ...core.tasks.settings import SolverSettings
 from ..blender import files
-from ..settings.solver import RANGE, SolverSettings
+from ..settings.solver import RANGE
 
 
 class Made(NamedTuple):

@@ -3,43 +3,36 @@
 
 import json
 import time
-from collections.abc import Callable
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import bpy
 
 from ...core.errors import SynchError
+from ...core.extract.tubes import NORTH
 from . import memory
-from .objects import NORTH, seen
-from .report import SolvedFlow, report_of, result_line
-
-_filling = False
+from .report import report_of, result_line
 
 
-@dataclass(frozen=True)
-class KeptFlow:
-    """A solve and what shows it.
+def finish(solved, filled, objects, start):
+    """Keep the solve that objects have just been filled with, for :func:`choose_point`; returns the report.
 
-    Attributes
+    Parameters
     ----------
     solved : SolvedFlow
-    objects : their session numbers
-    fill : callable(SolvedFlow, ClebschMap, objects) that shows a map in them and returns facts for the report
+    filled : Filled
+    objects : those of its objects that are there, the last one active
+    start : when the run began, by ``time.perf_counter``
     """
-
-    solved: SolvedFlow
-    objects: tuple[int, ...]
-    fill: Callable
-
-
-def remember(solved, made, report, fill):
-    """Keep the solve that objects show, for :func:`choose_point`, and what their panel says; see :class:`KeptFlow`."""
-    if solved.sphere is not None:
-        kept = KeptFlow(solved, tuple(obj.session_uid for obj in made), fill)
-        for obj in made:
-            memory.flows.put(obj, kept)
-    _set_panels(made, solved, report)
+    solved = replace(solved, fill=filled.fill)
+    report = report_of(solved, filled, objects, start)
+    if solved.result.sphere is not None:
+        for obj in objects:
+            memory.flows.put(obj, solved)
+    if hasattr(bpy.types.Object, "synch_vortices"):  # as long as the extension is registered
+        for obj in objects:
+            obj.synch_vortices.sources = json.dumps(solved.sources)
+            _set_sliders(obj.synch_vortices, solved.settings, result_line(report))
+    return report
 
 
 def choose_point(obj, point=None, *, opening=None, smoothing=None):
@@ -65,20 +58,15 @@ def choose_point(obj, point=None, *, opening=None, smoothing=None):
         with one line that says what is wrong and the remedy; nothing is changed
     """
     start = time.perf_counter()
-    kept = memory.flows.get(obj)
-    present = [found for found in bpy.data.objects if found.session_uid in kept.objects]
+    solved = memory.flows.get(obj)
+    present = [found for found in bpy.data.objects if found.session_uid in solved.objects]
     if any(found.mode != "OBJECT" for found in present):
         raise SynchError(f"{obj.name} is being edited: leave its edit mode")
-    solved = kept.solved
     look = {name: value for name, value in (("opening", opening), ("smoothing", smoothing)) if value is not None}
-    solved = replace(solved, settings=replace(_shown(obj, solved.settings), **look, point=point))
-    mapped = seen(solved.found, solved.sphere, solved.settings.point)
-    facts = kept.fill(solved, mapped, present)
-    for found in present:
-        memory.flows.put(found, replace(kept, solved=solved))
-    report = report_of(solved, mapped, present, start) | facts
-    _set_panels(present, solved, report)
-    return report
+    settings = replace(_shown(obj, solved.settings), **look, point=point)
+    result = solved.result.again(settings)
+    filled = solved.fill(result, settings, present)
+    return finish(replace(solved, settings=settings, result=result), filled, present, start)
 
 
 def slide(obj):
@@ -87,7 +75,7 @@ def slide(obj):
     try:
         choose_point(obj, tuple(look.point), opening=look.opening, smoothing=look.smoothing)
     except SynchError:
-        _set_sliders(look, _shown(obj, memory.flows.get(obj).solved.settings))
+        _set_sliders(look, _shown(obj, memory.flows.get(obj).settings), look.result)
 
 
 def _shown(obj, settings):
@@ -97,31 +85,8 @@ def _shown(obj, settings):
     return replace(settings, **obj.synch_vortices.figures["look"])
 
 
-def is_filling():
-    """Whether the sliders are being set to what is shown, which asks for nothing."""
-    return _filling
-
-
-@contextmanager
-def _quietly():
-    global _filling
-    _filling = True
-    try:
-        yield
-    finally:
-        _filling = False
-
-
-def _set_panels(objects, solved, report):
-    if not hasattr(bpy.types.Object, "synch_vortices"):  # the extension is not registered
-        return
-    for obj in objects:
-        look = obj.synch_vortices
-        _set_sliders(look, solved.settings)
-        look.result, look.sources = result_line(report), json.dumps(solved.sources)
-
-
-def _set_sliders(look, settings):
-    with _quietly():
-        look.point = settings.point or NORTH
-        look.opening, look.smoothing = settings.opening, settings.smoothing
+def _set_sliders(look, settings, line):
+    look.result = ""  # so that setting the sliders asks for nothing
+    look.point = settings.point or NORTH
+    look.opening, look.smoothing = settings.opening, settings.smoothing
+    look.result = line

@@ -2,16 +2,16 @@
 """Which flow is meant in the window, and how large its grid will be, told without reading it."""
 
 from functools import lru_cache
-from pathlib import Path
 
 import bpy
 import numpy as np
 
 from ...core.errors import SynchError
-from ..blender import openvdb
+from ...core.fields.biot_savart import surrounding_grid
+from ...core.files.flows import VolumeFile, world_box
+from ...core.geometry.grid import box_grid
 from ..blender.strokes import SOURCE_TYPES
-from ..blender.volume_files import shown_file
-from . import sources as blender_sources
+from .sources import flow_source
 
 
 def flow_of(context, filepath):
@@ -41,24 +41,20 @@ def expected_shape(context, filepath, resolution, attribute):
     """Nodes along the axes of the grid that will be solved, None where only reading the flow can tell."""
     try:
         source = flow_of(context, filepath)
-        path = shown_file(source) if isinstance(source, bpy.types.Object) else source
+        if isinstance(source, list):
+            if any(obj.type == "MESH" and obj.data.polygons for obj in source):
+                return None
+            return surrounding_grid(*_object_box(source), resolution).shape
+        file = flow_source(source, None, attribute)
     except SynchError:
         return None
-    if isinstance(source, list):
-        if any(obj.type == "MESH" and obj.data.polygons for obj in source):
-            return None
-        low, high = _object_box(source)
-        margin = blender_sources.MARGIN * (high - low).max()
-        return blender_sources.box_grid(low - margin, high + margin, resolution).shape
-    matrix = np.eye(4) if isinstance(source, str) else np.array(source.matrix_world)
-    path = Path(path)
-    header = (
-        _header(path, attribute, path.stat().st_mtime) if path.suffix.lower() == ".vdb" and path.is_file() else None
-    )
+    if not isinstance(file, VolumeFile) or not file.path.is_file():
+        return None
+    header = _header(file.path, file.attribute, file.module, file.path.stat().st_mtime)
     if header is None:
         return None
     low, high, to_world = header
-    return blender_sources.box_grid(*blender_sources.world_box(low, high, matrix @ to_world), resolution).shape
+    return box_grid(*world_box(low, high, file.matrix @ to_world), resolution).shape
 
 
 def _object_box(objects):
@@ -71,13 +67,6 @@ def _object_box(objects):
 
 
 @lru_cache(maxsize=16)
-def _header(path, attribute, _changed):
-    """Lowest and highest index of a file's grid of velocities, and the matrix that takes them to the world, as its
-    header tells them; None where it does not."""
-    try:
-        grids = openvdb.openvdb_module().readAllGridMetadata(str(path))
-        chosen, _ = blender_sources.vector_grid(path, grids, attribute)
-        low, high = (np.array(chosen[name]) for name in ("file_bbox_min", "file_bbox_max"))
-    except (SynchError, OSError, KeyError, RuntimeError):
-        return None
-    return low, high, blender_sources.index_to_world(chosen)
+def _header(path, attribute, module, _changed):
+    """What the header of a file tells, as :meth:`VolumeFile.header`."""
+    return VolumeFile(path, np.eye(4), path.name, attribute, module).header()

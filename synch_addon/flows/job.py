@@ -1,153 +1,51 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Vortices of a flow as objects: filaments as a curve, tubes as a mesh coloured by the sphere (paper, Section 3.6)."""
 
-import math
 import time
-from collections.abc import Iterable
-from dataclasses import dataclass
-from numbers import Integral, Real
 from pathlib import Path
 
-from ...core.errors import SettingError
-from ...core.fields.clebsch import clebsch_map, quantum_for, spherical_map
-from ...core.keywords import check_choice, check_positive, check_whole, from_names
-from ...core.monitor import Monitor
+from ...core.fields.loops import loop_error
+from ...core.keywords import from_names
+from ...core.tasks.flow_settings import ClebschSettings
+from ...core.tasks.flows import FlowRequest
+from ..blender.objects import Selection
 from ..blender.transaction import whole_or_nothing
-from ..jobs.jobs import portion
-from ..settings.solver import SolverSettings
-from .choice import remember
-from .objects import facts, fill, make_filaments, make_tubes, missing, present, seen, showing
-from .report import SolvedFlow, circulation_error, report_of
+from ..jobs.job import run
+from .choice import finish
+from .memory import Filled, SolvedFlow
+from .objects import facts, fill, make_filaments, make_tubes, present
 from .sequence_job import SequenceJob
-from .sources import CORE, VELOCITY, check_grid, check_resolution, flow_source, objects_of
+from .sources import flow_source, objects_of
 from .surface_job import SurfaceJob
 from .surfaces import surface_flow
 
-SHOWN = ("filaments", "tubes", "both")
-# Radius of the cores of curves in cells, where their tubes are shown.
-_CORE_OF_TUBES = 2.0
-
-
-@dataclass(frozen=True)
-class ClebschSettings(SolverSettings):
-    """Settings of the operator, the command line and the API alike, besides those of the solver.
-
-    Attributes
-    ----------
-    show : "filaments", "tubes" or "both"
-    resolution : nodes along the longest side that files and curves are resampled to
-    count : filaments through the plane of the grid with most vorticity, unless a quantum is given
-    quantum : circulation of one filament, None for one that makes ``count`` of them
-    core : radius over which the vorticity of curves is spread, in cells; None for half a cell, and two where tubes are
-        shown, which are nothing without an inside
-    attribute : velocity on the vertices of a mesh, which then shows the map itself; or the grid of a volume, where
-        "velocity" also stands for vel, v, or the only grid of vectors
-    point : of the sphere, from which tubes are seen: they are around where the map shows its antipode; for filaments
-        None shows the best map, a point the projection along it
-    opening : degrees around the antipode that are inside a tube
-    smoothing : how often points of filaments, and vertices of tubes, move to the middle of their neighbours
-    frames : first and last frame of a sequence, None for what the source is now
-    """
-
-    show: str = "filaments"
-    resolution: int = 48
-    count: float = 4.0
-    quantum: float | None = None
-    core: float | None = None
-    attribute: str = VELOCITY
-    point: tuple[float, float, float] | None = None
-    opening: float = 60.0
-    smoothing: int = 5
-    frames: tuple[int, int] | None = None
-
-    def __post_init__(self):
-        super().__post_init__()
-        check_choice(self, "show", SHOWN)
-        check_positive(self, "count", "opening", optional=("quantum", "core"))
-        check_whole(self, "smoothing")
-        if self.frames is not None:
-            if not _are(Integral, 2, self.frames):
-                raise SettingError(f"the frames are {self.frames!r}: give the first and the last one, whole numbers")
-            first, last = self.frames
-            if first > last:
-                raise SettingError(f"the frames {first} to {last} are none: give the first one first")
-        if self.opening >= 180:
-            raise SettingError(f"the opening is {self.opening:g} degrees: the whole sphere has 180, give less")
-        if self.point is not None:
-            if not (_are(Real, 3, self.point) and all(map(math.isfinite, self.point)) and any(self.point)):
-                raise SettingError(f"the point of the sphere is {self.point!r}: give three numbers that are not all 0")
-            object.__setattr__(self, "point", tuple(map(float, self.point)))
-        if (self.show != "filaments" or self.point is not None) and self.method != "sdp":
-            raise SettingError("tubes and points of the sphere come from the relaxation: use the method sdp")
-
-
-def _are(kind, count, values):
-    """Whether values are so many of a kind."""
-    values = list(values) if isinstance(values, Iterable) else []
-    return len(values) == count and all(isinstance(value, kind) for value in values)
-
 
 class ClebschJob:
-    """One run in three steps: what Blender's data is needed for is read when it is made, :meth:`solve` may run in
-    another thread, :meth:`write` makes objects."""
+    """Filaments and tubes of a flow in space; see :mod:`..jobs.job`."""
+
+    link = None
 
     def __init__(self, source, settings):
-        self._start = time.perf_counter()
-        self.settings = settings
-        check_resolution(settings.resolution)
-        core = settings.core or (CORE if settings.show == "filaments" else _CORE_OF_TUBES)
-        self._source = flow_source(source, core, settings.attribute)
+        self._start, self._selection = time.perf_counter(), Selection.now()
+        self.request = FlowRequest(flow_source(source, settings.core_cells, settings.attribute), settings)
         objects = [] if isinstance(source, str | Path) else objects_of(source)
         self._objects = tuple(obj.name for obj in objects)
 
-    def solve(self, callback=None):
-        """Solve for the map and, where the method can, the sphere.
-
-        Raises
-        ------
-        Cancelled
-            when the callback returns False
-        SettingError
-            with one line that says what is wrong with the source
-        """
-        settings = self.settings
-        grid, integrals = _interruptible(self._read, "flow", callback)
-        quantum = settings.quantum
-        if quantum is None:
-            quantum = quantum_for(grid, integrals, settings.count)
-        found = clebsch_map(grid, integrals, quantum, settings.options, portion(callback, 0.1, 0.7))
-        sphere = spherical_map(found, portion(callback, 0.8, 0.15)) if settings.method == "sdp" else None
-        self._seen = seen(found, sphere, settings.point)
-        self._shown = _interruptible(lambda: showing(self._seen, sphere, settings), "vortices", callback, 0.95)
-        warnings = [*self._source.warnings, *missing(self._shown)]
-        self._solved = SolvedFlow(self._source.name, found, sphere, settings, warnings, self._objects)
-
-    def _read(self):
-        grid = self._source.grid(self.settings.resolution)
-        check_grid(grid, self._source.name)
-        return grid, self._source.integrals(grid)
-
-    def write(self):
+    def write(self, result):
         """Make the objects; returns the report."""
-        solved, shown = self._solved, self._shown
-        made = []
+        name, shown, made = self.request.source.name, result.shown, []
         with whole_or_nothing():
             if shown.tubes is not None:
-                made.append(make_tubes(f"{solved.name} Tubes", shown))
+                made.append(make_tubes(f"{name} Tubes", shown))
             if shown.lines is not None:
-                made.append(make_filaments(f"{solved.name} Filaments", shown))
-        present(made)
-        report = report_of(solved, self._seen, made, self._start) | facts(shown)
-        report["circulation_error"] = circulation_error(self._seen)
-        remember(solved, made, report, fill)
-        return report
-
-
-def _interruptible(work, stage, callback, fraction=0.0):
-    """The result of work that asks nobody whether it should stop; it is left behind when it should."""
-    monitor = Monitor(callback)
-    monitor.at(stage, fraction)
-    return monitor.during(work)
+                made.append(make_filaments(f"{name} Filaments", shown))
+        present(made, self._selection)
+        numbers = tuple(obj.session_uid for obj in made)
+        solved = SolvedFlow(name, self.request.settings, result, fill, numbers, self._objects)
+        # How far the number of filaments through a loop is from the flow's circulation along it, in quanta and root
+        # mean square over all square loops a quarter of the grid's longest side wide; None where there are none.
+        off = {"circulation_error": loop_error(result.seen, max(result.seen.grid.shape) // 4)}
+        return finish(solved, Filled(facts(shown) | off, fill), made, self._start)
 
 
 def clebsch(source, callback=None, **settings):
@@ -169,9 +67,7 @@ def clebsch(source, callback=None, **settings):
     SynchError
         with one line that says what is wrong and the remedy; nothing is written
     """
-    job = job_for(source, from_names(ClebschSettings, settings))
-    job.solve(callback)
-    return job.write()
+    return run(job_for(source, from_names(ClebschSettings, settings)), callback)
 
 
 def job_for(source, settings):

@@ -1,7 +1,51 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The last solves of flows, kept while Blender runs: another point of the sphere needs no other."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from ...core.tasks.flow_settings import ClebschSettings
+from ...core.tasks.flows import FlowResult
 from ..jobs.shelf import ObjectShelf
+
+
+@dataclass(frozen=True)
+class SolvedFlow:
+    """A solve and what shows it.
+
+    Attributes
+    ----------
+    name : of what the flow was read from
+    settings : ClebschSettings
+    result : FlowResult
+    fill : callable(result, settings, objects) that shows a result in the objects and returns the :class:`Filled`
+    objects : session numbers of all that show it
+    sources : names of the objects that the flow was read from
+    """
+
+    name: str
+    settings: ClebschSettings
+    result: FlowResult
+    fill: Callable
+    objects: tuple[int, ...]
+    sources: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Filled:
+    """What objects show now.
+
+    Attributes
+    ----------
+    facts : for the report
+    fill : what fills them the next time
+    warnings : lines that the user should read
+    """
+
+    facts: dict
+    fill: Callable
+    warnings: tuple[str, ...] = ()
+
 
 # Of the objects that show the vortices of a flow, the latest ones: a kilobyte a node each.
 flows = ObjectShelf(4)

@@ -14,12 +14,12 @@ from bpy.props import (
     StringProperty,
 )
 
+from ...core.extract.tubes import NORTH
+from ...core.tasks.flow_settings import ClebschSettings
 from ..blender.registration import keeping
 from ..settings.solver import METHOD, SEED, TARGET_GAP
 from . import memory
-from .choice import is_filling, slide
-from .job import ClebschSettings
-from .objects import NORTH
+from .choice import slide
 
 _DEFAULT = ClebschSettings()
 _OPENING = {
@@ -130,7 +130,7 @@ class SynchVortices(VortexProperties, bpy.types.PropertyGroup):
 def _show(look, _context):
     """The objects of the solve show what the sliders of one of them are set to."""
     obj = look.id_data
-    if memory.flows.holds(obj) and not is_filling():
+    if look.result and memory.flows.holds(obj):
         slide(obj)
 
 

@@ -1,80 +1,51 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a solved flow is, and what its report, the panel and the command line say of it."""
+"""What the report, the panel and the command line say of a solved flow."""
 
 import json
-import time
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
 
-import numpy as np
-
-from ...core.fields.clebsch import ClebschMap, SphericalMap
-from ...core.fields.loops import loop_error
 from ...core.solve.solution import relative_gap
-from ..jobs.report import counted, peak_memory, quality, versions
+from ..jobs.report import counted, ending, quality
 
 
-@dataclass(frozen=True)
-class SolvedFlow:
-    """A solved flow, of which every point of the sphere shows other vortices.
-
-    Attributes
-    ----------
-    name : of what the flow was read from
-    found : ClebschMap, the best
-    sphere : SphericalMap, None for methods without a relaxation
-    settings : ClebschSettings
-    warnings : lines that the user should read
-    sources : names of the objects that the flow was read from
-    """
-
-    name: str
-    found: ClebschMap
-    sphere: SphericalMap | None
-    settings: object
-    warnings: list[str] = field(default_factory=list)
-    sources: tuple[str, ...] = ()
-
-
-def report_of(solved, found, made, start):
-    """The report of a run that began at ``start`` and made, or filled anew, some objects; the last one is active.
-
-    ``found`` is the map whose filaments are shown.
-    """
-    solution, energy, sphere = found.solution, found.energy, solved.sphere
-    of_sphere = {"sphere": sphere.seconds} if sphere else {}
+def report_of(solved, filled, objects, start):
+    """The report of a run that began at ``start`` and made, or filled anew, some objects; the last one is active."""
+    result, found = solved.result, solved.result.seen
+    solution, energy, sphere = found.solution, found.energy, result.sphere
     return {
         "status": solution.status.value,
-        "command": "clebsch",
-        "source": solved.name,
-        "object": made[-1].name,
-        "objects": [obj.name for obj in made],
-        "nodes": found.grid.node_count,
-        "edges": len(found.grid.edges),
-        "shape": list(found.grid.shape),
-        "quantum": found.quantum,
+        **_of_grid(solved.name, objects[-1], found.grid, found.quantum),
+        "objects": [obj.name for obj in objects],
         **quality(solution),
         "energy": energy,
         "gap": relative_gap(energy, solution.lower_bound, solution.noise),
         "sphere_energy": sphere.energy if sphere else None,
-        "vorticity_share": vorticity_share(found, solved.found.vorticity),
-        "times": solution.times | of_sphere | {"total": time.perf_counter() - start},
-        "peak_memory_mb": peak_memory(),
-        "settings": asdict(solved.settings),
-        "warnings": solved.warnings,
-        "versions": versions(),
+        "vorticity_share": found.vorticity_share,
+        **ending(asdict(solved.settings), solution.times | result.seconds, start, [*result.warnings, *filled.warnings]),
+        **filled.facts,
     }
 
 
-def vorticity_share(found, vorticity):
-    """What of the flow's vorticity through all faces the filaments carry; None for a flow without any."""
-    caught = found.quantum * np.abs(found.face_numbers).sum()
-    return float(caught / vorticity) if vorticity else None
+def sequence_report(name, settings, result, collection, start):
+    """The report of a sequence's run that began at ``start`` and made a collection."""
+    return {
+        "status": "solved",
+        **_of_grid(name, collection, result.grid, result.quantum),
+        "frames": [frame.facts for frame in result.frames],
+        **ending(asdict(settings), result.seconds, start, list(result.warnings)),
+    }
 
 
-def circulation_error(found):
-    """How far the number of filaments through a loop is from the flow's circulation along it, in quanta and root mean
-    square over all square loops a quarter of the grid's longest side wide; None where there are none."""
-    return loop_error(found, max(found.grid.shape) // 4)
+def _of_grid(source, made, grid, quantum):
+    return {
+        "command": "clebsch",
+        "source": source,
+        "object": made.name,
+        "nodes": grid.node_count,
+        "edges": len(grid.edges),
+        "shape": list(grid.shape),
+        "quantum": quantum,
+    }
 
 
 def result_line(report):

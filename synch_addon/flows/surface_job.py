@@ -3,91 +3,79 @@
 
 import time
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
+from ...core.errors import SettingError
 from ...core.extract.filaments import vortices
-from ...core.fields.clebsch import clebsch_map, quantum_for, spherical_map
 from ...core.interpolate import EdgePhases
-from ..blender import attributes, meshes
+from ...core.tasks.flows import SurfaceFlowRequest
+from ..blender import attributes, meshes, schema
 from ..blender.defect_empties import Defect, write_defects
+from ..blender.objects import Selection
 from ..blender.transaction import whole_or_nothing
-from ..jobs.jobs import portion
-from ..nodes.globe import SPHERE
 from ..nodes.materials import pattern_material
-from ..nodes.vortices import COLOR, STRENGTH
 from ..patterns.write import write_phases
-from .choice import remember
-from .objects import present, seen
-from .report import SolvedFlow, report_of
+from .choice import finish
+from .memory import Filled, SolvedFlow
+from .objects import present, write_sphere
+from .surfaces import plane_object
 
 
 class SurfaceJob:
-    """One run on a :class:`SurfaceFlow`: :meth:`solve` may run in another thread, :meth:`write` changes the mesh."""
+    """The map of a :class:`SurfaceFlow`; see :mod:`..jobs.job`."""
 
-    def __init__(self, source, settings):
-        self._start = time.perf_counter()
-        self._source, self.settings = source, settings
+    def __init__(self, surface, settings):
+        self._start, self._selection = time.perf_counter(), Selection.now()
+        self._surface, self.link = surface, surface.link
+        self.request = SurfaceFlowRequest(surface.given, surface.velocity, settings)
 
-    def solve(self, callback=None):
-        """Solve for the map and, where the method can, the sphere; errors as :meth:`ClebschJob.solve`."""
-        settings, surface = self.settings, self._source.surface
-        integrals = self._source.integrals(surface)
-        quantum = settings.quantum
-        if quantum is None:
-            quantum = quantum_for(surface, integrals, settings.count)
-        found = clebsch_map(surface, integrals, quantum, settings.options, portion(callback, 0.0, 0.8))
-        sphere = spherical_map(found, portion(callback, 0.8, 0.2)) if settings.method == "sdp" else None
-        self._solved = SolvedFlow(self._source.name, found, sphere, settings, list(self._source.warnings))
-
-    def write(self):
+    def write(self, result):
         """Write the map to the mesh, which is made for a plane; returns the report.
 
         Raises
         ------
-        SettingError
+        SynchError
             when the object is gone or has changed since it was read; nothing is written
         """
-        solved = self._solved
-        shown = seen(solved.found, solved.sphere, solved.settings.point)
+        surface, settings = self._surface, self.request.settings
+        result = replace(result, warnings=surface.warnings)
         with whole_or_nothing():
-            obj = self._source.target()
-            facts = self._fill(solved, shown, [obj])
+            obj = plane_object(surface) if self.link is None else self.link.found
+            with meshes.object_mode(obj):
+                filled = _fill(surface.given, result, settings, [obj])
         if not obj.users_collection:
-            present([obj])
-        report = report_of(solved, shown, [obj], self._start) | facts
-        remember(solved, [obj], report, self._fill)
-        return report
-
-    def _fill(self, solved, shown, objects):
-        """Show a map of the solve on the mesh; returns the facts."""
-        source, warnings = self._source, solved.warnings
-        obj, given, sphere = source.of_object(objects[0]), source.given, solved.sphere
-        changes, matchings = shown.changes[:, None], np.zeros(len(given.mesh.edges), int)
-        phases = EdgePhases(given.mesh, np.angle(shown.phases)[:, None], changes, matchings)
-        polygons = write_phases(obj, given, phases, warnings.append)
-        source.given = replace(given, polygons=polygons)
-        period = _period(given.mesh, shown)
-        facts = {"vortices": _write_vortices(obj, given, shown, polygons, period)}
-        if sphere is not None:
-            _write_sphere(obj, sphere.sphere)
-            facts["coverage"] = float(np.abs(sphere.face_areas).sum())  # either way
-        pattern_material(obj, "stripes" if solved.settings.show == "filaments" else "globe", spacing=period)
-        meshes.update(obj)
-        return facts
+            present([obj], self._selection)
+        solved = SolvedFlow(surface.name, settings, result, filled.fill, (obj.session_uid,))
+        return finish(solved, filled, [obj], self._start)
 
 
-def _write_sphere(obj, points):
-    attributes.write_attribute(obj, SPHERE, "POINT", "FLOAT_VECTOR", points)
-    colors = np.column_stack([0.5 + 0.5 * points, np.ones(len(points))])
-    attributes.write_attribute(obj, COLOR, "POINT", "FLOAT_COLOR", colors)
+def _fill(given, result, settings, objects):
+    """Show a map on the object whose mesh was read as ``given``; returns the :class:`Filled`."""
+    (obj,) = objects
+    if not meshes.is_unchanged(obj, given):
+        raise SettingError(f"the mesh {obj.name} has changed since its flow was read: run it again")
+    shown, warnings = result.seen, []
+    changes, matchings = shown.changes[:, None], np.zeros(len(given.mesh.edges), int)
+    phases = EdgePhases(given.mesh, np.angle(shown.phases)[:, None], changes, matchings)
+    given = replace(given, polygons=write_phases(obj, given, phases, warnings.append))
+    period = _period(given.mesh, shown)
+    facts = {"vortices": _write_vortices(obj, given, shown, period)}
+    if result.sphere is not None:
+        write_sphere(obj, result.sphere.sphere)
+        facts["coverage"] = float(np.abs(result.sphere.face_areas).sum())  # either way
+    pattern_material(obj, "stripes" if settings.show == "filaments" else "globe", spacing=period)
+    meshes.update(obj)
+    return Filled(facts, partial(_fill, given), tuple(warnings))
 
 
-def _write_vortices(obj, given, shown, polygons, period):
+def _write_vortices(obj, given, shown, period):
     """An empty for every vortex, and the circulation within each face; returns them for the report."""
     triangles, places, strengths = vortices(shown)
+    polygons = given.polygons
     faces = meshes.faces_of_triangles(polygons, given.mesh.triangles[triangles])
-    attributes.write_attribute(obj, STRENGTH, "FACE", "FLOAT", np.bincount(faces, strengths, len(polygons.starts)))
+    attributes.write(obj, schema.STRENGTH, np.bincount(faces, strengths, len(polygons.starts)))
     normals = given.mesh.face_normals[triangles] @ given.stretch  # they go the other way round than points
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     numbers = shown.face_numbers[triangles]
@@ -99,7 +87,7 @@ def _write_vortices(obj, given, shown, polygons, period):
     empties = write_defects(obj, found, kinds=("dislocation", "vortex"), length=period)
     plain = []
     for defect, empty, strength in zip(found, empties, strengths.tolist(), strict=True):
-        empty[STRENGTH] = strength
+        empty[schema.STRENGTH.name] = strength
         position = list(obj.matrix_world @ empty.location)
         plain.append({"face": defect.face, "strength": strength, "position": position})
     return plain

@@ -3,7 +3,6 @@
 
 import json
 import platform
-import sys
 import time
 import tomllib
 from copy import copy
@@ -15,6 +14,7 @@ import numpy as np
 import scipy
 
 from ...core.errors import name_elements, plural
+from ...core.memory import peak_megabytes
 from ...core.solve.solution import Clock, relative_gap
 from ..blender.modifiers import changing_modifiers
 
@@ -101,7 +101,6 @@ class Report:
         for part in (field, pattern):
             for phase, seconds in (part.solution.times if part is not None and part.solution else {}).items():
                 times[phase] = times.get(phase, 0.0) + seconds
-        times["total"] = time.perf_counter() - self._start
         rows = [asdict(row) for row in self.settings.constraints]
         settings = asdict(self.settings) | {"spacing": self._request.spacing, "constraints": rows}
         report = {
@@ -127,13 +126,28 @@ class Report:
             "dislocations": [d for d in defects if d["kind"] == "dislocation"],
             "forced_dislocations": self.forced_dislocations,
             **({"quad_mesh": self.quad_mesh} if self.quad_mesh else {}),
-            "times": times,
-            "peak_memory_mb": peak_memory(),
             "seed": self.settings.seed,
-            "settings": settings,
-            "warnings": self.warnings,
-            "versions": versions(),
+            **ending(settings, times, self._start, self.warnings),
         }
+
+
+def ending(settings, times, start, warnings):
+    """What the report of every run ends with.
+
+    Parameters
+    ----------
+    settings : dict of what was asked
+    times : seconds of the parts of the work, by their names
+    start : when the run began, by ``time.perf_counter``
+    warnings : list of lines
+    """
+    return {
+        "times": times | {"total": time.perf_counter() - start},
+        "peak_memory_mb": peak_megabytes(),
+        "settings": settings,
+        "warnings": warnings,
+        "versions": versions(),
+    }
 
 
 def failure(command, settings, error):
@@ -158,16 +172,6 @@ def versions():
         "numpy": np.__version__,
         "scipy": scipy.__version__,
     }
-
-
-def peak_memory():
-    """Peak memory of the process in MB, None where the system does not tell."""
-    try:
-        import resource
-    except ImportError:  # Windows
-        return None
-    unit = 2**20 if sys.platform == "darwin" else 2**10
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
 
 
 def summary(report):

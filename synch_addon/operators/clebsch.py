@@ -3,10 +3,11 @@
 
 import bpy
 
+from ...core.tasks.flow_settings import ClebschSettings
 from ..flows import memory
 from ..flows.choice import choose_point
 from ..flows.chosen import flow_of
-from ..flows.job import ClebschSettings, job_for
+from ..flows.job import job_for
 from ..flows.properties import PROPERTY_NAMES, VortexProperties, plain
 from ..jobs.queue import queue
 from ..jobs.report import counted

@@ -5,10 +5,10 @@ import math
 
 import bpy
 
+from ...core.tasks.flows import solve_memory
 from ..blender.translations import counted, said
 from ..flows import memory
 from ..flows.chosen import expected_shape
-from ..flows.sources import solve_memory
 from .sidebar import SidebarPanel, draw_solver, property_column
 
 

@@ -19,13 +19,14 @@ from bpy.props import (
 from ...core.errors import SettingError
 from ...core.fields.directions import SYMMETRIES
 from ...core.keywords import check_choice, check_positive, check_whole
+from ...core.tasks.settings import SolverSettings
 from ..blender.registration import keeping
 from .constraint_list import SynchConstraint
 from .constraints import Constraint, from_plain
 from .favourite_list import SynchFavourite
 from .guidance import exact_attribute, parse
 from .guide_list import GUIDE_ITEMS, SynchGuide, suggest_numbers
-from .solver import FACTOR, METHOD, RANGE, SEED, SPACING_MAP, SPACING_RANGE, TARGET_GAP, TURN, SolverSettings
+from .solver import FACTOR, METHOD, RANGE, SEED, SPACING_MAP, SPACING_RANGE, TARGET_GAP, TURN
 
 BOUNDARIES = ("free", "along", "across", "phase")
 

@@ -1,43 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings that surfaces, solids and flows have in common: as plain data and as Blender properties."""
+"""Settings that surfaces, solids and flows have in common: as Blender properties."""
 
 import math
-from dataclasses import dataclass, fields
 
 from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
-from ...core.keywords import check_choice, check_positive, check_whole
-from ...core.solve import METHODS, Options
+from ...core.tasks.settings import SolverSettings
 from .guide_list import suggest_numbers
-
-
-@dataclass(frozen=True, kw_only=True)
-class SolverSettings:
-    """How a field is optimized.
-
-    Attributes
-    ----------
-    method : "sdp", "spectral" or "diffusion"
-    seed : of every random choice
-    target_gap : relative gap of the relaxation to prove
-    time_limit : seconds for each solve, None for no limit
-    """
-
-    method: str = "sdp"
-    seed: int = 0
-    target_gap: float = 1e-2
-    time_limit: float | None = None
-
-    def __post_init__(self):
-        check_choice(self, "method", METHODS)
-        check_whole(self, "seed")
-        check_positive(self, "target_gap", optional=("time_limit",))
-
-    @property
-    def options(self):
-        """Options of the core's solver."""
-        return Options(**{field.name: getattr(self, field.name) for field in fields(SolverSettings)})
-
 
 METHOD = EnumProperty(
     name="Method",

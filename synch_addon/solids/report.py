@@ -3,7 +3,8 @@
 
 import numpy as np
 
-from ..jobs.report import counted, peak_memory, quality, versions
+from ...core.memory import peak_megabytes
+from ..jobs.report import counted, quality, versions
 
 
 def layer_facts(layering):
@@ -53,7 +54,7 @@ def layer_report(layering, obj, made, settings, clock, warnings):
         "edges": len(layering.solid.edges),
         **layer_facts(layering),
         "times": times,
-        "peak_memory_mb": peak_memory(),
+        "peak_memory_mb": peak_megabytes(),
         "seed": settings["seed"],
         "settings": settings,
         "warnings": warnings,

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 from ...core.errors import SettingError
 from ...core.keywords import check_positive
+from ...core.tasks.settings import SolverSettings
 from ..settings.guidance import AXES, BOUNDARY
-from ..settings.solver import RANGE, SolverSettings
+from ..settings.solver import RANGE
 
 _GROUP = "a vertex group"
 # What each kind of guide needs names of.

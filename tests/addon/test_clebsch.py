@@ -12,12 +12,12 @@ import pytest
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields.biot_savart import filament_velocity
 from synch_fields.core.geometry.grid import Grid
+from synch_fields.core.tasks.flows import showing
 from synch_fields.synch_addon.blender import openvdb
 from synch_fields.synch_addon.command.main import main
 from synch_fields.synch_addon.flows import sources
 from synch_fields.synch_addon.flows.chosen import expected_shape
 from synch_fields.synch_addon.flows.job import clebsch
-from synch_fields.synch_addon.flows.objects import showing
 
 from .vortex_scenes import write_vdb
 
@@ -245,9 +245,8 @@ def test_of_several_grids_of_vectors_the_velocity_is_solved(tmp_path):
         clebsch(mine["vel"], attribute="Cd", resolution=18)
     with pytest.raises(SettingError, match=r"no grid of vectors 'speed' \(it has Cd \(vec3s\), vel \(vec3s\)\)"):
         clebsch(mine["vel"], attribute="speed")
-    source = sources.flow_source(mine["wind"])
-    source.grid(18)
-    assert source.warnings[0].startswith("Cd is taken for the velocity (there are Cd (vec3s), wind (vec3s))")
+    flow = sources.flow_source(mine["wind"], None).read()
+    assert flow.warnings[0].startswith("Cd is taken for the velocity (there are Cd (vec3s), wind (vec3s))")
 
 
 def test_filaments_that_were_shown_induce_the_flow_that_they_carry():
@@ -262,7 +261,7 @@ def test_filaments_that_were_shown_induce_the_flow_that_they_carry():
     spline.points.foreach_set("co", points.ravel())
     spline.points.foreach_set("radius", np.full(100, np.sqrt(2), np.float32))  # two quanta
     spline.use_cyclic_u = True
-    one, other = (sources.flow_source(found) for found in (obj, lines))
+    one, other = (sources.flow_source(found, 0.5) for found in (obj, lines))
     grid = one.grid(20)
     np.testing.assert_allclose(other.integrals(grid), one.integrals(grid), atol=1e-6)
 

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import MeshError, SettingError
+from synch_fields.core.files.flows import ArrayFile
+from synch_fields.core.tasks.flow_settings import ClebschSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import meshes
 from synch_fields.synch_addon.blender.defect_empties import defect_empties
 from synch_fields.synch_addon.command.main import main
 from synch_fields.synch_addon.flows import surface_job
-from synch_fields.synch_addon.flows.job import ClebschSettings, clebsch, job_for
-from synch_fields.synch_addon.flows.sources import ArrayFile
+from synch_fields.synch_addon.flows.job import clebsch, job_for
 from synch_fields.synch_addon.flows.surfaces import surface_flow
 from synch_fields.synch_addon.nodes.vortices import STRENGTH
 
@@ -154,10 +155,10 @@ def test_what_is_no_flow_is_refused_and_changes_nothing(tmp_path):
     with pytest.raises(SettingError, match="choose it alone"):
         clebsch([obj, other])
     job = job_for(obj, ClebschSettings(quantum=2.0))
-    job.solve()
+    result = job.request.solve()
     obj.data.vertices[0].co.x += 0.1
     with pytest.raises(SettingError, match="has changed since"):
-        job.write()
+        job.write(result)
     obj.data.attributes["velocity"].data[7].vector = (np.nan, 0, 0)
     with pytest.raises(SettingError, match="vertex 7 is not a number"):
         clebsch(obj)
@@ -176,15 +177,15 @@ def test_what_is_no_flow_is_refused_and_changes_nothing(tmp_path):
 def test_a_plane_that_fails_while_it_is_written_leaves_nothing(disk, monkeypatch):
     bpy.ops.mesh.primitive_cube_add()
     job = job_for(disk, ClebschSettings(quantum=QUANTUM, method="spectral"))
-    job.solve()
+    result = job.request.solve()
     before = snapshot()
     paint = surface_job.pattern_material
     monkeypatch.setattr(surface_job, "pattern_material", lambda *_, **__: 1 / 0)
     with pytest.raises(ZeroDivisionError):
-        job.write()
+        job.write(result)
     assert snapshot() == before
     monkeypatch.setattr(surface_job, "pattern_material", paint)
-    obj = bpy.data.objects[job.write()["object"]]
+    obj = bpy.data.objects[job.write(result)["object"]]
     assert obj.name == "disk" and bpy.context.active_object == obj and obj.select_get()
 
 

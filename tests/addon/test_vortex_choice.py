@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""After one solve every point of the sphere shows other vortices, at once; the operator solves in a thread."""
+"""After one solve every point of the sphere shows other vortices, at once."""
 
 import json
 import time
@@ -11,10 +11,11 @@ import pytest
 
 from synch_fields.core.defects import wrap
 from synch_fields.core.errors import Cancelled, SynchError
+from synch_fields.core.tasks.flow_settings import ClebschSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.flows import memory
-from synch_fields.synch_addon.flows.job import ClebschSettings, job_for
-from synch_fields.synch_addon.jobs import jobs
+from synch_fields.synch_addon.flows.job import job_for
+from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.nodes.vortices import filaments_group, tubes_group
 
 from .scenes import snapshot
@@ -44,7 +45,7 @@ def sphere_of(tubes):
 @pytest.mark.parametrize("point", POINTS)
 def test_both_objects_show_what_the_map_has_at_the_antipode(solved, point):
     tubes, lines, first = solved
-    flow = memory.flows.get(lines).solved
+    flow = memory.flows.get(lines).result
     report = api.choose_point(lines, point)
     unit = np.array(point) / np.linalg.norm(point)
     # Tubes: where the map is on a circle 100 degrees around the antipode.
@@ -172,19 +173,15 @@ def test_thick_filaments_have_the_other_colour(solved):
     np.testing.assert_allclose(attributes["synch_color"].data[0].color[:], (0.42, 0.02, 0.05, 1.0), atol=1e-6)
 
 
-# In a thread
-
-
-def started(ring, **settings):
-    return jobs.BackgroundSolve(job_for(str(ring), ClebschSettings(show="both", **QUICK, **settings)))
-
-
-def test_background_gives_what_a_blocking_run_gives(ring, solved):
+def test_the_window_gives_what_a_blocking_run_gives(ring, solved):
     _, lines, report = solved
-    work = started(ring, opening=100, smoothing=0)
-    work.wait()
+    job = job_for(str(ring), ClebschSettings(show="both", **QUICK, opening=100, smoothing=0))
+    work = queue.add(job, "Vortices")
+    while not work.is_over:
+        queue.advance()
+        time.sleep(0.01)
     assert work.error is None and 0.9 < work.fraction <= 1
-    again = work.job.write()
+    again = job.write(work.result)
     # Sums may differ in the last digits by where arrays lie in memory.
     assert again["energy"] == pytest.approx(report["energy"], rel=1e-9)
     np.testing.assert_allclose(points_of(bpy.data.objects[again["object"]]), points_of(lines), atol=1e-5)
@@ -202,14 +199,14 @@ def test_a_cancelled_job_stops_and_writes_nothing(ring, stage):
 
     start = time.perf_counter()
     with pytest.raises(Cancelled):
-        job.solve(cancel)
+        job.request.solve(cancel)
     assert stage in seen[-1][0] and time.perf_counter() - start < 60
     assert snapshot() == before
 
 
 def test_progress_grows(ring):
     seen = []
-    job_for(str(ring), ClebschSettings(**QUICK)).solve(lambda name, fraction: seen.append(fraction))
+    job_for(str(ring), ClebschSettings(**QUICK)).request.solve(lambda name, fraction: seen.append(fraction))
     assert (np.diff(seen) >= -1e-9).all() and seen[-1] <= 1 and len(seen) > 10
 
 

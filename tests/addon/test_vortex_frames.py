@@ -10,12 +10,13 @@ import pytest
 
 from synch_fields.core.errors import Cancelled, SettingError
 from synch_fields.core.fields.clebsch import quantum_for
+from synch_fields.core.tasks.flow_settings import ClebschSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command.main import main
 from synch_fields.synch_addon.flows import sequence_job
 from synch_fields.synch_addon.flows.chosen import expected_shape
 from synch_fields.synch_addon.flows.frames import flow_frames
-from synch_fields.synch_addon.flows.job import ClebschSettings, job_for
+from synch_fields.synch_addon.flows.job import job_for
 from synch_fields.synch_addon.flows.sources import flow_source
 
 from .scenes import make_active, snapshot
@@ -74,7 +75,7 @@ def test_a_volume_plays_the_files_that_blender_shows(folder):
             seen.grids.load()
             shown = bpy.path.basename(seen.grids.frame_filepath)
             (file,), name = flow_frames(volume, frame, frame)
-            assert (file.path.name, name) == (shown, volume.name), (mode, frame)
+            assert (file.source.path.name, name) == (shown, volume.name), (mode, frame)
     data.sequence_mode = "CLIP"
     with pytest.raises(SettingError, match="frame 6 lies outside"):
         flow_frames(volume, 3, 6)
@@ -85,7 +86,7 @@ def test_without_frames_a_volume_is_solved_as_it_is_shown_now(folder):
     volume.data.frame_start = 5
     for frame, height in ((5, HEIGHTS[0]), (7, HEIGHTS[2])):
         bpy.context.scene.frame_set(frame)
-        assert flow_source(volume).path.name == f"smoke_{frame - 4:04d}.vdb"
+        assert flow_source(volume, None).path.name == f"smoke_{frame - 4:04d}.vdb"
         lines = bpy.data.objects[api.clebsch(volume, **SETTINGS)["object"]]
         assert points_of(lines)[:, 2].mean() == pytest.approx(height, abs=0.5 * SPACING)
     make_active(volume)
@@ -118,7 +119,7 @@ def test_the_circulation_is_that_of_the_frame_with_most_vorticity(tmp_path):
     for number, circulation in enumerate((1.0, 4.0), 1):
         write_npz(tmp_path / f"grow{number}.npz", circulation=circulation)
     report = api.clebsch(tmp_path / "grow#.npz", frames=(1, 2), target_gap=0.05, count=2)
-    most = flow_source(tmp_path / "grow2.npz")
+    most = flow_source(tmp_path / "grow2.npz", None).read()
     grid = most.grid(18)
     assert report["quantum"] == pytest.approx(quantum_for(grid, most.integrals(grid), 2))
     first, last = (frame["filaments"] for frame in report["frames"])
@@ -178,13 +179,13 @@ def test_what_fails_while_it_is_written_leaves_nothing(folder, monkeypatch):
         return make(name, shown)
 
     job = job_for(folder / "smoke_####.vdb", ClebschSettings(frames=(1, 2), show="both", **SETTINGS))
-    job.solve()
+    result = job.request.solve()
     before, counts = snapshot(), (len(bpy.data.curves), len(bpy.data.actions))
     monkeypatch.setattr(sequence_job, "make_filaments", breaking)
     with pytest.raises(MemoryError):
-        job.write()
+        job.write(result)
     assert snapshot() == before and (len(bpy.data.curves), len(bpy.data.actions)) == counts
-    assert len(bpy.data.collections[job.write()["object"]].objects) == 4
+    assert len(bpy.data.collections[job.write(result)["object"]].objects) == 4
 
 
 def test_the_command_line_solves_frames(folder, tmp_path, capfd):
