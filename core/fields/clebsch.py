@@ -18,11 +18,10 @@ from ..defects import wrap
 from ..errors import SettingError, name_elements
 from ..geometry.grid import Grid
 from ..geometry.surface import Surface
+from ..interpolate import TURN
 from ..problem import SynchronizationProblem
 from ..solve import Options, Solution, solve
 from ..solve.lifted import lifted_of_rank
-
-TURN = 2 * np.pi
 
 
 def edge_integrals(grid, velocity):
