@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the vertices of a surface carry, on the solid that fills it: groups by their faces, values by interpolation."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ...core.errors import SettingError
+from ...core.fields.guidance.potentials import extended
+from ...core.fields.layers import LayerGroup
+from ...core.geometry.nearest import NearestTriangles, nearest_in_triangles
+from ...core.geometry.tet_mesh import TetMesh
+from .surface import Surface
+
+# Vertices of the solid this near to a group's faces lie on them, as a share of the surface's size: stuffing puts them
+# within a tenth of that on the surface.
+ON_FACES = 1e-6
+# And as a share of the largest coordinate: Blender rounds those of a given solid's surface.
+ROUNDED = 4 * float(np.finfo(np.float32).eps)
+
+
+@dataclass(frozen=True)
+class Area:
+    """Faces of a surface that all their vertices' membership in a group marks.
+
+    Attributes
+    ----------
+    name : of the group
+    triangles : (k,) of the surface
+    """
+
+    name: str
+    triangles: np.ndarray
+
+    @classmethod
+    def of_members(cls, surface, members, name):
+        """From (n,) bool of the surface's vertices.
+
+        Raises
+        ------
+        SettingError
+            where they mark no face
+        """
+        polygons = surface.given.polygons
+        whole = np.logical_and.reduceat(members[polygons.corner_vertices], polygons.starts)
+        triangles = np.flatnonzero(whole[polygons.triangle_faces])
+        if len(triangles) == 0:
+            raise SettingError(f"{name} holds no whole face: assign all vertices of at least one face to it")
+        return cls(name, triangles)
+
+
+@dataclass(frozen=True)
+class Carried:
+    """A solid and the surface that it fills.
+
+    Attributes
+    ----------
+    surface : Surface
+    solid : TetMesh
+    """
+
+    surface: Surface
+    solid: TetMesh
+
+    def faces_on(self, area):
+        """(f, 3) triangles of the solid's boundary that lie on an :class:`Area`, sides that cut off its rim left out.
+
+        Raises
+        ------
+        SettingError
+            where there is none
+        """
+        triangles = self.solid.boundary_triangles
+        triangles = triangles[self._lies_on(area)[triangles].all(axis=1)]
+        # Between vertices of the area there may be other faces.
+        under = self.surface.distance.nearest(self.solid.vertices[triangles].mean(axis=1))
+        triangles = triangles[np.isin(under, area.triangles)]
+        if len(triangles) == 0:
+            raise SettingError(
+                f"{area.name} is smaller than the solid's triangles: reduce the size, or mark a larger area"
+            )
+        return triangles
+
+    def covered_share(self, area, triangles):
+        """Share of an :class:`Area` that (f, 3) triangles of the solid cover."""
+        a, b, c = np.moveaxis(self.solid.vertices[triangles], 1, 0)
+        covered = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+        return float(covered / self.surface.mesh.areas[area.triangles].sum())
+
+    def group_on(self, area, phase):
+        """The :class:`LayerGroup` of an :class:`Area`: the triangles on it, and vertices on it beside these.
+
+        Parameters
+        ----------
+        area : Area
+        phase : radians, None for one that is left to the solver
+        """
+        triangles = self.faces_on(area)
+        return LayerGroup(np.union1d(np.flatnonzero(self._lies_on(area)), triangles), triangles, phase, area.name)
+
+    def vertices_on(self, area):
+        """(n,) bool, the solid's vertices on an :class:`Area`, those nearest to its triangles where there are none."""
+        chosen = self._lies_on(area)
+        if not chosen.any():
+            boundary = np.flatnonzero(self.solid.boundary_vertices)
+            centres = self.surface.mesh.vertices[self.surface.mesh.triangles[area.triangles]].mean(axis=1)
+            chosen[boundary[cKDTree(self.solid.vertices[boundary]).query(centres)[1]]] = True
+        return chosen
+
+    def _lies_on(self, area):
+        """(n,) bool, whether vertices of the solid's boundary lie on an :class:`Area`."""
+        mesh, boundary = self.surface.mesh, np.flatnonzero(self.solid.boundary_vertices)
+        marked, points = mesh.triangles[area.triangles], self.solid.vertices[boundary]
+        _, found = NearestTriangles(mesh.vertices, marked).nearest(points)
+        corners = mesh.vertices[marked[found]]
+        shares = nearest_in_triangles(points, np.moveaxis(corners, 1, 0))
+        apart = np.linalg.norm(points - np.einsum("pc,pcx->px", shares, corners), axis=1)
+        result = np.zeros(self.solid.vertex_count, bool)
+        allowed = max(ON_FACES * self.surface.reach, ROUNDED * np.abs(mesh.vertices).max())
+        result[boundary[apart <= allowed]] = True
+        return result
+
+    def on_boundary(self, values):
+        """(n, ...) values at the solid's boundary vertices from those at the surface's vertices; 0 inside."""
+        triangles, weights = self._places
+        corners = values[self.surface.mesh.triangles[triangles]]
+        result = np.zeros((self.solid.vertex_count, *values.shape[1:]))
+        result[self.solid.boundary_vertices] = np.einsum("pk,pk...->p...", weights, corners)
+        return result
+
+    def inside(self, values):
+        """(n,) values in the whole solid, extended smoothly from the surface's; not beyond their extremes."""
+        known = self.solid.boundary_vertices
+        spread = extended(self.solid, known, self.on_boundary(values)[known])
+        return np.clip(np.nan_to_num(spread, nan=values.mean()), values.min(), values.max())
+
+    @cached_property
+    def _places(self):
+        """(b,) triangles of the surface nearest to the boundary's vertices, and (b, 3) weights of their corners."""
+        mesh, points = self.surface.mesh, self.solid.vertices[self.solid.boundary_vertices]
+        triangles = self.surface.distance.nearest(points)
+        return triangles, nearest_in_triangles(points, np.moveaxis(mesh.vertices[mesh.triangles[triangles]], 1, 0))

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The phase of layers on a surface: on the mesh that the solid fills, or on the solid's own boundary."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...core.geometry import TriangleMesh
+from ...core.geometry.nearest import NearestTriangles, nearest_in_triangles
+from ...core.interpolate import EdgePhases
+from ...core.interpolate_solid import evaluate_in_tets
+from ..patterns.reading import COARSE_SHARE
+
+
+@dataclass(frozen=True)
+class SurfacePhases:
+    """What is written as the usual attributes.
+
+    Attributes
+    ----------
+    edge_phases : EdgePhases of one phase on a TriangleMesh
+    is_own : whether that is the solid's boundary, because the given mesh is too coarse for the phase
+    """
+
+    edge_phases: EdgePhases
+    is_own: bool
+
+    @property
+    def mesh(self) -> TriangleMesh:
+        return self.edge_phases.mesh
+
+
+def surface_phases(mesh, pattern, growth):
+    """The phase of a pattern on a surface mesh, if its edges are short enough for it, else on the solid's boundary.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh that the solid fills
+    pattern : LayerPattern
+    growth : SolidGrowth that was asked for
+    """
+    given = _on_surface(mesh, pattern, growth)
+    return SurfacePhases(given, False) if given is not None else SurfacePhases(_on_boundary(pattern), True)
+
+
+def _on_surface(mesh, pattern, growth):
+    """EdgePhases at the surface's own vertices: the solid's at the nearest place, and from there as the growth asks."""
+    solid = pattern.mesh
+    boundary, source = solid.boundary_surface
+    _, found = NearestTriangles(boundary.vertices, boundary.triangles).nearest(mesh.vertices)
+    corners = source[boundary.triangles[found]]
+    shares = nearest_in_triangles(mesh.vertices, np.moveaxis(solid.vertices[corners], 1, 0))
+    places = np.einsum("pc,pcx->px", shares, solid.vertices[corners])
+    rates = np.einsum("pc,pcx->px", shares, growth.rates[corners])
+    i, j = mesh.edges.T
+    asked = 0.5 * np.einsum("ex,ex->e", rates[i] + rates[j], mesh.edge_vectors)
+    if (np.abs(asked) > np.pi).mean() > COARSE_SHARE:
+        return None
+    tets = solid.face_tets[solid.boundary_faces[found], 0]
+    weights = np.einsum("pc,pck->pk", shares, corners[:, :, None] == solid.tets[tets][:, None])
+    angles = evaluate_in_tets(pattern.tet_phases, tets, weights)
+    angles += np.einsum("px,px->p", rates, mesh.vertices - places)
+    return EdgePhases.of(mesh, np.exp(1j * angles)[:, None], asked[:, None], np.zeros(len(asked), int))
+
+
+def _on_boundary(pattern):
+    """EdgePhases of the solid on its boundary."""
+    solid, phases = pattern.mesh, pattern.edge_phases
+    boundary, source = solid.boundary_surface
+    # The boundary's vertices are in the solid's order, so that edges run the same way.
+    edges = solid.edges_between(*source[boundary.edges].T)
+    return EdgePhases(boundary, phases.arguments[source], phases.changes[edges], phases.matchings[edges])
