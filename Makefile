@@ -83,7 +83,7 @@ pictures: demo
 
 environment: $(environment)
 
-$(environment): pyproject.toml
+$(environment): pyproject.toml setup.py
 	$(eval found := $(find_python))
 	$(if $(found),,$(error no working Python $(subst $() , or ,$(strip $(VERSIONS))) found: install one or name it with PYTHON=path))
 	test -x $(python) || "$(found)" -m venv $(VENV)

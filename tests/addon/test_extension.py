@@ -184,8 +184,3 @@ def test_core_never_imports_blender():
 
 def test_importing_the_package_does_not_load_blender():
     run("-c", "import sys, synch_fields, synch_fields.core; assert 'bpy' not in sys.modules")
-
-
-def test_versions_agree():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    assert project["version"] == manifest()["version"]
