@@ -106,14 +106,11 @@ def layers(obj, callback=None, solid=None, **settings):
     SynchError
         with one line that names the element and the remedy; nothing is written
     """
-    job = layer_job(obj, from_names(LayerSettings, settings), solid)
-    job.solve(callback)
-    return job.write(obj)
+    return job.run(layer_job(obj, from_names(LayerSettings, settings), solid), callback)
 
 
 def layer_job(obj, settings, solid=None):
     """A :class:`LayerJob` of ready :class:`LayerSettings`."""
-    meshes.refuse(obj)
     return LayerJob(obj, settings, solid)
 
 

@@ -16,7 +16,12 @@ _CHANGES_FACES = (
 
 def changing_modifiers(obj):
     """The modifiers after which the mesh that is seen may have other faces than the one that carries a pattern."""
-    return [m for m in obj.modifiers if m.show_viewport and changes_faces(m) and not is_ours(m)]
+    return [modifier for modifier in foreign_modifiers(obj) if changes_faces(modifier)]
+
+
+def foreign_modifiers(obj):
+    """The modifiers that are seen and do not show a pattern."""
+    return [modifier for modifier in obj.modifiers if modifier.show_viewport and not is_ours(modifier)]
 
 
 def changes_faces(modifier):

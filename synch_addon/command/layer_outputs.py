@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the command ``layers`` writes besides: a mesh for each layer, tool paths and a volume."""
 
+from ...core.tasks.layer_outputs import FILLS, PathSettings
 from .. import api
 from ..blender.files import MESH_SUFFIXES, check_output
-from ..solids.files import FILLS, PATH_SUFFIXES, PathSettings
+from ..solids.files import PATH_SUFFIXES
 from ..solids.volume import check_volume
 from .flags import add_choice, add_number
 

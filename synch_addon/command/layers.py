@@ -8,6 +8,7 @@ import bpy
 from ...core.files.tets import read_tets
 from .. import api
 from ..blender import files
+from ..jobs.job import run as run_job
 from ..solids.report import summary
 from ..solids.settings import KINDS, WISHES, LayerSettings
 from . import layer_outputs
@@ -57,9 +58,7 @@ def run(options, open_object, progress):
         obj, solid = _open_solid(options.input)
     else:
         obj, solid = open_object(), None
-    job = api.layer_job(obj, settings, solid)
-    job.solve(progress)
-    report = job.write(obj)
+    report = run_job(api.layer_job(obj, settings, solid), progress)
     layers = bpy.data.objects[report["layers_object"]]
     # Before anything else can fail, and once more with the curves and the volume that exports make.
     written = saved(options)

@@ -48,7 +48,7 @@ class Report:
     def take(self, result):
         """Take over what a result tells beside what was found."""
         self.warnings += result.warnings
-        self.forced_dislocations = result.forced_dislocations
+        self.forced_dislocations = getattr(result, "forced_dislocations", None)
         self.clock.add(result.seconds)
 
     def warn_about(self, obj, request):
@@ -60,12 +60,8 @@ class Report:
                 f"{name_elements('vertex', loose)} without a face get no field: "
                 "remove loose geometry with Mesh > Clean Up > Delete Loose"
             )
-        changing = [modifier.name for modifier in changing_modifiers(obj)]
-        if changing and self.command != "animate":  # which reads the mesh behind its modifiers
-            self.warn(
-                f"the pattern is solved on the mesh before its modifiers ({', '.join(changing)}): "
-                "apply them first if it should follow the result"
-            )
+        if self.command != "animate":  # which reads the mesh behind its modifiers
+            self.warn_of_modifiers(changing_modifiers(obj), "the pattern is")
         rows = self.settings.all_constraints
         unheard = [row.label for row in rows if row.what in ("along", "across", "angle")]
         if self.settings.exact_attribute and unheard:
@@ -89,21 +85,26 @@ class Report:
             )
         if np.any(request.turn) and self.settings.mirror:
             self.warn("the angle turns directions the same way on both sides of the mirror: set it to 0")
-        users = obj.data.users - obj.data.use_fake_user
-        if users > 1 and self.command != "quad_mesh":
-            self.warn(f"the mesh {obj.data.name} is shared by {users} users, which all get the pattern")
+        if self.command != "quad_mesh":
+            self.warn_of_users(obj, "the pattern")
 
-    def finish(self, field, pattern, defects):
-        """The report as a dict of plain values."""
-        solution = field.solution if pattern is None else pattern.solution
-        mesh = self._request.given.mesh
-        times = dict(self.clock.seconds)
-        for part in (field, pattern):
-            for phase, seconds in (part.solution.times if part is not None and part.solution else {}).items():
-                times[phase] = times.get(phase, 0.0) + seconds
-        rows = [asdict(row) for row in self.settings.constraints]
-        settings = asdict(self.settings) | {"spacing": self._request.spacing, "constraints": rows}
-        report = {
+    def warn_of_modifiers(self, modifiers, solved):
+        """Warn about modifiers that come after what is ``solved``: "the pattern is"."""
+        if modifiers:
+            names = ", ".join(modifier.name for modifier in modifiers)
+            self.warn(
+                f"{solved} solved on the mesh before its modifiers ({names}): apply them first to solve on their result"
+            )
+
+    def warn_of_users(self, obj, what):
+        """Warn about others that have an object's mesh."""
+        users = obj.data.users - obj.data.use_fake_user
+        if users > 1:
+            self.warn(f"the mesh {obj.data.name} is shared by {users} users, which all get {what}")
+
+    def begun(self, solution, mesh):
+        """What the report of a solve on the vertices of a mesh, of triangles or tetrahedra, begins with."""
+        return {
             "status": solution.status.value if solution else "given",
             "command": self.command,
             "object": self.object_name,
@@ -111,6 +112,22 @@ class Report:
             "edges": len(mesh.edges),
             **quality(solution),
         }
+
+    def ended(self, solutions, settings):
+        """What it ends with, for solutions or None in place of one, and settings that take the place of the given."""
+        clock = Clock()
+        for times in [self.clock.seconds, *(solution.times for solution in solutions if solution)]:
+            clock.add(times)
+        settings = asdict(self.settings) | settings
+        return {"seed": self.settings.seed, **ending(settings, clock.seconds, self._start, self.warnings)}
+
+    def finish(self, field, pattern, defects):
+        """The report as a dict of plain values."""
+        solution = field.solution if pattern is None else pattern.solution
+        mesh = self._request.given.mesh
+        solutions = [part.solution for part in (field, pattern) if part is not None]
+        rows = [asdict(row) for row in self.settings.constraints]
+        report = self.begun(solution, mesh)
         shown = field if pattern is None else pattern
         if solution is not None:  # a variation has an energy of its own
             report["energy"] = shown.energy
@@ -126,8 +143,7 @@ class Report:
             "dislocations": [d for d in defects if d["kind"] == "dislocation"],
             "forced_dislocations": self.forced_dislocations,
             **({"quad_mesh": self.quad_mesh} if self.quad_mesh else {}),
-            "seed": self.settings.seed,
-            **ending(settings, times, self._start, self.warnings),
+            **self.ended(solutions, {"spacing": self._request.spacing, "constraints": rows}),
         }
 
 

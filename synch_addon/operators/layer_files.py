@@ -5,10 +5,10 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
+from ...core.tasks.layer_outputs import FILLS
 from .. import api
 from ..jobs.report import counted
 from ..solids import memory
-from ..solids.files import FILLS
 from ..solids.links import solid_of
 from .ready import PromptOperator
 

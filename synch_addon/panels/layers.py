@@ -1,17 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The panel "Layers" of the sidebar tab, and the operators that add and remove its groups."""
 
-from types import SimpleNamespace
-
 import bpy
 import numpy as np
 
+from ...core.geometry.filling.lengths import EDGES_PER_LAYER, Measures, estimate
 from ..blender.attributes import read_all
 from ..blender.translations import said
-from ..solids.job import EDGES_PER_LAYER
+from ..jobs.shelf import Shelf
 from ..solids.links import solid_of
 from ..solids.properties import GUIDE_NAMES, LENGTHS
-from ..solids.surface import estimate
 from .row_operators import RemoveRow, RowOperator
 from .sidebar import (
     SidebarPanel,
@@ -22,8 +20,8 @@ from .sidebar import (
     property_column,
 )
 
-# Volume, area and bounds of the mesh that was measured last, and what it was known by.
-_measured: dict[tuple, SimpleNamespace] = {}
+# Measures of the mesh that was measured last, by what it was known by.
+_measured = Shelf(1)
 
 
 class SYNCH_PT_layers(SidebarPanel, bpy.types.Panel):
@@ -85,20 +83,11 @@ def _measures(obj):
     mesh = obj.data
     box = tuple(np.round(np.array(obj.bound_box).ravel(), 6))
     key = (mesh.session_uid, len(mesh.vertices), len(mesh.polygons), box, tuple(obj.matrix_world.to_scale()))
-    if key not in _measured:
-        _measured.clear()
+    if _measured.get(key) is None:
         mesh.calc_loop_triangles()
-        points = read_all(mesh.vertices, "co", 3, np.float32)
-        triangles = read_all(mesh.loop_triangles, "vertices", 3)
-        points = (points - points.mean(axis=0)).astype(float) * np.abs(key[-1])
-        a, b, c = np.moveaxis(points[triangles], 1, 0)
-        normals = np.cross(b - a, c - a)
-        _measured[key] = SimpleNamespace(
-            volume=abs(float(np.einsum("tx,tx->", a, normals))) / 6,
-            area=float(np.linalg.norm(normals, axis=1).sum()) / 2,
-            bounds=np.array([points.min(axis=0), points.max(axis=0)]),
-        )
-    return _measured[key]
+        points = read_all(mesh.vertices, "co", 3, np.float32).astype(float) * np.abs(key[-1])
+        _measured.put(key, Measures.of(points, read_all(mesh.loop_triangles, "vertices", 3)))
+    return _measured.get(key)
 
 
 class _GroupOperator:

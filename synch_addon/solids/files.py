@@ -1,58 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is made of layers to print: a mesh file for each layer, and paths for a tool as curves and as a file."""
 
-import math
 import re
-from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ...core.errors import SettingError
-from ...core.extract.toolpaths import rim_distances, toolpaths
-from ...core.keywords import check_choice
+from ...core.files.tool_paths import WRITERS
 from ..blender.files import MESH_SUFFIXES, check_output, export_mesh, unwritten
-from ..blender.transaction import only_for_now
+from ..blender.transaction import only_for_now, whole_or_nothing
 from ..patterns.lines import add_splines
 from .links import SOLID
 
-FILLS = ("contour", "across-x", "across-y", "across-z")
-PATH_SUFFIXES = (".csv", ".obj")
+PATH_SUFFIXES = tuple(WRITERS)
 # Custom property of the collection of paths: the curve object of each layer.
 _CURVES = "synch_path_objects"
-# Points of a path closer than this are one, in steps.
-_SAME = 1e-4
-
-
-@dataclass(frozen=True)
-class PathSettings:
-    """Which paths a tool follows on each layer.
-
-    Attributes
-    ----------
-    step : distance between two, in scene units; None for the mean spacing of the layers
-    fill : "contour", one inside the other from the rim inwards, the first half a step from it; or in planes across
-        an axis of the object, a step apart, "across-x" ...
-    """
-
-    step: float | None = None
-    fill: str = "contour"
-
-    def __post_init__(self):
-        check_choice(self, "fill", FILLS)
-        if self.step is not None and not (isinstance(self.step, int | float) and 0 < self.step < math.inf):
-            raise SettingError(f"the step between paths is {self.step!r}: give a positive number")
-
-
-@dataclass(frozen=True)
-class Paths:
-    """Lines over the triangles of the layers, the layer of each, and the step between them."""
-
-    lines: object
-    layers: np.ndarray
-    step: float
 
 
 def export_layers(layering, path, together=False):
@@ -105,47 +69,30 @@ def _sheet(layering, triangles):
     return obj
 
 
-def paths_of(layering, settings):
-    """:class:`Paths` on the layers.
-
-    Raises
-    ------
-    SettingError
-        where the step is wider than every layer
-    """
-    surfaces = layering.surfaces
-    step = settings.step
-    if step is None:
-        step = layering.pattern.spacings.mean
-    if settings.fill == "contour":
-        values = rim_distances(surfaces) - step / 2
-    else:
-        values = surfaces.vertices[:, "xyz".index(settings.fill[-1])]
-    lines, layers = toolpaths(surfaces, values, step)
-    if len(lines.sizes) == 0:
-        raise SettingError(f"no path of the step {step:g} fits on a layer: reduce it")
-    return Paths(lines, layers, float(step))
-
-
 def write_paths(obj, layering, paths):
     """A curve object for each layer, numbered upwards, in a collection of their own; returns the collection.
 
     An earlier run's curves are replaced.
     """
-    collection = _collection(obj)
-    shown, curves = paths.lines.without_repeats(_SAME * paths.step), {}
     digits = max(3, len(str(layering.surfaces.count - 1)))
-    for number in np.unique(paths.layers):
-        data = bpy.data.curves.new(f"{obj.name} Paths {number:0{digits}d}", "CURVE")
-        data.dimensions, data.twist_mode = "3D", "Z_UP"
-        add_splines(data, shown.chosen(paths.layers == number), "poly")
-        made = bpy.data.objects.new(data.name, data)
-        made[SOLID], made["synch_layer"] = obj, int(number)
+    with whole_or_nothing():
+        curves = {int(number): _curve(paths, number) for number in np.unique(paths.layers)}
+    collection, objects = _collection(obj), {}
+    for number, data in curves.items():
+        data.name = f"{obj.name} Paths {number:0{digits}d}"
+        made = objects[str(number)] = bpy.data.objects.new(data.name, data)
+        made[SOLID], made["synch_layer"] = obj, number
         made.matrix_world = Matrix(layering.matrix)
         collection.objects.link(made)
-        curves[str(number)] = made
-    collection[_CURVES] = curves
+    collection[_CURVES] = objects
     return collection
+
+
+def _curve(paths, number):
+    data = bpy.data.curves.new("Paths", "CURVE")
+    data.dimensions, data.twist_mode = "3D", "Z_UP"
+    add_splines(data, paths.lines.chosen(paths.layers == number), "poly")
+    return data
 
 
 def _collection(obj):
@@ -168,41 +115,13 @@ def export_paths(layering, paths, path):
 
     Closed paths come back to their first point. Normals point in the direction in which layers follow one another.
     """
-    check_output(path, PATH_SUFFIXES)
-    lines = paths.lines.without_repeats(_SAME * paths.step)
     matrix = np.asarray(layering.matrix)
-    points = lines.points @ matrix[:3, :3].T + matrix[:3, 3]
+    points = paths.lines.points @ matrix[:3, :3].T + matrix[:3, 3]
     # Turned and mirrored like the layers; there is no scale in the matrix.
-    normals = lines.normals @ matrix[:3, :3].T
-    writer = _write_table if Path(path).suffix.lower() == ".csv" else _write_polylines
+    normals = paths.lines.normals @ matrix[:3, :3].T
+    write = WRITERS[Path(path).suffix.lower()]
     try:
-        Path(path).write_text(writer(lines, paths.layers, points, normals))
+        Path(path).write_text(write(paths.lines, paths.layers, points, normals))
     except OSError as error:
         raise unwritten(path, error.strerror) from None
     return str(path)
-
-
-def _runs(lines):
-    """Points of each line, the first one again where it is closed."""
-    for start, size, closed in zip(lines.starts, lines.sizes, lines.closed, strict=True):
-        run = np.arange(start, start + size)
-        yield np.append(run, start) if closed else run
-
-
-def _write_table(lines, layers, points, normals):
-    rows = ["layer,path,x,y,z,nx,ny,nz"]
-    for number, (layer, run) in enumerate(zip(layers, _runs(lines), strict=True)):
-        for values in np.hstack([points[run], normals[run]]):
-            rows.append(f"{layer},{number}," + ",".join(f"{value:.9g}" for value in values))
-    return "\n".join(rows) + "\n"
-
-
-def _write_polylines(lines, layers, points, normals):
-    rows, before = [], None
-    rows += ["v " + " ".join(f"{value:.9g}" for value in point) for point in points]
-    for layer, run in zip(layers, _runs(lines), strict=True):
-        if layer != before:
-            rows.append(f"o layer_{layer:03d}")
-            before = layer
-        rows.append("l " + " ".join(map(str, run + 1)))
-    return "\n".join(rows) + "\n"

@@ -1,72 +1,49 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What layers follow: read from the scene at once, and turned into directions when the solid is there."""
+"""What layers follow, read from the scene: functions of the filled surface that are called when the solid is there."""
+
+from functools import partial
 
 import bpy
 import numpy as np
 
 from ...core.errors import MeshError, SettingError, name_elements
-from ...core.fields.guidance.solids import (
-    axis_directions,
-    curve_directions,
-    distance_directions,
-    harmonic_directions,
-    vector_directions,
-)
+from ...core.fields.guidance import filled
 from ...core.geometry import TriangleMesh
 from ...core.geometry.check import check_mesh
-from ...core.geometry.filling.surface_distance import normals_at
-from ...core.geometry.nearest import NearestTriangles, nearest_in_triangles
 from ..blender import attributes
-from ..blender import groups as blender_groups
 from ..blender.strokes import SOURCE_TYPES, polylines
 from ..settings.guidance import AXES, BOUNDARY
-from .carried import Area
-
-# Points this near to a surface, as a share of what they span, lie on it.
-ON_SURFACE = 1e-6
+from .surface import read_area
 
 
-def read_area(obj, surface, name):
-    """The :class:`Area` of a vertex group, or of the whole surface by the name "boundary"."""
-    if name == BOUNDARY and name not in obj.vertex_groups:
-        return Area("the boundary", np.arange(surface.mesh.triangle_count))
-    return Area.of_members(surface, blender_groups.read_group(obj, name), f"the vertex group {name!r}")
-
-
-def read_guide(obj, surface, guide):
+def read_guide(obj, given, guide):
     """Read what a :class:`LayerGuide` needs.
 
     Parameters
     ----------
     obj : bpy.types.Object, in object mode
-    surface : Surface of it
+    given : MeshInput of it
     guide : LayerGuide
 
     Returns
     -------
-    callable, :class:`Carried` -> (n, 3) unit vectors at the solid's vertices; it touches no Blender data
+    callable that can be pickled, :class:`FilledSurface` -> (n, 3) unit vectors at the solid's vertices
 
     Raises
     ------
     SettingError
         for names that do not exist or do not fit
     """
-    return _READERS[guide.kind](obj, surface, *guide.names)
+    return _READERS[guide.kind](obj, given, *guide.names)
 
 
-def _axis(obj, surface, name):
-    axis = surface.given.stretch[:, AXES.index(name)]
-    return lambda carried: axis_directions(carried.solid, axis)
+def _axis(obj, given, name):
+    return partial(filled.along_axis, given.stretch[:, AXES.index(name)])
 
 
-def _harmonic(obj, surface, low, high):
-    low, high = read_area(obj, surface, low), read_area(obj, surface, high)
-    _refuse_contact(surface, low, high)
-    return lambda carried: harmonic_directions(carried.solid, carried.vertices_on(low), carried.vertices_on(high))
-
-
-def _refuse_contact(surface, low, high):
-    triangles = surface.mesh.triangles
+def _harmonic(obj, given, low, high):
+    low, high = read_area(obj, given, low), read_area(obj, given, high)
+    triangles = given.mesh.triangles
     shared = np.intersect1d(triangles[low.triangles], triangles[high.triangles])
     if len(shared):
         raise SettingError(
@@ -74,12 +51,12 @@ def _refuse_contact(surface, low, high):
             "leave a part of the surface between them, across which the layers follow one another",
             shared,
         )
+    return partial(filled.between_areas, low, high)
 
 
-def _distance(obj, surface, name):
+def _distance(obj, given, name):
     if name in obj.vertex_groups or name == BOUNDARY:
-        area = read_area(obj, surface, name)
-        return lambda carried: distance_directions(carried.solid, carried.vertices_on(area))
+        return partial(filled.away_from_area, read_area(obj, given, name))
     other = bpy.data.objects.get(name)
     if other is None or other == obj or other.type != "MESH":
         groups = ", ".join(g.name for g in obj.vertex_groups) or "none yet"
@@ -87,28 +64,30 @@ def _distance(obj, surface, name):
             f"{name!r} is neither a vertex group of {obj.name} nor another mesh object: choose a group ({groups}), "
             f"a mesh, or {BOUNDARY}"
         )
-    base = _seen_mesh(other, _into(obj, surface.given))
-    return lambda carried: vector_directions(carried.solid, away_from(base, carried.solid.vertices))
+    return partial(filled.away_from_surface, _seen_mesh(other, _into(obj, given)))
 
 
-def _curve(obj, surface, name, across=False):
+def _curves(obj, given, name):
     source = bpy.data.objects.get(name)
     if source is None or source == obj or source.type not in SOURCE_TYPES:
         raise SettingError(f"there is no curve object {name!r}: choose a curve or Grease Pencil object of the scene")
-    into = _into(obj, surface.given) @ np.array(source.matrix_world)
+    into = _into(obj, given) @ np.array(source.matrix_world)
     curves = [line @ into[:3, :3].T + into[:3, 3] for line in polylines(source)]
     if not curves:
         raise SettingError(f"the object {name!r} holds no curve: draw one, or choose another object")
-    return lambda carried: curve_directions(carried.solid, curves, across=across)
+    return curves
 
 
-def _around(obj, surface, name):
-    return _curve(obj, surface, name, across=True)
+def _curve(obj, given, name):
+    return partial(filled.along_curves, _curves(obj, given, name))
 
 
-def _attribute(obj, surface, name):
-    vectors = attributes.read_vectors(obj, name, surface.given)
-    return lambda carried: vector_directions(carried.solid, carried.on_boundary(vectors))
+def _around(obj, given, name):
+    return partial(filled.around_curves, _curves(obj, given, name))
+
+
+def _attribute(obj, given, name):
+    return partial(filled.of_vectors, attributes.read_vectors(obj, name, given))
 
 
 _READERS = {
@@ -148,24 +127,3 @@ def _seen_mesh(other, into):
     except MeshError as error:
         raise SettingError(f"the object {other.name} cannot guide layers: {error}") from None
     return base
-
-
-def away_from(base, points):
-    """(k, 3) unit directions in which the distance from a surface grows, counted negative behind its faces.
-
-    Parameters
-    ----------
-    base : TriangleMesh, open or closed
-    points : (k, 3)
-    """
-    _, found = NearestTriangles(base.vertices, base.triangles).nearest(points)
-    corners = base.vertices[base.triangles[found]]
-    shares = nearest_in_triangles(points, np.moveaxis(corners, 1, 0))
-    offsets = points - np.einsum("pc,pcx->px", shares, corners)
-    normals = normals_at(base, found, shares)
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    lengths = np.linalg.norm(offsets, axis=1, keepdims=True)
-    is_behind = np.einsum("px,px->p", offsets, normals) < 0
-    is_on = lengths < ON_SURFACE * np.ptp(points, axis=0).max()
-    signed = np.where(is_behind[:, None], -offsets, offsets)
-    return np.where(is_on, normals, signed / np.where(is_on, 1, lengths))

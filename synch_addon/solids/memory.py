@@ -8,10 +8,10 @@ import bpy
 import numpy as np
 
 from ...core.errors import SynchError
+from ...core.tasks.layer_outputs import Layering
 from ..blender import meshes
 from ..jobs.shelf import Shelf
 from .links import made_of
-from .surface import Layering
 
 # Solves of solids that are kept, up to a kilobyte a tetrahedron; undo brings earlier ones of an object back.
 _MOST = 3

@@ -5,39 +5,72 @@ A second run of the same object gives these objects new data: what the user has 
 modifiers, stays.
 """
 
+from contextlib import contextmanager
+
 import bpy
 import numpy as np
 from mathutils import Matrix
 
 from ...core.errors import SynchError
-from ...core.geometry import mesh_input
-from ...core.geometry.nearest import NearestTriangles
+from ...core.geometry.mesh_input import MeshInput
+from ...core.geometry.polygons import Polygons
 from ..blender import attributes, meshes, schema
 from ..blender.defect_empties import KINDS, Defect, write_defects
+from ..blender.transaction import whole_or_nothing
 from ..nodes.layers import curve_material, layer_material
 from ..nodes.materials import pattern_material
 from ..patterns import memory, write
-from .links import MADE, SOLID, made_of
+from .links import MADE, SOLID, made_of, solid_of
 
 # Radius of a dislocation curve, in spacings.
 _RADIUS = 0.06
 
 
-def leave_modes(obj):
+def write_all(obj, layering, result, given, warn, spacing):
+    """Make or fill anew the objects that show a :class:`SolidResult`; where that fails, all is as it was.
+
+    Returns them by their kinds: None for "curves" where there are none, the object itself for "surface" where its own
+    mesh carries the phase.
+    """
+    _leave_modes(obj)
+    with replacing(obj):
+        made = {
+            "layers": _write_layers(obj, layering, result.ends, spacing),
+            "curves": _write_curves(obj, layering, spacing),
+            "surface": _write_surface(obj, layering, given, result.phases, warn, spacing),
+        }
+    for kind, one in made.items():
+        if one in (None, obj):
+            _remove(obj, kind)
+    return made
+
+
+@contextmanager
+def replacing(obj):
+    """Give what was made for an object new data; where that fails, it has its own again, and all that is new goes."""
+    before = {made: made.data for made in _all_made(obj)}
+    with whole_or_nothing():
+        try:
+            yield
+        except BaseException:
+            for made, data in before.items():
+                made.data = data
+            raise
+    bpy.data.batch_remove([data for data in before.values() if not data.users])
+
+
+def _leave_modes(obj):
     """Bring what an earlier run has made for an object into object mode: elsewhere Blender gives it no new data."""
     active = bpy.context.view_layer.objects.active
-    for made in filter(None, (made_of(obj, kind) for kind in MADE)):
+    for made in _all_made(obj):
         if made.mode != "OBJECT" and active is not None and active.mode == made.mode:
             bpy.ops.object.mode_set(mode="OBJECT")
         if made.mode != "OBJECT":
             raise SynchError(f"{made.name} is in another mode and not active: make it the active object, or leave it")
 
 
-def write_layers(obj, layering, spacing):
-    """The layers as one mesh object with the face attribute ``synch_layer``, which is shown instead of the given one.
-
-    Returns the object.
-    """
+def _write_layers(obj, layering, ends, spacing):
+    """The layers as one mesh object with the face attribute ``synch_layer``, and empties where curves end on them."""
     surfaces = layering.surfaces
     data = bpy.data.meshes.new(f"{obj.data.name} Layers")
     data.from_pydata(surfaces.vertices.tolist(), [], surfaces.triangles.tolist())
@@ -45,36 +78,14 @@ def write_layers(obj, layering, spacing):
     made = placed(obj, "layers", f"{obj.name} Layers", data, layering.matrix)
     attributes.write(made, schema.LAYER, surfaces.layers)
     layer_material(made, surfaces.count)
-    write_defects(made, _ends(layering), kinds=KINDS, length=spacing)
+    defects = [Defect("dislocation", end.face, end.index, end.position, end.normal) for end in ends]
+    write_defects(made, defects, kinds=KINDS, length=spacing)
     return made
 
 
-def _ends(layering):
-    """The places where dislocation curves leave the solid, by the right hand: positive where they come out."""
-    solid, surfaces = layering.solid, layering.surfaces
-    ends = [
-        (curve.points[place], curve.faces[place], sign * curve.index)
-        for curve in layering.curves
-        if not curve.is_closed
-        for place, sign in ((0, -1), (-1, 1))
-    ]
-    if not ends:
-        return []
-    _, faces = NearestTriangles(surfaces.vertices, surfaces.triangles).nearest([end[0] for end in ends])
-    rows = np.searchsorted(solid.boundary_faces, [end[1] for end in ends])
-    a, b, c = np.moveaxis(solid.vertices[solid.boundary_triangles[rows]], 1, 0)
-    normals = np.cross(b - a, c - a)
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    return [
-        Defect("dislocation", int(face), index, tuple(point.tolist()), tuple(normal.tolist()))
-        for (point, _, index), face, normal in zip(ends, faces, normals, strict=True)
-    ]
-
-
-def write_curves(obj, layering, spacing):
+def _write_curves(obj, layering, spacing):
     """The dislocation curves as a curve object, or None where there are none."""
     if not layering.curves:
-        _remove(obj, "curves")
         return None
     data = bpy.data.curves.new(f"{obj.data.name} Dislocations", "CURVE")
     data.dimensions, data.bevel_resolution, data.use_fill_caps = "3D", 2, True
@@ -90,18 +101,16 @@ def write_curves(obj, layering, spacing):
     return made
 
 
-def write_surface(obj, layering, given, phases, warn, spacing):
+def _write_surface(obj, layering, given, phases, warn, spacing):
     """The phase on the given mesh, or on a new object of the solid's boundary; returns the object that has it."""
     if phases.is_own:
+        mesh = phases.mesh
         data = bpy.data.meshes.new(f"{obj.data.name} Surface")
-        data.from_pydata(phases.mesh.vertices.tolist(), [], phases.mesh.triangles.tolist())
+        data.from_pydata(mesh.vertices.tolist(), [], mesh.triangles.tolist())
         data.shade_smooth()
         shown = placed(obj, "surface", f"{obj.name} Surface", data, layering.matrix)
-        given = mesh_input.MeshInput(
-            phases.mesh, meshes.read_polygons(shown), np.eye(3), phases.mesh, np.arange(phases.mesh.vertex_count)
-        )
+        given = MeshInput(mesh, Polygons.of_triangles(mesh), np.eye(3), mesh, np.arange(mesh.vertex_count))
     else:
-        _remove(obj, "surface")
         shown = obj
         for earlier in (schema.DIRECTION, schema.SINGULARITY):  # of a field on the surface
             attributes.remove_attribute(obj, earlier.name)
@@ -113,25 +122,35 @@ def write_surface(obj, layering, given, phases, warn, spacing):
     return shown
 
 
-def show_layers(obj, made, others):
-    """The layers are active and selected; the given object and others are hidden, where the scene lets it."""
+def hidden(obj):
+    """Whether an object and what was made for it are hidden in the view layer and the render, by their numbers."""
+    return {one.session_uid: (one.hide_get(), one.hide_render) for one in (obj, *_all_made(obj))}
+
+
+def show_layers(obj, made, before):
+    """Show the layers instead of the object and its surface, and make them active if it is the active one or none is.
+
+    Those that the user has hidden or shown since :func:`hidden` was ``before`` stay as they are.
+    """
     layer = bpy.context.view_layer
     layer.update()  # forgets what has been removed
-    for other in layer.objects:
-        other.select_set(False)
-    for hidden in (obj, *others):
-        hidden.hide_render = True
-        if hidden.name in layer.objects:
-            hidden.hide_set(True)
-    if made.name in layer.objects:
-        made.hide_set(False)
-        made.select_set(True)
-        layer.objects.active = made
+    now, layers, active = hidden(obj), made["layers"], layer.objects.active
+    for one in {obj, made["surface"], layers}:
+        if now[one.session_uid] != before.get(one.session_uid, now[one.session_uid]):
+            continue
+        if one != layers:
+            one.hide_render = True
+        if one.name in layer.objects:
+            one.hide_set(one != layers)
+    if layers.name in layer.objects and (active is None or solid_of(active) == obj):
+        for other in layer.objects:
+            other.select_set(other == layers)
+        layer.objects.active = layers
     layer.update()
 
 
 def placed(obj, kind, name, data, matrix):
-    """The object of a kind that an earlier run has made, with new data, or a new one."""
+    """The object of a kind that an earlier run has made, with new data, or a new one; inside :func:`replacing`."""
     made = made_of(obj, kind)
     if made is None:
         made = bpy.data.objects.new(name, data)
@@ -139,14 +158,16 @@ def placed(obj, kind, name, data, matrix):
             collection.objects.link(made)
         made[SOLID], obj[MADE[kind]] = obj, made
     else:
-        old = made.data
         for slot in made.material_slots:
             data.materials.append(slot.material)
         made.data = data
-        if not old.users:
-            bpy.data.batch_remove([old])
     made.matrix_world = Matrix(matrix)
     return made
+
+
+def _all_made(obj):
+    """What earlier runs have made for an object."""
+    return [made for kind in MADE if (made := made_of(obj, kind)) is not None]
 
 
 def _remove(obj, kind):

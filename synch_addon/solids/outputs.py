@@ -3,13 +3,15 @@
 
 import bpy
 
-from ...core.errors import SettingError
+from ...core.errors import SettingError, SynchError
+from ...core.tasks.layer_outputs import PathSettings
 from ..blender import meshes
 from ..blender.files import check_output
-from . import files as layer_files
-from . import memory
+from ..blender.objects import ObjectLink
+from ..jobs.job import run
+from . import files, memory
 from .links import solid_of
-from .volume import write_volume
+from .volume import check_volume, write_volume
 
 
 def layer_export(obj, path, together=False):
@@ -32,8 +34,8 @@ def layer_export(obj, path, together=False):
     """
     obj, path = solid_of(obj), _absolute(path)
     with meshes.object_mode(obj):
-        written = layer_files.export_layers(memory.recall_layers(obj), path, together)
-    older = [] if together else layer_files.left_behind(path, written)
+        written = files.export_layers(memory.recall_layers(obj), path, together)
+    older = [] if together else files.left_behind(path, written)
     warnings = []
     if older:
         names = f"{older[0]} to {older[-1]}" if len(older) > 1 else older[0]
@@ -65,27 +67,7 @@ def layer_toolpaths(obj, step=None, fill="contour", path=None):
     SynchError
         with one line that names the element and the remedy; nothing is made
     """
-    obj = solid_of(obj)
-    settings = layer_files.PathSettings(step, fill)
-    if path is not None:
-        path = _absolute(path)
-        check_output(path, layer_files.PATH_SUFFIXES)
-    with meshes.object_mode(obj):
-        layering = memory.recall_layers(obj)
-        paths = layer_files.paths_of(layering, settings)
-        files = [] if path is None else [layer_files.export_paths(layering, paths, path)]
-        made = layer_files.write_paths(obj, layering, paths)
-    return {
-        "status": "made",
-        "command": "layer_toolpaths",
-        "object": obj.name,
-        "collection": made.name,
-        "paths": len(paths.layers),
-        "length": float(paths.lines.lengths.sum()),
-        "step": paths.step,
-        "fill": fill,
-        "files": files,
-    }
+    return run(PathsJob(obj, PathSettings(step, fill), path))
 
 
 def layer_volume(obj, path, resolution=128):
@@ -106,17 +88,66 @@ def layer_volume(obj, path, resolution=128):
     SynchError
         with one line that names the element and the remedy; nothing is made
     """
-    obj, path = solid_of(obj), _absolute(path)
-    with meshes.object_mode(obj):
-        made, voxels = write_volume(obj, memory.recall_layers(obj), path, resolution)
-    return {
-        "status": "made",
-        "command": "layer_volume",
-        "object": obj.name,
-        "volume_object": made.name,
-        "voxels": voxels,
-        "files": [bpy.path.abspath(made.data.filepath)],
-    }
+    return run(VolumeJob(obj, path, resolution))
+
+
+class _OutputJob:
+    """What is made of the last layers of an object; see :mod:`..jobs.job`."""
+
+    def __init__(self, obj):
+        obj = solid_of(obj)
+        self.link = ObjectLink.to(obj)
+        with meshes.object_mode(obj):
+            self._layering = memory.recall_layers(obj)
+
+    def write(self, result):
+        """Make objects and files of a result, where the layers are now; returns the report."""
+        obj = self.link.found
+        with meshes.object_mode(obj):
+            layering = memory.recall_layers(obj)
+            if layering.pattern is not self._layering.pattern:
+                raise SynchError(f"the layers of {obj.name} were solved again meanwhile: run again")
+            return {"status": "made", "command": self.command, "object": obj.name, **self._make(obj, layering, result)}
+
+
+class PathsJob(_OutputJob):
+    """Paths for a tool, as curves and, with a path, in a file."""
+
+    command = "layer_toolpaths"
+
+    def __init__(self, obj, settings, path=None):
+        self._path = None if path is None else _absolute(path)
+        if path is not None:
+            check_output(self._path, files.PATH_SUFFIXES)
+        super().__init__(obj)
+        self.request = self._layering.paths(settings)
+
+    def _make(self, obj, layering, paths):
+        written = [] if self._path is None else [files.export_paths(layering, paths, self._path)]
+        return {
+            "collection": files.write_paths(obj, layering, paths).name,
+            "paths": len(paths.layers),
+            "length": paths.length,
+            "step": self.request.step,
+            "fill": self.request.fill,
+            "files": written,
+        }
+
+
+class VolumeJob(_OutputJob):
+    """The pattern as a file and a volume object."""
+
+    command = "layer_volume"
+
+    def __init__(self, obj, path, resolution):
+        super().__init__(obj)
+        self._path = _absolute(path)
+        check_volume(self._path, resolution)
+        self.request = self._layering.voxels(resolution)
+
+    def _make(self, obj, layering, voxels):
+        made, count = write_volume(obj, layering, voxels, self._path)
+        return {"volume_object": made.name, "voxels": count, "files": [bpy.path.abspath(made.data.filepath)]}
 
 
 def _absolute(path):

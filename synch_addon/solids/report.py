@@ -3,8 +3,7 @@
 
 import numpy as np
 
-from ...core.memory import peak_megabytes
-from ..jobs.report import counted, quality, versions
+from ..jobs.report import counted
 
 
 def layer_facts(layering):
@@ -14,7 +13,6 @@ def layer_facts(layering):
     return {
         "tetrahedra": layering.solid.tet_count,
         "volume": float(layering.solid.volumes.sum()),
-        **quality(pattern.solution),
         "layers": surfaces.count,
         "layer_faces": len(surfaces.triangles),
         "layer_areas": surfaces.areas.tolist(),
@@ -26,39 +24,6 @@ def layer_facts(layering):
             {"index": curve.index, "closed": curve.is_closed, "length": _length(curve), "tetrahedra": len(curve.tets)}
             for curve in layering.curves
         ],
-    }
-
-
-def layer_report(layering, obj, made, settings, clock, warnings):
-    """The report as a dict of plain values.
-
-    Parameters
-    ----------
-    layering : Layering
-    obj : bpy.types.Object whose solid it is
-    made : dict with the names of the objects that show it
-    settings : dict
-    clock : Clock with the seconds of each part
-    warnings : list of lines
-    """
-    solution = layering.pattern.solution
-    times = dict(clock.seconds)
-    for part, seconds in solution.times.items():
-        times[part] = times.get(part, 0.0) + seconds
-    return {
-        "status": solution.status.value,
-        "command": "layers",
-        "object": obj.name,
-        **made,
-        "nodes": layering.solid.vertex_count - len(layering.solid.loose_vertices),
-        "edges": len(layering.solid.edges),
-        **layer_facts(layering),
-        "times": times,
-        "peak_memory_mb": peak_megabytes(),
-        "seed": settings["seed"],
-        "settings": settings,
-        "warnings": warnings,
-        "versions": versions(),
     }
 
 

@@ -1,109 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solids of mesh objects: a closed surface filled with tetrahedra, and what was solved in it."""
-
-from dataclasses import dataclass
-from typing import NamedTuple
+"""The closed surface of a mesh object, parts of it, and a solid that is given for it."""
 
 import numpy as np
 
 from ...core.errors import MeshError, SettingError, name_elements
-from ...core.extract.defect_curves import DefectCurve
-from ...core.extract.layer_surfaces import LayerSurfaces
-from ...core.fields.layers import LayerPattern
-from ...core.geometry import mesh_input
-from ...core.geometry.filling.features import sharpened
-from ...core.geometry.filling.stuffing import MOST_CUBES, estimated_bytes, estimated_tets, stuffed
+from ...core.geometry.filling.closed_surface import Area, ClosedSurface
 from ...core.geometry.filling.surface_distance import SurfaceDistance
 from ...core.geometry.tet_mesh import TetMesh
-from ..blender import meshes
+from ..blender import groups, meshes
 from ..blender.bvh import surface_tree
+from ..settings.guidance import BOUNDARY
 
-# A solid has about so many tetrahedra where no size is given.
-AUTOMATIC_TETS = 100_000
-# More than that take hours, and more memory than most machines have.
-MOST_TETS = 4_000_000
-# Measured while layers are solved, for 100 000 to 500 000 tetrahedra: 1600 to 2100.
-SOLVED_BYTES = 2000
-# A solid that has lost more than this share of the surface's volume has lost a part that can be seen.
-LOST_VOLUME = 0.1
-
-
-@dataclass(frozen=True)
-class Layering:
-    """The last layers that were solved in an object (:func:`memory.recall_layers` gives them back).
-
-    Attributes
-    ----------
-    solid : TetMesh in scene units, along the object's axes: its scale has been applied, its place and turn have not
-    pattern : LayerPattern
-    surfaces : LayerSurfaces in the solid's space
-    curves : DefectCurves in the solid's space
-    matrix : (4, 4) from the solid's space to the world: the place, turn and mirroring of the object, without its scale;
-        it is the ``matrix_world`` of objects that are made of the solid's points
-    """
-
-    solid: TetMesh
-    pattern: LayerPattern
-    surfaces: LayerSurfaces
-    curves: tuple[DefectCurve, ...]
-    matrix: np.ndarray
-
-
-class Estimate(NamedTuple):
-    """What a solid will be.
-
-    Attributes
-    ----------
-    size : longest edge of a tetrahedron well inside, scene units
-    tets : number of tetrahedra
-    bytes : memory while they are made and layers solved in them
-    """
-
-    size: float
-    tets: int
-    bytes: int
-
-    @property
-    def megabytes(self):
-        return self.bytes / 2**20
-
-    def __str__(self):
-        return f"{self.tets:,} tetrahedra, {self.megabytes:,.0f} MB"
-
-
-@dataclass(frozen=True)
-class Surface:
-    """A closed mesh that a solid fills.
-
-    Attributes
-    ----------
-    given : MeshInput
-    distance : SurfaceDistance to it, in scene units along the object's axes
-    """
-
-    given: mesh_input.MeshInput
-    distance: SurfaceDistance
-
-    @property
-    def mesh(self):
-        return self.given.mesh
-
-    @property
-    def reach(self):
-        """Diagonal of the surface's box."""
-        return float(np.linalg.norm(np.ptp(self.distance.bounds, axis=0)))
-
-    def filled(self, size, labels=None):
-        """The TetMesh inside, its edges as long as a size, with the surface's sharp edges and where labels change."""
-        return sharpened(stuffed(self.distance, self.distance.bounds, size), self.mesh, self.distance.nearest, labels)
-
-    def lost_share(self, solid):
-        """Share of the volume that a solid does not have."""
-        return 1 - float(solid.volumes.sum()) / self.distance.volume
+# How far the boundary of a given solid may be from the object's surface, as a share of its size.
+_FITTING = 1e-3
 
 
 def read_surface(obj):
-    """The closed :class:`Surface` of a mesh object in object mode.
+    """The closed :class:`ClosedSurface` of a mesh object in object mode.
 
     Raises
     ------
@@ -116,7 +29,7 @@ def read_surface(obj):
     _refuse_crossings(given)
     if distance.volume <= 1e-9 * float(np.ptp(distance.bounds, axis=0).max()) ** 3:
         raise MeshError(f"{obj.name} encloses no volume: give it thickness, with Solidify for instance")
-    return Surface(given, distance)
+    return ClosedSurface(given, distance)
 
 
 def _refuse_crossings(given):
@@ -136,39 +49,19 @@ def _refuse_crossings(given):
         )
 
 
-def estimate(distance, size=None):
-    """The :class:`Estimate` of the solid in a surface, for a size or the automatic one.
-
-    Parameters
-    ----------
-    distance : SurfaceDistance, or what else has ``volume``, ``area`` and ``bounds``
-    size : scene units
-    """
-    size = _size_of(distance, AUTOMATIC_TETS) if size is None else size
-    tets = estimated_tets(distance.volume, size, distance.area)
-    return Estimate(size, tets, max(SOLVED_BYTES * tets, estimated_bytes(tets, distance.bounds, size)))
+def read_area(obj, given, name):
+    """The :class:`Area` of a vertex group, or of the whole surface by the name "boundary"."""
+    if name == BOUNDARY and name not in obj.vertex_groups:
+        return Area("the boundary", np.arange(given.mesh.triangle_count))
+    return Area.of_members(given, groups.read_group(obj, name), f"the vertex group {name!r}")
 
 
-def _size_of(distance, tets):
-    """The size at which a solid has about so many tetrahedra."""
-    low, high = 0.0, float(np.ptp(distance.bounds, axis=0).max())
-    for _ in range(50):
-        middle = (low + high) / 2
-        low, high = (middle, high) if estimated_tets(distance.volume, middle, distance.area) > tets else (low, middle)
-    return high
-
-
-def refuse_size(distance, size):
-    """Raise SettingError for a size that makes nothing, or more than a machine can hold."""
-    if not (np.isfinite(size) and size > 0):
-        raise SettingError(f"the tetrahedra's size is {size:g}: give a positive length")
-    smallest = _smallest_size(distance)
-    if size < smallest:
-        expected = estimate(distance, size)
-        raise SettingError(f"a size of {size:g} makes about {expected}: give one from {smallest:.3g} on")
-
-
-def _smallest_size(distance):
-    """The size that makes as many tetrahedra or cubes as there may be."""
-    cubes = np.prod(np.ptp(distance.bounds, axis=0)) / MOST_CUBES
-    return max(_size_of(distance, MOST_TETS), 1.1 * cubes ** (1 / 3))
+def fitted(obj, surface, solid):
+    """A given solid in the measured space; refuses one that is not the object's."""
+    solid = TetMesh(solid.vertices @ surface.given.stretch.T, solid.tets)
+    apart = np.abs(surface.distance(solid.vertices[solid.boundary_vertices])).max()
+    if apart > _FITTING * surface.reach:
+        raise SettingError(
+            f"the solid's boundary is up to {apart:.3g} from the surface of {obj.name}: give the solid of this object"
+        )
+    return solid

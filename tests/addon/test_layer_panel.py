@@ -9,12 +9,13 @@ from unittest.mock import MagicMock
 import bpy
 import pytest
 
+from synch_fields.core.geometry.filling.lengths import estimate
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.operators.layers import SYNCH_OT_layers
 from synch_fields.synch_addon.panels.layers import SYNCH_PT_layers
 from synch_fields.synch_addon.solids import memory
 from synch_fields.synch_addon.solids.properties import LENGTHS, PROPERTY_NAMES, SynchLayering
-from synch_fields.synch_addon.solids.surface import estimate, read_surface
+from synch_fields.synch_addon.solids.surface import read_surface
 
 from .scenes import make_active
 from .solid_objects import bent_bar, block, made

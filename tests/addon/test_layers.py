@@ -12,9 +12,7 @@ import pytest
 from synch_fields.core.errors import Cancelled, SettingError, SynchError
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
-from synch_fields.synch_addon.jobs import jobs
 from synch_fields.synch_addon.solids import memory
-from synch_fields.synch_addon.solids.settings import LayerSettings
 
 from .scenes import (
     add_curve,
@@ -268,20 +266,6 @@ def test_layers_are_saved_with_the_file(tmp_path):
     bpy.context.view_layer.objects.active = layers
     assert bpy.ops.synch.layers(spacing=0.3, size=0.14) == {"FINISHED"}
     assert sum(obj.name.startswith("Block Layers") for obj in bpy.data.objects) == 1
-
-
-def test_layers_are_solved_in_a_thread():
-    """As from the window: what is cancelled writes nothing, and what is not writes when it is told to."""
-    obj = block()
-    before = snapshot()
-    settings = LayerSettings(guidance="harmonic:Bottom:Top", groups="Top=layer", spacing=0.3, size=0.14)
-    for cancelled in (True, False):
-        work = jobs.BackgroundSolve(api.layer_job(obj, settings))
-        if cancelled:
-            work.cancel()
-        work.wait()
-        assert snapshot() == before and isinstance(work.error, Cancelled) == cancelled
-    assert work.error is None and len(layers_of(made(work.job.write(obj)))) == 4
 
 
 def test_cancelling_leaves_nothing():
