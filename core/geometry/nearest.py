@@ -60,11 +60,14 @@ class NearestTriangles:
         """
         points = np.asarray(points, float).reshape(-1, 3)
         found = self._centres.query(points)[1]
-        places, squares = self._measured(points, found)
+        places, squares = np.empty_like(points), np.empty(len(points))
+        parts = _parts(np.arange(len(points)))
+        for part in parts:
+            places[part], squares[part] = self._measured(points[part], found[part])
         slack = ROUNDING * max(np.abs(self.vertices).max(), np.abs(points).max(initial=0))
         top = len(self._boxes) - 1
         # The last part first, so that few parts wait at any time.
-        waiting = [(top, part, np.zeros(len(part), int)) for part in _parts(np.arange(len(points)))[::-1]]
+        waiting = [(top, part, np.zeros(len(part), int)) for part in parts[::-1]]
         while waiting:
             level, at, nodes = waiting.pop()
             # Places by component, so that the loops are along the pairs.
@@ -77,8 +80,8 @@ class NearestTriangles:
             rows, branches = np.nonzero(np.ascontiguousarray(near.T))
             at, nodes = at[rows], BRANCHES * nodes[rows] + branches
             if level:
-                parts = zip(_parts(at), _parts(nodes), strict=True)
-                waiting.extend([(level - 1, *part) for part in parts][::-1])
+                pairs = zip(_parts(at), _parts(nodes), strict=True)
+                waiting.extend([(level - 1, *pair) for pair in pairs][::-1])
             else:
                 self._improve(points, at, self._order[nodes], found, places, squares)
         return places, found
