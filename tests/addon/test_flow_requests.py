@@ -1,0 +1,153 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is asked and found of flows is plain data: it goes through a pipe, and a process without Blender solves it."""
+
+import io
+import os
+import pickle
+import subprocess
+import sys
+
+import bpy
+import numpy as np
+import pytest
+
+from synch_fields.core.errors import SettingError, SynchError
+from synch_fields.core.parcels import Unpacker, packed
+from synch_fields.core.tasks.flow_settings import ClebschSettings
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.flows.job import job_for
+
+from .scenes import make_active
+from .vortex_scenes import QUICK, points_of, write_npz, write_vdb
+
+KINDS = ("arrays", "volume", "curves", "surface", "plane", "frames")
+# Whose classes may go through a pipe.
+PLAIN = ("builtins", "collections", "copyreg", "functools", "numpy", "pathlib", "scipy", "synch_fields.core.")
+_SOLVE = """
+import pickle, sys
+with open(sys.argv[1], "rb") as file:
+    result = pickle.load(file).solve()
+assert not [name for name in sys.modules if name.split(".")[0] in ("bpy", "mathutils")]
+with open(sys.argv[2], "wb") as file:
+    pickle.dump(result, file)
+"""
+
+
+def asked(kind, folder):
+    """The job of a flow of a kind."""
+    settings = QUICK | {"quantum": 0.5, "resolution": 18, "show": "both", "opening": 100.0}
+    if kind == "arrays":
+        source = write_npz(folder / "ring.npz")
+    elif kind == "volume":
+        source = write_vdb(folder / "ring.vdb")
+    elif kind == "curves":
+        bpy.ops.curve.primitive_bezier_circle_add()
+        source = make_active(bpy.context.active_object)
+    elif kind == "surface":
+        bpy.ops.mesh.primitive_uv_sphere_add(segments=24, ring_count=12)
+        source = make_active(bpy.context.active_object)
+        turning = np.cross([0, 0, 1], [vertex.co for vertex in source.data.vertices]).astype(np.float32)
+        source.data.attributes.new("velocity", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", turning.ravel())
+    elif kind == "plane":
+        x, y = np.meshgrid(np.linspace(-1, 1, 16), np.linspace(-1, 1, 16), indexing="ij")
+        np.savez(folder / "plane.npz", velocity=np.stack([-y, x], axis=-1), spacing=2 / 15, origin=-1)
+        source = folder / "plane.npz"
+    else:
+        for frame in (1, 2):
+            write_vdb(folder / f"s_{frame}.vdb", 0.1 * frame)
+        source, settings = folder / "s_#.vdb", settings | {"frames": (1, 2)}
+    return job_for(source, ClebschSettings(**settings))
+
+
+class Recorded(pickle.Unpickler):
+    """Keeps the modules of all classes and functions that a pickle names."""
+
+    def __init__(self, data):
+        super().__init__(io.BytesIO(data))
+        self.modules = set()
+
+    def find_class(self, module, name):
+        self.modules.add(module)
+        return super().find_class(module, name)
+
+
+def unpickled(thing):
+    """A copy that has been bytes, of nothing that needs Blender."""
+    reader = Recorded(pickle.dumps(thing))
+    copy = reader.load()
+    assert all(f"{module}.".startswith(PLAIN) or module.split(".")[0] in PLAIN for module in reader.modules)
+    return copy
+
+
+def numbers(result):
+    """All that was found but seconds, as bytes."""
+    shown = [frame.shown for frame in result.frames] if hasattr(result, "frames") else [result.shown]
+    arrays = [] if hasattr(result, "frames") else [result.found.phases, result.seen.phases, result.sphere.lifted]
+    for one in filter(None, shown):
+        arrays += [one.tubes.vertices, one.tubes.sphere, *(line.points for line in one.lines)]
+    return [np.asarray(array).tobytes() for array in arrays]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_request_and_its_result_are_plain_data(kind, tmp_path):
+    request = asked(kind, tmp_path).request
+    copy = unpickled(request)
+    result, again = request.solve(), copy.solve()
+    assert len(numbers(result)) > 1 and numbers(unpickled(again)) == numbers(result)
+    assert again.warnings == result.warnings
+
+
+def test_a_process_without_blender_reads_and_solves_a_volume(tmp_path):
+    job = asked("volume", tmp_path)
+    (tmp_path / "request").write_bytes(pickle.dumps(job.request))
+    paths = [tmp_path / "request", tmp_path / "result"]
+    subprocess.run([sys.executable, "-c", _SOLVE, *paths], check=True, env=os.environ | {"PYTHONSAFEPATH": "1"})
+    result = pickle.loads((tmp_path / "result").read_bytes())
+    assert numbers(result) == numbers(job.request.solve())
+    tubes, lines = (bpy.data.objects[name] for name in job.write(result)["objects"])
+    best = points_of(lines)
+    report = api.choose_point(lines, (1.0, 0.0, 0.0))  # of the result that came from there
+    assert report["energy"] >= result.found.energy and not np.array_equal(points_of(lines), best)
+    assert report["tubes"]["faces"] == len(tubes.data.polygons) > 0
+
+
+def test_a_damaged_file_is_refused_in_the_solve_in_one_line(tmp_path):
+    (tmp_path / "text.vdb").write_text("no volume")
+    request = unpickled(job_for(tmp_path / "text.vdb", ClebschSettings()).request)
+    with pytest.raises(SettingError, match=r"text\.vdb.*choose an OpenVDB file") as caught:
+        request.solve()
+    assert "\n" not in str(caught.value) and str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
+
+
+def test_the_mesh_of_a_surface_does_not_travel_back(tmp_path):
+    request = asked("surface", tmp_path).request
+    result = request.solve()
+    alone, shared = (b"".join(packed(result, own)) for own in ((), request.shared))
+    (back,) = Unpacker(request.shared).feed(shared)
+    assert back.found.grid.mesh is request.given.mesh and len(shared) < len(alone) - request.given.mesh.vertices.nbytes
+    assert numbers(back) == numbers(result)
+
+
+@pytest.mark.parametrize("kind", ["arrays", "plane"])
+def test_a_result_takes_no_selection_from_who_has_gone_on(kind, tmp_path):
+    job = asked(kind, tmp_path)
+    result = job.request.solve()
+    bpy.ops.mesh.primitive_cube_add()
+    cube = make_active(bpy.context.active_object)
+    made = [bpy.data.objects[name] for name in job.write(result)["objects"]]
+    assert bpy.context.active_object == cube and bpy.context.selected_objects == [cube]
+    assert all(obj.name in bpy.context.view_layer.objects for obj in made)
+    made = [bpy.data.objects[name] for name in asked(kind, tmp_path).write(result)["objects"]]
+    assert bpy.context.active_object == made[-1] and set(bpy.context.selected_objects) == set(made)
+
+
+def test_a_surface_keeps_its_vortices_when_it_is_renamed_and_loses_them_when_it_is_gone(tmp_path):
+    job = asked("surface", tmp_path)
+    result = job.request.solve()
+    obj = job.link.found
+    obj.name = "Other"
+    assert job.write(result)["object"] == "Other"
+    bpy.data.objects.remove(obj)
+    with pytest.raises(SynchError, match="is gone: nothing was written"):
+        job.write(result)
