@@ -2,11 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is asked and found of flows is plain data: it goes through a pipe, and a process without Blender solves it."""
 
-import io
-import os
 import pickle
-import subprocess
-import sys
 
 import bpy
 import numpy as np
@@ -18,20 +14,11 @@ from synch_fields.core.tasks.flow_settings import ClebschSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.flows.job import job_for
 
+from .plain import solved_apart, unpickled
 from .scenes import make_active
 from .vortex_scenes import QUICK, points_of, write_npz, write_vdb
 
 KINDS = ("arrays", "volume", "curves", "surface", "plane", "frames")
-# Whose classes may go through a pipe.
-PLAIN = ("builtins", "collections", "copyreg", "functools", "numpy", "pathlib", "scipy", "synch_fields.core.")
-_SOLVE = """
-import pickle, sys
-with open(sys.argv[1], "rb") as file:
-    result = pickle.load(file).solve()
-assert not [name for name in sys.modules if name.split(".")[0] in ("bpy", "mathutils")]
-with open(sys.argv[2], "wb") as file:
-    pickle.dump(result, file)
-"""
 
 
 def asked(kind, folder):
@@ -60,26 +47,6 @@ def asked(kind, folder):
     return job_for(source, ClebschSettings(**settings))
 
 
-class Recorded(pickle.Unpickler):
-    """Keeps the modules of all classes and functions that a pickle names."""
-
-    def __init__(self, data):
-        super().__init__(io.BytesIO(data))
-        self.modules = set()
-
-    def find_class(self, module, name):
-        self.modules.add(module)
-        return super().find_class(module, name)
-
-
-def unpickled(thing):
-    """A copy that has been bytes, of nothing that needs Blender."""
-    reader = Recorded(pickle.dumps(thing))
-    copy = reader.load()
-    assert all(f"{module}.".startswith(PLAIN) or module.split(".")[0] in PLAIN for module in reader.modules)
-    return copy
-
-
 def numbers(result):
     """All that was found but seconds, as bytes."""
     shown = [frame.shown for frame in result.frames] if hasattr(result, "frames") else [result.shown]
@@ -100,10 +67,7 @@ def test_a_request_and_its_result_are_plain_data(kind, tmp_path):
 
 def test_a_process_without_blender_reads_and_solves_a_volume(tmp_path):
     job = asked("volume", tmp_path)
-    (tmp_path / "request").write_bytes(pickle.dumps(job.request))
-    paths = [tmp_path / "request", tmp_path / "result"]
-    subprocess.run([sys.executable, "-c", _SOLVE, *paths], check=True, env=os.environ | {"PYTHONSAFEPATH": "1"})
-    result = pickle.loads((tmp_path / "result").read_bytes())
+    result = solved_apart(job.request, tmp_path)
     assert numbers(result) == numbers(job.request.solve())
     tubes, lines = (bpy.data.objects[name] for name in job.write(result)["objects"])
     best = points_of(lines)
