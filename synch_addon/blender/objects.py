@@ -66,7 +66,7 @@ class Selection:
     def give_to(self, objects):
         """Select some objects instead, the last one active; nothing where another one is active by now."""
         layer = bpy.context.view_layer
-        if Selection.now() != self:
+        if Selection.now() not in (self, Selection(None)):
             return
         for other in layer.objects:
             other.select_set(other in objects)

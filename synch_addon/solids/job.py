@@ -10,7 +10,7 @@ from ...core.tasks.layer_outputs import Layering
 from ...core.tasks.solids import AskedArea, SolidGuide, SolidRequest
 from ..blender import meshes
 from ..blender.modifiers import foreign_modifiers
-from ..blender.objects import ObjectLink
+from ..blender.objects import ObjectLink, Selection
 from ..blender.vertex_maps import read_factors
 from ..jobs.report import Report
 from . import memory, objects
@@ -38,7 +38,7 @@ class LayerJob:
             self.request = _read(obj, settings, solid)
             self._report.warn_of_users(obj, "the phase")
             self._report.warn_of_modifiers(foreign_modifiers(obj), "layers are")
-        self._hidden = objects.hidden(obj)
+        self._hidden, self._selection = objects.hidden(obj), Selection.now()
 
     def write(self, result):
         """Write a :class:`SolidResult` at once; returns the report."""
@@ -51,7 +51,7 @@ class LayerJob:
             layering = Layering(result.pattern, result.surfaces, result.curves, memory.solid_matrix(obj, given))
             with report.clock("write"):
                 made = objects.write_all(obj, layering, result, given, report.warn, spacing)
-                objects.show_layers(obj, made, self._hidden)
+                objects.show_layers(obj, made, self._hidden, self._selection)
             # Writing the phase may have split faces.
             memory.remember_layers(obj, meshes.read_mesh(obj) if made["surface"] == obj else given, layering)
         solution, names = result.pattern.solution, {f"{kind}_object": one and one.name for kind, one in made.items()}

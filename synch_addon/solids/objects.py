@@ -20,7 +20,7 @@ from ..blender.transaction import whole_or_nothing
 from ..nodes.layers import curve_material, layer_material
 from ..nodes.materials import pattern_material
 from ..patterns import memory, write
-from .links import MADE, SOLID, made_of, solid_of
+from .links import MADE, SOLID, made_of
 
 # Radius of a dislocation curve, in spacings.
 _RADIUS = 0.06
@@ -55,6 +55,9 @@ def replacing(obj):
         except BaseException:
             for made, data in before.items():
                 made.data = data
+            for kind in MADE:
+                if made_of(obj, kind) not in before:
+                    obj.pop(MADE[kind], None)
             raise
     bpy.data.batch_remove([data for data in before.values() if not data.users])
 
@@ -127,14 +130,15 @@ def hidden(obj):
     return {one.session_uid: (one.hide_get(), one.hide_render) for one in (obj, *_all_made(obj))}
 
 
-def show_layers(obj, made, before):
-    """Show the layers instead of the object and its surface, and make them active if it is the active one or none is.
+def show_layers(obj, made, before, selection):
+    """Show the layers instead of the object and its surface, and select them.
 
-    Those that the user has hidden or shown since :func:`hidden` was ``before`` stay as they are.
+    What the user has hidden or shown since :func:`hidden` was ``before`` stays as it is, and what is selected where
+    another object is active than at the :class:`Selection`.
     """
     layer = bpy.context.view_layer
     layer.update()  # forgets what has been removed
-    now, layers, active = hidden(obj), made["layers"], layer.objects.active
+    now, layers = hidden(obj), made["layers"]
     for one in {obj, made["surface"], layers}:
         if now[one.session_uid] != before.get(one.session_uid, now[one.session_uid]):
             continue
@@ -142,10 +146,8 @@ def show_layers(obj, made, before):
             one.hide_render = True
         if one.name in layer.objects:
             one.hide_set(one != layers)
-    if layers.name in layer.objects and (active is None or solid_of(active) == obj):
-        for other in layer.objects:
-            other.select_set(other == layers)
-        layer.objects.active = layers
+    if layers.name in layer.objects:
+        selection.give_to([layers])
     layer.update()
 
 
