@@ -98,17 +98,21 @@ def draw_unready(layout, obj):
 
 
 def draw_row(layout):
-    """A bar for the job that runs, and a line for each that waits."""
+    """The job that runs with a bar, and those that wait for their turn."""
     for place, work in enumerate(queue.works):
-        box = layout.column(align=True)
-        obj = None if work.job.link is None else work.job.link.present
+        link = work.job.link
+        obj = None if link is None else link.present
+        name = said(work.label) if obj is None else f"{said(work.label)}: {obj.name}"
+        box = layout.box().column(align=True)
         row = box.row()
-        row.label(text=f"{said(work.label)}: {obj.name}" if obj is not None else said(work.label), translate=False)
-        if place == 0:
-            row.label(text=work.times, icon="TIME", translate=False)
-            row = box.row(align=True)
-            row.progress(factor=work.fraction, text=work.line)
-        row.operator("synch.cancel", text="", icon="CANCEL").place = place
+        row.label(text=name, translate=False)
+        if place:
+            row.label(text=said("waiting"), translate=False)
+            row.operator("synch.cancel", text="", icon="X").place = place
+            continue
+        row.label(text=work.times, translate=False)
+        box.progress(factor=work.fraction, text=work.line)
+        box.operator("synch.cancel", icon="EVENT_ESC").place = place
 
 
 class SidebarPanel:

@@ -3,7 +3,6 @@
 """The mesh of a quad pattern's grid lines as an object: where it is, its shape and its figures."""
 
 import math
-from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -11,9 +10,9 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.extract.quad_mesh import QuadMesh
+from synch_fields.core.extract.quad_smoothing import smoothed
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import meshes
-from synch_fields.synch_addon.patterns.quad_mesh import smoothed
 
 from .constrained import EVERY_PLACE, line_upright, sheet
 from .quad_meshes import (
@@ -371,13 +370,8 @@ def test_quads_around_a_ball_are_no_mesh_of_a_torus():
     assert quads.is_simple and quads.euler_characteristic == 2
     for build, refused in ((torus, True), (sphere, False)):
         mesh = meshes.read_mesh(build()).mesh
-        request = SimpleNamespace(
-            given=SimpleNamespace(mesh=mesh, stretch=np.eye(3)),
-            rows=(),
-            settings=SimpleNamespace(mirror="", smoothing=0),
-        )
         if refused:
             with pytest.raises(SettingError, match="a handle of it would be lost: reduce the spacing"):
-                smoothed(quads, request)
+                smoothed(quads, mesh, (), (), 0)
         else:
-            assert smoothed(quads, request) is quads
+            assert smoothed(quads, mesh, (), (), 0) is quads

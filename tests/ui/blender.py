@@ -9,6 +9,7 @@ import json
 import os
 import shlex
 import shutil
+import signal
 import subprocess
 import time
 from functools import cache
@@ -168,8 +169,18 @@ class Blender:
         self.wait_for("Synch Fields")
 
     def close(self):
-        """End Blender."""
+        """End Blender, if it is still there."""
         self._process.terminate()
+        self._process.wait(PATIENCE)
+
+    def kill(self):
+        """End it without a word to it."""
+        os.kill(self.value("os.getpid()"), signal.SIGKILL)
+        self._process.wait(PATIENCE)
+
+    def quit(self):
+        """Have it quit, as its menu does."""
+        (self.folder / "command").write_text("bpy.ops.wm.quit_blender()")
         self._process.wait(PATIENCE)
 
     def _event(self, kind, value, place=None, **modifiers):

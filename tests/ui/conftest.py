@@ -11,6 +11,7 @@ import importlib.util
 import os
 import shutil
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -24,6 +25,21 @@ SIZE = 1400, 1000
 
 @pytest.fixture(scope="session")
 def window(tmp_path_factory):
+    """A Blender with the extension, for all tests."""
+    with _installed(tmp_path_factory.mktemp("window")) as blender:
+        yield blender
+
+
+@pytest.fixture
+def window_of_its_own(tmp_path):
+    """A Blender with the extension that a test may end, Blender's own first scene in it and the default cube gone."""
+    with _installed(tmp_path) as blender:
+        blender.run("bpy.data.objects.remove(bpy.data.objects['Cube'])")
+        yield blender
+
+
+@contextmanager
+def _installed(folder):
     """A Blender with the extension, as `tools/extension.py` builds it, installed into a folder of its own."""
     command = os.environ.get("SYNCH_BLENDER")
     if not command:
@@ -32,7 +48,6 @@ def window(tmp_path_factory):
         pytest.skip("no virtual display: install Xvfb")
     if importlib.util.find_spec("bpy") is None:
         pytest.skip("the extension cannot be built: bpy is not installed")
-    folder = tmp_path_factory.mktemp("window")
     screen = Screen(folder, SIZE)
     try:
         blender = Blender(command, screen, folder)

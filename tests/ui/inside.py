@@ -73,7 +73,7 @@ def drawn_text(text, points):
 
 
 def part(name):
-    """A module of the extension, such as "jobs"."""
+    """A module of the extension, such as "jobs.queue"."""
     return sys.modules[f"bl_ext.user_default.synch_fields.synch_addon.{name}"]
 
 
@@ -118,14 +118,14 @@ def time_cancelling():
     def timed(self, context, heard):
         start = time.monotonic()
         result = modal(self, context, heard)
-        if heard.type == "ESC" and part("jobs").running is None:
+        if heard.type == "ESC" and part("jobs.queue").queue.running is None:
             _scope["seconds"].append(time.monotonic() - start)
         return result
 
     operator.modal = timed
 
 
-_scope = {"bpy": bpy, "seconds": []}
+_scope = {"bpy": bpy, "os": os, "seconds": []}
 _scope |= {f.__name__: f for f in (event, area, view, region, drawn_text, part, active, state, pixel, time_cancelling)}
 
 

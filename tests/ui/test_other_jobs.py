@@ -42,7 +42,7 @@ def test_a_job_runs_from_its_panel_and_is_undone(name, panel, keep):
     button = "Animate" if name == "Animation" else name
     panel.scroll_to(button, count=2 if button == name else 1)
     panel.click(button, last=True)
-    panel.until(f"part('jobs').running is None and ({made})")
+    panel.until(f"part('jobs.queue').queue.running is None and ({made})")
     panel.wait_for(name)
 
     def is_idle(picture):

@@ -46,7 +46,7 @@ def test_stripes_show_progress_and_then_their_result(panel, keep):
     add_ball(panel, 6)
     panel.click("Stripes")
     seen = []
-    while panel.value("part('jobs').running is not None"):
+    while panel.value("part('jobs.queue').queue.running is not None"):
         seen.append(panel.picture("UI"))
     panel.wait_for("Variation")
     seen = [picture[:160] for picture in seen if panel.reads(picture[:160], "Cancel")]
@@ -67,7 +67,7 @@ def test_cancelled_job_is_gone_soon_and_leaves_everything_as_it_was(panel):
     panel.run("time_cancelling()")
     for _ in range(3):  # a busy machine may be late
         panel.click("Stripes")
-        panel.until("part('jobs').running is not None")
+        panel.until("part('jobs.queue').queue.running is not None")
         panel.press("ESC")
         panel.wait_for("Stripes")
         assert panel.value("state()") == before
@@ -86,9 +86,9 @@ def test_button_cancels(panel):
 def test_new_file_while_a_job_runs_is_safe(panel):
     add_ball(panel, 6)
     panel.click("Stripes")
-    panel.until("part('jobs').running is not None")
+    panel.until("part('jobs.queue').queue.running is not None")
     panel.run("bpy.ops.wm.read_homefile()")
-    panel.until("region('WINDOW')[2] > 1 and part('jobs').running is None")
+    panel.until("region('WINDOW')[2] > 1 and part('jobs.queue').queue.running is None")
     assert panel.value("active().name, active().synch.result") == ["Cube", ""]
     panel.open_panel()
     add_ball(panel, 4)
@@ -184,7 +184,7 @@ def test_results_are_found_again_after_bake_save_and_load(panel, keep):
     panel.click("Bake")
     panel.scroll_to("Bake", count=2)  # the box and the button at its end
     panel.click("Bake", last=True)
-    panel.until("part('jobs').running is None and any(image.size[0] == 128 for image in bpy.data.images)")
+    panel.until("part('jobs.queue').queue.running is None and any(image.size[0] == 128 for image in bpy.data.images)")
     before, images = panel.value("state()"), panel.value("sorted(image.name for image in bpy.data.images)")
     keep("bake", panel.picture("UI"))
     path = str(panel.folder / "found.blend")

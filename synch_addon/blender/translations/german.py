@@ -54,7 +54,15 @@ OPERATORS = {
         "An jedem Punkt eine Richtung finden und markieren, wo sie nicht stetig sein kann"
     ),
     "Cancel": "Abbrechen",
-    "Stop the solve that runs; everything stays as it was": "Den laufenden Auftrag anhalten; alles bleibt, wie es war",
+    "Stop a solve that runs or waits; everything stays as it was": (
+        "Einen laufenden oder wartenden Auftrag anhalten; alles bleibt, wie es war"
+    ),
+    "Place": "Platz",
+    "Which job of the row, from 0 on": "Welcher Auftrag der Reihe, von 0 an",
+    "Memory Limit (MB)": "Speichergrenze (MB)",
+    "Memory that a solve may take before it is stopped; 0 stands for four fifths of the machine's": (
+        "Speicher, den ein Auftrag belegen darf, bevor er angehalten wird; 0 steht für vier Fünftel der Maschine"
+    ),
     "Subdivide for Spacing": "Für den Abstand unterteilen",
     "Subdivide the mesh without changing its shape, so that it carries the spacing. UV maps, groups and "
     "attributes go over; a pattern on it has to be solved again": (

@@ -3,6 +3,7 @@
 
 PARTS = {
     "starting": "beginnt",
+    "waiting": "wartet",
     "building": "Aufbau",
     "relaxation": "Relaxierung",
     "spectral relaxation": "spektrale Relaxierung",
@@ -20,7 +21,7 @@ PARTS = {
     "write": "Schreiben",
     "{passed:.0f} s": "{passed:.0f} s",
     "{passed:.0f} s, about {left:.0f} s left": "{passed:.0f} s, noch etwa {left:.0f} s",
-    "Esc: cancel": "Esc: abbrechen",
+    "Esc over the 3D view: cancel": "Esc über der 3D-Ansicht: abbrechen",
     "Energy {energy:.4g}": "Energie {energy:.4g}",
     "Proved: no field saves more than {gap:.0%}": "Bewiesen: Kein Feld spart mehr als {gap:.0%}",
     "About {gap:.0%} above the bound": "Etwa {gap:.0%} über der Schranke",
@@ -79,8 +80,13 @@ REASONS = {
     "leave the present mode: samples are added in object mode": (
         "verlassen Sie den jetzigen Modus: Beispiele werden im Objektmodus hinzugefügt"
     ),
-    "a field is being solved: wait for it, or cancel it with Esc": (
-        "ein Feld wird gelöst: warten Sie darauf, oder brechen Sie es mit Esc ab"
+    "{name} is being solved: wait for it, or cancel it": "{name} wird gerade gelöst: warten oder abbrechen",
+    "something is being read or baked: wait for it, or cancel it with Esc": (
+        "etwas wird gerade gelesen oder gebacken: warten oder mit Esc abbrechen"
+    ),
+    "the result waits for the end of the render": "das Ergebnis wartet auf das Ende des Renderns",
+    "the result waits for object or edit mode of {name}": (
+        "das Ergebnis wartet auf den Objekt- oder Bearbeitungsmodus von {name}"
     ),
     "{name} has no pattern: solve stripes or quads on it first": (
         "{name} hat kein Muster: lösen Sie zuerst Streifen oder Vierecke darauf"
