@@ -68,8 +68,8 @@ def test_straight_guides_on_a_square_are_followed(way, guidance, expected):
     solve(way, obj, guidance=guidance, symmetry="vector")
     expected = np.array([*expected, 0]) / np.linalg.norm(expected)
     misses = np.degrees(np.arccos(np.clip(directions(obj) @ expected, -1, 1)))
-    if guidance.startswith(("distance", "offset")):  # the heat method bends distances near corners of the boundary
-        assert misses[np.abs(places(obj)[:, 1]) < 0.7].max() < 15 and np.median(misses) < 4
+    if guidance.endswith("Edge"):  # the triangles that it passes leave out a corner
+        assert np.median(misses) < 0.1 and misses[np.abs(places(obj)[:, 1]) < 0.7].max() < 12
     else:
         assert misses.max() < 0.1
 
