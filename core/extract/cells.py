@@ -1,15 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stripes and quads of a pattern, numbered.
+"""Quads of a pattern, numbered.
 
-A phase counts periods inside a face only: from face to face it may change its sign, two phases their names, and all of
-them by whole periods. What stays is which regions touch. So each face is taken apart into the pieces in which every
-phase stays within one period (of quads: half of one, a quad between grid lines), and pieces are joined that hold the
-same point of an edge.
-
-- *Quads*: pieces that touch are one cell. Where a grid line ends in a dislocation, the cells beside it are one.
-- *Stripes*: pieces are one stripe if the line along its middle, where theta is a multiple of 2 pi, goes from one into
-  the other. It ends at defects and at the boundary, so that a stripe which branches gives a number to each line. Pieces
-  beside the line, up to the middle of the gap, belong to the stripe that they touch nearest to its middle.
+A phase counts periods inside a face only: from face to face the two may change their signs and names, and both by whole
+periods. What stays is which regions touch. So each face is taken apart into the pieces in which both phases stay within
+half a period, a quad between grid lines, and pieces are joined that hold the same point of an edge. Where a grid line
+ends in a dislocation, the cells beside it are one.
 """
 
 from dataclasses import dataclass
@@ -26,10 +21,8 @@ from ..interpolate import FacePhases, evaluate
 _PARTS = 8
 # How far points of edges are moved into the triangle that they are seen from, as a barycentric weight.
 _INSIDE = 1e-4
-# Points nearer to the end of a piece than this, in periods or quads, are not asked which one they are in.
+# Points nearer to the border of a piece than this, in quads, are not asked which one they are in.
 _BORDER = 0.02
-# Points nearer to the middle of a stripe than this (1/2) are on the line along it.
-_MIDDLE = 0.49
 # Points that are looked at at once.
 _AT_ONCE = 2_000_000
 # Values on the two sides of an edge that differ by more belong to a pattern that is cut there.
@@ -38,14 +31,14 @@ _SAME = 0.05
 
 @dataclass(frozen=True)
 class Cells:
-    """Numbered stripes or quads.
+    """Numbered quads.
 
     Attributes
     ----------
-    phases : FacePhases of the one phase of stripes, or the two of quads
+    phases : the two FacePhases
     polygons : Polygons
-    pieces : (n, 1 + k) sorted: facet of a triangle, and which cell of each phase
-    numbers : (n,) of the stripe or quad that each piece belongs to, from 1 on
+    pieces : (n, 3) sorted: facet of a triangle, and which cell of each phase
+    numbers : (n,) of the quad that each piece belongs to, from 1 on
     """
 
     phases: tuple[FacePhases, ...]
@@ -55,7 +48,7 @@ class Cells:
 
     @property
     def count(self):
-        """How many stripes or quads there are."""
+        """How many quads there are."""
         return int(self.numbers.max(initial=0))
 
     def at(self, triangles, weights):
@@ -70,47 +63,18 @@ class Cells:
 
 
 def cells(phases, polygons):
-    """The :class:`Cells` of one or two :class:`FacePhases`."""
+    """The :class:`Cells` of the two :class:`FacePhases` of quads."""
     fans = _Fans(tuple(phases), polygons)
-    contacts = [*_across_edges(fans), *_around_centres(fans)]
-    pairs, nearness, on_line = (np.concatenate(parts) for parts in zip(*contacts, strict=True))
+    pairs = np.concatenate([*_across_edges(fans), *_around_centres(fans)])
     pieces, touching = np.unique(pairs.reshape(-1, pairs.shape[2]), axis=0, return_inverse=True)
-    touching = touching.reshape(-1, 2)
-    if len(fans.phases) == 2:
-        labels = _connected(len(pieces), touching)
-    else:
-        labels = _along_lines(len(pieces), touching, nearness, on_line)
+    first, second = touching.reshape(-1, 2).T
+    graph = coo_array((np.ones(len(first)), (first, second)), shape=(len(pieces),) * 2)
+    labels = connected_components(graph, directed=False)[1]
     # Numbers grow in the order in which the faces meet what they stand for.
     _, starts, labels = np.unique(labels, return_index=True, return_inverse=True)
     numbers = np.empty(len(starts), int)
     numbers[np.argsort(starts)] = np.arange(1, len(starts) + 1)
     return Cells(fans.phases, polygons, pieces, numbers[labels])
-
-
-def _connected(count, touching):
-    """(n,) label of the connected part that each piece is in, for (q, 2) pieces that touch."""
-    first, second = touching.T
-    graph = coo_array((np.ones(len(first)), (first, second)), shape=(count, count))
-    return connected_components(graph, directed=False)[1]
-
-
-def _along_lines(count, touching, nearness, on_line):
-    """(n,) label of the line that pieces hold, or of the one that they touch nearest to its middle."""
-    labels = _connected(count, touching[on_line])
-    known = np.zeros(count, bool)
-    known[touching[on_line]] = True
-    order = np.argsort(np.tile(nearness, 2), kind="stable")
-    inner, outer = np.concatenate([touching, touching[:, ::-1]])[order].T
-    while True:
-        spreading = known[inner] & ~known[outer]
-        if not spreading.any():
-            break
-        # Of several assignments the last one stays, which is the nearest to the middle.
-        labels[outer[spreading]] = labels[inner[spreading]]
-        known[outer[spreading]] = True
-    rest = ~known[touching].any(axis=1)
-    apart = _connected(count, touching[rest])
-    return np.where(known, labels, count + apart)
 
 
 @dataclass(frozen=True)
@@ -170,10 +134,9 @@ def _rim(positions):
 
 
 def _pieces_at(fans, triangles, weights):
-    """(p, 1 + k) pieces, (p, k) place between 0 and 1 in each, and (p, 2) values that are the same from any side."""
+    """(p, 3) pieces, (p, 2) place between 0 and 1 in each, and (p, 2) values that are the same from any side."""
     values = np.stack([evaluate(phase, fans.polygons, triangles, weights) for phase in fans.phases], axis=1)
-    two = values.shape[1] == 2
-    counted = values / np.pi if two else (values / np.pi + 1) / 2
+    counted = values / np.pi
     pieces = np.floor(counted).astype(int)
     cosines = np.cos(values)
     return (
@@ -212,7 +175,7 @@ def _across_edges(fans):
             weights = _rim(half[:, None] % 3 + from_low)
             sides.append(_seen(fans, np.repeat(half // 3, len(along)), weights.reshape(-1, 3)))
         differ = np.abs(sides[0][2] - sides[1][2]).max(axis=1).reshape(-1, len(along)).max(axis=1) > _SAME
-        yield _contacts(sides, len(along), ~np.repeat(differ, len(along)))
+        yield _contacts(sides, ~np.repeat(differ, len(along)))
 
 
 def _around_centres(fans):
@@ -227,7 +190,7 @@ def _around_centres(fans):
             rim = _rim(rays + aside)[None, :, None]
             places = centres + along[:, None] * (rim - centres)
             sides.append(_seen(fans, triangles, places.reshape(-1, 3)))
-        yield _contacts(sides, len(along), True)
+        yield _contacts(sides, True)
 
 
 def _seen(fans, triangles, weights):
@@ -235,25 +198,8 @@ def _seen(fans, triangles, weights):
     return _pieces_at(fans, triangles, (1 - _INSIDE) * weights + _INSIDE / 3)
 
 
-def _contacts(sides, count, kept):
-    """Pieces on two sides of the same points, ``count`` of them along each line; each pair once.
-
-    Returns (q, 2, 1 + k) pieces, (q,) how near the point is to the middle of a piece (0 is the border, 1/2 the middle),
-    and (q,) whether the middle is met there, or on the way to the point before or after.
-    """
+def _contacts(sides, kept):
+    """(q, 2, 3) pieces on two sides of the same points, clear of their borders; each pair once."""
     (first, places, _), (second, other_places, _) = sides
-    nearness = np.minimum(0.5 - np.abs(places - 0.5), 0.5 - np.abs(other_places - 0.5)).min(axis=1)
-    beyond = (places[:, 0] > 0.5).reshape(-1, count)
-    period = first[:, 1].reshape(-1, count)
-    met = (beyond[:, 1:] != beyond[:, :-1]) & (period[:, 1:] == period[:, :-1])
-    on_line = (nearness > _MIDDLE).reshape(-1, count)  # where it runs through a vertex
-    on_line[:, 1:] |= met
-    on_line[:, :-1] |= met
-    clear = (nearness > _BORDER) & kept
-    both = np.column_stack([first, second])[clear]
-    pairs, which = np.unique(both, axis=0, return_inverse=True)
-    nearest = np.zeros(len(pairs))
-    np.maximum.at(nearest, which.reshape(-1), nearness[clear])
-    joined = np.zeros(len(pairs), bool)
-    joined[which.reshape(-1)[on_line.ravel()[clear]]] = True
-    return pairs.reshape(len(pairs), 2, first.shape[1]), nearest, joined
+    clear = np.minimum(0.5 - np.abs(places - 0.5), 0.5 - np.abs(other_places - 0.5)).min(axis=1) > _BORDER
+    return np.unique(np.column_stack([first, second])[clear & kept], axis=0).reshape(-1, 2, first.shape[1])

@@ -3,8 +3,9 @@
 
 A shader knows the phase of a point up to whole periods of its face. So each face keeps a value for each of
 :data:`SLOTS` periods, in the slot of the period's number modulo :data:`SLOTS`, and the shader takes that of the period
-which it is in. A stripe is the line along its middle, which ends at defects; pieces of faces that no line passes belong
-to the stripe of the piece that they touch nearest to its middle.
+which it is in; baked images take the same one (:func:`numbers_at`). A stripe is the line along its middle, which ends
+at defects; pieces of faces that no line passes belong to the stripe of the piece that they touch nearest to its middle.
+What is left is the edge of stripes whose middle lies beyond the boundary: each connected piece is a stripe too.
 
 The coordinate of a vertex along a stripe is the place on that line which is nearest to the vertex. It depends on the
 vertex and the stripe alone, so that it goes on from face to face for as long as the stripe does. Closed lines hold a
@@ -16,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import coo_array
-from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
+from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 from scipy.spatial import cKDTree
 
 from ..interpolate import TURN, evaluate
@@ -30,7 +31,7 @@ _MOST_STEPS = 40
 _SAME = 0.05
 # Weight of what is beside a slot's part of a face, when it is asked on which side the phase grows.
 _OUTSIDE = 1e-3
-# Periods between an edge and the middle of a stripe that the edge still meets.
+# Periods by which an edge may miss what it meets: the middle of a stripe, or one of which it has no more than that.
 _MET = 1e-3
 
 
@@ -40,9 +41,9 @@ class StripeTable:
 
     Attributes
     ----------
-    numbers : (p, SLOTS) number of the stripe of each slot, from 1 on in the order of the lines, negative where the
-        phase grows to the right of the coordinate's direction, seen from outside; 0 where there is none
-    along : (c, SLOTS) coordinates at the corners, in periods
+    numbers : (p, SLOTS) what :func:`slot_numbers` gives, negative where the phase grows to the right of the
+        coordinate's direction, seen from outside
+    along : (c, SLOTS) coordinates at the corners, in periods; 0 on stripes without a line
     """
 
     numbers: np.ndarray
@@ -60,9 +61,9 @@ def stripe_table(phase, polygons, lines, spacing):
         vertices as the polygons
     spacing : length that is one period of the coordinate
     """
-    numbers = _spread(_passed(phase, polygons, lines), *_contacts(phase, polygons))
+    numbers = slot_numbers(phase, polygons, lines)
     arcs = _Arcs.of(lines, spacing)
-    faces, slots = np.nonzero(numbers)
+    faces, slots = np.nonzero((numbers > 0) & (numbers <= len(lines.sizes)))
     # One row for each corner of a face and each of its stripes.
     row = np.repeat(np.arange(len(faces)), polygons.sizes[faces])
     first = np.cumsum(polygons.sizes[faces]) - polygons.sizes[faces]
@@ -80,6 +81,30 @@ def stripe_table(phase, polygons, lines, spacing):
     return StripeTable(_sides(phase, polygons, along) * numbers, along)
 
 
+def slot_numbers(phase, polygons, lines):
+    """(p, SLOTS) number of the stripe of each slot of a face, arguments as of :func:`stripe_table`.
+
+    From 1 on in the order of the lines, then those of pieces without a line; 0 in slots that a face does not meet.
+    """
+    pairs, away = _contacts(phase, polygons)
+    numbers = _spread(_passed(phase, polygons, lines), pairs, away)
+    rest = pairs[(numbers[pairs] == 0).all(axis=1)]
+    met = np.unique(rest[rest[:, 0] == rest[:, 1]])
+    graph = coo_array((np.ones(len(rest)), rest.T), shape=(len(numbers),) * 2)
+    labels = connected_components(graph, directed=False)[1][met]
+    numbers[met] = len(lines.sizes) + 1 + np.unique(labels, return_inverse=True)[1]
+    numbers = numbers.reshape(-1, SLOTS)
+    # Inside a face with a defect there may be a speck of a period that its edges do not meet.
+    speck = _with_defect(phase, polygons)[:, None] & (numbers == 0)
+    return np.where(speck, numbers.max(axis=1, keepdims=True), numbers)
+
+
+def numbers_at(numbers, phase, polygons, triangles, weights):
+    """(k,) number of the stripe at (k, 3) barycentric places of triangles, as the shader reads it off its face."""
+    periods = np.rint(evaluate(phase, polygons, triangles, weights) / TURN).astype(int)
+    return numbers[polygons.triangle_faces[triangles], periods % SLOTS]
+
+
 def _ways_to_middle(phase, polygons, vertices, faces, slots, corners):
     """(k, 3) about where the middle of a face's stripe lies, seen from its corners; zero in faces with a defect.
 
@@ -94,15 +119,18 @@ def _ways_to_middle(phase, polygons, vertices, faces, slots, corners):
     slope = np.add.reduceat(centred * rise[:, None], polygons.starts)
     gradient = np.einsum("fij,fj->fi", np.linalg.pinv(spread, rcond=1e-6, hermitian=True), slope)
     squares = np.einsum("fi,fi->f", gradient, gradient)
-    singular = np.zeros(len(polygons.starts), bool)
-    singular[face[phase.corner_place.any(axis=1)]] = True
-    gradient[singular | (squares < np.finfo(float).tiny)] = 0
+    gradient[_with_defect(phase, polygons) | (squares < np.finfo(float).tiny)] = 0
     missing = (slots - theta[corners] + SLOTS / 2) % SLOTS - SLOTS / 2
     return missing[:, None] * (gradient / np.maximum(squares, np.finfo(float).tiny)[:, None])[faces]
 
 
+def _with_defect(phase, polygons):
+    """(p,) bool: faces in which the phase turns."""
+    return np.logical_or.reduceat(phase.corner_place.any(axis=1), polygons.starts)
+
+
 def _passed(phase, polygons, lines):
-    """(p, SLOTS) number of the line that passes a slot's part of a face with most points, 0 where there is none."""
+    """(p SLOTS,) number of the line that passes a slot's part of a face with most points, 0 where there is none."""
     known, asked = (np.sort(t, axis=1) for t in (polygons.triangles, lines.mesh.triangles[lines.triangles]))
     shape = (lines.mesh.vertex_count,) * 3
     keys, asked = (np.ravel_multi_index(tuple(corners.T), shape) for corners in (known, asked))
@@ -119,11 +147,14 @@ def _passed(phase, polygons, lines):
     order = np.argsort(counts, kind="stable")
     numbers = np.zeros(len(polygons.starts) * SLOTS, int)
     numbers[pairs[order, 0]] = pairs[order, 1]  # of several assignments the last one stays
-    return numbers.reshape(-1, SLOTS)
+    return numbers
 
 
 def _contacts(phase, polygons):
-    """(q, 2) slots of faces that touch along an edge, and (q,) periods from there to the middle of their stripe."""
+    """(q, 2) slots of faces that touch along an edge, and (q,) periods from there to the middle of their stripe.
+
+    Each slot that an edge meets by more than :data:`_MET` touches itself.
+    """
     triangles = polygons.triangles
     ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
     values = _along_edges(phase, polygons)
@@ -132,7 +163,7 @@ def _contacts(phase, polygons):
     order = np.lexsort(np.sort(ends, axis=1).T)
     edges = np.sort(ends, axis=1)[order]
     same = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1))
-    first, second = order[same], order[same + 1]
+    first, second = np.concatenate([order[same], order]), np.concatenate([order[same + 1], order])
     mine, other = values[first], values[second]
     # From face to face the phase may change its sign, and by whole periods.
     sign = np.where(_misfit(other - mine) <= _misfit(other + mine), 1, -1)
@@ -140,10 +171,11 @@ def _contacts(phase, polygons):
     fits = _misfit(shift) < _SAME
     shift = np.rint(shift.mean(axis=1)).astype(int)
     low, high = mine.min(axis=1), mine.max(axis=1)
+    least = np.where(first == second, _MET, 0.0)
     pairs, away = [], []
     for step in range(int(np.ceil((high - low).max(initial=0))) + 2):
         period = np.rint(low).astype(int) + step
-        meets = fits & (period - 0.5 <= high)
+        meets = fits & (np.minimum(high - period, period - low) >= least - 0.5)
         pair = [
             polygons.triangle_faces[half // 3] * SLOTS + k % SLOTS
             for half, k in ((first, period), (second, sign * period + shift))
@@ -173,7 +205,6 @@ def _misfit(shift):
 
 def _spread(numbers, pairs, away):
     """Numbers carried over to the slots without one: along the middles of stripes first, then to their sides."""
-    numbers = numbers.ravel().copy()
     order = np.argsort(-np.tile(away, 2), kind="stable")
     inner, outer = np.concatenate([pairs, pairs[:, ::-1]])[order].T
     away = np.tile(away, 2)[order]
@@ -184,7 +215,7 @@ def _spread(numbers, pairs, away):
                 break
             # Of several assignments the last one stays, which is the nearest to the middle.
             numbers[outer[spreading]] = numbers[inner[spreading]]
-    return numbers.reshape(-1, SLOTS)
+    return numbers
 
 
 @dataclass(frozen=True)

@@ -156,6 +156,8 @@ def _bake_all(obj, kind, settings, coordinates, folder, report):
     phases = blender_phases.read_phases(obj, kind)
     polygons = meshes.read_polygons(obj)
     materials = shaders.sources(obj) or [None]
+    # What cannot be numbered is refused before anything is baked.
+    numbering = index.numbering(obj, polygons, phases) if "index" in settings.maps else None
     is_signed = kind == "stripes" and blender_phases.is_signed(obj, polygons, phases[0])
     if "phase" in settings.maps:
         report["phase"] = shaders.phase_channels(kind, is_signed)
@@ -182,9 +184,10 @@ def _bake_all(obj, kind, settings, coordinates, folder, report):
     if "index" in settings.maps:
         yield "index", len(report["maps"]) / len(settings.maps)
         start = time.perf_counter()
+        numbers_at, count = numbering
         with staged(obj, modifiers=False) as stage:
-            found = index.numbers_at(stage, polygons, coordinates, phases, settings.size, settings.margin)
-            values = _numbered(*found, settings, report)
+            found = index.numbered_image(stage, polygons, coordinates, numbers_at, settings.size, settings.margin)
+            values = _numbered(found, count, settings, report)
             path = folder / settings.file_name(obj, "index")
             bake_images.save(values[:, :, None], path, settings, "index", stage.scene)
         _describe(report, ["index"], settings, start)

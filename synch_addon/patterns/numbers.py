@@ -3,9 +3,11 @@
 
 from contextlib import contextmanager
 
+import numpy as np
+
 from ...core.errors import SettingError, SynchError
 from ...core.extract.isolines import isolines
-from ...core.extract.stripe_numbers import stripe_table
+from ...core.extract.stripe_numbers import slot_numbers, stripe_table
 from ..blender import attributes, meshes, schema
 from ..blender.phases import pattern_kind, read_phases
 from ..nodes.stripe_profiles import ALONG, NUMBER
@@ -28,7 +30,8 @@ def number_stripes(obj):
 
     Returns
     -------
-    int, how many stripes there are: number k is that of spline k - 1 of :func:`api.isolines`
+    int, how many stripes have a line: number k is that of spline k - 1 of :func:`api.isolines`; greater numbers are
+    those of stripes whose middle lies beyond the boundary
 
     Raises
     ------
@@ -42,12 +45,25 @@ def number_stripes(obj):
         return _write(obj, *shown_pattern(obj))
 
 
+def stripe_slots(obj):
+    """(p, SLOTS) number of the stripe in each slot of a face, written or not; errors as :func:`shown_pattern`."""
+    written = attributes.read(obj, schema.NUMBER)
+    if written is not None:
+        return np.rint(np.abs(written)).astype(int)
+    return slot_numbers(*_lined(obj, *shown_pattern(obj)))
+
+
+def _lined(obj, request, pattern):
+    """The phase, polygons and lines that stripes are numbered by."""
+    (phase,) = read_phases(obj, "stripes")
+    return phase, request.given.polygons, isolines(pattern.edge_phases).resampled(_STEP * request.spacing)
+
+
 def _write(obj, request, pattern):
-    lines = isolines(pattern.edge_phases)
+    phase, polygons, lines = _lined(obj, request, pattern)
     if len(lines.sizes) == 0:
         raise SettingError(f"no stripe has its middle on {obj.name}: reduce the spacing and solve again")
-    (phase,) = read_phases(obj, "stripes")
-    table = stripe_table(phase, request.given.polygons, lines.resampled(_STEP * request.spacing), request.spacing)
+    table = stripe_table(phase, polygons, lines, request.spacing)
     attributes.write(obj, schema.NUMBER, table.numbers)
     attributes.write(obj, schema.ALONG, table.along)
     meshes.update(obj)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Numbers of stripes, one for each line along their middle, and of quads, one for each region between grid lines."""
+"""Numbers of quads, one for each region between grid lines."""
 
 import numpy as np
 import pytest
@@ -11,10 +11,10 @@ from synch_fields.core.extract.cells import cells
 from synch_fields.core.fields import direction_field
 from synch_fields.core.fields.patterns import solve_pattern
 from synch_fields.core.geometry.polygons import Polygons
-from synch_fields.core.interpolate import EdgePhases, evaluate, face_phases
+from synch_fields.core.interpolate import evaluate, face_phases
 
 from .crosses import plane_edge_phases
-from .meshes import annulus, bent_square, cube, icosphere, mixed_torus, quad_cube, square
+from .meshes import bent_square, cube, icosphere, mixed_torus, quad_cube, square
 
 
 def as_triangles(mesh):
@@ -31,10 +31,11 @@ SURFACES = {
 
 
 def solved(build, symmetry, share):
-    """A surface with a pattern, coarse enough for defects of both kinds."""
+    """A pattern coarse enough for defects of both kinds, and the polygons and phases of the surface."""
     mesh, polygons = build()
     spacing = np.linalg.norm(np.ptp(mesh.vertices, axis=0)) / share
-    return polygons, solve_pattern(mesh, direction_field(mesh, symmetry), spacing).on_faces(polygons)
+    pattern = solve_pattern(mesh, direction_field(mesh, symmetry), spacing)
+    return pattern, polygons, pattern.on_faces(polygons)
 
 
 def has_defect(phases, polygons):
@@ -47,8 +48,9 @@ def flooded(phases, polygons, parts=36):
     """Dense places in cells, clear of their borders, and the connected regions that they fall into.
 
     Points of a lattice on every triangle are neighbours along its lines; those on an edge are points of both triangles.
-    Of stripes these are places near their middle, outside faces with a defect, where two lines may come close; of quads
-    those off the grid lines, but for the neighbourhood of dislocations, where phases turn faster than any lattice.
+    Of stripes these are places near their middle, but for faces that touch one with a defect, where two lines may come
+    close; of quads those off the grid lines, but for the neighbourhood of dislocations, where phases turn faster than
+    any lattice.
     """
     i, j = (a.ravel() for a in np.meshgrid(np.arange(parts + 1), np.arange(parts + 1), indexing="ij"))
     lattice = np.column_stack([i, j, parts - i - j])[i + j <= parts]
@@ -59,10 +61,11 @@ def flooded(phases, polygons, parts=36):
     inside = 0.999 * weights + 0.001 / 3
     values = np.stack([evaluate(phase, polygons, triangles, inside) for phase in phases])
     odd = has_defect(phases, polygons)[triangles]
+    beside = np.isin(polygons.triangles, polygons.triangles[has_defect(phases, polygons)]).any(axis=1)[triangles]
     if len(phases) == 2:
         usable = (np.abs(np.sin(values)) > np.sin(0.35)).all(axis=0) & ~(odd & (1 - 3 * weights.min(axis=1) < 0.2))
     else:
-        usable = (np.cos(values[0]) > 0.96) & ~odd
+        usable = (np.cos(values[0]) > 0.96) & ~beside
     places = np.rint(weights * parts).astype(int)
     keys = np.sort(np.where(places == 0, 10**9, polygons.triangles[triangles] * (2 * parts) + places), axis=1)
     alone = np.flatnonzero((places > 0).all(axis=1))
@@ -75,10 +78,9 @@ def flooded(phases, polygons, parts=36):
     return triangles[usable], inside[usable], labels[nodes[usable]]
 
 
-@pytest.mark.parametrize("symmetry, share", [(2, 9), (4, 7)], ids=["stripes", "quads"])
 @pytest.mark.parametrize("name", SURFACES)
-def test_a_flood_of_the_surface_stays_in_one_stripe_or_quad(name, symmetry, share):
-    polygons, phases = solved(SURFACES[name], symmetry, share)
+def test_a_flood_of_the_surface_stays_in_one_quad(name):
+    polygons, phases = solved(SURFACES[name], 4, 7)[1:]
     assert has_defect(phases, polygons).any() or name == "triangles-bounded"
     found = cells(phases, polygons)
     triangles, weights, floods = flooded(phases, polygons)
@@ -87,61 +89,10 @@ def test_a_flood_of_the_surface_stays_in_one_stripe_or_quad(name, symmetry, shar
     assert known.mean() > 0.99 and numbers.max() <= found.count
     met = np.unique(np.column_stack([floods, numbers])[known], axis=0)
     assert (np.bincount(met[:, 0]) <= 1).all(), "one region with two numbers"
-    if symmetry == 4:
-        sizes = np.bincount(floods)
-        regions = met[sizes[met[:, 0]] > 60]  # the rest are specks at borders
-        # But for cells beside the end of a grid line, which are one, where the flood does not find the way around it.
-        assert (np.bincount(regions[:, 1]) > 1).sum() <= 0.03 * len(regions), "one number in two regions"
-
-
-def striped(mesh, growing, turning=0.0):
-    """Stripes where ``growing + turning``, in periods at the vertices, is a whole number; ``turning`` wraps around.
-
-    Returns the cells, and at the middle of each triangle the number and the periods less the nearest whole one.
-    """
-    i, j = mesh.edges.T
-    turning = np.broadcast_to(turning, len(growing))
-    changes = growing[j] - growing[i] + (turning[j] - turning[i] + 0.5) % 1 - 0.5
-    values = 2 * np.pi * (growing + turning)[:, None]
-    edge_phases = EdgePhases(mesh, values, 2 * np.pi * changes[:, None], np.zeros(len(i), int))
-    polygons = Polygons.of_triangles(mesh)
-    phases = face_phases(edge_phases, polygons)
-    found = cells(phases, polygons)
-    middle = np.arange(mesh.triangle_count), np.full((mesh.triangle_count, 3), 1 / 3)
-    periods = evaluate(phases[0], polygons, *middle) / (2 * np.pi)
-    return found, found.at(*middle), periods - np.rint(periods)
-
-
-def test_parallel_stripes_have_one_number_each():
-    mesh = square(12)
-    across = 5.2 * (mesh.vertices[:, 0] - 0.5)
-    found, numbers, _ = striped(mesh, across)
-    # Lines at -2 ... 2 periods from the middle of the square, and a fringe without one at either side.
-    assert found.count == 7
-    period = np.rint(across[mesh.triangles].mean(axis=1))
-    assert {len(np.unique(period[numbers == number])) for number in np.unique(numbers)} == {1}
-    assert {len(np.unique(numbers[period == whole])) for whole in np.unique(period)} == {1}
-
-
-def test_rings_are_counted_and_a_spiral_is_one_stripe():
-    mesh = annulus(1.0, 2.0, rings=24, segments=96)
-    radius = np.linalg.norm(mesh.vertices[:, :2], axis=1)
-    assert striped(mesh, 4 * radius + 0.5)[0].count == 4
-    turn = np.arctan2(mesh.vertices[:, 1], mesh.vertices[:, 0]) / (2 * np.pi)
-    _, numbers, off = striped(mesh, 4 * radius, turn)  # once around, and so one line from rim to rim
-    assert len(np.unique(numbers[np.abs(off) < 0.2])) == 1
-
-
-def test_a_stripe_that_ends_in_a_dislocation_has_a_number_of_its_own():
-    mesh = square(24)
-    x, y = (mesh.vertices[:, :2] - (0.51, 0.507)).T
-    found, numbers, off = striped(mesh, 4 * x + 0.064, np.arctan2(y, x) / (2 * np.pi))
-    assert np.abs(found.phases[0].index).sum() == 1
-    across, height = (values[mesh.triangles].mean(axis=1) for values in (x, y))
-    shown = (np.abs(off) < 0.2) & (across < 0.4)  # at the right, another line comes in from the side
-    below, above = (set(numbers[shown & side]) for side in (height < -0.47, height > 0.45))
-    assert len(below) == 4 and len(above) == 3
-    assert above < below
+    sizes = np.bincount(floods)
+    regions = met[sizes[met[:, 0]] > 60]  # the rest are specks at borders
+    # But for cells beside the end of a grid line, which are one, where the flood does not find the way around it.
+    assert (np.bincount(regions[:, 1]) > 1).sum() <= 0.03 * len(regions), "one number in two regions"
 
 
 def test_quads_of_a_plane_are_its_squares():
