@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-slow ui-test ui-pictures lint extension bench bench-solver pictures environment clean
+.PHONY: help demo test test-slow ui-test ui-pictures lint extension bench bench-solver pictures thumbnails environment clean
 
 # The Pythons that a bpy wheel exists for, in order of preference.
 VERSIONS ?= 3.13 3.11
@@ -30,7 +30,8 @@ help:
 	@echo 'make extension    the zip for Blender in out/; WHEELS=1 bundles SciPy, one zip for each platform'
 	@echo 'make bench        bounds and energies of three meshes beside other methods; MESHES=folder holds them'
 	@echo 'make bench-solver times, bounds and energies of six meshes beside other methods, and time against size'
-	@echo 'make pictures     the pictures of the README'
+	@echo 'make pictures     the pictures of the README and of docs/; MESHES=folder holds the meshes'
+	@echo 'make thumbnails   those that the extension ships'
 	@echo 'make environment  $(VENV) with Blender as a Python module; the other targets make it on demand'
 	@echo 'make clean        remove outputs and caches, keep the environment'
 	@echo 'Settings: PYTHON=path/to/python3.13, VENV=folder'
@@ -72,14 +73,17 @@ pictures: demo
 	cp out/demo.png docs/suzanne.png
 	$(python) -m synch_fields stripes $(MESHES)/spot.obj --view 205 12 --render docs/spot.png
 	$(python) -m synch_fields stripes $(MESHES)/stanford-bunny.obj --view -20 12 --render docs/bunny.png
-	$(python) bench/figures.py $(MESHES) --folder docs
-	$(python) bench/gallery.py $(MESHES) --folder docs
-	$(python) bench/quad_gallery.py $(MESHES) --folder docs
-	$(python) bench/bake_picture.py $(MESHES) --folder docs
-	$(python) bench/preset_gallery.py $(MESHES) --folder docs
-	$(python) bench/solids.py $(MESHES) --folder docs
-	$(python) bench/vortices.py --folder docs
-	$(python) bench/animation.py --folder docs
+	$(python) docs/make/gallery.py $(MESHES) --folder docs
+	$(python) docs/make/quads.py $(MESHES) --folder docs
+	$(python) docs/make/bake.py $(MESHES) --folder docs
+	$(python) docs/make/figures.py $(MESHES) --folder docs
+	$(python) docs/make/figure3.py $(MESHES) --folder docs
+	$(python) docs/make/constraints.py $(MESHES) --folder docs
+	$(python) docs/make/vortices.py --folder docs
+	$(python) docs/make/animation.py --folder docs
+
+thumbnails: $(environment)
+	$(python) tools/thumbnails.py
 
 environment: $(environment)
 
@@ -92,5 +96,5 @@ $(environment): pyproject.toml setup.py
 
 clean:
 	rm -rf out build *.egg-info .pytest_cache .ruff_cache .mypy_cache
-	find core synch_addon tests tools -name __pycache__ -prune -exec rm -rf {} +
+	find core synch_addon tests bench docs tools -name __pycache__ -prune -exec rm -rf {} +
 	rm -rf __pycache__

@@ -1,30 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Stripes on a bending tentacle: four frames of the animation side by side, and how much changes from frame to frame.
+"""Stripes on a bending tentacle: how much changes from frame to frame.
 
-    python bench/animation.py --folder docs
+    python bench/animation.py
 
 Prints a table: the animation without and with a hold on the frame before, and solves of each frame alone. Needs Blender
 as a module (bpy).
 """
 
-import tempfile
 import time
-from pathlib import Path
 
 import bpy
 import numpy as np
-from command import arguments
-from figures import beside
-from tables import Column, print_table
 
 import synch_fields
+from synch_fields.bench.command import arguments
+from synch_fields.bench.tables import Column, print_table
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.looks.render import render_picture
 
-FRAMES, SHOWN = 24, (1, 7, 13, 19)
+FRAMES = 24
 SEGMENTS, RINGS, LENGTH, RADIUS = 56, 190, 5.0, 0.62
 SPACING = 0.16
-TILE = (460, 560)
 COLUMNS = (
     Column("mean change", "mean", ".3f"),
     Column("largest change", "largest", ".3f"),
@@ -34,18 +29,12 @@ COLUMNS = (
 
 
 def main():
-    """Run from the command line."""
-    parser = arguments(__doc__, folder="the picture goes")
-    parser.add_argument("--table", action="store_true", help="also measure, in some minutes")
-    options = parser.parse_args()
+    """Print the table."""
+    arguments(__doc__).parse_args()
     synch_fields.register()
     try:
         bpy.ops.wm.read_homefile(use_empty=True)
-        obj = tentacle()
-        report = api.animate(obj, frames=(1, FRAMES), spacing=SPACING)
-        render(obj, options.folder / "animation.png")
-        if options.table:
-            measure(obj, report)
+        measure(tentacle())
     finally:
         synch_fields.unregister()
 
@@ -98,21 +87,10 @@ def curled(points, frame):
     return np.column_stack([x + points[:, 0] * np.cos(at), points[:, 1], z - points[:, 0] * np.sin(at)])
 
 
-def render(obj, path):
-    """Four frames side by side."""
-    with tempfile.TemporaryDirectory() as folder:
-        tiles = []
-        for frame in SHOWN:
-            bpy.context.scene.frame_set(frame)
-            tiles.append(Path(folder) / f"{frame}.png")
-            render_picture(obj, tiles[-1], view=(-12, 10), resolution=TILE, samples=48, markers=False)
-        beside(tiles, path)
-
-
-def measure(obj, report):
+def measure(obj):
     """Print what the animation costs and changes beside solves of each frame alone, also along its directions."""
     rows = [
-        row("hold 0.1", report),
+        row("hold 0.1", api.animate(obj, frames=(1, FRAMES), spacing=SPACING)),
         alone(obj, "each alone, the same directions", guidance="attribute:synch_direction"),
     ]
     rows.append(alone(obj, "each alone"))

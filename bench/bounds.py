@@ -16,11 +16,11 @@ from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
-from measure import energy_of, timed
-from meshes import read_obj
-from peers import fixed_diffusion
-from problems import problems
-
+from synch_fields.bench.command import arguments
+from synch_fields.bench.measure import energy_of, timed
+from synch_fields.bench.meshes import read_obj
+from synch_fields.bench.peers import fixed_diffusion
+from synch_fields.bench.problems import problems
 from synch_fields.core.solve import Options, solve
 
 COLUMNS = (
@@ -77,4 +77,6 @@ def measure(problem):
 
 
 if __name__ == "__main__":
-    sys.exit(min(main(sys.argv[1:]), 1))
+    parser = arguments(__doc__)
+    parser.add_argument("paths", type=Path, nargs="+", metavar="MESH.obj")
+    sys.exit(min(main(parser.parse_args().paths), 1))

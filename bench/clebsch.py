@@ -11,12 +11,11 @@ filaments through a square loop is from the flow's circulation along it, for all
 the longest side.
 """
 
-import sys
-
 import numpy as np
-from grids import QUANTA, trefoil_grid, trefoil_velocity
-from tables import Column, print_table
 
+from synch_fields.bench.command import arguments
+from synch_fields.bench.grids import QUANTA, trefoil_grid, trefoil_velocity
+from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.extract.filaments import filaments
 from synch_fields.core.fields.clebsch import circulations, clebsch_map, edge_integrals, quantum_for
 from synch_fields.core.fields.loops import loop_error
@@ -49,7 +48,7 @@ ENERGIES = (
 COUNTS = (Column("h / 2π", "h", ".3f"), Column("energy", "energy", ".2f"), Column("bound", "bound", ".2f"), *FOUND)
 
 
-def main(nodes=40):
+def main(nodes):
     """Print both tables."""
     shape = (nodes, nodes, nodes // 2)
     grid = trefoil_grid(shape)
@@ -87,4 +86,6 @@ def row(found):
 
 
 if __name__ == "__main__":
-    main(*map(int, sys.argv[1:]))
+    parser = arguments(__doc__)
+    parser.add_argument("nodes", type=int, nargs="?", default=40)
+    main(parser.parse_args().nodes)

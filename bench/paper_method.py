@@ -11,11 +11,12 @@ from time import perf_counter
 
 import numpy as np
 import pymanopt
-from peers import Inverse, lowest_mode, normalize
 from pymanopt.manifolds import Oblique
 from pymanopt.optimizers import TrustRegions
 from scipy.sparse import diags_array
 from scipy.sparse.linalg import eigsh
+
+from synch_fields.bench.peers import Inverse, lowest_mode, normalize
 
 FIRST_RANK, LAST_RANK = 2, 12
 SMALLEST_GRADIENT = 1e-6

@@ -14,11 +14,11 @@ from itertools import pairwise
 
 import bpy
 import numpy as np
-from command import arguments
-from measure import timed
-from meshes import read_obj
-from tables import Column, print_table
 
+from synch_fields.bench.command import arguments
+from synch_fields.bench.measure import timed
+from synch_fields.bench.meshes import read_obj
+from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.errors import MeshError
 from synch_fields.core.extract.quad_mesh import QuadMesh
 from synch_fields.core.extract.quad_quality import quality

@@ -16,14 +16,14 @@ from pathlib import Path
 from statistics import median
 
 import numpy as np
-import problems
-from command import arguments
-from grids import trefoil_problem
-from measure import peak_megabytes, relaxation_in_products, row_of_child, timed, timed_solve
-from meshes import read_obj
-from subdivide import sphere, subdivided
-from tables import Column, print_table
 
+from synch_fields.bench import problems
+from synch_fields.bench.command import arguments
+from synch_fields.bench.grids import trefoil_problem
+from synch_fields.bench.measure import peak_megabytes, relaxation_in_products, row_of_child, timed, timed_solve
+from synch_fields.bench.meshes import read_obj
+from synch_fields.bench.subdivide import sphere, subdivided
+from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.algebra.workers import solving
 
 TARGET_GAP = 1e-2

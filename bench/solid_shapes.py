@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from meshes import read_obj
 
+from synch_fields.bench.meshes import read_obj
 from synch_fields.core.fields.layers import LayerGroup
 from synch_fields.core.files.tets import read_tets
 from synch_fields.core.geometry import TriangleMesh

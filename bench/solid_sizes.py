@@ -13,11 +13,11 @@ from statistics import median
 from time import process_time
 
 import numpy as np
-from command import arguments
-from measure import peak_megabytes, row_of_child, untouched
-from solid_shapes import stuffed_bunny
-from tables import Column, print_table
 
+from synch_fields.bench.command import arguments
+from synch_fields.bench.measure import peak_megabytes, row_of_child, untouched
+from synch_fields.bench.solid_shapes import stuffed_bunny
+from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.algebra.workers import solving
 from synch_fields.core.fields.guidance.solids import harmonic_directions
 from synch_fields.core.fields.layers import layer_problem

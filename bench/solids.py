@@ -1,26 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The paper's Figure 3 again: layers in solids, spectral, semidefinite, and flush with two surfaces.
+"""The solids of the paper's Figure 3: layers in them, spectral, semidefinite, and flush with two surfaces.
 
-    python bench/solids.py MESHES --folder docs
+    python bench/solids.py MESHES
 
 A ring with a wavy top, MESHES/bunny.mesh, and MESHES/stanford-bunny.obj with its holes closed and stuffed with
 tetrahedra. Layers follow the gradient of the harmonic function between two chosen surfaces: bottom and top of the
 ring, base and tips of the ears. Prints energies, bounds, dislocation curves and how far the layers are from the chosen
-surfaces, checks that the energies are in the order of Eq. (23), and makes figure3.png with cut-away solids. Needs
-Blender as a module (bpy).
+surfaces, and checks that the energies are in the order of Eq. (23). docs/make/figure3.py draws them.
 """
 
-import tempfile
-from pathlib import Path
 from time import process_time
 
 import numpy as np
-from command import arguments
 from scipy.spatial import cKDTree
-from solid_pictures import beside, picture_of_function, picture_of_layers
-from solid_shapes import ring, solid_bunny, stuffed_bunny
-from tables import Column, print_table
 
+from synch_fields.bench.command import arguments
+from synch_fields.bench.solid_shapes import ring, solid_bunny, stuffed_bunny
+from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.extract.defect_curves import defect_curves
 from synch_fields.core.extract.layer_surfaces import layer_surfaces
 from synch_fields.core.fields.guidance.potentials import harmonic_function
@@ -31,8 +27,7 @@ from synch_fields.core.solve import Options
 
 # Size of the stuffed bunny's lattice, whose surface has an area of 1.
 BUNNY_SIZE = 0.014
-# Distance between layers over the diagonal of the solid's box, and the wedges that are cut off for the picture:
-# normals, and offsets in diagonals from the middle of the box.
+# Distance between layers over the diagonal of the solid's box.
 SPACINGS = {"ring": 0.021, "bunny.mesh": 0.06, "bunny": 0.035}
 WAYS = (("spectral", "spectral", False), ("SDP", "sdp", False), ("SDP, flush", "sdp", True))
 COLUMNS = (
@@ -56,39 +51,37 @@ CANDIDATES = 40
 
 
 def main():
-    """Make the picture and print the table."""
-    parser = arguments(__doc__, "bunny.mesh and stanford-bunny.obj", "the picture goes")
-    parser.add_argument("--no-picture", action="store_true", help="print the table alone")
-    options = parser.parse_args()
-    shapes = {
-        "ring": ring(),
-        "bunny.mesh": solid_bunny(options.meshes),
-        "bunny": stuffed_bunny(options.meshes, BUNNY_SIZE),
-    }
-    rows, found = [], {}
-    for name, shape in shapes.items():
-        found[name] = compared(shape, SPACINGS[name] * shape.size)
-        rows += [row for row, _ in found[name][1]]
-        check_order([row for row, _ in found[name][1]])
+    """Print the table."""
+    options = arguments(__doc__, "bunny.mesh and stanford-bunny.obj").parse_args()
+    rows = []
+    for name in SPACINGS:
+        _, results = compared(name, shape_of(name, options.meshes))
+        rows += [row for row, _ in results]
+        check_order([row for row, _ in results])
     print_table("Figure 3: layers in solids", COLUMNS, rows)
-    if not options.no_picture:
-        draw(shapes, found, options.folder / "figure3.png")
 
 
-def compared(shape, spacing):
-    """The harmonic function, and for each way a row of the table and the pattern."""
-    mesh = shape.mesh
+def shape_of(name, meshes):
+    """The solid of a name among :data:`SPACINGS`."""
+    if name == "ring":
+        return ring()
+    return solid_bunny(meshes) if name == "bunny.mesh" else stuffed_bunny(meshes, BUNNY_SIZE)
+
+
+def compared(name, shape):
+    """The harmonic function of a solid, and for each way a row of the table and the pattern."""
+    mesh, spacing = shape.mesh, SPACINGS[name] * shape.size
     function = harmonic_function(mesh, shape.low, shape.high)
     directions = gradient_directions(mesh, function)
     results = []
-    for name, method, is_flush in WAYS:
+    for way, method, is_flush in WAYS:
         groups = shape.groups if is_flush else []
         start = process_time()
         pattern = solve_layers(mesh, directions, spacing, groups, Options(method=method))
         seconds = process_time() - start
         if not is_flush:
             pattern = turned(pattern, SolidGrowth.of(mesh, directions, spacing), shape.low | shape.high)
-        row = measured(pattern, shape) | {"label": f"{shape.name}: {name}", "seconds": seconds}
+        row = measured(pattern, shape) | {"label": f"{shape.name}: {way}", "seconds": seconds}
         results.append((row, pattern))
     return function, results
 
@@ -152,19 +145,6 @@ def check_order(rows):
     for name, values in (("free", chain), ("flush", others)):
         if (np.diff(values) < -1e-9 * abs(values[-1])).any():
             raise SystemExit(f"out of order at {free['label']} ({name}): {values}")
-
-
-def draw(shapes, found, path):
-    """The guiding function and the three patterns of the ring above those of the stuffed bunny."""
-    with tempfile.TemporaryDirectory() as folder:
-        rows = []
-        for name in ("ring", "bunny"):
-            shape, (function, results) = shapes[name], found[name]
-            pictures = [picture_of_function(name, shape.mesh, function, Path(folder) / f"{name}.png")]
-            for k, (_, pattern) in enumerate(results):
-                pictures.append(picture_of_layers(name, pattern, k > 0, Path(folder) / f"{name} {k}.png"))
-            rows.append(pictures)
-        beside(rows, path)
 
 
 if __name__ == "__main__":

@@ -13,10 +13,8 @@ from functools import partial
 from pathlib import Path
 from statistics import median
 
-import paper_method
-import peers
-import problems
-from measure import (
+from synch_fields.bench import paper_method, peers, problems
+from synch_fields.bench.measure import (
     cycle_products,
     energy_of,
     in_child,
@@ -26,9 +24,8 @@ from measure import (
     timed_relaxation,
     timed_solve,
 )
-from meshes import read_obj
-from tables import Column, Criterion, print_summary, print_table
-
+from synch_fields.bench.meshes import read_obj
+from synch_fields.bench.tables import Column, Criterion, print_summary, print_table
 from synch_fields.core.algebra.workers import solving
 from synch_fields.core.solve import Options, solve
 

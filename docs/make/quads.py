@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Pictures of quads: the paper's Figure 4 again, quad meshes, and the profiles of the node group.
 
-    python bench/quad_gallery.py MESHES --folder docs [--only figure4 | quad_mesh | quads]
+    python docs/make/quads.py MESHES --folder docs [--only figure4 | quad_mesh | quads]
 
 Figure 4: cos x cos y along one cross field, the spectral relaxation on the left and the semidefinite one on the right;
 its energies are printed. MESHES holds spot.obj, fertility.obj, rocker-arm.obj and stanford-bunny.obj. Needs Blender as
@@ -10,10 +10,11 @@ a module (bpy).
 
 import bpy
 import numpy as np
-from command import arguments, make_pictures
-from figures import COLUMNS, beside, read_directions, row, write_directions
-from tables import print_table
 
+from synch_fields.bench.command import arguments
+from synch_fields.bench.tables import print_table
+from synch_fields.docs.make.figures import COLUMNS, read_directions, row, write_directions
+from synch_fields.docs.make.sheets import beside, make_pictures
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import files
 from synch_fields.synch_addon.looks.render import render_picture

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The paper's Figures 6 and 8 again: pictures side by side, and a table of energies.
 
-    python bench/figures.py MESHES --folder docs
+    python docs/make/figures.py MESHES --folder docs
 
 Figure 6: a line field on a planar domain, and stripes along it by the spectral relaxation, by the semidefinite one,
 and by the semidefinite one with a stripe on the boundary. Figure 8: stripes along the principal curvature of
@@ -13,10 +13,11 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from command import arguments
 from scipy.spatial import Delaunay
-from tables import Column, print_table
 
+from synch_fields.bench.command import arguments
+from synch_fields.bench.tables import Column, print_table
+from synch_fields.docs.make.sheets import beside
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import attributes, files
 from synch_fields.synch_addon.looks.render import render_picture
@@ -164,19 +165,6 @@ def read_directions(obj):
 
 def write_directions(obj, values):
     obj.data.attributes.new("synch_direction", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", values)
-
-
-def beside(pictures, path, vertical=False):
-    """One picture of several of the same size, from left to right or from top to bottom."""
-    loaded = [bpy.data.images.load(str(picture)) for picture in pictures]
-    width, height = loaded[0].size
-    pixels = [np.array(image.pixels).reshape(height, width, 4) for image in loaded]
-    # Rows of pixels go from below upwards.
-    whole = np.concatenate(pixels[::-1], axis=0) if vertical else np.concatenate(pixels, axis=1)
-    image = bpy.data.images.new("whole", whole.shape[1], whole.shape[0])
-    image.pixels = whole.ravel()
-    image.filepath_raw, image.file_format = str(path.absolute()), "PNG"
-    image.save()
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The bunny with baked stripes: rendered from the images, the images, and one closely at the centre of a dislocation.
 
-    python bench/bake_picture.py MESHES --folder docs
+    python docs/make/bake.py MESHES --folder docs
 
 Prints how long each map takes at 2048 pixels; the last picture is a part of the colour at 4096. MESHES holds
 stanford-bunny.obj. Needs Blender as a module (bpy).
@@ -12,12 +12,12 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from command import arguments
-from figures import beside
 from scipy.ndimage import distance_transform_edt
-from tables import Column, print_table
 
 import synch_fields
+from synch_fields.bench.command import arguments
+from synch_fields.bench.tables import Column, print_table
+from synch_fields.docs.make.sheets import beside
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.bakes.settings import MAPS, NEW_MAP
 from synch_fields.synch_addon.bakes.stage import read_uv

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Pictures of vortices: the paper's Figures 5 and 7 again, and a knot of tubes.
 
-    python bench/vortices.py [--folder docs] [--only figure5 | figure7 | vortices]
+    python docs/make/vortices.py [--folder docs] [--only figure5 | figure7 | vortices]
 
 Figure 5: a trefoil knot on 40 x 40 x 20 nodes at five circulations of a filament, filaments above, tubes below.
 Figure 7: a flow in the plane whose curl is constant in the unit disk. The map to the sphere, drawn as a globe; and four
@@ -11,11 +11,11 @@ point of the globe, marked in the same colour. Needs Blender as a module (bpy).
 
 import bpy
 import numpy as np
-from command import arguments, make_pictures
-from figures import beside
-from grids import QUANTA, trefoil_grid, trefoil_velocity
 from mathutils import Euler, Matrix
 
+from synch_fields.bench.command import arguments
+from synch_fields.bench.grids import QUANTA, trefoil_grid, trefoil_velocity
+from synch_fields.docs.make.sheets import beside, make_pictures
 from synch_fields.synch_addon.blender.transaction import only_for_now
 from synch_fields.synch_addon.flows.job import clebsch
 from synch_fields.synch_addon.looks.render import render_picture

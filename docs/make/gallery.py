@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The presets on six shapes, for the product page; and their thumbnails, which ship with the extension.
+"""The presets on six shapes, for the product page.
 
-    python bench/preset_gallery.py MESHES --folder docs [--only gallery | thumbnails]
+    python docs/make/gallery.py MESHES --folder docs
 
-Writes gallery.png to the folder and the thumbnails to synch_addon/looks/thumbnails. MESHES holds spot.obj,
-stanford-bunny.obj, botijo.obj and cheburashka.obj. Needs Blender as a module (bpy).
+MESHES holds spot.obj, stanford-bunny.obj, botijo.obj and cheburashka.obj. Needs Blender as a module (bpy).
 """
 
 import tempfile
@@ -12,14 +11,12 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from command import arguments
-from figures import beside
-from quad_gallery import plain_material
 
 import synch_fields
+from synch_fields.bench.command import arguments
+from synch_fields.docs.make.sheets import beside
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import files
-from synch_fields.synch_addon.looks import assets, presets
 from synch_fields.synch_addon.looks.render import render_picture
 
 # Preset, shape, how often it is subdivided, and where it is seen from.
@@ -34,23 +31,14 @@ SHAPES = (
 # Shapes whose files have Z upwards, which reading turns.
 LYING = ("botijo",)
 TILE = (400, 380)
-THUMBNAIL = 128
-# Stripes or quads across the sphere of a thumbnail, as many as can be told apart in it.
-ACROSS, FINE = 11, 16
-CLAY = (0.50, 0.44, 0.37, 1.0)
 
 
 def main():
     """Run from the command line."""
-    parser = arguments(__doc__, "the meshes", "the gallery goes")
-    parser.add_argument("--only", choices=("gallery", "thumbnails"), help="one of both")
-    options = parser.parse_args()
+    options = arguments(__doc__, "the meshes", "the gallery goes").parse_args()
     synch_fields.register()
     try:
-        if options.only != "gallery":
-            thumbnails()
-        if options.only != "thumbnails":
-            gallery(options.meshes, options.folder / "gallery.png")
+        gallery(options.meshes, options.folder / "gallery.png")
     finally:
         synch_fields.unregister()
 
@@ -104,42 +92,6 @@ def opened(meshes, shape, level):
         bpy.ops.object.modifier_apply(modifier="Fine")
     obj.data.shade_smooth()
     return obj
-
-
-def thumbnails():
-    """A sphere for each preset, and for each node group of the asset library."""
-    assets.THUMBNAILS.mkdir(exist_ok=True)
-    for name, preset in presets.PRESETS.items():
-        obj = sphere()
-        across = FINE if name in ("wood-cut", "fingerprint") else ACROSS
-        api.preset(obj, name, spacing=spacing_across(obj, preset.kind, across))
-        picture(obj, name)
-    for _, name in assets.GROUPS.values():
-        obj = sphere()
-        kind = "quads" if "quad" in name else "stripes"
-        getattr(api, kind)(obj, spacing=spacing_across(obj, kind))
-        if "relief" in name:
-            obj.active_material = plain_material("Clay", CLAY)
-            api.relief(obj, height=0.3 if kind == "stripes" else 0.2, level=2)
-        picture(obj, name)
-
-
-def sphere():
-    """A smooth sphere."""
-    bpy.ops.wm.read_homefile(use_empty=True)
-    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=5, radius=1)
-    bpy.context.object.data.shade_smooth()
-    return bpy.context.object
-
-
-def spacing_across(obj, kind, across=ACROSS):
-    """The period of so many stripes or quads; one of quads has two."""
-    return max(obj.dimensions) / across * (2 if kind == "quads" else 1)
-
-
-def picture(obj, name):
-    size = (THUMBNAIL, THUMBNAIL)
-    render_picture(obj, assets.THUMBNAILS / f"{name}.png", resolution=size, samples=96, view=(-25, 22), markers=False)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What rows of the constraint list do on real meshes: a sheet of pictures, and a table of energies.
 
-    python bench/gallery.py MESHES --folder docs
+    python docs/make/constraints.py MESHES --folder docs
 
 MESHES holds spot.obj, fandisk.obj, rocker-arm.obj and inspired_mesh.obj. Needs Blender as a module (bpy).
 """
@@ -11,10 +11,11 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from command import arguments
-from figures import COLUMNS, beside, row
-from tables import print_table
 
+from synch_fields.bench.command import arguments
+from synch_fields.bench.tables import print_table
+from synch_fields.docs.make.figures import COLUMNS, row
+from synch_fields.docs.make.sheets import beside
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import attributes, files
 from synch_fields.synch_addon.looks.render import render_picture

@@ -3,10 +3,10 @@
 
 import bpy
 import numpy as np
-from figures import beside as side_by_side
-from solid_cuts import cut_away
 
 from synch_fields.core.extract.defect_curves import defect_curves
+from synch_fields.docs.make.sheets import beside as side_by_side
+from synch_fields.docs.make.solid_cuts import cut_away
 from synch_fields.synch_addon.looks.render import render_picture
 from synch_fields.synch_addon.nodes.stripes import WARM_IVORY
 
