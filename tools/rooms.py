@@ -19,7 +19,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 TOPS = ("core", "synch_addon")
 # Of the picture, in pixels: a room, the space between two, and the letters of a line.
-WIDTH, HEIGHT, GAP, FLOOR, LETTERS = 190, 74, 26, 132, 31
+WIDTH, HEIGHT, GAP, FLOOR, LETTERS = 200, 74, 26, 132, 31
 COLOURS = {"core": "#e8eef7", "synch_addon": "#f7efe2"}
 
 
@@ -165,7 +165,8 @@ def _arrow(start, end):
 def _box(name, line, x, y):
     lines = textwrap.wrap(line, LETTERS)
     lines = lines[:3] if len(lines) < 4 else [*lines[:2], lines[2][: LETTERS - 2] + " …"]
-    texts = [f'<text x="{x + 8:.0f}" y="{y + 17:.0f}" font-size="13" font-weight="bold">{escape(name)}</text>']
+    size = 13 if len(name) < 24 else 11
+    texts = [f'<text x="{x + 8:.0f}" y="{y + 17:.0f}" font-size="{size}" font-weight="bold">{escape(name)}</text>']
     for number, part in enumerate(lines):
         at = f'x="{x + 8:.0f}" y="{y + 33 + 14 * number:.0f}"'
         texts.append(f'<text {at} font-size="11" fill="#444">{escape(part)}</text>')

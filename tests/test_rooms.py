@@ -1,0 +1,83 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The house of docs/architecture.md: imports run one way, every room says what it is for, and its picture is true."""
+
+import ast
+import importlib.util
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture(scope="module")
+def rooms():
+    """tools/rooms.py as a module."""
+    spec = importlib.util.spec_from_file_location("rooms", ROOT / "tools" / "rooms.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="module")
+def found(rooms):
+    return rooms.modules()
+
+
+def test_no_imports_run_in_a_circle(rooms, found):
+    assert rooms.circles(rooms.imports(found)) == []
+    assert rooms.circles(rooms.arrows(found)) == []
+
+
+def test_a_circle_would_be_found(rooms):
+    assert rooms.circles({"a": {"b"}, "b": {"c"}, "c": {"a"}, "d": {"a"}}) == [["a", "b", "c"]]
+
+
+def test_imports_inside_functions_count(rooms, tmp_path):
+    (tmp_path / "lazy.py").write_text("def f():\n    from .other import g\n")
+    (tmp_path / "other.py").write_text("")
+    found = {"core.lazy": tmp_path / "lazy.py", "core.other": tmp_path / "other.py"}
+    assert rooms.imports(found) == {"core.lazy": {"core.other"}, "core.other": set()}
+
+
+def test_core_knows_nothing_of_the_add_on(rooms, found):
+    for name, targets in rooms.imports(found).items():
+        if name.startswith("core"):
+            assert not [target for target in targets if not target.startswith("core")], name
+
+
+def test_looks_bakes_solids_flows_and_frames_do_not_know_one_another(rooms, found):
+    siblings = {f"synch_addon.{name}" for name in ("looks", "bakes", "solids", "flows", "frames")}
+    graph = rooms.arrows(found)
+    for room in siblings:
+        assert graph[room] & siblings <= ({"synch_addon.looks"} if room.endswith("bakes") else set()), room
+
+
+def test_no_thread_and_no_other_process_is_begun_beside_blender():
+    """Worker processes are children that a pipe leads to; threads are for core alone, which joins them."""
+    for path in (ROOT / "synch_addon").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import | ast.ImportFrom) else []
+            names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            for name in names:
+                assert name.split(".")[0] not in ("threading", "multiprocessing", "concurrent", "_thread"), path
+
+
+def test_every_room_says_in_one_line_what_it_is_for(rooms, found):
+    for room in rooms.arrows(found):
+        line = rooms.line_of(room, found)
+        assert line and line.endswith((".", ":")) and len(line) < 200, f"{room}: {line!r}"
+
+
+def test_the_picture_is_of_the_imports_as_they_are(rooms, found):
+    drawn = (ROOT / "docs" / "architecture.svg").read_text(encoding="utf-8")
+    assert drawn == rooms.drawn(found), "draw it anew with python tools/rooms.py"
+
+
+def test_every_place_that_the_page_names_is_there():
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    bases = [ROOT, ROOT / "synch_addon", ROOT / "core"]
+    for name in re.findall(r"`([\w/]+/(?:[\w]+\.\w+)?)`", page):
+        assert any((base / name).exists() for base in bases), name
