@@ -6,9 +6,11 @@ along an edge only where exactly two meet, and a vertex at which sheets merely t
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from ..geometry import TriangleMesh
 from ..graphs import components
 from ..interpolate_solid import face_numbers, outward_numbers
 from .layer_crossings import crossings_of, polygons_in
@@ -33,6 +35,11 @@ class LayerSurfaces:
     layers: np.ndarray
     corners: np.ndarray
     weights: np.ndarray
+
+    @cached_property
+    def mesh(self):
+        """All layers as a TriangleMesh."""
+        return TriangleMesh(self.vertices, self.triangles)
 
     @property
     def count(self):

@@ -5,7 +5,6 @@ import numpy as np
 
 from ..errors import SettingError
 from ..fields.guidance.fronts import front_distance
-from ..geometry import TriangleMesh
 from ..interpolate import TURN, EdgePhases
 from .isolines import isolines
 
@@ -36,7 +35,7 @@ def toolpaths(layers, values, step):
     """
     if not (np.isfinite(step) and step > 0):
         raise SettingError(f"the step between paths is {step:g}: give a positive number")
-    mesh = TriangleMesh(layers.vertices, layers.triangles)
+    mesh = layers.mesh
     angles = TURN / step * np.asarray(values, float)
     i, j = mesh.edges.T
     changes = (angles[j] - angles[i])[:, None]
@@ -61,7 +60,7 @@ def rim_distances(layers):
 
     On layers without an end, which close in themselves, it is the way from their lowest vertex along z.
     """
-    mesh = TriangleMesh(layers.vertices, layers.triangles)
+    mesh = layers.mesh
     sources = mesh.boundary_vertices.copy()
     piece = mesh.pieces
     whole = np.setdiff1d(piece, piece[sources])

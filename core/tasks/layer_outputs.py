@@ -96,8 +96,8 @@ class PathsRequest:
 
     @property
     def shared(self):
-        """Vertices and triangles of the layers, which the paths are on."""
-        return self.surfaces.vertices, self.surfaces.triangles
+        """The mesh of the layers, which the paths are on."""
+        return (self.surfaces.mesh,)
 
     def solve(self, progress=None):
         """The :class:`Paths`.

@@ -18,7 +18,7 @@ from ..blender import attributes, meshes, schema
 from ..blender.defect_empties import KINDS, Defect, write_defects
 from ..blender.transaction import whole_or_nothing
 from ..nodes.layers import curve_material, layer_material
-from ..nodes.materials import pattern_material
+from ..nodes.materials import SPACING, pattern_material
 from ..patterns import memory, write
 from .links import MADE, SOLID, made_of
 
@@ -35,10 +35,12 @@ def write_all(obj, layering, result, given, warn, spacing):
     _leave_modes(obj)
     with replacing(obj):
         made = {
-            "layers": _write_layers(obj, layering, result.ends, spacing),
+            "layers": _write_layers(obj, layering),
             "curves": _write_curves(obj, layering, spacing),
             "surface": _write_surface(obj, layering, given, result.phases, warn, spacing),
         }
+        ends = [Defect("dislocation", end.face, end.index, end.position, end.normal) for end in result.ends]
+        write_defects(made["layers"], ends, kinds=KINDS, length=spacing)
     for kind, one in made.items():
         if one in (None, obj):
             _remove(obj, kind)
@@ -48,18 +50,20 @@ def write_all(obj, layering, result, given, warn, spacing):
 @contextmanager
 def replacing(obj):
     """Give what was made for an object new data; where that fails, it has its own again, and all that is new goes."""
-    before = {made: made.data for made in _all_made(obj)}
+    before = {made: (made.data, made.matrix_world.copy(), made.get(SPACING)) for made in _all_made(obj)}
     with whole_or_nothing():
         try:
             yield
         except BaseException:
-            for made, data in before.items():
-                made.data = data
+            for made, (data, matrix, spacing) in before.items():
+                made.data, made.matrix_world = data, matrix
+                if spacing is not None:
+                    made[SPACING] = spacing
             for kind in MADE:
                 if made_of(obj, kind) not in before:
                     obj.pop(MADE[kind], None)
             raise
-    bpy.data.batch_remove([data for data in before.values() if not data.users])
+    bpy.data.batch_remove([data for data, *_ in before.values() if not data.users])
 
 
 def _leave_modes(obj):
@@ -72,8 +76,8 @@ def _leave_modes(obj):
             raise SynchError(f"{made.name} is in another mode and not active: make it the active object, or leave it")
 
 
-def _write_layers(obj, layering, ends, spacing):
-    """The layers as one mesh object with the face attribute ``synch_layer``, and empties where curves end on them."""
+def _write_layers(obj, layering):
+    """The layers as one mesh object with the face attribute ``synch_layer``."""
     surfaces = layering.surfaces
     data = bpy.data.meshes.new(f"{obj.data.name} Layers")
     data.from_pydata(surfaces.vertices.tolist(), [], surfaces.triangles.tolist())
@@ -81,8 +85,6 @@ def _write_layers(obj, layering, ends, spacing):
     made = placed(obj, "layers", f"{obj.name} Layers", data, layering.matrix)
     attributes.write(made, schema.LAYER, surfaces.layers)
     layer_material(made, surfaces.count)
-    defects = [Defect("dislocation", end.face, end.index, end.position, end.normal) for end in ends]
-    write_defects(made, defects, kinds=KINDS, length=spacing)
     return made
 
 

@@ -11,11 +11,12 @@ from ...core.tasks.layer_outputs import NOTHING
 from ..blender.files import check_output, check_written, unwritten
 from ..blender.openvdb import openvdb_module
 from ..nodes.canvas import surface_material
+from ..nodes.materials import SPACING
 from .objects import placed, replacing
 
 GRID, MATERIAL = "pattern", "Synch Volume"
-# The node that has the density, and the custom property of the object with the spacing that it was made for.
-_DENSITY, _SPACING = "Density", "synch_spacing"
+# The node that has the density, which was made for the spacing that the object keeps.
+_DENSITY = "Density"
 # Values of the pattern at which a layer begins to show, and is opaque; how much light it takes on its thickness.
 _THIN, _THICK, _OPACITY = 0.55, 0.9, 8.0
 _COLOR = (0.32, 0.62, 0.82, 1.0)
@@ -64,12 +65,12 @@ def _show(made, spacing):
         made.data.materials.clear()
         made.data.materials.append(_new_material(spacing))
     else:
-        factor = made.get(_SPACING, spacing) / spacing
+        factor = made.get(SPACING, spacing) / spacing
         for material in made.data.materials:
             node = material and material.node_tree and material.node_tree.nodes.get(_DENSITY)
             if node:
                 node.inputs["To Max"].default_value *= factor
-    made[_SPACING] = spacing
+    made[SPACING] = spacing
 
 
 def _new_material(spacing):
