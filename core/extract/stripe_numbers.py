@@ -3,9 +3,9 @@
 
 A shader knows the phase of a point up to whole periods of its face. So each face keeps a value for each of
 :data:`SLOTS` periods, in the slot of the period's number modulo :data:`SLOTS`, and the shader takes that of the period
-which it is in; baked images take the same one (:func:`numbers_at`). A stripe is the line along its middle, which ends
-at defects; pieces of faces that no line passes belong to the stripe of the piece that they touch nearest to its middle.
-What is left is the edge of stripes whose middle lies beyond the boundary: each connected piece is a stripe too.
+which it is in; baked images take the same one (:class:`StripeNumbers`). A stripe is the line along its middle, which
+ends at defects; pieces of faces that no line passes belong to the stripe of the piece that they touch nearest to its
+middle. What is left is the edge of stripes whose middle lies beyond the boundary: each connected piece is a stripe too.
 
 The coordinate of a vertex along a stripe is the place on that line which is nearest to the vertex. It depends on the
 vertex and the stripe alone, so that it goes on from face to face for as long as the stripe does. Closed lines hold a
@@ -20,7 +20,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 from scipy.spatial import cKDTree
 
-from ..interpolate import TURN, evaluate
+from ..geometry.polygons import Polygons
+from ..interpolate import TURN, FacePhases, evaluate
 
 SLOTS = 3
 # Parts of a triangle's side, of the small triangles in which the phase and the coordinate are compared.
@@ -48,6 +49,32 @@ class StripeTable:
 
     numbers: np.ndarray
     along: np.ndarray
+
+
+@dataclass(frozen=True)
+class StripeNumbers:
+    """Numbers of stripes at any place, as the shader reads them off its face.
+
+    Attributes
+    ----------
+    phase : FacePhases
+    polygons : Polygons
+    slots : (p, SLOTS) what :func:`slot_numbers` gives
+    """
+
+    phase: FacePhases
+    polygons: Polygons
+    slots: np.ndarray
+
+    @property
+    def count(self):
+        """The largest number."""
+        return int(self.slots.max(initial=0))
+
+    def at(self, triangles, weights):
+        """(k,) number at (k, 3) barycentric places of (k,) triangles."""
+        periods = np.rint(evaluate(self.phase, self.polygons, triangles, weights) / TURN).astype(int)
+        return self.slots[self.polygons.triangle_faces[triangles], periods % SLOTS]
 
 
 def stripe_table(phase, polygons, lines, spacing):
@@ -97,12 +124,6 @@ def slot_numbers(phase, polygons, lines):
     # Inside a face with a defect there may be a speck of a period that its edges do not meet.
     speck = _with_defect(phase, polygons)[:, None] & (numbers == 0)
     return np.where(speck, numbers.max(axis=1, keepdims=True), numbers)
-
-
-def numbers_at(numbers, phase, polygons, triangles, weights):
-    """(k,) number of the stripe at (k, 3) barycentric places of triangles, as the shader reads it off its face."""
-    periods = np.rint(evaluate(phase, polygons, triangles, weights) / TURN).astype(int)
-    return numbers[polygons.triangle_faces[triangles], periods % SLOTS]
 
 
 def _ways_to_middle(phase, polygons, vertices, faces, slots, corners):

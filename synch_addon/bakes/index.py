@@ -1,33 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The pattern of an object read back from its attributes, and the numbers of its stripes or quads over a UV map."""
 
-from functools import partial
-
 import bpy
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
-from ...core.extract.cells import cells
-from ...core.extract.stripe_numbers import numbers_at
 from ..blender import attributes
-from ..patterns.numbers import stripe_slots
 from .shaders import glowing_attributes
 
 # The largest number of a 16-bit PNG.
 MOST = 65535
 
 
-def numbering(obj, polygons, phases):
-    """What gives the numbers of an object's stripes or quads at (k, 3) places of (k,) triangles, and their count."""
-    if len(phases) == 2:
-        found = cells(phases, polygons)
-        return found.at, found.count
-    slots = stripe_slots(obj)
-    return partial(numbers_at, slots, phases[0], polygons), int(slots.max(initial=0))
-
-
-def numbered_image(stage, polygons, coordinates, numbers_at, size, margin):
-    """(size, size) numbers at the middle of each pixel, 0 where there is no face.
+def numbers_at(stage, polygons, coordinates, numbering, size, margin):
+    """(size, size) numbers of stripes or quads at the middle of each pixel, 0 where there is no face.
 
     The faces are laid out flat in a stage of their own, as their corners' UV coordinates tell.
     """
@@ -49,7 +35,7 @@ def numbered_image(stage, polygons, coordinates, numbers_at, size, margin):
     triangles, weights = np.rint(seen[inside, 0]).astype(int) - 1, seen[inside, 1:3].astype(float)
     weights = np.column_stack([weights, 1 - weights.sum(axis=1)])
     numbers = np.zeros((size, size), int)
-    numbers[inside] = numbers_at(triangles, weights)
+    numbers[inside] = numbering.at(triangles, weights)
     return _extended(numbers, inside, margin)
 
 

@@ -10,10 +10,12 @@ import bpy
 import numpy as np
 
 from ...core.errors import SettingError, SynchError
+from ...core.extract.cells import cells
 from ..blender import meshes
 from ..blender import phases as blender_phases
 from ..blender.objects import ObjectLink
 from ..jobs.report import versions
+from ..patterns.numbers import numbers_of
 from . import images as bake_images
 from . import index, shaders
 from .settings import MAPS, NEW_MAP
@@ -156,8 +158,8 @@ def _bake_all(obj, kind, settings, coordinates, folder, report):
     phases = blender_phases.read_phases(obj, kind)
     polygons = meshes.read_polygons(obj)
     materials = shaders.sources(obj) or [None]
-    # What cannot be numbered is refused before anything is baked.
-    numbering = index.numbering(obj, polygons, phases) if "index" in settings.maps else None
+    if "index" in settings.maps:  # what cannot be numbered is refused before anything is baked
+        numbering = cells(phases, polygons) if kind == "quads" else numbers_of(obj, phases[0], polygons)
     is_signed = kind == "stripes" and blender_phases.is_signed(obj, polygons, phases[0])
     if "phase" in settings.maps:
         report["phase"] = shaders.phase_channels(kind, is_signed)
@@ -184,10 +186,9 @@ def _bake_all(obj, kind, settings, coordinates, folder, report):
     if "index" in settings.maps:
         yield "index", len(report["maps"]) / len(settings.maps)
         start = time.perf_counter()
-        numbers_at, count = numbering
         with staged(obj, modifiers=False) as stage:
-            found = index.numbered_image(stage, polygons, coordinates, numbers_at, settings.size, settings.margin)
-            values = _numbered(found, count, settings, report)
+            found = index.numbers_at(stage, polygons, coordinates, numbering, settings.size, settings.margin)
+            values = _numbered(found, numbering.count, settings, report)
             path = folder / settings.file_name(obj, "index")
             bake_images.save(values[:, :, None], path, settings, "index", stage.scene)
         _describe(report, ["index"], settings, start)

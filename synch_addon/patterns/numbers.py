@@ -7,7 +7,7 @@ import numpy as np
 
 from ...core.errors import SettingError, SynchError
 from ...core.extract.isolines import isolines
-from ...core.extract.stripe_numbers import slot_numbers, stripe_table
+from ...core.extract.stripe_numbers import StripeNumbers, slot_numbers, stripe_table
 from ..blender import attributes, meshes, schema
 from ..blender.phases import pattern_kind, read_phases
 from ..nodes.stripe_profiles import ALONG, NUMBER
@@ -45,12 +45,11 @@ def number_stripes(obj):
         return _write(obj, *shown_pattern(obj))
 
 
-def stripe_slots(obj):
-    """(p, SLOTS) number of the stripe in each slot of a face, written or not; errors as :func:`shown_pattern`."""
+def numbers_of(obj, phase, polygons):
+    """The :class:`StripeNumbers` of an object's stripes, numbered or not; errors as :func:`shown_pattern`."""
     written = attributes.read(obj, schema.NUMBER)
-    if written is not None:
-        return np.rint(np.abs(written)).astype(int)
-    return slot_numbers(*_lined(obj, *shown_pattern(obj)))
+    slots = slot_numbers(*_lined(obj, *shown_pattern(obj))) if written is None else np.abs(written).astype(int)
+    return StripeNumbers(phase, polygons, slots)
 
 
 def _lined(obj, request, pattern):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.extract.isolines import isolines
-from synch_fields.core.extract.stripe_numbers import SLOTS, numbers_at, slot_numbers, stripe_table
+from synch_fields.core.extract.stripe_numbers import SLOTS, StripeNumbers, slot_numbers, stripe_table
 from synch_fields.core.fields import direction_field, given_directions, stripe_pattern
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import TURN, EdgePhases, evaluate, face_phases
@@ -137,17 +137,17 @@ STRIPED = SURFACES | {"torus": lambda: (torus(), Polygons.of_triangles(torus()))
 def test_a_flood_along_the_middles_of_stripes_stays_in_one_and_meets_its_line(name):
     pattern, polygons, phases = solved(STRIPED[name], 2, 9)
     lines = isolines(pattern.edge_phases).resampled(0.02 * pattern.edge_phases.mesh.edge_lengths.mean())
-    slots = slot_numbers(phases[0], polygons, lines)
+    number = StripeNumbers(phases[0], polygons, slot_numbers(phases[0], polygons, lines))
     triangles, weights, floods = flooded(phases, polygons)
-    numbers = numbers_at(slots, phases[0], polygons, triangles, weights)
-    assert numbers_at(slots, phases[0], polygons, *random_places(polygons, 100_000)).min() > 0
+    numbers = number.at(triangles, weights)
+    assert number.at(*random_places(polygons, 100_000)).min() > 0
     met = np.unique(np.column_stack([floods, numbers]), axis=0)
     assert len(met) > 5
     assert (np.bincount(met[:, 0]) <= 1).all(), "one region with two numbers"
     at = np.flatnonzero(~has_defect(phases, polygons)[lines.triangles])
     same = (polygons.triangles[lines.triangles[at]] == lines.mesh.triangles[lines.triangles[at]]).all()
     assert same, "lines were traced on other triangles"
-    found = numbers_at(slots, phases[0], polygons, lines.triangles[at], lines.weights[at])
+    found = number.at(lines.triangles[at], lines.weights[at])
     # A face of many corners, over which the phase bends, may hold two lines in one slot.
     assert np.mean(found == lines.numbers[at] + 1) >= (0.998 if name == "mixed" else 1)
 
@@ -166,11 +166,11 @@ def striped(mesh, growing, turning=0.0):
     polygons = Polygons.of_triangles(mesh)
     (phase,) = face_phases(edge_phases, polygons)
     lines = isolines(edge_phases).resampled(0.02)
-    slots = slot_numbers(phase, polygons, lines)
+    number = StripeNumbers(phase, polygons, slot_numbers(phase, polygons, lines))
     middle = np.arange(mesh.triangle_count), np.full((mesh.triangle_count, 3), 1 / 3)
     periods = evaluate(phase, polygons, *middle) / TURN
-    counts = len(lines.sizes), slots.max()
-    return phase, counts, numbers_at(slots, phase, polygons, *middle), periods - np.rint(periods)
+    counts = len(lines.sizes), number.count
+    return phase, counts, number.at(*middle), periods - np.rint(periods)
 
 
 def test_parallel_stripes_have_one_number_each_and_so_have_those_whose_middle_is_beyond_the_boundary():
