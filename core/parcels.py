@@ -70,7 +70,8 @@ class Unpacker:
 
     def __init__(self, shared=()):
         self.shared = shared
-        self._head, self._sizes = bytearray(), None
+        self._head = bytearray()
+        self._sizes: list[int] | None = None
         self._body, self._filled = bytearray(), 0
 
     @property
@@ -130,7 +131,7 @@ class Unpacker:
         return _NUMBER.unpack_from(self._head, len(MARK) + _NUMBER.size * place)[0]
 
     def _opened(self):
-        body, sizes = memoryview(self._body), self._sizes
+        body, sizes = memoryview(self._body), self._sizes or []
         starts = accumulate(map(_whole, sizes), initial=0)
         parts = [body[start : start + size] for start, size in zip(starts, sizes, strict=False)]
         self._head, self._sizes, self._body, self._filled = bytearray(), None, bytearray(), 0

@@ -39,15 +39,15 @@ class FramesRequest:
 
     def solve(self, progress=None):
         """The :class:`FramesResult`; errors as of :meth:`SurfaceRequest.solve`, by frame."""
-        done, work = 0, len(self.requests) + _FIRST - 1
-        first, before, kept = None, None, []
-        for number, request in zip(self.frames, self.requests, strict=True):
-            share = 1 if kept else _FIRST
-            part = portion(progress, done / work, share / work)
-            found = self._solved(number, fresh(request) if kept else request, before, part)
-            first = first or found
-            kept.append(_kept(number, request, found, before, self.requests[0].given.mesh))
-            before, done = found, done + share
+        work = len(self.requests) + _FIRST - 1
+        mesh = self.requests[0].given.mesh
+        found = first = self._solved(self.frames[0], self.requests[0], None, portion(progress, 0.0, _FIRST / work))
+        kept = [_kept(self.frames[0], self.requests[0], first, None, mesh)]
+        for place in range(1, len(self.requests)):
+            number, request, before = self.frames[place], fresh(self.requests[place]), found
+            part = portion(progress, (_FIRST + place - 1) / work, 1 / work)
+            found = self._solved(number, request, before, part)
+            kept.append(_kept(number, request, found, before, mesh))
         return FramesResult(tuple(kept), first)
 
     def _solved(self, number, request, before, progress):

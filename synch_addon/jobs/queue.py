@@ -115,7 +115,8 @@ class Queue:
         """Put a job at the end of the row; returns its :class:`Work`."""
         work = Work(job, label)
         self.works.append(work)
-        self.advance()
+        if not work.holds_window:
+            self.advance()
         return work
 
     def holds(self, obj):

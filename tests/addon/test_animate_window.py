@@ -12,7 +12,7 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.frames import job
 from synch_fields.synch_addon.frames.job import AnimationJob, Span
-from synch_fields.synch_addon.jobs import jobs
+from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.operators.animate import SYNCH_OT_animate
 from synch_fields.synch_addon.operators.field_operator import BackgroundOperator
 from synch_fields.synch_addon.settings.fields import Settings
@@ -25,11 +25,10 @@ from .scenes import attribute, save_and_reopen, snapshot, sphere
 class Animate(Recorded, BackgroundOperator):
     """The operator as the window runs it, without being one of Blender's."""
 
-    bl_label, work = "Animate", SYNCH_OT_animate.work
-    _write, _headline = SYNCH_OT_animate._write, SYNCH_OT_animate._headline
+    bl_label = "Animate"
+    _headline = SYNCH_OT_animate._headline
 
     def _job(self, context):
-        self._object_name = context.active_object.name
         return AnimationJob(context.active_object, Settings(spacing=0.7), Span(1, 3))
 
 
@@ -44,15 +43,15 @@ def begun(monkeypatch):
     return obj, loop, operator, before
 
 
-def test_the_window_reads_frame_by_frame_and_waits_for_a_thread(begun):
+def test_the_window_reads_frame_by_frame_and_waits_for_the_worker(begun):
     obj, loop, operator, before = begun
     seen = []
     for _ in range(2):
         assert loop.send(operator, "TIMER") == {"RUNNING_MODAL"}
-        seen.append((jobs.running.stage, jobs.running.fraction))
+        seen.append((queue.running.stage, queue.running.fraction))
         assert bpy.context.scene.frame_current == 2 and snapshot() == before
     assert seen == [("read frame 2", pytest.approx(0.1 / 3)), ("read frame 3", pytest.approx(0.2 / 3))]
-    assert loop.run(operator) == {"FINISHED"} and loop.free and jobs.running is None
+    assert loop.run(operator) == {"FINISHED"} and loop.free and queue.running is None
     phases = attribute(obj, "synch_phase.2")
     api.animate(obj, frames=(1, 3), spacing=0.7)
     np.testing.assert_array_equal(phases, attribute(obj, "synch_phase.2"))
@@ -62,17 +61,17 @@ def test_the_window_reads_frame_by_frame_and_waits_for_a_thread(begun):
 def test_escape_while_frames_are_read_or_solved_changes_nothing(begun, ticks):
     _, loop, operator, before = begun
     for _ in range(ticks):
-        assert loop.send(operator, "TIMER") == {"RUNNING_MODAL"}
+        assert loop.send(operator, "TIMER") & {"RUNNING_MODAL", "PASS_THROUGH"}
     assert loop.send(operator, "ESC", "PRESS") == {"CANCELLED"}
     assert operator.reports == [({"INFO"}, "cancelled: nothing was changed")]
-    assert snapshot() == before and bpy.context.scene.frame_current == 2 and loop.free and jobs.running is None
+    assert snapshot() == before and bpy.context.scene.frame_current == 2 and loop.free and queue.running is None
 
 
 def test_a_frame_that_cannot_be_read_ends_the_run_in_the_window(begun):
     obj, loop, operator, _ = begun
     loop.send(operator, "TIMER")
     obj.modifiers.new("Fine", "SUBSURF")
-    assert loop.run(operator) == {"CANCELLED"} and loop.free and jobs.running is None
+    assert loop.run(operator) == {"CANCELLED"} and loop.free and queue.running is None
     assert operator.reports[-1][0] == {"ERROR"} and operator.reports[-1][1].startswith("frame 2: the modifier Fine")
     assert bpy.context.scene.frame_current == 2 and "synch_phase" not in obj.data.attributes
 
@@ -81,7 +80,7 @@ def test_frames_are_read_from_edit_mode(begun):
     obj, loop, operator, _ = begun
     bpy.ops.object.mode_set(mode="EDIT")
     loop.send(operator, "TIMER")
-    assert obj.mode == "EDIT" and jobs.running.stage == "read frame 2"
+    assert obj.mode == "EDIT" and queue.running.stage == "read frame 2"
     assert loop.run(operator) == {"FINISHED"} and obj.mode == "EDIT"
 
 

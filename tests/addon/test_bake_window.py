@@ -10,7 +10,7 @@ import pytest
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.bakes.job import BakeJob
 from synch_fields.synch_addon.bakes.settings import BakeSettings
-from synch_fields.synch_addon.jobs import jobs
+from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.operators.bake import SYNCH_OT_bake
 from synch_fields.synch_addon.operators.field_operator import BackgroundOperator
 
@@ -23,8 +23,8 @@ MAPS = ("mask", "height", "phase")
 class Bake(Recorded, BackgroundOperator):
     """The operator as the window runs it, without being one of Blender's."""
 
-    bl_label, work = "Bake", jobs.Pieces
-    _write, _headline = SYNCH_OT_bake._write, SYNCH_OT_bake._headline
+    bl_label = "Bake"
+    _headline = SYNCH_OT_bake._headline
 
     def __init__(self, **settings):
         super().__init__()
@@ -56,10 +56,10 @@ def test_pieces_are_named_before_they_are_done_and_nothing_is_left_in_between(st
     loop, operator = begun(Bake(folder=str(tmp_path)))
     seen = []
     while loop.send(operator, "TIMER") == {"RUNNING_MODAL"}:
-        seen.append(jobs.running.stage)
+        seen.append(operator._work.stage)
         assert everything() == before
     assert seen == ["unwrap", "mask", "phase", "write"]
-    assert jobs.running is None and loop.timers == 0 and operator.reports[-1][0] == {"INFO"}
+    assert queue.running is None and loop.timers == 0 and operator.reports[-1][0] == {"INFO"}
     assert len(files(tmp_path)) == 3 and "Synch Bake" in striped.data.uv_layers
 
 
@@ -87,7 +87,7 @@ def test_escape_between_two_maps_leaves_everything_as_it_was(striped, pieces, tm
     assert time.perf_counter() - start < 0.2
     assert everything() == before and files(tmp_path) == []
     assert operator.reports == [({"INFO"}, "cancelled: nothing was changed")]
-    assert jobs.running is None and loop.timers == 0
+    assert queue.running is None and loop.timers == 0
 
 
 def test_opening_another_file_ends_the_bake(striped, tmp_path):
@@ -96,7 +96,7 @@ def test_opening_another_file_ends_the_bake(striped, tmp_path):
         loop.send(operator, "TIMER")
     bpy.ops.wm.read_homefile(use_empty=True)
     operator.cancel(loop)
-    assert jobs.running is None and files(tmp_path) == [] and not bpy.data.objects
+    assert queue.running is None and files(tmp_path) == [] and not bpy.data.objects
 
 
 def test_bake_in_edit_mode_comes_back_to_it(striped, tmp_path):
@@ -118,4 +118,4 @@ def test_what_is_refused_is_said_in_one_line(striped, tmp_path):
     loop, operator = begun(Bake(folder=str(tmp_path / "missing")))
     assert loop.run(operator) == {"CANCELLED"}
     assert operator.reports[-1][0] == {"ERROR"} and "this folder does not exist" in operator.reports[-1][1]
-    assert jobs.running is None
+    assert queue.running is None

@@ -5,7 +5,6 @@
 import os
 import subprocess
 import sys
-import time
 
 import bpy
 import numpy as np
@@ -17,6 +16,7 @@ from synch_fields.synch_addon.patterns.job import FieldJob
 from synch_fields.synch_addon.settings.fields import Settings
 from synch_fields.synch_addon.solids.settings import LayerSettings
 
+from .loop import by_the_worker
 from .scenes import attribute, quad_sphere
 
 SPACING = 0.4
@@ -33,10 +33,7 @@ def from_the_window(command, obj):
         job = api.layer_job(obj, LayerSettings(**settings_of(command)))
     else:
         job = FieldJob(command, obj, Settings(**settings_of(command)))
-    work = queue.add(job, command)
-    while not work.is_over:
-        time.sleep(0.01)
-        queue.advance()
+    work = by_the_worker(job)
     assert work.error is None, work.error
     job.write(work.result)
 

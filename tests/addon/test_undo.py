@@ -6,8 +6,8 @@ import bpy
 import pytest
 
 from synch_fields.core.errors import Cancelled, SynchError
+from synch_fields.core.tasks.surfaces import SurfaceRequest
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.patterns import job
 
 from .scenes import furnished, snapshot, sphere, tube
 from .ways import step, undo_and_redo
@@ -133,7 +133,7 @@ def test_interrupted_solver_changes_nothing(monkeypatch):
     def fail(*_):
         raise MemoryError
 
-    monkeypatch.setattr(job, "solve_pattern", fail)
+    monkeypatch.setattr(SurfaceRequest, "along", fail)
     with pytest.raises(MemoryError):
         api.stripes(obj)
     assert snapshot() == before

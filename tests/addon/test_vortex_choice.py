@@ -15,9 +15,9 @@ from synch_fields.core.tasks.flow_settings import ClebschSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.flows import memory
 from synch_fields.synch_addon.flows.job import job_for
-from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.nodes.vortices import filaments_group, tubes_group
 
+from .loop import by_the_worker
 from .scenes import snapshot
 from .vortex_scenes import QUICK, RADIUS, points_of, write_npz
 
@@ -176,10 +176,7 @@ def test_thick_filaments_have_the_other_colour(solved):
 def test_the_window_gives_what_a_blocking_run_gives(ring, solved):
     _, lines, report = solved
     job = job_for(str(ring), ClebschSettings(show="both", **QUICK, opening=100, smoothing=0))
-    work = queue.add(job, "Vortices")
-    while not work.is_over:
-        queue.advance()
-        time.sleep(0.01)
+    work = by_the_worker(job)
     assert work.error is None and 0.9 < work.fraction <= 1
     again = job.write(work.result)
     # Sums may differ in the last digits by where arrays lie in memory.
