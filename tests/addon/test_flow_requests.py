@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is asked and found of flows is plain data: it goes through a pipe, and a process without Blender solves it."""
 
+import itertools
 import pickle
+from functools import partial
 
 import bpy
 import numpy as np
@@ -48,12 +50,20 @@ def asked(kind, folder):
 
 
 def numbers(result):
-    """All that was found but seconds, as bytes."""
+    """All arrays that were found."""
     shown = [frame.shown for frame in result.frames] if hasattr(result, "frames") else [result.shown]
     arrays = [] if hasattr(result, "frames") else [result.found.phases, result.seen.phases, result.sphere.lifted]
     for one in filter(None, shown):
         arrays += [one.tubes.vertices, one.tubes.sphere, *(line.points for line in one.lines)]
-    return [np.asarray(array).tobytes() for array in arrays]
+    return arrays
+
+
+def are_same(result, other):
+    """Whether two results are so bit for bit."""
+    compared = np.array_equal
+    if np.lib.NumpyVersion(np.__version__) < "2.0.0":  # its complex products depend on where arrays lie in memory
+        compared = partial(np.allclose, atol=1e-5)
+    return all(itertools.starmap(compared, zip(numbers(result), numbers(other), strict=True)))
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -61,14 +71,14 @@ def test_a_request_and_its_result_are_plain_data(kind, tmp_path):
     request = asked(kind, tmp_path).request
     copy = unpickled(request)
     result, again = request.solve(), copy.solve()
-    assert len(numbers(result)) > 1 and numbers(unpickled(again)) == numbers(result)
+    assert len(numbers(result)) > 1 and are_same(unpickled(again), result)
     assert again.warnings == result.warnings
 
 
 def test_a_process_without_blender_reads_and_solves_a_volume(tmp_path):
     job = asked("volume", tmp_path)
     result = solved_apart(job.request, tmp_path)
-    assert numbers(result) == numbers(job.request.solve())
+    assert are_same(result, job.request.solve())
     tubes, lines = (bpy.data.objects[name] for name in job.write(result)["objects"])
     best = points_of(lines)
     report = api.choose_point(lines, (1.0, 0.0, 0.0))  # of the result that came from there
@@ -90,7 +100,7 @@ def test_the_mesh_of_a_surface_does_not_travel_back(tmp_path):
     alone, shared = (b"".join(packed(result, own)) for own in ((), request.shared))
     (back,) = Unpacker(request.shared).feed(shared)
     assert back.found.grid.mesh is request.given.mesh and len(shared) < len(alone) - request.given.mesh.vertices.nbytes
-    assert numbers(back) == numbers(result)
+    assert are_same(back, result)
 
 
 @pytest.mark.parametrize("kind", ["arrays", "plane"])
