@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keep Blender's own chatter off stdout, at the level of the file descriptor."""
+"""Keep Blender's own chatter off stdout, at the level of the file descriptor: Cycles alone prints a line a step."""
 
 import ctypes
 import os
@@ -9,22 +9,21 @@ from contextlib import contextmanager, redirect_stdout
 
 @contextmanager
 def quiet_stdout():
-    """Send everything that is printed to stderr; yields a stream to the real stdout."""
+    """Drop everything that is printed; yields a stream to the real stdout. Errors still go to stderr."""
     sys.stdout.flush()
     try:
         kept = os.dup(1)
     except OSError:  # a process without a stdout
         yield sys.stdout
         return
-    try:
-        os.dup2(2, 1)
-        with os.fdopen(os.dup(kept), "w") as out, redirect_stdout(sys.stderr):
+    with open(os.devnull, "w") as nowhere, os.fdopen(os.dup(kept), "w") as out, redirect_stdout(nowhere):
+        os.dup2(nowhere.fileno(), 1)
+        try:
             yield out
-    finally:
-        sys.stdout.flush()
-        _flush_c_streams()
-        os.dup2(kept, 1)
-        os.close(kept)
+        finally:
+            _flush_c_streams()
+            os.dup2(kept, 1)
+            os.close(kept)
 
 
 def _flush_c_streams():
