@@ -190,12 +190,3 @@ class BakeProperties:
     displacement: BoolProperty(
         name="Displacement", description="Let the new material displace the surface by the height when it is rendered"
     )
-
-
-PROPERTY_NAMES = tuple(BakeProperties.__annotations__)
-
-
-def plain(properties):
-    """Keyword arguments for :class:`BakeSettings` from an operator's properties."""
-    values = {name: getattr(properties, name) for name in PROPERTY_NAMES}
-    return values | {"maps": tuple(name.lower() for name in values["maps"])}

@@ -17,7 +17,7 @@ from bpy.props import (
 from ...core.extract.tubes import NORTH
 from ...core.tasks.flow_settings import ClebschSettings
 from ..blender.registration import keeping
-from ..settings.solver import METHOD, SEED, TARGET_GAP
+from ..settings.solver import METHOD, SEED, TARGET_GAP, settings_of
 from . import memory
 from .choice import slide
 
@@ -109,18 +109,14 @@ class VortexProperties:
     frame_end: IntProperty(name="Last Frame", description="Of the range", default=24)
 
 
-PROPERTY_NAMES = tuple(VortexProperties.__annotations__)
-
-
 def plain(properties):
-    """Keyword arguments for :class:`ClebschSettings` from an operator's properties."""
-    names = ("attribute", "resolution", "count", "opening", "smoothing", "seed", "target_gap")
-    values = {name: getattr(properties, name) for name in names}
-    values |= {name: getattr(properties, name).lower() for name in ("show", "method")}
-    values["quantum"] = properties.quantum if properties.by == "CIRCULATION" else None
-    values["core"] = properties.core or None
-    values["frames"] = (properties.frame_start, properties.frame_end) if properties.use_frames else None
-    return values
+    """:class:`ClebschSettings` from an operator's properties."""
+    apart = {
+        "quantum": properties.quantum if properties.by == "CIRCULATION" else None,
+        "core": properties.core or None,
+        "frames": (properties.frame_start, properties.frame_end) if properties.use_frames else None,
+    }
+    return settings_of(ClebschSettings, properties, VortexProperties, **apart)
 
 
 class SynchVortices(VortexProperties, bpy.types.PropertyGroup):

@@ -5,7 +5,7 @@ import bpy
 
 from ..frames.job import AnimationJob
 from ..jobs.report import counted
-from ..panels.frames import PROPERTY_NAMES, AnimationProperties, span_of
+from ..panels.frames import AnimationProperties, span_of
 from ..settings.fields import SettingProperties
 from .field_operator import FieldOperator
 
@@ -19,7 +19,7 @@ class SYNCH_OT_animate(FieldOperator, AnimationProperties, SettingProperties, bp
 
     def _take(self, context):
         super()._take(context)
-        for name in PROPERTY_NAMES:
+        for name in AnimationProperties.__annotations__:
             setattr(self, name, getattr(context.active_object.synch_animation, name))
 
     def _job(self, context):

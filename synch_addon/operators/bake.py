@@ -4,8 +4,9 @@
 import bpy
 
 from ..bakes.job import BakeJob
-from ..bakes.settings import PROPERTY_NAMES, BakeProperties, BakeSettings, plain
+from ..bakes.settings import BakeProperties, BakeSettings
 from ..panels.bakes import draw_bake
+from ..settings.solver import settings_of
 from .field_operator import BackgroundOperator
 from .ready import PatternOperator
 
@@ -17,11 +18,12 @@ class SYNCH_OT_bake(PatternOperator, BackgroundOperator, BakeProperties, bpy.typ
     bl_label = "Bake"
 
     def _take(self, context):
-        for name in PROPERTY_NAMES:
+        for name in BakeProperties.__annotations__:
             setattr(self, name, getattr(context.scene.synch_bake, name))
 
     def _job(self, context):
-        return BakeJob(context.active_object, BakeSettings(**plain(self)))
+        settings = settings_of(BakeSettings, self, BakeProperties, file_format=self.file_format)
+        return BakeJob(context.active_object, settings)
 
     def _headline(self, report):
         return f"baked {', '.join(report['maps'])} in {report['seconds']:.1f} s"

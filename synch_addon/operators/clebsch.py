@@ -3,12 +3,11 @@
 
 import bpy
 
-from ...core.tasks.flow_settings import ClebschSettings
 from ..flows import memory
 from ..flows.choice import choose_point
 from ..flows.chosen import flow_of
 from ..flows.job import job_for
-from ..flows.properties import PROPERTY_NAMES, VortexProperties, plain
+from ..flows.properties import VortexProperties, plain
 from ..jobs.queue import queue
 from ..jobs.report import counted
 from ..panels.vortices import draw_vortices
@@ -37,11 +36,11 @@ class SYNCH_OT_clebsch(BackgroundOperator, VortexProperties, bpy.types.Operator)
         draw_vortices(self.layout, self)
 
     def _take(self, context):
-        for name in PROPERTY_NAMES:
+        for name in VortexProperties.__annotations__:
             setattr(self, name, getattr(context.scene.synch_vortices, name))
 
     def _job(self, context):
-        return job_for(flow_of(context, self.filepath), ClebschSettings(**plain(self)))
+        return job_for(flow_of(context, self.filepath), plain(self))
 
     def _headline(self, report):
         return f"{report['object']}: {_found(report)}, {report['times']['total']:.1f} s"

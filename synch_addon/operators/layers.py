@@ -5,16 +5,11 @@ import bpy
 from bpy.props import StringProperty
 
 from .. import api
+from ..settings.solver import settings_of
 from ..solids.links import solid_of
-from ..solids.properties import (
-    LENGTHS,
-    PROPERTY_NAMES,
-    LayerProperties,
-    plain,
-    stored_groups,
-    stored_guidance,
-)
+from ..solids.properties import LENGTHS, LayerProperties, stored_groups, stored_guidance
 from ..solids.report import headline
+from ..solids.settings import LayerSettings
 from .field_operator import ObjectOperator
 
 
@@ -37,7 +32,7 @@ class SYNCH_OT_layers(ObjectOperator, LayerProperties, bpy.types.Operator):
     def _take(self, context):
         stored = self._target(context).synch_layering
         self.guidance, self.groups = stored_guidance(stored), stored_groups(stored)
-        for name in PROPERTY_NAMES:
+        for name in LayerProperties.__annotations__:
             if name in LENGTHS and getattr(stored, LENGTHS[name]):
                 self.properties.property_unset(name)
             else:
@@ -45,7 +40,8 @@ class SYNCH_OT_layers(ObjectOperator, LayerProperties, bpy.types.Operator):
 
     def _job(self, context):
         lengths = {name: getattr(self, name) if self.properties.is_property_set(name) else None for name in LENGTHS}
-        return api.layer_job(self._target(context), plain(self, lengths, self.guidance, self.groups))
+        apart = {"guidance": self.guidance, "groups": self.groups, **lengths}
+        return api.layer_job(self._target(context), settings_of(LayerSettings, self, LayerProperties, **apart))
 
     def _announce(self, report):
         for name in LENGTHS:
@@ -58,5 +54,5 @@ class SYNCH_OT_layers(ObjectOperator, LayerProperties, bpy.types.Operator):
     def draw(self, context):
         column = self.layout.column()
         column.use_property_split = True
-        for name in ("guidance", "groups", *PROPERTY_NAMES):
+        for name in ("guidance", "groups", *LayerProperties.__annotations__):
             column.prop(self, name)

@@ -35,9 +35,6 @@ class AnimationProperties:
     )
 
 
-PROPERTY_NAMES = tuple(AnimationProperties.__annotations__)
-
-
 class SynchAnimation(AnimationProperties, bpy.types.PropertyGroup):
     """Settings of an object's animated pattern, kept in the file."""
 

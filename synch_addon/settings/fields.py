@@ -24,9 +24,9 @@ from ..blender.registration import keeping
 from .constraint_list import SynchConstraint
 from .constraints import Constraint, from_plain
 from .favourite_list import SynchFavourite
-from .guidance import exact_attribute, parse
+from .guidance import parse
 from .guide_list import GUIDE_ITEMS, SynchGuide, suggest_numbers
-from .solver import FACTOR, METHOD, RANGE, SEED, SPACING_MAP, SPACING_RANGE, TARGET_GAP, TURN
+from .solver import FACTOR, METHOD, RANGE, SEED, SPACING_MAP, SPACING_RANGE, TARGET_GAP, TURN, settings_of
 
 BOUNDARIES = ("free", "along", "across", "phase")
 
@@ -102,7 +102,8 @@ class Settings(SolverSettings):
     @property
     def exact_attribute(self):
         """Name of the vector attribute whose directions are taken exactly as they are, or None."""
-        return exact_attribute(self.sources)
+        exact = [s.name for s in self.sources if s.kind == "attribute" and s.strength is None]
+        return exact[0] if exact and len(self.sources) == 1 else None
 
 
 def _items(*entries):
@@ -219,12 +220,9 @@ PROPERTY_NAMES = tuple(SettingProperties.__annotations__)
 
 def plain(properties, spacing):
     """:class:`Settings` from an operator's properties, with the spacing given apart (None: automatic)."""
-    values = {name: getattr(properties, name) for name in ("guidance", *PROPERTY_NAMES)}
-    for name in ("symmetry", "boundary", "method"):
-        values[name] = values[name].lower()
-    values["spacing"] = spacing
-    values["mirror"] = "".join(axis for axis, chosen in zip("XYZ", properties.mirror, strict=True) if chosen)
-    return Settings(**values)
+    mirror = "".join(axis for axis, chosen in zip("XYZ", properties.mirror, strict=True) if chosen)
+    apart = {"guidance": properties.guidance, "spacing": spacing, "mirror": mirror}
+    return settings_of(Settings, properties, SettingProperties, **apart)
 
 
 register, unregister = keeping((SynchSettings,), (bpy.types.Object, "synch", SynchSettings))

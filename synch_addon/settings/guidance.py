@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What directions follow, as text such as ``curvature-max=2,axis:Z``, and as what the core asks of the field.
 
-A guidance is "smooth", or sources separated by commas: ``KIND``, ``KIND:NAME``, each with ``=STRENGTH`` behind it or
-not. A name with a comma, an equals sign or a double quote goes in double quotes, which are doubled inside.
+A guidance is "smooth", or sources ``KIND:NAME=STRENGTH`` as :mod:`core.texts` reads them.
 """
 
 import math
-import re
 from dataclasses import dataclass
 from functools import partial
 
@@ -23,6 +21,7 @@ from ...core.fields.guidance.guides import (
     vectors_guide,
 )
 from ...core.tasks.surfaces import PendingGuide
+from ...core.texts import items, quoted
 from ..blender import attributes
 from ..blender import groups as blender_groups
 from ..blender.field_files import read_guide
@@ -51,9 +50,6 @@ AXES = ("X", "Y", "Z")
 # the field finds to a guide within root(area / 300), and a blend is even with curvature, whose weights sum to
 # 316 on spot. There an axis is missed by a median of 3 degrees (8 with a third of it, 1 with three times as much).
 BOUNDED_STRENGTH = 300.0
-_ITEM = re.compile(
-    r'\s*(?P<kind>[\w-]*)(?::(?P<name>"(?:[^"]|"")*"|[^,="]*))?(?:=(?P<strength>[^,="]*))?\s*(?P<end>,|$)'
-)
 
 
 @dataclass(frozen=True)
@@ -88,10 +84,7 @@ class Source:
     @property
     def label(self):
         """The source without its strength, as it is written."""
-        name = self.name
-        if re.search('[,="]', name) or name != name.strip():
-            name = '"' + name.replace('"', '""') + '"'
-        return f"{self.kind}:{name}" if name else self.kind
+        return f"{self.kind}:{quoted(self.name)}" if self.name else self.kind
 
     def __str__(self):
         return self.label if self.strength is None else f"{self.label}={self.strength:g}"
@@ -119,42 +112,19 @@ def parse(text):
     SettingError
         naming the source, or the place that cannot be read
     """
-    if not isinstance(text, str):
-        raise SettingError(f"the guidance is {text!r}: give a text such as 'curvature-max' or 'axis:Z'")
-    if text.strip() == "smooth":
-        return ()
-    sources, place, end = [], 0, ","
-    while end == ",":
-        item = _ITEM.match(text, place)
-        if item is None:
-            raise SettingError(
-                f"the guidance {text[place:].strip()!r} cannot be read: write KIND:NAME=STRENGTH, "
-                'and names with , = or " in double quotes'
-            )
-        sources.append(_source(item["kind"], item["name"] or "", item["strength"]))
-        place, end = item.end(), item["end"]
-    return tuple(sources)
+    found = items(text, "guidance", "KIND:NAME=STRENGTH")
+    return () if found == [("smooth", None, None)] else tuple(_source(*item) for item in found)
 
 
 def _source(kind, name, strength):
-    name = name[1:-1].replace('""', '"') if name.startswith('"') else name.strip()
     if kind == "smooth":
         raise SettingError("the guidance smooth stands alone: leave it out of the blend")
-    if strength is None:
-        return Source(kind, name)
     try:
-        return Source(kind, name, float(strength))
+        return Source(kind, name or "", None if strength is None else float(strength))
     except ValueError:
         raise SettingError(
             f"the strength {strength!r} of {kind} is no number: write {kind}=1, or leave it out"
         ) from None
-
-
-def exact_attribute(sources):
-    """Name of the vector attribute whose directions are taken exactly as they are, or None."""
-    if len(sources) == 1 and sources[0].kind == "attribute" and sources[0].strength is None:
-        return sources[0].name
-    return None
 
 
 def read_guides(obj, given, symmetry, sources):

@@ -2,11 +2,26 @@
 """Settings that surfaces, solids and flows have in common: as Blender properties."""
 
 import math
+from dataclasses import fields
 
 from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from ...core.tasks.settings import SolverSettings
 from .guide_list import suggest_numbers
+
+
+def settings_of(kind, properties, shared, **apart):
+    """Settings of a dataclass ``kind`` from the properties with the names of its fields that ``shared`` declares.
+
+    Choices become lower case; ``apart`` are values of fields that are given otherwise.
+    """
+    known = shared.__annotations__
+    values = {field.name: getattr(properties, field.name) for field in fields(kind) if field.name in known}
+    for name, value in values.items():
+        if known[name].function is EnumProperty:
+            values[name] = value.lower() if isinstance(value, str) else tuple(choice.lower() for choice in value)
+    return kind(**values | apart)
+
 
 METHOD = EnumProperty(
     name="Method",

@@ -15,7 +15,7 @@ from ..blender.strokes import SOURCE_TYPES
 from ..settings.guidance import BOUNDARY
 from ..settings.guide_list import AXIS, VECTORS
 from ..settings.solver import METHOD, SEED, SPACING_MAP, SPACING_RANGE, TARGET_GAP
-from .settings import Flush, LayerGuide, LayerSettings, text_of_groups
+from .settings import Flush, LayerGuide, text_of_groups
 
 _LENGTH = {"subtype": "DISTANCE", "min": 1e-6, "soft_min": 1e-4, "precision": 4}
 _KINDS = (
@@ -65,9 +65,6 @@ class LayerProperties:
     method: METHOD
     seed: SEED
     target_gap: TARGET_GAP
-
-
-PROPERTY_NAMES = tuple(LayerProperties.__annotations__)
 
 
 class SynchFlush(bpy.types.PropertyGroup):
@@ -136,13 +133,6 @@ def stored_guidance(stored):
 def stored_groups(stored):
     """The groups as text, from an object's settings."""
     return text_of_groups([Flush(row.group, row.wish.lower()) for row in stored.groups if row.group])
-
-
-def plain(properties, lengths, guidance, groups):
-    """:class:`LayerSettings` from properties, with the lengths given apart (None: automatic)."""
-    values = {name: getattr(properties, name) for name in PROPERTY_NAMES} | lengths
-    values["method"] = values["method"].lower()
-    return LayerSettings(guidance=guidance, groups=groups, **values)
 
 
 register, unregister = keeping((SynchFlush, SynchLayering), (bpy.types.Object, "synch_layering", SynchLayering))

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What can be set for layers in a solid: as plain data, and as text for operators and the command line."""
 
-import csv
 from dataclasses import dataclass
 
 from ...core.errors import SettingError
 from ...core.keywords import check_positive
 from ...core.tasks.settings import SolverSettings
+from ...core.texts import items, quoted
 from ..settings.guidance import AXES, BOUNDARY
 from ..settings.solver import RANGE
 
@@ -40,19 +40,20 @@ class LayerGuide:
 
     @classmethod
     def of_text(cls, text):
-        """From text such as ``axis:Z`` or ``harmonic:Bottom:Top``; names with a colon or quotes go in double quotes."""
-        kind, *names = _split(text, ":", "guidance")
+        """From text such as ``axis:Z`` or ``harmonic:Bottom:Top``, as :mod:`core.texts` reads it."""
+        (kind, *names), *more = items(text, "guidance", "KIND:NAME:NAME")
+        names = [name for name in names if name is not None]
         if kind not in KINDS:
             raise SettingError(f"the guidance {kind!r} is unknown: use one of {', '.join(KINDS)}")
         needed = KINDS[kind]
-        if len(names) != len(needed) or not all(names):
+        if more or len(names) != len(needed) or not all(names):
             raise SettingError(f"the guidance {text!r} is incomplete: write {kind}:, {', :, '.join(needed)}")
         if kind == "axis" and names[0] not in AXES:
             raise SettingError(f"the axis {names[0]!r} is unknown: use X, Y or Z")
         return cls(kind, tuple(names))
 
     def __str__(self):
-        return ":".join([self.kind, *(quoted(name, ":") for name in self.names)])
+        return ":".join([self.kind, *map(quoted, self.names)])
 
 
 @dataclass(frozen=True)
@@ -75,17 +76,18 @@ class Flush:
             )
 
     def __str__(self):
-        return quoted(f"{self.group}={self.wish}", ",")
+        return f"{quoted(self.group)}={self.wish}"
 
 
 def groups_of_text(text):
     """Tuple of :class:`Flush` from text such as ``Top=layer,Bottom=constant``, empty for none."""
     rows = []
-    for part in _split(text, ",", "groups") if text.strip() else ():
-        group, _, wish = part.rpartition("=")
-        if not group:
-            raise SettingError(f"the group {part!r} lacks its name or its wish: write NAME=layer or NAME=constant")
-        rows.append(Flush(group.strip(), wish.strip()))
+    found = items(text, "groups", "NAME=WISH")
+    for group, wish in found if found != [("", None)] else ():
+        if not group or wish is None:
+            named = group or f"={wish}"
+            raise SettingError(f"the group {named!r} lacks its name or its wish: write NAME=layer or NAME=constant")
+        rows.append(Flush(group, wish))
     return tuple(rows)
 
 
@@ -118,9 +120,6 @@ class LayerSettings(SolverSettings):
     def __post_init__(self):
         super().__post_init__()
         check_positive(self, "spacing_range", optional=("spacing", "size"))
-        for name in ("guidance", "groups"):
-            if not isinstance(getattr(self, name), str):
-                raise SettingError(f"the {name} is {getattr(self, name)!r}: give a text such as {_EXAMPLES[name]}")
         _ = self.guide, self.flush
 
     @property
@@ -132,20 +131,3 @@ class LayerSettings(SolverSettings):
     def flush(self):
         """Tuple of :class:`Flush`."""
         return groups_of_text(self.groups)
-
-
-_EXAMPLES = {"guidance": "'axis:Z'", "groups": "'Top=layer'"}
-
-
-def quoted(name, special):
-    """A name as it is written where some characters separate names."""
-    if not set(name) & set(special + '"\r\n') and name == name.strip():
-        return name
-    return '"' + name.replace('"', '""') + '"'
-
-
-def _split(text, separator, what):
-    try:
-        return next(csv.reader([text], delimiter=separator, strict=True, skipinitialspace=True), [""])
-    except csv.Error as error:
-        raise SettingError(f"the {what} {text!r} cannot be read ({error}): close every double quote") from None

@@ -14,7 +14,7 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.operators.layers import SYNCH_OT_layers
 from synch_fields.synch_addon.panels.layers import SYNCH_PT_layers
 from synch_fields.synch_addon.solids import memory
-from synch_fields.synch_addon.solids.properties import LENGTHS, PROPERTY_NAMES, SynchLayering
+from synch_fields.synch_addon.solids.properties import LENGTHS, LayerProperties, SynchLayering
 from synch_fields.synch_addon.solids.surface import read_surface
 
 from .scenes import make_active
@@ -33,7 +33,7 @@ def drawn():
 
 def taken(stored):
     """The operator's values after it took those of the panel; lengths that are not set are missing."""
-    properties = {name: None for name in PROPERTY_NAMES}
+    properties = {name: None for name in LayerProperties.__annotations__}
     operator = MagicMock()
     operator._target.return_value.synch_layering = stored
     operator.properties.property_unset.side_effect = properties.pop

@@ -12,7 +12,7 @@ import pytest
 
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.flows.chosen import flow_of
-from synch_fields.synch_addon.flows.properties import PROPERTY_NAMES
+from synch_fields.synch_addon.flows.properties import VortexProperties
 from synch_fields.synch_addon.operators.clebsch import SYNCH_OT_clebsch
 from synch_fields.synch_addon.panels.vortices import SYNCH_PT_vortex_result, SYNCH_PT_vortices
 
@@ -96,7 +96,8 @@ def test_the_operator_takes_what_the_panel_stores():
         setattr(stored, name, value)
     operator = SimpleNamespace()
     SYNCH_OT_clebsch._take(operator, bpy.context)
-    assert set(vars(operator)) == set(PROPERTY_NAMES) and {n: getattr(operator, n) for n in changed} == changed
+    assert vars(operator).keys() == VortexProperties.__annotations__.keys()
+    assert {n: getattr(operator, n) for n in changed} == changed
 
 
 def test_vortices_of_what_was_made_are_those_of_what_it_was_made_of():
