@@ -16,6 +16,8 @@ from ..errors import SettingError
 from ..fields.guidance.face_directions import averaged_in_faces, face_frames
 from ..fields.guidance.guides import face_guide
 
+SUFFIXES = (".rawfield", ".rosy")
+
 # Vectors of a set that miss equal turns by more than this (as a cosine) cannot be told by one of them.
 UNEQUAL = 1e-3
 
@@ -172,7 +174,7 @@ def _nearest_star(tangent, lengths):
 
 def _known_suffix(path):
     suffix = path.suffix.lower()
-    if suffix not in (".rawfield", ".rosy"):
+    if suffix not in SUFFIXES:
         raise SettingError(f"{path} is no known field file: use the suffix .rawfield or .rosy")
     return suffix
 

@@ -19,6 +19,7 @@ from ..errors import MeshError, SettingError
 from ..geometry.tet_mesh import TetMesh, positive
 from ..graphs import components
 
+SUFFIXES = (".mesh", ".vtu")
 # Cells of VTK: a triangle, a tetrahedron, those with a volume that are none, and the quadratic tetrahedron.
 VTK_TRIANGLE, VTK_TET = 5, 10
 VTK_SOLIDS = {11: "voxels", 12: "hexahedra", 13: "prisms", 14: "pyramids", 24: "curved tetrahedra", 42: "polyhedra"}
@@ -44,14 +45,14 @@ def read_tets(path):
         likewise, where the file is sound and its tetrahedra are not
     """
     path = Path(path)
-    readers = {".mesh": _read_medit, ".vtu": _read_vtu}
-    if path.suffix.lower() not in readers:
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
         raise SettingError(f"{path} is no known file of tetrahedra: use the suffix .mesh (MEDIT, text) or .vtu")
     try:
         content = path.read_bytes()
     except OSError as error:
         raise SettingError(f"{path} cannot be read ({error.strerror}): check the path") from error
-    vertices, tets, triangles = readers[path.suffix.lower()](path, content)
+    vertices, tets, triangles = (_read_medit if suffix == ".mesh" else _read_vtu)(path, content)
     if not len(tets):
         raise SettingError(f"{path} has no tetrahedra: export the solid, not its surface")
     outside = np.flatnonzero(((tets < 0) | (tets >= len(vertices))).any(axis=1))

@@ -13,8 +13,6 @@ from ...core.geometry import mesh_input
 from . import attributes, meshes
 from .schema import DIRECTION
 
-SUFFIXES = (".rawfield", ".rosy")
-
 
 def check_triangles(polygons):
     """Refuse faces that are no triangles: a field file has directions for triangles only."""

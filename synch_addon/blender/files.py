@@ -9,8 +9,8 @@ import bpy
 import numpy as np
 
 from ...core.errors import SettingError
+from ...core.files.directions import SUFFIXES as FIELD_SUFFIXES
 from .attributes import read_all
-from .field_files import SUFFIXES as FIELD_SUFFIXES
 
 _IMPORTERS = {
     ".obj": lambda path: bpy.ops.wm.obj_import(filepath=path),
@@ -121,14 +121,8 @@ def named_object(name):
 
 def check_outputs(blend=None, picture=None, report=None, field=None, mesh=None):
     """Refuse, before any work, outputs whose folder does not exist or whose suffix is wrong."""
-    asked = (
-        (blend, [".blend"]),
-        (picture, [".png"]),
-        (report, [".json"]),
-        (field, FIELD_SUFFIXES),
-        (mesh, MESH_SUFFIXES),
-    )
-    for path, suffixes in asked:
+    own = (blend, [".blend"]), (picture, [".png"]), (report, [".json"])
+    for path, suffixes in (*own, (field, FIELD_SUFFIXES), (mesh, MESH_SUFFIXES)):
         if path:
             check_output(path, suffixes)
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import bpy
 
-from ...core.files.tets import read_tets
+from ...core.files.tets import SUFFIXES, read_tets
 from .. import api
 from ..blender import files
 from ..jobs.job import run as run_job
@@ -15,7 +15,6 @@ from . import layer_outputs
 from .flags import Made, add_input, add_outputs, add_solver, add_spacing, saved, solver_of, spacing_of
 
 _DEFAULT = LayerSettings()
-SOLID_SUFFIXES = (".mesh", ".vtu")
 
 
 def add_parser(commands):
@@ -54,7 +53,7 @@ def run(options, open_object, progress):
     )
     files.check_outputs(options.output, options.render, options.report, mesh=options.export_mesh)
     layer_outputs.check(options)
-    if options.input and Path(options.input).suffix.lower() in SOLID_SUFFIXES:
+    if options.input and Path(options.input).suffix.lower() in SUFFIXES:
         obj, solid = _open_solid(options.input)
     else:
         obj, solid = open_object(), None

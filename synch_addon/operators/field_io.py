@@ -5,8 +5,8 @@ import bpy
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
+from ...core.files.directions import SUFFIXES
 from .. import api
-from ..blender.field_files import SUFFIXES
 from ..blender.schema import DIRECTION
 from ..settings.fields import SYMMETRY
 from .ready import PromptOperator, ReadyOperator
