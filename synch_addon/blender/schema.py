@@ -43,17 +43,13 @@ class Attribute:
 
 
 class Phase(NamedTuple):
-    """The attributes of one phase of a pattern; but for the first and the last they are absent where all is zero."""
+    """The attributes of one phase of a pattern; a second index or a disclination that no face has is absent."""
 
     phase: Attribute
     index: Attribute
     index_2: Attribute
     disclination: Attribute
     vertex_phase: Attribute
-
-    def suffixed(self, suffix):
-        """Those of one of several phases."""
-        return Phase(*(replace(attribute, name=attribute.name.format(suffix)) for attribute in self))
 
 
 _PHASE = Phase(
@@ -63,7 +59,10 @@ _PHASE = Phase(
     Attribute("synch_disclination{}", "FACE", "FLOAT_COLOR", "rim values around a disclination, less the centre's"),
     Attribute("synch_vertex_phase{}", "POINT", "FLOAT", "α at the vertex, in the sheet of its `synch_direction`"),
 )
-PHASES = {"stripes": (_PHASE.suffixed(""),), "quads": (_PHASE.suffixed("_x"), _PHASE.suffixed("_y"))}
+PHASES = {
+    kind: tuple(Phase(*(replace(a, name=a.name.format(suffix)) for a in _PHASE)) for suffix in suffixes)
+    for kind, suffixes in {"stripes": ("",), "quads": ("_x", "_y")}.items()
+}
 DIRECTION = Attribute("synch_direction", "POINT", "FLOAT_VECTOR", "unit direction in object space, along the stripes")
 SINGULARITY = Attribute("synch_singularity", "FACE", "FLOAT", "disclination index k/2 (k/4 for crosses)")
 _PLACE = "place inside singular faces, zero elsewhere: corner weights of a triangle; (s, t, −1) of a quad"
@@ -76,29 +75,23 @@ _SLOTS += "where the phase grows to the right of the direction along"
 NUMBER = Attribute("synch_number", "FACE", "FLOAT_VECTOR", _SLOTS)
 ALONG = Attribute("synch_along", "CORNER", "FLOAT_VECTOR", "likewise: way along the stripe of each slot, in spacings")
 LAYER = Attribute("synch_layer", "FACE", "INT", "layers: number of the layer, from the bottom")
-SPHERE = Attribute("synch_sphere", "POINT", "FLOAT_VECTOR", "tubes and flows on a surface: what the map shows there")
+SPHERE = Attribute("synch_sphere", "POINT", "FLOAT_VECTOR", "tubes and flows on a surface: point of the sphere there")
 COLOR = Attribute("synch_color", "POINT", "FLOAT_COLOR", "the same as a colour")
 STRENGTH = Attribute("synch_strength", "FACE", "FLOAT", "flows on a surface: circulation of the vortices in the face")
 
-# What each kind of pattern has; what tells it by itself, which a favourite keeps; and, first those of the pattern, what
-# each frame of an animation has of its own: the places are the same in all frames.
+# What each kind of pattern has; what tells it by itself, which a favourite keeps; and what each frame of an animation
+# has of its own: places are the same in all frames.
 PATTERNS = {
     kind: (*sum(phases, ()), *[CLOSING] * (len(phases) - 1), BARYCENTRIC, PATTERN) for kind, phases in PHASES.items()
 }
 KEPT = {kind: (DIRECTION, *(phase.vertex_phase for phase in phases)) for kind, phases in PHASES.items()}
 FRAMED = {kind: (*(a for a in own if a not in (BARYCENTRIC, *KEPT[kind])), DIRECTION) for kind, own in PATTERNS.items()}
-ATTRIBUTES = tuple(
-    dict.fromkeys(
-        (DIRECTION, SINGULARITY, *PATTERNS["stripes"], *PATTERNS["quads"])
-        + (NUMBER, ALONG, LAYER, SPHERE, COLOR, STRENGTH)
-    )
-)
+_OTHERS = SINGULARITY, NUMBER, ALONG, LAYER, SPHERE, COLOR, STRENGTH
+ATTRIBUTES = tuple(dict.fromkeys((DIRECTION, *PATTERNS["stripes"], *PATTERNS["quads"], *_OTHERS)))
 _NUMBERS = re.compile(rf"(?<=\.)-?\d+$|(?<={PREFIX}favourite_)\d+")
-_LAYOUTS = (
-    {a.name: a.layout for a in ATTRIBUTES}
-    | {f"{a.name}.0": a.layout for framed in FRAMED.values() for a in framed}
-    | {a.in_favourite(0).name: a.layout for kept in KEPT.values() for a in kept}
-)
+_LAYOUTS = {a.name: a.layout for a in ATTRIBUTES}
+_LAYOUTS |= {f"{a.name}.0": a.layout for own in FRAMED.values() for a in own}
+_LAYOUTS |= {a.in_favourite(0).name: a.layout for own in KEPT.values() for a in own}
 
 
 def layout_of(name):

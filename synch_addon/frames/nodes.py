@@ -46,11 +46,7 @@ def _stored(canvas, geometry, text, name, domain, data_type):
     read_type = "FLOAT_VECTOR" if data_type == "FLOAT2" else data_type  # two numbers are read as a vector
     read = canvas.node("GeometryNodeInputNamedAttribute", 7, data_type=read_type)
     canvas.connect(Expression(canvas, of_frame.outputs["String"], 6), read.inputs["Name"])
-    store = canvas.node("GeometryNodeStoreNamedAttribute", 8, name, data_type=data_type, domain=domain)
-    store.inputs["Name"].default_value = name
-    canvas.connect(geometry, store.inputs["Geometry"])
-    canvas.connect(Expression(canvas, read.outputs["Attribute"], 7), store.inputs["Value"])
-    return Expression(canvas, store.outputs["Geometry"], 8)
+    return canvas.stored(geometry, name, (domain, data_type), Expression(canvas, read.outputs["Attribute"], 7), 8)
 
 
 def add_frames(obj, kind, first, last):

@@ -291,6 +291,13 @@ class GeometryCanvas(Canvas):
             read.append(Expression(self, parts.outputs["Alpha"], 1))
         return read
 
+    def stored(self, geometry, name, layout, value, depth):
+        """The geometry with a value as an attribute of a layout, domain and type."""
+        domain, data_type = layout
+        inputs = {"Geometry": geometry, "Name": name, "Value": value}
+        node = self.node("GeometryNodeStoreNamedAttribute", depth, name, inputs, data_type=data_type, domain=domain)
+        return Expression(self, node.outputs["Geometry"], depth)
+
     def on_corners(self, value):
         """A number evaluated at the corners of faces, whatever it is used on."""
         node = self.place("GeometryNodeFieldOnDomain", value.depth + 1, "on corners", rows=3)

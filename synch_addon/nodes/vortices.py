@@ -81,8 +81,9 @@ def filaments_group() -> bpy.types.GeometryNodeTree:
         share = ((number - 1.0) / (inputs["Many"] - 1.0).maximum(1e-6)).clamped()
         color = canvas.color_mix(share, inputs["Color"], inputs["Strongest"])
     with canvas.band("Attributes"):
-        curves = _stored(canvas, inputs["Geometry"], STRENGTH, "FLOAT", strength)
-        curves = _stored(canvas, curves, COLOR, "FLOAT_COLOR", color)
+        curves = canvas.stored(inputs["Geometry"], STRENGTH, ("POINT", "FLOAT"), strength, strength.depth + 1)
+        depth = max(curves.depth, color.depth) + 1
+        curves = canvas.stored(curves, COLOR, schema.COLOR.layout, color, depth)
     with canvas.band("Tubes"):
         tubes = _around(canvas, curves, (inputs["Radius"] * root).named("radius"), inputs["Sides"])
         smooth = canvas.node("GeometryNodeSetShadeSmooth", tubes.depth + 1, inputs={0: tubes})
@@ -101,14 +102,6 @@ def _hue(canvas, hue, saturation, value):
     for socket, part in zip(node.inputs, (hue, saturation, value), strict=True):
         canvas.connect(part, socket)
     return Expression(canvas, node.outputs[0], depth)
-
-
-def _stored(canvas, geometry, name, data_type, value):
-    depth = max(geometry.depth, value.depth) + 1
-    node = canvas.node("GeometryNodeStoreNamedAttribute", depth, name, data_type=data_type, domain="POINT")
-    for socket, part in (("Geometry", geometry), ("Name", name), ("Value", value)):
-        canvas.connect(part, node.inputs[socket])
-    return Expression(canvas, node.outputs["Geometry"], depth)
 
 
 def _around(canvas, curves, radius, sides):

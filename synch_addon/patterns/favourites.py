@@ -17,9 +17,7 @@ from ..jobs.report import Report
 from ..settings.fields import Settings
 from . import job, memory
 from .read_back import is_cut, read_back
-
-# How far directions may be off those of a solve in memory to be its own: single precision.
-_SAME = 1e-4
+from .write import SAME
 
 
 def keep(obj, name=""):
@@ -107,7 +105,7 @@ def _solve_of(obj, request, field):
         return None
     same = solved.request.command == request.command and len(solved.field.angles) == len(field.angles)
     same = same and np.array_equal(solved.request.spacings, request.spacings)
-    return solved if same and np.abs(solved.field.vectors - field.vectors).max(initial=0) < _SAME else None
+    return solved if same and np.abs(solved.field.vectors - field.vectors).max(initial=0) < SAME else None
 
 
 def _unused_number(obj):

@@ -9,13 +9,12 @@ from ...core.extract.quad_smoothing import barycentric
 from ...core.geometry.nearest import NearestTriangles
 from ..blender import attributes, groups, meshes
 from ..blender.defect_empties import defect_empties
+from ..blender.schema import PREFIX
 from ..nodes.materials import shows_pattern
 from ..settings.fields import PROPERTY_NAMES
 
 # How far from a corner, towards the middle of its face, the values of corners are read: on the face's side of a seam.
 _INSIDE = 0.05
-# Types whose values can be averaged; the others are taken from one face.
-_SMOOTH = {"FLOAT", "FLOAT2", "FLOAT_VECTOR", "FLOAT_COLOR", "BYTE_COLOR"}
 
 
 def write(obj, request, quads):
@@ -63,10 +62,10 @@ def _carry(obj, made, given, quads, centres, under, surface):
     loops = given.polygons.triangle_corners[triangles]
     for attribute in list(obj.data.attributes):
         name, domain, data_type = attribute.name, attribute.domain, attribute.data_type
-        if name.startswith((".", "synch_")) or name == "position":
+        if name.startswith((".", PREFIX)) or name == "position":
             continue
         values = attributes.read_values(obj, name, domain)
-        if values is None or (domain != "FACE" and data_type not in _SMOOTH):
+        if values is None or (domain != "FACE" and values.dtype.kind != "f"):  # nothing that can be averaged
             continue
         if domain == "POINT":
             values = np.einsum("nk,nk...->n...", quads.weights, values[corners])

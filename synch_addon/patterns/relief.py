@@ -17,7 +17,7 @@ from ...core.errors import SettingError, SynchError
 from ..blender.attributes import read_all, read_values
 from ..blender.defect_empties import mean_scale
 from ..blender.modifiers import RELIEFS, is_relief
-from ..blender.schema import PHASES
+from ..blender.phases import pattern_kind
 from ..nodes.canvas import Expression, GeometryCanvas, Socket, group_tree, set_input
 from ..nodes.quads import PROFILES as QUAD_PROFILES
 from ..nodes.quads import phase_groups, profile_shapes
@@ -32,16 +32,15 @@ _DEEPEST = 6
 
 
 class _Kind(NamedTuple):
-    """What relief there is of a kind of pattern: its group's name, profiles, and the attribute that tells it."""
+    """What relief there is of a kind of pattern: its group's name and profiles."""
 
     name: str
     profiles: tuple
-    attribute: str
 
 
 KINDS = {
-    "stripes": _Kind(RELIEFS["stripes"], STRIPE_PROFILES, PHASES["stripes"][0].phase.name),
-    "quads": _Kind(RELIEFS["quads"], QUAD_PROFILES, PHASES["quads"][0].phase.name),
+    "stripes": _Kind(RELIEFS["stripes"], STRIPE_PROFILES),
+    "quads": _Kind(RELIEFS["quads"], QUAD_PROFILES),
 }
 _OUTPUTS = (Socket("Geometry", "Geometry", "The mesh with its relief"),)
 
@@ -66,7 +65,7 @@ def _inputs(kind, profiles):
 
 def relief_group(kind) -> bpy.types.GeometryNodeTree:
     """The group "Synch Relief" of stripes or "Synch Quad Relief", built when missing, rebuilt when outdated."""
-    name, profiles, _ = KINDS[kind]
+    name, profiles = KINDS[kind]
     tree, canvas = group_tree(name, f"{VERSION}", _inputs(kind, profiles), _OUTPUTS, GeometryCanvas)
     phases = _phase_groups(kind)
     if canvas is None:
@@ -197,10 +196,10 @@ def relief_modifier(obj):
 
 
 def _kind_of(obj):
-    for name, kind in KINDS.items():
-        if kind.attribute in obj.data.attributes and "synch_spacing" in obj:
-            return name
-    raise SynchError(f"{obj.name} has no stripes or quads: solve one of them first")
+    kind = pattern_kind(obj)
+    if kind is None or "synch_spacing" not in obj:
+        raise SynchError(f"{obj.name} has no stripes or quads: solve one of them first")
+    return kind
 
 
 def _level_for(obj, spacing):

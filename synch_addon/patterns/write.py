@@ -11,10 +11,8 @@ from ..blender import attributes, meshes, schema
 from ..blender.defect_empties import KINDS, Defect, write_defects
 from ..nodes.materials import pattern_material
 
-# Each phase's attributes by how many phases a vertex has.
-_PHASES = {len(phases): phases for phases in schema.PHASES.values()}
 # How far attributes may be off what was solved to be the same: single precision.
-_SAME = 1e-4
+SAME = 1e-4
 
 
 def results(obj, request, field, pattern, report):
@@ -42,11 +40,11 @@ def is_written(obj, request, field, pattern):
     count = request.given.uncut.vertex_count
     if pattern is None:
         values = attributes.read(obj, schema.DIRECTION)
-        return values is not None and np.abs(values - request.given.to_object(field.vectors)).max(initial=0) < _SAME
+        return values is not None and np.abs(values - request.given.to_object(field.vectors)).max(initial=0) < SAME
     phases = pattern.edge_phases.arguments[:count]
-    for own, column in zip(_PHASES[phases.shape[1]], phases.T, strict=True):
+    for own, column in zip(_own(phases.shape[1]), phases.T, strict=True):
         values = attributes.read(obj, own.vertex_phase)
-        if values is None or np.abs(np.sin((values - column) / 2)).max(initial=0) > _SAME:
+        if values is None or np.abs(np.sin((values - column) / 2)).max(initial=0) > SAME:
             return False
     return True
 
@@ -107,6 +105,11 @@ def split_line(faces):
     )
 
 
+def _own(count):
+    """Each phase's attributes, by how many phases a vertex has."""
+    return schema.PHASES["stripes" if count == 1 else "quads"]
+
+
 def attribute_values(phases, vertex_phases):
     """Values of a pattern's attributes by their names, without those that only some meshes need.
 
@@ -116,7 +119,7 @@ def attribute_values(phases, vertex_phases):
     vertex_phases : (n, k) radians
     """
     values = {schema.BARYCENTRIC: phases[0].corner_place, schema.PATTERN: np.cos(vertex_phases).prod(axis=1)}
-    for own, phase, at_vertices in zip(_PHASES[len(phases)], phases, vertex_phases.T, strict=True):
+    for own, phase, at_vertices in zip(_own(len(phases)), phases, vertex_phases.T, strict=True):
         values |= {own.phase: phase.corner_phase, own.index: phase.index, own.vertex_phase: at_vertices}
         if phase.index_2.any():  # absent means zero to a shader
             values[own.index_2] = phase.index_2
