@@ -151,7 +151,7 @@ def test_failing_bake_changes_nothing(failing, tmp_path, monkeypatch):
         raise MemoryError
 
     if failing == "save":
-        monkeypatch.setattr("synch_fields.synch_addon.bake_images.save", fail)
+        monkeypatch.setattr("synch_fields.synch_addon.bakes.images.save", fail)
     else:
         monkeypatch.setattr(bake_stage.Stage, failing, fail)
     with pytest.raises(MemoryError):
