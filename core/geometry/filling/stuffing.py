@@ -76,6 +76,7 @@ def stuffed(signed_distance, bounds, size):
     # Vertices of the lattice come first, in its numbering, and cut points after them.
     used, tets = np.unique(_cut_tets(lattice, sides, edges), return_inverse=True)
     tets = tets.reshape(-1, 4)
+    _refuse_nothing(lattice, len(tets))  # those that were inside may all have moved onto the surface
     cuts = used >= lattice.vertex_count
     vertices = np.concatenate([lattice.points(used[~cuts]), places[used[cuts] - lattice.vertex_count]])
     moved = np.searchsorted(used, warped)
@@ -238,7 +239,11 @@ def _refuse_outside(lattice, sides):
         rim = np.take(corners, (0, -1), axis=axis)
         if (rim >= 0).any():
             raise MeshError("the surface leaves the bounds: make it closed, with its faces outwards, and give its box")
-    if not (sides > 0).any():
+    _refuse_nothing(lattice, (sides > 0).any())
+
+
+def _refuse_nothing(lattice, is_met):
+    if not is_met:
         raise MeshError(
             f"no vertex of a lattice of size {lattice.size:g} is inside the surface: choose a size below its thickness"
         )
