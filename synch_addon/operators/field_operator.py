@@ -38,6 +38,9 @@ class BackgroundOperator:
         """From the window: take the panel's settings and solve in the background."""
         return self._reporting(self._begin, context)
 
+    def _take(self, context):
+        """Take the settings from where the panel keeps them, if it does."""
+
     def _begin(self, context):
         self._take(context)
         return self._run(context) if bpy.app.background else self._start(context)
@@ -110,7 +113,7 @@ class BackgroundOperator:
         return self._announce(report)
 
     def _announce(self, report):
-        for warning in report["warnings"]:
+        for warning in report.get("warnings", ()):
             self.report({"WARNING"}, warning)
         self.report({"INFO"}, self._headline(report))
         return {"FINISHED"}

@@ -5,11 +5,15 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
-from ...core.tasks.layer_outputs import FILLS
+from ...core.tasks.layer_outputs import FILLS, PathSettings
 from .. import api
+from ..blender.translations import said
+from ..jobs.queue import queue
 from ..jobs.report import counted
 from ..solids import memory
 from ..solids.links import solid_of
+from ..solids.outputs import PathsJob, VolumeJob
+from .field_operator import BackgroundOperator
 from .ready import PromptOperator
 
 _FILL = EnumProperty(
@@ -27,21 +31,41 @@ _STEP = FloatProperty(
 )
 
 
-class _LayerOperator(PromptOperator):
+class _LayerOperator:
     """Mixed into operators that need layers that were solved."""
 
     @classmethod
     def poll(cls, context):
         obj = solid_of(context.active_object)
+        name = obj.name if obj is not None else "the active object"
         reason = None
         if not memory.holds_layers(obj):
-            name = obj.name if obj is not None else "the active object"
             reason = f"no layers of {name} are in memory ({memory.KEPT_SOLIDS}): solve them first"
+        elif queue.holds(obj):
+            reason = said("{name} is being solved: wait for it, or cancel it", name=name)
+        if reason:
             cls.poll_message_set(reason)
         return reason is None
 
 
-class SYNCH_OT_layer_export(_LayerOperator, ExportHelper, bpy.types.Operator):
+class _FileOperator(_LayerOperator, BackgroundOperator, ExportHelper):
+    """Mixed into operators that solve for a file, once the user has named it."""
+
+    _is_asked = False
+
+    def invoke(self, context, event):
+        self._is_asked = True
+        return ExportHelper.invoke(self, context, event)
+
+    def execute(self, context):
+        """From the window, when the file is named, solve in the background; from a script to the end."""
+        if self._is_asked and not bpy.app.background:
+            self._is_asked = False
+            return self._reporting(self._start, context)
+        return super().execute(context)
+
+
+class SYNCH_OT_layer_export(_LayerOperator, PromptOperator, ExportHelper, bpy.types.Operator):
     """Write the layers to mesh files, numbered from bottom to top (.stl, .ply or .obj)"""
 
     bl_idname = "synch.layer_export"
@@ -63,7 +87,7 @@ class SYNCH_OT_layer_export(_LayerOperator, ExportHelper, bpy.types.Operator):
         return f"wrote {files[0]}" if len(files) == 1 else f"wrote {len(files)} layers, {files[0]} the lowest"
 
 
-class SYNCH_OT_layer_toolpaths(_LayerOperator, bpy.types.Operator):
+class SYNCH_OT_layer_toolpaths(_LayerOperator, BackgroundOperator, bpy.types.Operator):
     """Make curves for a tool to follow on each layer, one object for each in a collection of their own"""
 
     bl_idname = "synch.layer_toolpaths"
@@ -73,11 +97,14 @@ class SYNCH_OT_layer_toolpaths(_LayerOperator, bpy.types.Operator):
     fill: _FILL
     step: _STEP
 
-    def make(self, context):
-        return _told(api.layer_toolpaths(context.active_object, self.step or None, self.fill))
+    def _job(self, context):
+        return PathsJob(context.active_object, PathSettings(self.step or None, self.fill))
+
+    def _headline(self, report):
+        return _told(report)
 
 
-class SYNCH_OT_layer_path_export(_LayerOperator, ExportHelper, bpy.types.Operator):
+class SYNCH_OT_layer_path_export(_FileOperator, bpy.types.Operator):
     """Make the curves of the tool paths, and write their points to a file: a table (.csv) or polylines (.obj)"""
 
     bl_idname = "synch.layer_path_export"
@@ -93,11 +120,14 @@ class SYNCH_OT_layer_path_export(_LayerOperator, ExportHelper, bpy.types.Operato
         """Keep the suffix .obj, which the helper would replace."""
         return not self.filepath.lower().endswith(".obj") and super().check(context)
 
-    def make(self, context):
-        return _told(api.layer_toolpaths(context.active_object, self.step or None, self.fill, self.filepath))
+    def _job(self, context):
+        return PathsJob(context.active_object, PathSettings(self.step or None, self.fill), self.filepath)
+
+    def _headline(self, report):
+        return _told(report)
 
 
-class SYNCH_OT_layer_volume(_LayerOperator, ExportHelper, bpy.types.Operator):
+class SYNCH_OT_layer_volume(_FileOperator, bpy.types.Operator):
     """Write the pattern to an OpenVDB file, and make a volume object that shows the layers as sheets of smoke"""
 
     bl_idname = "synch.layer_volume"
@@ -110,8 +140,10 @@ class SYNCH_OT_layer_volume(_LayerOperator, ExportHelper, bpy.types.Operator):
         name="Resolution", description="Voxels along the longest side", default=128, min=2, soft_max=512
     )
 
-    def make(self, context):
-        report = api.layer_volume(context.active_object, self.filepath, self.resolution)
+    def _job(self, context):
+        return VolumeJob(context.active_object, self.filepath, self.resolution)
+
+    def _headline(self, report):
         return f"{report['volume_object']}: {counted(report['voxels'], 'voxel')}"
 
 
