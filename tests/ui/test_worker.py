@@ -34,8 +34,10 @@ def add_ball(blender, subdivisions, undo=True):
 def begin(panel, reached="fraction > 0"):
     """Click on Stripes and wait until the solve is so far; returns the child's process number."""
     panel.click("Stripes")
-    panel.until(f"{RUNNING} is not None and {RUNNING}.{reached}")
-    return panel.value(f"{QUEUE}._worker.number")
+    panel.until(f"{RUNNING} is not None or active().synch.result")
+    number = panel.value(f"{QUEUE}._worker.number")
+    panel.until(f"{RUNNING} is None or {RUNNING}.{reached}")
+    return number
 
 
 def over_view(panel):
