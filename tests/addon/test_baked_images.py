@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.bakes.settings import plain as plain_settings
+from synch_fields.synch_addon.jobs.job import run
 from synch_fields.synch_addon.operators.bake import SYNCH_OT_bake
 
 from .baked import SIZE, bake, inside_of, patterned, phases_at, picture
@@ -162,7 +162,7 @@ def test_panel_shows_for_objects_with_a_pattern_and_keeps_the_settings_with_the_
     # Without a window nothing is invoked.
     operator = SimpleNamespace()
     SYNCH_OT_bake._take(operator, bpy.context)
-    api.bake(obj, **plain_settings(operator))
+    run(SYNCH_OT_bake._job(operator, bpy.context))
     (image,) = bpy.data.images
     assert tuple(image.size) == (16, 16) and image.name == f"{obj.name}_mask.png"
     sphere(2)
