@@ -23,8 +23,8 @@ COLORS = {
 _DISPLAY = {"disclination": ("SPHERE", 0.3), "dislocation": ("SINGLE_ARROW", 0.5), "vortex": ("CIRCLE", 0.3)}
 
 
-class Defect(NamedTuple):
-    """One defect: any record with these names will do for `write_defects`.
+class DefectEmpty(NamedTuple):
+    """What one empty shows of a defect: any record with these names will do for `write_defects`.
 
     `phase` is "x" or "y" for a dislocation of quads, which have two phases.
     """
@@ -37,7 +37,7 @@ class Defect(NamedTuple):
     phase: str = ""
 
 
-def write_defects(obj, defects: Iterable[Defect], *, kinds=KINDS, length=1.0) -> list[bpy.types.Object]:
+def write_defects(obj, defects: Iterable[DefectEmpty], *, kinds=KINDS, length=1.0) -> list[bpy.types.Object]:
     """Replace the empties of `obj` of these `kinds` by one for each of `defects`.
 
     Positions and normals are in object space; an empty's Z axis is the normal. `length`, in scene

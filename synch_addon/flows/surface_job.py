@@ -12,7 +12,7 @@ from ...core.extract.filaments import vortices
 from ...core.interpolate import EdgePhases
 from ...core.tasks.flows import SurfaceFlowRequest
 from ..blender import attributes, meshes, schema
-from ..blender.defect_empties import Defect, write_defects
+from ..blender.defect_empties import DefectEmpty, write_defects
 from ..blender.objects import Selection
 from ..blender.transaction import whole_or_nothing
 from ..nodes.materials import pattern_material
@@ -81,7 +81,7 @@ def _write_vortices(obj, given, shown, period):
     numbers = shown.face_numbers[triangles]
     records = zip(faces, numbers, places @ np.linalg.inv(given.stretch), normals, strict=True)
     found = [
-        Defect("vortex", int(face), int(number), tuple(place.tolist()), tuple(normal.tolist()))
+        DefectEmpty("vortex", int(face), int(number), tuple(place.tolist()), tuple(normal.tolist()))
         for face, number, place, normal in records
     ]
     empties = write_defects(obj, found, kinds=("dislocation", "vortex"), length=period)

@@ -29,7 +29,7 @@ _seen = {}
 
 
 @dataclass(frozen=True)
-class Carried:
+class MeshDetail:
     """What a mesh can carry, in scene units.
 
     Attributes
@@ -72,7 +72,7 @@ def refine(obj, levels=None):
 
 
 def carried(obj):
-    """:class:`Carried` of a mesh object in object mode, or None where it has no faces."""
+    """:class:`MeshDetail` of a mesh object in object mode, or None where it has no faces."""
     data, settings = obj.data, obj.synch
     scale = tuple(tuple(row) for row in obj.matrix_world.to_3x3())
     key = (len(data.polygons), len(data.loops), scale, settings.spacing_map, settings.spacing_range)
@@ -172,7 +172,7 @@ def _look_at(obj):
     lengths = np.linalg.norm(rotated[first] - rotated[second], axis=1)
     factors = np.maximum(_factors(obj, vertices.tolist()), 1e-6)
     stretched = np.ptp(points, axis=0) * np.array(obj.matrix_world.to_scale())
-    return Carried(carried_spacing(lengths / factors[first]), float(np.abs(stretched).max()))
+    return MeshDetail(carried_spacing(lengths / factors[first]), float(np.abs(stretched).max()))
 
 
 def _sample(data):

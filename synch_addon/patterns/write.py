@@ -8,7 +8,7 @@ from mathutils import Vector
 
 from ...core.interpolate import face_phases
 from ..blender import attributes, meshes, schema
-from ..blender.defect_empties import KINDS, Defect, write_defects
+from ..blender.defect_empties import KINDS, DefectEmpty, write_defects
 from ..nodes.materials import pattern_material
 
 # How far attributes may be off what was solved to be the same: single precision.
@@ -144,7 +144,7 @@ def _defect(given, pattern, defect, face):
     inverse = np.linalg.inv(given.stretch)
     normal = given.stretch @ defect.normal  # normals go the other way round than points
     of_two = defect.kind == "dislocation" and pattern.edge_phases.phase_count == 2
-    return Defect(
+    return DefectEmpty(
         defect.kind,
         int(face),
         defect.index,

@@ -9,7 +9,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty
 from ..blender.strokes import SOURCE_TYPES
 from .constraints import Constraint, wishes_at
 from .guide_list import suggest_numbers, suggest_vectors
-from .solver import TURN
+from .solver import ANGLE
 
 _PLACES = (
     ("BOUNDARY", "Boundary", "The open edges of the mesh, or those of a vertex group", "MESH_PLANE"),
@@ -67,11 +67,11 @@ class SynchConstraint(bpy.types.PropertyGroup):
         description="Vector attribute on the vertices; for phases a float attribute, in radians, or a vertex group",
         search=_suggest_attributes,
     )
-    angle: FloatProperty(name="Angle", description="From the line, counterclockwise seen from outside", **TURN)
+    angle: FloatProperty(name="Angle", description="From the line, counterclockwise seen from outside", **ANGLE)
     phase: FloatProperty(
         name="Phase",
         description="0° is the middle of a stripe, 180° the middle of a gap; it grows to the left of the line",
-        **TURN,
+        **ANGLE,
     )
     soft: BoolProperty(name="Soft", description="Draw the pattern towards this, instead of holding it exactly")
     weight: FloatProperty(

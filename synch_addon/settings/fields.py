@@ -26,7 +26,7 @@ from .constraints import Constraint, from_plain
 from .favourite_list import SynchFavourite
 from .guidance import parse
 from .guide_list import GUIDE_ITEMS, SynchGuide, suggest_numbers
-from .solver import FACTOR, METHOD, RANGE, SEED, SPACING_MAP, SPACING_RANGE, TARGET_GAP, TURN, settings_of
+from .solver import ANGLE, FACTOR, METHOD, RANGE, SEED, SPACING_MAP, SPACING_RANGE, TARGET_GAP, settings_of
 
 BOUNDARIES = ("free", "along", "across", "phase")
 
@@ -134,7 +134,7 @@ class SettingProperties:
 
     symmetry: SYMMETRY
     angle: FloatProperty(
-        name="Angle", description="Turn the directions by this angle, counterclockwise seen from outside", **TURN
+        name="Angle", description="Turn the directions by this angle, counterclockwise seen from outside", **ANGLE
     )
     angle_attribute: StringProperty(
         name="Angle Map",

@@ -48,7 +48,7 @@ TARGET_GAP = FloatProperty(
 # Factor on the spacing where the weight of a vertex group is 1; limits of such factors, and of angles.
 RANGE = 2.0
 FACTOR = {"min": 1e-3, "soft_min": 0.25, "soft_max": 4.0}
-TURN = {"subtype": "ANGLE", "soft_min": -math.pi, "soft_max": math.pi}
+ANGLE = {"subtype": "ANGLE", "soft_min": -math.pi, "soft_max": math.pi}
 SPACING_MAP = StringProperty(
     name="Spacing Map",
     description="Float attribute, a factor on the spacing, or vertex group, which takes it from 1 to the range",

@@ -15,7 +15,7 @@ from ...core.errors import SynchError
 from ...core.geometry.mesh_input import MeshInput
 from ...core.geometry.polygons import Polygons
 from ..blender import attributes, meshes, schema
-from ..blender.defect_empties import KINDS, Defect, write_defects
+from ..blender.defect_empties import KINDS, DefectEmpty, write_defects
 from ..blender.transaction import whole_or_nothing
 from ..nodes.layers import curve_material, layer_material
 from ..nodes.materials import SPACING, pattern_material
@@ -39,7 +39,7 @@ def write_all(obj, layering, result, given, warn, spacing):
             "curves": _write_curves(obj, layering, spacing),
             "surface": _write_surface(obj, layering, given, result.phases, warn, spacing),
         }
-        ends = [Defect("dislocation", end.face, end.index, end.position, end.normal) for end in result.ends]
+        ends = [DefectEmpty("dislocation", end.face, end.index, end.position, end.normal) for end in result.ends]
         write_defects(made["layers"], ends, kinds=KINDS, length=spacing)
     for kind, one in made.items():
         if one in (None, obj):

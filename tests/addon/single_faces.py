@@ -8,7 +8,7 @@ The formulas are evaluated point by point, which shares nothing with the node gr
 import bpy
 import numpy as np
 
-from synch_fields.synch_addon.blender.defect_empties import Defect
+from synch_fields.synch_addon.blender.defect_empties import DefectEmpty
 from synch_fields.synch_addon.nodes import stripes
 from synch_fields.synch_addon.nodes.canvas import surface_material
 
@@ -193,7 +193,7 @@ def differences(face, picture):
 def some_defects():
     """Defects of both kinds and signs for a face."""
     return [
-        Defect("disclination", 0, 0.5, (0.1, 0.2, 0.0), (0, 0, 1)),
-        Defect("disclination", 1, -0.5, (0.3, 0.2, 0.0), (0, 0, 1)),
-        Defect("dislocation", 2, 1.0, (0.1, 0.4, 0.0), (1, 0, 0)),
+        DefectEmpty("disclination", 0, 0.5, (0.1, 0.2, 0.0), (0, 0, 1)),
+        DefectEmpty("disclination", 1, -0.5, (0.3, 0.2, 0.0), (0, 0, 1)),
+        DefectEmpty("dislocation", 2, 1.0, (0.1, 0.4, 0.0), (1, 0, 0)),
     ]
