@@ -41,6 +41,7 @@ class BakeJob:
     """
 
     request = None
+    at_once = 0.0
 
     def __init__(self, obj, settings):
         self.link = ObjectLink.to(obj)

@@ -5,7 +5,6 @@ The mesh of a frame is the one behind the object's modifiers, as long as they ke
 """
 
 import math
-import time
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
@@ -33,8 +32,6 @@ from . import nodes
 
 # How strongly a pattern holds on to the frame before. Measured: jumps become slides, for up to 3 % of energy.
 HOLD = 0.1
-# Seconds of reading at each tick of the window's timer.
-_PIECE = 0.1
 
 
 @dataclass(frozen=True)
@@ -91,9 +88,12 @@ def run_animate(obj, settings, frames, pattern, hold, callback=None):
 class AnimationJob:
     """A pattern in each frame of an object; see :mod:`..jobs.job`.
 
-    Frames are read in pieces by :meth:`advance`, or else all at once by :attr:`request`. After each piece the scene's
-    frame is the same as before; nothing else changes before :meth:`write`.
+    Frames are read one by one. After each the scene's frame is the same as before; nothing else changes before
+    :meth:`write`.
     """
+
+    # Seconds of reading at each tick of the window's timer.
+    at_once = 0.1
 
     def __init__(self, obj, settings, span):
         reason = meshes.refusal(obj)
@@ -110,34 +110,24 @@ class AnimationJob:
             self._rest = _rest_directions(obj, self._settings, span)
 
     def advance(self):
-        """Read frames for a moment; returns what comes next and the share that is done, None when all are read."""
-        until = time.monotonic() + _PIECE
-        return self._read(lambda *_: time.monotonic() < until)
+        """Read a frame; returns which one comes next and the share that is done, None when all are read."""
+        frames, requests, obj = self._span.frames, self._requests, self.link.found
+        if len(requests) < len(frames):
+            with meshes.object_mode(obj), self._report.clock("read"), _at_present(obj):
+                requests.append(self._of_frame(obj, frames[len(requests)]))
+        done = len(requests)
+        if done < len(frames):
+            return f"read frame {frames[done]}", done / len(frames)
+        self._report.warn_about(obj, requests[0])
+        return None
 
     def close(self):
         """Nothing: what has been read is gone with the job."""
 
     @property
     def request(self):
-        """The :class:`FramesRequest`; what is left of the frames is read now."""
-        self._read(lambda *_: True)
+        """The :class:`FramesRequest`, when all frames are read."""
         return FramesRequest(tuple(self._span.frames), tuple(self._requests), self._span.hold)
-
-    def _read(self, goes_on):
-        """Read a request of each frame until ``goes_on(stage, fraction)`` is false; returns those, or None."""
-        frames, requests, obj = self._span.frames, self._requests, self.link.found
-        if len(requests) == len(frames):
-            return None
-        with meshes.object_mode(obj), self._report.clock("read"), _at_present(obj):
-            while len(requests) < len(frames):
-                requests.append(self._of_frame(obj, frames[len(requests)]))
-                done = len(requests)
-                if done < len(frames):
-                    piece = f"read frame {frames[done]}", done / len(frames)
-                    if not goes_on(*piece):
-                        return piece
-        self._report.warn_about(obj, requests[0])
-        return None
 
     def _of_frame(self, obj, frame):
         bpy.context.scene.frame_set(frame)

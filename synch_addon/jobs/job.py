@@ -7,7 +7,8 @@ returns the report. Before that nothing has changed. A job also has
 
 - ``link``, the :class:`ObjectLink` of the object that it is for, None where there is none;
 - ``advance()``, where it reads, or does all its work, in pieces that need Blender: it does one and returns what comes
-  next and the share of the pieces that is done, None when that was the last one. ``close()`` ends it between two;
+  next and the share of the pieces that is done, None when that was the last one. ``close()`` ends it between two, and
+  ``at_once`` are seconds for which the window may do pieces before it is drawn again;
 - ``request = None`` in its class, where pieces are all its work: ``write(None)`` then returns the report.
 """
 

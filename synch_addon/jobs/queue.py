@@ -46,9 +46,11 @@ class Work:
         self.has_begun, self._start = True, time.monotonic()
 
     def advance(self):
-        """Do one of its pieces, which need Blender; what goes wrong is its error."""
+        """Do pieces of it, which need Blender, for a moment; what goes wrong is its error."""
+        end = time.monotonic() + self.job.at_once
         try:
-            piece = self.job.advance()
+            while (piece := self.job.advance()) is not None and time.monotonic() < end:
+                pass
         except BaseException as error:  # told by who waits for it
             self.fail(error)
             return
@@ -145,10 +147,9 @@ class Queue:
 
     def cancel(self, work):
         """End a job, whatever it is doing, without writing."""
-        if not work.is_over:
-            work.fail(Cancelled("cancelled: nothing was changed"))
-            if hasattr(work.job, "close"):
-                work.job.close()
+        work.fail(Cancelled("cancelled: nothing was changed"))
+        if hasattr(work.job, "close"):
+            work.job.close()
         if self._asked is work:
             self._end_worker()
         if work in self.works:

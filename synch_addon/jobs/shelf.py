@@ -33,6 +33,12 @@ class Shelf:
         """Keep it no longer."""
         self._kept.pop(key, None)
 
+    def renewed(self, key, state, make):
+        """What ``make()`` gives in a state, kept until it is asked for in another."""
+        if key not in self._kept or self._kept[key][0] != state:
+            self.put(key, (state, make()))
+        return self._kept[key][1]
+
     @classmethod
     def clear_all(cls):
         """Keep nothing on any shelf."""

@@ -51,7 +51,8 @@ class BackgroundOperator:
 
     def modal(self, context, event):
         work = self._work
-        if event.type == "ESC" and event.value == "PRESS" and work is queue.running and _over_view(context, event):
+        meant = work is queue.running or work.is_over
+        if meant and event.type == "ESC" and event.value == "PRESS" and _over_view(context, event):
             queue.cancel(work)
         elif event.type == "TIMER" and not work.is_over:
             queue.advance()

@@ -10,7 +10,6 @@ import pytest
 
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
-from synch_fields.synch_addon.frames import job
 from synch_fields.synch_addon.frames.job import AnimationJob, Span
 from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.operators.animate import SYNCH_OT_animate
@@ -35,7 +34,7 @@ class Animate(Recorded, BackgroundOperator):
 @pytest.fixture
 def begun(monkeypatch):
     """A moving object and an operator in a loop of its own, which reads one frame at each tick."""
-    monkeypatch.setattr(job, "_PIECE", 0.0)
+    monkeypatch.setattr(AnimationJob, "at_once", 0.0)
     obj, loop, operator = swaying(sphere(2), 3), Loop(), Animate()
     bpy.context.scene.frame_set(2)
     before = snapshot()

@@ -257,15 +257,21 @@ def test_the_result_takes_no_selection_with_it():
     assert bpy.context.active_object == other and other.select_get() and not obj.select_get() and obj.hide_get()
 
 
-def test_the_result_waits_for_a_mode_in_which_it_can_be_written():
+@pytest.mark.parametrize("end", ["FINISHED", "CANCELLED"])
+def test_the_result_waits_for_a_mode_in_which_it_can_be_written(end):
     obj = sphere()
     loop, operator = begun(Stripes())
     bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
     work = operator._work
     assert loop.run(operator, until=lambda: work.is_over and loop.status) == {"PASS_THROUGH"}
     assert "waits for object or edit mode" in loop.status and "synch_phase" not in obj.data.attributes
-    bpy.ops.object.mode_set(mode="OBJECT")
-    assert loop.run(operator) == {"FINISHED"} and "synch_phase" in obj.data.attributes
+    if end == "FINISHED":
+        bpy.ops.object.mode_set(mode="OBJECT")
+        assert loop.run(operator) == {"FINISHED"} and "synch_phase" in obj.data.attributes
+    else:
+        assert loop.send(operator, "ESC", "PRESS") == {"CANCELLED"} and loop.free
+        bpy.ops.object.mode_set(mode="OBJECT")
+        assert "synch_phase" not in obj.data.attributes
 
 
 def test_taking_the_extension_out_ends_all_jobs_and_the_child():

@@ -105,7 +105,7 @@ def test_escape_is_answered_at_once_in_every_stage(panel, reached):
 
 
 def test_all_else_goes_on_during_a_solve(panel):
-    add_ball(panel, 6)
+    add_ball(panel, 7)
     panel.run("ball = active().name; bpy.ops.mesh.primitive_cube_add(location=(5, 0, 0)); cube = active().name")
     panel.run("bpy.ops.ed.undo_push(message='cube')")
     panel.run("bpy.context.view_layer.objects.active = bpy.data.objects[ball]")
@@ -125,7 +125,7 @@ def test_all_else_goes_on_during_a_solve(panel):
 
 
 def test_undo_during_a_solve_is_safe(panel):
-    add_ball(panel, 6)
+    add_ball(panel, 7)
     panel.run("active().location.x = 1; bpy.ops.ed.undo_push(message='moved')")
     begin(panel)
     over_view(panel)
@@ -185,7 +185,7 @@ def test_deleting_the_object_ends_its_job(panel):
 
 
 def test_saving_during_a_solve_saves_what_was(panel):
-    add_ball(panel, 6)
+    add_ball(panel, 7)
     path = str(panel.folder / "meanwhile.blend")
     before = panel.value("state()")
     begin(panel)
