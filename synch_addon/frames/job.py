@@ -22,6 +22,7 @@ from ..blender import attributes, meshes, modifiers
 from ..blender.defect_empties import write_defects
 from ..blender.modifiers import hidden
 from ..blender.objects import ObjectLink
+from ..blender.schema import BARYCENTRIC, DIRECTION, SINGULARITY
 from ..jobs.job import run
 from ..jobs.report import Report
 from ..nodes.materials import pattern_material
@@ -161,19 +162,19 @@ class AnimationJob:
         for frame in frames:
             phases = face_phases(frame.edge_phases, corners(frame.polygons))
             values = write.attribute_values(phases, frame.edge_phases.arguments[:count])
-            values["synch_direction"] = frame.directions
+            values[DIRECTION.name] = frame.directions
             first = values if first is None else first
-            place = values["synch_barycentric"]
+            place = values[BARYCENTRIC.name]
             # A face's places are the same in all frames in which it is singular, and do not matter in others.
             places = place if places is None else np.where(places.any(axis=1, keepdims=True), places, place)
             for name in own.keys() & values.keys():
                 attributes.write_attribute(
                     obj, frame_attributes.frame_name(name, frame.number), *own[name], values[name]
                 )
-        directions = first.pop("synch_direction")
-        write.pattern_attributes(obj, first | {"synch_barycentric": places})
-        attributes.write_attribute(obj, "synch_direction", *own["synch_direction"], directions)
-        attributes.remove_attribute(obj, "synch_singularity")
+        directions = first.pop(DIRECTION.name)
+        write.pattern_attributes(obj, first | {BARYCENTRIC.name: places})
+        attributes.write(obj, DIRECTION, directions)
+        attributes.remove_attribute(obj, SINGULARITY.name)
         write_defects(obj, [])  # they move
         all_faces = self._settings.assign_material or write.has_one_material(obj)
         pattern_material(obj, self._span.pattern, spacing=spacing, assign_faces=all_faces)
