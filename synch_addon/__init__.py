@@ -5,11 +5,10 @@ Packages are rooms on floors: each imports from those below it only (docs/archit
 """
 
 from . import operators, panels
-from .blender import translations
+from .blender import changes, translations
 from .command import main
 from .flows import properties as flow_properties
 from .jobs import queue, shelf
-from .patterns import refine
 from .settings import constraint_list, favourite_list, fields, guide_list
 from .solids import properties as layer_properties
 
@@ -21,7 +20,7 @@ _MODULES = (
     fields,
     layer_properties,
     shelf,
-    refine,
+    changes,
     flow_properties,
     queue,
     operators,

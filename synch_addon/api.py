@@ -136,7 +136,7 @@ def vary(obj, number):
     return _show(obj, lambda solved: variation(solved.shown, number), number)
 
 
-def place_defects(obj, vertices):
+def place_defects(obj, vertices, renumber=True):
     """Show the configuration of an object's last solve with a dislocation at each of some vertices (Section 4.6).
 
     Parameters
@@ -144,6 +144,7 @@ def place_defects(obj, vertices):
     obj : bpy.types.Object with stripes or quads that were solved since the file was opened
     vertices : indices of vertices; how many there may be is the rank of the lifted field less one, for line and cross
         fields half of that
+    renumber : whether numbered stripes are numbered anew; :func:`numbers.renew_shown` does it after the last of many
 
     Result and errors as :func:`vary`.
     """
@@ -153,7 +154,7 @@ def place_defects(obj, vertices):
             raise SynchError("defects are placed in stripes and quads: solve one of them first")
         return with_defects(solved.pattern, vertices)
 
-    return _show(obj, place)
+    return _show(obj, place, renumber=renumber)
 
 
 def show_again(obj, shown):
@@ -299,14 +300,14 @@ def run_bake(obj, settings, callback=None):
     return job.run(BakeJob(obj, settings), callback)
 
 
-def _show(obj, change, number=0):
+def _show(obj, change, number=0, renumber=True):
     meshes.refuse(obj)
     with meshes.object_mode(obj):
         solved = memory.recall(obj)
         report = solved.report.again()
         with report.clock("round"):
             field, pattern = solved.showing(change(solved))
-        return write_result(obj, solved.request, field, pattern, report, number, change)
+        return write_result(obj, solved.request, field, pattern, report, number, change, renumber)
 
 
 def import_field(obj, path):

@@ -65,6 +65,69 @@ def test_no_thread_and_no_other_process_is_begun_beside_blender():
                 assert name.split(".")[0] not in ("threading", "multiprocessing", "concurrent", "_thread"), path
 
 
+_CHANGING = {
+    "add",
+    "append",
+    "clear",
+    "discard",
+    "extend",
+    "insert",
+    "pop",
+    "popitem",
+    "remove",
+    "setdefault",
+    "update",
+}
+
+
+def changed_outside_of_objects(tree):
+    """Lines where functions of a module change what the module holds, other than through an object of a class."""
+    held = set()
+    for node in tree.body:
+        targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
+        built = getattr(getattr(getattr(node, "value", None), "func", None), "id", None)
+        plain = isinstance(getattr(node, "value", None), ast.List | ast.Dict | ast.Set | ast.ListComp | ast.DictComp)
+        if plain or built in ("list", "dict", "set", "defaultdict", "deque", "OrderedDict", "Counter"):
+            held |= {target.id for target in targets if isinstance(target, ast.Name)}
+        if isinstance(node, ast.FunctionDef):
+            held.add(node.name)
+    lines = set()
+    for function in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef | ast.Lambda)):
+        own = {name.id for name in ast.walk(function) if isinstance(name, ast.Name) and isinstance(name.ctx, ast.Store)}
+        own |= {name.arg for name in ast.walk(function) if isinstance(name, ast.arg)}
+        for node in ast.walk(function):
+            if isinstance(node, ast.Global):
+                lines.add(node.lineno)
+            changes = isinstance(getattr(node, "ctx", None), ast.Store | ast.Del)
+            changes |= isinstance(node, ast.Attribute) and node.attr in _CHANGING
+            place = getattr(node, "value", None)
+            if changes and isinstance(place, ast.Name) and place.id in held - own:
+                lines.add(node.lineno)
+    return sorted(lines)
+
+
+def test_no_module_changes_what_it_holds_but_through_the_object_that_owns_it(found):
+    for name, path in found.items():
+        assert changed_outside_of_objects(ast.parse(path.read_text(encoding="utf-8"))) == [], name
+
+
+@pytest.mark.parametrize(
+    "held, change",
+    [
+        ("kept = None", "global kept"),
+        ("kept = []", "kept.append(1)"),
+        ("kept: dict = {}", "kept[1] = 2"),
+        ("kept = {}", "kept[1] += 2"),
+        ("kept = set()", "kept.clear()"),
+        ("kept = {1: 2}", "del kept[1]"),
+        ("def kept(): pass", "kept.last = 1"),
+    ],
+)
+def test_a_change_of_what_a_module_holds_would_be_found(held, change):
+    assert changed_outside_of_objects(ast.parse(f"{held}\ndef f():\n    {change}\n")) == [3]
+    assert changed_outside_of_objects(ast.parse(f"{held}\ndef f(kept):\n    {change}\n")) == [3] * ("global" in change)
+
+
 def test_every_room_says_in_one_line_what_it_is_for(rooms, found):
     for room in rooms.arrows(found):
         line = rooms.line_of(room, found)

@@ -25,8 +25,11 @@ class _Everywhere:
     """
 
     def __init__(self):
-        self._lock = threading.Lock()
-        self._inside = 0
+        self.forget()
+
+    def forget(self):
+        """Nobody is inside: a forked process has none of the threads."""
+        self._lock, self._inside = threading.Lock(), 0
         self._ended, self._keeper = threading.Event(), threading.Thread()
 
     def __enter__(self):
@@ -37,8 +40,8 @@ class _Everywhere:
 
     def __exit__(self, *_error):
         with self._lock:
-            self._inside -= 1
-            if self._inside == 0:
+            is_last, self._inside = self._inside == 1, max(self._inside - 1, 0)  # 0 where it was forked inside
+            if is_last:
                 self._ended.set()
                 self._keeper.join()
 
@@ -67,9 +70,9 @@ _everywhere = _Everywhere()
 
 
 def _forget():
-    """A forked process has none of the threads that are inside."""
-    global _everywhere
-    _everywhere, _here.is_inside = _Everywhere(), False
+    """The thread that has forked is not inside in the other process, either."""
+    _everywhere.forget()
+    _here.is_inside = False
 
 
 if hasattr(os, "register_at_fork"):

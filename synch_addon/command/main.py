@@ -27,8 +27,6 @@ from . import animate, bake, clebsch, fields, layers
 from . import lines as cli_lines
 from .flags import Made, add_input, add_quiet, add_view, saved
 
-_command = None
-
 
 def main(arguments, loaded=False):
     """Run a command line; ``loaded`` tells that Blender has opened the file already. Exit status."""
@@ -39,7 +37,7 @@ def main(arguments, loaded=False):
         return stop.code or 0
     with quiet_stdout() as out:
         try:
-            progress = None if getattr(options, "quiet", True) else _show_progress
+            progress = None if getattr(options, "quiet", True) else _Progress()
             made = _COMMANDS[options.command](options, lambda: _open(options, loaded), progress)
             lines = _deliver(made, options, progress)
         except SynchError as error:
@@ -119,17 +117,20 @@ def _open(options, loaded):
     return files.choose_object(options.object)
 
 
-def _show_progress(stage, fraction):
-    line = f"{stage} {fraction:.0%}"
-    if sys.stderr.isatty():
-        print(f"\r{line:<40}", end="", file=sys.stderr, flush=True)
-    elif line != _show_progress.last:
-        print(line, file=sys.stderr)
-    _show_progress.last = line
-    return True
+class _Progress:
+    """Prints how far a command is: in a terminal over what it printed before, elsewhere each line once."""
 
+    def __init__(self):
+        self._last = ""
 
-_show_progress.last = ""
+    def __call__(self, stage, fraction):
+        line = f"{stage} {fraction:.0%}"
+        if sys.stderr.isatty():
+            print(f"\r{line:<40}", end="", file=sys.stderr, flush=True)
+        elif line != self._last:
+            print(line, file=sys.stderr)
+        self._last = line
+        return True
 
 
 def _write_json(path, report):
@@ -163,10 +164,18 @@ def _parser(loaded):
     return parser
 
 
-def register():
-    global _command
-    _command = bpy.utils.register_cli_command("synch", lambda arguments: main(arguments, loaded=True))
+class _BlenderCommand:
+    """What Blender calls for ``--command synch``."""
+
+    def __init__(self):
+        self._handle = None
+
+    def register(self):
+        self._handle = bpy.utils.register_cli_command("synch", lambda arguments: main(arguments, loaded=True))
+
+    def unregister(self):
+        bpy.utils.unregister_cli_command(self._handle)
 
 
-def unregister():
-    bpy.utils.unregister_cli_command(_command)
+blender_command = _BlenderCommand()
+register, unregister = blender_command.register, blender_command.unregister

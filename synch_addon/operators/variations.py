@@ -12,7 +12,7 @@ from .. import api
 from ..blender import meshes
 from ..blender.translations import said
 from ..patterns import memory
-from ..patterns.numbers import numbers_later, renew_shown
+from ..patterns.numbers import renew_shown
 from ..patterns.picking import PickedSurface
 from ..settings.fields import SMOOTHING
 from .field_operator import navigates, over_sidebar
@@ -165,8 +165,7 @@ class SYNCH_OT_place_defect(_VaryingOperator, bpy.types.Operator):
             return vertex is not None
         vertices = [*others, vertex]
         try:
-            with numbers_later():
-                report = api.place_defects(obj, vertices)
+            report = api.place_defects(obj, vertices, renumber=False)
         except SynchError as error:
             self.report({"ERROR"}, str(error))
             return False

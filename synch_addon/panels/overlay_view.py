@@ -8,12 +8,13 @@ or a setting that it depends on has changed.
 import bpy
 import gpu
 import numpy as np
-from bpy.app.handlers import depsgraph_update_post, load_post, persistent, redo_post, undo_post
 from bpy.props import BoolProperty, EnumProperty
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
+from ..blender.changes import changes
 from ..blender.registration import keeping
+from ..jobs.shelf import Shelf
 from .overlay import constraint_lines, defect_points, direction_lines, direction_marks
 from .sidebar import SidebarPanel, property_column
 
@@ -30,9 +31,8 @@ _PARTS = {
     "DEFECTS": defect_points,
 }
 
-_draw_handler = None
-_changes = {}  # session_uid of a mesh: how often it has changed
-_cache = {}  # (session_uid of an object, part): (key, layers)
+# Of the last four objects that were drawn.
+_layers = Shelf(4 * len(_PARTS))
 
 
 class SynchOverlay(bpy.types.PropertyGroup):
@@ -100,17 +100,16 @@ def key(obj):
     proportions = (scale / max(np.trace(scale), np.finfo(float).tiny)).round(3) + 0.0
     rows = tuple((row.where, row.what, row.vertex_group, row.enabled) for row in obj.synch.constraints)
     settings = obj.synch.symmetry, obj.synch.boundary, obj.synch.vertex_group, rows
-    return obj.data.session_uid, _changes.get(obj.data.session_uid, 0), proportions.tobytes(), *settings
+    return changes.state(obj.data), proportions.tobytes(), *settings
 
 
 def layers(obj, part):
-    """[(batch, kind, colour)] of a part of an object, from the cache where its key is the same."""
-    now = key(obj)
-    then, made = _cache.get((obj.session_uid, part), (None, None))
-    if then != now:
-        made = [_layer(points, colour) for points, colour in _PARTS[part](obj)]
-        _cache[obj.session_uid, part] = now, made
-    return made
+    """[(batch, kind, colour)] of a part of an object, kept as long as its key is the same."""
+
+    def make():
+        return [_layer(points, colour) for points, colour in _PARTS[part](obj)]
+
+    return _layers.renewed((obj.session_uid, part), key(obj), make)
 
 
 def _layer(points, colour):
@@ -121,15 +120,6 @@ def _layer(points, colour):
 
 def _shader(kind):
     return gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR" if kind == "LINES" else "POINT_UNIFORM_COLOR")
-
-
-def _draw():
-    context = bpy.context
-    obj = shown_object(context)
-    if obj is not None:
-        pixel = context.preferences.system.pixel_size
-        view = context.region_data
-        draw_object(obj, context.scene.synch_overlay.parts, nearer(view) @ view.view_matrix, pixel)
 
 
 def nearer(view):
@@ -159,35 +149,33 @@ def draw_object(obj, parts, view_matrix, pixel=1.0):
     gpu.state.blend_set("NONE")
 
 
-@persistent
-def _note_changes(scene, depsgraph):
-    for update in depsgraph.updates:
-        if update.is_updated_geometry and isinstance(update.id, bpy.types.Mesh):
-            uid = update.id.original.session_uid
-            _changes[uid] = _changes.get(uid, 0) + 1
-
-
-@persistent
-def _forget(*_):
-    _changes.clear()
-    _cache.clear()
-
-
-_HANDLERS = [(depsgraph_update_post, _note_changes)] + [(event, _forget) for event in (load_post, undo_post, redo_post)]
 _register, _unregister = keeping((SynchOverlay, SYNCH_PT_overlay), (bpy.types.Scene, "synch_overlay", SynchOverlay))
 
 
-def register():
-    global _draw_handler
-    _register()
-    for event, handler in _HANDLERS:
-        event.append(handler)
-    _draw_handler = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
+class _View:
+    """Draws the overlay of the active object in all 3D views."""
+
+    def __init__(self):
+        self._handler = None
+
+    def register(self):
+        """Register the settings and begin to draw."""
+        _register()
+        self._handler = bpy.types.SpaceView3D.draw_handler_add(self._draw, (), "WINDOW", "POST_VIEW")
+
+    def unregister(self):
+        """Draw no longer."""
+        bpy.types.SpaceView3D.draw_handler_remove(self._handler, "WINDOW")
+        _unregister()
+
+    def _draw(self):
+        context = bpy.context
+        obj = shown_object(context)
+        if obj is not None:
+            pixel = context.preferences.system.pixel_size
+            view = context.region_data
+            draw_object(obj, context.scene.synch_overlay.parts, nearer(view) @ view.view_matrix, pixel)
 
 
-def unregister():
-    bpy.types.SpaceView3D.draw_handler_remove(_draw_handler, "WINDOW")
-    for event, handler in _HANDLERS:
-        event.remove(handler)
-    _forget()
-    _unregister()
+view = _View()
+register, unregister = view.register, view.unregister

@@ -13,14 +13,6 @@ from .sidebar import SettingsPanel
 # Items without icons, for what is shown as text.
 PRESET = [(name, preset.label, preset.description) for name, preset in PRESETS.items()]
 
-_icons = None
-# Blender keeps no reference to the texts of items that a function returns.
-_items = []
-
-
-def _with_icons(_owner, _context):
-    return _items
-
 
 class SYNCH_PT_material_presets(SettingsPanel, bpy.types.Panel):
     """Materials in one click"""
@@ -37,22 +29,30 @@ class SYNCH_PT_material_presets(SettingsPanel, bpy.types.Panel):
             layout.operator("synch.asset_library", icon="ASSET_MANAGER")
 
 
-def register():
-    global _icons
-    _icons = bpy.utils.previews.new()
-    for number, (name, label, tip) in enumerate(PRESET):
-        icon = _icons.load(name, str(assets.THUMBNAILS / f"{name}.png"), "IMAGE")
-        _items.append((name, label, tip, icon.icon_id, number))
-    bpy.types.Scene.synch_preset = EnumProperty(
-        name="Preset", description="What the object looks like", items=_with_icons
-    )
-    bpy.utils.register_class(SYNCH_PT_material_presets)
+class _Thumbnails:
+    """The choice of a preset in every scene, with thumbnails."""
+
+    def __init__(self):
+        self._icons = None
+
+    def register(self):
+        """Load the thumbnails and register choice and panel."""
+        self._icons = bpy.utils.previews.new()
+        items = []  # Blender keeps no reference to the texts of items that a function returns
+        for number, (name, label, tip) in enumerate(PRESET):
+            icon = self._icons.load(name, str(assets.THUMBNAILS / f"{name}.png"), "IMAGE")
+            items.append((name, label, tip, icon.icon_id, number))
+        bpy.types.Scene.synch_preset = EnumProperty(
+            name="Preset", description="What the object looks like", items=lambda _owner, _context: items
+        )
+        bpy.utils.register_class(SYNCH_PT_material_presets)
+
+    def unregister(self):
+        """Take all of it out again."""
+        bpy.utils.unregister_class(SYNCH_PT_material_presets)
+        del bpy.types.Scene.synch_preset
+        bpy.utils.previews.remove(self._icons)
 
 
-def unregister():
-    global _icons
-    bpy.utils.unregister_class(SYNCH_PT_material_presets)
-    del bpy.types.Scene.synch_preset
-    _items.clear()
-    bpy.utils.previews.remove(_icons)
-    _icons = None
+thumbnails = _Thumbnails()
+register, unregister = thumbnails.register, thumbnails.unregister

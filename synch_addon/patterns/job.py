@@ -38,10 +38,13 @@ class FieldJob:
             return write_quads(obj, request, result, self._report)
 
 
-def write_result(obj, request, field, pattern, report, number=0, change=None):
-    """Write a field and remember it as variation ``number`` of its solve, made by ``change``; returns the report."""
+def write_result(obj, request, field, pattern, report, number=0, change=None, renumber=True):
+    """Write a field and remember it as variation ``number`` of its solve, made by ``change``; returns the report.
+
+    Numbers of stripes stay as they are where they are not to be renewed, for :func:`numbers.renew_shown`.
+    """
     with report.clock("write"):
-        defects, request = show(obj, request, field, pattern, report)
+        defects, request = show(obj, request, field, pattern, report, renumber)
     plain = report.finish(field, pattern, defects)
     _remember(obj, memory.Solved(request, field, pattern, report, plain, number, change))
     return plain
@@ -53,7 +56,7 @@ def write_again(obj, solved):
     _remember(obj, replace(solved, request=request))
 
 
-def show(obj, request, field, pattern, report):
+def show(obj, request, field, pattern, report, renumber=True):
     """Write a field or pattern in place of all that an object shows.
 
     Returns its defects, and the request with the faces as they are now.
@@ -61,7 +64,8 @@ def show(obj, request, field, pattern, report):
     frame_attributes.remove_frames(obj)
     defects, polygons = write.results(obj, request, field, pattern, report)
     request = replace(request, given=replace(request.given, polygons=polygons))
-    numbers.renew_numbers(obj, request, pattern)
+    if renumber:
+        numbers.renew_numbers(obj, request, pattern)
     return defects, request
 
 

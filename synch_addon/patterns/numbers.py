@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Numbers of an object's stripes and coordinates along them, written for shaders and geometry nodes."""
 
-from contextlib import contextmanager
-
 import numpy as np
 
 from ...core.errors import SettingError, SynchError
@@ -15,8 +13,6 @@ from .read_back import shown_pattern
 
 # Between the points of the lines along which coordinates are measured, in spacings.
 _STEP = 0.1
-# Not empty while numbers are left as they are.
-_waiting = []
 
 
 def number_stripes(obj):
@@ -69,16 +65,6 @@ def _write(obj, request, pattern):
     return len(lines.sizes)
 
 
-@contextmanager
-def numbers_later():
-    """Leave numbers as they are while other states are shown one after the other; :func:`renew_shown` ends that."""
-    _waiting.append(True)
-    try:
-        yield
-    finally:
-        _waiting.pop()
-
-
 def renew_shown(obj):
     """Number the stripes that an object shows anew where they were numbered before."""
     if NUMBER in obj.data.attributes:
@@ -88,7 +74,7 @@ def renew_shown(obj):
 
 def renew_numbers(obj, request, pattern):
     """Number the stripes of an object anew where they were numbered before; they go where that cannot be."""
-    if NUMBER not in obj.data.attributes or _waiting:
+    if NUMBER not in obj.data.attributes:
         return
     if pattern is None or pattern_kind(obj) != "stripes":
         remove_numbers(obj)

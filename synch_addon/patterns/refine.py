@@ -12,8 +12,10 @@ import numpy as np
 
 from ...core.errors import SettingError, SynchError
 from ..blender import groups, meshes
+from ..blender.changes import changes
 from ..blender.translations import said
 from ..jobs.report import versions
+from ..jobs.shelf import Shelf
 from . import memory, write
 from .reading import LINES_ACROSS, carried_spacing
 
@@ -25,7 +27,8 @@ FEW_LINES = LINES_ACROSS // 3
 SLACK = 1.1
 MOST_LEVELS, MOST_FACES = 6, 4_000_000
 
-_seen = {}
+# Of the objects that were asked for last.
+_seen = Shelf(16)
 
 
 @dataclass(frozen=True)
@@ -75,10 +78,9 @@ def carried(obj):
     """:class:`MeshDetail` of a mesh object in object mode, or None where it has no faces."""
     data, settings = obj.data, obj.synch
     scale = tuple(tuple(row) for row in obj.matrix_world.to_3x3())
-    key = (len(data.polygons), len(data.loops), scale, settings.spacing_map, settings.spacing_range)
-    if _seen.get(obj.session_uid, (None,))[0] != key:
-        _seen[obj.session_uid] = key, _look_at(obj)
-    return _seen[obj.session_uid][1]
+    counts = len(data.polygons), len(data.loops)
+    state = changes.state(data), counts, scale, settings.spacing_map, settings.spacing_range
+    return _seen.renewed(obj.session_uid, state, lambda: _look_at(obj))
 
 
 def missing_levels(obj):
@@ -200,30 +202,3 @@ def _factors(obj, vertices):
     if found is None or (found.domain, found.data_type) != ("POINT", "FLOAT"):
         return np.ones(len(vertices))
     return np.array([found.data[v].value for v in vertices])
-
-
-@bpy.app.handlers.persistent
-def _mesh_changed(_scene, depsgraph):
-    if _seen and any(update.is_updated_geometry for update in depsgraph.updates):
-        _seen.clear()
-
-
-@bpy.app.handlers.persistent
-def _forget(*_):
-    _seen.clear()
-
-
-_FORGETTING = ("load_post", "undo_post", "redo_post")
-
-
-def register():
-    bpy.app.handlers.depsgraph_update_post.append(_mesh_changed)
-    for name in _FORGETTING:
-        getattr(bpy.app.handlers, name).append(_forget)
-
-
-def unregister():
-    for name in _FORGETTING:
-        getattr(bpy.app.handlers, name).remove(_forget)
-    bpy.app.handlers.depsgraph_update_post.remove(_mesh_changed)
-    _seen.clear()

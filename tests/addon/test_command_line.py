@@ -162,7 +162,7 @@ def test_blender_command_works_on_the_open_file(tmp_path, capfd):
 
 
 def test_command_is_registered_with_blender(extension):
-    assert extension.synch_addon.main._command is not None
+    assert extension.synch_addon.main.blender_command._handle is not None
 
 
 def test_the_chosen_object_gets_the_field(tmp_path, capfd):

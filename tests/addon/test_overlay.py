@@ -12,7 +12,7 @@ from mathutils import Matrix
 from scipy.spatial import cKDTree
 
 from synch_fields import synch_addon
-from synch_fields.synch_addon.blender import meshes
+from synch_fields.synch_addon.blender import changes, meshes
 from synch_fields.synch_addon.blender.defect_empties import defect_empties
 from synch_fields.synch_addon.panels import overlay, overlay_view
 
@@ -209,7 +209,7 @@ def test_taking_the_extension_out_leaves_no_handler_behind():
         return [h for handler_list in lists if isinstance(handler_list, list) for h in handler_list]
 
     before = handlers()
-    ours = [h for h in before if h.__module__ == overlay_view.__name__]
+    ours = [h for h in before if h.__module__ == changes.__name__]
     assert len(ours) == 4
     synch_addon.unregister()
     try:

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which state meshes are in, for what is computed from them at a redraw and kept until they change."""
+
+import bpy
+from bpy.app.handlers import depsgraph_update_post, load_post, persistent, redo_post, undo_post
+
+
+class _Changes:
+    """How often each mesh has changed, as far as Blender has told; undo and redo may change any."""
+
+    def __init__(self):
+        self._counts, self._steps = {}, 0
+        self._handlers = [(depsgraph_update_post, self._count)]
+        self._handlers += [(event, self._forget) for event in (load_post, undo_post, redo_post)]
+
+    def state(self, mesh):
+        """What is equal as long as a mesh is the same and has not changed."""
+        return mesh.session_uid, self._steps, self._counts.get(mesh.session_uid, 0)
+
+    def register(self):
+        for event, handler in self._handlers:
+            event.append(handler)
+
+    def unregister(self):
+        for event, handler in self._handlers:
+            event.remove(handler)
+
+    @persistent
+    def _count(self, _scene, depsgraph):
+        for update in depsgraph.updates:
+            if update.is_updated_geometry and isinstance(update.id, bpy.types.Mesh):
+                uid = update.id.original.session_uid
+                self._counts[uid] = self._counts.get(uid, 0) + 1
+
+    @persistent
+    def _forget(self, *_):
+        self._counts.clear()
+        self._steps += 1
+
+
+changes = _Changes()
+register, unregister = changes.register, changes.unregister
