@@ -139,6 +139,16 @@ def test_the_picture_is_of_the_imports_as_they_are(rooms, found):
     assert drawn == rooms.drawn(found), "draw it anew with python tools/rooms.py"
 
 
+def test_every_module_that_a_text_names_is_there(found):
+    named = 0
+    for here, path in found.items():
+        package = here if path.name == "__init__.py" else here.rpartition(".")[0]
+        for name in re.findall(r":mod:`([.\w]+)`", path.read_text(encoding="utf-8")):
+            assert importlib.util.resolve_name(name, package) in found, f"{here}: {name}"
+            named += 1
+    assert named > 10
+
+
 def test_every_place_that_the_page_names_is_there():
     page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
     bases = [ROOT, ROOT / "synch_addon", ROOT / "core"]

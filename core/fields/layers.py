@@ -207,7 +207,7 @@ def layer_problem(mesh, directions, spacing, groups=()):
     Parameters
     ----------
     mesh : TetMesh
-    directions : (n, 3) unit vectors in which layers follow one another (:mod:`core.fields.solid_guidance`)
+    directions : (n, 3) unit vectors in which layers follow one another (:mod:`core.fields.guidance.solids`)
     spacing : distance between layers in the solid's units, or (n,) one at each vertex
     groups : LayerGroups; the boundary is free elsewhere
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sharp edges and corners of a surface, and outlines of parts of it, given back to the solid that fills it.
 
-Stuffing (:mod:`core.geometry.stuffing`) cuts them off: an edge of its boundary runs from one smooth region of the
+Stuffing (:mod:`.stuffing`) cuts them off: an edge of its boundary runs from one smooth region of the
 surface to another. One of its ends moves onto the sharp edge where the tetrahedra around it keep within the bounds of
 stuffing: nearest ones first, and before them one to each corner, where sharp edges end, branch or bend.
 """
