@@ -9,6 +9,7 @@ import time
 import pytest
 
 from .blender import PATIENCE
+from .test_window import stripes_are_seen
 
 # Inside: the longest time between two calls of a timer that asks to be called every hundredth of a second.
 WATCH = """
@@ -63,6 +64,8 @@ def ends(number, seconds=1.0):
 
 
 def solves_again(panel):
+    panel.press("ESC")  # what Blender shows of an error goes
+    over_view(panel)
     add_ball(panel, 3)
     panel.click("Stripes")
     panel.until(f"{RUNNING} is None and active().synch.result")
@@ -227,3 +230,19 @@ def test_the_child_goes_with_blender(window_of_its_own, end):
     else:
         panel.quit()
     assert ends(number, 1.0 if end == "kill" else PATIENCE)
+
+
+def test_a_first_result_is_drawn_over_the_object_and_changes_nothing(panel, keep):
+    add_ball(panel, 7)
+    panel.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.4")
+    before = panel.value("state()")
+    assert not stripes_are_seen(panel.picture("WINDOW"))
+    begin(panel)
+    panel.until(f"{RUNNING}.picture is not None")
+    keep("first", panel.wait_to_see(stripes_are_seen, "WINDOW"))
+    assert panel.value(f"{RUNNING} is not None") and panel.value("state()") == before
+    assert panel.value("active().visible_get() and active().select_get() and len(bpy.data.objects) == 3")
+    over_view(panel)
+    panel.press("ESC")
+    panel.until(f"{RUNNING} is None")
+    assert panel.value("state()") == before

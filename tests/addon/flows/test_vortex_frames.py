@@ -1,0 +1,209 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sequences of flows: each frame starts from the one before, its objects are seen at their frame alone."""
+
+import json
+
+import bpy
+import numpy as np
+import pytest
+
+from synch_fields.core.errors import Cancelled, SettingError
+from synch_fields.core.fields.clebsch import quantum_for
+from synch_fields.core.tasks.flow_settings import ClebschSettings
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.command.main import main
+from synch_fields.synch_addon.flows import sequence_job
+from synch_fields.synch_addon.flows.chosen import expected_shape
+from synch_fields.synch_addon.flows.frames import flow_frames
+from synch_fields.synch_addon.flows.job import job_for
+from synch_fields.synch_addon.flows.sources import flow_source
+
+from ..scenes import make_active, snapshot
+from ..vortex_scenes import QUICK, RADIUS, SPACING, points_of, write_npz, write_vdb
+
+HEIGHTS = (-0.11, 0.0, 0.1)
+SETTINGS = QUICK | {"resolution": 18}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """smoke_0001.vdb ... smoke_0003.vdb, a ring that rises by a cell in each frame."""
+    made = tmp_path_factory.mktemp("frames")
+    for number, height in enumerate(HEIGHTS, 1):
+        write_vdb(made / f"smoke_{number:04d}.vdb", height)
+    return made
+
+
+def visible():
+    return sorted(obj.name for obj in bpy.data.objects if not obj.hide_viewport and not obj.hide_render)
+
+
+def volume_of(folder):
+    files = sorted(path.name for path in folder.glob("smoke_*.vdb"))
+    bpy.ops.object.volume_import(
+        filepath=str(folder / files[0]), directory=str(folder), files=[{"name": name} for name in files]
+    )
+    assert bpy.context.active_object.data.is_sequence
+    return bpy.context.active_object
+
+
+def test_the_filament_follows_the_ring_and_is_seen_at_its_frame(folder):
+    report = api.clebsch(folder / "smoke_####.vdb", frames=(1, 3), show="both", **SETTINGS)
+    assert [frame["filaments"] for frame in report["frames"]] == [1, 1, 1]
+    collection = bpy.data.collections[report["object"]]
+    assert len(collection.objects) == 6 and collection.name == "smoke Vortices"
+    for frame, height in enumerate(HEIGHTS, 1):
+        bpy.context.scene.frame_set(frame)
+        assert visible() == [f"smoke Filaments {frame:04d}", f"smoke Tubes {frame:04d}"]
+        points = points_of(bpy.data.objects[f"smoke Filaments {frame:04d}"])
+        assert np.abs(points[:, 2] - height).max() < SPACING
+        assert np.linalg.norm(points[:, :2], axis=1).mean() == pytest.approx(RADIUS, abs=0.5 * SPACING)
+    for frame in (0, 4):
+        bpy.context.scene.frame_set(frame)
+        assert visible() == []
+
+
+def test_a_volume_plays_the_files_that_blender_shows(folder):
+    volume = volume_of(folder)
+    data = volume.data
+    for mode in ("EXTEND", "REPEAT", "PING_PONG"):
+        data.sequence_mode, data.frame_start = mode, 3
+        for frame in range(-3, 12):
+            bpy.context.scene.frame_set(frame)
+            seen = volume.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+            seen.grids.load()
+            shown = bpy.path.basename(seen.grids.frame_filepath)
+            (file,), name = flow_frames(volume, frame, frame)
+            assert (file.source.path.name, name) == (shown, volume.name), (mode, frame)
+    data.sequence_mode = "CLIP"
+    with pytest.raises(SettingError, match="frame 6 lies outside"):
+        flow_frames(volume, 3, 6)
+
+
+def test_without_frames_a_volume_is_solved_as_it_is_shown_now(folder):
+    volume = volume_of(folder)
+    volume.data.frame_start = 5
+    for frame, height in ((5, HEIGHTS[0]), (7, HEIGHTS[2])):
+        bpy.context.scene.frame_set(frame)
+        assert flow_source(volume, None).path.name == f"smoke_{frame - 4:04d}.vdb"
+        lines = bpy.data.objects[api.clebsch(volume, **SETTINGS)["object"]]
+        assert points_of(lines)[:, 2].mean() == pytest.approx(height, abs=0.5 * SPACING)
+    make_active(volume)
+    (folder / "smoke_0003.vdb").rename(folder / "away.vdb")
+    assert expected_shape(bpy.context, "", 18, "velocity") is None  # told of that file, not of the first
+    (folder / "away.vdb").rename(folder / "smoke_0003.vdb")
+    volume.data.sequence_mode = "CLIP"
+    bpy.context.scene.frame_set(9)
+    with pytest.raises(SettingError, match="frame 9 lies outside"):
+        api.clebsch(volume, **SETTINGS)
+
+
+def test_a_volume_that_was_moved_gives_moved_filaments(folder):
+    volume = volume_of(folder)
+    volume.location.z = 5.0
+    bpy.context.view_layer.update()
+    report = api.clebsch(volume, frames=(1, 1), **SETTINGS)
+    (made,) = bpy.data.collections[report["object"]].objects
+    assert points_of(made)[:, 2].mean() == pytest.approx(5.0 + HEIGHTS[0], abs=SPACING)
+
+
+def test_frames_of_different_boxes_get_one_grid(tmp_path):
+    write_vdb(tmp_path / "part_1.vdb", 0.0, last=16)
+    write_vdb(tmp_path / "part_2.vdb", 0.0, first=1)
+    report = api.clebsch(tmp_path / "part_#.vdb", frames=(1, 2), **SETTINGS)
+    assert report["shape"] == [18, 18, 14] and [f["filaments"] for f in report["frames"]] == [1, 1]
+
+
+def test_the_circulation_is_that_of_the_frame_with_most_vorticity(tmp_path):
+    for number, circulation in enumerate((1.0, 4.0), 1):
+        write_npz(tmp_path / f"grow{number}.npz", circulation=circulation)
+    report = api.clebsch(tmp_path / "grow#.npz", frames=(1, 2), target_gap=0.05, count=2)
+    most = flow_source(tmp_path / "grow2.npz", None).read()
+    grid = most.grid(18)
+    assert report["quantum"] == pytest.approx(quantum_for(grid, most.integrals(grid), 2))
+    first, last = (frame["filaments"] for frame in report["frames"])
+    assert first < last
+
+
+def test_warnings_name_the_frames_that_they_are_of(tmp_path):
+    for number in (1, 2):
+        write_vdb(tmp_path / f"wind{number}.vdb", name="wind", before=["Cd"] if number == 1 else ["wind2"])
+    settings = SETTINGS | {"quantum": 50.0, "attribute": "wind"}
+    report = api.clebsch(tmp_path / "wind#.vdb", frames=(1, 2), **settings)
+    (line,) = report["warnings"]
+    assert line.startswith("frames 1, 2: the map has no filaments: ask for more")
+
+
+def test_what_is_no_sequence_is_refused_in_one_line(folder, tmp_path):
+    before = snapshot()
+    write_npz(tmp_path / "a1.npz")
+    np.savez(tmp_path / "a2.npz", velocity=np.ones((5, 5, 5, 3)))
+    (tmp_path / "b1.vdb").write_text("no volume")
+    for source, frames, message in (
+        (folder / "smoke_####.vdb", (2, 5), "smoke_0004.vdb: no such file: frame 4 of the sequence is missing"),
+        (folder / "smoke_0001.vdb", (1, 2), "mark where the number of a frame stands"),
+        (folder / "smoke_####.vdb", (3, 1), "the frames 3 to 1 are none"),
+        (tmp_path / "a#.npz", (1, 2), "its grid is not that of a1.npz"),
+        (tmp_path / "b#.vdb", (1, 1), "b1.vdb.*choose an OpenVDB file"),
+    ):
+        with pytest.raises(SettingError, match=message) as caught:
+            api.clebsch(source, frames=frames, **SETTINGS)
+        assert "\n" not in str(caught.value)
+    with pytest.raises(SettingError, match="use the method sdp"):
+        api.clebsch(folder / "smoke_####.vdb", frames=(1, 2), method="spectral")
+    assert snapshot() == before
+    volume = volume_of(folder)
+    volume.data.is_sequence = False
+    with pytest.raises(SettingError, match="is no sequence"):
+        api.clebsch(volume, frames=(1, 2))
+    bpy.ops.curve.primitive_bezier_circle_add()
+    with pytest.raises(SettingError, match="frames are solved of numbered files"):
+        api.clebsch(bpy.context.active_object, frames=(1, 2))
+
+
+def test_cancelling_between_frames_writes_nothing(folder):
+    before = snapshot()
+    with pytest.raises(Cancelled):
+        api.clebsch(folder / "smoke_####.vdb", lambda stage, _: "frame 2, " not in stage, frames=(1, 3), **SETTINGS)
+    assert snapshot() == before
+
+
+def test_what_fails_while_it_is_written_leaves_nothing(folder, monkeypatch):
+    make, asked = sequence_job.make_filaments, []
+
+    def breaking(name, shown):
+        asked.append(name)
+        if len(asked) == 2:
+            raise MemoryError
+        return make(name, shown)
+
+    job = job_for(folder / "smoke_####.vdb", ClebschSettings(frames=(1, 2), show="both", **SETTINGS))
+    result = job.request.solve()
+    before, counts = snapshot(), (len(bpy.data.curves), len(bpy.data.actions))
+    monkeypatch.setattr(sequence_job, "make_filaments", breaking)
+    with pytest.raises(MemoryError):
+        job.write(result)
+    assert snapshot() == before and (len(bpy.data.curves), len(bpy.data.actions)) == counts
+    assert len(bpy.data.collections[job.write(result)["object"]].objects) == 4
+
+
+def test_the_command_line_solves_frames(folder, tmp_path, capfd):
+    out, report = tmp_path / "out.blend", tmp_path / "report.json"
+    arguments = [
+        "clebsch",
+        str(folder / "smoke_####.vdb"),
+        "--frames",
+        "1",
+        "2",
+        "--quantum",
+        "1",
+        "--resolution",
+        "18",
+    ]
+    arguments += ["--target-gap", "0.05", "--quiet", "--output", str(out), "--report", str(report)]
+    assert main(arguments) == 0
+    assert [frame["frame"] for frame in json.loads(report.read_text())["frames"]] == [1, 2] and out.is_file()
+    assert "2 frames, filaments in each: 1" in capfd.readouterr().out
+    assert main([*arguments[:2], "--frames", "3", "4", "--quiet"]) == 1
+    assert "frame 4 of the sequence is missing" in capfd.readouterr().err

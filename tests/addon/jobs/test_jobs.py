@@ -1,0 +1,354 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Jobs that the window waits for: a child solves them one after the other, and only what still fits is written."""
+
+import os
+import signal
+import time
+
+import bpy
+import numpy as np
+import pytest
+
+from synch_fields.core.errors import Cancelled, SynchError
+from synch_fields.core.tasks import surfaces
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.jobs import queue as queue_module
+from synch_fields.synch_addon.jobs.queue import queue
+from synch_fields.synch_addon.jobs.worker import Worker
+from synch_fields.synch_addon.operators import field_operator
+from synch_fields.synch_addon.patterns.job import FieldJob
+from synch_fields.synch_addon.settings.fields import Settings
+
+from ..loop import BESIDE, Recorded, begun
+from ..scenes import attribute, set_vectors, snapshot, sphere
+
+
+class Stripes(Recorded, field_operator.FieldOperator):
+    """The operator as the window runs it, without being one of Blender's."""
+
+    bl_label, command = "Stripes", "stripes"
+
+    def __init__(self, **settings):
+        super().__init__()
+        self.settings, self.spacing = Settings(**{"spacing": 0.4} | settings), 0.0
+
+    def _settings(self):
+        return self.settings
+
+
+@pytest.fixture(autouse=True)
+def nothing_left():
+    yield
+    assert queue.running is None
+    queue.stop()
+
+
+def child():
+    """The process number of the worker, which is there."""
+    return queue._worker.number
+
+
+def is_alive(number):
+    try:
+        os.kill(number, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def in_work():
+    """Whether the job that runs has begun to solve."""
+    return queue.running.fraction > 0
+
+
+@pytest.mark.parametrize("command", ["directions", "stripes", "quads"])
+def test_window_gets_what_a_script_gets(command):
+    obj = sphere()
+    operator = Stripes()
+    operator.command = command
+    loop, operator = begun(operator)
+    assert loop.run(operator) == {"FINISHED"}
+    assert queue.running is None and loop.free
+    names = [a.name for a in obj.data.attributes if a.name.startswith("synch_")]
+    written = [attribute(obj, name) for name in names]
+    getattr(api, command)(obj, spacing=0.4)
+    assert names == [a.name for a in obj.data.attributes if a.name.startswith("synch_")]
+    for name, values in zip(names, written, strict=True):
+        np.testing.assert_array_equal(values, attribute(obj, name))
+
+
+def test_the_window_is_never_kept_waiting_by_a_solve():
+    sphere(6)
+    loop, operator = begun(Stripes(spacing=0.1))
+    loop.run(operator, until=in_work)
+    loop.longest = 0.0
+    loop.run(operator, until=lambda: queue.running.fraction > 0.5)
+    assert loop.longest < 0.2
+    loop.send(operator, "ESC", "PRESS")
+
+
+@pytest.mark.parametrize("button", [False, True])
+def test_escape_and_button_cancel_at_once(button):
+    sphere(5)
+    before = snapshot()
+    loop, operator = begun(Stripes(seed=3))
+    loop.run(operator, until=in_work)
+    number, start = child(), time.perf_counter()
+    if button:
+        bpy.ops.synch.cancel()
+        result = loop.send(operator, "TIMER")
+    else:
+        result = loop.send(operator, "ESC", "PRESS")
+    assert result == {"CANCELLED"} and time.perf_counter() - start < 0.2
+    assert operator.reports == [({"INFO"}, "cancelled: nothing was changed")]
+    assert queue.running is None and loop.free and snapshot() == before and not is_alive(number)
+
+
+def test_escape_elsewhere_and_all_other_keys_are_blenders():
+    sphere()
+    loop, operator = begun(Stripes())
+    assert loop.send(operator, "ESC", "PRESS", BESIDE) == {"PASS_THROUGH"}
+    for key in ("X", "Z", "TAB", "LEFTMOUSE", "G"):
+        assert loop.send(operator, key, "PRESS") == {"PASS_THROUGH"}
+    assert loop.run(operator) == {"FINISHED"}
+
+
+def test_several_jobs_wait_in_a_row_and_each_object_has_one():
+    first, second = sphere(), sphere()
+    second.name = "second"
+    bpy.context.view_layer.objects.active = first
+    loop, operator = begun(Stripes())
+    assert not bpy.ops.synch.stripes.poll() and queue.holds(first) and not queue.holds(second)
+    with pytest.raises(RuntimeError, match=r"is being solved: wait for it, or cancel it"):
+        bpy.ops.synch.quads()
+    bpy.context.view_layer.objects.active = second
+    assert bpy.ops.synch.stripes.poll()
+    other_loop, other = begun(Stripes(spacing=0.5))
+    assert [work.has_begun for work in queue.works] == [True, False] and "waiting" in queue.works[1].line
+    assert other_loop.send(other, "ESC", "PRESS") == {"PASS_THROUGH"}  # it is not its turn
+    assert loop.run(operator) == {"FINISHED"}
+    assert "synch_phase" in first.data.attributes and "synch_phase" not in second.data.attributes
+    assert other_loop.run(other) == {"FINISHED"} and "synch_phase" in second.data.attributes
+
+
+def test_a_waiting_job_can_be_cancelled_without_the_one_that_runs():
+    sphere()
+    loop, operator = begun(Stripes())
+    sphere()
+    other_loop, other = begun(Stripes())
+    bpy.ops.synch.cancel(place=1)
+    assert other_loop.send(other, "TIMER") == {"CANCELLED"} and other_loop.free
+    assert loop.run(operator) == {"FINISHED"}
+
+
+def test_the_child_stays_for_the_next_job_and_goes_when_it_is_idle(monkeypatch):
+    sphere()
+    loop, operator = begun(Stripes())
+    assert loop.run(operator) == {"FINISHED"}
+    number = child()
+    loop, operator = begun(Stripes(spacing=0.5))
+    assert loop.run(operator) == {"FINISHED"} and child() == number
+    queue.end_when_idle()
+    assert is_alive(number)
+    monkeypatch.setattr(queue_module, "_IDLE", 0.0)
+    queue.end_when_idle()
+    assert not is_alive(number) and queue._worker is None
+
+
+@pytest.mark.parametrize("when", ["at the start", "amid"])
+def test_a_child_that_is_killed_gives_one_line_and_the_next_job_a_new_one(when):
+    sphere(5)
+    before = snapshot()
+    loop, operator = begun(Stripes())
+    if when == "amid":
+        loop.run(operator, until=in_work)
+    os.kill(child(), signal.SIGKILL)
+    assert loop.run(operator) == {"CANCELLED"} and snapshot() == before and loop.free
+    (report,) = operator.reports
+    assert report == ({"ERROR"}, "the process that solves has ended (signal 9): nothing was changed, run again")
+    loop, operator = begun(Stripes())
+    assert loop.run(operator) == {"FINISHED"}
+
+
+def test_a_limit_of_memory_gives_one_line(monkeypatch):
+    monkeypatch.setattr(queue_module, "_memory_limit", lambda: 300 * 2**20)
+    sphere(7)
+    before = snapshot()
+    loop, operator = begun(Stripes(spacing=0.05))
+    assert loop.run(operator) == {"CANCELLED"} and snapshot() == before
+    assert operator.reports[-1][0] == {"ERROR"} and "more than 300 MB of memory" in operator.reports[-1][1]
+
+
+@pytest.mark.parametrize("words", ["print('hello')", "import os; os.write(1, os.urandom(1 << 20))"])
+def test_a_child_that_says_nonsense_gives_one_line(monkeypatch, words):
+    program = f"{words}\nimport sys, time\nsys.stdout.flush()\ntime.sleep(20)\n"
+    if "hello" in words:
+        program = program.replace("time.sleep(20)", "sys.exit(3)")
+    monkeypatch.setattr("synch_fields.synch_addon.jobs.worker._BEGIN", program)
+    sphere()
+    before = snapshot()
+    loop, operator = begun(Stripes())
+    assert loop.run(operator) == {"CANCELLED"} and snapshot() == before
+    (report,) = operator.reports
+    assert report[0] == {"ERROR"} and ("status 3" in report[1] or "what is no message" in report[1])
+
+
+def test_errors_of_the_solve_reach_the_window():
+    obj = sphere()
+    set_vectors(obj, "outwards", attribute(obj, "position"))
+    loop, operator = begun(Stripes(guidance="attribute:outwards"))
+    assert loop.run(operator) == {"CANCELLED"}
+    assert operator.reports[-1][0] == {"ERROR"} and "straight out of the surface" in operator.reports[-1][1]
+
+
+def change_face(obj):
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.flip_normals()
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def change_position(obj):
+    obj.data.vertices[3].co.x += 0.1
+
+
+def change_scale(obj):
+    obj.scale.x = 2.0
+    bpy.context.view_layer.update()
+
+
+@pytest.mark.parametrize("change", [change_face, change_position, change_scale])
+def test_mesh_that_changed_meanwhile_is_not_written(change):
+    obj = sphere()
+    loop, operator = begun(Stripes())
+    change(obj)
+    before = snapshot()
+    assert loop.run(operator) == {"CANCELLED"} and snapshot() == before
+    assert "changed while it was solved" in operator.reports[-1][1]
+
+
+def test_an_object_is_found_by_whatever_name_it_has():
+    obj = sphere()
+    name = obj.name
+    loop, operator = begun(Stripes())
+    obj.name = "renamed"
+    other = sphere()
+    other.name = name
+    assert loop.run(operator) == {"FINISHED"}
+    assert "synch_phase" in obj.data.attributes and "synch_phase" not in other.data.attributes
+
+
+def test_object_that_is_gone_is_said_in_one_line():
+    obj = sphere()
+    loop, operator = begun(Stripes())
+    name = obj.name
+    bpy.data.objects.remove(obj)
+    assert loop.run(operator) == {"CANCELLED"} and queue.running is None
+    assert operator.reports == [({"ERROR"}, f"the object {name} is gone: nothing was written")]
+
+
+def test_the_result_takes_no_selection_with_it():
+    obj = sphere()
+    loop, operator = begun(Stripes())
+    other = sphere()
+    obj.select_set(False)
+    obj.hide_set(True)
+    assert loop.run(operator) == {"FINISHED"}
+    assert bpy.context.active_object == other and other.select_get() and not obj.select_get() and obj.hide_get()
+
+
+@pytest.mark.parametrize("end", ["FINISHED", "CANCELLED"])
+def test_the_result_waits_for_a_mode_in_which_it_can_be_written(end):
+    obj = sphere()
+    loop, operator = begun(Stripes())
+    bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+    work = operator._work
+    assert loop.run(operator, until=lambda: work.is_over and loop.status) == {"PASS_THROUGH"}
+    assert "waits for object or edit mode" in loop.status and "synch_phase" not in obj.data.attributes
+    if end == "FINISHED":
+        bpy.ops.object.mode_set(mode="OBJECT")
+        assert loop.run(operator) == {"FINISHED"} and "synch_phase" in obj.data.attributes
+    else:
+        assert loop.send(operator, "ESC", "PRESS") == {"CANCELLED"} and loop.free
+        bpy.ops.object.mode_set(mode="OBJECT")
+        assert "synch_phase" not in obj.data.attributes
+
+
+def test_taking_the_extension_out_ends_all_jobs_and_the_child():
+    sphere()
+    before = snapshot()
+    loop, operator = begun(Stripes())
+    loop.run(operator, until=in_work)
+    number = child()
+    queue.stop()
+    assert not is_alive(number) and queue.running is None and snapshot() == before
+    assert loop.send(operator, "TIMER") == {"CANCELLED"} and loop.free
+
+
+def test_opening_another_file_ends_the_job():
+    sphere()
+    loop, operator = begun(Stripes())
+    loop.run(operator, until=in_work)
+    number = child()
+    bpy.ops.wm.read_homefile(use_empty=True)
+    operator.cancel(loop)  # as Blender tells every operator that runs
+    assert queue.running is None and loop.free and not is_alive(number) and not bpy.data.objects
+    assert isinstance(operator._work.error, Cancelled)
+
+
+def test_first_results_are_pictures_and_change_nothing(monkeypatch):
+    obj = sphere(4)
+    obj.scale = 1, 2, 3
+    bpy.context.view_layer.update()
+    job = FieldJob("stripes", obj, Settings(spacing=0.4))
+    assert job.request.solve_early() is None  # too small to take long
+    monkeypatch.setattr(surfaces, "EARLY_FROM", 0)
+    picture = job.request.solve_early()
+    count = 3 * len(obj.data.loop_triangles)
+    assert picture.places.shape == (count, 3) and picture.phases.shape == (count, 1)
+    corners = np.array([v for t in obj.data.loop_triangles for v in t.vertices])
+    np.testing.assert_allclose(picture.places, attribute(obj, "position")[corners], atol=1e-6)
+    # The phases are those of the spectral method.
+    api.stripes(obj, spacing=0.4, method="spectral")
+    loops = np.array([loop for t in obj.data.loop_triangles for loop in t.loops])
+    np.testing.assert_allclose(picture.phases[:, 0], attribute(obj, "synch_phase")[loops], atol=1e-5)
+
+
+def test_the_window_gets_the_picture_of_a_first_result():
+    sphere(7)
+    before = snapshot()
+    loop, operator = begun(Stripes(spacing=0.15))
+    loop.run(operator, until=lambda: queue.running.picture is not None)
+    assert len(queue.running.picture.places) == 3 * 81920 and snapshot() == before
+    assert loop.send(operator, "ESC", "PRESS") == {"CANCELLED"} and snapshot() == before
+
+
+def test_a_child_ends_when_its_parent_is_gone():
+    worker = Worker(2**33)
+    number = worker.number
+    while not worker.is_ready:
+        worker.exchange()
+    worker._child.stdin.close()
+    end = time.monotonic() + 1
+    while worker._child.poll() is None and time.monotonic() < end:
+        time.sleep(0.01)
+    assert worker._child.poll() == 0 and number
+    worker._child.stdout.close()
+
+
+def test_a_fault_in_the_child_is_told_with_its_place(monkeypatch):
+    sphere()
+    loop, operator = begun(Stripes())
+    operator._work.job.request  # noqa: B018
+    queue.running.hear("broken", "Traceback ... ValueError: a fault")
+    with pytest.raises(RuntimeError, match="a fault"):
+        loop.run(operator)
+    queue.cancel(operator._work)
+
+
+def test_jobs_refuse_at_once_what_cannot_be():
+    obj = sphere()
+    obj.data.clear_geometry()
+    with pytest.raises(SynchError):
+        begun(Stripes())
+    assert queue.running is None

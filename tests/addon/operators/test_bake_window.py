@@ -1,0 +1,121 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Baking from the window: map after map, so that it is drawn in between, and cancelled without a trace."""
+
+import time
+
+import bpy
+import pytest
+
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.bakes.job import BakeJob
+from synch_fields.synch_addon.bakes.settings import BakeSettings
+from synch_fields.synch_addon.jobs.queue import queue
+from synch_fields.synch_addon.operators.bake import SYNCH_OT_bake
+from synch_fields.synch_addon.operators.field_operator import BackgroundOperator
+
+from ..loop import Recorded, begun
+from ..scenes import attribute, snapshot, sphere
+
+MAPS = ("mask", "height", "phase")
+
+
+class Bake(Recorded, BackgroundOperator):
+    """The operator as the window runs it, without being one of Blender's."""
+
+    bl_label = "Bake"
+    _headline = SYNCH_OT_bake._headline
+
+    def __init__(self, **settings):
+        super().__init__()
+        self.settings = BakeSettings(maps=MAPS, size=32, samples=1, unwrap=True, **settings)
+
+    def _job(self, context):
+        return BakeJob(context.active_object, self.settings)
+
+
+@pytest.fixture
+def striped():
+    obj = sphere()
+    for layer in list(obj.data.uv_layers):
+        obj.data.uv_layers.remove(layer)
+    api.stripes(obj, spacing=0.5)
+    return obj
+
+
+def everything():
+    return snapshot(), sorted(image.name for image in bpy.data.images), sorted(scene.name for scene in bpy.data.scenes)
+
+
+def files(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_pieces_are_named_before_they_are_done_and_nothing_is_left_in_between(striped, tmp_path):
+    before = everything()
+    loop, operator = begun(Bake(folder=str(tmp_path)))
+    seen = []
+    while loop.send(operator, "TIMER") == {"RUNNING_MODAL"}:
+        seen.append(operator._work.stage)
+        assert everything() == before
+    assert seen == ["unwrap", "mask", "phase", "write"]
+    assert queue.running is None and loop.timers == 0 and operator.reports[-1][0] == {"INFO"}
+    assert len(files(tmp_path)) == 3 and "Synch Bake" in striped.data.uv_layers
+
+
+def test_files_are_those_of_a_script(striped, tmp_path):
+    for name in ("window", "script"):
+        (tmp_path / name).mkdir()
+    loop, operator = begun(Bake(folder=str(tmp_path / "window"), naming="{map}"))
+    assert loop.run(operator) == {"FINISHED"}
+    maps = {"maps": MAPS, "size": 32, "samples": 1, "naming": "{map}"}
+    api.bake(striped, folder=str(tmp_path / "script"), uv_map="Synch Bake", **maps)
+    assert files(tmp_path / "window") == files(tmp_path / "script")
+    for name in files(tmp_path / "window"):
+        images = [bpy.data.images.load(str(tmp_path / kind / name)) for kind in ("window", "script")]
+        assert images[0].pixels[:] == images[1].pixels[:]
+
+
+@pytest.mark.parametrize("pieces", [0, 1, 2, 3])
+def test_escape_between_two_maps_leaves_everything_as_it_was(striped, pieces, tmp_path):
+    before = everything()
+    loop, operator = begun(Bake(folder=str(tmp_path), material=True))
+    for _ in range(pieces):
+        assert loop.send(operator, "TIMER") == {"RUNNING_MODAL"}
+    start = time.perf_counter()
+    assert loop.send(operator, "ESC", "PRESS") == {"CANCELLED"}
+    assert time.perf_counter() - start < 0.2
+    assert everything() == before and files(tmp_path) == []
+    assert operator.reports == [({"INFO"}, "cancelled: nothing was changed")]
+    assert queue.running is None and loop.timers == 0
+
+
+def test_opening_another_file_ends_the_bake(striped, tmp_path):
+    loop, operator = begun(Bake(folder=str(tmp_path)))
+    for _ in range(2):
+        loop.send(operator, "TIMER")
+    bpy.ops.wm.read_homefile(use_empty=True)
+    operator.cancel(loop)
+    assert queue.running is None and files(tmp_path) == [] and not bpy.data.objects
+
+
+def test_bake_in_edit_mode_comes_back_to_it(striped, tmp_path):
+    bpy.ops.object.mode_set(mode="EDIT")
+    loop, operator = begun(Bake(folder=str(tmp_path)))
+    loop.send(operator, "TIMER")
+    assert loop.send(operator, "ESC", "PRESS") == {"CANCELLED"}
+    assert striped.mode == "EDIT"
+
+
+def test_no_solve_begins_while_a_bake_runs(striped, tmp_path):
+    loop, operator = begun(Bake(folder=str(tmp_path)))
+    assert not bpy.ops.synch.stripes.poll() and not bpy.ops.synch.bake.poll()
+    loop.send(operator, "ESC", "PRESS")
+    assert bpy.ops.synch.stripes.poll() and attribute(striped, "synch_phase").any()
+
+
+def test_what_is_refused_is_said_in_one_line(striped, tmp_path):
+    loop, operator = begun(Bake(folder=str(tmp_path / "missing")))
+    assert loop.run(operator) == {"CANCELLED"}
+    assert operator.reports[-1][0] == {"ERROR"} and "this folder does not exist" in operator.reports[-1][1]
+    assert queue.running is None

@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The panel of layers: what it shows before a solve, and that the operator takes what it stores."""
+
+import re
+from types import SimpleNamespace
+from unittest.mock import MagicMock
+
+import bpy
+import pytest
+
+from synch_fields.core.geometry.filling.lengths import estimate
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.operators.layers import SYNCH_OT_layers
+from synch_fields.synch_addon.panels.layers import SYNCH_PT_layers
+from synch_fields.synch_addon.solids import memory
+from synch_fields.synch_addon.solids.properties import LENGTHS, LayerProperties, SynchLayering
+from synch_fields.synch_addon.solids.surface import read_surface
+
+from ..scenes import make_active
+from ..solid_objects import bent_bar, block, made
+
+
+def drawn():
+    """The texts of the labels that the panel draws, and the names of its settings, some of them in rows."""
+    layout = MagicMock()
+    SYNCH_PT_layers.draw(SimpleNamespace(layout=layout), bpy.context)
+    calls = layout.mock_calls
+    labels = [call.kwargs["text"] for call in calls if call[0].endswith("label")]
+    settings = [call.args[1] for call in calls if call[0].endswith(".prop") or call[0] == "prop"]
+    return labels, settings
+
+
+def taken(stored):
+    """The operator's values after it took those of the panel; lengths that are not set are missing."""
+    properties = {name: None for name in LayerProperties.__annotations__}
+    operator = MagicMock()
+    operator._target.return_value.synch_layering = stored
+    operator.properties.property_unset.side_effect = properties.pop
+    SYNCH_OT_layers._take(operator, bpy.context)
+    return {name: getattr(operator, name) for name in (*properties, "guidance", "groups")}
+
+
+@pytest.mark.parametrize("size", [None, 0.07])
+def test_the_panel_tells_beforehand_how_many_tetrahedra_there_will_be(size):
+    obj = bent_bar(faces=(24, 6, 8))
+    obj.scale = (1.5, 1, 1)
+    bpy.context.view_layer.update()
+    if size is not None:
+        obj.synch_layering.automatic_size, obj.synch_layering.size = False, size
+    (text,) = [label for label in drawn()[0] if label.startswith("About")]
+    count = int(re.match(r"About ([\d,]+) tetrahedra, ([\d,]+) MB", text)[1].replace(",", ""))
+    surface = read_surface(obj)
+    assert count == pytest.approx(estimate(surface.distance, size).tets, rel=0.02)
+    if size is not None:
+        assert count == pytest.approx(surface.filled(size).tet_count, rel=0.1)
+
+
+def test_the_operator_takes_what_the_panel_stores():
+    obj = block()
+    stored = obj.synch_layering
+    assert taken(stored)["guidance"] == "axis:Z" and not set(LENGTHS) & set(taken(stored))
+    stored.guide, stored.low, stored.high = "HARMONIC", "Bottom", "a:b"
+    row = stored.groups.add()
+    row.group, row.wish = "Top", "CONSTANT"
+    stored.groups.add().group = ""
+    stored.automatic_spacing, stored.spacing, stored.seed = False, 0.25, 3
+    values = taken(stored)
+    assert (values["guidance"], values["groups"]) == ('harmonic:Bottom:"a:b"', "Top=constant")
+    assert values["spacing"] == 0.25 and "size" not in values and values["seed"] == 3
+
+
+def test_rows_of_groups_come_and_go_by_their_buttons():
+    obj = block()
+    for _ in range(2):
+        assert bpy.ops.synch.layer_group_add() == {"FINISHED"}
+    obj.synch_layering.groups[0].group = "Bottom"
+    assert bpy.ops.synch.layer_group_remove(number=0) == {"FINISHED"}
+    assert [row.group for row in obj.synch_layering.groups] == ["Top"]
+    assert bpy.ops.synch.layer_group_remove(number=5) == {"CANCELLED"}
+    assert drawn()[1].count("wish") == 1
+
+
+def test_the_layers_show_the_settings_of_the_object_that_they_fill():
+    obj = block()
+    report = api.layers(obj, spacing=0.3, size=0.14)
+    make_active(made(report))
+    assert "Layers of Block" in drawn()[0] and memory.holds_layers(obj)
+    bpy.data.objects.remove(obj)
+    assert not any(label.startswith("Layers of") for label in drawn()[0])
+
+
+def test_the_panel_of_an_empty_scene_says_what_to_select():
+    bpy.context.view_layer.objects.active = None
+    assert drawn()[0] == ["No active object: select a mesh object"]
+    assert SynchLayering.bl_rna.properties["guide"].description

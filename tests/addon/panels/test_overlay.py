@@ -1,0 +1,278 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The overlay in the viewport: marks and streamlines against closed forms, what it shows of an object, and when it
+is computed again."""
+
+from types import SimpleNamespace
+
+import bpy
+import gpu
+import numpy as np
+import pytest
+from mathutils import Matrix
+from scipy.spatial import cKDTree
+
+from synch_fields import synch_addon
+from synch_fields.synch_addon.blender import changes, meshes
+from synch_fields.synch_addon.blender.defect_empties import defect_empties
+from synch_fields.synch_addon.panels import overlay, overlay_view
+
+from .. import scenes
+
+# Streamlines
+
+
+# What is shown of an object
+
+
+def with_directions(obj, vectors):
+    scenes.set_vectors(obj, "synch_direction", vectors)
+    return obj
+
+
+def test_marks_of_a_stretched_object_are_crosses_in_the_world():
+    obj = scenes.grid()
+    with_directions(obj, np.tile([1.0, 1.0, 0.0], (len(obj.data.vertices), 1)))
+    obj.scale, obj.synch.symmetry = (1, 3, 1), "CROSS"
+    bpy.context.view_layer.update()
+    [(points, colour)] = overlay.direction_marks(obj)
+    vectors = (points[:, 1] - points[:, 0]) @ np.diag([1.0, 3.0, 1.0])
+    first, second = np.split(vectors, 2)
+    np.testing.assert_allclose(np.einsum("ij,ij->i", first, second), 0, atol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(first, axis=1), np.linalg.norm(second, axis=1))
+    assert len(colour) == 4
+
+
+def test_no_directions_without_an_attribute_or_on_a_mesh_that_cannot_carry_them():
+    obj = scenes.grid()
+    assert overlay.direction_marks(obj) == [] and overlay.direction_lines(obj) == []
+    for count in (0, 2):
+        loose = scenes.add_object(np.zeros((count, 3)), [])
+        loose.synch.boundary = "ALONG"
+        assert overlay.direction_lines(with_directions(loose, np.ones((count, 3)))) == []
+        assert overlay.defect_points(loose) == [] and overlay.constraint_lines(loose) == []
+
+
+def test_lines_and_marks_are_finite_on_quads_with_an_empty_triangle_and_directions_that_are_not():
+    places = [(x, y, 0) for y in range(3) for x in (0, 1, 2, 3)]
+    places[5] = (1, 0, 0)  # the corners 0, 1, 5 of the first quad are 0, 1, 1 now
+    obj = scenes.add_object(places, [(a, a + 1, a + 5, a + 4) for a in (0, 1, 2, 4, 5, 6)])
+    vectors = np.tile([1.0, 0.5, 0.0], (12, 1))
+    vectors[7], vectors[10] = np.nan, 0
+    with_directions(obj, vectors)
+    areas = meshes.read_mesh(obj).mesh.areas
+    assert areas.min() == 0
+    for compute in (overlay.direction_marks, overlay.direction_lines):
+        [(points, _)] = compute(obj)
+        assert len(points) > 8 and np.isfinite(points).all()
+
+
+def test_defects_lie_where_the_empties_do_and_have_their_colours():
+    obj = scenes.quad_sphere(9)
+    assert bpy.ops.synch.stripes(spacing=0.3) == {"FINISHED"}
+    empties = defect_empties(obj)
+    torn = {e["synch_face"] for e in empties if e["synch_kind"] == "disclination"}
+    # A dislocation of the other triangle of a quad is one with the disclination there.
+    empties = [e for e in empties if e["synch_kind"] == "disclination" or e["synch_face"] not in torn]
+    layers = overlay.defect_points(obj)
+    assert sum(len(places) for places, _ in layers) == len(empties) > 8
+    for places, colour in layers:
+        alike = [e for e in empties if np.allclose(e.color, colour)]
+        assert len(alike) == len(places)
+        # A disclination is shown at the middle of its quad, its empty lies in one of its triangles.
+        tolerance = 0.1 if alike[0]["synch_kind"] == "disclination" else 1e-5
+        assert cKDTree([e.location for e in alike]).query(places)[0].max() < tolerance
+
+
+def test_constrained_edges_have_the_colour_of_what_they_ask_for():
+    obj = scenes.grid(4)
+    obj.data.edges[0].use_seam = True
+    obj.data.edges[3].use_edge_sharp = True
+    assert overlay.constraint_lines(obj) == []
+    for where, what in (("SEAMS", "CUT"), ("SHARP", "CONSTANT"), ("CREASES", "ALONG")):
+        row = obj.synch.constraints.add()
+        row.where, row.what = where, what
+    obj.synch.boundary = "ALONG"
+    lines = {colour: points for points, colour in overlay.constraint_lines(obj)}
+    for index, what in ((0, "CUT"), (3, "CONSTANT")):
+        ends = [obj.data.vertices[v].co for v in obj.data.edges[index].vertices]
+        np.testing.assert_allclose(lines[overlay.WISH_COLORS[what]], [ends])
+    rim = lines[overlay.WISH_COLORS["ALONG"]]
+    assert len(rim) == 16 and (np.abs(rim).max(axis=2) == 1).all()
+    obj.synch.constraints[0].enabled = False
+    assert len(overlay.constraint_lines(obj)) == 2
+
+
+def test_boundary_is_restricted_to_the_vertex_group():
+    obj = scenes.grid(4)
+    obj.synch.boundary, obj.synch.vertex_group = "ACROSS", "left"
+    assert overlay.constraint_lines(obj) == []
+    scenes.add_group(obj, "left", [v.index for v in obj.data.vertices if v.co.x < -0.9])
+    [(points, _)] = overlay.constraint_lines(obj)
+    assert len(points) == 4 and (points[:, :, 0] == -1).all()
+
+
+# When it is computed again, and when it is drawn
+
+
+def test_key_changes_with_the_attribute_the_mesh_and_the_settings_only():
+    obj = with_directions(scenes.grid(), np.tile([1.0, 0.0, 0.0], (169, 1)))
+    bpy.context.view_layer.update()
+    before = overlay_view.key(obj)
+
+    def changed(change):
+        nonlocal before
+        change()
+        bpy.context.view_layer.update()
+        after = overlay_view.key(obj)
+        result, before = before != after, after
+        return result
+
+    def turn_directions():
+        obj.data.attributes["synch_direction"].data.foreach_set("vector", np.float32(np.tile([0, 1, 0], 169)))
+
+    def set_(owner, name, value):
+        return lambda: setattr(owner, name, value)
+
+    assert changed(turn_directions)
+    assert changed(set_(obj.data.vertices[0], "co", (0, 0, 1)))
+    assert changed(set_(obj.synch, "symmetry", "CROSS"))
+    assert changed(set_(obj.synch, "boundary", "ALONG"))
+    assert changed(set_(obj, "scale", (1, 2, 1)))
+    for name, value in (("location", (1, 2, 3)), ("rotation_euler", (0.1, 0.5, 2.0)), ("scale", (3, 6, 3))):
+        assert not changed(set_(obj, name, value)), name
+    assert not changed(lambda: None)
+
+
+@pytest.mark.parametrize("change", ["solve", "edit mode"])
+def test_key_changes_with_what_an_artist_does(change):
+    obj = scenes.sphere()
+    bpy.context.view_layer.update()
+    before = overlay_view.key(obj)
+    if change == "solve":
+        bpy.ops.synch.directions()
+    else:
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.mark_seam()
+        bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.view_layer.update()
+    assert overlay_view.key(obj) != before
+
+
+def test_drawing_changes_nothing_in_the_file():
+    obj = scenes.sphere()
+    bpy.ops.synch.stripes()
+    before = scenes.snapshot()
+    for compute in (overlay.direction_marks, overlay.direction_lines, overlay.defect_points, overlay.constraint_lines):
+        compute(obj)
+    assert scenes.snapshot() == before
+
+
+def test_only_a_visible_mesh_is_shown_and_only_where_the_switch_is_on():
+    obj = scenes.grid()
+    scene = bpy.context.scene
+    view = next(a.spaces.active for screen in bpy.data.screens for a in screen.areas if a.type == "VIEW_3D")
+
+    def shown():
+        view_layer = bpy.context.view_layer
+        return overlay_view.shown_object(
+            SimpleNamespace(
+                active_object=view_layer.objects.active, space_data=view, scene=scene, view_layer=view_layer
+            )
+        )
+
+    view.overlay.show_overlays = True
+    assert shown() is None
+    scene.synch_overlay.show = True
+    assert shown() == obj
+    view.overlay.show_overlays = False
+    assert shown() is None
+    view.overlay.show_overlays = True
+    obj.hide_set(True)
+    assert shown() is None
+    obj.hide_set(False)
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert shown() is None
+
+
+def test_parts_follow_the_switches():
+    shown = bpy.context.scene.synch_overlay
+    assert shown.parts == ["MARKS", "CONSTRAINTS", "DEFECTS"]
+    shown.directions, shown.defects, shown.constraints = "STREAMLINES", False, False
+    assert shown.parts == ["STREAMLINES"]
+    shown.directions = "NONE"
+    assert shown.parts == []
+
+
+def test_taking_the_extension_out_leaves_no_handler_behind():
+    def handlers():
+        lists = [getattr(bpy.app.handlers, name) for name in dir(bpy.app.handlers)]
+        return [h for handler_list in lists if isinstance(handler_list, list) for h in handler_list]
+
+    before = handlers()
+    ours = [h for h in before if h.__module__ == changes.__name__]
+    assert len(ours) == 4
+    synch_addon.unregister()
+    try:
+        assert not [h for h in handlers() if h in ours]
+        assert not hasattr(bpy.types.Scene, "synch_overlay") and not hasattr(bpy.types, "SYNCH_PT_overlay")
+    finally:
+        synch_addon.register()
+    assert handlers() == before
+
+
+# Pixels
+
+
+@pytest.fixture
+def canvas():
+    """A square of 64 pixels with a depth buffer, which looks down on the square of side 2 around the origin."""
+    if not hasattr(gpu, "init"):
+        pytest.skip("this Blender cannot draw without a window")
+    gpu.init()
+    offscreen = gpu.types.GPUOffScreen(64, 64)
+    yield offscreen
+    offscreen.free()
+
+
+def drawn(canvas, obj, parts, depth=1.0):
+    """(64, 64, 3) colours after drawing over a background whose surface lies at a depth."""
+    view = Matrix.Translation((0, 0, -5))
+    with canvas.bind():
+        framebuffer = gpu.state.active_framebuffer_get()
+        framebuffer.clear(color=(0, 0, 0, 1), depth=depth)
+        with gpu.matrix.push_pop(), gpu.matrix.push_pop_projection():
+            gpu.matrix.load_projection_matrix(Matrix.Diagonal((1, 1, -0.1, 1)))
+            overlay_view.draw_object(obj, parts, view)
+        pixels = framebuffer.read_color(0, 0, 64, 64, 3, 0, "FLOAT")
+        pixels.dimensions = 64 * 64 * 3
+    return np.array(pixels).reshape(64, 64, 3)
+
+
+def test_seam_is_drawn_at_its_place_and_hidden_by_what_is_nearer(canvas):
+    obj = scenes.add_object([(-1, 0, 0), (1, 0, 0), (0, -1, 0)], [(0, 2, 1)])
+    for edge in obj.data.edges:
+        edge.use_seam = set(edge.vertices) == {0, 1}
+    row = obj.synch.constraints.add()
+    row.where, row.what = "SEAMS", "CUT"
+    rows = np.flatnonzero(drawn(canvas, obj, ["CONSTRAINTS"])[:, 20, 0] > 0.3)
+    assert len(rows) and np.abs(rows - 31.5).max() < 3
+    assert not drawn(canvas, obj, ["CONSTRAINTS"], depth=0.6).any(), "something nearer hides it"
+    assert not drawn(canvas, obj, ["DEFECTS", "MARKS", "STREAMLINES"]).any()
+    obj.location.y = 0.5
+    bpy.context.view_layer.update()
+    rows = np.flatnonzero(drawn(canvas, obj, ["CONSTRAINTS"])[:, 20, 0] > 0.3)
+    assert len(rows) and np.abs(rows - 47.5).max() < 3
+
+
+def test_picture_follows_a_change_of_the_attribute(canvas):
+    obj = scenes.grid(1)
+    with_directions(obj, np.tile([1.0, 0.0, 0.0], (4, 1)))
+    bpy.context.view_layer.update()
+    before = drawn(canvas, obj, ["MARKS"])
+    assert before.any()
+    obj.data.attributes["synch_direction"].data.foreach_set("vector", np.float32(np.tile([0, 1, 0], 4)))
+    obj.data.update()
+    bpy.context.view_layer.update()
+    after = drawn(canvas, obj, ["MARKS"])
+    np.testing.assert_allclose(after, before.transpose(1, 0, 2)[::1], atol=0.35)
+    assert not np.allclose(after, before)

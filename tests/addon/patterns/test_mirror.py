@@ -1,0 +1,96 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mirror symmetry on Blender's meshes: exact patterns, cuts, and what is refused."""
+
+import bpy
+import numpy as np
+import pytest
+
+from synch_fields.core.errors import AsymmetryError
+from synch_fields.synch_addon import api
+
+from ..scenes import attribute, bent, grid, snapshot, torus
+
+
+def mirrored(obj, axis):
+    """(n,) the vertex at the mirror image of each one's place."""
+    places = attribute(obj, "position").astype(float)
+    image = places * np.where(np.arange(3) == axis, -1, 1)
+    distances = np.linalg.norm(image[:, None] - places[None], axis=2)
+    assert distances.min(axis=1).max() < 1e-5
+    return distances.argmin(axis=1)
+
+
+@pytest.mark.parametrize("axes", ["X", "Y", "XY"])
+@pytest.mark.parametrize("symmetry", ["line", "vector"])
+@pytest.mark.parametrize("make", [lambda: bent(grid(16)), torus], ids=["grid", "torus"])
+def test_patterns_are_their_own_mirror_image(make, symmetry, axes):
+    if symmetry == "vector" and axes == "XY":
+        pytest.skip("no vector field is symmetric in two mirrors that meet")
+    obj = make()
+    report = api.stripes(obj, symmetry=symmetry, mirror=axes, spacing=0.25)
+    pattern = attribute(obj, "synch_pattern")
+    directions = attribute(obj, "synch_direction").astype(float)
+    for axis in ("XYZ".index(a) for a in axes):
+        partner = mirrored(obj, axis)
+        np.testing.assert_allclose(pattern[partner], pattern, atol=1e-6)
+        image = directions[partner] * np.where(np.arange(3) == axis, -1, 1)
+        cosines = np.einsum("ij,ij->i", image, directions)
+        # Blender's triangles are not mirrored where quads are bent, and with them the tangent planes.
+        assert (np.abs(cosines) if symmetry == "line" else cosines).min() > 0.998
+    assert report["settings"]["mirror"] == axes
+    assert report["lower_bound"] <= report["energy"]
+
+
+def test_the_operator_mirrors():
+    obj = bent(grid(12))
+    assert bpy.ops.synch.stripes(mirror=(True, False, False)) == {"FINISHED"}
+    pattern = attribute(obj, "synch_pattern")
+    np.testing.assert_allclose(pattern[mirrored(obj, 0)], pattern, atol=1e-6)
+
+
+def test_an_angle_beside_a_mirror_is_warned_of():
+    report = api.stripes(grid(), mirror="X", angle=0.3, spacing=0.5)
+    assert any("both sides of the mirror" in line for line in report["warnings"])
+
+
+def test_a_symmetric_cut_is_mirrored():
+    obj = bent(grid(12))
+    for edge in obj.data.edges:
+        ends = [obj.data.vertices[v].co for v in edge.vertices]
+        edge.use_seam = all(abs(co.x) < 1e-6 for co in ends) or all(abs(abs(co.x) - 0.5) < 0.01 for co in ends)
+    assert any(edge.use_seam for edge in obj.data.edges)
+    api.stripes(obj, mirror="X", spacing=0.25, constraints=[{"where": "seams", "what": "cut"}])
+    pattern = attribute(obj, "synch_pattern")
+    partner = mirrored(obj, 0)
+    off_seams = np.ones(len(pattern), bool)
+    for edge in obj.data.edges:
+        if edge.use_seam:
+            off_seams[list(edge.vertices)] = False
+    np.testing.assert_allclose(pattern[partner][off_seams], pattern[off_seams], atol=1e-6)
+
+
+def test_a_cut_on_one_side_is_refused():
+    obj = bent(grid(12))
+    for edge in obj.data.edges:
+        edge.use_seam = all(obj.data.vertices[v].co.x > 0.4 for v in edge.vertices)
+    before = snapshot()
+    with pytest.raises(AsymmetryError, match="not symmetric in X"):
+        api.stripes(obj, mirror="X", spacing=0.25, constraints=[{"where": "seams", "what": "cut"}])
+    assert snapshot() == before
+
+
+def test_asymmetric_vertices_are_selected_and_nothing_is_written():
+    obj = bent(grid(12))
+    obj.data.vertices[5].co.z += 0.2
+    with pytest.raises(RuntimeError, match="not symmetric in X: vertices"):
+        bpy.ops.synch.stripes(mirror=(True, False, False))
+    selected = {v.index for v in obj.data.vertices if v.select}
+    assert 5 in selected and len(selected) == 2
+    assert "synch_phase" not in obj.data.attributes
+
+
+@pytest.mark.parametrize("axes", ["W", "xq", None])
+def test_unknown_axes_are_refused(axes):
+    with pytest.raises(Exception, match="use axes of X, Y and Z"):
+        api.stripes(grid(), mirror=axes)

@@ -1,0 +1,224 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a quad mesh takes over from the given mesh: materials, shading, vertex groups, attributes and UV maps."""
+
+import bpy
+import numpy as np
+import pytest
+
+from ..quad_meshes import corner_vertices, made_from
+from ..scenes import attribute, grid, hexagon_sphere, mark_edges, places, quad_sphere, sphere, tube
+from ..ways import add_weights
+
+
+def lattice(obj, **settings):
+    """The regular quads of a flat square, a quarter wide."""
+    return made_from(obj, spacing=0.5, boundary="phase", **settings)[0]
+
+
+def add_values(obj, name, data_type, domain, values):
+    """Add an attribute of scalars, vectors or colours."""
+    kind, dtype = {
+        "FLOAT": ("value", np.float32),
+        "INT": ("value", np.int32),
+        "BOOLEAN": ("value", bool),
+        "FLOAT_COLOR": ("color", np.float32),
+        "BYTE_COLOR": ("color", np.float32),
+    }.get(data_type, ("vector", np.float32))
+    obj.data.attributes.new(name, data_type, domain).data.foreach_set(kind, np.asarray(values, dtype).ravel())
+
+
+def add_materials(obj, used):
+    for name in ("Red", "Green", "Blue"):
+        obj.data.materials.append(bpy.data.materials.new(name))
+    obj.data.polygons.foreach_set("material_index", np.asarray(used, np.int32))
+
+
+def middles(obj):
+    return np.array([p.center[:] for p in obj.data.polygons])
+
+
+# Materials and shading
+
+
+def test_materials_stay_on_their_part_of_the_surface():
+    obj = grid(16)
+    add_materials(obj, np.where(middles(obj)[:, 0] > 0, 2, 1))
+    made = lattice(obj)
+    assert [m.name for m in made.data.materials] == ["Red", "Green", "Blue"]
+    np.testing.assert_array_equal(attribute(made, "material_index"), np.where(middles(made)[:, 0] > 0, 2, 1))
+
+
+def test_empty_slots_stay_empty():
+    obj = sphere()
+    for material in (None, bpy.data.materials.new("Red")):
+        obj.data.materials.append(material)
+    made, _ = made_from(obj, spacing=0.7)
+    assert list(made.data.materials) == [None, bpy.data.materials["Red"]]
+
+
+def test_materials_of_the_object_are_taken_too():
+    obj = sphere()
+    obj.data.materials.append(bpy.data.materials.new("Of the mesh"))
+    (slot,) = obj.material_slots
+    slot.link = "OBJECT"
+    slot.material = bpy.data.materials.new("Of the object")
+    made, _ = made_from(obj, spacing=0.7)
+    assert [s.material.name for s in made.material_slots] == ["Of the object"]
+
+
+@pytest.mark.parametrize("smooth", [True, False])
+@pytest.mark.parametrize("build", [sphere, hexagon_sphere, tube])
+def test_a_smooth_surface_stays_smooth_and_a_flat_one_flat(build, smooth):
+    obj = build()
+    (obj.data.shade_smooth if smooth else obj.data.shade_flat)()
+    made, _ = made_from(obj, spacing=0.7)
+    assert {p.use_smooth for p in made.data.polygons} == {smooth}
+
+
+def test_each_face_is_shaded_as_the_surface_under_it():
+    obj = grid(16)
+    for polygon in obj.data.polygons:
+        polygon.use_smooth = polygon.center.y > 0
+    made = lattice(obj)
+    assert [p.use_smooth for p in made.data.polygons] == [p.center.y > 0 for p in made.data.polygons]
+
+
+# Vertex groups and attributes
+
+
+@pytest.mark.parametrize("smoothing", [0, 3])
+@pytest.mark.parametrize("build", [grid, quad_sphere])
+def test_weights_are_interpolated(build, smoothing):
+    obj = build()
+    x = places(obj)[:, 0]
+    add_weights(obj, "east", np.clip((x + 1) / 2, 0, 1))
+    obj.vertex_groups.new(name="nobody")
+    made, _ = made_from(obj, spacing=0.4, smoothing=smoothing)
+    assert [g.name for g in made.vertex_groups] == ["east", "nobody"]
+    weights = np.zeros(len(made.data.vertices))
+    for vertex in made.data.vertices:
+        assert all(0 < g.weight <= 1 for g in vertex.groups), "vertices outside are in no group"
+        for group in vertex.groups:
+            weights[vertex.index] = group.weight
+    np.testing.assert_allclose(weights, (places(made)[:, 0] + 1) / 2, atol=1e-5)
+
+
+@pytest.mark.parametrize("smoothing", [0, 3])
+@pytest.mark.parametrize("build", [grid, quad_sphere, hexagon_sphere])
+def test_values_on_vertices_are_interpolated(build, smoothing):
+    """A value that is linear on each triangle, such as a coordinate, is exact."""
+    obj = build()
+    here = places(obj)
+    colours = np.column_stack([(here + 1) / 2, np.ones(len(here))])
+    add_values(obj, "x", "FLOAT", "POINT", here[:, 0])
+    add_values(obj, "place", "FLOAT_VECTOR", "POINT", here)
+    add_values(obj, "flat", "FLOAT2", "POINT", here[:, :2])
+    add_values(obj, "colour", "FLOAT_COLOR", "POINT", colours)
+    add_values(obj, "bytes", "BYTE_COLOR", "POINT", colours)
+    made, _ = made_from(obj, spacing=0.4, smoothing=smoothing)
+    there = places(made)
+    np.testing.assert_allclose(attribute(made, "x"), there[:, 0], atol=1e-5)
+    np.testing.assert_allclose(attribute(made, "place"), there, atol=1e-5)
+    np.testing.assert_allclose(attribute(made, "flat"), there[:, :2], atol=1e-5)
+    np.testing.assert_allclose(attribute(made, "colour")[:, :3], (there + 1) / 2, atol=1e-5)
+    np.testing.assert_allclose(attribute(made, "bytes")[:, :3], (there + 1) / 2, atol=0.02)
+    for name in ("x", "place", "flat", "colour", "bytes"):
+        found, given = made.data.attributes[name], obj.data.attributes[name]
+        assert (found.domain, found.data_type) == (given.domain, given.data_type)
+
+
+@pytest.mark.parametrize("data_type", ["FLOAT", "INT", "BOOLEAN", "FLOAT_VECTOR", "FLOAT_COLOR"])
+def test_values_of_faces_are_those_of_the_surface_under_the_middle(data_type):
+    obj = grid(16)
+    quarter = (middles(obj)[:, :2] > 0) @ [1, 2]
+    width = {"FLOAT_VECTOR": 3, "FLOAT_COLOR": 4}.get(data_type, 1)
+    add_values(obj, "quarter", data_type, "FACE", np.repeat(quarter, width))
+    made = lattice(obj)
+    expected = (middles(made)[:, :2] > 0) @ [1, 2]
+    expected = expected > 0 if data_type == "BOOLEAN" else np.repeat(expected, width).reshape(-1, width)
+    np.testing.assert_allclose(attribute(made, "quarter").reshape(expected.shape), expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("smoothing", [0, 3])
+def test_values_at_corners_are_interpolated(smoothing):
+    obj = grid()
+    add_values(obj, "x", "FLOAT", "CORNER", places(obj)[corner_vertices(obj), 0])
+    made, _ = made_from(obj, spacing=0.4, smoothing=smoothing)
+    np.testing.assert_allclose(attribute(made, "x"), places(made)[corner_vertices(made), 0], atol=1e-4)
+
+
+def test_corner_values_keep_to_their_side_of_a_step():
+    """As UV maps do at a seam: values of a quad come from the faces under it, not from across the edge."""
+    obj = grid(16)
+    east = np.array([p.center.x > 0 for p in obj.data.polygons for _ in range(p.loop_total)])
+    add_values(obj, "side", "FLOAT", "CORNER", east)
+    made = lattice(obj)
+    expected = [p.center.x > 0 for p in made.data.polygons for _ in range(p.loop_total)]
+    np.testing.assert_allclose(attribute(made, "side"), expected, atol=1e-6)
+
+
+def test_a_cut_keeps_the_values_of_both_sides():
+    obj = grid(16)
+    here = places(obj)
+    mark_edges(obj, "seams", np.abs(here[:, 0]) < 1e-6)
+    add_values(obj, "x", "FLOAT", "POINT", here[:, 0])
+    add_weights(obj, "north", np.clip((here[:, 1] + 1) / 2, 0, 1))
+    made = lattice(obj, constraints=[{"where": "seams", "what": "cut"}])
+    there = places(made)
+    assert np.count_nonzero(np.abs(there[:, 0]) < 1e-6) > 9, "both sides of the cut"
+    np.testing.assert_allclose(attribute(made, "x"), there[:, 0], atol=1e-5)
+    weights = [sum(g.weight for g in vertex.groups) for vertex in made.data.vertices]
+    np.testing.assert_allclose(weights, (there[:, 1] + 1) / 2, atol=1e-5)
+
+
+# UV maps
+
+
+def unwrapped(obj, name="Flat"):
+    """Give a flat square the UV map of its own coordinates."""
+    layer = obj.data.uv_layers.new(name=name)
+    layer.data.foreach_set("uv", ((places(obj)[corner_vertices(obj), :2] + 1) / 2).astype(np.float32).ravel())
+    return obj
+
+
+def test_a_uv_map_is_carried_over_without_a_gap():
+    made = lattice(unwrapped(grid(16)))
+    layer = made.data.uv_layers["Flat"]
+    uv = np.array([corner.uv[:] for corner in layer.data])
+    np.testing.assert_allclose(uv, (places(made)[corner_vertices(made), :2] + 1) / 2, atol=1e-4)
+
+
+def test_the_maps_and_colours_that_are_shown_are_those_that_were():
+    obj = unwrapped(unwrapped(quad_sphere(), "One"), "Two")
+    obj.data.uv_layers.active = obj.data.uv_layers["Two"]
+    obj.data.uv_layers["One"].active_render = True
+    for name in ("First", "Second"):
+        obj.data.color_attributes.new(name, "FLOAT_COLOR", "POINT")
+    obj.data.color_attributes.active_color = obj.data.color_attributes["Second"]
+    made, _ = made_from(obj, spacing=0.7)
+    assert made.data.uv_layers.active.name == "Two"
+    assert [layer.name for layer in made.data.uv_layers if layer.active_render] == ["One"]
+    assert made.data.color_attributes.active_color.name == "Second"
+
+
+# What stays behind
+
+
+def test_the_pattern_of_an_earlier_run_stays_behind():
+    """Its numbers belong to the given mesh; so do its material, which shows them, and its defects."""
+    obj = sphere()
+    assert bpy.ops.synch.quads(spacing=0.7) == {"FINISHED"}
+    made, _ = made_from(obj, spacing=0.7)
+    assert not [a.name for a in made.data.attributes if a.name.startswith("synch_")]
+    groups = [n.node_tree.name for m in made.data.materials for n in m.node_tree.nodes if n.type == "GROUP"]
+    assert "Synch Quads" not in groups
+    assert not made.children and not [key for key, _ in made.items() if key.startswith("synch_")]
+
+
+def test_names_that_blender_hides_stay_behind():
+    obj = sphere()
+    obj.data.attributes.new(".hidden", "FLOAT", "POINT")
+    obj.data.attributes.new("weights of edges", "FLOAT", "EDGE")
+    made, _ = made_from(obj, spacing=0.7)
+    assert ".hidden" not in made.data.attributes and "weights of edges" not in made.data.attributes

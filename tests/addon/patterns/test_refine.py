@@ -1,0 +1,196 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A mesh too coarse for its spacing: the panel says so, and subdivides it with all that is on it."""
+
+import bpy
+import numpy as np
+import pytest
+
+from synch_fields.core.errors import SynchError
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender import groups, meshes
+from synch_fields.synch_addon.patterns import reading, refine
+
+from ..scenes import (
+    add_group,
+    add_object,
+    attribute,
+    grid,
+    mark_edges,
+    places,
+    quad_sphere,
+    set_numbers,
+    snapshot,
+    sphere,
+    tube,
+)
+from ..ways import undo_and_redo
+
+
+class Layout:
+    """Collects what a panel draws."""
+
+    def __init__(self):
+        self.lines = []
+
+    def box(self):
+        return self
+
+    def column(self, **_):
+        return self
+
+    def label(self, text, **_):
+        self.lines.append(text)
+
+    def operator(self, name, text="", **_):
+        self.lines.append((name, text))
+        return self
+
+
+def warning(obj):
+    layout = Layout()
+    refine.draw_warning(layout, obj)
+    return layout.lines, getattr(layout, "levels", 0)
+
+
+@pytest.mark.parametrize("build", [sphere, tube, quad_sphere, grid])
+@pytest.mark.parametrize("scale", [(1, 1, 1), (3, 0.5, 1)])
+def test_what_the_panel_sees_is_what_the_automatic_spacing_takes(build, scale):
+    obj = build()
+    obj.scale = scale
+    bpy.context.view_layer.update()
+    exact = reading.carried_spacing(meshes.read_mesh(obj).mesh.edge_lengths)
+    assert refine.carried(obj).spacing == pytest.approx(exact, rel=0.1)
+
+
+def test_a_sample_of_many_faces_is_close():
+    obj = sphere(5)
+    obj.data.transform(((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 3, 0), (0, 0, 0, 1)))
+    exact = reading.carried_spacing(meshes.read_mesh(obj).mesh.edge_lengths)
+    assert len(obj.data.polygons) > 8 * refine.FACES_SEEN
+    assert refine.carried(obj).spacing == pytest.approx(exact, rel=0.1)
+
+
+@pytest.mark.parametrize("automatic", [False, True])
+def test_no_warning_where_most_edges_have_no_length(automatic):
+    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), *[(0, 0, 0)] * 300]
+    obj = add_object(corners, np.arange(303).reshape(-1, 3))
+    obj.synch.automatic_spacing = automatic
+    assert refine.carried(obj).spacing == 0 and refine.carried(obj).size == 1
+    assert warning(obj) == ([], 0)
+
+
+def test_warning_appears_where_the_spacing_is_too_fine_and_goes_after_subdividing():
+    obj = grid()
+    obj.synch.automatic_spacing = False
+    obj.synch.spacing = 1.0
+    assert warning(obj) == ([], 0)
+    obj.synch.spacing = 0.2
+    (label, button), levels = warning(obj)
+    assert "Coarse mesh: carries" in label and button == ("synch.refine", "Subdivide to 2,304 Faces")
+    assert bpy.ops.synch.refine(levels=levels) == {"FINISHED"}
+    bpy.context.view_layer.update()
+    assert len(obj.data.polygons) == 2304
+    assert warning(obj) == ([], 0)
+    report = api.stripes(obj, spacing=0.2, method="spectral")
+    assert not report["warnings"]
+
+
+def test_automatic_spacing_warns_of_few_lines():
+    bpy.ops.mesh.primitive_cube_add()
+    obj = bpy.context.active_object
+    assert "about 1 lines" in warning(obj)[0][0]
+    report = api.refine(obj)
+    bpy.context.view_layer.update()
+    assert report["faces"] == len(obj.data.polygons) == 24 * 4 ** (report["levels"] - 1)
+    assert warning(obj) == ([], 0)
+
+
+def test_spacing_map_counts():
+    obj = grid()
+    obj.synch.automatic_spacing = False
+    obj.synch.spacing = 1.0
+    set_numbers(obj, "factor", np.full(len(obj.data.vertices), 0.1))
+    obj.synch.spacing_map = "factor"
+    assert warning(obj)[1] == 3
+    add_group(obj, "wide", range(len(obj.data.vertices)))
+    obj.synch.spacing_map, obj.synch.spacing_range = "wide", 4.0
+    assert warning(obj)[1] == 0
+
+
+def test_moved_vertices_are_seen():
+    obj = grid()
+    before = refine.carried(obj).spacing
+    obj.data.transform(((3, 0, 0, 0), (0, 3, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)))
+    obj.data.update()
+    bpy.context.view_layer.update()
+    assert refine.carried(obj).spacing == pytest.approx(3 * before, rel=1e-5)
+
+
+@pytest.mark.parametrize("build", [sphere, quad_sphere])
+def test_everything_on_the_mesh_goes_over(build):
+    obj = build()
+    corners = np.array([loop.vertex_index for loop in obj.data.loops])
+    before = places(obj)
+    # Linear in the position: what is interpolated has to be it again.
+    layer = obj.data.uv_layers.new(name="Map")
+    layer.uv.foreach_set("vector", np.float32(before[corners][:, :2]).ravel())
+    set_numbers(obj, "height", before[:, 2])
+    add_group(obj, "upper", np.flatnonzero(before[:, 2] > 0))
+    mark_edges(obj, "seams", np.abs(before[:, 2]) < 0.3)
+    obj.data.materials.append(bpy.data.materials.new("Mine"))
+    area = sum(p.area for p in obj.data.polygons)
+    seams = sum(e.use_seam for e in obj.data.edges)
+    api.refine(obj, 2)
+    now = places(obj)
+    assert np.allclose(now[: len(before)], before, atol=1e-6)
+    assert len(obj.data.polygons) == 4 * len(corners)
+    assert sum(p.area for p in obj.data.polygons) == pytest.approx(area, rel=1e-4 if build is sphere else 1e-2)
+    corners = np.array([loop.vertex_index for loop in obj.data.loops])
+    assert np.allclose(attribute(obj, "Map"), now[corners][:, :2], atol=1e-5)
+    assert np.allclose(attribute(obj, "height"), now[:, 2], atol=1e-5)
+    assert sum(e.use_seam for e in obj.data.edges) == 4 * seams > 0
+    weights = groups.read_weights(obj, "upper")
+    assert (weights[now[:, 2] > 0.5] > 0.99).all() and (weights[now[:, 2] < -0.5] == 0).all()
+    assert obj.data.materials[0].name == "Mine" and not obj.modifiers
+
+
+def test_pattern_of_the_old_faces_goes_and_directions_stay():
+    obj = sphere()
+    api.stripes(obj, spacing=0.5)
+    api.refine(obj, 1)
+    assert [a.name for a in obj.data.attributes if a.name.startswith("synch_")] == ["synch_direction"]
+    assert not obj.children and not obj.synch.result
+    assert api.stripes(obj, spacing=0.5)["energy"] > 0
+
+
+def test_undo_brings_the_coarse_mesh_back():
+    sphere()
+    undo_and_redo(lambda: bpy.ops.synch.refine(levels=1))
+
+
+def test_modifiers_and_other_users_stay_as_they_are():
+    obj = sphere()
+    twin = bpy.data.objects.new("Twin", obj.data)
+    bpy.context.scene.collection.objects.link(twin)
+    obj.modifiers.new("Bend", "SIMPLE_DEFORM")
+    bpy.context.scene.render.use_simplify = True
+    bpy.context.scene.render.simplify_subdivision = 0
+    faces = len(twin.data.polygons)
+    api.refine(obj, 1)
+    assert [m.name for m in obj.modifiers] == ["Bend"]
+    assert len(obj.data.polygons) == 3 * faces and len(twin.data.polygons) == faces
+    assert bpy.context.scene.render.use_simplify
+
+
+def test_refused_subdivision_changes_nothing():
+    obj = sphere()
+    before = snapshot()
+    for levels in (0, 7, 1.5):
+        with pytest.raises(SynchError, match="level"):
+            api.refine(obj, levels)
+    obj.shape_key_add(name="Basis")
+    with pytest.raises(SynchError, match="shape keys"):
+        api.refine(obj, 1)
+    assert not bpy.ops.synch.refine.poll()
+    assert snapshot() == before

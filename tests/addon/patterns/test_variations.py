@@ -1,0 +1,164 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One solve, many results: variations, placed defects, the mesh of the quads that are shown."""
+
+import bpy
+import numpy as np
+import pytest
+
+from synch_fields.core.errors import SettingError, SynchError
+from synch_fields.core.solve.lifted import LiftedField
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.patterns import memory
+
+from ..quad_meshes import corner_vertices
+from ..scenes import attribute, empties, grid, make_active, places, quad_sphere, snapshot, sphere, torus
+
+SOLVES = {
+    "stripes": lambda obj: api.stripes(obj, symmetry="line", spacing=0.5),
+    "quads": lambda obj: api.quads(obj, spacing=0.7),
+    "directions": lambda obj: api.directions(obj, symmetry="cross"),
+}
+MESHES = [sphere, torus, quad_sphere]
+
+
+def written_phases(obj):
+    """Phases that the object shows, as unit numbers."""
+    return np.exp(1j * attribute(obj, "synch_vertex_phase"))
+
+
+@pytest.mark.parametrize("number", [0, 1, 500])
+def test_a_variation_is_what_the_solve_holds(number):
+    obj = sphere()
+    api.stripes(obj, symmetry="vector", spacing=0.5)
+    solution = memory.recall(obj).pattern.solution
+    report = api.vary(obj, number)
+    field = LiftedField(memory.recall(obj).pattern.problem, solution)
+    if number < len(solution.variations):
+        expected = solution.variations[number]
+    else:  # Eq. 29
+        expected = solution.lifted @ field.random_direction(number)
+        expected = expected / np.abs(expected)
+    shown = memory.recall(obj).pattern
+    np.testing.assert_allclose(np.abs(np.vdot(expected, shown.phases)), len(expected), rtol=1e-9)
+    np.testing.assert_allclose(np.cos(np.angle(shown.phases)), written_phases(obj).real, atol=1e-6)
+    assert report["energy"] == pytest.approx(shown.energy) and report["energy"] >= report["lower_bound"]
+    assert len(empties(obj, "dislocation")) == len(report["dislocations"])
+
+
+@pytest.mark.parametrize("command", SOLVES)
+def test_variations_come_back_to_the_solution(command):
+    obj = sphere()
+    before = SOLVES[command](obj)
+    written = snapshot()["meshes"]
+    assert api.vary(obj, 700)["energy"] != before["energy"]
+    assert api.vary(obj, 0)["energy"] == pytest.approx(before["energy"])
+    assert snapshot()["meshes"] == written
+
+
+@pytest.mark.parametrize("command", ["stripes", "quads"])
+@pytest.mark.parametrize("build", MESHES)
+def test_a_placed_defect_is_in_a_face_at_the_vertex(build, command):
+    obj = build()
+    SOLVES[command](obj)
+    names = ["synch_index"] if command == "stripes" else ["synch_index_x", "synch_index_y"]
+    torn = "synch_disclination" if command == "stripes" else "synch_disclination_x"
+    for vertex in np.linspace(0, len(obj.data.vertices) - 1, 10).astype(int).tolist():
+        api.place_defects(obj, [vertex])
+        faces = [face.index for face in obj.data.polygons if vertex in face.vertices]
+        numbers = [attribute(obj, n)[faces] for name in names for n in (name, f"{name}_2") if n in obj.data.attributes]
+        around = attribute(obj, torn)[faces] if torn in obj.data.attributes else np.zeros(1)
+        assert np.any(numbers) or np.any(around), vertex
+
+
+def test_what_was_shown_comes_back_as_it_was():
+    obj = sphere()
+    SOLVES["stripes"](obj)
+    api.place_defects(obj, [5])
+    shown, before = memory.recall(obj), snapshot()
+    api.place_defects(obj, [40, 60])
+    assert snapshot() != before
+    api.show_again(obj, shown)
+    assert snapshot() == before and memory.recall(obj).plain == shown.plain
+
+
+def test_what_was_not_solved_has_no_variations():
+    obj = sphere()
+    for ask in (lambda: api.vary(obj, 1), lambda: api.place_defects(obj, [0]), lambda: api.trace_quads(obj)):
+        with pytest.raises(SynchError, match="solve it first"):
+            ask()
+    SOLVES["stripes"](obj)
+    before = snapshot()
+    with pytest.raises(SettingError, match="whole number"):
+        api.vary(obj, -1)
+    with pytest.raises(SynchError, match="shows no quads"):
+        api.trace_quads(obj)
+    assert snapshot() == before
+    obj.scale = (2, 2, 2)
+    bpy.context.view_layer.update()
+    with pytest.raises(SynchError, match="has changed since"):
+        api.vary(obj, 1)
+
+
+def test_the_mesh_of_the_quads_that_are_shown():
+    obj = torus()
+    obj.synch.seed, obj.synch.smoothing = 5, 2
+    api.quads(obj, spacing=0.4, seed=3)
+    report = api.trace_quads(obj, smoothing=1)
+    made = bpy.data.objects[report["quad_mesh"]["object"]]
+    assert (made.synch.seed, made.synch.smoothing) == (5, 2) and '"quad_mesh"' in made.synch.result
+    again = bpy.data.objects[api.quad_mesh(obj, spacing=0.4, seed=3, smoothing=1)["quad_mesh"]["object"]]
+    np.testing.assert_array_equal(places(made), places(again))
+    np.testing.assert_array_equal(corner_vertices(made), corner_vertices(again))
+
+    make_active(obj)
+    varied = api.vary(obj, 100)
+    assert api.trace_quads(obj)["energy"] == pytest.approx(varied["energy"])
+
+
+def test_the_operator_traces_what_the_object_shows():
+    obj = grid()
+    with pytest.raises(RuntimeError, match="solve it first"):
+        bpy.ops.synch.trace_quads()
+    api.quads(obj, spacing=0.7)
+    assert bpy.ops.synch.trace_quads(smoothing=0) == {"FINISHED"}
+    assert bpy.context.active_object.name == f"{obj.name} Quads" and obj.hide_get()
+
+
+@pytest.mark.parametrize("method", ["spectral", "diffusion"])
+def test_methods_without_a_lifted_field_say_that_they_do_not_vary(method):
+    obj = sphere()
+    api.stripes(obj, spacing=0.5, method=method)
+    written, line = snapshot()["meshes"], obj.synch.result
+    for name in ("draw_variation", "variation", "place_defect"):
+        with pytest.raises(RuntimeError, match="only the semidefinite method finds variations"):
+            getattr(bpy.ops.synch, name)()
+    obj.synch_shown.variation = 50
+    assert (obj.synch_shown.variation, obj.synch.result) == (0, line) and snapshot()["meshes"] == written
+    assert memory.recall(obj).varies is False and api.isolines(obj)["lines"]
+
+
+def test_the_slider_goes_back_where_the_mesh_has_changed_and_on_when_that_is_undone():
+    obj = sphere()
+    api.stripes(obj, spacing=0.5)
+    obj.synch_shown.variation = 30
+    bpy.ops.ed.undo_push(message="variation")
+    obj.data.vertices[3].co *= 1.1
+    bpy.ops.ed.undo_push(message="edit")
+    obj.synch_shown.variation = 40
+    assert obj.synch_shown.variation == 30
+    with pytest.raises(RuntimeError, match="has changed since it was solved: solve it again"):
+        bpy.ops.synch.draw_variation()
+    assert obj.synch_shown.variation == 30
+    bpy.ops.ed.undo()
+    obj = bpy.context.active_object
+    assert bpy.ops.synch.draw_variation() == {"FINISHED"} and obj.synch_shown.variation >= 100
+    assert memory.recall(obj).number == obj.synch_shown.variation
+
+
+def test_defects_are_not_placed_in_directions_alone():
+    obj = sphere()
+    SOLVES["directions"](obj)
+    assert bpy.ops.synch.draw_variation() == {"FINISHED"}
+    with pytest.raises(RuntimeError, match="defects are placed in stripes and quads: solve one of them first"):
+        bpy.ops.synch.place_defect()

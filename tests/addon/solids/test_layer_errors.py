@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What cannot be filled with layers is refused in one line that names the remedy, and nothing changes."""
+
+import bpy
+import numpy as np
+import pytest
+
+from synch_fields.core.errors import MeshError, SettingError, SynchError
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.solids.settings import (
+    Flush,
+    LayerGuide,
+    LayerSettings,
+    groups_of_text,
+    text_of_groups,
+)
+
+from ..scenes import add_group, add_object, attribute, grid, make_active, snapshot, tube
+from ..solid_objects import block
+
+
+def refused(obj, match, **settings):
+    """Run on an object by script; the error, after which the scene is as it was."""
+    before = snapshot()
+    with pytest.raises(SynchError, match=match) as caught:
+        api.layers(obj, **settings)
+    assert snapshot() == before and "\n" not in str(caught.value)
+    return caught.value
+
+
+def test_open_meshes_are_refused_with_their_open_edges_selected():
+    obj = tube(12, 3)
+    refused(obj, "has one face only, and a solid needs a closed surface: fill the holes")
+    with pytest.raises(RuntimeError, match="closed surface"):
+        bpy.ops.synch.layers()
+    chosen = attribute(obj, ".select_vert")
+    heights = attribute(obj, "position")[:, 2]
+    np.testing.assert_array_equal(chosen, (heights == 0) | (heights == 2))
+
+
+def test_meshes_that_meet_themselves_are_refused_with_the_faces_selected():
+    first, second = block(), block()
+    second.location = (0.3, 0.2, 0.4)
+    bpy.context.view_layer.update()
+    with bpy.context.temp_override(active_object=first, selected_editable_objects=[first, second]):
+        bpy.ops.object.join()
+    make_active(first)
+    error = refused(first, "faces 4, 5, 6 and 15 more meet other faces of .*: join the parts with a Boolean union")
+    assert isinstance(error, MeshError) and 8 <= len(error.vertices) < len(first.data.vertices)
+
+
+def test_flat_meshes_are_refused():
+    import bmesh  # on the path once bpy is loaded
+
+    obj = grid(2)
+    twice = bmesh.new()
+    twice.from_mesh(obj.data)
+    bmesh.ops.solidify(twice, geom=twice.faces[:], thickness=0.0)
+    twice.to_mesh(obj.data)
+    twice.free()
+    refused(obj, "Merge by Distance|encloses no volume|no area|meet other faces")
+
+
+@pytest.mark.parametrize(
+    ("settings", "match"),
+    [
+        (
+            {"spacing": 0.1, "size": 0.1},
+            "the spacing 0.1 is finer than tetrahedra of size 0.1 can carry: give a size of 0.03",
+        ),
+        ({"spacing": 5}, "the spacing 5 is larger than the object .*: no layer would fit, reduce it"),
+        ({"spacing": 0.001}, r"makes about [\d,]+ tetrahedra, [\d,]+ MB: give one from 0.0"),
+        ({"size": 1e-4}, r"a size of 0.0001 makes about [\d,]+ tetrahedra"),
+        ({"guidance": "axis:W"}, "the axis 'W' is unknown"),
+        ({"guidance": "up"}, "the guidance 'up' is unknown: use one of axis, harmonic"),
+        ({"guidance": "harmonic:Top"}, "'harmonic:Top' is incomplete: write harmonic:, a vertex group, :, another one"),
+        ({"guidance": "harmonic:Top:Nowhere"}, "no vertex group 'Nowhere': choose one of its groups .Bottom, Top"),
+        ({"guidance": "harmonic:Top:Empty"}, "the vertex group 'Empty' is empty"),
+        ({"guidance": "harmonic:Top:Corner"}, "the vertex group 'Corner' holds no whole face"),
+        ({"guidance": "harmonic:Top:Side"}, "'Top' and the vertex group 'Side' meet at vertices .*: leave a part"),
+        ({"guidance": "distance:Gone"}, "'Gone' is neither a vertex group of Block nor another mesh object"),
+        ({"guidance": "curve:Gone"}, "there is no curve object 'Gone'"),
+        ({"guidance": "attribute:gone"}, "has no attribute 'gone'"),
+        ({"groups": "Top"}, "the group 'Top' lacks its name or its wish: write NAME=layer"),
+        ({"groups": "Top=flat"}, "the wish 'flat' of the group 'Top' is unknown: use layer or constant"),
+        ({"spacing_map": "gone"}, "has no attribute 'gone'"),
+        ({"spacing": -1}, "the spacing is -1: give a positive number"),
+    ],
+)
+def test_settings_that_cannot_be_are_refused(settings, match):
+    obj = block()
+    obj.vertex_groups.new(name="Empty")
+    add_group(obj, "Corner", [0])
+    add_group(obj, "Side", np.flatnonzero(attribute(obj, "position")[:, 0] > 0.49))
+    refused(obj, match, **settings)
+
+
+def test_a_group_smaller_than_the_tetrahedra_is_refused():
+    obj = block((1, 1, 0.3), (40, 40, 1))
+    places = attribute(obj, "position")
+    add_group(obj, "Spot", np.flatnonzero((np.abs(places[:, :2] - 0.21) < 0.02).all(axis=1) & (places[:, 2] > 0)))
+    refused(obj, "the vertex group 'Spot' is smaller than the solid's triangles", groups="Spot=layer", size=0.25)
+
+
+def test_a_solid_thinner_than_the_spacing_is_told_its_depth():
+    match = "no layer lies in the solid, which is about 0.1 deep for them: give a spacing below that"
+    obj = block((0.5, 0.5, 0.1))
+    refused(obj, match, spacing=0.7, size=0.1)
+    assert api.layers(obj, spacing=0.09, size=0.045)["layers"] > 0
+
+
+def test_a_solid_of_another_object_is_refused():
+    from ...core.solids import block as tetrahedra
+
+    refused(block(), "the solid's boundary is up to .* from the surface of Block", solid=tetrahedra((2, 2, 2)))
+
+
+def test_texts_of_guides_and_groups_can_hold_any_name():
+    for kind, names in (
+        ("axis", ("X",)),
+        ("harmonic", ('a:"b"', " c ")),
+        ("distance", ("a,b=c",)),
+        ("distance", ("a\nb",)),
+    ):
+        guide = LayerGuide(kind, names)
+        assert LayerGuide.of_text(str(guide)) == guide == LayerSettings(guidance=str(guide)).guide
+    rows = (Flush("Top", "layer"), Flush("a,b=c", "constant"), Flush('"q"', "layer"), Flush("a\nb", "layer"))
+    assert groups_of_text(text_of_groups(rows)) == rows and groups_of_text("  ") == ()
+    with pytest.raises(SettingError, match="cannot be read"):
+        LayerGuide.of_text('harmonic:"a:b')
+
+
+def test_an_empty_object_is_no_solid():
+    refused(add_object([], []), "the mesh is empty")

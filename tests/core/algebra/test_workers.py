@@ -1,0 +1,178 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Work that several threads share: the same results in order, one of them asks, and all end together."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from synch_fields.core.algebra import products, workers
+from synch_fields.core.algebra.workers import idle_workers, share_out
+from synch_fields.core.errors import Cancelled
+from synch_fields.core.fields.directions import direction_problem
+from synch_fields.core.monitor import SILENT, Monitor, OutOfTime
+from synch_fields.core.solve import Options, rounding, solve
+from synch_fields.core.solve.solution import Clock
+from synch_fields.core.solve.stage import Workspace
+from synch_fields.core.solve.staircase import relax
+
+from ..graphs import only_piece
+from ..meshes import bumpy_torus
+
+
+@pytest.fixture(params=[1, 2, 5])
+def count(request, monkeypatch):
+    monkeypatch.setattr(workers, "WORKERS", request.param)
+    return request.param
+
+
+def test_results_come_in_the_order_of_the_parts(count):
+    def work(part, monitor):
+        time.sleep(0.01 * (part % 3))
+        return part, idle_workers()
+
+    # Inside of shared work nothing is shared again.
+    assert share_out(work, range(7), SILENT) == [(part, 1) for part in range(7)]
+    assert idle_workers() == count
+
+
+def test_all_threads_work_at_once(count):
+    together = threading.Barrier(count, timeout=5)
+    share_out(lambda part, monitor: together.wait(), range(count), SILENT)
+
+
+def test_only_the_calling_thread_is_asked_and_all_end_when_it_says_so(count):
+    asked, ended = set(), []
+    begin = time.perf_counter()
+
+    def callback(stage, fraction):
+        asked.add(threading.get_ident())
+        return time.perf_counter() < begin + 0.1
+
+    def work(part, monitor):
+        try:
+            while time.perf_counter() < begin + 20:
+                monitor.check()
+                time.sleep(0.002)
+        finally:
+            ended.append(part)
+
+    with pytest.raises(Cancelled):
+        share_out(work, range(count), Monitor(callback))
+    assert asked == {threading.get_ident()}
+    while len(ended) < count:
+        assert time.perf_counter() < begin + 10
+        time.sleep(0.01)
+
+
+def test_time_limits_end_shared_work(count):
+    def work(part, monitor):
+        while True:
+            monitor.check()
+            time.sleep(0.002)
+
+    with pytest.raises(OutOfTime):
+        share_out(work, range(3), Monitor(time_limit=0.05))
+
+
+def test_work_that_returns_what_it_has_when_time_runs_out_is_kept(count):
+    def work(part, monitor):
+        try:
+            while True:
+                monitor.check()
+                time.sleep(0.002)
+        except OutOfTime:
+            return part
+
+    assert share_out(work, range(3), Monitor(time_limit=0.05)) == [0, 1, 2]
+
+
+def test_errors_come_out_where_the_work_was_given_and_end_the_rest(count):
+    def work(part, monitor):
+        if part == 0:
+            raise ZeroDivisionError("part 0")
+        while True:
+            monitor.check()
+            time.sleep(0.002)
+
+    begin = time.perf_counter()
+    with pytest.raises(ZeroDivisionError, match="part 0"):
+        share_out(work, range(4), SILENT)
+    assert time.perf_counter() < begin + 5
+
+
+def test_no_more_parts_than_wanted_are_worked_on_at_once(count):
+    at_work, most = [], []
+
+    def work(part, monitor):
+        at_work.append(part)
+        most.append(len(at_work))
+        time.sleep(0.005)
+        at_work.remove(part)
+
+    share_out(work, range(12), SILENT, at_once=2)
+    assert max(most) <= min(2, count)
+
+
+def test_a_time_limit_while_fields_descend_keeps_them_on_any_number_of_cores(count, monkeypatch):
+    piece = only_piece(direction_problem(bumpy_torus(40), 4))
+    workspace = Workspace(piece)
+    relaxation = relax(workspace, 1e-2, 0, SILENT, Clock())
+    stage, density = workspace.stages[0], relaxation.value / piece.mass.sum()
+    monkeypatch.setattr(rounding, "WORTH_SHARING", 1)
+    monitor, polish = Monitor(), rounding.polish
+
+    def late(*arguments):
+        monitor._deadline = time.perf_counter()
+        return polish(*arguments)
+
+    monkeypatch.setattr(rounding, "polish", late)
+    fields, timed_out = rounding.continuation(stage, relaxation.lifted, 64, density, np.random.default_rng(0), monitor)
+    assert timed_out and fields.shape[1] > 1
+
+
+def test_a_solve_has_the_same_result_on_any_number_of_cores(monkeypatch):
+    monkeypatch.setattr(rounding, "WORTH_SHARING", 1)
+    results = []
+    for cores in (1, 2, 4):
+        monkeypatch.setattr(workers, "WORKERS", cores)
+        results.append(solve(direction_problem(bumpy_torus(14), 4), Options(seed=3)))
+    for other in results[1:]:
+        assert other.energy == pytest.approx(results[0].energy, rel=1e-9)
+        np.testing.assert_allclose(other.phases, results[0].phases, atol=1e-4)
+
+
+@pytest.mark.parametrize("end", ["found", "cancelled between parts"])
+def test_no_thread_outlives_the_solve_that_it_works_for(monkeypatch, end):
+    """Blender allows threads only where they are joined before its own goes on."""
+    monkeypatch.setattr(workers, "WORKERS", 2)
+    monkeypatch.setattr(products, "WORTH_SHARING", 1)
+    monkeypatch.setattr(rounding, "WORTH_SHARING", 1)
+    before, seen = set(threading.enumerate()), set()
+
+    def callback(stage, fraction):
+        seen.update(threading.enumerate())
+        return end == "found" or fraction < 0.6
+
+    try:
+        solve(direction_problem(bumpy_torus(24), 2), Options(), callback)
+        assert end == "found"
+    except Cancelled:
+        assert end != "found"
+    assert any(thread.name.startswith("synch_fields") for thread in seen)
+    assert set(threading.enumerate()) - before == set()
+
+
+def test_a_pool_serves_several_solves_and_ends_with_the_last(monkeypatch):
+    monkeypatch.setattr(workers, "WORKERS", 2)
+
+    def threads():
+        return [thread for thread in threading.enumerate() if thread.name.startswith("synch_fields")]
+
+    with workers.solving():
+        with workers.solving():
+            assert workers.pool.map(lambda part: part + 1, range(5)) == [1, 2, 3, 4, 5]
+        assert threads()
+    assert not threads() and workers.pool.map(lambda part: part + 1, range(5)) == [1, 2, 3, 4, 5] and not threads()

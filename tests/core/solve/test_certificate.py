@@ -1,0 +1,140 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bounds: the chain of Eq. (23), and the certificate against dense linear algebra."""
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+
+from synch_fields.core.algebra.factorization import is_positive_definite
+from synch_fields.core.fields.directions import direction_problem
+from synch_fields.core.fields.guidance.solids import axis_directions
+from synch_fields.core.fields.layers import layer_problem
+from synch_fields.core.monitor import SILENT
+from synch_fields.core.solve import Options, solve, spectral
+from synch_fields.core.solve.certificate import lower_bound, measure_slack, provable_width, prove
+from synch_fields.core.solve.descent import descend
+from synch_fields.core.solve.spheres import Lifted, random_columns
+from synch_fields.core.solve.stage import Workspace
+
+from ..graphs import PROBLEMS
+from ..layered_solids import block
+from ..meshes import torus
+
+
+def rough_point(piece, steps, rank=5):
+    """Workspace, shift of A, a lifted point some steps away from the optimum, its multipliers and its value."""
+    workspace, spheres = Workspace(piece), Lifted(piece.block)
+    shift = 1e-2 * np.abs(piece.matrix.diagonal()).sum() / piece.row_mass.sum()
+    metric = workspace.stages[0].metric(shift)
+    start = random_columns(piece, rank, np.random.default_rng(7))
+    descent = descend(workspace.matrix, spheres, start, metric, 0.0, steps, SILENT)
+    duals = spheres.multipliers(descent.point, workspace.matrix @ descent.point)
+    return workspace, shift, descent.point, duals, float(descent.values[0])
+
+
+def dense_depth(piece, shift, duals):
+    """Smallest t with S + t A >= 0, by dense generalized eigenvalues."""
+    slack = piece.matrix.toarray() - np.diag(np.repeat(duals, piece.block))
+    return -eigh(slack, piece.matrix.toarray() + shift * np.diag(piece.row_mass), eigvals_only=True)[0]
+
+
+@pytest.mark.parametrize("build", PROBLEMS)
+def test_spectral_bound_lower_bound_value_and_energy_are_in_order(build):
+    problem = build()
+    options = Options(target_gap=1e-4)
+    sdp, spectral = solve(problem, options), solve(problem, Options(method="spectral"))
+    dense = 0.0
+    for piece in problem.pieces:
+        dense += piece.mass.sum() * eigh(piece.matrix.toarray(), np.diag(piece.row_mass), eigvals_only=True)[0]
+    assert spectral.spectral_bound == spectral.lower_bound == pytest.approx(dense, rel=1e-6, abs=1e-9)
+    assert spectral.spectral_bound <= sdp.lower_bound * (1 + 2e-4) + 1e-9
+    assert sdp.lower_bound <= sdp.sdp_value * (1 + 1e-12)
+    assert sdp.sdp_value <= sdp.energy * (1 + 1.1e-4)
+    assert spectral.energy >= sdp.lower_bound
+    assert sdp.sdp_gap <= 1e-4 and sdp.gap == pytest.approx(1 - sdp.lower_bound / sdp.energy)
+
+
+@pytest.mark.parametrize("build", PROBLEMS)
+@pytest.mark.parametrize("steps", [6, 25, 80])
+def test_depth_is_the_most_negative_relative_eigenvalue(build, steps):
+    for piece in build().pieces:
+        workspace, shift, point, duals, _ = rough_point(piece, steps)
+        exact = dense_depth(piece, shift, duals)
+        metric = workspace.stages[0].metric(shift)
+        slack = measure_slack(workspace, shift, metric, point, duals, np.random.default_rng(0), SILENT)
+        # A Krylov space finds no more than there is, in single precision.
+        assert slack.depth <= exact * (1 + 1e-4) + 1e-5
+        assert slack.depth >= (0.8 if steps == 6 else 0.9) * exact - 0.01
+        # What it may have missed is in the error.
+        assert slack.depth + slack.error >= exact * (1 - 1e-3) - 1e-5
+
+
+@pytest.mark.parametrize("build", PROBLEMS)
+@pytest.mark.parametrize("steps", [6, 25, 80])
+def test_proofs_succeed_exactly_where_the_slack_is_definite(build, steps):
+    for piece in build().pieces:
+        _, shift, _, duals, _ = rough_point(piece, steps)
+        exact = dense_depth(piece, shift, duals)
+        assert prove(piece, shift, duals, 1.01 * exact + 1e-7, len(piece.mass))
+        if exact > 1e-5:
+            assert not prove(piece, shift, duals, 0.99 * exact, len(piece.mass))
+        assert not prove(piece, shift, duals + 10 * np.abs(duals).max() + 1, 0.5 * max(exact, 0), len(piece.mass))
+
+
+@pytest.mark.parametrize("build", PROBLEMS)
+@pytest.mark.parametrize("steps", [6, 25])
+def test_bounds_from_rough_points_stay_below_the_relaxation(build, steps):
+    problem = build()
+    total, values = 0.0, 0.0
+    for piece in problem.pieces:
+        _, shift, _, duals, value = rough_point(piece, steps)
+        depth = max(dense_depth(piece, shift, duals), 0) * (1 + 1e-9) + 1e-12
+        bound = lower_bound(piece, shift, duals, depth)
+        # The dual point is feasible: S >= 0 for its multipliers, by dense eigenvalues.
+        feasible = (duals - depth * shift * piece.mass) / (1 + depth)
+        assert bound == pytest.approx(feasible.sum(), rel=1e-12)
+        lowest = np.linalg.eigvalsh(piece.matrix.toarray() - np.diag(np.repeat(feasible, piece.block)))[0]
+        assert lowest >= -1e-7 * np.abs(piece.matrix.diagonal()).max()
+        total, values = total + bound, values + value
+    best = solve(problem, Options(target_gap=1e-5, rounding="svd"))
+    assert total <= best.sdp_value * (1 + 1e-9) <= values * (1 + 1e-4)
+
+
+@pytest.mark.parametrize("complex_numbers", [False, True])
+def test_inertia_tells_definite_matrices_from_others(complex_numbers):
+    from scipy.sparse import csr_matrix, eye_array
+
+    random = np.random.default_rng(1)
+    for _ in range(20):
+        a = random.standard_normal((30, 30)) * (random.random((30, 30)) < 0.1)
+        a = a + 1j * random.standard_normal((30, 30)) * (a != 0) if complex_numbers else a
+        a = a + a.conj().T
+        lowest = np.linalg.eigvalsh(a)[0]
+        for shift, expected in ((1e-6, True), (-1e-6, False)):
+            assert is_positive_definite(csr_matrix(a) + (shift - lowest) * eye_array(30).tocsr()) is expected
+
+
+def test_multipliers_sum_to_the_value():
+    (piece,) = direction_problem(torus(around=12, across=8), 4).pieces
+    _, _, _, duals, value = rough_point(piece, 5)
+    assert duals.sum() == pytest.approx(value, rel=1e-12)
+
+
+def test_proofs_are_tried_where_fronts_are_narrow_enough_for_the_matrix():
+    """On a surface of 5,800 nodes, in a solid of 2,200, but not in one of 15,600, whose factor fills in."""
+    narrow = direction_problem(torus(around=120, across=48), 4).pieces[0]
+    assert provable_width(narrow) < 4 * np.sqrt(narrow.node_count)
+    for side, is_provable in ((12, True), (24, False)):
+        solid = block((side,) * 3)
+        (piece,) = layer_problem(solid, axis_directions(solid, (0, 0, 1)), 0.3).pieces
+        assert (provable_width(piece) is not None) == is_provable
+
+
+@pytest.mark.parametrize("build", PROBLEMS)
+def test_the_spectral_bound_is_the_same_without_a_factorization(build, monkeypatch):
+    problem = build()
+    factorized = solve(problem, Options(method="spectral"))
+    monkeypatch.setattr(spectral, "provable_width", lambda piece: None)
+    by_multigrid = solve(problem, Options(method="spectral"))
+    assert by_multigrid.spectral_bound == pytest.approx(factorized.spectral_bound, rel=1e-6, abs=1e-9)

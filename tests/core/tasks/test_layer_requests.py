@@ -1,0 +1,242 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Layers in closed surfaces without Blender: exact ones, what is told of coarse ones, lengths, and outputs."""
+
+import pickle
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+
+from synch_fields.core.errors import Cancelled, MeshError, SettingError
+from synch_fields.core.fields.guidance.filled import along_axis, between_areas, of_vectors
+from synch_fields.core.files.tool_paths import polylines_of, table_of
+from synch_fields.core.geometry import TriangleMesh
+from synch_fields.core.geometry.filling.closed_surface import Area, ClosedSurface
+from synch_fields.core.geometry.filling.lengths import (
+    EDGES_PER_LAYER,
+    LAYERS_ACROSS,
+    MOST_TETS,
+    Lengths,
+    Measures,
+    estimate,
+)
+from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
+from synch_fields.core.geometry.mesh_input import MeshInput
+from synch_fields.core.geometry.polygons import Polygons
+from synch_fields.core.solve import Options
+from synch_fields.core.tasks.layer_outputs import MOST_VOXELS, Layering, PathSettings
+from synch_fields.core.tasks.solids import AskedArea, SolidGuide, SolidRequest
+
+from ..meshes import CLOSED, cube, together
+
+UP = SolidGuide("axis:Z", partial(along_axis, np.array([0.0, 0.0, 2.0])))
+
+
+def closed(mesh):
+    given = MeshInput(mesh, Polygons.of_triangles(mesh), np.eye(3), mesh, np.arange(mesh.vertex_count))
+    return ClosedSurface(given, SurfaceDistance(mesh))
+
+
+def flattened(*lengths):
+    """A cube scaled along its axes."""
+    mesh = cube(5)
+    return TriangleMesh(mesh.vertices * lengths, mesh.triangles)
+
+
+def flat_area(surface, height, name):
+    """The faces of a cube at a height."""
+    return Area.of_members(surface.given, surface.mesh.vertices[:, 2] == height, name)
+
+
+def request_in(surface, spacing=0.22, size=0.1, **parts):
+    lengths = Lengths.of(surface.distance, spacing, size)
+    return replace(SolidRequest(surface, None, UP, (), lengths, None, Options()), **parts)
+
+
+def heights_of(surfaces):
+    return [surfaces.vertices[surfaces.triangles[surfaces.layers == k], 2] for k in range(surfaces.count)]
+
+
+def test_layers_across_an_axis_are_planes_a_spacing_apart():
+    stages = []
+    result = request_in(closed(cube(2))).solve(lambda stage, fraction: stages.append((stage, fraction)))
+    heights = heights_of(result.surfaces)
+    assert max(map(np.ptp, heights)) < 1e-6 and result.warnings == () and result.curves == result.ends == ()
+    np.testing.assert_allclose(np.diff([height.mean() for height in heights]), 0.22, atol=1e-6)
+    fractions = [fraction for _, fraction in stages]
+    assert fractions == sorted(fractions) and {"filling the surface", "guidance", "layers"} <= {s for s, _ in stages}
+    assert set(result.seconds) == {"fill", "build", "extract"}
+
+
+def test_a_copy_from_a_pickle_solves_to_the_same_bits():
+    surface = closed(cube(2))
+    areas = [flat_area(surface, height, f"at {height}") for height in (0, 1)]
+    guide = SolidGuide("harmonic", partial(between_areas, *areas))
+    request = request_in(surface, guide=guide, asked=(AskedArea(areas[0], 0.0), AskedArea(areas[1], None)))
+    results = [request.solve(), pickle.loads(pickle.dumps(request)).solve()]
+    ours, theirs = ([r.solid.vertices, r.pattern.solution.phases, r.surfaces.vertices, r.phases.edge_phases.changes]
+                    for r in results)  # fmt: skip
+    for one, other in zip(ours, theirs, strict=True):
+        np.testing.assert_array_equal(one, other)
+    lowest = heights_of(results[0].surfaces)[0]
+    np.testing.assert_allclose(lowest, 0, atol=1e-6)
+
+
+def test_spacings_are_those_of_the_surface_times_its_factors():
+    surface = closed(cube(4))
+    result = request_in(surface, 0.15, 0.07, factors=1 + surface.mesh.vertices[:, 2]).solve()
+    steps = np.diff([height.mean() for height in heights_of(result.surfaces)])
+    assert (np.diff(steps) > 0).all() and 0.15 < steps[0] < 0.2 and 0.22 < steps[-1] < 0.3
+
+
+def test_vectors_of_the_surface_go_into_the_solid():
+    surface = closed(cube(3))
+    guide = SolidGuide("attribute", partial(of_vectors, np.tile([0.0, 0.0, 3.0], (surface.mesh.vertex_count, 1))))
+    np.testing.assert_allclose(
+        request_in(surface, guide=guide).solve().surfaces.vertices, request_in(surface).solve().surfaces.vertices
+    )
+
+
+def test_errors_of_a_guide_name_it():
+    request = request_in(closed(cube(2)), guide=SolidGuide("axis:none", partial(along_axis, np.zeros(3))))
+    with pytest.raises(SettingError, match=r"^axis:none: the axis .* has no direction"):
+        request.solve()
+
+
+def test_a_spacing_that_no_layer_fits_is_told_the_depth():
+    request = request_in(closed(flattened(0.5, 0.5, 0.1)), 0.7, 0.1)
+    with pytest.raises(SettingError, match=r"no layer lies in the solid, which is about .* deep"):
+        request.solve()
+
+
+def test_coarse_solids_are_told_about():
+    """Layers finer than the edges, a thin wall that is lost, and a pad whose rim the tetrahedra cut off."""
+    surface = closed(cube(5))
+    middle = (np.abs(surface.mesh.vertices[:, :2] - 0.5) < 0.31).all(axis=1) & (surface.mesh.vertices[:, 2] == 1)
+    pad = Area.of_members(surface.given, middle, "the pad")
+    request = request_in(surface, 0.3, 0.13, asked=(AskedArea(pad, 0.0),))
+    (line,) = request.solve().warnings
+    assert line.startswith("the solid's triangles cover 9") and "% of the pad" in line and "size of about" in line
+    (line,) = replace(request, asked=(), lengths=Lengths(0.1, 0.13)).solve().warnings
+    assert line.startswith("the spacing is finer than the solid can carry on ")
+    both = closed(together(cube(5), flattened(2, 2, 0.12)))
+    lines = request_in(both, 0.6, 0.24).solve().warnings
+    assert len(lines) == 1 and "of the surface's volume: what is thinner than 0.24 is lost" in lines[0]
+
+
+def test_a_plate_too_thin_to_be_filled_is_refused():
+    """Points of the lattice are inside, and all of them move onto the surface."""
+    with pytest.raises(MeshError, match=r"is inside the surface: choose a size below its thickness"):
+        request_in(closed(flattened(1, 1, 0.12)), 0.5, 0.24).solve()
+
+
+@pytest.mark.parametrize("stage", ["filling", "guidance", "layers"])
+def test_a_solve_stops_where_it_is_told_to(stage):
+    with pytest.raises(Cancelled):
+        request_in(closed(cube(2))).solve(lambda now, _: not now.startswith(stage))
+
+
+def _used(mesh):
+    """Vertices that have a triangle, and the triangles."""
+    used, triangles = np.unique(mesh.triangles, return_inverse=True)
+    return mesh.vertices[used], triangles.reshape(-1, 3)
+
+
+@pytest.mark.parametrize(("build", "chi"), CLOSED)
+def test_measures_are_those_of_the_distance(build, chi):
+    mesh = build()
+    mesh = TriangleMesh(*_used(mesh))
+    distance, measures = SurfaceDistance(mesh), Measures.of(mesh.vertices + [5, 0, 0], mesh.triangles)
+    assert measures.volume == pytest.approx(distance.volume, rel=1e-9)
+    assert measures.area == pytest.approx(distance.area, rel=1e-9)
+    np.testing.assert_allclose(np.ptp(measures.bounds, axis=0), np.ptp(distance.bounds, axis=0), atol=1e-12)
+
+
+def test_automatic_lengths_fit_one_another():
+    distance = SurfaceDistance(cube(2))
+    expected = estimate(distance)
+    assert expected.tets == pytest.approx(100_000, rel=0.01)
+    both = Lengths.of(distance, None, None)
+    assert both.spacing == max(1 / LAYERS_ACROSS, EDGES_PER_LAYER * both.size) and both.size == expected.size
+    assert Lengths.of(distance, 0.06, None).size == pytest.approx(0.06 / EDGES_PER_LAYER)
+    assert Lengths.of(distance, None, 0.1).spacing == pytest.approx(0.3)
+    assert Lengths.of(distance, None, 0.1, 0.5).spacing == pytest.approx(0.6)
+    assert Lengths.carried(distance, 0.01, 0.1) == (0.01, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("spacing", "size", "words"),
+    [
+        (2.0, None, "the spacing 2 is larger than the object .1.73205.: no layer would fit"),
+        (0.1, 0.1, "finer than tetrahedra of size 0.1 can carry: give a size of 0.0333, or a spacing from 0.2 on"),
+        (None, 1e-4, "makes about .* tetrahedra, .* MB: give one from "),
+        (None, -0.01, "the tetrahedra's size is -0.01: give a positive length"),
+    ],
+)
+def test_lengths_that_cannot_be_are_refused(spacing, size, words):
+    with pytest.raises(SettingError, match=words):
+        Lengths.of(SurfaceDistance(cube(2)), spacing, size)
+
+
+def test_the_smallest_size_makes_the_most_tetrahedra():
+    distance = SurfaceDistance(cube(2))
+    with pytest.raises(SettingError) as caught:
+        Lengths.of(distance, None, 1e-4)
+    smallest = float(str(caught.value).split("from ")[1].split(" ")[0])
+    assert estimate(distance, smallest).tets == pytest.approx(MOST_TETS, rel=0.02)
+    Lengths.of(distance, None, 1.01 * smallest)
+
+
+@pytest.fixture(scope="module")
+def layering():
+    result = request_in(closed(cube(2)), 0.3, 0.14).solve()
+    return Layering(result.pattern, result.surfaces, result.curves, np.eye(4))
+
+
+def test_paths_are_a_step_apart_and_as_long_as_the_layers_are_large(layering):
+    paths = pickle.loads(pickle.dumps(layering.paths(PathSettings(0.1, "across-x")))).solve()
+    steps = paths.lines.points[:, 0] / 0.1
+    np.testing.assert_allclose(steps, np.rint(steps), atol=1e-6)
+    assert paths.length == pytest.approx(layering.surfaces.areas.sum() / 0.1, rel=0.15)
+    assert layering.paths(PathSettings()).step == pytest.approx(0.3, rel=1e-6)
+    with pytest.raises(SettingError, match="no path of the step 50 fits on a layer: reduce it"):
+        layering.paths(PathSettings(50.0)).solve()
+    for settings, words in (({"step": -1}, "positive number"), ({"fill": "spiral"}, "contour")):
+        with pytest.raises(SettingError, match=words):
+            PathSettings(**settings)
+
+
+def test_texts_of_paths_hold_their_points(layering):
+    paths = layering.paths(PathSettings(0.2)).solve()
+    lines, points, normals = paths.lines, paths.lines.points, paths.lines.normals
+    table = np.loadtxt(table_of(lines, paths.layers, points, normals).splitlines(), delimiter=",", skiprows=1)
+    assert len(table) == len(points) + lines.closed.sum() and lines.closed.any()
+    first = table[table[:, 1] == 0]
+    np.testing.assert_array_equal(first[0], first[-1])  # it closes
+    np.testing.assert_allclose(first[:-1, 2:5], points[: lines.sizes[0]], rtol=1e-8, atol=1e-12)
+    rows = polylines_of(lines, paths.layers, points, normals).splitlines()
+    kinds = [row[0] for row in rows]
+    assert kinds.count("v") == len(points) and kinds.count("l") == len(lines.sizes)
+    assert kinds.count("o") == layering.surfaces.count
+    runs = [np.array(row.split()[1:], int) for row in rows if row[0] == "l"]
+    assert all((run[0] == run[-1]) == closed for run, closed in zip(runs, lines.closed, strict=True))
+
+
+def test_voxels_hold_the_cosine_of_the_phase(layering):
+    voxels = pickle.loads(pickle.dumps(layering.voxels(20))).solve()
+    assert voxels.values.shape == (20, 20, 20) and voxels.values.dtype == np.float32
+    assert (voxels.values > -1).mean() > 0.9
+    places = voxels.origin[2] + voxels.step * np.arange(20)
+    level = heights_of(layering.surfaces)[0].mean()
+    expected = np.cos(2 * np.pi * (places - level) / 0.3)
+    np.testing.assert_allclose(voxels.values[10, 10], expected, atol=1e-5)
+
+
+def test_too_many_voxels_are_refused_with_a_number_that_does(layering):
+    with pytest.raises(SettingError, match=r"1.0e\+12 voxels, and 5e\+07 is the most: reduce it to ") as caught:
+        layering.voxels(10_000)
+    fitting = int(str(caught.value).split("reduce it to ")[1])
+    assert 0.9 * MOST_VOXELS < (1.06 * fitting) ** 3 and fitting**3 <= MOST_VOXELS
+    layering.voxels(fitting)
