@@ -9,11 +9,12 @@ from .blender import changes, translations
 from .command import main
 from .flows import properties as flow_properties
 from .jobs import queue, shelf
-from .settings import constraint_list, favourite_list, fields, guide_list
+from .settings import constraint_list, favourite_list, fields, guide_list, preferences
 from .solids import properties as layer_properties
 
 _MODULES = (
     translations,
+    preferences,
     constraint_list,
     guide_list,
     favourite_list,

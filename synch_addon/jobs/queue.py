@@ -6,8 +6,8 @@ import time
 import bpy
 
 from ...core.errors import Cancelled, SynchError
-from ...core.memory import machine_bytes
 from ..blender.translations import said
+from ..settings.preferences import memory_limit
 from .job import READING, solves_after_pieces
 from .worker import Worker, WorkerGone
 
@@ -15,8 +15,6 @@ from .worker import Worker, WorkerGone
 _TELLING = 0.15
 # Seconds after its last job at which the child ends, and between two looks.
 _IDLE, _LOOK = 300.0, 30.0
-# Share of the machine's memory that a solve may take where nothing is set.
-_MEMORY_SHARE = 0.8
 
 
 class Work:
@@ -170,7 +168,7 @@ class Queue:
     def _solve(self, work):
         try:
             if self._asked is not work:
-                limit = _memory_limit()
+                limit = memory_limit()
                 if self._worker is not None and self._worker.limit != limit:
                     self._end_worker()
                 if self._worker is None:
@@ -179,14 +177,19 @@ class Queue:
                 self._worker.ask(work.job.request)
             for message in self._worker.exchange():
                 work.hear(*message)
-        except SynchError as error:
+        except WorkerGone as error:
+            self._worker = None
             work.fail(error)
-            if isinstance(error, WorkerGone):
-                self._worker = None
+        except MemoryError:
+            self._end_worker()
+            work.fail(
+                SynchError("there is not enough memory for the result: use a coarser mesh, or close other programs")
+            )
 
     def _next(self, work):
         self.works.remove(work)
-        self._asked, self._last = None, time.monotonic()
+        self._asked = None if self._asked is work else self._asked
+        self._last = time.monotonic()
         if self.running is not None:
             self.advance()
 
@@ -197,32 +200,6 @@ class Queue:
 
 
 queue = Queue()
-_PACKAGE = __package__.removesuffix(".synch_addon.jobs")
-
-
-class SynchPreferences(bpy.types.AddonPreferences):
-    """What is set once for all files."""
-
-    bl_idname = _PACKAGE
-
-    memory_limit: bpy.props.IntProperty(
-        name="Memory Limit (MB)",
-        description="Memory that a solve may take before it is stopped; 0 stands for four fifths of the machine's",
-        default=0,
-        min=0,
-    )
-
-    def draw(self, context):
-        column = self.layout.column()
-        column.use_property_split = True
-        column.prop(self, "memory_limit")
-
-
-def _memory_limit():
-    """Bytes that the worker may take."""
-    addon = bpy.context.preferences.addons.get(_PACKAGE)
-    megabytes = addon.preferences.memory_limit if addon is not None and addon.preferences is not None else 0
-    return megabytes * 2**20 or int(_MEMORY_SHARE * machine_bytes())
 
 
 @bpy.app.handlers.persistent
@@ -236,7 +213,6 @@ def _end_when_idle():
 
 
 def register():
-    bpy.utils.register_class(SynchPreferences)
     bpy.app.handlers.load_pre.append(_stop)
     bpy.app.timers.register(_end_when_idle, first_interval=_LOOK, persistent=True)
 
@@ -245,4 +221,3 @@ def unregister():
     queue.stop()
     bpy.app.timers.unregister(_end_when_idle)
     bpy.app.handlers.load_pre.remove(_stop)
-    bpy.utils.unregister_class(SynchPreferences)

@@ -52,6 +52,11 @@ class Worker:
     ----------
     limit : bytes of memory that it may take
 
+    Raises
+    ------
+    WorkerGone
+        where it cannot be started
+
     Attributes
     ----------
     is_ready : whether it has loaded all that it needs
@@ -61,14 +66,12 @@ class Worker:
         self.limit = limit
         self.is_ready, self._noise, self._unpacker = False, b"", Unpacker()
         self._outgoing: deque = deque()
-        self._child = subprocess.Popen(
-            [*_python(), _PACKAGE, str(_FOLDER), str(limit)],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            env=_environment(),
-            bufsize=0,
-            **_alone(),
-        )
+        command = [*_python(), _PACKAGE, str(_FOLDER), str(limit)]
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "bufsize": 0}
+        try:
+            self._child = subprocess.Popen(command, env=_environment(), **pipes, **_alone())
+        except OSError as error:
+            raise WorkerGone(f"the process that solves cannot be started: {command[0]}: {error.strerror}") from None
         self._input, self._output = self._child.stdin.fileno(), self._child.stdout.fileno()
         if sys.platform != "win32":
             os.set_blocking(self._input, False)

@@ -132,14 +132,36 @@ def test_several_jobs_wait_in_a_row_and_each_object_has_one():
     assert other_loop.run(other) == {"FINISHED"} and "synch_phase" in second.data.attributes
 
 
-def test_a_waiting_job_can_be_cancelled_without_the_one_that_runs():
+def test_a_waiting_job_can_be_cancelled_without_the_one_that_runs(monkeypatch):
+    asked, ask = [], Worker.ask
+    monkeypatch.setattr(Worker, "ask", lambda worker, request: (asked.append(request), ask(worker, request)))
     sphere()
     loop, operator = begun(Stripes())
     sphere()
     other_loop, other = begun(Stripes())
     bpy.ops.synch.cancel(place=1)
     assert other_loop.send(other, "TIMER") == {"CANCELLED"} and other_loop.free
-    assert loop.run(operator) == {"FINISHED"}
+    assert loop.run(operator) == {"FINISHED"} and len(asked) == 1
+
+
+def test_a_child_that_cannot_be_started_gives_one_line(monkeypatch):
+    monkeypatch.setattr("synch_fields.synch_addon.jobs.worker._python", lambda: ["/nowhere/python"])
+    sphere()
+    loop, operator = begun(Stripes())
+    assert loop.run(operator) == {"CANCELLED"}
+    assert operator.reports == [
+        ({"ERROR"}, "the process that solves cannot be started: /nowhere/python: No such file or directory")
+    ]
+
+
+def test_a_result_that_memory_cannot_hold_gives_one_line(monkeypatch):
+    def exchange(worker):
+        raise MemoryError
+
+    sphere()
+    loop, operator = begun(Stripes())
+    monkeypatch.setattr(Worker, "exchange", exchange)
+    assert loop.run(operator) == {"CANCELLED"} and "not enough memory" in operator.reports[-1][1]
 
 
 def test_the_child_stays_for_the_next_job_and_goes_when_it_is_idle(monkeypatch):
@@ -172,7 +194,7 @@ def test_a_child_that_is_killed_gives_one_line_and_the_next_job_a_new_one(when):
 
 
 def test_a_limit_of_memory_gives_one_line(monkeypatch):
-    monkeypatch.setattr(queue_module, "_memory_limit", lambda: 300 * 2**20)
+    monkeypatch.setattr(queue_module, "memory_limit", lambda: 300 * 2**20)
     sphere(7)
     before = snapshot()
     loop, operator = begun(Stripes(spacing=0.05))
