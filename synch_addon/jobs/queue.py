@@ -30,12 +30,14 @@ class Work:
     peak : MB that the solve has taken at most, None where it was not told
     error : what stopped it, or None
     is_over : whether it has come to its end, good or bad
+    let_go : callable that gives back what was taken of the window for it, once or more often
     """
 
     def __init__(self, job, label):
         self.job, self.label = job, label
         self.stage, self.fraction, self.picture, self.error, self.result, self.peak = "", 0.0, None, None, None, None
         self.is_over = self.has_begun = False
+        self.let_go = lambda: None
         self.holds_window = hasattr(job, "advance")
         self._start = time.monotonic()
 
@@ -150,6 +152,7 @@ class Queue:
             work.job.close()
         if self._asked is work:
             self._end_worker()
+        work.let_go()
         if work in self.works:
             self._next(work)
 

@@ -60,7 +60,7 @@ class BackgroundOperator:
         if work.is_over and (work.error is not None or not self._postponed()):
             return self._reporting(self._finish, context)
         if event.type == "TIMER":
-            self._tell(context, work)
+            self._tell(work)
         if not work.holds_window:
             return {"PASS_THROUGH"}
         free = navigates(event) or (event.type in _POINTING and over_sidebar(context, event))
@@ -69,7 +69,6 @@ class BackgroundOperator:
     def cancel(self, context):
         """The window or the file is being closed."""
         queue.cancel(self._work)
-        self._give_back(context)
 
     def _reporting(self, step, context):
         """Run a step; an error becomes one line and CANCELLED."""
@@ -98,14 +97,14 @@ class BackgroundOperator:
 
     def _start(self, context):
         self._work = queue.add(self._job(context), self.bl_label)
-        manager = context.window_manager
-        self._timer = manager.event_timer_add(_TICK, window=context.window)
-        manager.modal_handler_add(self)
+        self._taken = _Taken(context)
+        self._work.let_go = self._taken.give_back
+        context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
     def _finish(self, context):
         work = self._work
-        self._give_back(context)
+        work.let_go()
         if work.error is not None:
             raise work.error
         report = work.job.write(work.result)
@@ -136,7 +135,7 @@ class BackgroundOperator:
             return said("the result waits for object or edit mode of {name}", name=obj.name)
         return None
 
-    def _tell(self, context, work):
+    def _tell(self, work):
         """Say in the status bar how far the first job is, and have the panels drawn again."""
         if work is queue.running:
             line = f"{said(work.label)}: {work.line}   {work.times}   {said('Esc over the 3D view: cancel')}"
@@ -144,16 +143,31 @@ class BackgroundOperator:
             line = self._postponed()
         else:
             return
-        context.workspace.status_text_set(line)
-        _redraw(context)
+        self._taken.say(line)
 
-    def _give_back(self, context):
-        """Give back what was taken of the window."""
+
+class _Taken:
+    """The timer and the status bar's line that a window gives to a job."""
+
+    def __init__(self, context):
+        self._manager, self._workspace = context.window_manager, context.workspace
+        self._timer = self._manager.event_timer_add(_TICK, window=context.window)
+
+    def give_back(self):
+        """Give them back, if that has not been done."""
         if self._timer is not None:
-            context.window_manager.event_timer_remove(self._timer)
+            self._manager.event_timer_remove(self._timer)
             self._timer = None
-            context.workspace.status_text_set(None)
-            _redraw(context)
+            self.say(None)
+
+    def say(self, line):
+        """Put a line into the status bar, None to give it back, and have the panels drawn again."""
+        if self._workspace is not None:
+            self._workspace.status_text_set(line)
+        for window in self._manager.windows:
+            for area in window.screen.areas:
+                if area.type == "VIEW_3D":
+                    area.tag_redraw()
 
 
 class ObjectOperator(ReadyOperator, BackgroundOperator):
@@ -240,13 +254,6 @@ def _is_over(place, event):
 
 def _views(context):
     return [area for area in context.screen.areas if area.type == "VIEW_3D"]
-
-
-def _redraw(context):
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
 
 
 def progress_of(manager):

@@ -215,7 +215,7 @@ def test_disabling_the_extension_ends_job_and_child(panel):
     assert ends(number) and panel.value("not hasattr(bpy.types, 'SYNCH_OT_stripes')")
     panel.run(f"addon_utils.enable({name!r})")
     panel.until("not bpy.context.window_manager.windows[0].modal_operators")
-    panel.open_panel()
+    panel.click("Synch", tab=True)
     solves_again(panel)
 
 

@@ -303,7 +303,7 @@ def test_taking_the_extension_out_ends_all_jobs_and_the_child():
     loop.run(operator, until=in_work)
     number = child()
     queue.stop()
-    assert not is_alive(number) and queue.running is None and snapshot() == before
+    assert not is_alive(number) and queue.running is None and snapshot() == before and loop.free
     assert loop.send(operator, "TIMER") == {"CANCELLED"} and loop.free
 
 
