@@ -214,6 +214,7 @@ def test_disabling_the_extension_ends_job_and_child(panel):
     panel.run(f"import addon_utils; addon_utils.disable({name!r})")
     assert ends(number) and panel.value("not hasattr(bpy.types, 'SYNCH_OT_stripes')")
     panel.run(f"addon_utils.enable({name!r})")
+    over_view(panel)
     panel.until("not bpy.context.window_manager.windows[0].modal_operators")
     panel.click("Synch", tab=True)
     solves_again(panel)
