@@ -143,7 +143,7 @@ class BackgroundOperator:
             line = self._postponed()
         else:
             return
-        self._taken.say(line)
+        self._taken.say(line, work.picture)
 
 
 class _Taken:
@@ -152,22 +152,30 @@ class _Taken:
     def __init__(self, context):
         self._manager, self._workspace = context.window_manager, context.workspace
         self._timer = self._manager.event_timer_add(_TICK, window=context.window)
+        self._said = self._seen = None
 
     def give_back(self):
         """Give them back, if that has not been done."""
         if self._timer is not None:
             self._manager.event_timer_remove(self._timer)
             self._timer = None
-            self.say(None)
+            self.say(None, None)
 
-    def say(self, line):
-        """Put a line into the status bar, None to give it back, and have the panels drawn again."""
-        if self._workspace is not None:
+    def say(self, line, picture):
+        """Put a line into the status bar, None to give it back, and have drawn again what is not as before.
+
+        That is the sidebar for another line, and the view for another picture.
+        """
+        if self._workspace is not None and line != self._said:
             self._workspace.status_text_set(line)
+        kinds = {"UI"} if line != self._said else set()
+        kinds |= {"WINDOW"} if picture is not self._seen else set()
+        self._said, self._seen = line, picture
         for window in self._manager.windows:
             for area in window.screen.areas:
-                if area.type == "VIEW_3D":
-                    area.tag_redraw()
+                for region in area.regions if area.type == "VIEW_3D" else ():
+                    if region.type in kinds:
+                        region.tag_redraw()
 
 
 class ObjectOperator(ReadyOperator, BackgroundOperator):
