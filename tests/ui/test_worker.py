@@ -216,7 +216,7 @@ def test_disabling_the_extension_ends_job_and_child(panel):
     panel.run(f"addon_utils.enable({name!r})")
     over_view(panel)
     panel.until("not bpy.context.window_manager.windows[0].modal_operators")
-    panel.click("Synch", tab=True)
+    panel.wait_for("Synch Fields")
     solves_again(panel)
 
 
