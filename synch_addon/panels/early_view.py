@@ -28,7 +28,7 @@ void main()
   float line = smoothstep(-0.5, 0.5, height / max(fwidth(height), 1e-4));
   vec3 normal = normalize(cross(dFdx(at), dFdy(at)));
   float light = 0.35 + 0.65 * abs(normal.z);
-  color = vec4(pow(mix(ink, paper, line) * light, vec3(0.4545)), 1.0);
+  color = vec4(mix(ink, paper, line) * light, 1.0);
 }
 """
 
