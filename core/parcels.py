@@ -137,6 +137,8 @@ class Unpacker:
         self._head, self._sizes, self._body, self._filled = bytearray(), None, bytearray(), 0
         try:
             return _Unpickler(io.BytesIO(parts[0]), self.shared, parts[1:]).load()
+        except MemoryError:
+            raise
         except Exception as error:  # whatever bytes can do to an unpickler
             raise BrokenParcel(f"{type(error).__name__}: {error}") from error
 

@@ -17,8 +17,10 @@ from functools import partial
 
 from .parcels import Unpacker, packed
 
-# Exit status of a process that took more memory than it may.
+# Exit status of a process that took more memory than it may, or could not get what it needed.
 TOO_MUCH_MEMORY = 77
+# And of one that was asked what it cannot read.
+UNREADABLE = 78
 # Seconds between two looks at the memory, and between two words on how far the work is.
 _LOOK, _WORD = 0.03, 0.05
 # Share of the work that a first result takes.
@@ -32,37 +34,66 @@ def serve(limit):
     ----------
     limit : bytes of memory that this process may take
     """
-    out = os.dup(1)
+    out, into = os.dup(1), os.dup(0)
     os.dup2(2, 1)  # what libraries print does not get among the messages
+    # On Windows libraries that ask about standard input while they are loaded would wait for a thread that reads it.
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     requests: queue.SimpleQueue = queue.SimpleQueue()
-    threading.Thread(target=_read, args=(requests,), daemon=True).start()
+    threading.Thread(target=_read, args=(into, requests), daemon=True).start()
     # Only now: reading has begun, so that the parent can write while all this is loaded.
     from . import tasks
-    from .memory import peak_megabytes, used_bytes
 
-    threading.Thread(target=_watch, args=(used_bytes, limit), daemon=True).start()
+    watch = _Watch(limit)
+    threading.Thread(target=watch.run, daemon=True).start()
     tasks.load()
     send = partial(_send, out)
     send(("ready", tasks.versions()))
     while True:
         request = requests.get()
-        send(_answer(request, send, peak_megabytes), request.shared)
+        watch.peak = 0
+        send(_answer(request, send, watch), request.shared)
+        request = None  # nothing is kept of it until the next
 
 
-def _read(requests):
-    """Put what is asked into a queue; the end of the pipe is the end of the process."""
-    unpacker = Unpacker()
-    while data := os.read(0, 1 << 20):
-        for _, request in unpacker.feed(data):
-            requests.put(request)
-    os._exit(0)
+def _read(into, requests):
+    """Put what is asked into a queue; the end of the pipe, or what cannot be read, is the end of the process."""
+    status = UNREADABLE
+    try:
+        unpacker = Unpacker()
+        while data := os.read(into, 1 << 20):
+            for _, request in unpacker.feed(data):
+                requests.put(request)
+            request = None
+        status = 0
+    except MemoryError:
+        status = TOO_MUCH_MEMORY
+    finally:
+        os._exit(status)
 
 
-def _watch(used_bytes, limit):
-    while True:
-        if used_bytes() > limit:
+class _Watch:
+    """Looks at the memory that the process takes, and ends it where that is too much.
+
+    Attributes
+    ----------
+    peak : bytes, the most that was seen since it was set to 0
+    """
+
+    def __init__(self, limit):
+        from .memory import used_bytes
+
+        self._used, self._limit, self.peak = used_bytes, limit, 0
+
+    def run(self):
+        while True:
+            self.look()
+            time.sleep(_LOOK)
+
+    def look(self):
+        used = self._used()
+        self.peak = max(self.peak, used)
+        if used > self._limit:
             os._exit(TOO_MUCH_MEMORY)
-        time.sleep(_LOOK)
 
 
 def _send(out, message, shared=()):
@@ -72,7 +103,7 @@ def _send(out, message, shared=()):
             rest = rest[os.write(out, rest) :]
 
 
-def _answer(request, send, peak_megabytes):
+def _answer(request, send, watch):
     """The last message about a request."""
     from .errors import SynchError
 
@@ -82,7 +113,9 @@ def _answer(request, send, peak_megabytes):
         if picture is not None:
             send(("early", picture))
             progress = progress.part(_EARLY, 1 - _EARLY)
-        return "done", request.solve(progress), peak_megabytes()
+        found = request.solve(progress)
+        watch.look()
+        return "done", found, watch.peak / 2**20
     except SynchError as error:
         return "failed", error
     except MemoryError:

@@ -15,6 +15,7 @@ from ..core.tasks.surfaces import SurfaceResult
 from .bakes.job import BakeJob
 from .bakes.settings import BakeSettings
 from .blender import field_files, meshes
+from .blender.objects import Selection
 from .flows.choice import choose_point as choose_point
 from .flows.job import clebsch as clebsch
 from .frames.job import animate as animate
@@ -186,7 +187,7 @@ def trace_quads(obj, smoothing=Settings.smoothing):
         found = SurfaceResult(solved.field, solved.pattern, **request.traced(solved.pattern))
         report = solved.report.again("quad_mesh")
         report.take(found)
-        return write_quads(obj, request, found, report)
+        return write_quads(obj, request, found, report, Selection.now())
 
 
 def isolines(obj, **settings):

@@ -45,7 +45,7 @@ class BakeJob:
 
     def __init__(self, obj, settings):
         self.link = ObjectLink.to(obj)
-        self._pieces, self._report = _baking(obj, settings), None
+        self._pieces, self._report = _baking(self.link, settings), None
 
     def advance(self):
         """Do the piece that was named last; returns what comes next and the share that is done, None at the end."""
@@ -66,8 +66,9 @@ class BakeJob:
         return self._report
 
 
-def _baking(obj, settings):
+def _baking(link, settings):
     """Bake, yielding each piece's name before it is done and the share that is; returns the report."""
+    obj = link.found  # from here on the window is held, and the object with it
     with meshes.object_mode(obj):
         start = time.perf_counter()
         kind, folder = _kind(obj), _folder(obj, settings)

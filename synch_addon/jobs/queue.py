@@ -6,6 +6,7 @@ import time
 import bpy
 
 from ...core.errors import Cancelled, SynchError
+from ..blender.objects import ObjectLink
 from ..blender.translations import said
 from ..settings.preferences import memory_limit
 from .job import READING, solves_after_pieces
@@ -29,6 +30,7 @@ class Work:
     result : what was found
     peak : MB that the solve has taken at most, None where it was not told
     error : what stopped it, or None
+    waited : seconds before its turn came
     is_over : whether it has come to its end, good or bad
     let_go : callable that gives back what was taken of the window for it, once or more often
     """
@@ -39,11 +41,12 @@ class Work:
         self.is_over = self.has_begun = False
         self.let_go = lambda: None
         self.holds_window = hasattr(job, "advance")
-        self._start = time.monotonic()
+        self._start, self.waited = time.monotonic(), 0.0
 
     def begin(self):
         """Its turn has come."""
-        self.has_begun, self._start = True, time.monotonic()
+        now = time.monotonic()
+        self.has_begun, self.waited, self._start = True, now - self._start, now
 
     def advance(self):
         """Do pieces of it, which need Blender, for a moment; what goes wrong is its error."""
@@ -114,7 +117,15 @@ class Queue:
         return self.works[0] if self.works else None
 
     def add(self, job, label):
-        """Put a job at the end of the row; returns its :class:`Work`."""
+        """Put a job at the end of the row; returns its :class:`Work`.
+
+        Raises
+        ------
+        SynchError
+            where the row has one of its object
+        """
+        if job.link is not None and self.holds(job.link):
+            raise SynchError(f"{job.link.name} is being solved: wait for it, or cancel it")
         work = Work(job, label)
         self.works.append(work)
         if not work.holds_window:
@@ -122,8 +133,8 @@ class Queue:
         return work
 
     def holds(self, obj):
-        """Whether a job for an object runs or waits; for None, one for no object in particular."""
-        number = None if obj is None else obj.session_uid
+        """Whether a job for an object, or what a link leads to, runs or waits; for None, one for no object."""
+        number = None if obj is None else obj.number if isinstance(obj, ObjectLink) else obj.session_uid
         return number in [None if work.job.link is None else work.job.link.number for work in self.works]
 
     @property
@@ -172,7 +183,7 @@ class Queue:
         try:
             if self._asked is not work:
                 limit = memory_limit()
-                if self._worker is not None and self._worker.limit != limit:
+                if self._worker is not None and not (self._worker.is_alive and self._worker.limit == limit):
                     self._end_worker()
                 if self._worker is None:
                     self._worker = Worker(limit)
@@ -188,6 +199,9 @@ class Queue:
             work.fail(
                 SynchError("there is not enough memory for the result: use a coarser mesh, or close other programs")
             )
+        except Exception as error:  # told by who waits for it
+            self._end_worker()
+            work.fail(error)
 
     def _next(self, work):
         self.works.remove(work)

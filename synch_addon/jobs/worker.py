@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The parent's side of the process that solves: a child of Blender's own Python, see :mod:`core.worker`.
 
-Nothing here waits and nothing runs beside Blender: what the child says is read from a pipe when it is asked for, and
-what it is told is written as fast as it reads.
+Nothing here runs beside Blender: what the child says is read from a pipe when it is asked for, and what it is told is
+written as fast as it reads, some hundredths of a second at a time. (On Windows writing waits for the child, which reads
+from its first moment on.)
 """
 
 import os
+import select
 import subprocess
 import sys
 import time
@@ -17,7 +19,7 @@ import bpy
 from ...core.errors import SynchError
 from ...core.parcels import MARK, BrokenParcel, Unpacker, packed
 from ...core.tasks import versions
-from ...core.worker import TOO_MUCH_MEMORY
+from ...core.worker import TOO_MUCH_MEMORY, UNREADABLE
 
 # Seconds that one look at the pipes takes at most, and bytes that are read at once.
 _SLICE, _CHUNK = 0.02, 1 << 20
@@ -64,7 +66,7 @@ class Worker:
 
     def __init__(self, limit):
         self.limit = limit
-        self.is_ready, self._noise, self._unpacker = False, b"", Unpacker()
+        self.is_ready, self._noise, self._unpacker, self._gone = False, b"", Unpacker(), None
         self._outgoing: deque = deque()
         command = [*_python(), _PACKAGE, str(_FOLDER), str(limit)]
         pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "bufsize": 0}
@@ -95,14 +97,26 @@ class Worker:
         WorkerGone
             with one line that says why
         """
+        if self._gone is not None:
+            raise self._gone
         end, messages = time.monotonic() + _SLICE, []
         try:
-            while self._write() + self._read(messages) and time.monotonic() < end:
-                pass
+            while self._write(end) + self._read(messages) or self._goes_on(end):
+                if time.monotonic() > end:
+                    break
+        except WorkerGone as gone:  # what it has said before counts
+            self._gone = gone
         except BrokenParcel as error:
             self.end()
-            raise WorkerGone(f"the process that solves said what is no message ({error}): run again") from None
+            self._gone = WorkerGone(f"the process that solves said what is no message ({error}): run again")
+        if self._gone is not None and not messages:
+            raise self._gone
         return [message for message in messages if not self._is_greeting(message)]
+
+    @property
+    def is_alive(self):
+        """Whether the child is there."""
+        return self._gone is None and self._child.poll() is None
 
     def end(self):
         """End it at once, whatever it is doing."""
@@ -111,11 +125,19 @@ class Worker:
         self._child.stdin.close()
         self._child.stdout.close()
 
-    def _write(self):
+    def _goes_on(self, end):
+        """Wait a moment for the other end of a pipe that a parcel is on its way through; whether it has moved."""
+        if sys.platform == "win32" or not (self._outgoing or self._unpacker.is_amid):
+            return False
+        outgoing = [self._input] if self._outgoing else []
+        ready = select.select([self._output], outgoing, [], max(end - time.monotonic(), 0))
+        return bool(ready[0] or ready[1])
+
+    def _write(self, end):
         """Write what the child takes now; returns how much."""
         written = 0
         try:
-            while self._outgoing:
+            while self._outgoing and time.monotonic() < end:
                 count = os.write(self._input, self._outgoing[0][:_CHUNK])
                 self._outgoing[0] = self._outgoing[0][count:]
                 if not len(self._outgoing[0]):
@@ -168,6 +190,8 @@ class Worker:
         except subprocess.TimeoutExpired:
             status = "none: its pipe is closed"
         self.end()
+        if status == UNREADABLE:
+            return "the process that solves could not read what it was asked: nothing was changed"
         if status == TOO_MUCH_MEMORY:
             return (
                 f"this takes more than {self.limit / 2**20:,.0f} MB of memory: use a coarser mesh, or raise the limit "
@@ -181,7 +205,8 @@ def _python():
     """What starts a Python with a program: Blender's own, or Blender where there is none."""
     if Path(sys.executable).stem.lower().startswith("python"):
         return [sys.executable, "-c", _BEGIN]
-    return [bpy.app.binary_path, "--background", "--factory-startup", "--python-expr", _BEGIN, "--"]
+    options = ["--background", "--factory-startup", "--python-use-system-env", "--python-expr", _BEGIN, "--"]
+    return [bpy.app.binary_path, *options]
 
 
 def _environment():

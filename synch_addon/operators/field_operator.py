@@ -33,6 +33,7 @@ class BackgroundOperator:
     """
 
     bl_options = {"REGISTER", "UNDO", "PRESET"}
+    _work = None
 
     def invoke(self, context, event):
         """From the window: take the panel's settings and solve in the background."""
@@ -57,11 +58,11 @@ class BackgroundOperator:
         elif event.type == "TIMER" and not work.is_over:
             queue.advance()
             self._look_after(work)
-        if work.is_over and (work.error is not None or not self._postponed()):
+        if work.is_over and (work.error is not None or not self._postponed(context)):
             return self._reporting(self._finish, context)
         if event.type == "TIMER":
-            self._tell(work)
-        if not work.holds_window:
+            self._tell(context, work)
+        if not (work.holds_window and work is queue.running):
             return {"PASS_THROUGH"}
         free = navigates(event) or (event.type in _POINTING and over_sidebar(context, event))
         return {"PASS_THROUGH"} if free else {"RUNNING_MODAL"}
@@ -78,13 +79,16 @@ class BackgroundOperator:
             self.report({"INFO"}, str(stop))
         except SynchError as error:
             self.report({"ERROR"}, str(error))
-            if len(error.vertices):
-                api.select(self._target(context), error.vertices)
+            target = self._target(context)
+            if len(error.vertices) and target is not None:
+                api.select(target, error.vertices)
         return {"CANCELLED"}
 
     def _target(self, context):
-        """The object that errors name vertices of."""
-        return context.active_object
+        """The object that errors name vertices of: the one that was read, or that is to be."""
+        if self._work is None:
+            return context.active_object
+        return None if self._work.job.link is None else self._work.job.link.present
 
     def _run(self, context):
         manager = context.window_manager
@@ -110,6 +114,8 @@ class BackgroundOperator:
         report = work.job.write(work.result)
         if work.peak is not None:
             report["peak_memory_mb"] = work.peak
+        if "times" in report:
+            report["times"]["total"] -= work.waited
         return self._announce(report)
 
     def _announce(self, report):
@@ -125,22 +131,26 @@ class BackgroundOperator:
             queue.cancel(work)
             work.error = SynchError(f"the object {link.name} is gone: nothing was written")
 
-    def _postponed(self):
+    def _postponed(self, context):
         """Why the result cannot be written yet, in one line, or None."""
-        link = self._work.job.link
-        obj = None if link is None else link.present
         if bpy.app.is_job_running("RENDER"):
             return said("the result waits for the end of the render")
-        if obj is not None and obj.mode not in {"OBJECT", "EDIT"}:
-            return said("the result waits for object or edit mode of {name}", name=obj.name)
-        return None
+        link = self._work.job.link
+        if link is None:
+            return None if bpy.context.mode == "OBJECT" else said("the result waits for object mode")
+        obj = link.present
+        if obj is None or obj.mode == "OBJECT":
+            return None
+        # Edit mode is left for a moment, which others may be in the way of.
+        is_free = obj.mode == "EDIT" and bpy.context.view_layer.objects.active == obj and not _others_at_work(context)
+        return None if is_free else said("the result waits for object mode of {name}", name=obj.name)
 
-    def _tell(self, work):
+    def _tell(self, context, work):
         """Say in the status bar how far the first job is, and have the panels drawn again."""
         if work is queue.running:
             line = f"{said(work.label)}: {work.line}   {work.times}   {said('Esc over the 3D view: cancel')}"
         elif work.is_over:
-            line = self._postponed()
+            line = self._postponed(context)
         else:
             return
         self._taken.say(line, work.picture)
@@ -167,7 +177,10 @@ class _Taken:
         That is the sidebar for another line, and the view for another picture.
         """
         if self._workspace is not None and line != self._said:
-            self._workspace.status_text_set(line)
+            try:
+                self._workspace.status_text_set(line)
+            except ReferenceError:  # it was deleted meanwhile
+                self._workspace = None
         kinds = {"UI"} if line != self._said else set()
         kinds |= {"WINDOW"} if picture is not self._seen else set()
         self._said, self._seen = line, picture
@@ -244,6 +257,12 @@ class SYNCH_OT_cancel(bpy.types.Operator):
 def navigates(event):
     """Whether an event can only move the view: others could change the mesh while an operator waits."""
     return event.type in _NAVIGATION or event.type.startswith("NUMPAD_")
+
+
+def _others_at_work(context):
+    """Whether an operator that is not ours has the window."""
+    operators = context.window.modal_operators if context.window is not None else ()
+    return any(not operator.bl_idname.startswith("SYNCH_OT_") for operator in operators)
 
 
 def over_sidebar(context, event):

@@ -27,7 +27,7 @@ class SYNCH_OT_layers(ObjectOperator, LayerProperties, bpy.types.Operator):
     )
 
     def _target(self, context):
-        return solid_of(context.active_object)
+        return solid_of(context.active_object) if self._work is None else super()._target(context)
 
     def _take(self, context):
         stored = self._target(context).synch_layering

@@ -7,7 +7,7 @@ import bpy
 
 from ...core.errors import SynchError
 from ..blender import meshes
-from ..blender.objects import ObjectLink
+from ..blender.objects import ObjectLink, Selection
 from ..jobs.report import Report, result_line
 from . import frame_attributes, memory, numbers, quad_mesh, write
 from .reading import gather, settings_for
@@ -20,7 +20,7 @@ class FieldJob:
         meshes.refuse(obj)
         settings = settings_for(command, obj, settings)
         bpy.context.view_layer.update()  # a script may have scaled the object just now
-        self.link = ObjectLink.to(obj)
+        self.link, self._selection = ObjectLink.to(obj), Selection.now()
         self._report = Report(command, obj, settings)
         with meshes.object_mode(obj), self._report.clock("read"):
             self.request = gather(command, obj, settings)
@@ -35,7 +35,7 @@ class FieldJob:
                 raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
             if result.quads is None:
                 return write_result(obj, request, result.field, result.pattern, self._report)
-            return write_quads(obj, request, result, self._report)
+            return write_quads(obj, request, result, self._report, self._selection)
 
 
 def write_result(obj, request, field, pattern, report, number=0, change=None, renumber=True):
@@ -75,11 +75,11 @@ def _remember(obj, solved):
     memory.remember(obj, line, solved)
 
 
-def write_quads(obj, request, result, report):
+def write_quads(obj, request, result, report, selection):
     """Make the quad mesh's object; returns the report."""
     with report.clock("write"):
         defects = write.reported_defects(obj, request, result.field, result.pattern)
-        report.quad_mesh = quad_mesh.write(obj, request, result.quads)
+        report.quad_mesh = quad_mesh.write(obj, request, result.quads, selection)
     plain = report.finish(result.field, result.pattern, defects)
     made = bpy.data.objects[report.quad_mesh["object"]]
     if hasattr(made, "synch"):  # as long as the extension is registered

@@ -17,7 +17,7 @@ from ..settings.fields import PROPERTY_NAMES
 _INSIDE = 0.05
 
 
-def write(obj, request, quads):
+def write(obj, request, quads, selection):
     """Make the object, show it instead of the given one, and return its figures for the report."""
     mesh = request.given.mesh
     data = bpy.data.meshes.new(f"{obj.data.name} Quads")
@@ -39,7 +39,7 @@ def write(obj, request, quads):
     at_centres, under = surface.nearest(centres)
     _carry(obj, made, request.given, quads, centres, under, surface)
     data.update()
-    _show_instead(obj, made)
+    _show_instead(obj, made, selection)
     given = np.delete(mesh.vertices, mesh.loose_vertices, axis=0)
     back, _ = NearestTriangles(quads.vertices, meshes.read_polygons(made).triangles).nearest(given)
     apart = np.linalg.norm(back - given, axis=1)
@@ -82,19 +82,16 @@ def _carry(obj, made, given, quads, centres, under, surface):
         groups.write_weights(made, group.name, np.einsum("nk,nk->n", quads.weights, weights))
 
 
-def _show_instead(obj, made):
+def _show_instead(obj, made, selection):
     """The given object is hidden, and the new one active and selected unless another one is by now."""
     made.display_type = obj.display_type
     obj.hide_render = True
     layer = bpy.context.view_layer
-    chosen = layer.objects.active in (obj, None)
     if obj.name in layer.objects:
-        obj.select_set(False)
         obj.hide_set(True)
         for empty in defect_empties(obj):
             if empty.name in layer.objects:
                 empty.hide_set(True)
-    if chosen and made.name in layer.objects:
-        made.select_set(True)
-        layer.objects.active = made
+    if made.name in layer.objects:
+        selection.give_to([made])
     layer.update()  # so that its place in the world is known at once

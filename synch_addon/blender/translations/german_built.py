@@ -85,9 +85,8 @@ REASONS = {
         "etwas wird gerade gelesen oder gebacken: warten oder mit Esc abbrechen"
     ),
     "the result waits for the end of the render": "das Ergebnis wartet auf das Ende des Renderns",
-    "the result waits for object or edit mode of {name}": (
-        "das Ergebnis wartet auf den Objekt- oder Bearbeitungsmodus von {name}"
-    ),
+    "the result waits for object mode": "das Ergebnis wartet auf den Objektmodus",
+    "the result waits for object mode of {name}": "das Ergebnis wartet auf den Objektmodus von {name}",
     "{name} has no pattern: solve stripes or quads on it first": (
         "{name} hat kein Muster: lösen Sie zuerst Streifen oder Vierecke darauf"
     ),
