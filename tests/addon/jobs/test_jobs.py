@@ -383,9 +383,9 @@ def asked_for(request, monkeypatch):
 
 
 def test_a_fault_in_the_child_is_told_with_its_place(monkeypatch):
-    broken = replace(FieldJob("stripes", sphere(), Settings(spacing=0.4)).request, spacings=None)
+    broken = replace(FieldJob("stripes", sphere(), Settings(spacing=0.4)).request, spacings="wide")
     loop, operator = asked_for(broken, monkeypatch)
-    with pytest.raises(RuntimeError, match=r"(?s)in the process that solves:.*Traceback.*TypeError"):
+    with pytest.raises(RuntimeError, match=r"(?s)in the process that solves:.*Traceback.*ValueError"):
         loop.run(operator)
     assert queue.running is None and loop.free
 
