@@ -23,6 +23,8 @@ TOO_MUCH_MEMORY = 77
 UNREADABLE = 78
 # Seconds between two looks at the memory, and between two words on how far the work is.
 _LOOK, _WORD = 0.03, 0.05
+# Steps by which the window, and all else, goes first.
+_NICE = 5
 # Share of the work that a first result takes.
 _EARLY = 0.25
 
@@ -34,6 +36,8 @@ def serve(limit):
     ----------
     limit : bytes of memory that this process may take
     """
+    if hasattr(os, "nice"):  # elsewhere the parent sees to it
+        os.nice(_NICE)
     out, into = os.dup(1), os.dup(0)
     os.dup2(2, 1)  # what libraries print does not get among the messages
     # On Windows libraries that ask about standard input while they are loaded would wait for a thread that reads it.

@@ -132,8 +132,10 @@ class SurfaceRequest:
         polygons, inverse = self.given.polygons, np.linalg.inv(self.given.stretch)
         places = (self.given.mesh.vertices @ inverse.T)[polygons.triangles]
         corners = polygons.triangle_corners.ravel()
-        phases = np.column_stack([phase.corner_phase[corners] for phase in found.pattern.on_faces(polygons)])
-        return Picture(places.reshape(-1, 3).astype(np.float32), phases.astype(np.float32))
+        phases = np.zeros((len(corners), 2), np.float32)
+        for number, phase in enumerate(found.pattern.on_faces(polygons)):
+            phases[:, number] = phase.corner_phase[corners]
+        return Picture(places.reshape(-1, 3).astype(np.float32), phases)
 
     def directed(self, progress=None, before=None):
         """The :class:`DirectionField`, turned by its angle; from the one of the frame before, if there is one."""
@@ -198,7 +200,7 @@ class Picture:
     Attributes
     ----------
     places : (3 t, 3) float32 corners of the triangles one after the other, in the object's space
-    phases : (3 t, k) float32 radians there
+    phases : (3 t, 2) float32 radians there; of stripes the second is 0
     """
 
     places: np.ndarray

@@ -3,7 +3,6 @@
 
 import bpy
 import gpu
-import numpy as np
 from gpu_extras.batch import batch_for_shader
 
 from ..jobs.queue import queue
@@ -65,9 +64,7 @@ class _View:
         """Draw a picture into the active framebuffer, hidden by what is nearer."""
         shader = self._shader = self._shader or _shader()
         if picture is not self._picture:
-            phases = np.zeros((len(picture.phases), 2), np.float32)
-            phases[:, : picture.phases.shape[1]] = picture.phases
-            self._batch = batch_for_shader(shader, "TRIS", {"pos": picture.places, "phase": phases})
+            self._batch = batch_for_shader(shader, "TRIS", {"pos": picture.places, "phase": picture.phases})
             self._picture = picture
         gpu.state.depth_test_set("LESS_EQUAL")
         shader.uniform_float("view", view)

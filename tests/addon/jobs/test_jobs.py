@@ -328,7 +328,7 @@ def test_first_results_are_pictures_and_change_nothing(monkeypatch):
     monkeypatch.setattr(surfaces, "EARLY_FROM", 0)
     picture = job.request.solve_early()
     count = 3 * len(obj.data.loop_triangles)
-    assert picture.places.shape == (count, 3) and picture.phases.shape == (count, 1)
+    assert picture.places.shape == (count, 3) and picture.phases.shape == (count, 2) and not picture.phases[:, 1].any()
     corners = np.array([v for t in obj.data.loop_triangles for v in t.vertices])
     np.testing.assert_allclose(picture.places, attribute(obj, "position")[corners], atol=1e-6)
     # The phases are those of the spectral method.
