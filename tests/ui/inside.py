@@ -113,7 +113,8 @@ def pixel(point):
 def time_cancelling():
     """From now on, ``seconds`` gets how long a running job's operator takes to be gone once it hears of Esc."""
     operator = part("operators.field_operator").FieldOperator
-    modal = operator.modal
+    modal = operator.untimed = getattr(operator, "untimed", operator.modal)
+    _scope["seconds"].clear()
 
     def timed(self, context, heard):
         start = time.monotonic()

@@ -11,14 +11,22 @@ import pytest
 from .blender import PATIENCE
 from .test_window import stripes_are_seen
 
-# Inside: the longest time between two calls of a timer that asks to be called every hundredth of a second.
+# Inside: the longest time between two calls of a timer that asks to be called every hundredth of a second, that in which
+# a first picture was drawn apart; and the sidebar drawn again as often as a progress bar may be.
 WATCH = """
 import time
 class Watch:
-    last, longest = time.monotonic(), 0.0
+    last, longest, at_picture, redraw = time.monotonic(), 0.0, None, False
 def tick():
-    now = time.monotonic()
-    Watch.longest, Watch.last = max(Watch.longest, now - Watch.last), now
+    now, work = time.monotonic(), part('jobs.queue').queue.running
+    gap, Watch.last = now - Watch.last, now
+    if work is not None and work.picture is not None and (Watch.at_picture is None or now < Watch.pictured + 1):
+        Watch.pictured = now if Watch.at_picture is None else Watch.pictured
+        Watch.at_picture = max(Watch.at_picture or 0.0, gap)
+    else:
+        Watch.longest = max(Watch.longest, gap)
+    if Watch.redraw:
+        next(r for r in area().regions if r.type == 'UI').tag_redraw()
     return 0.01
 bpy.app.timers.register(tick, persistent=True)
 """
@@ -72,39 +80,50 @@ def solves_again(panel):
 
 
 @pytest.mark.slow
-def test_a_large_solve_does_not_hold_the_window_up(panel, record_property):
+def test_a_large_solve_does_not_hold_the_window_up(panel):
+    """The bar is drawn, which alone takes its time without a graphics card; so it is in the window that waits, too."""
+    panel.run("bpy.ops.mesh.primitive_grid_add(x_subdivisions=450, y_subdivisions=450, size=4)")  # 203,401 vertices
+    panel.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.05")
     panel.run(WATCH)
-    time.sleep(20)
+    panel.run("Watch.redraw = True")
+    time.sleep(5)
     panel.run("Watch.longest = 0.0")
     time.sleep(60)
     idle = panel.value("Watch.longest")
-    panel.run("bpy.ops.mesh.primitive_grid_add(x_subdivisions=450, y_subdivisions=450, size=4)")  # 203,401 vertices
-    panel.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.05")
+    panel.run("Watch.redraw = False")
     begin(panel, "fraction > 0.01")
     panel.run("Watch.longest = 0.0")
-    end = time.monotonic() + 60
-    while time.monotonic() < end and panel.value(f"{RUNNING} is not None"):
-        time.sleep(1)
-    solving = panel.value("Watch.longest")
-    print(f"longest gap idle {1000 * idle:.0f} ms, during a solve {1000 * solving:.0f} ms")
+    time.sleep(60)
+    solving, pictured = panel.value("Watch.longest, Watch.at_picture")
+    print(f"longest gap idle {1000 * idle:.0f} ms, solving {1000 * solving:.0f} ms, at the picture {pictured} s")
+    assert panel.value(f"{RUNNING} is not None"), "the solve was over too soon to tell"
     over_view(panel)
     panel.press("ESC")
     panel.until(f"{RUNNING} is None")
-    assert solving <= idle + 0.05
+    assert solving <= idle + 0.05 and pictured < 1
 
 
-@pytest.mark.parametrize("reached", ["stage == ''", "fraction > 0.1", "fraction > 0.5", "fraction > 0.9"])
+@pytest.mark.parametrize(
+    "reached",
+    [
+        "stage == ''",
+        "fraction > 0.1",
+        "stage.startswith('relaxation')",
+        "stage.startswith('continuation')",
+        "fraction > 0.85",
+    ],
+)
 def test_escape_is_answered_at_once_in_every_stage(panel, reached):
-    add_ball(panel, 6)
+    add_ball(panel, 7)
     before = panel.value("state()")
     panel.run("time_cancelling()")
     number = begin(panel, reached)
     over_view(panel)
-    if panel.value(f"{RUNNING} is not None"):
-        panel.press("ESC")
-        panel.until(f"{RUNNING} is None")
-        assert min(panel.value("seconds")) < 0.2 and panel.value("state()") == before
-        assert ends(number)
+    assert panel.value(f"{RUNNING} is not None"), "the solve was over too soon to be cancelled"
+    panel.press("ESC")
+    panel.until(f"{RUNNING} is None")
+    (seconds,) = panel.value("seconds")
+    assert seconds < 0.2 and panel.value("state()") == before and ends(number)
 
 
 def test_all_else_goes_on_during_a_solve(panel):
