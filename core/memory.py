@@ -69,8 +69,7 @@ def _windows_machine():
 
     class Status(ctypes.Structure):
         _fields_ = [("dwLength", wintypes.DWORD), ("dwMemoryLoad", wintypes.DWORD)] + [
-            (name, ctypes.c_uint64)
-            for name in "total free pages free_pages space free_space extended".split()
+            (name, ctypes.c_uint64) for name in "total free pages free_pages space free_space extended".split()
         ]
 
     status = Status(dwLength=ctypes.sizeof(Status))

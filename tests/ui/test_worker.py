@@ -11,8 +11,8 @@ import pytest
 from .blender import PATIENCE
 from .test_window import stripes_are_seen
 
-# Inside: the longest time between two calls of a timer that asks to be called every hundredth of a second, that in which
-# a first picture was drawn apart; and the sidebar drawn again as often as a progress bar may be.
+# Inside: the longest time between two calls of a timer that asks to be called every hundredth of a second, apart
+# from it that in which a first picture was drawn; and the sidebar drawn again as often as a progress bar may be.
 WATCH = """
 import time
 class Watch:

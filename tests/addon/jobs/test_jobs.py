@@ -360,10 +360,9 @@ def test_a_child_ends_when_its_parent_is_gone():
 
 
 @dataclass(frozen=True)
-class Fault:
-    """A request of core's own whose solve fails in a way that is nobody's wish: it is not one of the kinds of work."""
+class Unreadable:
+    """A request that the child cannot read: it has no tests."""
 
-    job = None
     shared = ()
 
 
@@ -391,7 +390,7 @@ def test_a_fault_in_the_child_is_told_with_its_place(monkeypatch):
 
 
 def test_a_request_that_cannot_be_read_gives_one_line(monkeypatch):
-    loop, operator = asked_for(Fault(), monkeypatch)
+    loop, operator = asked_for(Unreadable(), monkeypatch)
     number = child()
     assert loop.run(operator) == {"CANCELLED"} and not is_alive(number)
     assert operator.reports == [
