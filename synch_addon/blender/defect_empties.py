@@ -60,11 +60,8 @@ def defect_empties(obj) -> list[bpy.types.Object]:
 
 
 def _remove_empties(obj, kinds):
-    """Remove empties from the file; returns the collections of ours that they were in."""
-    old = [empty for empty in defect_empties(obj) if empty[_KIND] in kinds]
-    collections = {c for empty in old for c in empty.users_collection if _MARK in c}
-    bpy.data.batch_remove(old)
-    return collections
+    """Remove empties from the file."""
+    bpy.data.batch_remove([empty for empty in defect_empties(obj) if empty[_KIND] in kinds])
 
 
 def _new_empty(obj, defect, collection, size, counts):

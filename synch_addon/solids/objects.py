@@ -27,7 +27,7 @@ _RADIUS = 0.06
 
 
 def write_all(obj, layering, result, given, warn, spacing):
-    """Make or fill anew the objects that show a :class:`SolidResult`; where that fails, all is as it was.
+    """Make or fill anew the objects that show a :class:`SolidResult`; where that fails, they are as before.
 
     Returns them by their kinds: None for "curves" where there are none, the object itself for "surface" where its own
     mesh carries the phase.
@@ -117,12 +117,13 @@ def _write_surface(obj, layering, given, phases, warn, spacing):
         given = MeshInput(mesh, Polygons.of_triangles(mesh), np.eye(3), mesh, np.arange(mesh.vertex_count))
     else:
         shown = obj
+    write.write_phases(shown, given, phases.edge_phases, warn)
+    pattern_material(shown, "stripes", spacing=spacing, assign_faces=phases.is_own)
+    if shown == obj:
         for earlier in (schema.DIRECTION, schema.SINGULARITY):  # of a field on the surface
             attributes.remove_attribute(obj, earlier.name)
         write_defects(obj, (), kinds=KINDS)
         memory.show_nothing(obj)
-    write.write_phases(shown, given, phases.edge_phases, warn)
-    pattern_material(shown, "stripes", spacing=spacing, assign_faces=phases.is_own)
     meshes.update(shown)
     return shown
 
