@@ -111,11 +111,11 @@ class BackgroundOperator:
         work.let_go()
         if work.error is not None:
             raise work.error
-        report = work.job.write(work.result)
+        report = dict(work.job.write(work.result))  # what is kept of it stays as it is
         if work.peak is not None:
             report["peak_memory_mb"] = work.peak
         if "times" in report:
-            report["times"]["total"] -= work.waited
+            report["times"] = report["times"] | {"total": report["times"]["total"] - work.waited}
         return self._announce(report)
 
     def _announce(self, report):

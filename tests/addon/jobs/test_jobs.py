@@ -16,8 +16,10 @@ from synch_fields.core.tasks import surfaces
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.jobs import queue as queue_module
 from synch_fields.synch_addon.jobs.queue import queue
+from synch_fields.synch_addon.jobs.report import result_line
 from synch_fields.synch_addon.jobs.worker import Worker, WorkerGone
 from synch_fields.synch_addon.operators import field_operator
+from synch_fields.synch_addon.patterns import memory
 from synch_fields.synch_addon.patterns.job import FieldJob
 from synch_fields.synch_addon.settings.fields import Settings
 
@@ -452,6 +454,18 @@ def test_errors_select_on_their_own_object_alone():
         v.select for v in other.data.vertices if v.index > 99
     )
     assert obj.data.vertices[len(obj.data.vertices) - 1].select
+
+
+def test_what_is_kept_of_a_result_is_not_touched_by_the_report():
+    """Showing a state again gives the same line, whatever the report says of waiting and memory."""
+    obj = sphere()
+    loop, operator = begun(Stripes())
+    assert loop.run(operator) == {"FINISHED"}
+    line, shown = obj.synch.result, memory.recall(obj)
+    assert result_line(shown.plain) == line
+    api.vary(obj, 1)
+    api.show_again(obj, shown)
+    assert obj.synch.result == line
 
 
 def test_an_object_whose_job_waits_is_refused_whatever_asks():
