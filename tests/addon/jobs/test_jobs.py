@@ -1,11 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Jobs that the window waits for: a child solves them one after the other, and only what still fits is written."""
+"""Jobs that the window waits for: solved one after the other, and only what still fits is written."""
 
-import os
-import signal
 import time
-from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
@@ -14,55 +11,16 @@ import pytest
 from synch_fields.core.errors import Cancelled, SynchError
 from synch_fields.core.tasks import surfaces
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.jobs import queue as queue_module
 from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.jobs.report import result_line
-from synch_fields.synch_addon.jobs.worker import Worker, WorkerGone
-from synch_fields.synch_addon.operators import field_operator
+from synch_fields.synch_addon.jobs.worker import Worker
 from synch_fields.synch_addon.patterns import memory
 from synch_fields.synch_addon.patterns.job import FieldJob
 from synch_fields.synch_addon.settings.fields import Settings
 
-from ..loop import BESIDE, Recorded, begun
+from ..loop import BESIDE, begun
 from ..scenes import attribute, grid, set_vectors, snapshot, sphere
-
-
-class Stripes(Recorded, field_operator.FieldOperator):
-    """The operator as the window runs it, without being one of Blender's."""
-
-    bl_label, command = "Stripes", "stripes"
-
-    def __init__(self, **settings):
-        super().__init__()
-        self.settings, self.spacing = Settings(**{"spacing": 0.4} | settings), 0.0
-
-    def _settings(self):
-        return self.settings
-
-
-@pytest.fixture(autouse=True)
-def nothing_left():
-    yield
-    assert queue.running is None
-    queue.stop()
-
-
-def child():
-    """The process number of the worker, which is there."""
-    return queue._worker.number
-
-
-def is_alive(number):
-    try:
-        os.kill(number, 0)
-    except ProcessLookupError:
-        return False
-    return True
-
-
-def in_work():
-    """Whether the job that runs has begun to solve."""
-    return queue.running.fraction > 0
+from .striping import Stripes, child, in_work, is_alive
 
 
 @pytest.mark.parametrize("command", ["directions", "stripes", "quads"])
@@ -145,78 +103,6 @@ def test_a_waiting_job_can_be_cancelled_without_the_one_that_runs(monkeypatch):
     bpy.ops.synch.cancel(place=1)
     assert other_loop.send(other, "TIMER") == {"CANCELLED"} and other_loop.free
     assert loop.run(operator) == {"FINISHED"} and len(asked) == 1
-
-
-def test_a_child_that_cannot_be_started_gives_one_line(monkeypatch):
-    monkeypatch.setattr("synch_fields.synch_addon.jobs.worker._python", lambda: ["/nowhere/python"])
-    sphere()
-    loop, operator = begun(Stripes())
-    assert loop.run(operator) == {"CANCELLED"}
-    assert operator.reports == [
-        ({"ERROR"}, "the process that solves cannot be started: /nowhere/python: No such file or directory")
-    ]
-
-
-def test_a_result_that_memory_cannot_hold_gives_one_line(monkeypatch):
-    def exchange(worker):
-        raise MemoryError
-
-    sphere()
-    loop, operator = begun(Stripes())
-    monkeypatch.setattr(Worker, "exchange", exchange)
-    assert loop.run(operator) == {"CANCELLED"} and "not enough memory" in operator.reports[-1][1]
-
-
-def test_the_child_stays_for_the_next_job_and_goes_when_it_is_idle(monkeypatch):
-    sphere()
-    loop, operator = begun(Stripes())
-    assert loop.run(operator) == {"FINISHED"}
-    number = child()
-    loop, operator = begun(Stripes(spacing=0.5))
-    assert loop.run(operator) == {"FINISHED"} and child() == number
-    queue.end_when_idle()
-    assert is_alive(number)
-    monkeypatch.setattr(queue_module, "_IDLE", 0.0)
-    queue.end_when_idle()
-    assert not is_alive(number) and queue._worker is None
-
-
-@pytest.mark.parametrize("when", ["at the start", "amid"])
-def test_a_child_that_is_killed_gives_one_line_and_the_next_job_a_new_one(when):
-    sphere(5)
-    before = snapshot()
-    loop, operator = begun(Stripes())
-    if when == "amid":
-        loop.run(operator, until=in_work)
-    os.kill(child(), signal.SIGKILL)
-    assert loop.run(operator) == {"CANCELLED"} and snapshot() == before and loop.free
-    (report,) = operator.reports
-    assert report == ({"ERROR"}, "the process that solves has ended (signal 9): nothing was changed, run again")
-    loop, operator = begun(Stripes())
-    assert loop.run(operator) == {"FINISHED"}
-
-
-def test_a_limit_of_memory_gives_one_line(monkeypatch):
-    monkeypatch.setattr(queue_module, "memory_limit", lambda: 300 * 2**20)
-    sphere(7)
-    before = snapshot()
-    loop, operator = begun(Stripes(spacing=0.05))
-    assert loop.run(operator) == {"CANCELLED"} and snapshot() == before
-    assert operator.reports[-1][0] == {"ERROR"} and "more than 300 MB of memory" in operator.reports[-1][1]
-
-
-@pytest.mark.parametrize("words", ["print('hello')", "import os; os.write(1, os.urandom(1 << 20))"])
-def test_a_child_that_says_nonsense_gives_one_line(monkeypatch, words):
-    program = f"{words}\nimport sys, time\nsys.stdout.flush()\ntime.sleep(20)\n"
-    if "hello" in words:
-        program = program.replace("time.sleep(20)", "sys.exit(3)")
-    monkeypatch.setattr("synch_fields.synch_addon.jobs.worker._BEGIN", program)
-    sphere()
-    before = snapshot()
-    loop, operator = begun(Stripes())
-    assert loop.run(operator) == {"CANCELLED"} and snapshot() == before
-    (report,) = operator.reports
-    assert report[0] == {"ERROR"} and ("status 3" in report[1] or "what is no message" in report[1])
 
 
 def test_errors_of_the_solve_reach_the_window():
@@ -346,101 +232,6 @@ def test_the_window_gets_the_picture_of_a_first_result():
     loop.run(operator, until=lambda: queue.running.picture is not None)
     assert len(queue.running.picture.places) == 3 * 81920 and snapshot() == before
     assert loop.send(operator, "ESC", "PRESS") == {"CANCELLED"} and snapshot() == before
-
-
-def test_a_child_ends_when_its_parent_is_gone():
-    worker = Worker(2**33)
-    number = worker.number
-    while not worker.is_ready:
-        worker.exchange()
-    worker._child.stdin.close()
-    end = time.monotonic() + 1
-    while worker._child.poll() is None and time.monotonic() < end:
-        time.sleep(0.01)
-    assert worker._child.poll() == 0 and number
-    worker._child.stdout.close()
-
-
-@dataclass(frozen=True)
-class Unreadable:
-    """A request that the child cannot read: it has no tests."""
-
-    shared = ()
-
-
-def asked_for(request, monkeypatch):
-    """The operator of a job with another request, begun in a loop."""
-    sphere()
-    operator = Stripes()
-    make = operator._job
-
-    def job_of(context):
-        job = make(context)
-        job.request = request
-        return job
-
-    monkeypatch.setattr(operator, "_job", job_of)
-    return begun(operator)
-
-
-def test_a_fault_in_the_child_is_told_with_its_place(monkeypatch):
-    broken = replace(FieldJob("stripes", sphere(), Settings(spacing=0.4)).request, spacings="wide")
-    loop, operator = asked_for(broken, monkeypatch)
-    with pytest.raises(RuntimeError, match=r"(?s)in the process that solves:.*Traceback.*ValueError"):
-        loop.run(operator)
-    assert queue.running is None and loop.free
-
-
-def test_a_request_that_cannot_be_read_gives_one_line(monkeypatch):
-    loop, operator = asked_for(Unreadable(), monkeypatch)
-    number = child()
-    assert loop.run(operator) == {"CANCELLED"} and not is_alive(number)
-    assert operator.reports == [
-        ({"ERROR"}, "the process that solves could not read what it was asked: nothing was changed")
-    ]
-
-
-def test_a_child_that_has_died_meanwhile_is_replaced():
-    sphere()
-    loop, operator = begun(Stripes())
-    assert loop.run(operator) == {"FINISHED"}
-    number = child()
-    os.kill(number, signal.SIGKILL)
-    time.sleep(0.1)
-    loop, operator = begun(Stripes(spacing=0.5))
-    assert loop.run(operator) == {"FINISHED"} and child() != number
-
-
-def test_what_came_before_the_end_of_the_child_counts(monkeypatch):
-    """A result that was read in the same look as the closed pipe is a result."""
-    worker = Worker(2**33)
-    while not worker.is_ready:
-        worker.exchange()
-    worker.ask(FieldJob("directions", sphere(), Settings()).request)
-    while worker._outgoing:
-        worker.exchange()
-    worker._child.stdin.close()
-    worker._child.wait()  # it ends when its pipe does, perhaps in the middle
-    messages = []
-    with pytest.raises(WorkerGone):
-        while True:
-            messages += worker.exchange()
-    assert all(message[0] in ("progress", "done") for message in messages)
-
-
-def test_megabytes_are_handed_over_within_the_time_of_the_issue():
-    """Between two ticks of the window's timer pipes are emptied and filled as fast as the child is."""
-    worker = Worker(2**33)
-    while not worker.is_ready:
-        worker.exchange()
-    request = replace(FieldJob("directions", sphere(), Settings()).request, turn=np.zeros(8_000_000))
-    worker.ask(request)
-    ticks = 0
-    while worker._outgoing:
-        worker.exchange()
-        ticks += 1
-    worker.end()
-    assert ticks <= 40  # 64 MB: at 50 ms a tick each moves more than a megabyte, at 64 KB a tick it would be a thousand
 
 
 def test_errors_select_on_their_own_object_alone():
