@@ -268,3 +268,17 @@ def test_a_first_result_is_drawn_over_the_object_and_changes_nothing(panel, keep
     panel.press("ESC")
     panel.until(f"{RUNNING} is None")
     assert panel.value("state()") == before
+
+
+def test_a_result_waits_for_the_end_of_a_transform_in_edit_mode(panel):
+    add_ball(panel, 7)
+    panel.run("bpy.ops.object.mode_set(mode='EDIT')")
+    begin(panel)
+    over_view(panel)
+    panel.press("G")
+    panel.until(f"{RUNNING} is None")
+    time.sleep(1)
+    assert not panel.value("active().synch.result") and panel.value("active().mode") == "EDIT"
+    panel.press("ESC")
+    panel.until("active().synch.result")
+    assert panel.value("active().mode") == "EDIT"
