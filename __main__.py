@@ -2,14 +2,54 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command line: python -m synch_fields."""
 
+import os
+import shutil
+import signal
 import sys
+from contextlib import suppress
 
-from . import register, unregister
-from .synch_addon.command.main import main
 
-register()  # a .blend keeps the object's constraints in properties of ours
-try:
-    status = main(sys.argv[1:])
-finally:
-    unregister()  # Blender 4.5 crashes at its exit where classes are left
-sys.exit(status)
+def run():
+    """The exit status of the command line.
+
+    While Blender is imported an interrupt is only noted: what it raises there may be lost, or end in a crash.
+    """
+    heard = []
+    signal.signal(signal.SIGINT, lambda *_: heard.append(True))
+    _open_what_is_closed()
+    from . import register, unregister
+    from .synch_addon.command.main import INTERRUPTED, main
+
+    register()  # a .blend keeps the object's constraints in properties of ours
+    try:
+        if heard:
+            print("synch: interrupted", file=sys.stderr)
+        status = INTERRUPTED if heard else main(sys.argv[1:])
+    finally:
+        unregister()  # Blender 4.5 crashes at its exit where classes are left
+    if status == INTERRUPTED:
+        _leave(status)
+    return status
+
+
+def _leave(status):
+    """End at once: Blender's own exit may abort while threads of what was interrupted still run."""
+    import bpy
+
+    shutil.rmtree(bpy.app.tempdir, ignore_errors=True)
+    for stream in filter(None, (sys.stdout, sys.stderr)):
+        with suppress(OSError, ValueError):
+            stream.flush()
+    os._exit(status)
+
+
+def _open_what_is_closed():
+    """Give a process without a stdin, stdout or stderr empty ones: files that Blender opens would take their places."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)
+
+
+sys.exit(run())

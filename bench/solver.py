@@ -2,6 +2,7 @@
 """The solver beside its peers: times, bounds and energies, all in one run on the same matrices.
 
     python bench/solver.py MESH.obj [MESH.obj ...] [--repeat 3] [--paper] [--cap 110] [--problems "n = 1" ...]
+        [--record]
 
 Prints Markdown: for every mesh a table of ours, of the peers and of ratios, and at the end how many rows
 hold each criterion. bench/README.md says what the columns mean. Progress goes to stderr.
@@ -14,6 +15,7 @@ from pathlib import Path
 from statistics import median
 
 from synch_fields.bench import paper_method, peers, problems
+from synch_fields.bench.best_known import BestKnown
 from synch_fields.bench.measure import (
     cycle_products,
     energy_of,
@@ -61,6 +63,7 @@ OURS = (
     Column("bound", "bound", ".3f"),
     Column("certificate", "certificate", ""),
     Column("energy", "energy", ".3f"),
+    Column("above best known", "above", ".2%"),
     Column("gap of energy", "gap", ".1%"),
     Column("s solve", "solve s", ".3f"),
     Column("MB", "megabytes", ".0f"),
@@ -130,7 +133,7 @@ CRITERIA = (
 def main():
     """Print the tables and the summary."""
     options = _arguments()
-    rows = []
+    rows, known = [], BestKnown()
     with solving():
         for path in options.meshes:
             mesh = read_obj(path)
@@ -138,7 +141,10 @@ def main():
             of_mesh = []
             for name, problem in problems.problems(mesh, options.problems):
                 print(f"{stem} {name}", file=sys.stderr, flush=True)
-                of_mesh.append({"label": f"{stem} {name}"} | measure(problem, options))
+                row = {"label": f"{stem} {name}"} | measure(problem, options)
+                row["above"] = known.distance(row["label"], problem, row["energy"])
+                known.see(row["label"], problem, row["least energy"])
+                of_mesh.append(row)
             print(f"\n### {stem}")
             print_table("Ours", OURS, of_mesh)
             print_table("Energies and seconds beside the peers", BESIDE, of_mesh)
@@ -146,6 +152,8 @@ def main():
             if options.paper:
                 print_table("The paper's method", PAPER, of_mesh)
             rows += of_mesh
+    if options.record:
+        known.save()
     print("\n### Summary")
     print_summary(CRITERIA, rows)
 
@@ -155,6 +163,7 @@ def _arguments():
     parser.add_argument("meshes", nargs="+", metavar="MESH.obj")
     parser.add_argument("--repeat", type=int, default=3, help="runs, of which medians are printed (3)")
     parser.add_argument("--problems", nargs="+", choices=problems.NAMES, default=problems.NAMES)
+    parser.add_argument("--record", action="store_true", help="keep energies below the best known ones")
     parser.add_argument("--paper", action="store_true", help="also the paper's method, which is slow")
     parser.add_argument("--cap", type=float, default=110, help="stop it after so many times our seconds (110)")
     return parser.parse_args()
@@ -169,6 +178,7 @@ def measure(problem, options):
         numbers |= ratios(numbers)
     row = {key: _median([numbers[key] for numbers in runs]) for key in runs[0]}
     row |= {"nodes": problem.connection.node_count, "edges": len(problem.connection.edges)}
+    row["least energy"] = min(numbers[key] for numbers in runs for key in ("energy", *(f"{p} energy" for p in PEERS)))
     row["best peer"] = PEERS[min(PEERS, key=lambda peer: row[f"{peer} energy"])]
     return row | (run_paper(problem, row, options.cap) if options.paper else {})
 

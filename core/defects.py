@@ -35,7 +35,7 @@ def wrap(angles):
     return (np.asarray(angles) + np.pi) % (2 * np.pi) - np.pi
 
 
-def disclination_numbers(mesh, powers, symmetry):
+def disclination_numbers(mesh, powers, symmetry, correction=None):
     """Integer k of each triangle: the field turns by 2 pi k / symmetry around it against the surface.
 
     Edge residuals enter both triangles of an edge with opposite signs and the curvatures sum to
@@ -44,10 +44,13 @@ def disclination_numbers(mesh, powers, symmetry):
     Parameters
     ----------
     powers : (n,) complex, the symmetry-th power of the field in the vertices' tangent planes
+    correction : (e,) radians by which powers turn further along the edges than by the surface's own connection,
+        against which the turns of the field are told; optional
     """
     i, j = mesh.edges.T
     angles = np.angle(powers)
-    residuals = wrap(angles[j] - angles[i] - levi_civita(mesh, symmetry))
+    correction = 0.0 if correction is None else correction
+    residuals = wrap(angles[j] - angles[i] - levi_civita(mesh, symmetry) - correction) + correction
     around = (mesh.triangle_edge_signs * residuals[mesh.triangle_edges]).sum(axis=1)
     return np.rint((around + symmetry * mesh.face_curvatures) / (2 * np.pi)).astype(int)
 

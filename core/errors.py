@@ -3,6 +3,9 @@
 
 import numpy as np
 
+# Characters of a value that errors show.
+_LONGEST = 60
+
 
 class SynchError(Exception):
     """Base of every error that a user can act on.
@@ -68,6 +71,15 @@ class AsymmetryError(MeshError):
 
 class Cancelled(SynchError):
     """The user stopped the computation; nothing may be written."""
+
+
+def shown(value):
+    """A value as errors show it, cut off where it is long."""
+    try:
+        text = repr(value)
+    except ValueError:  # Python writes no number of more than some thousand digits
+        text = "a number of thousands of digits"
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."
 
 
 def plural(noun):

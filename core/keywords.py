@@ -3,17 +3,60 @@
 
 import math
 from dataclasses import fields
+from numbers import Integral, Real
+from types import UnionType
+from typing import Any, get_args, get_type_hints
 
-from .errors import SettingError
+import numpy as np
+
+from .errors import SettingError, shown
+
+# Of simple fields: what is taken for them, NumPy's kinds included, and what errors ask for.
+_KINDS: dict[type, tuple[Any, str]] = {
+    bool: ((bool, np.bool_), "True or False"),
+    int: (Integral, "a whole number"),
+    float: (Real, "a number"),
+    str: (str, "a text"),
+}
 
 
 def from_names(cls, values):
-    """The dataclass ``cls`` from keyword arguments, refusing names that do not exist."""
-    known = [field.name for field in fields(cls)]
+    """The dataclass ``cls`` from keyword arguments, refusing names that do not exist and values of another kind."""
+    known, hints = [field.name for field in fields(cls)], get_type_hints(cls)
     for name in values:
         if name not in known:
             raise SettingError(f"the setting {name!r} is unknown: use one of {', '.join(known)}")
-    return cls(**values)
+    return cls(**{name: _typed(name, hints[name], value) for name, value in values.items()})
+
+
+def _typed(name, hint, value):
+    """A value as the kind that its field has; fields that are not simple are looked at elsewhere."""
+    wanted = get_args(hint) if isinstance(hint, UnionType) else (hint,)
+    kinds = [kind for kind in wanted if kind in _KINDS]
+    if not kinds or (value is None and type(None) in wanted):
+        return value
+    for kind in kinds:
+        taken, _ = _KINDS[kind]
+        if isinstance(value, taken) and (kind is bool or not isinstance(value, bool | np.bool_)):
+            return check_text(value, f"the {_label(name)}") if kind is str else _converted(name, kind, value)
+    asked = " or ".join(_KINDS[kind][1] for kind in kinds)
+    raise SettingError(f"the {_label(name)} is {shown(value)}: give {asked}")
+
+
+def _converted(name, kind, value):
+    try:
+        return kind(value)
+    except OverflowError:
+        raise SettingError(f"the {_label(name)} is {shown(value)}: give a smaller number") from None
+
+
+def check_text(text, what):
+    """The text; refuses one that no name and no file can have, since it has halves of characters."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise SettingError(f"{what} is {shown(text)}, which is no text: write it as UTF-8") from None
+    return text
 
 
 def check_choice(settings, name, choices):
@@ -27,7 +70,7 @@ def check_whole(settings, *names):
     """Refuse values that are no whole numbers from 0 on."""
     for name in names:
         value = getattr(settings, name)
-        if not isinstance(value, int) or value < 0:
+        if not isinstance(value, int) or isinstance(value, bool) or value < 0:
             raise SettingError(f"the {_label(name)} is {value!r}: give a whole number from 0 on")
 
 

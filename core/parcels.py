@@ -11,6 +11,8 @@ import pickle
 import struct
 from itertools import accumulate
 
+import numpy as np
+
 # Begins every parcel: whatever else a process writes to the same pipe is told from one.
 MARK = b"\x00synch parcel\x01\n\x00"
 _NUMBER = struct.Struct("<Q")
@@ -72,7 +74,7 @@ class Unpacker:
         self.shared = shared
         self._head = bytearray()
         self._sizes: list[int] | None = None
-        self._body, self._filled = bytearray(), 0
+        self._body, self._filled = np.empty(0, np.uint8), 0
 
     @property
     def is_amid(self):
@@ -98,7 +100,7 @@ class Unpacker:
         """Use up bytes of one parcel; returns how many."""
         if self._sizes is not None:
             count = min(len(data), len(self._body) - self._filled)
-            self._body[self._filled : self._filled + count] = data[:count]
+            self._body[self._filled : self._filled + count] = np.frombuffer(data[:count], np.uint8)
             self._filled += count
             return count
         taken = 0
@@ -113,7 +115,8 @@ class Unpacker:
         total = sum(map(_whole, self._sizes))
         if total > _MOST_BYTES:
             raise BrokenParcel(f"it has {total} bytes")
-        self._body, self._filled = bytearray(total), 0
+        # Not a bytearray: filling hundreds of megabytes with zeros takes its time, at once.
+        self._body, self._filled = np.empty(total, np.uint8), 0
         return taken
 
     @property
@@ -134,7 +137,7 @@ class Unpacker:
         body, sizes = memoryview(self._body), self._sizes or []
         starts = accumulate(map(_whole, sizes), initial=0)
         parts = [body[start : start + size] for start, size in zip(starts, sizes, strict=False)]
-        self._head, self._sizes, self._body, self._filled = bytearray(), None, bytearray(), 0
+        self._head, self._sizes, self._body, self._filled = bytearray(), None, np.empty(0, np.uint8), 0
         try:
             return _Unpickler(io.BytesIO(parts[0]), self.shared, parts[1:]).load()
         except MemoryError:

@@ -6,6 +6,7 @@ blocks and the matrix that is solved is P^H L P. Fixed phases merge into a *grou
 value is then turned to 1 (Eqs. 25-27); soft wishes are weighted edges to it.
 """
 
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -13,7 +14,7 @@ import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix, diags_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from .connection import compose, make_arrays
+from .connection import circle_transports, compose, make_arrays
 from .errors import SettingError
 from .gauge import balance
 from .graphs import components
@@ -94,6 +95,8 @@ class SynchronizationProblem:
     merged : Merged, optional
     fixed : Targets without weights, optional
     drawn : Targets with weights, optional
+    calmer : callable without arguments, optional; asked for (k,) radians that turn the first k transports further, so
+        that they contradict each other as little as they can. Circle only.
 
     What is left out is of no node: the attributes ``merged``, ``fixed`` and ``drawn`` are never None.
 
@@ -104,7 +107,7 @@ class SynchronizationProblem:
         not of unit length; when a node is constrained twice, or merged into a node that is itself constrained
     """
 
-    def __init__(self, connection, mass=None, merged=None, fixed=None, drawn=None):
+    def __init__(self, connection, mass=None, merged=None, fixed=None, drawn=None, calmer=None):
         check_problem(connection, mass, merged, fixed, drawn)
         if merged is not None and merged.transports.ndim != connection.transports.ndim:
             connection = replace(connection, transports=as_matrices(connection.transports))
@@ -117,6 +120,7 @@ class SynchronizationProblem:
         self.merged = Merged(nobody, nobody, connection.transports[:0]) if merged is None else merged
         self.fixed = Targets(nobody, nothing) if fixed is None else fixed
         self.drawn = Targets(nobody, nothing, np.empty(0)) if drawn is None else drawn
+        self.calmer = calmer
         self._check_constraints()
 
     def _check_constraints(self):
@@ -131,6 +135,18 @@ class SynchronizationProblem:
     def is_circle(self):
         """Whether phases are given and returned as complex numbers."""
         return self.connection.is_circle
+
+    def turned_by(self, turns):
+        """The problem with the first transports turned further by (k,) radians; its pieces have the same rows."""
+        twin = copy(self)  # with all that follows from the graph and its flips
+        twin.__dict__.pop("factor", None)
+        twin.__dict__.pop("pieces", None)
+        transports = self.connection.transports.copy()
+        units = circle_transports(turns)
+        units = units if transports.ndim == 1 else as_matrices(units)
+        transports[: len(turns)] = compose(units, transports[: len(turns)])
+        twin.connection = replace(self.connection, transports=transports)
+        return twin
 
     # Gauge: turn nodes over where that removes all flips of a component.
 

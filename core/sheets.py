@@ -12,7 +12,7 @@ import numpy as np
 from .connection import levi_civita
 
 
-def matchings(mesh, angles, symmetry):
+def matchings(mesh, angles, symmetry, correction=None):
     """Direction of the lower vertex that each edge carries nearest to direction 0 of the higher one.
 
     Parameters
@@ -20,6 +20,8 @@ def matchings(mesh, angles, symmetry):
     mesh : TriangleMesh
     angles : (n,) radians in the vertices' tangent planes, direction 0
     symmetry : 1, 2 or 4 directions at a vertex
+    correction : (e,) radians by which the powers of directions turn further along the edges than by the surface's
+        own connection; optional
 
     Returns
     -------
@@ -27,7 +29,10 @@ def matchings(mesh, angles, symmetry):
     """
     i, j = mesh.edges.T
     turn = 2 * np.pi / symmetry
-    return np.rint((angles[j] - angles[i] - levi_civita(mesh, 1)) / turn).astype(int) % symmetry
+    carried = levi_civita(mesh, 1)
+    if correction is not None:
+        carried = carried + correction / symmetry
+    return np.rint((angles[j] - angles[i] - carried) / turn).astype(int) % symmetry
 
 
 def after_turns(phases, turns):

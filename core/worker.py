@@ -15,7 +15,7 @@ import time
 import traceback
 from functools import partial
 
-from .parcels import Unpacker, packed
+from .parcels import BrokenParcel, Unpacker, packed
 
 # Exit status of a process that took more memory than it may, or could not get what it needed.
 TOO_MUCH_MEMORY = 77
@@ -42,8 +42,8 @@ def serve(limit):
     os.dup2(2, 1)  # what libraries print does not get among the messages
     # On Windows libraries that ask about standard input while they are loaded would wait for a thread that reads it.
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
-    requests: queue.SimpleQueue = queue.SimpleQueue()
-    threading.Thread(target=_read, args=(into, requests), daemon=True).start()
+    chunks: queue.SimpleQueue = queue.SimpleQueue()
+    threading.Thread(target=_read, args=(into, chunks), daemon=True).start()
     # Only now: reading has begun, so that the parent can write while all this is loaded.
     from . import tasks
 
@@ -52,27 +52,36 @@ def serve(limit):
     tasks.load()
     send = partial(_send, out)
     send(("ready", tasks.versions()))
-    while True:
-        request = requests.get()
+    for request in _requests(chunks):
         watch.peak = 0
         send(_answer(request, send, watch), request.shared)
         request = None  # nothing is kept of it until the next
 
 
-def _read(into, requests):
-    """Put what is asked into a queue; the end of the pipe, or what cannot be read, is the end of the process."""
-    status = UNREADABLE
+def _read(into, chunks):
+    """Put what comes into a queue; the end of the pipe is the end of the process."""
     try:
-        unpacker = Unpacker()
         while data := os.read(into, 1 << 20):
-            for _, request in unpacker.feed(data):
-                requests.put(request)
-            request = None
-        status = 0
-    except MemoryError:
-        status = TOO_MUCH_MEMORY
-    finally:
-        os._exit(status)
+            chunks.put(data)
+    finally:  # without a thread that reads, the process would wait for ever
+        os._exit(0)
+
+
+def _requests(chunks):
+    """What is asked, as it comes; what cannot be read is the end of the process.
+
+    Not for the thread that reads: a request imports modules, and two threads that do so may wait for one another.
+    """
+    unpacker = Unpacker()
+    while True:
+        try:
+            messages = unpacker.feed(chunks.get())
+        except MemoryError:
+            os._exit(TOO_MUCH_MEMORY)
+        except BrokenParcel:
+            os._exit(UNREADABLE)
+        while messages:
+            yield messages.pop(0)[1]
 
 
 class _Watch:

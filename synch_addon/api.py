@@ -6,8 +6,9 @@ scene as it was. All return the report that the command line writes as JSON.
 """
 
 from dataclasses import replace
+from numbers import Integral
 
-from ..core.errors import SettingError, SynchError
+from ..core.errors import SettingError, SynchError, shown
 from ..core.fields.directions import SYMMETRIES
 from ..core.fields.placement import variation, with_defects
 from ..core.keywords import from_names
@@ -35,6 +36,9 @@ from .solids.outputs import layer_export as layer_export
 from .solids.outputs import layer_toolpaths as layer_toolpaths
 from .solids.outputs import layer_volume as layer_volume
 from .solids.settings import LayerSettings
+
+# The largest number that a slider of Blender holds.
+MOST_VARIATIONS = 2**31 - 1
 
 
 def directions(obj, callback=None, **settings):
@@ -132,8 +136,8 @@ def vary(obj, number):
     SynchError
         with one line that names the element and the remedy; nothing is written
     """
-    if not isinstance(number, int) or number < 0:
-        raise SettingError(f"the variation is {number!r}: give a whole number from 0 on")
+    if not isinstance(number, Integral) or isinstance(number, bool) or not 0 <= number <= MOST_VARIATIONS:
+        raise SettingError(f"the variation is {shown(number)}: give a whole number from 0 to {MOST_VARIATIONS}")
     return _show(obj, lambda solved: variation(solved.shown, number), number)
 
 

@@ -6,15 +6,18 @@ import numpy as np
 # A boundary that bulges by more than this, in distances between two lines that meet it, keeps a corner there, and
 # everywhere where it turns by more than this at once.
 BULGE, SHARP = 0.3, np.radians(60)
+# A line that meets the boundary within this part of an edge from a vertex passes through the vertex.
+_THROUGH = 1e-4
 
 
-def border_of(mesh, crossings, met, node_count):
+def border_of(mesh, crossings, met, node_count, on_grid):
     """The boundary as pieces with the surface on their left, and which of its vertices are corners.
 
     Parameters
     ----------
     met : (c,) bool, crossings at which a line reaches the boundary
     node_count : number of nodes before the boundary's vertices, which are nodes from there on
+    on_grid : (n,) bool, vertices on lines of both phases: corners of the grid, unless lines pass through them
 
     Returns
     -------
@@ -47,7 +50,11 @@ def border_of(mesh, crossings, met, node_count):
         if nodes:
             loop = np.array(nodes)
             pieces.append(np.column_stack([loop, np.roll(loop, -1)]))
-            chosen = loop[_corners(np.concatenate(points), np.array(hit), loop >= node_count)]
+            way, met_there, is_vertex = np.concatenate(points), np.array(hit), loop >= node_count
+            places = np.flatnonzero(is_vertex)
+            turned = places[on_grid[vertices[loop[places] - node_count]]]
+            turned = turned[~_passed_through(way, met_there, is_vertex, turned)]
+            chosen = loop[np.union1d(_corners(way, met_there, is_vertex), turned)]
             corners[chosen - node_count] = True
     return np.concatenate([np.empty((0, 2), int), *pieces]), corners, vertices
 
@@ -80,6 +87,18 @@ def _corners(points, hit, is_vertex):
         corners.append(spare[distances.argmax()])
         spare = np.setdiff1d(spare, corners)
     return np.array(corners, int)
+
+
+def _passed_through(points, hit, is_vertex, places):
+    """(k,) bool: whether a line meets a closed line of points right beside some of its vertices."""
+    through = np.zeros(len(places), bool)
+    vertices = np.flatnonzero(is_vertex)
+    for way in (1, -1):
+        beside = (places + way) % len(points)
+        following = vertices[(np.searchsorted(vertices, places) + way) % len(vertices)]
+        edge = np.linalg.norm(points[following] - points[places], axis=1)
+        through |= hit[beside] & (np.linalg.norm(points[beside] - points[places], axis=1) < _THROUGH * edge)
+    return through
 
 
 def _turns(points, places):

@@ -5,10 +5,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..errors import SettingError
 from ..graphs import ragged_arange
 from ..sheets import after_turns
 from .fans import ASIDE, in_radians
 from .levels import GRID
+
+# Crossings of lines with edges, and with one another: about 100 bytes each, and again as much in Blender.
+MOST = 10_000_000
+
+
+def refuse_more(count, what, power):
+    """Refuse more than :data:`MOST`, whose number goes by a power of the lines' density; the error says what fits."""
+    if count > MOST:
+        factor = 1.05 * (count / MOST) ** (1 / power)
+        raise SettingError(
+            f"{what} {count:.2g} times, and more than {MOST:.2g} are not drawn: make the spacing {factor:.3g} times as "
+            "large"
+        )
 
 
 @dataclass(frozen=True)
@@ -31,13 +45,20 @@ class Crossings:
 
 
 def crossings_of(phases, levels=GRID):
-    """All :class:`Crossings`; ends of an edge are never on a line but at a centre, which does not count."""
+    """All :class:`Crossings`; ends of an edge are never on a line but at a centre, which does not count.
+
+    Raises
+    ------
+    SettingError
+        for more than :data:`MOST`
+    """
     mesh, count = phases.mesh, phases.phase_count
     begin = phases.arguments[mesh.edges[:, 0]]
     end = begin + phases.changes
     end = np.where(np.abs(end - np.rint(end)) < ASIDE / 4, np.rint(end), end)  # a centre, but for rounding
     first = levels.above(np.minimum(begin, end))
     counts = np.maximum(levels.not_below(np.maximum(begin, end)) - first, 0).ravel()
+    refuse_more(counts.sum(), "the lines cross the mesh's edges", 1)
     which, place = ragged_arange(counts)
     numbers = first.ravel()[which] + place
     edges, phase = which // count, which % count

@@ -12,6 +12,8 @@ from .levels import GRID
 
 # Phases this near to a line are moved off it, in units of pi.
 ASIDE = 1e-7
+# A vertex with the phases of a disclination's centre, up to this in units of pi, is the centre.
+SAME = 1e-5
 
 
 @dataclass(frozen=True)
@@ -46,12 +48,27 @@ def moved_aside(edge_phases, levels=GRID, lines_outside=True):
     inward = np.zeros_like(arguments)
     np.add.at(inward, i, changes)
     np.add.at(inward, j, -after_turns(changes, edge_phases.matchings))
+    _look_across_lines(inward, edge_phases)
     nearest = levels.nearest(arguments)
     upward = (inward < 0) != lines_outside
     moved = np.where(np.abs(arguments - nearest) < ASIDE, nearest + np.where(upward, ASIDE, -ASIDE), arguments)
     by = moved - arguments
     changes = changes + after_turns(by[j], -edge_phases.matchings) - by[i]
     return EdgePhases(mesh, moved, changes, edge_phases.matchings)
+
+
+def _look_across_lines(inward, edge_phases):
+    """Change (n, k) inwards to what it is across the boundary's edges along which a phase stays as it is.
+
+    Where the boundary turns inwards a vertex has neighbours on both sides of its lines.
+    """
+    mesh = edge_phases.mesh
+    half = np.flatnonzero(mesh.twins < 0)
+    tails, heads, across = (mesh.triangles[half // 3, (half + k) % 3] for k in range(3))
+    for ends, others in ((tails, heads), (heads, tails)):
+        along, _ = edge_phases.between(ends, others)
+        stays = np.abs(along) < np.pi * ASIDE
+        inward[ends] = np.where(stays, edge_phases.between(ends, across)[0], inward[ends])
 
 
 def split_at_disclinations(phases):
@@ -67,8 +84,6 @@ def split_at_disclinations(phases):
         np.concatenate([mesh.vertices, mesh.vertices[corners].mean(axis=1)]),
         np.concatenate([mesh.triangles[whole], thirds.reshape(-1, 3)]),
     )
-    middle = np.full((3, 3), 1 / 3)
-    places = np.stack([np.stack([np.eye(3)[k], np.eye(3)[(k + 1) % 3], middle[k]]) for k in range(3)])
     changes, matched = np.zeros((len(split.edges), phases.phase_count)), np.zeros(len(split.edges), int)
     old = split.edges[:, 1] < mesh.vertex_count
     source = mesh.edges_between(*split.edges[old].T)
@@ -86,11 +101,21 @@ def split_at_disclinations(phases):
         split,
         EdgePhases(split, arguments, changes, matched),
         np.concatenate([whole, np.repeat(singular, 3)]),
-        np.concatenate([np.tile(np.eye(3), (len(whole), 1, 1)), np.tile(places, (len(singular), 1, 1))]),
+        np.concatenate([np.tile(np.eye(3), (len(whole), 1, 1)), _places_of_thirds(values, fixed)]),
         np.concatenate([np.full(len(whole), -1), np.tile(np.arange(3), len(singular))]),
         mesh.vertex_count,
         turns,
     )
+
+
+def _places_of_thirds(values, fixed):
+    """(3 c, 3, 3) barycentric coordinates of the thirds' corners: centres are in the middle, or at a vertex."""
+    apart = np.abs(values[:, :3] / np.pi - fixed[:, None]).max(axis=2)
+    nearest = apart.argmin(axis=1)
+    at_vertex = apart[np.arange(len(apart)), nearest] < SAME
+    centres = np.where(at_vertex[:, None], np.eye(3)[nearest], 1 / 3)
+    first, second = (np.broadcast_to(np.roll(np.eye(3), -k, axis=0), (len(centres), 3, 3)) for k in range(2))
+    return np.stack([first, second, np.repeat(centres[:, None], 3, axis=1)], axis=2).reshape(-1, 3, 3)
 
 
 def in_radians(phases):

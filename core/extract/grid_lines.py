@@ -15,8 +15,8 @@ import numpy as np
 
 from ..graphs import ragged_arange
 from .border import border_of
-from .chords import chord_ends, chords_of, crossings_of, on_rim, rims_of, stride
-from .fans import moved_aside, split_at_disclinations
+from .chords import chord_ends, chords_of, crossings_of, on_rim, refuse_more, rims_of, stride
+from .fans import ASIDE, moved_aside, split_at_disclinations
 from .line_graph import LineGraph
 
 
@@ -78,7 +78,9 @@ def _graph(fans, crossings, chords):
     keys = np.where(at_rim, 1.0, keys)
     reached = np.zeros(rim_count, bool)
     reached[tails[at_rim]] = True
-    border, corners, corner_vertices = border_of(mesh, crossings, reached, node_count)
+    values = fans.phases.arguments
+    on_grid = (np.abs(values - np.rint(values)) < 2 * ASIDE).all(axis=1)
+    border, corners, corner_vertices = border_of(mesh, crossings, reached, node_count, on_grid)
     # Along the boundary the surface is to the left: its own way comes first, the way back last.
     graph = LineGraph(
         np.concatenate([tails, border]).ravel(),
@@ -104,6 +106,7 @@ def _meeting_chords(chords):
     sums = np.append(0, np.cumsum(~is_y))
     x_counts = sums[stop] - sums[start]
     rows = np.flatnonzero(is_y)
+    refuse_more(x_counts[rows].sum(), "grid lines may cross one another", 2)
     row, place = ragged_arange(x_counts[rows])
     y = rows[row]
     x, y = order[start[y] + place], order[y]

@@ -5,8 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..graphs import components
+from .centred import centred
 from .grid_lines import grid_lines
 from .line_graph import LineGraph
+
+# Edges shorter than this part of the middle length are none.
+SHORTEST = 1e-4
 
 
 @dataclass(frozen=True)
@@ -69,13 +74,33 @@ class QuadMesh:
 
 def quad_mesh(edge_phases):
     """The :class:`QuadMesh` of the grid lines of :class:`EdgePhases` with two phases a vertex."""
-    lines = grid_lines(edge_phases)
+    lines = grid_lines(centred(edge_phases))
     mesh = edge_phases.mesh
     positions = np.einsum("nk,nkx->nx", lines.weights, mesh.vertices[mesh.triangles[lines.triangles]])
     graph = _with_whole_centres(lines, positions)
     darts, sizes = graph.faces()
     used, corner_vertices = np.unique(graph.tails[darts], return_inverse=True)
-    return QuadMesh(positions[used], lines.triangles[used], lines.weights[used], corner_vertices, sizes)
+    quads = QuadMesh(positions[used], lines.triangles[used], lines.weights[used], corner_vertices, sizes)
+    return _without_short_edges(quads)
+
+
+def _without_short_edges(quads):
+    """The quad mesh with the ends of each edge of no length as one vertex: lines that meet at a vertex of the surface
+    were moved aside from it."""
+    edges, _ = quads.edges
+    lengths = np.linalg.norm(quads.vertices[edges[:, 1]] - quads.vertices[edges[:, 0]], axis=1)
+    short = edges[lengths < SHORTEST * np.median(lengths)] if len(edges) else edges
+    if len(short) == 0:
+        return quads
+    labels = components(len(quads.vertices), short)
+    first = np.unique(labels, return_index=True)[1]
+    corners = labels[quads.corner_vertices]
+    stays = corners != corners[quads.next_corners]
+    sizes = np.bincount(quads.corner_faces[stays], minlength=len(quads.sizes))
+    stays &= (sizes > 2)[quads.corner_faces]
+    return QuadMesh(
+        quads.vertices[first], quads.triangles[first], quads.weights[first], corners[stays], sizes[sizes > 2]
+    )
 
 
 def _with_whole_centres(lines, positions):

@@ -1,28 +1,32 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Quad meshes smoothed on the surface that they were traced on."""
+"""Quad meshes as they are shown: on the lines of their surface, of quads alone where asked, mirrored and smoothed."""
 
 from dataclasses import replace
 
 import numpy as np
 
 from ..errors import SettingError
-from ..geometry.nearest import NearestTriangles
+from ..fields.constraints.rows import GRID
+from .all_quads import all_quads
+from .feature_chains import on_features
+from .feature_lines import FeatureLines
+from .quad_fitting import fitted
+from .quad_mirror import ON_PLANE, averaged, mirrored, partners
+from .turned_edges import turned_edges
+from .worst_corners import levelled
 
-# Shares of the way to the middle of its neighbours that a vertex moves at once, forth and back: uneven places are
-# smoothed, and little shrinks (after Taubin 1995).
-_STEPS = 0.5, -0.4
-# A vertex nearer than this to a mirror plane, as a share of the object's size, lies on it.
-_ON_PLANE = 1e-5
-# Cosine of the angle between the normals of neighbours beyond which both stay where they are: rims keep their shape.
+# Cosine of the angle between the normals of neighbours beyond which both move for bad corners alone: rims keep their
+# shape.
 _SHARP = 0.5
 # A vertex of the quad mesh nearer to an edge than this, as a barycentric coordinate, lies on it.
 _ON_EDGE = 1e-3
 
 
-def smoothed(quads, mesh, rows, planes, rounds):
-    """Vertices moved towards the middle of their neighbours and back onto the surface.
+def smoothed(quads, mesh, rows, planes, rounds, only_quads=False):
+    """The quad mesh on its surface's features, its own mirror image, and with faces as near to squares as can be.
 
-    Those on the boundary, on lines that were asked for, on mirror planes and at sharp edges stay there.
+    Vertices on boundaries and sharp edges that are kept move along them, others on the boundary, on lines that were
+    asked for stay where they are, and those at sharp edges do but for bad corners.
 
     Parameters
     ----------
@@ -30,64 +34,118 @@ def smoothed(quads, mesh, rows, planes, rounds):
     mesh : TriangleMesh that it was traced on
     rows : Rows of the constraint list; those of phases hold the vertices on their lines
     planes : (3,) normals of mirror planes through the origin, of any length
-    rounds : how often
+    rounds : how often vertices move
+    only_quads : whether other faces are to become quads
 
     Raises
     ------
     SettingError
         for a pattern without any face, one whose faces would meet themselves, and one that loses a handle
     """
+    _check(quads, mesh)
+    planes = [np.asarray(normal) / np.linalg.norm(normal) for normal in planes]
+    links = _feature_links(rows)
+    features, chains = None, None
+    if len(links):
+        features = FeatureLines.of(mesh, np.unique(mesh.edges_between(*links.T)))
+        quads, chains = on_features(quads, features, _side(quads), cut=only_quads)
+    if only_quads:
+        quads = all_quads(quads, mesh, [] if chains is None else chains.edges(quads))
+    for unit in planes:
+        quads = mirrored(quads, mesh, unit)
+    if features is not None:
+        quads, chains = on_features(quads, features, _side(quads))
+    if rounds == 0:
+        return quads
+    mates = [partners(quads, unit) for unit in planes]
+    heights = [np.abs(quads.vertices @ unit) for unit in planes]
+    on_planes = [h <= ON_PLANE * np.ptp(quads.vertices, axis=0).max() for h in heights]
+    free, loose = _free(quads, mesh, rows, chains)
+    if chains is not None:
+        crossing = (chains.lines >= 0) & np.any([np.zeros(len(free), bool), *on_planes], axis=0)
+        free, loose = free & ~crossing, loose & ~crossing
+    held = list(zip(planes, on_planes, strict=True))
+    quads = fitted(quads, mesh, loose, held, rounds, chains)
+    quads = levelled(quads, mesh, free, held, chains)
+    if not planes:  # halves that mirror each other would be turned in other ways
+        turned = turned_edges(quads, mesh.face_normals[quads.triangles], _held_edges(quads, free, chains))
+        quads = levelled(turned, mesh, free, held, chains) if turned is not quads else quads
+    for unit, mate in zip(planes, mates, strict=True):
+        # Vertices that stood near to each other may be told apart by now.
+        partner = partners(quads, unit) if mate is None else mate
+        if partner is not None:
+            quads = replace(quads, vertices=averaged(quads.vertices, partner, unit))
+    return quads
+
+
+def lost_lines(quads, mesh, rows):
+    """The boundaries and sharp edges that no chain of the quad mesh's edges follows.
+
+    Parameters
+    ----------
+    quads : QuadMesh
+    mesh : TriangleMesh that it was traced on
+    rows : Rows of the constraint list
+
+    Returns
+    -------
+    (k,) lengths of these lines, (l,) of all lines, both between corners
+    """
+    links = _feature_links(rows)
+    if len(links) == 0:
+        return np.empty(0), np.empty(0)
+    features = FeatureLines.of(mesh, np.unique(mesh.edges_between(*links.T)))
+    lengths = np.array([ways[-1] for ways in features.lengths])
+    return lengths[list(on_features(quads, features, _side(quads))[1].missed)], lengths
+
+
+def _feature_links(rows):
+    """(k, 2) vertices of the edges that chains are put on."""
+    return np.concatenate([np.empty((0, 2), int), *(row.line.links for row in rows if row.kind == GRID)])
+
+
+def _check(quads, mesh):
+    """Refuse what is no mesh of the surface."""
     if len(quads.sizes) == 0:
         raise SettingError("no grid lines cross on the mesh: reduce the spacing")
     if not quads.is_simple:
         raise SettingError("the quads are too large for the mesh, some would meet themselves: reduce the spacing")
     if not mesh.boundary_vertices.any() and quads.euler_characteristic > mesh.euler_characteristic:
         raise SettingError("the quads are too large for the mesh, a handle of it would be lost: reduce the spacing")
+
+
+def _side(quads):
+    """The mean length of an edge."""
+    edges, _ = quads.edges
+    return float(np.linalg.norm(quads.vertices[edges[:, 1]] - quads.vertices[edges[:, 0]], axis=1).mean())
+
+
+def _free(quads, mesh, rows, chains):
+    """(n,) bool: vertices that may move, and those of them that are not where the surface bends."""
     edges, counts = quads.edges
-    free = ~_on_lines(quads, mesh, rows)
-    free[edges[counts == 1]] = False
-    for normal in planes:
-        heights = quads.vertices @ normal
-        free &= np.abs(heights) > _ON_PLANE * np.ptp(quads.vertices, axis=0).max() * np.linalg.norm(normal)
+    on_lines = np.zeros(len(quads.vertices), bool) if chains is None else chains.fixed | (chains.lines >= 0)
+    asked = _on_rows(quads, mesh, [row for row in rows if row.kind != GRID])
+    held = _on_rows(quads, mesh, rows)
+    held[edges[counts == 1]] = True
+    free = ~held if chains is None else ~chains.fixed & ~asked & (~held | (chains.lines >= 0))
     normals = mesh.face_normals[quads.triangles]
-    free[edges[np.einsum("ij,ij->i", normals[edges[:, 0]], normals[edges[:, 1]]) < _SHARP]] = False
-    surface = NearestTriangles(mesh.vertices, mesh.triangles)
-    degrees = np.bincount(edges.ravel(), minlength=len(quads.vertices))[:, None]
-    for _ in range(rounds):
-        for step in _STEPS:
-            sums = np.zeros_like(quads.vertices)
-            np.add.at(sums, edges[:, 0], quads.vertices[edges[:, 1]])
-            np.add.at(sums, edges[:, 1], quads.vertices[edges[:, 0]])
-            moved = quads.vertices + step * (sums / degrees - quads.vertices)
-            quads = _moved(quads, mesh, free, *surface.nearest(moved[free]))
-    return quads
+    bent = np.einsum("ij,ij->i", normals[edges[:, 0]], normals[edges[:, 1]]) < _SHARP
+    loose = free.copy()
+    loose[edges[bent & ~on_lines[edges].any(axis=1)]] = False
+    return free, loose
 
 
-def _on_lines(quads, mesh, rows):
+def _held_edges(quads, free, chains):
+    """(k, 2) vertices of the edges between two vertices that stay or slide along lines."""
+    held = ~free if chains is None else ~free | (chains.lines >= 0)
+    edges, _ = quads.edges
+    return edges[held[edges].all(axis=1)]
+
+
+def _on_rows(quads, mesh, rows):
     """(n,) bool: vertices on edges or at vertices of rows that ask for a grid line."""
     held = np.zeros(mesh.vertex_count, bool)
     for row in rows:
         if row.is_of_phases:
             held[row.line.nodes] = True
     return (held[mesh.triangles[quads.triangles]] | (quads.weights < _ON_EDGE)).all(axis=1)
-
-
-def _moved(quads, mesh, which, places, triangles):
-    """The quad mesh with some vertices at other places of the surface."""
-    weights = barycentric(mesh, triangles, places)
-    result = replace(quads, **{n: getattr(quads, n).copy() for n in ("vertices", "triangles", "weights")})
-    result.vertices[which], result.triangles[which], result.weights[which] = places, triangles, weights
-    return result
-
-
-def barycentric(mesh, triangles, places):
-    """(k, 3) barycentric coordinates of places in the planes of triangles, negative beyond a side."""
-    corners = mesh.vertices[mesh.triangles[triangles]]
-    normals = mesh.face_normals[triangles]
-    weights = np.stack([_double_areas(places, corners[:, k - 2], corners[:, k - 1], normals) for k in range(3)], axis=1)
-    sums = weights.sum(axis=1, keepdims=True)
-    return np.divide(weights, sums, out=np.full_like(weights, 1 / 3), where=sums > 0)
-
-
-def _double_areas(a, b, c, normals):
-    return np.einsum("ij,ij->i", np.cross(b - a, c - a), normals)

@@ -6,6 +6,7 @@ phase exp(i n a) for a direction at angle a in the vertex's tangent plane.
 """
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -14,14 +15,20 @@ from ..defects import disclination_numbers, list_defects
 from ..errors import SettingError
 from ..geometry import TriangleMesh
 from ..problem import SynchronizationProblem, Targets, joined_targets
+from ..sheets import matchings
 from ..solve import Solution, solve
-from .constraints.groups import contracted
+from .calming import ROUGH, calming, check_share, known_turns, surface_circulation
+from .constraints.groups import contracted, joined_links, without_contradictions
 from .constraints.rows import Row, direction_targets
+from .evenness import quantiles
 from .frames import carried_angles, in_sheets_of, next_solution
 from .guidance.guides import Guide, blended
 from .mirror import LEAN, Mirror, on_mirror, snapped, split_links, with_loops
 
 SYMMETRIES = {"vector": 1, "line": 2, "cross": 4}
+# How many times the smallest quads the largest are, where flattening alone would have it: exact square quads vary
+# tenfold and more on animals' legs. The share of the area on either side that does not tell.
+LARGEST_RATIO, _RARE = 2.5, 0.01
 
 
 @dataclass(frozen=True)
@@ -33,11 +40,14 @@ class DirectionWishes:
     guides : pairs of a Guide and the strength with which it is followed, against the field's own smoothness
     rows : Rows of the constraint list
     mirrors : reflections that leave the field as it is
+    singularities : share of the curvature's unevenness that counts, from 0 to 1: fewer disclinations below 1, down to
+        the fewest that the surface's topology allows (see :mod:`.calming`)
     """
 
     guides: tuple[tuple[Guide, float], ...] = ()
     rows: tuple[Row, ...] = ()
     mirrors: tuple[Mirror, ...] = ()
+    singularities: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -52,6 +62,8 @@ class DirectionField:
     solution : Solution, or None for directions that were given
     problem : SynchronizationProblem that it solves, or None
     turn : radians, one or (n,), by which all directions were turned after the solve
+    correction : (e,) what calmed the turns of the powers along the edges (see :mod:`.calming`); None for nothing
+    scale : one, or (n,) factor on the spacing of quads that keeps them near square
     """
 
     mesh: TriangleMesh
@@ -60,6 +72,8 @@ class DirectionField:
     solution: Solution | None = None
     problem: SynchronizationProblem | None = None
     turn: float | np.ndarray = 0.0
+    correction: np.ndarray | None = None
+    scale: float | np.ndarray = 1.0
 
     @property
     def vectors(self):
@@ -70,6 +84,34 @@ class DirectionField:
     def turned(self, angle):
         """The field with every direction turned counterclockwise by an angle in radians."""
         return replace(self, angles=self.angles + angle, turn=self.turn + angle)
+
+    def flattened(self, share, known=None):
+        """The field with the scale of a metric in which it is parallel but for its disclinations, or a share of it.
+
+        The Levi-Civita connections of conformal metrics differ by the change, across the edges, of the factor's
+        logarithm: those are the multipliers that take the curvature out, over the symmetry. Sizes vary
+        ``LARGEST_RATIO``-fold at most; on each piece there are as many quads as without.
+
+        Parameters
+        ----------
+        share : from 0 to 1
+        known : (e,) what constraints tell of the turns of the powers (see :func:`known_turns`), optional
+        """
+        mesh = self.mesh
+        if share == 0:
+            return self
+        at_faces = mesh.areas * _calming(mesh, self.symmetry, self._numbers, known).multipliers / self.symmetry
+        logarithm = np.bincount(mesh.triangles.ravel(), np.repeat(at_faces, 3), mesh.vertex_count)
+        logarithm *= share / (3 * mesh.vertex_masses)
+        scale = np.ones(mesh.vertex_count)
+        for piece in range(mesh.pieces.max(initial=-1) + 1):  # each has a constant of its own
+            own = mesh.pieces == piece
+            masses = mesh.vertex_masses[own]
+            low, high = quantiles(logarithm[own], masses, [_RARE, 1 - _RARE])
+            shrunk = min(1.0, np.log(LARGEST_RATIO) / max(high - low, np.finfo(float).tiny))
+            factors = np.exp(shrunk * np.clip(logarithm[own] - low, 0, high - low))
+            scale[own] = factors * np.sqrt(np.average(factors**-2.0, weights=masses))
+        return replace(self, scale=scale)
 
     @property
     def energy(self):
@@ -85,26 +127,71 @@ class DirectionField:
     @property
     def disclinations(self):
         """List of :class:`Defect`, index k / symmetry."""
-        numbers = disclination_numbers(self.mesh, np.exp(1j * self.symmetry * self.angles), self.symmetry)
-        return list_defects(self.mesh, "disclination", numbers, self.symmetry)
+        return list_defects(self.mesh, "disclination", self._numbers, self.symmetry)
+
+    @property
+    def _numbers(self):
+        """(m,) by how many turns over the symmetry the field turns around each triangle."""
+        powers = np.exp(1j * self.symmetry * self.angles)
+        return disclination_numbers(self.mesh, powers, self.symmetry, self.correction)
+
+    @property
+    def matchings(self):
+        """(e,) see :func:`core.sheets.matchings`."""
+        return matchings(self.mesh, self.angles, self.symmetry, self.correction)
 
 
 def direction_problem(mesh, symmetry, wishes=None):
     """The synchronization problem of a direction field; arguments as :func:`direction_field`."""
-    wishes = DirectionWishes() if wishes is None else wishes
+    return _posed(mesh, symmetry, DirectionWishes() if wishes is None else wishes)[0]
+
+
+def _posed(mesh, symmetry, wishes):
+    """The problem, and where its connection is calmed what its constraints tell of the turns and the correction."""
     if symmetry not in SYMMETRIES.values():
         raise SettingError(f"symmetry {symmetry!r} is unknown: use 1 (vector), 2 (line) or 4 (cross)")
-    connection = Connection(mesh.vertex_count, mesh.edges, mesh.weights, circle_transports(levi_civita(mesh, symmetry)))
-    fixed, drawn = direction_targets(mesh, symmetry, wishes.rows)
+    check_share(wishes.singularities, "singularities")
+    turns = levi_civita(mesh, symmetry)
+    connection = Connection(mesh.vertex_count, mesh.edges, mesh.weights, circle_transports(turns))
+    fixed, drawn, gives_way = direction_targets(mesh, symmetry, wishes.rows)
     links, loops = split_links(mesh.vertex_count, [mirror.direction_links(symmetry) for mirror in wishes.mirrors])
+    fixed = without_contradictions(fixed, gives_way, joined_links([links, loops]), LEAN * symmetry)
     fixed, merged = contracted(mesh.vertex_count, links, on_mirror(fixed, loops, LEAN * symmetry), LEAN * symmetry)
     if wishes.guides:
         values, weights = blended([g for g, _ in wishes.guides], [strength for _, strength in wishes.guides], symmetry)
         weights[fixed.nodes] = 0
         nodes = np.flatnonzero(weights > 0)
         drawn.append(Targets(nodes, values[nodes], weights[nodes]))
+    known = correction = None
+    if wishes.singularities < 1:
+        known = known_turns(connection, fixed, merged)
+        correction = (1 - wishes.singularities) * _calming(mesh, symmetry, 0, known).correction
+        connection = replace(connection, transports=circle_transports(turns + correction))
+    calmer = partial(_turns_to_calm, mesh, symmetry, connection, fixed, merged, wishes.singularities)
     connection = with_loops(connection, loops)
-    return SynchronizationProblem(connection, mesh.vertex_masses, merged, fixed, joined_targets(drawn))
+    problem = SynchronizationProblem(
+        connection,
+        mesh.vertex_masses,
+        merged,
+        fixed,
+        joined_targets(drawn),
+        calmer if wishes.singularities > 0 else None,
+    )
+    return problem, known, correction
+
+
+def _turns_to_calm(mesh, symmetry, connection, fixed, merged, share):
+    """(e,) radians, about what turns the edges further for a connection without curvature, of which it has a share."""
+    known = known_turns(connection, fixed, merged)
+    circulation, _ = surface_circulation(mesh, np.zeros(len(mesh.edges), int))
+    return calming(circulation, share * symmetry * mesh.face_curvatures, mesh.weights, known, ROUGH).correction
+
+
+def _calming(mesh, symmetry, numbers, known):
+    """What makes the powers of directions parallel but for turns by 2 pi numbers (m,) around the triangles."""
+    circulation, _ = surface_circulation(mesh, np.zeros(len(mesh.edges), int))
+    holonomy = symmetry * mesh.face_curvatures - 2 * np.pi * numbers
+    return calming(circulation, holonomy, mesh.weights, known)
 
 
 def direction_field(mesh, symmetry, wishes=None, options=None, callback=None, before=None):
@@ -119,19 +206,32 @@ def direction_field(mesh, symmetry, wishes=None, options=None, callback=None, be
     before : DirectionField on another shape of the mesh, optional: the field is then the one that descent reaches
         from there, in its sheets (see :mod:`.frames`)
     """
-    problem = direction_problem(mesh, symmetry, wishes)
+    wishes = DirectionWishes() if wishes is None else wishes
+    problem, known, correction = _posed(mesh, symmetry, wishes)
     if before is None:
         solution = solve(problem, options, callback)
     else:
         carried = carried_angles(before.angles - before.turn, before.mesh, mesh)
         solution = next_solution(problem, np.exp(1j * symmetry * carried), options, callback)
-    mirrors = () if wishes is None else wishes.mirrors
-    _, loops = split_links(mesh.vertex_count, [mirror.direction_links(symmetry) for mirror in mirrors])
+    _, loops = split_links(mesh.vertex_count, [mirror.direction_links(symmetry) for mirror in wishes.mirrors])
     solution = snapped(problem, solution, loops)
     angles = np.angle(solution.phases) / symmetry
     if before is not None:
         angles = in_sheets_of(angles, carried, symmetry)
-    return DirectionField(mesh, symmetry, angles, solution, problem)
+    field = DirectionField(mesh, symmetry, angles, solution, problem, correction=correction)
+    return field.flattened(1 - wishes.singularities, known)
+
+
+def known_directions(mesh, symmetry, vectors, wishes):
+    """The field of (n, 3) vectors that were solved for with wishes, without problem and solution.
+
+    Errors as :func:`given_directions`.
+    """
+    field = given_directions(mesh, symmetry, vectors)
+    if wishes.singularities == 1:
+        return field
+    _, known, correction = _posed(mesh, symmetry, wishes)
+    return replace(field, correction=correction).flattened(1 - wishes.singularities, known)
 
 
 def given_directions(mesh, symmetry, vectors):

@@ -4,7 +4,7 @@
 Stripes have one phase at a vertex and quads two; what is written here serves both.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,7 +14,8 @@ from ..errors import SettingError
 from ..gauge import balance
 from ..geometry import TriangleMesh
 from ..interpolate import EdgePhases
-from ..sheets import after_turns, matchings
+from ..sheets import after_turns
+from .calming import PRECISION, ROUGH, calming, known_turns, surface_circulation
 
 AXES = "XYZ"
 # More than this share of the edges that turn the phase by more than half a period are too many.
@@ -32,6 +33,10 @@ class Growth:
     rates : (n, k) phase per unit length
     matchings : (e,) see :mod:`core.sheets`
     has_signs : whether a phase and its negative are told apart, as for stripes along a vector field
+    correction : (e, k) what is added to the changes to calm them (see :mod:`.calming`); None for nothing
+    scale : one, or (n,) times that quads are larger than asked, to be near square (see :class:`DirectionField`)
+    stretch : one, or (e,) complex, what edges count as, as multiples of themselves, turned counterclockwise
+        (see :mod:`.constraints.strips`)
     """
 
     mesh: TriangleMesh
@@ -39,6 +44,9 @@ class Growth:
     rates: np.ndarray
     matchings: np.ndarray
     has_signs: bool
+    correction: np.ndarray | None = None
+    scale: float | np.ndarray = 1.0
+    stretch: complex | np.ndarray = 1.0
 
     @classmethod
     def of(cls, mesh, field, spacing):
@@ -53,13 +61,21 @@ class Growth:
         """
         count = max(1, field.symmetry // 2)
         angles = field.angles + np.pi / 2
-        matched = matchings(mesh, angles, field.symmetry)
+        matched = field.matchings
         spacing = np.asarray(spacing, float)
-        if spacing.ndim < 2:
-            spacing = np.broadcast_to(spacing.reshape(-1, 1), (mesh.vertex_count, count))
+        spacing = spacing if spacing.ndim == 2 else spacing.reshape(-1, 1)
+        scale = 1.0 if count == 1 else field.scale
+        if count == 1:
+            spacing = np.broadcast_to(spacing, (mesh.vertex_count, 1))
         else:
+            spacing = spacing * np.reshape(scale, (-1, 1))
             spacing = _on_axes(mesh, angles, matched, np.broadcast_to(spacing, (mesh.vertex_count, count)))
-        return cls(mesh, angles, 2 * np.pi / spacing, matched, field.symmetry == 1)
+        return cls(mesh, angles, 2 * np.pi / spacing, matched, field.symmetry == 1, scale=scale)
+
+    @property
+    def asked_rates(self):
+        """(n, k) phase per unit length that the spacing alone asks for."""
+        return self.rates * np.reshape(self.scale, (-1, 1))
 
     @property
     def phase_count(self):
@@ -75,15 +91,17 @@ class Growth:
     def changes(self):
         """(e, k) phase change asked for along each edge, for the phases of its lower vertex.
 
-        The integral of v / hbar by the trapezoidal rule over the two ends (Eq. 6); the edge lies at known angles in
-        both tangent planes, so that neighbouring faces agree by construction.
+        Before they are calmed, the integral of v / hbar by the trapezoidal rule over the two ends (Eq. 6); an edge lies
+        at known angles in both tangent planes, so that neighbouring faces agree by construction.
         """
         i, j = self.mesh.edges.T
         numbers = np.arange(self.phase_count) * self.turn
-        directions = self.mesh.edge_directions
+        directions = self.mesh.edge_directions + np.reshape(np.angle(self.stretch), (-1, 1))
         at_tail = self.rates[i] * np.cos(self.angles[i, None] + numbers - directions[:, :1])
         at_head = -self.rates[j] * np.cos(self.angles[j, None] + numbers - directions[:, 1:])
-        return 0.5 * self.mesh.edge_lengths[:, None] * (at_tail + after_turns(at_head, -self.matchings))
+        lengths = self.mesh.edge_lengths * np.abs(self.stretch)
+        changes = 0.5 * lengths[:, None] * (at_tail + after_turns(at_head, -self.matchings))
+        return changes if self.correction is None else changes + self.correction
 
     @cached_property
     def connection(self):
@@ -92,7 +110,7 @@ class Growth:
         i, j = (np.repeat(ends, count) for ends in self.mesh.edges.T)
         phase = np.tile(np.arange(count), len(self.mesh.edges))
         direction = (phase - np.repeat(self.matchings, count)) % (2 * count)
-        flips = direction >= count
+        flips = self._flips
         changes = self.changes.ravel()
         return Connection(
             count * self.mesh.vertex_count,
@@ -100,6 +118,42 @@ class Growth:
             np.repeat(self.mesh.weights, count),
             circle_transports(np.where(flips, -changes, changes), flips),
         )
+
+    @property
+    def _flips(self):
+        """(k e,) whether the connection's edges conjugate."""
+        count = self.phase_count
+        return ((np.arange(count) - self.matchings[:, None]) % (2 * count) >= count).ravel()
+
+    def calmed(self, share, fixed, merged):
+        """The growth without a share of the curl of its changes, around whole sheets.
+
+        Parameters
+        ----------
+        share : from 0, as asked, to 1, nothing but disclinations left to go around
+        fixed, merged : constraints (Targets, Merged) of the phases, which say what changes along their edges have to be
+        """
+        if share == 0:
+            return self
+        return replace(self, correction=share * self._calming(fixed, merged, PRECISION))
+
+    def turns_to_calm(self, fixed, merged):
+        """(k e,) radians, about what turns the connection's edges further for a growth without curl.
+
+        Constraints as for :meth:`calmed`; to a low precision, which does for candidates.
+        """
+        turns = self._calming(fixed, merged, ROUGH).ravel()
+        return np.where(self._flips, -turns, turns)
+
+    def _calming(self, fixed, merged, precision):
+        """(e, k) what is to be added to the changes for a growth without curl."""
+        count = self.phase_count
+        circulation, _ = surface_circulation(self.mesh, self.matchings, count)
+        known = known_turns(self.connection, fixed, merged)
+        known = np.where(self._flips, -known, known)
+        weights = np.repeat(self.mesh.weights, count)
+        found = calming(circulation, circulation.matrix @ self.changes.ravel(), weights, known, precision)
+        return found.correction.reshape(-1, count)
 
     @property
     def masses(self):
@@ -123,10 +177,21 @@ class Growth:
         all triangles around which the sheet is kept. A pattern that stretches and bends needs fewer, and what the
         trapezoidal rule is off by in each triangle counts too.
         """
-        zero = np.zeros((self.mesh.vertex_count, self.phase_count))
-        asked = EdgePhases(self.mesh, zero, self.changes, self.matchings)
-        values, turns = asked.around(self.mesh.triangles)
+        values, turns = self._around
         return float(np.abs(values[turns == 0, 3]).sum() / (2 * np.pi))
+
+    @property
+    def quad_count(self):
+        """About how many quads two phases draw that change as asked: one for each half turn of both."""
+        values, _ = self._around
+        first, second = values[:, 1], values[:, 2]
+        return float(np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]).sum() / (2 * np.pi**2))
+
+    @property
+    def _around(self):
+        """The asked changes around the triangles, from 0 on; see :meth:`EdgePhases.around`."""
+        zero = np.zeros((self.mesh.vertex_count, self.phase_count))
+        return EdgePhases(self.mesh, zero, self.changes, self.matchings).around(self.mesh.triangles)
 
 
 def _on_axes(mesh, angles, matched, spacing):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Layers in a solid: evenly spaced sheets across given directions, flush with chosen surfaces (paper, Section 3.4)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,7 +14,9 @@ from ..interpolate import TURN, EdgePhases
 from ..interpolate_solid import TetPhases, face_numbers, tet_phases
 from ..problem import SynchronizationProblem
 from ..solve import Solution, solve
+from .calming import check_share, closed_in_solid, known_turns
 from .constraints.groups import Links, contracted, fixed_phases, joined_links
+from .evenness import quantiles
 from .guidance.potentials import potential
 from .patterns import check_spacing
 
@@ -80,10 +82,12 @@ class SolidGrowth:
     ----------
     mesh : TetMesh
     rates : (n, 3) phase per unit length: 2 pi / spacing, in the direction in which the layers follow one another
+    correction : (e,) what is added to the changes to calm them (see :mod:`.calming`); None for nothing
     """
 
     mesh: TetMesh
     rates: np.ndarray
+    correction: np.ndarray | None = None
 
     @classmethod
     def of(cls, mesh, directions, spacing):
@@ -101,9 +105,11 @@ class SolidGrowth:
 
     @cached_property
     def changes(self):
-        """(e,) phase change asked for from the lower to the higher vertex: the trapezoidal rule over its ends."""
+        """(e,) phase change asked for from the lower to the higher vertex: the trapezoidal rule over its ends, before
+        it is calmed."""
         i, j = self.mesh.edges.T
-        return 0.5 * np.einsum("ex,ex->e", self.rates[i] + self.rates[j], self.mesh.edge_vectors)
+        changes = 0.5 * np.einsum("ex,ex->e", self.rates[i] + self.rates[j], self.mesh.edge_vectors)
+        return changes if self.correction is None else changes + self.correction
 
     @property
     def connection(self):
@@ -115,6 +121,19 @@ class SolidGrowth:
     def coarse_share(self):
         """Share of the edges along which the phase should turn by more than half a period."""
         return float((np.abs(self.changes) > np.pi).mean())
+
+    def calmed(self, share, fixed, merged):
+        """The growth without a share of the curl of its changes.
+
+        Parameters
+        ----------
+        share : from 0, as asked, to 1, changes that add up to nothing around every triangle
+        fixed, merged : constraints (Targets, Merged) of the phases, which say what changes along their edges have to be
+        """
+        if share == 0:
+            return self
+        known = known_turns(self.connection, fixed, merged)
+        return replace(self, correction=share * (closed_in_solid(self.mesh, self.changes, known) - self.changes))
 
     def edge_phases(self, phases, groups=()):
         """:class:`EdgePhases` of (n,) complex phases; along the triangles of groups nothing changes."""
@@ -196,12 +215,12 @@ class LayerPattern:
         met, volumes = distances[counts], self.mesh.volumes[counts]
         mean = np.average(met, weights=volumes)
         deviation = np.sqrt(np.average((met - mean) ** 2, weights=volumes))
-        thinnest, thickest = _quantiles(met, volumes, [_RARE, 1 - _RARE])
+        thinnest, thickest = quantiles(met, volumes, [_RARE, 1 - _RARE])
         share = volumes.sum() / self.mesh.volumes.sum()
         return Spacings(float(mean), float(deviation), float(thinnest), float(thickest), float(share), distances)
 
 
-def layer_problem(mesh, directions, spacing, groups=()):
+def layer_problem(mesh, directions, spacing, groups=(), branching=1.0):
     """The synchronization problem of layers.
 
     Parameters
@@ -210,6 +229,8 @@ def layer_problem(mesh, directions, spacing, groups=()):
     directions : (n, 3) unit vectors in which layers follow one another (:mod:`core.fields.guidance.solids`)
     spacing : distance between layers in the solid's units, or (n,) one at each vertex
     groups : LayerGroups; the boundary is free elsewhere
+    branching : share of the growth's curl that is asked for, from 0 to 1: fewer and shorter curves where layers branch
+        below 1, for distances that vary more (see :mod:`.calming`)
 
     Raises
     ------
@@ -218,37 +239,34 @@ def layer_problem(mesh, directions, spacing, groups=()):
     ContradictionError
         where groups ask for different phases
     """
-    return _problem(SolidGrowth.of(mesh, directions, spacing), groups)
+    return _posed(mesh, directions, spacing, groups, branching)[1]
 
 
-def solve_layers(mesh, directions, spacing, groups=(), options=None, callback=None):
+def solve_layers(mesh, directions, spacing, groups=(), options=None, callback=None, branching=1.0):
     """Solve for a :class:`LayerPattern`; arguments as :func:`layer_problem` and :func:`core.solve.solve`."""
-    growth = SolidGrowth.of(mesh, directions, spacing)
-    solution = solve(_problem(growth, groups), options, callback)
+    growth, problem = _posed(mesh, directions, spacing, groups, branching)
+    solution = solve(problem, options, callback)
     return LayerPattern(mesh, solution, growth.edge_phases(solution.phases, groups))
 
 
-def _problem(growth, groups):
+def _posed(mesh, directions, spacing, groups, branching):
+    """The growth and the problem."""
+    check_share(branching, "branching")
+    growth = SolidGrowth.of(mesh, directions, spacing)
     links = joined_links([group.links for group in groups if group.phase is None])
     held = [group for group in groups if group.phase is not None]
     fixed = fixed_phases(
         [(group.name, group.vertices, np.full(len(group.vertices), np.exp(1j * group.phase))) for group in held],
         "take them out of one of the groups",
     )
-    fixed, merged = contracted(growth.mesh.vertex_count, links, fixed)
-    return SynchronizationProblem(growth.connection, growth.mesh.vertex_masses, merged, fixed)
+    fixed, merged = contracted(mesh.vertex_count, links, fixed)
+    growth = growth.calmed(1 - branching, fixed, merged)
+    return growth, SynchronizationProblem(growth.connection, mesh.vertex_masses, merged, fixed)
 
 
 def _places(mesh):
     """Positions of the vertices that have a tetrahedron."""
     return mesh.vertices[np.unique(mesh.tets)]
-
-
-def _quantiles(values, weights, shares):
-    """The first of the values, upwards, up to which lie so many shares of the weight."""
-    order = np.argsort(values)
-    reached = np.cumsum(weights[order])
-    return values[order[np.searchsorted(reached, np.multiply(shares, reached[-1]))]]
 
 
 def _checked_spacing(mesh, spacing):

@@ -5,7 +5,7 @@ Stripes and quads are the same but for the number of phases at a vertex (:class:
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -14,8 +14,13 @@ from ..errors import ContradictionError, SettingError
 from ..interpolate import dislocation_numbers, face_phases
 from ..problem import SynchronizationProblem, joined_targets
 from ..solve import Solution, solve
-from .constraints.groups import TOLERANCE
+from .calming import check_share
+from .constraints.features import loops_at, with_grid_lines
+from .constraints.groups import TOLERANCE, joined_links
 from .constraints.phase_rows import phase_constraints
+from .constraints.rows import GRID
+from .constraints.strips import widened
+from .evenness import evenness
 from .frames import next_solution
 from .growth import Growth
 from .mirror import LEAN, on_mirror, snapped, split_links, with_loops
@@ -56,6 +61,11 @@ class Pattern:
         """:class:`EdgePhases`, the phase changes along every edge."""
         return self.growth.edge_phases(self.phases)
 
+    @cached_property
+    def evenness(self):
+        """:class:`Evenness` of the lines, against the spacing that was asked for."""
+        return evenness(self.edge_phases, self.growth.asked_rates)
+
     @property
     def vertex_phases(self):
         """(n, k) radians."""
@@ -85,11 +95,7 @@ def check_spacing(places, spacing, what="stripe"):
     spacing : a length in their unit, or one at each vertex (and axis)
     what : has this distance
     """
-    spacing = np.asarray(spacing, float)
-    bad = np.argwhere(~(np.isfinite(spacing) & (spacing > 0)))
-    if len(bad):
-        where = f" at vertex {bad[0][0]} ({len(bad)} in all)" if spacing.ndim else ""
-        raise SettingError(f"the spacing is {spacing[tuple(bad[0])]:g}{where}: give a positive length")
+    spacing = check_lengths(spacing)
     extent = np.linalg.norm(np.ptp(places, axis=0))
     if spacing.min() > extent:
         raise SettingError(
@@ -97,7 +103,17 @@ def check_spacing(places, spacing, what="stripe"):
         )
 
 
-def pattern_problem(mesh, field, spacing, rows=(), mirrors=()):
+def check_lengths(spacing):
+    """Spacings, one or one at each vertex (and axis), as an array; refuses those that are no positive lengths."""
+    spacing = np.asarray(spacing, float)
+    bad = np.argwhere(~(np.isfinite(spacing) & (spacing > 0)))
+    if len(bad):
+        where = f" at vertex {bad[0][0]} ({len(bad)} in all)" if spacing.ndim else ""
+        raise SettingError(f"the spacing is {spacing[tuple(bad[0])]:g}{where}: give a positive length")
+    return spacing
+
+
+def pattern_problem(mesh, field, spacing, rows=(), mirrors=(), branching=1.0):
     """The synchronization problem of a pattern.
 
     Parameters
@@ -107,22 +123,38 @@ def pattern_problem(mesh, field, spacing, rows=(), mirrors=()):
     spacing : length of a period in the mesh's units, or one at each vertex (see :meth:`Growth.of`)
     rows : Rows of the constraint list; those of the kinds "phase" and "constant" count
     mirrors : Mirrors that leave the pattern as it is
+    branching : share of the growth's curl that is asked for, from 0 to 1: fewer dislocations below 1, for a spacing
+        that varies more (see :mod:`.calming`)
     """
+    return _posed(mesh, field, spacing, rows, mirrors, branching)[1]
+
+
+def _posed(mesh, field, spacing, rows, mirrors, branching):
+    """The growth, the problem, and the mirrors' links from a phase to itself."""
     check_spacing(mesh.vertices[np.unique(mesh.triangles)], spacing)
-    growth = Growth.of(mesh, field, spacing)
+    check_share(branching, "branching")
+    growth = _growth(mesh, field, spacing, rows)
     slack = LEAN if mirrors else TOLERANCE
     try:
         links, loops = _mirror_links(growth, mirrors)
         rows = [row for row in rows if row.is_of_phases]
-        fixed, merged, drawn = phase_constraints(growth, rows, [links], slack)
+        links, on_grid = with_grid_lines(growth, rows, links)
+        fixed, merged, drawn = phase_constraints(growth, [row for row in rows if row.kind != GRID], [links], slack)
         fixed = on_mirror(fixed, loops, slack)
+        loops = joined_links([loops, loops_at(np.setdiff1d(on_grid, np.append(fixed.nodes, loops.i)))])
     except ContradictionError as error:
         raise error.renumbered(np.repeat(np.arange(mesh.vertex_count), growth.phase_count)) from None
+    growth = growth.calmed(1 - branching, fixed, merged)
     connection = with_loops(growth.connection, loops)
-    return SynchronizationProblem(connection, growth.masses, merged, fixed, joined_targets(drawn))
+    # What is calmed as far as it can be leads to nothing calmer.
+    calmer = partial(growth.turns_to_calm, fixed, merged) if branching > 0 else None
+    problem = SynchronizationProblem(connection, growth.masses, merged, fixed, joined_targets(drawn), calmer)
+    return growth, problem, loops
 
 
-def solve_pattern(mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None, before=None, hold=0.0):
+def solve_pattern(
+    mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None, before=None, hold=0.0, branching=1.0
+):
     """Solve for a :class:`Pattern`; arguments as :func:`pattern_problem` and :func:`core.solve.solve`.
 
     Parameters
@@ -131,15 +163,30 @@ def solve_pattern(mesh, field, spacing, rows=(), mirrors=(), options=None, callb
         one that descent reaches from there (see :mod:`.frames`)
     hold : how strongly the phases are drawn to those before, per mass and in units of 1 / spacing^2
     """
-    problem = pattern_problem(mesh, field, spacing, rows, mirrors)
-    growth = Growth.of(mesh, field, spacing)
+    growth, problem, loops = _posed(mesh, field, spacing, rows, mirrors, branching)
     if before is None:
         solution = solve(problem, options, callback)
     else:
         weights = hold * growth.masses * (growth.rates.ravel() / (2 * np.pi)) ** 2
         solution = next_solution(problem, before.phases, options, callback, weights)
-    solution = snapped(problem, solution, _mirror_links(growth, mirrors)[1])
+    solution = snapped(problem, solution, loops)
     return Pattern(growth, problem, solution, solution.phases)
+
+
+def known_pattern(mesh, field, spacing, phases, rows=(), mirrors=(), branching=1.0):
+    """The :class:`Pattern` of (k n,) complex phases that were solved for, without problem and solution.
+
+    Other parameters as :func:`pattern_problem`.
+    """
+    growth = _growth(mesh, field, spacing, rows)
+    if branching < 1:
+        growth, _, _ = _posed(mesh, field, spacing, rows, mirrors, branching)
+    return Pattern(growth, None, None, phases)
+
+
+def _growth(mesh, field, spacing, rows):
+    """The :class:`Growth` that is asked for before it is calmed."""
+    return widened(Growth.of(mesh, field, spacing), rows)
 
 
 def _mirror_links(growth, mirrors):

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ..errors import SettingError, name_elements
+from ..errors import SettingError, name_elements, shown
 from ..interpolate import dislocation_numbers
 from ..solve.lifted import LiftedField
 
@@ -33,11 +33,12 @@ def with_defects(pattern, vertices):
     Raises
     ------
     SettingError
-        for more vertices than the lifted field has room for, or where no direction has defects at all of them
+        for what is no vertex, for more vertices than the lifted field has room for, or where no direction has defects
+        at all of them
     """
     field = LiftedField(pattern.problem, pattern.solution)
     count = pattern.growth.phase_count
-    vertices = np.unique(np.asarray(vertices, int))
+    vertices = _checked(pattern.mesh, vertices)
     if len(vertices) > field.most_defects:
         raise SettingError(
             f"{len(vertices)} defects are too many: the solved field leaves room for {field.most_defects} at a time"
@@ -56,6 +57,20 @@ def with_defects(pattern, vertices):
             f"no field near the solution has a defect at {name_elements('vertex', vertices)}: choose others nearby"
         )
     return best
+
+
+def _checked(mesh, vertices):
+    """(k,) the vertices, ascending, each once."""
+    try:
+        found = np.unique(np.asarray(vertices).ravel())
+    except ValueError:  # lists in lists of other lengths
+        found = np.empty(0)
+    if found.dtype.kind not in "iu" or not len(found):
+        raise SettingError(f"the vertices are {shown(vertices)}: give the numbers of one or more")
+    outside = found[(found < 0) | (found >= mesh.vertex_count)]
+    if len(outside):
+        raise SettingError(f"there is no vertex {outside[0]}: the mesh has {mesh.vertex_count}, from 0 on")
+    return found
 
 
 def _has_defects(pattern, vertices):

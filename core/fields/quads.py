@@ -8,16 +8,18 @@ from ..errors import SettingError
 from .patterns import pattern_problem, solve_pattern
 
 
-def quad_problem(mesh, field, spacing, rows=(), mirrors=()):
+def quad_problem(mesh, field, spacing, rows=(), mirrors=(), branching=1.0):
     """The synchronization problem of quads along a cross field; arguments as :func:`pattern_problem`."""
     _check_symmetry(field)
-    return pattern_problem(mesh, field, spacing, rows, mirrors)
+    return pattern_problem(mesh, field, spacing, rows, mirrors, branching)
 
 
-def quad_pattern(mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None, before=None, hold=0.0):
+def quad_pattern(
+    mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None, before=None, hold=0.0, branching=1.0
+):
     """Quads along a cross field; arguments as :func:`solve_pattern`."""
     _check_symmetry(field)
-    return solve_pattern(mesh, field, spacing, rows, mirrors, options, callback, before, hold)
+    return solve_pattern(mesh, field, spacing, rows, mirrors, options, callback, before, hold, branching)
 
 
 def _check_symmetry(field):

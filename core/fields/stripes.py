@@ -5,16 +5,18 @@ from ..errors import SettingError
 from .patterns import pattern_problem, solve_pattern
 
 
-def stripe_problem(mesh, field, spacing, rows=(), mirrors=()):
+def stripe_problem(mesh, field, spacing, rows=(), mirrors=(), branching=1.0):
     """The synchronization problem of stripes along a vector or line field; arguments as :func:`pattern_problem`."""
     _check_symmetry(field)
-    return pattern_problem(mesh, field, spacing, rows, mirrors)
+    return pattern_problem(mesh, field, spacing, rows, mirrors, branching)
 
 
-def stripe_pattern(mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None, before=None, hold=0.0):
+def stripe_pattern(
+    mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None, before=None, hold=0.0, branching=1.0
+):
     """Stripes along a vector or line field; arguments as :func:`solve_pattern`."""
     _check_symmetry(field)
-    return solve_pattern(mesh, field, spacing, rows, mirrors, options, callback, before, hold)
+    return solve_pattern(mesh, field, spacing, rows, mirrors, options, callback, before, hold, branching)
 
 
 def _check_symmetry(field):

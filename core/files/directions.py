@@ -7,6 +7,7 @@
   the normal are the others. vcglib writes and reads N = 4 only; its older versions wrote a line a vertex.
 """
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +16,7 @@ import numpy as np
 from ..errors import SettingError
 from ..fields.guidance.face_directions import averaged_in_faces, face_frames
 from ..fields.guidance.guides import face_guide
+from .whole import written_whole
 
 SUFFIXES = (".rawfield", ".rosy")
 
@@ -95,10 +97,8 @@ def write_field(path, face_field):
                 "pass it through to_vertices and from_vertices, or write a .rosy file"
             )
         header, rows = f"{face_field.symmetry} {count}", face_field.vectors.reshape(count, -1)
-    try:
-        np.savetxt(path, rows, fmt="%.17g", header=header, comments="")
-    except OSError as error:
-        raise SettingError(f"{path} cannot be written ({error.strerror}): choose another folder") from error
+    with written_whole(path) as made:
+        np.savetxt(made, rows, fmt="%.17g", header=header, comments="")
 
 
 def to_vertices(mesh, face_field):
@@ -195,7 +195,7 @@ def _whole_numbers(path, lines, wanted, remedy):
     if not lines:
         raise SettingError(f"{path} ends before its header: {remedy}")
     number, words = lines[0]
-    if len(words) != wanted or not all(word.isdigit() and int(word) > 0 for word in words):
+    if len(words) != wanted or not all(re.fullmatch(r"0*[1-9]\d{0,9}", word) for word in words):
         raise SettingError(f"{path}, line {number}: {' '.join(words)[:40]!r} is no header, {remedy}")
     return [int(word) for word in words]
 

@@ -5,6 +5,7 @@ A source says what is to be read and can be pickled; its ``read()`` gives the fl
 ``integrals(grid)`` and ``warnings``, lines that the user should read.
 """
 
+import struct
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,12 +17,15 @@ from scipy.ndimage import map_coordinates
 from ..errors import SettingError
 from ..fields.clebsch import edge_integrals
 from ..geometry.grid import Grid, box_grid
+from ..memory import machine_bytes
 from .openvdb import openvdb_module
 
 SUFFIXES = (".vdb", ".npz")
 # Vector attribute of a mesh, the one that Blender's own liquids have, and names of a volume's.
 VELOCITY = "velocity"
 _USUAL = (VELOCITY, "vel", "v")
+# Of a vector in single precision.
+_VOXEL_BYTES = 12
 # Volumes so thin, as a share of their width, are flat: their scale is rounded to about as much.
 _FLAT = 1e-6
 # Arrays that say where a file's nodes are: their names, kinds of values, and what those are.
@@ -30,6 +34,8 @@ _PLACES = {
     "origin": ("fiu", "one number"),
     "periodic": ("biu", "one true or false"),
 }
+# What reading a damaged archive raises; RuntimeError is an encrypted member, or one of an unknown compression.
+_DAMAGED = (ValueError, OSError, EOFError, KeyError, RuntimeError, BadZipFile, zlib.error, struct.error)
 
 
 def flow_file(path, attribute=VELOCITY, module=None):
@@ -98,7 +104,7 @@ class ArrayFile:
                 version = np.lib.format.read_magic(file)
                 read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
                 shape, _, _ = read(file)
-        except (ValueError, OSError, EOFError, KeyError, BadZipFile, zlib.error):
+        except _DAMAGED:
             return False
         return len(shape) == 3
 
@@ -119,7 +125,7 @@ class ArrayFile:
         path = self.path
         try:
             found = _read_arrays(path)
-        except (ValueError, OSError, EOFError, MemoryError, BadZipFile, zlib.error) as error:
+        except (*_DAMAGED, MemoryError) as error:
             raise SettingError(f"{path}: {error}: write it with numpy.savez") from None
         if "velocity" not in found:
             have = ", ".join(found) or "nothing"
@@ -142,7 +148,11 @@ def _read_arrays(path):
     if not isinstance(arrays, np.lib.npyio.NpzFile):
         raise ValueError("a single array without a name")
     with arrays:
-        return {name: arrays[name] for name in arrays.files}
+        found = {name: arrays[name] for name in arrays.files}
+    for name, array in found.items():
+        if not isinstance(array, np.ndarray):
+            raise ValueError(f"its member {name} is no array")
+    return found
 
 
 @dataclass(frozen=True)
@@ -215,10 +225,18 @@ class VolumeFile:
         try:
             chosen, warnings = _vector_grid(path, vdb.readAllGridMetadata(str(path)), self.attribute)
             found = vdb.read(str(path), chosen.name)
-        except (OSError, KeyError, RuntimeError) as error:
+        except SettingError:
+            raise
+        except Exception as error:  # the reader's library raises whatever it likes at damaged files
             raise SettingError(f"{path}: {error}: choose an OpenVDB file") from None
         low, high = found.evalActiveVoxelBoundingBox()
-        counts = np.array(high) - low + 1
+        counts = np.array(high, float) - low + 1
+        if counts.prod() * _VOXEL_BYTES > machine_bytes() / 2:
+            size = " x ".join(f"{count:.0f}" for count in counts)
+            raise SettingError(
+                f"{path}: the grid {found.name} spans {size} voxels, more than memory holds: remove what lies far away"
+            )
+        counts = counts.astype(int)
         if found.activeVoxelCount() == 0 or (counts < 2).any():
             raise SettingError(f"{path}: the grid {found.name} is empty: export a frame that has a flow")
         values = np.empty((*counts, 3), np.float32)
@@ -238,7 +256,7 @@ class VolumeFile:
             grids = openvdb_module(self.module).readAllGridMetadata(str(self.path))
             chosen, _ = _vector_grid(self.path, grids, self.attribute)
             low, high = (np.array(chosen[name]) for name in ("file_bbox_min", "file_bbox_max"))
-        except (SettingError, OSError, KeyError, RuntimeError):
+        except Exception:  # as in read(), which says what is wrong
             return None
         return low, high, _index_to_world(chosen)
 

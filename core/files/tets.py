@@ -23,6 +23,8 @@ SUFFIXES = (".mesh", ".vtu")
 # Cells of VTK: a triangle, a tetrahedron, those with a volume that are none, and the quadratic tetrahedron.
 VTK_TRIANGLE, VTK_TET = 5, 10
 VTK_SOLIDS = {11: "voxels", 12: "hexahedra", 13: "prisms", 14: "pyramids", 24: "curved tetrahedra", 42: "polyhedra"}
+# What an array of a damaged .vtu raises while it is read.
+_UNREADABLE = (KeyError, ValueError, TypeError, AttributeError, OverflowError, MemoryError, zlib.error)
 MEDIT_SOLIDS = ("Hexahedra", "Hexaedra", "Prisms", "Pyramids", "TetrahedraP2")
 
 
@@ -134,7 +136,7 @@ def _read_vtu(path, content):
             arrays = {a.get("Name"): a for a in piece.iterfind("Cells/DataArray")}
             names = ("connectivity", "offsets", "types")
             corners, ends, types = (_vtu_array(root, appended, arrays[name]).astype(np.int64) for name in names)
-        except (KeyError, ValueError, TypeError, AttributeError, zlib.error) as error:
+        except _UNREADABLE as error:
             raise SettingError(f"{path} has an array that cannot be read ({error}): export it again") from error
         for kind in VTK_SOLIDS.keys() & set(types.tolist()):
             raise SettingError(f"{path} has {VTK_SOLIDS[kind]}: split all cells into straight tetrahedra")
@@ -195,10 +197,16 @@ def _compressed(stored, header, raw):
     """Blocks after a header of their number, their size, the last one's size and the compressed size of each."""
     blocks = int(np.frombuffer(_bytes(stored, 0, header.itemsize, raw), header)[0])
     width = (3 + blocks) * header.itemsize
-    sizes = np.frombuffer(_bytes(stored, 0, width, raw), header)[3:].astype(int)
-    ends = np.cumsum(sizes)
-    packed = _bytes(stored, width if raw else _characters(width), int(sizes.sum()), raw)
-    return b"".join(zlib.decompress(packed[end - size : end]) for size, end in zip(sizes, ends, strict=True))
+    size, last, *lengths = (int(number) for number in np.frombuffer(_bytes(stored, 0, width, raw), header)[1:])
+    packed = _bytes(stored, width if raw else _characters(width), sum(lengths), raw)
+    found, place = [], 0
+    for number, length in enumerate(lengths, 1):
+        promised = last if number == blocks and last else size
+        block, place = packed[place : place + length], place + length
+        found.append(zlib.decompressobj().decompress(block, promised + 1))
+        if len(found[-1]) != promised:
+            raise ValueError(f"a block of other than the {promised} bytes that are promised")
+    return b"".join(found)
 
 
 def _bytes(stored, first, count, raw):

@@ -186,6 +186,18 @@ class TriangleMesh:
         return _normalized(np.cross(b - a, c - a))
 
     @cached_property
+    def dihedral_angles(self):
+        """(e,) radians between the normals of the two triangles at each edge, positive at ridges; 0 on the boundary."""
+        half = np.flatnonzero((self.twins >= 0) & (self.triangle_edge_signs.ravel() > 0))
+        left, right = self.face_normals[half // 3], self.face_normals[self.twins[half] // 3]
+        edges = self.triangle_edges.ravel()[half]
+        across = np.cross(left, right)
+        sines = np.copysign(np.linalg.norm(across, axis=1), np.einsum("hx,hx->h", across, self.edge_vectors[edges]))
+        angles = np.zeros(len(self.edges))
+        angles[edges] = np.arctan2(sines, np.einsum("hx,hx->h", left, right))
+        return angles
+
+    @cached_property
     def vertex_normals(self):
         """(n, 3) unit normals, averaged by corner angle."""
         weighted = (self.corner_angles[:, :, None] * self.face_normals[:, None]).reshape(-1, 3)

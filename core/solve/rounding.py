@@ -7,6 +7,7 @@ lets defects pair up and settle, and then descend on the unrelaxed problem (18).
 crossed, each region from the one that does better there, and carried again, as long as that pays.
 """
 
+from dataclasses import astuple, dataclass
 from functools import partial
 
 import numpy as np
@@ -15,30 +16,28 @@ from ..algebra.workers import idle_workers, share_out
 from ..monitor import OutOfTime
 from .descent import descend
 from .diffusion import diffuse
-from .spheres import gaussian
+from .spheres import gaussian, principal
 
 # Diffusion times of the continuation, in units of 1 / (energy per mass), the first of which does for crossings, whose
 # parents have settled already; and a slower fall that some go through before.
 TIMES = 0.3 * 0.1 ** np.arange(3)
 LONG_TIMES = 0.7 * 0.6 ** np.arange(4)
-# Projections that are carried: the best, and for variety some at random, through the slower fall first. The share of
-# carried fields that go on to descend.
-BEST, DRAWN = 14, 5
+# The share of carried fields that go on to descend.
 DESCENDING = 0.5
-# Rounds of crossing: fields that are kept and crossed in pairs, crossings that go on, rounds at least and at most, and
-# the relative gain below which they end.
-KEPT, CROSSINGS = 7, 20
-# These numbers are for so many nodes. As what there is to choose from, they grow with the size, as its root, between
-# these multiples: small meshes would wait for little, and large ones for long. From the last number of nodes on, they
-# are these again, for memory.
-USUAL_SIZE, LEAST_EFFORT, MOST_EFFORT, LARGE_SIZE = 5_000, 0.8, 2.0, 1_000_000
+# Rounds of crossing at least and at most, and the relative gain below which they end.
 FEWEST_ROUNDS, MOST_ROUNDS = 1, 5
 GAIN = 2e-3
+# The numbers of :class:`Tries` are for so many nodes. As what there is to choose from, they grow with the size, as its
+# root, between these multiples: small meshes would wait for little, and large ones for long. From the last number of
+# nodes on, they are these again, for memory.
+USUAL_SIZE, LEAST_EFFORT, MOST_EFFORT, LARGE_SIZE = 5_000, 0.8, 2.0, 1_000_000
 # Over which diffusion time local energies are compared, and how sharply the better one is preferred.
 CROSSING_TIME = 4.0
 SHARPNESS = 5.0
 # Fields that agree to this share are taken for one.
 SAME_FIELD = 0.999
+# Descent of the lifted field on calmed problems: what roughly follows does for candidates.
+CALM_TOLERANCE, CALM_STEPS = 1e-5, 8
 # Steps of descent: between rounds, for the finalists, and for the best one in double precision.
 SHORT_STEPS, LONG_STEPS, FINAL_STEPS = 6, 15, 200
 FINALISTS = 2
@@ -49,6 +48,32 @@ MOST_AT_ONCE, SMALLEST_BATCH = 1_000_000, 4
 WORTH_SHARING = 60_000
 # Metric shift of descents as a share of the energy per mass.
 CANDIDATE_SHIFT = 1.0
+
+
+@dataclass(frozen=True)
+class Tries:
+    """How many fields are tried.
+
+    Attributes
+    ----------
+    best, drawn : projections of the lifted field that are carried: the best, and for variety some at random, through
+        the slower fall first
+    calmed : projections of each calmed problem's lifted field that are carried, the best
+    kept, crossed : fields that are kept and crossed in pairs, crossings that go on
+    """
+
+    best: int
+    drawn: int
+    calmed: int
+    kept: int
+    crossed: int
+
+    def times(self, effort):
+        return Tries(*(round(effort * number) for number in astuple(self)))
+
+
+# Without calmed problems, and with them.
+ALONE, TOGETHER = Tries(14, 5, 0, 7, 20), Tries(8, 2, 5, 8, 15)
 
 
 def random_directions(is_complex, rank, count, random):
@@ -157,7 +182,7 @@ def finish(workspace, column, metric, monitor):
     return descend(workspace.matrix, spheres, column, metric, FINAL_TOLERANCE, FINAL_STEPS, monitor).point
 
 
-def continuation(stage, lifted, samples, density, random, monitor):
+def continuation(stage, lifted, samples, density, random, monitor, calmed=(), metric_of_lifted=None):
     """Fields by seeded continuation and crossing, best first, and whether time ran out on the way.
 
     Parameters
@@ -168,32 +193,49 @@ def continuation(stage, lifted, samples, density, random, monitor):
     density : energy per mass of the relaxation, positive
     random : numpy Generator
     monitor : Monitor
+    calmed : matrices of calmed problems on the same rows, the least calmed first; their fields join the others
+    metric_of_lifted : in which lifted fields descend on these
     """
-    effort = _effort(stage.node_count)
-    most, some, kept, crossed = (round(effort * number) for number in (BEST, DRAWN, KEPT, CROSSINGS))
+    tries = (TOGETHER if calmed else ALONE).times(_effort(stage.node_count))
     metric = monitor.during(partial(stage.candidate_metric, CANDIDATE_SHIFT * density))
     directions = random_directions(stage.is_complex, lifted.shape[1], samples, random)
-    seeds = projections(stage, lifted, directions, most, monitor)
+    seeds = projections(stage, lifted, directions, tries.best, monitor)
     found, best = seeds[:, :1], np.inf
     try:
-        drawn = projections(stage, lifted, directions[:, -some:], some, monitor)
+        drawn = projections(stage, lifted, directions[:, -tries.drawn :], tries.drawn, monitor)
         seeds = np.hstack([seeds, diffuse(stage, drawn, _metrics(stage, LONG_TIMES, density), 1, monitor)])
         diffusion = monitor.during(partial(list, _metrics(stage, TIMES, density)))
         smoothing = monitor.during(partial(stage.smoothing, density / CROSSING_TIME))
+        carried = _carried(stage, seeds, diffusion, metric, monitor)
+        for calm, field in _calmed_fields(stage, lifted, calmed, metric_of_lifted, monitor):
+            directions = random_directions(stage.is_complex, field.shape[1], samples, random)
+            seeds = projections(calm, field, directions, tries.calmed, monitor)
+            settled = _carried(calm, seeds, diffusion, metric, monitor)
+            carried = np.hstack([carried, _in_batches(stage, _descent(stage, metric), settled, monitor)])
         for round_number in range(1 + MOST_ROUNDS):
-            carried = _carried(stage, seeds, diffusion, metric, monitor)
-            found = distinct_columns(stage, np.hstack([found, carried]))[:, :kept]
+            found = distinct_columns(stage, np.hstack([found, carried]))[:, : tries.kept]
             value = energies(stage, found[:, :1])[0]
             monitor.found(float(value))
             monitor.at("continuation", 0.4 + 0.5 * (1 + round_number) / (1 + MOST_ROUNDS))
-            if found.shape[1] == 1 or (round_number >= FEWEST_ROUNDS and value > (1 - GAIN) * best):
+            settled = round_number >= FEWEST_ROUNDS and value > (1 - GAIN) * best
+            if found.shape[1] == 1 or settled or round_number == MOST_ROUNDS:
                 break
             best = value
-            seeds, diffusion = crossings(stage, found, smoothing, crossed, monitor), diffusion[:1]
+            seeds = crossings(stage, found, smoothing, tries.crossed, monitor)
+            carried = _carried(stage, seeds, diffusion[:1], metric, monitor)
         found = np.hstack([polish(stage, found[:, :FINALISTS], metric, monitor), found[:, FINALISTS:]])
     except OutOfTime:
         return found, True
     return distinct_columns(stage, found), False
+
+
+def _calmed_fields(stage, lifted, matrices, metric, monitor):
+    """The stage of each calmed matrix, and what the lifted field descends to there, in principal columns."""
+    point = lifted.astype(stage.matrix.dtype)
+    for matrix in matrices:
+        calm = stage.turned(matrix)
+        point = descend(calm.matrix, calm.lifted, point, metric, CALM_TOLERANCE, CALM_STEPS, monitor).point
+        yield calm, principal(point)[0]
 
 
 def _effort(size):
@@ -208,12 +250,18 @@ def _carried(stage, seeds, diffusion, metric, monitor):
     def settle(batch, batch_monitor):
         return diffuse(stage, batch, diffusion, 1, batch_monitor)
 
+    settled = _in_batches(stage, settle, seeds, monitor)
+    settled = _best(stage, settled, round(DESCENDING * seeds.shape[1]))
+    return _in_batches(stage, _descent(stage, metric), settled, monitor)
+
+
+def _descent(stage, metric):
+    """The short descent of a batch."""
+
     def go_on(batch, batch_monitor):
         return polish(stage, batch, metric, batch_monitor, SHORT_STEPS)
 
-    settled = _in_batches(stage, settle, seeds, monitor)
-    settled = _best(stage, settled, round(DESCENDING * seeds.shape[1]))
-    return _in_batches(stage, go_on, settled, monitor)
+    return go_on
 
 
 def _metrics(stage, times, density):

@@ -2,7 +2,7 @@
 """Solve a synchronization problem piece by piece: relax, certify, round, polish."""
 
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from operator import attrgetter
 
 import numpy as np
@@ -22,6 +22,8 @@ from .staircase import MAX_RANK, relax
 DIFFUSION_STARTS = 8
 DIFFUSION_TIMES = 0.5 ** np.arange(11)
 DIFFUSION_STEPS = 30
+# Shares that calmed problems are calmed by, whose fields are candidates for the asked one.
+CALM_SHARES = 0.08, 0.2
 # A rounded relaxation whose gap is at most this is taken for an exact recovery, which descent completes.
 NEARLY_TIGHT = 0.05
 
@@ -79,11 +81,33 @@ def _solve(problem, options, callback, start):
         begin = _Start.of(problem, start)
     work = sum(piece.node_count for piece in pieces) or 1
     done, results = 0, []
-    for piece in pieces:
+    calmed = _Calmed(problem)
+    for number, piece in enumerate(pieces):
         share = piece.node_count / work
-        results.append(_solve_piece(piece, options, monitor.portion(done, share), clock, begin.on(piece)))
+        start = begin.on(piece)
+        calm = partial(calmed.matrices, number)
+        results.append(_solve_piece(piece, options, monitor.portion(done, share), clock, start, calm))
         done += share
     return _combine(problem, pieces, results, options, clock.seconds)
+
+
+class _Calmed:
+    """The matrices of the calmed problems, made when the first piece asks for them."""
+
+    def __init__(self, problem):
+        self._problem = problem
+
+    @cached_property
+    def _of_shares(self):
+        problem = self._problem
+        turns = np.zeros(0) if problem.calmer is None else problem.calmer()
+        if not turns.any() or not np.isfinite(turns).all():
+            return []
+        return [[piece.matrix for piece in problem.turned_by(share * turns).pieces] for share in CALM_SHARES]
+
+    def matrices(self, number):
+        """Those of a piece, the least calmed first; none where nothing can be calmed."""
+        return [matrices[number] for matrices in self._of_shares]
 
 
 def _as_phases(problem, values):
@@ -156,14 +180,14 @@ def _check_start(problem, start, options):
         raise SettingError(f"the start is not a number at node {node}: give finite phases")
 
 
-def _solve_piece(piece, options, monitor, clock, start):
+def _solve_piece(piece, options, monitor, clock, start, calm):
     """Solve a piece scaled to a mean diagonal and a mean mass of 1, so that single precision holds all of it."""
     if piece.total_weight == 0:  # nothing is asked
         status = Status.CERTIFIED if options.method == "sdp" else Status.UNCERTIFIED
         return _without_search(piece, options, status, start)
     scaled, weight = piece.scaled()
     try:
-        result = _solve_by_method(scaled, options, monitor, clock, start)
+        result = _solve_by_method(scaled, options, monitor, clock, start, lambda: [m / weight for m in calm()])
     except OutOfTime:
         result = _without_search(scaled, options, Status.TIME_LIMIT, start)
     return replace(
@@ -189,7 +213,7 @@ def _without_search(piece, options, status, start):
     )
 
 
-def _solve_by_method(piece, options, monitor, clock, start):
+def _solve_by_method(piece, options, monitor, clock, start, calm):
     if options.method == "spectral":
         return _solve_spectral(piece, options, monitor, clock)
     with clock("relax"):
@@ -199,7 +223,7 @@ def _solve_by_method(piece, options, monitor, clock, start):
         return _solve_diffusion(workspace, options, monitor, clock)
     if options.method == DESCENT:
         return _solve_descent(workspace, monitor, clock, start.column)
-    return _solve_sdp(workspace, options, monitor, clock, start)
+    return _solve_sdp(workspace, options, monitor, clock, start, calm)
 
 
 def _finished(piece, columns, **quality):
@@ -255,13 +279,13 @@ def _solve_descent(workspace, monitor, clock, start):
     return _finished(piece, column, certificate=Certificate.NONE, status=Status.UNCERTIFIED)
 
 
-def _solve_sdp(workspace, options, monitor, clock, start):
+def _solve_sdp(workspace, options, monitor, clock, start, calm):
     monitor.at("relaxation", 0.0)
     piece = workspace.piece
     relaxation = relax(workspace, options.target_gap, options.seed, monitor, clock, start.lifted)
     monitor.bound = relaxation.lower_bound
     with clock("round"):
-        columns, timed_out = _round(workspace, relaxation, options, monitor, start.column)
+        columns, timed_out = _round(workspace, relaxation, options, monitor, start.column, calm)
     if relaxation.out_of_time or timed_out:
         status = Status.TIME_LIMIT
     elif relaxation.reached:
@@ -284,7 +308,7 @@ def _solve_sdp(workspace, options, monitor, clock, start):
     return replace(result, sdp_value=min(relaxation.value, float(piece.energy(result.fields[:, :1])[0])))
 
 
-def _round(workspace, relaxation, options, monitor, start):
+def _round(workspace, relaxation, options, monitor, start, calm):
     """Candidates as columns, best first, and whether time ran out before they were finished."""
     piece, stage, lifted = workspace.piece, workspace.stages[0], relaxation.lifted
     start = start if options.rounding in ("polish", "continuation") else None
@@ -297,14 +321,17 @@ def _round(workspace, relaxation, options, monitor, start):
     try:
         if options.rounding in ("random", "polish") and start is None:
             directions = rounding.random_directions(piece.is_complex, lifted.shape[1], options.samples, random)
-            columns = rounding.projections(stage, lifted, directions, rounding.KEPT, monitor).astype(lifted.dtype)
+            columns = rounding.projections(stage, lifted, directions, rounding.ALONE.kept, monitor).astype(lifted.dtype)
             if options.rounding == "random":
                 return columns, False
         if options.rounding == "continuation" and start is None:
             monitor.at("continuation", 0.4)
             energy = float(piece.energy(by_svd)[0])
             if relative_gap(energy, relaxation.lower_bound, piece.perfect) > NEARLY_TIGHT:
-                columns, timed_out = rounding.continuation(stage, lifted, options.samples, density, random, monitor)
+                matrices = monitor.during(calm)
+                columns, timed_out = rounding.continuation(
+                    stage, lifted, options.samples, density, random, monitor, matrices, relaxation.metric
+                )
                 if timed_out:
                     return columns, True
         monitor.at("polish", 0.9)

@@ -16,6 +16,9 @@ import numpy as np
 
 from ..algebra.columns import add_multiples, inner_products, precise_inner_products, row_parts
 
+# Columns whose singular value is below this share of the largest are empty.
+EMPTY = 1e-6
+
 
 def candidates(block, is_circle):
     """The product of spheres for columns that are fields of their own."""
@@ -237,3 +240,11 @@ def gaussian(shape, is_complex, random):
     """Independent normal numbers, real or complex."""
     numbers = random.standard_normal(shape)
     return numbers + 1j * random.standard_normal(shape) if is_complex else numbers
+
+
+def principal(point):
+    """Rotate the columns onto the singular directions, which leaves Y Y^H alone; drop empty ones."""
+    squares, rotation = np.linalg.eigh(point.conj().T @ point)
+    singular = np.sqrt(np.maximum(squares[::-1], 0))
+    keep = singular > EMPTY * singular[0]
+    return point @ rotation[:, ::-1][:, keep], singular[keep]

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A piece prepared for solving: its matrix in both precisions, and its coarser stages."""
 
+from copy import copy
 from functools import cached_property
 
 import numpy as np
@@ -43,6 +44,12 @@ class Stage:
     @property
     def node_count(self):
         return len(self.row_mass) // self.block
+
+    def turned(self, matrix):
+        """The stage with another matrix of the same sizes of entries, which keeps this one's metrics."""
+        stage = copy(self)
+        stage.matrix = SharedRows(matrix.astype(self.matrix.dtype))
+        return stage
 
     def metric(self, shift):
         """L + shift M with its inverse."""

@@ -12,11 +12,12 @@ from functools import partial
 
 import numpy as np
 
+from ..algebra.metric import Metric
 from ..monitor import OutOfTime
 from .certificate import depth_for_bound, lower_bound, measure_slack, provable_width, prove
 from .descent import descend, rounding_noise
 from .solution import Certificate
-from .spheres import random_columns
+from .spheres import principal, random_columns
 from .stage import LIFTED_SHIFT
 
 # What was measured of the numbers here: products L Y to gaps of 1e-2 and 1e-3 with one of them halved or doubled,
@@ -50,8 +51,6 @@ AIMED_AT = 0.95
 WEAKEST_GAP = 0.5
 # Lengths at which new columns are tried, whose largest entries are 1.
 CLIMBS = 2.0 ** -np.arange(10)
-# Columns whose singular value is below this share of the largest are empty.
-EMPTY = 1e-6
 # Nodes of the smallest stage that is solved on the way, and the tolerance of descents on coarser stages.
 SMALLEST_START = 300
 COARSE_TOLERANCE = 3e-3
@@ -62,7 +61,7 @@ class Relaxation:
     """A solution of the relaxation (22) with its bound.
 
     ``lifted`` is (N, r) in principal columns, singular values descending; ``certificate`` is that of the bound;
-    ``reached`` tells whether the target gap was.
+    ``reached`` tells whether the target gap was; ``metric`` is the one in which the lifted field descended last.
     """
 
     lifted: np.ndarray
@@ -74,6 +73,7 @@ class Relaxation:
     out_of_time: bool
     steps: int
     products: int
+    metric: Metric | None
 
 
 def relax(workspace, target_gap, seed, monitor, clock, start=None):
@@ -135,7 +135,7 @@ class _Search:
         self.bound, self.certificate = 0.0, Certificate.PROVED
         self.reached = self.out_of_time = False
         self._steps = self._products = 0
-        self._needs_double, self._memory = False, []
+        self._needs_double, self._memory, self._metric = False, [], None
         self.first_tolerance = FIRST_TOLERANCE[self._is_provable] * target_gap**1.5
         if self._is_provable:
             self.first_tolerance *= (USUAL_SIZE / piece.matrix.shape[0]) ** FALL_WITH_SIZE
@@ -236,7 +236,7 @@ class _Search:
 
     def result(self):
         """The :class:`Relaxation` at the point, in principal columns."""
-        point, singular_values = _principal(self.point)
+        point, singular_values = principal(self.point)
         point = self._workspace.stages[0].lifted.normalize(point)  # without the columns that were dropped
         return Relaxation(
             point,
@@ -248,6 +248,7 @@ class _Search:
             self.out_of_time,
             self._steps,
             self._products,
+            self._metric,
         )
 
 
@@ -305,11 +306,3 @@ def _descents(workspace, point, metric, tolerance, precise, memory, monitor):
         point = descent.point.astype(workspace.matrix.dtype)
         memory.clear()
     yield descend(workspace.matrix, stage.lifted, point, metric, tolerance, DESCENT_STEPS, monitor, memory)
-
-
-def _principal(point):
-    """Rotate the columns onto the singular directions, which leaves Y Y^H alone; drop empty ones."""
-    squares, rotation = np.linalg.eigh(point.conj().T @ point)
-    singular = np.sqrt(np.maximum(squares[::-1], 0))
-    keep = singular > EMPTY * singular[0]
-    return point @ rotation[:, ::-1][:, keep], singular[keep]

@@ -80,6 +80,7 @@ class SolidRequest:
     lengths : Lengths
     factors : (n,) at the surface's vertices, on the spacing; None for 1
     options : of the solve
+    branching : share of the branches that even distances need
     """
 
     surface: ClosedSurface
@@ -89,6 +90,7 @@ class SolidRequest:
     lengths: Lengths
     factors: np.ndarray | None
     options: Options
+    branching: float = 1.0
 
     @property
     def shared(self):
@@ -115,7 +117,7 @@ class SolidRequest:
             directions, spacings, groups = monitor.during(lambda: self._asked(filled))
             growth = SolidGrowth.of(solid, directions, spacings)
         solving = portion(progress, _PHASES, _SURFACES - _PHASES)
-        pattern = solve_layers(solid, directions, spacings, groups, self.options, solving)
+        pattern = solve_layers(solid, directions, spacings, groups, self.options, solving, self.branching)
         monitor.at("layers", _SURFACES)
         with clock("extract"):
             surfaces = monitor.during(lambda: layer_surfaces(pattern.edge_phases, pattern.heights))

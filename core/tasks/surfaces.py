@@ -22,13 +22,15 @@ from ..fields import (
     quad_pattern,
     stripe_pattern,
 )
-from ..fields.directions import SYMMETRIES
+from ..fields.directions import SYMMETRIES, known_directions
 from ..fields.growth import COARSE_SHARE, Growth
 from ..fields.mirror import Mirror
+from ..fields.patterns import known_pattern
 from ..geometry.mesh_input import MeshInput
 from ..monitor import Monitor, portion
 from ..solve import Options
 from ..solve.solution import Clock
+from .quad_meshes import solved_mesh
 
 # What a command solves along its directions; "directions" stops before.
 PATTERNS = {"stripes": stripe_pattern, "quads": quad_pattern, "quad_mesh": quad_pattern}
@@ -84,7 +86,11 @@ class SurfaceRequest:
     spacing : the spacing, in scene units
     spacings : that times its map, (n,), and for quads with an aspect (n, 2), or the spacing alone
     mirror_axes : the axes of the mirrors in the object's space, 0, 1 or 2
-    smoothing : of quad meshes, how often vertices move to the middle of their neighbours
+    smoothing : of quad meshes, how often vertices move to where faces are nearer to squares
+    singularities : share of the shape's unevenness that the directions answer with disclinations
+    branching : share of the dislocations that even spacing asks for; None for directions alone
+    faces : of quad meshes, how many there should be, whatever the spacing; None for as many as it gives
+    straighten : of quad meshes, whether shorter loops are looked for
     """
 
     command: str
@@ -100,6 +106,10 @@ class SurfaceRequest:
     spacings: float | np.ndarray
     mirror_axes: tuple[int, ...] = ()
     smoothing: int = 0
+    singularities: float = 1.0
+    branching: float | None = 1.0
+    faces: int | None = None
+    straighten: bool = False
 
     @property
     def shared(self):
@@ -118,8 +128,9 @@ class SurfaceRequest:
         """
         if self.command not in PATTERNS:
             return SurfaceResult(self.directed(progress))
-        found = self.along(self.directed(portion(progress, 0.0, 0.4)), portion(progress, 0.4, 0.55))
-        return replace(found, **self.traced(found.pattern)) if self.command == "quad_mesh" else found
+        if self.command == "quad_mesh":
+            return solved_mesh(self, progress)
+        return self.along(self.directed(portion(progress, 0.0, 0.4)), portion(progress, 0.4, 0.55))
 
     def solve_early(self, progress=None):
         """The :class:`Picture` of a first pattern by one eigenvector each; errors as :meth:`solve`.
@@ -143,7 +154,8 @@ class SurfaceRequest:
         if self.directions is not None:
             return given_directions(mesh, symmetry, self.directions).turned(self.turn)
         with self._own_vertices():
-            wishes = DirectionWishes(tuple(guide.weighted for guide in self.guides), self.rows, self.mirrors)
+            guides = tuple(guide.weighted for guide in self.guides)
+            wishes = DirectionWishes(guides, self.rows, self.mirrors, self.singularities)
             return direction_field(mesh, symmetry, wishes, self.options, progress, before).turned(self.turn)
 
     def along(self, directions, progress=None, before=None, hold=0.0):
@@ -162,9 +174,17 @@ class SurfaceRequest:
                 progress,
                 before=before,
                 hold=hold,
+                branching=self.branching,
             )
         warnings = self._judged(growth.coarse_share)
         return SurfaceResult(directions, pattern, None, growth.forced_dislocations, warnings)
+
+    def known(self, vectors, phases):
+        """The DirectionField and the Pattern of (n, 3) directions and (k n,) complex phases that were solved for."""
+        mesh, symmetry = self.given.mesh, SYMMETRIES[self.symmetry]
+        wishes = DirectionWishes((), self.rows, self.mirrors, self.singularities)
+        field = known_directions(mesh, symmetry, vectors, wishes)
+        return field, known_pattern(mesh, field, self.spacings, phases, self.rows, self.mirrors, self.branching)
 
     def traced(self, pattern):
         """The quad mesh of a pattern's grid lines, and the seconds that it took, as fields of a result."""
@@ -172,7 +192,9 @@ class SurfaceRequest:
         with clock("extract"):
             inverse = np.linalg.inv(self.given.stretch)
             planes = [inverse[axis] for axis in self.mirror_axes]
-            quads = smoothed(quad_mesh(pattern.edge_phases), self.given.mesh, self.rows, planes, self.smoothing)
+            quads = quad_mesh(pattern.edge_phases)
+            only_quads = self.command == "quad_mesh" and self.branching == 0
+            quads = smoothed(quads, self.given.mesh, self.rows, planes, self.smoothing, only_quads)
         return {"quads": quads, "seconds": clock.seconds}
 
     def _judged(self, coarse_share):
@@ -219,6 +241,8 @@ class SurfaceResult:
     forced_dislocations : how many exact directions and spacing ask for, None without a pattern
     warnings : lines that the user should read
     seconds : that parts of the work took which solutions do not tell, by their names
+    settled : settings, by their names, with which the result was made in place of those that were asked for
+    loops_before : figures of the quad mesh's loops before they were straightened (see :mod:`core.extract.quad_loops`)
     """
 
     field: DirectionField
@@ -227,3 +251,5 @@ class SurfaceResult:
     forced_dislocations: float | None = None
     warnings: tuple[str, ...] = ()
     seconds: dict[str, float] = dataclasses.field(default_factory=dict)
+    settled: dict[str, float] = dataclasses.field(default_factory=dict)
+    loops_before: dict[str, int] | None = None

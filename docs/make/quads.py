@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of quads: the paper's Figure 4 again, quad meshes, and the profiles of the node group.
+"""Pictures of quads: the paper's Figure 4 again, quad meshes, the two sliders, and the profiles of the node group.
 
-    python docs/make/quads.py MESHES --folder docs [--only figure4 | quad_mesh | quads]
+    python docs/make/quads.py MESHES --folder docs [--only figure4 | quad_mesh | sliders | quads]
 
 Figure 4: cos x cos y along one cross field, the spectral relaxation on the left and the semidefinite one on the right;
 its energies are printed. MESHES holds spot.obj, fertility.obj, rocker-arm.obj and stanford-bunny.obj. Needs Blender as
@@ -24,6 +24,8 @@ from synch_fields.synch_addon.nodes.stripes import INK_BLUE, WARM_IVORY
 # Name of a mesh, where it is seen from, and its period's part of the longest side.
 WAVES = (("spot", (230, 15), 12), ("fertility", (-20, 10), 18), ("rocker-arm", (30, 20), 16))
 MESHES = (("spot", (230, 15), 13), ("fertility", (-20, 10), 24), ("stanford-bunny", (-20, 12), 20))
+# What the sliders are shown on, and their values.
+SLID, SHARES = ("spot", (230, 15), 1500), (1.0, 0.5, 0.0)
 PATTERNED = ("spot", (230, 15), 12)
 
 WAVE_NODES = ("ShaderNodeGroup", "ShaderNodeMapRange", "ShaderNodeMixRGB", "ShaderNodeGamma")
@@ -108,6 +110,32 @@ def quad_mesh(options, folder, path):
     beside(pictures, path)
 
 
+def sliders(options, folder, path):
+    """Quad meshes of as many faces: from left to right fewer branches, from above fewer singularities."""
+    name, view, count = SLID
+    rows = []
+    for singularities in SHARES:
+        pictures = []
+        for branching in SHARES:
+            obj, _ = opened(options.meshes, name)
+            report = api.quad_mesh(obj, faces=count, singularities=singularities, branching=branching)
+            made = report["quad_mesh"]
+            shown = bpy.data.objects[made["object"]]
+            shown.data.materials.clear()
+            picture = folder / f"{singularities} {branching}.png"
+            pictures.append(render_picture(shown, picture, view=view, resolution=(480, 520), edges=True))
+            found = ", ".join(f"{len(report[kind])} {kind}" for kind in ("disclinations", "dislocations"))
+            even = report["evenness"]["spacing"]
+            print(
+                f"{singularities:.0%} singularities, {branching:.0%} branching: {found}; {made['faces']} faces, "
+                f"{made['quad_share']:.1%} quads, {made['irregular_vertices']} irregular vertices, "
+                f"{made['angle_deviation']:.1f} degrees off on average, spacing {even[0]:.2f} to {even[-1]:.2f}"
+            )
+        rows.append(folder / f"{singularities}.png")
+        beside(pictures, rows[-1])
+    beside(rows, path, vertical=True)
+
+
 def quads(options, folder, path):
     """The profiles of the node group on one pattern."""
     name, view, count = PATTERNED
@@ -122,7 +150,7 @@ def quads(options, folder, path):
     beside(pictures, path)
 
 
-PICTURES = {"figure4": figure4, "quad_mesh": quad_mesh, "quads": quads}
+PICTURES = {"figure4": figure4, "quad_mesh": quad_mesh, "sliders": sliders, "quads": quads}
 
 
 if __name__ == "__main__":

@@ -6,7 +6,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ...core.errors import SynchError
+from ...core.files.pictures import is_whole
+from ...core.files.whole import unwritten
 from ..nodes.canvas import surface_material
 from .settings import MAPS
 from .shaders import SOURCE, pattern_node, sources
@@ -43,8 +44,10 @@ def save(values, path, settings, map_name, scene):
     try:
         image.save_render(str(path), scene=scene)
     except RuntimeError as error:
-        raise SynchError(f"cannot write {path}: {str(error).strip().splitlines()[0]}") from error
+        raise unwritten(path, str(error).strip().splitlines()[0]) from error
     bpy.data.images.remove(image)
+    if not is_whole(path):
+        raise unwritten(path, "only a part arrived")
 
 
 def packed(path, name, map_name):

@@ -2,6 +2,7 @@
 """Files in and out for the command line, by Blender's own importers."""
 
 import math
+from functools import partial
 from pathlib import Path
 
 import bmesh
@@ -10,7 +11,10 @@ import numpy as np
 
 from ...core.errors import SettingError
 from ...core.files.directions import SUFFIXES as FIELD_SUFFIXES
+from ...core.files.meshes import check_ply, is_whole
+from ...core.files.whole import check_writable, unwritten, written_whole
 from .attributes import read_all
+from .quiet import quiet_stderr
 
 _IMPORTERS = {
     ".obj": lambda path: bpy.ops.wm.obj_import(filepath=path),
@@ -39,7 +43,7 @@ def open_input(path):
     Raises
     ------
     SettingError
-        for a missing file or a kind that is not supported
+        for a missing or damaged file, or a kind that is not supported
     """
     suffix = Path(path).suffix.lower()
     if suffix != ".blend" and suffix not in _IMPORTERS:
@@ -49,21 +53,34 @@ def open_input(path):
         )
     if not Path(path).is_file():
         raise SettingError(f"{path}: no such file")
+    if suffix == ".ply":
+        check_ply(path)
+    try:
+        with quiet_stderr():
+            _read(suffix, str(Path(path).resolve()))
+    except RuntimeError as error:
+        reason = " ".join(str(error).removeprefix("Error: ").split())
+        raise SettingError(f"{path}: cannot be read ({reason}): export it again") from None
     if suffix == ".blend":
-        bpy.ops.wm.open_mainfile(filepath=str(Path(path).resolve()))
         return
-    bpy.ops.wm.read_homefile(use_empty=True)
-    if suffix == ".glb":
-        import addon_utils
-
-        addon_utils.enable("io_scene_gltf2")
-    _IMPORTERS[suffix](str(Path(path).resolve()))
     for mesh in bpy.data.meshes:
         if suffix in _TORN:
             _weld(mesh)
         if not mesh.has_custom_normals:
             mesh.shade_smooth()
             mesh.set_sharp_from_angle(angle=_SHARP)
+
+
+def _read(suffix, path):
+    if suffix == ".blend":
+        bpy.ops.wm.open_mainfile(filepath=path)
+        return
+    bpy.ops.wm.read_homefile(use_empty=True)
+    if suffix == ".glb":
+        import addon_utils
+
+        addon_utils.enable("io_scene_gltf2")
+    _IMPORTERS[suffix](path)
 
 
 def _weld(mesh):
@@ -136,17 +153,7 @@ def check_output(path, suffixes):
         raise SettingError(f"{path}: its folder does not exist, create it first")
     if path.is_dir():
         raise SettingError(f"{path}: this is a folder, choose another name")
-
-
-def unwritten(path, reason):
-    """The error of a file that could not be written."""
-    return SettingError(f"{path}: cannot be written ({reason}): make room, or choose another place")
-
-
-def check_written(path):
-    """Refuse an empty file: where the disk is full, Blender's exporters and OpenVDB report success."""
-    if not Path(path).is_file() or not Path(path).stat().st_size:
-        raise unwritten(path, "nothing arrived")
+    check_writable(path)
 
 
 def export_mesh(obj, path, z_up=False):
@@ -165,12 +172,13 @@ def export_mesh(obj, path, z_up=False):
     """
     for other in bpy.context.view_layer.objects:
         other.select_set(other == obj)
-    target = Path(path).absolute()
-    try:
-        _EXPORTERS[target.suffix.lower()](filepath=str(target), **(_Z_UP if z_up else {}))
-    except RuntimeError as error:
-        raise unwritten(path, " ".join(str(error).split())) from None
-    check_written(path)
+    data = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    arrived = partial(is_whole, vertices=len(data.vertices), faces=len(data.polygons))
+    with written_whole(path, arrived) as made:
+        try:
+            _EXPORTERS[made.suffix.lower()](filepath=str(made), **(_Z_UP if z_up else {}))
+        except RuntimeError as error:
+            raise unwritten(path, " ".join(str(error).split())) from None
 
 
 def is_report(path):
@@ -179,11 +187,21 @@ def is_report(path):
 
 
 def save_blend(path):
-    """Save the scene as a .blend file, without Blender's backup of an older one; returns its path."""
+    """Save a copy of the scene as a .blend file, without Blender's backup of an older one; returns its path.
+
+    Raises
+    ------
+    SettingError
+        where the file cannot be written; an older one stays as it was
+    """
     preferences = bpy.context.preferences.filepaths
     backups, preferences.save_version = preferences.save_version, 0
     try:
-        bpy.ops.wm.save_as_mainfile(filepath=str(Path(path).resolve()), check_existing=False)
+        with written_whole(path) as made:
+            try:
+                bpy.ops.wm.save_as_mainfile(filepath=str(made), check_existing=False, copy=True)
+            except RuntimeError as error:
+                raise unwritten(path, " ".join(str(error).split())) from None
     finally:
         preferences.save_version = backups
     return str(path)

@@ -1,28 +1,47 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keep Blender's own chatter off stdout, at the level of the file descriptor: Cycles alone prints a line a step."""
+"""Keep Blender's own chatter off stdout and stderr, at the level of the file descriptor: Cycles alone prints a line a
+step."""
 
 import ctypes
 import os
 import sys
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager, redirect_stdout, suppress
 
 
 @contextmanager
 def quiet_stdout():
     """Drop everything that is printed; yields a stream to the real stdout. Errors still go to stderr."""
-    sys.stdout.flush()
     try:
+        sys.stdout.flush()
         kept = os.dup(1)
-    except OSError:  # a process without a stdout
+    except (OSError, AttributeError):  # a process without a stdout
         yield sys.stdout
         return
-    with open(os.devnull, "w") as nowhere, os.fdopen(os.dup(kept), "w") as out, redirect_stdout(nowhere):
+    out = os.fdopen(os.dup(kept), "w", errors="backslashreplace")
+    with open(os.devnull, "w") as nowhere, redirect_stdout(nowhere):
         os.dup2(nowhere.fileno(), 1)
         try:
             yield out
         finally:
             _flush_c_streams()
             os.dup2(kept, 1)
+            os.close(kept)
+            with suppress(OSError):  # what was not printed has been told by then
+                out.close()
+
+
+@contextmanager
+def quiet_stderr():
+    """Drop what Blender's importers print of each line of a file; what is raised tells what is wrong."""
+    sys.stderr.flush()
+    kept = os.dup(2)
+    with open(os.devnull, "w") as nowhere:
+        os.dup2(nowhere.fileno(), 2)
+        try:
+            yield
+        finally:
+            _flush_c_streams()
+            os.dup2(kept, 2)
             os.close(kept)
 
 

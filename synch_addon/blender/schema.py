@@ -72,6 +72,8 @@ _BACK = "quads: rim value of each phase where the walk around a disclination is 
 CLOSING = Attribute("synch_closing", "FACE", "FLOAT2", _BACK)
 _SLOTS = "stripes, after Number Stripes: number of the stripe in each slot (period of the phase modulo 3); negative "
 _SLOTS += "where the phase grows to the right of the direction along"
+_ERROR = "spacing of the lines over the asked one, less 1; of quads for the phase that is further off; 0 at defects"
+SPACING_ERROR = Attribute("synch_spacing_error", "FACE", "FLOAT", _ERROR)
 NUMBER = Attribute("synch_number", "FACE", "FLOAT_VECTOR", _SLOTS)
 ALONG = Attribute("synch_along", "CORNER", "FLOAT_VECTOR", "likewise: way along the stripe of each slot, in spacings")
 LAYER = Attribute("synch_layer", "FACE", "INT", "layers: number of the layer, from the bottom")
@@ -82,10 +84,14 @@ STRENGTH = Attribute("synch_strength", "FACE", "FLOAT", "flows on a surface: cir
 # What each kind of pattern has; what tells it by itself, which a favourite keeps; and what each frame of an animation
 # has of its own: places are the same in all frames.
 PATTERNS = {
-    kind: (*sum(phases, ()), *[CLOSING] * (len(phases) - 1), BARYCENTRIC, PATTERN) for kind, phases in PHASES.items()
+    kind: (*sum(phases, ()), *[CLOSING] * (len(phases) - 1), BARYCENTRIC, PATTERN, SPACING_ERROR)
+    for kind, phases in PHASES.items()
 }
 KEPT = {kind: (DIRECTION, *(phase.vertex_phase for phase in phases)) for kind, phases in PHASES.items()}
-FRAMED = {kind: (*(a for a in own if a not in (BARYCENTRIC, *KEPT[kind])), DIRECTION) for kind, own in PATTERNS.items()}
+FRAMED = {
+    kind: (*(a for a in own if a not in (BARYCENTRIC, SPACING_ERROR, *KEPT[kind])), DIRECTION)
+    for kind, own in PATTERNS.items()
+}
 _OTHERS = SINGULARITY, NUMBER, ALONG, LAYER, SPHERE, COLOR, STRENGTH
 ATTRIBUTES = tuple(dict.fromkeys((DIRECTION, *PATTERNS["stripes"], *PATTERNS["quads"], *_OTHERS)))
 _NUMBERS = re.compile(rf"(?<=\.)-?\d+$|(?<={PREFIX}favourite_)\d+")

@@ -12,7 +12,7 @@ from ..jobs.job import run as run_job
 from ..solids.report import summary
 from ..solids.settings import KINDS, WISHES, LayerSettings
 from . import layer_outputs
-from .flags import Made, add_input, add_outputs, add_solver, add_spacing, saved, solver_of, spacing_of
+from .flags import Made, add_input, add_number, add_outputs, add_solver, add_spacing, saved, solver_of, spacing_of
 
 _DEFAULT = LayerSettings()
 
@@ -41,6 +41,8 @@ def add_parser(commands):
     command.add_argument(
         "--size", type=float, metavar="LENGTH", help="longest edge of the tetrahedra; default: automatic"
     )
+    tip = "share of the branches that even distances need, from 0 (hardly any or none) to 1"
+    add_number(command, "--branching", _DEFAULT.branching, tip)
     add_solver(command)
     layer_outputs.add_arguments(command)
     add_outputs(command, "energies, spacings, curves and times", "the layers", "all layers as one mesh")
@@ -49,7 +51,12 @@ def add_parser(commands):
 def run(options, open_object, progress):
     """Run the command."""
     settings = LayerSettings(
-        options.guidance, options.groups, size=options.size, **spacing_of(options), **solver_of(options)
+        options.guidance,
+        options.groups,
+        branching=options.branching,
+        size=options.size,
+        **spacing_of(options),
+        **solver_of(options),
     )
     files.check_outputs(options.output, options.render, options.report, mesh=options.export_mesh)
     layer_outputs.check(options)

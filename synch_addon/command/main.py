@@ -9,23 +9,32 @@ was asked for has been written; every failure is one line.
 """
 
 import argparse
-import json
 import sys
 from pathlib import Path
 
 import bpy
 
 from ...core.errors import SettingError, SynchError
+from ...core.files.whole import write_text
+from ...core.keywords import check_text
 from .. import api
 from ..blender import files
 from ..blender.quiet import quiet_stdout
-from ..jobs.report import failure, summary
+from ..jobs.report import failure, json_text, summary
 from ..looks.demo import add_demo_object
 from ..patterns.info import describe
 from ..settings.fields import Settings
 from . import animate, bake, clebsch, fields, layers
 from . import lines as cli_lines
 from .flags import Made, add_input, add_quiet, add_view, saved
+from .interrupts import heard_interrupts
+
+# Exit status of a command that was interrupted, as shells have it.
+INTERRUPTED = 130
+# What the options of all commands call files that are read and files that are written.
+_INPUTS = "input", "constraints"
+_OUTPUTS = "output", "render", "report", "export_mesh", "export_field"
+_OUTPUTS += "export_layers", "export_paths", "export_volume"
 
 
 def main(arguments, loaded=False):
@@ -35,19 +44,49 @@ def main(arguments, loaded=False):
         options = parser.parse_args(arguments)
     except SystemExit as stop:
         return stop.code or 0
-    with quiet_stdout() as out:
+    clash = _clash(options)
+    if clash:
+        print(f"synch {options.command}: {clash}", file=sys.stderr)
+        return 1
+    with quiet_stdout() as out, heard_interrupts() as check:
         try:
-            progress = None if getattr(options, "quiet", True) else _Progress()
+            for name, value in vars(options).items():
+                if isinstance(value, str):
+                    check_text(value, f"the {name.replace('_', ' ')}")
+            progress = _Progress(check, getattr(options, "quiet", True))
             made = _COMMANDS[options.command](options, lambda: _open(options, loaded), progress)
+            check()
             lines = _deliver(made, options, progress)
         except SynchError as error:
             return _fail(options, str(error))
+        except KeyboardInterrupt:
+            print(f"synch {options.command}: interrupted", file=sys.stderr)
+            return INTERRUPTED
         except OSError as error:
             return _fail(options, f"{error.filename or 'a file'}: {error.strerror or error}")
         except RuntimeError as error:  # what an importer or exporter of Blender reports
             return _fail(options, " ".join(str(error).split()))
-        print("\n".join(lines), file=out)
+        try:
+            print("\n".join(lines), file=out, flush=True)
+        except OSError as error:
+            print(f"synch {options.command}: the result cannot be printed ({error.strerror})", file=sys.stderr)
+            return 1
     return 0
+
+
+def _clash(options):
+    """Why files that are named would overwrite one another, or None."""
+    taken = {}
+    for names in (_INPUTS, _OUTPUTS):
+        for name in names:
+            given = getattr(options, name, None)
+            if not given:
+                continue
+            path, flag = Path(given).resolve(), "the input" if name == "input" else f"--{name.replace('_', '-')}"
+            if path in taken and names is _OUTPUTS:
+                return f"{given}: {flag} and {taken[path]} are the same file, name another one"
+            taken[path] = flag
+    return None
 
 
 def _fail(options, line):
@@ -56,8 +95,8 @@ def _fail(options, line):
         settings = {k: v for k, v in vars(options).items() if isinstance(v, str | int | float | None)}
         try:
             _write_json(path, failure(options.command, settings, line))
-        except OSError as error:
-            line += "" if path in line else f" (and no report: {path}: {error.strerror})"
+        except SettingError as error:
+            line += "" if path in line else f" (and no report: {error})"
     print(f"synch {options.command}: {line}", file=sys.stderr)
     return 1
 
@@ -70,8 +109,7 @@ def _deliver(made, options, progress):
     if picture:
         from ..looks.render import render_picture
 
-        if progress:
-            progress("rendering", 0.0)
+        progress("rendering", 0.0)
         render_picture(made.shown, picture, view=options.view, **made.look)
     written = [*made.written, *(path for path in (picture, report) if path)]
     warnings = [f"warning: {line}" for line in made.report.get("warnings", ())]
@@ -118,12 +156,21 @@ def _open(options, loaded):
 
 
 class _Progress:
-    """Prints how far a command is: in a terminal over what it printed before, elsewhere each line once."""
+    """Prints how far a command is: in a terminal over what it printed before, elsewhere each line once.
 
-    def __init__(self):
-        self._last = ""
+    Parameters
+    ----------
+    check : raises where the command has been interrupted
+    is_quiet : nothing is printed
+    """
+
+    def __init__(self, check, is_quiet):
+        self._check, self._is_quiet, self._last = check, is_quiet, ""
 
     def __call__(self, stage, fraction):
+        self._check()
+        if self._is_quiet:
+            return True
         line = f"{stage} {fraction:.0%}"
         if sys.stderr.isatty():
             print(f"\r{line:<40}", end="", file=sys.stderr, flush=True)
@@ -134,7 +181,7 @@ class _Progress:
 
 
 def _write_json(path, report):
-    Path(path).write_text(json.dumps(report, indent=2) + "\n")
+    write_text(path, json_text(report, indent=2) + "\n")
 
 
 # Parser

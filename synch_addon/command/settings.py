@@ -25,8 +25,18 @@ def add_settings(command, name):
         symmetry = "what is the same at a point; cross for directions only"
         add_choice(command, "--symmetry", tuple(SYMMETRIES), default.symmetry, symmetry)
     if name == "quad_mesh":
-        smoothing = "how often vertices move to the middle of their neighbours on the surface"
+        features = "boundaries and edges that bend by more than this stay edges; 0 for none"
+        add_number(command, "--features", math.degrees(default.features), features, "DEG")
+        smoothing = "how often vertices move to where faces are nearer to squares, on the surface"
         add_number(command, "--smoothing", default.smoothing, smoothing, "N")
+        faces = "about how many faces, whatever the spacing; 0 for as many as that gives"
+        add_number(command, "--faces", default.faces, faces, "N")
+        command.add_argument("--straighten", action="store_true", help="look for shorter loops of quads")
+    if name != "directions":
+        tip = "share of the branches that even spacing needs, from 0 (hardly any or none) to 1"
+        add_number(command, "--branching", 0.0 if name == "quad_mesh" else 1.0, tip)
+    tip = "share of the shape's unevenness answered by singular points, from 0 (as few as can be) to 1"
+    add_number(command, "--singularities", default.singularities, tip)
     command.add_argument(
         "--guidance",
         default=default.guidance,
@@ -58,7 +68,10 @@ def settings_of(options):
             f"the vertex group {options.vertex_group!r} restricts the boundary, which is free: "
             "add --boundary along, across or phase"
         )
-    only_some = {name: getattr(options, name) for name in ("aspect", "smoothing") if hasattr(options, name)}
+    names = ("aspect", "smoothing", "faces", "straighten", "branching")
+    only_some = {name: getattr(options, name) for name in names if hasattr(options, name)}
+    if hasattr(options, "features"):
+        only_some["features"] = math.radians(options.features)
     return Settings(
         symmetry=getattr(options, "symmetry", "cross"),
         guidance=options.guidance,
@@ -67,6 +80,7 @@ def settings_of(options):
         boundary=options.boundary,
         vertex_group=options.vertex_group,
         mirror=options.mirror.upper(),
+        singularities=options.singularities,
         constraints=_read_constraints(options.constraints) if options.constraints else None,
         **(spacing_of(options) if hasattr(options, "spacing") else {}),
         **only_some,
@@ -78,7 +92,7 @@ def settings_of(options):
 def _read_constraints(path):
     try:
         return from_plain(json.loads(Path(path).read_text(encoding="utf-8")))
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
-        raise SettingError(f"{path}: {error}: write a JSON list of rows") from None
     except SettingError as error:
         raise SettingError(f"{path}: {error}") from None
+    except (ValueError, RecursionError) as error:  # no JSON or no text, numbers too long or lists too deep to be read
+        raise SettingError(f"{path}: {error}: write a JSON list of rows") from None

@@ -27,6 +27,7 @@ class Work:
     label : what it is called in the window
     stage, fraction : how far it is
     picture : of a first result, None as long as there is none
+    is_seen : whether a view has been drawn with it
     result : what was found
     peak : MB that the solve has taken at most, None where it was not told
     error : what stopped it, or None
@@ -38,7 +39,7 @@ class Work:
     def __init__(self, job, label):
         self.job, self.label = job, label
         self.stage, self.fraction, self.picture, self.error, self.result, self.peak = "", 0.0, None, None, None, None
-        self.is_over = self.has_begun = False
+        self.is_over = self.has_begun = self.is_seen = False
         self.let_go = lambda: None
         self.holds_window = hasattr(job, "advance")
         self._start, self.waited = time.monotonic(), 0.0

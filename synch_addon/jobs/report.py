@@ -2,6 +2,7 @@
 """The report of a run: what was asked, found and written, ready for JSON."""
 
 import json
+import math
 import platform
 import time
 import tomllib
@@ -31,6 +32,7 @@ class Report:
         self.warnings = []
         self.forced_dislocations = None
         self.quad_mesh = None
+        self._settled = {}
         self._start = time.perf_counter()
         self._request = None
 
@@ -49,6 +51,7 @@ class Report:
         """Take over what a result tells beside what was found."""
         self.warnings += result.warnings
         self.forced_dislocations = getattr(result, "forced_dislocations", None)
+        self._settled = getattr(result, "settled", {})
         self.clock.add(result.seconds)
 
     def warn_about(self, obj, request):
@@ -82,6 +85,11 @@ class Report:
             self.warn(
                 "directions that an attribute gives are taken as they are, without the mirror: "
                 f"give it a strength (attribute:{self.settings.exact_attribute}=1) where they should be mirrored"
+            )
+        if self.settings.exact_attribute and self.settings.singularities < 1:
+            self.warn(
+                "directions that an attribute gives are taken as they are, with all their singular points: give it a "
+                f"strength (attribute:{self.settings.exact_attribute}=1) where there should be fewer"
             )
         if np.any(request.turn) and self.settings.mirror:
             self.warn("the angle turns directions the same way on both sides of the mirror: set it to 0")
@@ -136,6 +144,7 @@ class Report:
             report["spectral_energy"] = report["energy"]
         if pattern is not None:
             report["directions"] = quality(field.solution)
+            report["evenness"] = pattern.evenness.figures
         return report | {
             "euler_characteristic": mesh.euler_characteristic,
             "closed": len(mesh.boundary_edges) == 0,
@@ -143,7 +152,7 @@ class Report:
             "dislocations": [d for d in defects if d["kind"] == "dislocation"],
             "forced_dislocations": self.forced_dislocations,
             **({"quad_mesh": self.quad_mesh} if self.quad_mesh else {}),
-            **self.ended(solutions, {"spacing": self._request.spacing, "constraints": rows}),
+            **self.ended(solutions, {"spacing": self._request.spacing, "constraints": rows} | self._settled),
         }
 
 
@@ -208,26 +217,62 @@ def summary(report):
     if report["forced_dislocations"] is not None:
         dislocations += f" (exact directions and spacing ask for {report['forced_dislocations']:.0f})"
     lines.append(f"{disclinations}, {dislocations}")
+    if report.get("evenness"):
+        lines.append(_even_line(report["evenness"]))
     if "quad_mesh" in report:
         lines.append(_quad_line(report["quad_mesh"]))
     lines.append(f"{report['times']['total']:.2f} s")
     return lines
 
 
+def _even_line(evenness):
+    low, _, _, _, high = evenness["spacing"]
+    line = (
+        f"98% of the lines {low:.2f} to {high:.2f} times as far apart as asked, {evenness['off_share']:.1%} off by 25%"
+    )
+    if "angles" not in evenness:
+        return line
+    low, _, _, _, high = evenness["angles"]
+    return f"{line}; corners {low:.0f} to {high:.0f} degrees"
+
+
 def _quad_line(made):
     return (
         f"{made['object']}: {made['faces']} faces, {made['quad_share']:.1%} quads, "
         f"{counted(made['irregular_vertices'], 'irregular vertex')}, corners off a right angle by "
-        f"{made['angle_deviation']:.1f} degrees on average, {made['hausdorff_distance']:.2g} from the surface at most"
+        f"{made['angle_deviation']:.1f} degrees on average, {made['hausdorff_distance']:.2g} from the surface at most; "
+        f"{_loops(made)}"
     )
+
+
+def _loops(made):
+    counts = f"{counted(made['loops'], 'loop')}, {counted(made['spirals'], 'spiral')}"
+    line = f"{counts}, the longest of {made['longest_loop']} quads"
+    before = made.get("loops_before")
+    if before is None:
+        return line
+    return f"{line} ({counted(before['spirals'], 'spiral')} and {before['longest_loop']} before they were straightened)"
 
 
 def result_line(report):
     """What the panel shows of a report, and the settings with which it can be read back, as JSON."""
     names = ("command", "energy", "lower_bound", "gap", "certificate", "status", "nodes")
     counts = {kind: len(report[kind]) for kind in ("disclinations", "dislocations")}
-    kept = {"seconds": report["times"]["total"], "settings": report["settings"]}
+    kept = {"seconds": report["times"]["total"], "settings": report["settings"], "evenness": report.get("evenness")}
     return json.dumps({name: report[name] for name in names} | counts | kept)
+
+
+def json_text(report, indent=None):
+    """A report as JSON that every reader takes: numbers that are none, as refused settings may be, become words."""
+    return json.dumps(_finite(report), indent=indent, allow_nan=False)
+
+
+def _finite(value):
+    if isinstance(value, dict):
+        return {key: _finite(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(item) for item in value]
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def counted(count, noun):

@@ -221,7 +221,7 @@ def _alone():
     if sys.platform == "win32":
         flags = subprocess.CREATE_NO_WINDOW | subprocess.CREATE_NEW_PROCESS_GROUP
         return {"creationflags": flags | subprocess.BELOW_NORMAL_PRIORITY_CLASS}
-    return {"start_new_session": True}
+    return {"process_group": 0}  # but its parent's session: Linux lets no process go behind those of another
 
 
 def _has_data(pipe):

@@ -12,6 +12,8 @@ import numpy as np
 from mathutils import Euler, Matrix, Vector
 
 from ...core.errors import MeshError, SettingError
+from ...core.files.pictures import is_whole
+from ...core.files.whole import unwritten, written_whole
 from ..blender.attributes import read_all
 from ..blender.defect_empties import KINDS, defect_empties
 from ..blender.transaction import only_for_now
@@ -65,11 +67,12 @@ def render_picture(
         stage = _stage(orientation)
         _add_backdrop(scene, stage, points, camera.matrix_world.translation)
         _add_lights(scene, stage, points)
-        _set_up_render(scene, path, resolution, samples)
-        try:
-            bpy.ops.render.render(write_still=True, scene=scene.name)
-        except RuntimeError as error:
-            raise SettingError(f"cannot write the picture {path}: {str(error).splitlines()[0]}") from error
+        with written_whole(path, is_whole) as made:
+            _set_up_render(scene, made, resolution, samples)
+            try:
+                bpy.ops.render.render(write_still=True, scene=scene.name)
+            except RuntimeError as error:
+                raise unwritten(path, str(error).splitlines()[0]) from error
     return path
 
 

@@ -2,8 +2,6 @@
 """Operators that find the defects of the active object: select their faces, look at one after the other, and copy
 the report of the last solve."""
 
-import json
-
 import bpy
 from bpy.props import StringProperty
 
@@ -11,6 +9,7 @@ from ...core.errors import SynchError
 from ..blender import meshes
 from ..blender.defect_empties import defect_empties
 from ..blender.translations import said
+from ..jobs.report import json_text
 from ..patterns import memory
 from .ready import PromptOperator, ReadyOperator
 
@@ -24,6 +23,8 @@ _MEANINGS = {
     "estimated": "How much of the energy lies above the lower bound; the bound is estimated, not proved",
     "disclination": "Points around which the directions turn: by a half for lines, by a quarter for crosses",
     "dislocation": "Points where a stripe begins or ends",
+    "evenness": "How many times as far apart as asked lines are, on all but a hundredth of the surface at either end, "
+    "and on how much of it they are off by more than a quarter; Spacing Error in the overlay shows where",
     "time": "How long the last solve took, and on how many vertices",
 }
 
@@ -101,7 +102,7 @@ class SYNCH_OT_copy_report(ReadyOperator, bpy.types.Operator):
 
     def execute(self, context):
         report = memory.state(context.active_object).plain
-        context.window_manager.clipboard = json.dumps(report, indent=2)
+        context.window_manager.clipboard = json_text(report, indent=2)
         return {"FINISHED"}
 
 

@@ -5,6 +5,8 @@ From a script such an operator runs to its end. From the window it puts a job in
 that the user does: nothing but Esc over the 3D view is kept from Blender, and the result is written when it is there.
 """
 
+import time
+
 import bpy
 from bpy.props import IntProperty, StringProperty
 
@@ -14,6 +16,7 @@ from ..blender.translations import said
 from ..jobs.job import run
 from ..jobs.queue import queue
 from ..jobs.report import counted
+from ..panels.early_view import view
 from ..patterns import job as field_job
 from ..settings.fields import PROPERTY_NAMES, plain
 from ..settings.guide_list import stored_guidance
@@ -23,6 +26,10 @@ _POINTING = {"LEFTMOUSE", "MOUSEMOVE"}
 _NAVIGATION = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "TRACKPADZOOM", "MOUSEROTATE"}
 # Seconds between two looks at the row of jobs.
 _TICK = 0.05
+# Seconds between two drawings of how far a job is, in turns in the status bar and in the panels.
+_TURN = 0.25
+# Seconds of a look after which nothing is drawn until the next.
+_MOMENT = 0.01
 
 
 class BackgroundOperator:
@@ -51,7 +58,7 @@ class BackgroundOperator:
         return self._reporting(self._run, context)
 
     def modal(self, context, event):
-        work = self._work
+        start, work = time.monotonic(), self._work
         meant = work is queue.running or work.is_over
         if meant and event.type == "ESC" and event.value == "PRESS" and _over_view(context, event):
             queue.cancel(work)
@@ -60,7 +67,7 @@ class BackgroundOperator:
             self._look_after(work)
         if work.is_over and (work.error is not None or not self._postponed(context)):
             return self._reporting(self._finish, context)
-        if event.type == "TIMER":
+        if event.type == "TIMER" and (work.holds_window or time.monotonic() < start + _MOMENT):
             self._tell(context, work)
         if not (work.holds_window and work is queue.running):
             return {"PASS_THROUGH"}
@@ -101,7 +108,7 @@ class BackgroundOperator:
 
     def _start(self, context):
         self._work = queue.add(self._job(context), self.bl_label)
-        self._taken = _Taken(context)
+        self._taken = _Taken(context, self._work)
         self._work.let_go = self._taken.give_back
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
@@ -146,48 +153,66 @@ class BackgroundOperator:
         return None if is_free else said("the result waits for object mode of {name}", name=obj.name)
 
     def _tell(self, context, work):
-        """Say in the status bar how far the first job is, and have the panels drawn again."""
+        """Say how far the first job is, or what a result waits for."""
         if work is queue.running:
             line = f"{said(work.label)}: {work.line}   {work.times}   {said('Esc over the 3D view: cancel')}"
         elif work.is_over:
             line = self._postponed(context)
         else:
             return
-        self._taken.say(line, work.picture)
+        self._taken.say(line)
 
 
 class _Taken:
     """The timer and the status bar's line that a window gives to a job."""
 
-    def __init__(self, context):
-        self._manager, self._workspace = context.window_manager, context.workspace
+    def __init__(self, context, work):
+        self._manager, self._workspace, self._work = context.window_manager, context.workspace, work
         self._timer = self._manager.event_timer_add(_TICK, window=context.window)
-        self._said = self._seen = None
+        self._said, self._drawn, self._picture, self._last = "", None, None, 0.0
 
     def give_back(self):
         """Give them back, if that has not been done."""
         if self._timer is not None:
             self._manager.event_timer_remove(self._timer)
             self._timer = None
-            self.say(None, None)
+            self._set_status(None)
+            self._draw_again("UI")
+            if self._work.is_seen:
+                self._draw_again("WINDOW")
 
-    def say(self, line, picture):
-        """Put a line into the status bar, None to give it back, and have drawn again what is not as before.
+    def say(self, line):
+        """Say in the status bar and in the panels how far the job is, and show its picture where that is quickly done.
 
-        That is the sidebar for another line, and the view for another picture.
+        Any drawing holds the window up: there is one at a time, unless the job holds it up anyway.
         """
-        if self._workspace is not None and line != self._said:
-            try:
+        now = time.monotonic()
+        if self._work.picture is not self._picture:
+            self._picture = self._work.picture
+            if view.is_quick:
+                self._draw_again("WINDOW")
+        elif self._work.holds_window:
+            self._set_status(line)
+            self._draw_again("UI")
+        elif now > self._last + _TURN and self._drawn != self._said:
+            self._drawn, self._last = self._said, now
+            self._draw_again("UI")
+        elif now > self._last + _TURN and line != self._said:
+            self._said, self._last = line, now
+            self._set_status(line)
+
+    def _set_status(self, line):
+        try:
+            if self._workspace is not None:
                 self._workspace.status_text_set(line)
-            except ReferenceError:  # it was deleted meanwhile
-                self._workspace = None
-        kinds = {"UI"} if line != self._said else set()
-        kinds |= {"WINDOW"} if picture is not self._seen else set()
-        self._said, self._seen = line, picture
+        except ReferenceError:  # it was deleted meanwhile
+            self._workspace = None
+
+    def _draw_again(self, kind):
         for window in self._manager.windows:
             for area in window.screen.areas:
                 for region in area.regions if area.type == "VIEW_3D" else ():
-                    if region.type in kinds:
+                    if region.type == kind:
                         region.tag_redraw()
 
 
@@ -196,9 +221,13 @@ class ObjectOperator(ReadyOperator, BackgroundOperator):
 
 
 class FieldOperator(ObjectOperator):
-    """Mixed into an operator with the setting properties; ``command`` names the API function."""
+    """Mixed into an operator with the setting properties; ``command`` names the API function.
+
+    ``stored_as`` says which settings the panel keeps for this operator alone, and as what.
+    """
 
     command = ""
+    stored_as = {}
 
     guidance: StringProperty(
         name="Guidance",
@@ -211,7 +240,7 @@ class FieldOperator(ObjectOperator):
         self.guidance = stored_guidance(stored)
         for name in PROPERTY_NAMES:
             if name != "spacing" or not stored.automatic_spacing:
-                setattr(self, name, getattr(stored, name))
+                setattr(self, name, getattr(stored, self.stored_as.get(name, name)))
         if stored.automatic_spacing:
             self.properties.property_unset("spacing")
 

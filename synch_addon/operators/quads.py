@@ -4,7 +4,7 @@
 import bpy
 
 from ..panels.sidebar import draw_directions, draw_faces, draw_pattern, draw_quad_mesh, draw_quads
-from ..settings.fields import SettingProperties
+from ..settings.fields import MESH_BRANCHING, SettingProperties
 from .field_operator import FieldOperator
 
 
@@ -28,6 +28,10 @@ class SYNCH_OT_quad_mesh(FieldOperator, SettingProperties, bpy.types.Operator):
     bl_idname = "synch.quad_mesh"
     bl_label = "Quad Mesh"
     command = "quad_mesh"
+
+    stored_as = {"branching": "mesh_branching"}
+
+    branching: MESH_BRANCHING
 
     def draw(self, context):
         draw_directions(self.layout, self, context.active_object, of_quads=True)

@@ -5,17 +5,13 @@ import random
 
 import bpy
 from bpy.props import IntProperty
-from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
 
-from ...core.errors import SynchError
 from .. import api
-from ..blender import meshes
 from ..blender.translations import said
 from ..patterns import memory
 from ..patterns.numbers import renew_shown
-from ..patterns.picking import PickedSurface
 from ..settings.fields import SMOOTHING
-from .field_operator import navigates, over_sidebar
+from .picking import PickingOperator
 from .ready import PromptOperator, ReadyOperator
 
 # Numbers that the dice draw: from here on every one is another random projection.
@@ -89,11 +85,12 @@ class SYNCH_OT_draw_variation(_VaryingOperator, PromptOperator, bpy.types.Operat
         return _found(api.vary(context.active_object, random.randrange(*_DRAWN)))
 
 
-class SYNCH_OT_place_defect(_VaryingOperator, bpy.types.Operator):
+class SYNCH_OT_place_defect(_VaryingOperator, PickingOperator, bpy.types.Operator):
     """Click on the surface to put a dislocation there, drag to move it, click again for more; Enter ends, Esc undoes"""
 
     bl_idname = "synch.place_defect"
     bl_label = "Place Defects"
+    hint = "Click: place a defect   Drag: move it   Enter: done   Esc: as before"
 
     @classmethod
     def lacking(cls, obj):
@@ -102,89 +99,27 @@ class SYNCH_OT_place_defect(_VaryingOperator, bpy.types.Operator):
             return said("defects are placed in stripes and quads: solve one of them first")
         return reason
 
-    def invoke(self, context, event):
-        if context.region is None or context.region.type != "WINDOW":
-            self.report({"ERROR"}, "defects are placed in a 3D view: run this with the mouse over one")
-            return {"CANCELLED"}
-        obj = context.active_object
-        try:
-            with meshes.object_mode(obj):
-                self._before = memory.recall(obj)
-                self._surface = PickedSurface.of(obj)
-        except SynchError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        self._object_name = obj.name
-        self._vertices, self._held = [], False
-        context.window_manager.modal_handler_add(self)
-        context.workspace.status_text_set(said("Click: place a defect   Drag: move it   Enter: done   Esc: as before"))
-        return {"RUNNING_MODAL"}
+    def begin(self, obj):
+        self._before, self._vertices = memory.recall(obj), []
 
-    def modal(self, context, event):
-        try:
-            result = self._step(context, event)
-        except SynchError as error:
-            self.report({"ERROR"}, str(error))
-            result = {"FINISHED"} if self._vertices else {"CANCELLED"}
-        except Exception:
-            self.cancel(context)
-            raise
-        if result & {"FINISHED", "CANCELLED"}:
-            self.cancel(context)
-        return result
-
-    def cancel(self, context):
-        """However it ends: give the status bar back."""
-        context.workspace.status_text_set(None)
-
-    def _step(self, context, event):
-        obj = bpy.data.objects.get(self._object_name)
-        if obj is None:
-            raise SynchError(f"the object {self._object_name} is gone: no more defects can be placed")
-        if event.type in {"RET", "NUMPAD_ENTER", "RIGHTMOUSE"} and event.value == "PRESS":
-            if not self._vertices:
-                return {"CANCELLED"}
-            renew_shown(obj)
-            return {"FINISHED"}
-        if event.type == "ESC":
-            if self._vertices:
-                api.show_again(obj, self._before)
-            return {"CANCELLED"}
-        if event.type == "LEFTMOUSE":
-            pressed = event.value == "PRESS" and not over_sidebar(context, event)
-            self._held = pressed and self._put(context, event, obj, self._vertices)
-            return {"RUNNING_MODAL"}
-        if event.type == "MOUSEMOVE" and self._held:
-            self._put(context, event, obj, self._vertices[:-1])
-        return {"PASS_THROUGH"} if navigates(event) else {"RUNNING_MODAL"}
-
-    def _put(self, context, event, obj, others):
-        """Put a defect at the vertex under the mouse, beside those at others; returns whether one is there now."""
-        vertex = self._surface.vertex_at(*_ray(context, event, obj))
+    def pick(self, obj, surface, ray, is_moved):
+        vertex = surface.vertex_at(*ray)
         if vertex is None or vertex in self._vertices:
             return vertex is not None
-        vertices = [*others, vertex]
-        try:
-            report = api.place_defects(obj, vertices, renumber=False)
-        except SynchError as error:
-            self.report({"ERROR"}, str(error))
-            return False
-        self.report({"INFO"}, _found(report))
+        vertices = [*(self._vertices[:-1] if is_moved else self._vertices), vertex]
+        self.report({"INFO"}, _found(api.place_defects(obj, vertices, renumber=False)))
         self._vertices = vertices
         return True
+
+    def keep(self, obj):
+        renew_shown(obj)
+
+    def take_back(self, obj):
+        api.show_again(obj, self._before)
 
 
 def _found(report):
     return f"energy {report['energy']:.4g}, {len(report['dislocations'])} dislocations"
-
-
-def _ray(context, event, obj):
-    """Origin and direction of what is under the mouse, in an object's space."""
-    mouse = event.mouse_region_x, event.mouse_region_y
-    origin = region_2d_to_origin_3d(context.region, context.region_data, mouse)
-    towards = region_2d_to_vector_3d(context.region, context.region_data, mouse)
-    inverse = obj.matrix_world.inverted()
-    return inverse @ origin, inverse.to_3x3() @ towards
 
 
 CLASSES = (SYNCH_OT_variation, SYNCH_OT_draw_variation, SYNCH_OT_place_defect, SYNCH_OT_trace_quads)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The first result of a job that goes on, drawn over its object: nothing of the scene is changed for it."""
 
+import time
+
 import bpy
 import gpu
 from gpu_extras.batch import batch_for_shader
@@ -30,23 +32,43 @@ void main()
   color = vec4(mix(ink, paper, line) * light, 1.0);
 }
 """
+# Seconds that drawing a view may take for a picture to be shown there at once.
+_QUICK = 0.025
 
 
 class _View:
     """Draws the picture of the running job, whose triangles go to the graphics card once."""
 
     def __init__(self):
-        self._handler = self._shader = None
+        self._handlers, self._shader = [], None
         self._picture, self._batch = None, None
+        self._start = self._seconds = 0.0
 
     def register(self):
         """Begin to draw in all 3D views."""
-        self._handler = bpy.types.SpaceView3D.draw_handler_add(self.draw, (), "WINDOW", "POST_VIEW")
+        steps = {"PRE_VIEW": self._begin, "POST_VIEW": self.draw, "POST_PIXEL": self._end}
+        add = bpy.types.SpaceView3D.draw_handler_add
+        self._handlers = [add(step, (), "WINDOW", place) for place, step in steps.items()]
 
     def unregister(self):
         """Draw no longer."""
-        bpy.types.SpaceView3D.draw_handler_remove(self._handler, "WINDOW")
-        self._handler = self._shader = self._picture = self._batch = None
+        for handler in self._handlers:
+            bpy.types.SpaceView3D.draw_handler_remove(handler, "WINDOW")
+        self._shader = self._picture = self._batch = None
+
+    @property
+    def is_quick(self):
+        """Whether a view was last drawn so fast that drawing it again does not hold the window up.
+
+        Without a graphics card any drawing of a view takes a tenth of a second or more, whatever it shows.
+        """
+        return self._seconds < _QUICK
+
+    def _begin(self):
+        self._start = time.perf_counter()
+
+    def _end(self):
+        self._seconds = time.perf_counter() - self._start
 
     def draw(self):
         """Draw over the object of the running job, where that has a picture and can be seen."""
@@ -59,6 +81,7 @@ class _View:
         if obj is not None and obj.visible_get(view_layer=context.view_layer, viewport=context.space_data):
             region = context.region_data
             self.draw_picture(picture, nearer(region) @ region.view_matrix @ obj.matrix_world, region.window_matrix)
+            work.is_seen = True
 
     def draw_picture(self, picture, view, projection):
         """Draw a picture into the active framebuffer, hidden by what is nearer."""

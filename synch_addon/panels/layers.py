@@ -61,6 +61,7 @@ def draw_layers(layout, stored):
     for name, automatic in LENGTHS.items():
         draw_automatic(column, stored, name, automatic)
     draw_spacing_map(column, stored)
+    column.prop(stored, "branching")
     draw_solver(layout, stored)
 
 

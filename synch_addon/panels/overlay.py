@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the overlay shows of an object, as points and segments: directions, defects, constrained edges.
+"""What the overlay shows of an object, as points, segments and triangles: directions, defects, constrained edges,
+how far apart lines are, a loop of quads.
 
 Every function here takes an object and returns [(points, colour)] in its space: (k, 2, 3) ends of segments
-or (k, 3) points, and four numbers red, green, blue, alpha.
+or (k, 3) points, and four numbers red, green, blue, alpha; or (k, 3, 3) corners of triangles with (k, 4) colours.
 """
 
 import numpy as np
@@ -12,7 +13,8 @@ from ...core.extract import direction_glyphs, evenly_traced
 from ...core.fields.directions import SYMMETRIES
 from ..blender import attributes, groups, meshes
 from ..blender.defect_empties import COLORS as DEFECT_COLORS
-from ..blender.schema import DIRECTION, PHASES, SINGULARITY
+from ..blender.schema import DIRECTION, PHASES, SINGULARITY, SPACING_ERROR
+from ..patterns.loops import faces_of_loop, shown_edge
 
 # No more marks or streamlines than this, however dense the mesh.
 GLYPHS, STREAMLINES = 6_000, 250
@@ -26,6 +28,10 @@ WISH_COLORS = {
     "CONSTANT": (1.0, 0.65, 0.05, 1.0),
     "CUT": (0.90, 0.12, 0.05, 1.0),
 }
+# Of lines that are farther apart than asked, nearer, and just right; and from how many times on they are full.
+WIDE_COLOR, NARROW_COLOR, EVEN_COLOR = (0.85, 0.05, 0.03, 0.8), (0.03, 0.12, 0.85, 0.8), (1.0, 1.0, 1.0, 0.8)
+FULL_COLOR_AT = 1.5
+LOOP_COLOR, SPIRAL_COLOR = (1.0, 0.45, 0.0, 0.8), (0.85, 0.0, 0.5, 0.8)
 
 
 def direction_marks(obj):
@@ -74,6 +80,37 @@ def defect_points(obj):
             for chosen, colour in zip((index > 0, index < 0), DEFECT_COLORS[kind], strict=True):
                 found.setdefault(colour, []).append(at[chosen])
     return _not_empty([(np.concatenate(points), colour) for colour, points in found.items()])
+
+
+def spacing_errors(obj):
+    """The faces in colours by the attribute ``synch_spacing_error``: red where lines are too far apart, blue where they
+    are too near."""
+    errors = attributes.read(obj, SPACING_ERROR)
+    if errors is None or not len(errors):
+        return []
+    polygons = meshes.read_polygons(obj)
+    corners = attributes.read_values(obj, "position", "POINT")[polygons.triangles]
+    return [(corners, error_colors(errors)[polygons.triangle_faces])]
+
+
+def error_colors(errors):
+    """(k, 4) colours of spacings over the asked ones less 1: as strong for twice as for half the spacing."""
+    strength = np.log1p(errors) / np.log(FULL_COLOR_AT)
+    full = np.where(strength[:, None] > 0, WIDE_COLOR, NARROW_COLOR)
+    return EVEN_COLOR + np.minimum(np.abs(strength), 1)[:, None] * (full - EVEN_COLOR)
+
+
+def loop_faces(obj):
+    """The faces of the loop of quads that passes through the object's chosen edge; a spiral has another colour."""
+    edge = shown_edge(obj)
+    if edge < 0 or not len(obj.data.polygons):
+        return []
+    faces, is_spiral = faces_of_loop(obj, edge)
+    polygons = meshes.read_polygons(obj)
+    triangles = polygons.triangles[faces[polygons.triangle_faces]]
+    corners = attributes.read_values(obj, "position", "POINT")[triangles]
+    colour = SPIRAL_COLOR if is_spiral else LOOP_COLOR
+    return _not_empty([(corners, np.tile(colour, (len(corners), 1)))])
 
 
 def constraint_lines(obj):

@@ -8,14 +8,15 @@ or a setting that it depends on has changed.
 import bpy
 import gpu
 import numpy as np
-from bpy.props import BoolProperty, EnumProperty
+from bpy.props import BoolProperty, EnumProperty, IntProperty
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from ..blender.changes import changes
 from ..blender.registration import keeping
 from ..jobs.shelf import Shelf
-from .overlay import constraint_lines, defect_points, direction_lines, direction_marks
+from ..patterns.loops import shown_edge
+from .overlay import constraint_lines, defect_points, direction_lines, direction_marks, loop_faces, spacing_errors
 from .sidebar import SidebarPanel, property_column
 
 # Everything is drawn nearer by this share of its distance, so that it does not fight with the faces.
@@ -23,8 +24,12 @@ NEARER = 2e-3
 # In pixels.
 LINE_WIDTHS = {"MARKS": 1.5, "STREAMLINES": 1.5, "CONSTRAINTS": 3.0}
 POINT_SIZE = 10.0
+_SHADERS = {"TRIS": "FLAT_COLOR", "LINES": "POLYLINE_UNIFORM_COLOR", "POINTS": "POINT_UNIFORM_COLOR"}
 
+# In the order of drawing.
 _PARTS = {
+    "SPACING": spacing_errors,
+    "LOOP": loop_faces,
     "MARKS": direction_marks,
     "STREAMLINES": direction_lines,
     "CONSTRAINTS": constraint_lines,
@@ -56,11 +61,25 @@ class SynchOverlay(bpy.types.PropertyGroup):
         name="Constraints", description="Edges of the constraint list, coloured by what they ask for", default=True
     )
 
+    spacing: BoolProperty(
+        name="Spacing Error",
+        description="Faces in colours: red where lines are further apart than asked, blue where they are nearer, white "
+        "where they are as asked; full from one and a half times on",
+    )
+    loop: BoolProperty(name="Loop", description="The loop of quads that was last clicked on, spirals in another colour")
+
     @property
     def parts(self):
         """Names of the parts to draw."""
-        chosen = {self.directions, "DEFECTS" if self.defects else "", "CONSTRAINTS" if self.constraints else ""}
+        chosen = {self.directions}
+        chosen |= {part for part in ("DEFECTS", "CONSTRAINTS", "SPACING", "LOOP") if getattr(self, part.lower())}
         return [part for part in _PARTS if part in chosen]
+
+
+class SynchLoop(bpy.types.PropertyGroup):
+    """The loop of quads of an object that is shown."""
+
+    edge: IntProperty(min=-1, default=-1, description="An edge that the loop passes through; -1 for none")
 
 
 class SYNCH_PT_overlay(SidebarPanel, bpy.types.Panel):
@@ -81,6 +100,10 @@ class SYNCH_PT_overlay(SidebarPanel, bpy.types.Panel):
         column.prop(overlay, "directions")
         column.prop(overlay, "defects")
         column.prop(overlay, "constraints")
+        column.prop(overlay, "spacing")
+        row = column.row(align=True)
+        row.prop(overlay, "loop")
+        row.operator("synch.show_loop", text="", icon="EYEDROPPER")
 
 
 def shown_object(context):
@@ -99,12 +122,15 @@ def key(obj):
     scale = linear.T @ linear
     proportions = (scale / max(np.trace(scale), np.finfo(float).tiny)).round(3) + 0.0
     rows = tuple((row.where, row.what, row.vertex_group, row.enabled) for row in obj.synch.constraints)
-    settings = obj.synch.symmetry, obj.synch.boundary, obj.synch.vertex_group, rows
+    settings = obj.synch.symmetry, obj.synch.boundary, obj.synch.vertex_group, rows, shown_edge(obj)
     return changes.state(obj.data), proportions.tobytes(), *settings
 
 
 def layers(obj, part):
-    """[(batch, kind, colour)] of a part of an object, kept as long as its key is the same."""
+    """[(batch, kind, colour)] of a part of an object, kept as long as its key is the same.
+
+    The colours of triangles are in their batch.
+    """
 
     def make():
         return [_layer(points, colour) for points, colour in _PARTS[part](obj)]
@@ -113,13 +139,15 @@ def layers(obj, part):
 
 
 def _layer(points, colour):
-    kind = "LINES" if points.ndim == 3 else "POINTS"
-    batch = batch_for_shader(_shader(kind), kind, {"pos": np.ascontiguousarray(points, np.float32).reshape(-1, 3)})
-    return batch, kind, colour
+    kind = "TRIS" if np.ndim(colour) == 2 else "LINES" if points.ndim == 3 else "POINTS"
+    values = {"pos": np.ascontiguousarray(points, np.float32).reshape(-1, 3)}
+    if kind == "TRIS":
+        values["color"] = np.repeat(np.float32(colour), 3, axis=0)
+    return batch_for_shader(_shader(kind), kind, values), kind, colour
 
 
 def _shader(kind):
-    return gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR" if kind == "LINES" else "POINT_UNIFORM_COLOR")
+    return gpu.shader.from_builtin(_SHADERS[kind])
 
 
 def nearer(view):
@@ -139,7 +167,8 @@ def draw_object(obj, parts, view_matrix, pixel=1.0):
         for part in parts:
             for batch, kind, colour in layers(obj, part):
                 shader = _shader(kind)
-                shader.uniform_float("color", colour)
+                if kind != "TRIS":
+                    shader.uniform_float("color", colour)
                 if kind == "LINES":
                     shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
                     shader.uniform_float("lineWidth", LINE_WIDTHS[part] * pixel)
@@ -149,7 +178,11 @@ def draw_object(obj, parts, view_matrix, pixel=1.0):
     gpu.state.blend_set("NONE")
 
 
-_register, _unregister = keeping((SynchOverlay, SYNCH_PT_overlay), (bpy.types.Scene, "synch_overlay", SynchOverlay))
+_register, _unregister = keeping(
+    (SynchOverlay, SynchLoop, SYNCH_PT_overlay),
+    (bpy.types.Scene, "synch_overlay", SynchOverlay),
+    (bpy.types.Object, "synch_loop", SynchLoop),
+)
 
 
 class _View:

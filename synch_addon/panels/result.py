@@ -69,7 +69,7 @@ def draw_favourites(layout, favourites):
 
 
 def draw_figures(layout, result, held):
-    """Energy, bound and counts.
+    """Energy, bound, counts and evenness.
 
     ``result`` is what :func:`report.result_line` keeps. Where its whole report is held, the lines say in their tooltips
     what they mean, and copy it when they are clicked.
@@ -92,6 +92,10 @@ def draw_figures(layout, result, held):
             line(said("About {gap:.0%} above the bound", gap=result["gap"]), "QUESTION", "estimated")
     for kind in ("disclination", "dislocation"):
         line(counted(result[kind + "s"], kind), "DOT", kind)
+    if result.get("evenness"):
+        low, _, _, _, high = result["evenness"]["spacing"]
+        off = result["evenness"]["off_share"]
+        line(said("Spacing × {low:.2f} to {high:.2f}, {off:.0%} off", low=low, high=high, off=off), "DOT", "evenness")
     line(f"{result['seconds']:.2f} s, {counted(result['nodes'], 'vertex')}", "TIME", "time")
 
 

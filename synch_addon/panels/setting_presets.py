@@ -7,7 +7,7 @@ import bpy
 from bl_operators.presets import AddPresetBase
 from bl_ui.utils import PresetPanel
 
-from ..settings.fields import PROPERTY_NAMES
+from ..settings.fields import STORED_NAMES
 
 FOLDER = "synch_fields"
 # Where Blender finds our own: in a folder that it wants to be called presets.
@@ -31,7 +31,7 @@ class SYNCH_OT_add_preset(AddPresetBase, bpy.types.Operator):
     preset_menu = "SYNCH_PT_presets"
     preset_subdir = FOLDER
     preset_defines = ["synch = bpy.context.active_object.synch"]
-    preset_values = [f"synch.{name}" for name in ("guidance", "guide", "guides", "automatic_spacing", *PROPERTY_NAMES)]
+    preset_values = [f"synch.{name}" for name in ("guidance", "guide", "guides", *STORED_NAMES)]
 
 
 _register, _unregister = bpy.utils.register_classes_factory((SYNCH_PT_presets, SYNCH_OT_add_preset))

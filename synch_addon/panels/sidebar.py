@@ -29,6 +29,7 @@ def draw_directions(layout, settings, obj, of_quads=False):
     row = column.row(align=True, heading="Mirror")
     for number, axis in enumerate("XYZ"):
         row.prop(settings, "mirror", index=number, text=axis, toggle=True)
+    column.prop(settings, "singularities")
 
 
 def draw_pattern(layout, settings):
@@ -39,6 +40,7 @@ def draw_pattern(layout, settings):
     else:
         column.prop(settings, "spacing")
     draw_spacing_map(column, settings)
+    column.prop(settings, "branching")
 
 
 def draw_automatic(column, settings, name, automatic):
@@ -68,8 +70,14 @@ def draw_quads(layout, settings):
 
 
 def draw_quad_mesh(layout, settings):
-    """Settings of the mesh of quads."""
-    property_column(layout).prop(settings, "smoothing")
+    """Settings of the mesh of quads; operators have one branching."""
+    column = property_column(layout)
+    column.prop(settings, "faces")
+    column.prop(settings, "features")
+    column.prop(settings, "smoothing")
+    column.prop(settings, "straighten")
+    if hasattr(settings, "mesh_branching"):
+        column.prop(settings, "mesh_branching")
 
 
 def draw_solver(layout, settings):
@@ -112,6 +120,8 @@ def draw_row(layout):
             continue
         row.label(text=work.times, translate=False)
         box.progress(factor=work.fraction, text=work.line)
+        if work.picture is not None and not work.is_seen and obj is not None and obj.visible_get():
+            box.label(text="Turn the view to see a first result", icon="HIDE_OFF")
         box.operator("synch.cancel", icon="EVENT_ESC").place = place
 
 

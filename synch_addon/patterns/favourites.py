@@ -98,13 +98,15 @@ def _favourite(obj, name):
 
 
 def _solve_of(obj, request, field):
-    """The solve in memory, where it is one of a request's command and spacing along the directions of a field."""
+    """The solve in memory, where it is one of a request's command, spacing and branching along a field."""
     try:
         solved = memory.recall(obj)
     except SynchError:
         return None
     same = solved.request.command == request.command and len(solved.field.angles) == len(field.angles)
     same = same and np.array_equal(solved.request.spacings, request.spacings)
+    same = same and solved.request.branching == request.branching
+    same = same and np.abs(solved.field.scale - field.scale).max() < SAME
     return solved if same and np.abs(solved.field.vectors - field.vectors).max(initial=0) < SAME else None
 
 

@@ -80,6 +80,8 @@ def write_quads(obj, request, result, report, selection):
     with report.clock("write"):
         defects = write.reported_defects(obj, request, result.field, result.pattern)
         report.quad_mesh = quad_mesh.write(obj, request, result.quads, selection)
+        if result.loops_before is not None:
+            report.quad_mesh["loops_before"] = result.loops_before
     plain = report.finish(result.field, result.pattern, defects)
     made = bpy.data.objects[report.quad_mesh["object"]]
     if hasattr(made, "synch"):  # as long as the extension is registered

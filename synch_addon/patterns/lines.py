@@ -12,7 +12,7 @@ from mathutils import Matrix
 from ...core.errors import SettingError
 from ...core.extract.isolines import End
 from ...core.extract.isolines import isolines as traced_lines
-from ...core.extract.quad_smoothing import barycentric
+from ...core.geometry.barycentric import barycentric
 from ...core.geometry.nearest import NearestTriangles
 from ...core.keywords import check_choice, check_whole
 from ..jobs.report import counted, versions

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vertices picked with the mouse: those of an object's own mesh, where its modifiers show them."""
+"""Vertices and edges picked with the mouse: those of an object's own mesh, where its modifiers show them."""
 
 from dataclasses import dataclass
 
@@ -33,8 +33,21 @@ class PickedSurface:
 
     def vertex_at(self, origin, towards):
         """The vertex nearest to where a ray in object space first meets the surface, or None."""
-        place, _, face, _ = self.tree.ray_cast(origin, towards)
-        if place is None:
+        face, corners = self._hit(origin, towards)
+        return None if face is None else int(self.faces[face][np.linalg.norm(corners, axis=1).argmin()])
+
+    def side_at(self, origin, towards):
+        """The face that a ray in object space first meets and the number of its side nearest to there, or None; the
+        first side leads from the first corner to the second."""
+        face, corners = self._hit(origin, towards)
+        if face is None:
             return None
-        corners = self.faces[face]
-        return int(corners[np.linalg.norm(self.places[corners] - np.array(place), axis=1).argmin()])
+        sides = np.roll(corners, -1, axis=0) - corners
+        squares = np.maximum(np.einsum("ij,ij->i", sides, sides), np.finfo(float).tiny)
+        along = np.clip(-np.einsum("ij,ij->i", corners, sides) / squares, 0, 1)
+        return face, int(np.linalg.norm(corners + along[:, None] * sides, axis=1).argmin())
+
+    def _hit(self, origin, towards):
+        """The face that a ray first meets, and its corners as seen from that place; None twice where there is none."""
+        place, _, face, _ = self.tree.ray_cast(origin, towards)
+        return (None, None) if place is None else (face, self.places[self.faces[face]] - np.array(place))

@@ -4,14 +4,15 @@
 import bpy
 import numpy as np
 
+from ...core.extract.quad_loops import quad_loops
 from ...core.extract.quad_quality import quality
-from ...core.extract.quad_smoothing import barycentric
+from ...core.geometry.barycentric import barycentric
 from ...core.geometry.nearest import NearestTriangles
 from ..blender import attributes, groups, meshes
 from ..blender.defect_empties import defect_empties
 from ..blender.schema import PREFIX
 from ..nodes.materials import shows_pattern
-from ..settings.fields import PROPERTY_NAMES
+from ..settings.fields import STORED_NAMES
 
 # How far from a corner, towards the middle of its face, the values of corners are read: on the face's side of a seam.
 _INSIDE = 0.05
@@ -32,7 +33,7 @@ def write(obj, request, quads, selection):
     for collection in obj.users_collection:
         collection.objects.link(made)
     if hasattr(obj, "synch"):  # as long as the extension is registered
-        for name in (*PROPERTY_NAMES, "automatic_spacing"):
+        for name in STORED_NAMES:
             setattr(made.synch, name, getattr(obj.synch, name))
     surface = NearestTriangles(mesh.vertices, mesh.triangles)
     centres = np.add.reduceat(quads.vertices[quads.corner_vertices], quads.starts) / quads.sizes[:, None]
@@ -44,7 +45,7 @@ def write(obj, request, quads, selection):
     back, _ = NearestTriangles(quads.vertices, meshes.read_polygons(made).triangles).nearest(given)
     apart = np.linalg.norm(back - given, axis=1)
     distance = max(np.linalg.norm(at_centres - centres, axis=1).max(), apart.max())
-    return {"object": made.name, **quality(quads), "hausdorff_distance": float(distance)}
+    return {"object": made.name, **quality(quads), **quad_loops(quads).figures, "hausdorff_distance": float(distance)}
 
 
 def _carry(obj, made, given, quads, centres, under, surface):

@@ -2,7 +2,8 @@
 """What an object shows, read back from its attributes: the pattern of a file that was opened again, or a favourite.
 
 Directions and phases at the vertices say it all: how the phases change along the edges follows from what the directions
-ask for there, which is what the solver was asked for.
+ask for there, which is what the solver was asked for. Fewer branches or singularities than those of the shape ask for
+something else, to which the constraints belong.
 """
 
 import json
@@ -11,14 +12,11 @@ from dataclasses import replace
 import numpy as np
 
 from ...core.errors import SynchError
-from ...core.fields import Pattern, given_directions
-from ...core.fields.directions import SYMMETRIES
-from ...core.fields.growth import Growth
 from ...core.keywords import from_names
 from ..blender import attributes, schema
 from ..settings.fields import Settings
 from . import memory
-from .reading import gather
+from .reading import gather, settings_for
 
 
 def shown_pattern(obj):
@@ -60,17 +58,16 @@ def read_back(obj, result, favourite=None):
     command = kept.get("command")
     if command not in schema.KEPT or "settings" not in kept:
         raise SynchError(f"{obj.name} has no pattern whose settings are known: solve stripes or quads on it first")
-    settings = from_names(Settings, kept["settings"])
+    settings = settings_for(command, obj, from_names(Settings, kept["settings"]))
     if is_cut(settings):
         raise SynchError(f"the pattern of {obj.name} has cuts, which its attributes cannot tell: solve it again")
-    request = gather(command, obj, _spacing_alone(settings))
+    request = gather(command, obj, _asked_along_edges(settings))
     given = request.given
     own = schema.KEPT[command] if favourite is None else [a.in_favourite(favourite) for a in schema.KEPT[command]]
     vectors = attributes.read_vectors(obj, own[0].name, given)
-    field = given_directions(given.mesh, SYMMETRIES[settings.symmetry], vectors)
     columns = [attributes.read_numbers(obj, phase.name, given) for phase in own[1:]]
     phases = np.exp(1j * np.column_stack(columns)).ravel()
-    return settings, request, field, Pattern(Growth.of(given.mesh, field, request.spacings), None, None, phases)
+    return settings, request, *request.known(vectors, phases)
 
 
 def is_cut(settings):
@@ -78,8 +75,13 @@ def is_cut(settings):
     return any(row.what == "cut" for row in settings.constraints)
 
 
-def _spacing_alone(settings):
-    """The settings that say how far apart lines are, without what their directions were to follow."""
+def _asked_along_edges(settings):
+    """The settings that say how phases change along edges, without what their directions were to follow."""
     plain = Settings()
-    names = ("guidance", "angle", "angle_attribute", "boundary", "vertex_group", "mirror")
-    return replace(settings, constraints=(), **{name: getattr(plain, name) for name in names})
+    names = ["guidance", "angle", "angle_attribute"]
+    if settings.exact_attribute is not None:
+        names.append("singularities")
+    if settings.branching == 1 and settings.singularities == 1:
+        names += ["boundary", "vertex_group", "mirror"]
+        settings = replace(settings, constraints=())
+    return replace(settings, **{name: getattr(plain, name) for name in names})

@@ -8,8 +8,9 @@ import numpy as np
 from ...core.errors import AsymmetryError, SettingError
 from ...core.fields import quad_pattern
 from ...core.fields.mirror import Mirror
-from ...core.fields.patterns import check_spacing
+from ...core.fields.patterns import check_lengths, check_spacing
 from ...core.geometry.mirror import mirrored_vertices
+from ...core.tasks.quad_meshes import smallest_sides, spacing_factor
 from ...core.tasks.surfaces import COARSE_SHARE, PATTERNS, SurfaceRequest
 from ..blender import attributes, meshes
 from ..blender.vertex_maps import read_factors, read_turns
@@ -26,8 +27,10 @@ FEWEST_LINES = 2
 
 def settings_for(command, obj, settings):
     """The settings that count for a command on an object; refuses what it cannot do."""
+    if settings.branching is None:
+        settings = replace(settings, branching=0.0 if command == "quad_mesh" else 1.0)
     if command == "directions":
-        settings = replace(settings, spacing=None, spacing_map="")
+        settings = replace(settings, spacing=None, spacing_map="", branching=None)
     elif PATTERNS[command] is quad_pattern:
         settings = replace(settings, symmetry="cross")
     elif settings.symmetry == "cross":
@@ -49,7 +52,12 @@ def gather(command, obj, settings, polygons=None):
         spacings = spacing * read_factors(obj, given, settings.spacing_map, settings.spacing_range)
     if settings.symmetry == "cross" and settings.aspect != 1:
         spacings = np.reshape(spacings, (-1, 1)) * [1.0, settings.aspect]
-    check_spacing(given.mesh.vertices[np.unique(given.mesh.triangles)], spacings)
+    if command == "quad_mesh" and settings.faces:
+        check_lengths(spacings)
+        factor = spacing_factor(given.mesh, spacings, settings.faces)
+        spacing, spacings = factor * spacing, factor * spacings
+    else:
+        check_spacing(given.mesh.vertices[np.unique(given.mesh.triangles)], spacings)
     if settings.angle_attribute:
         turn = turn + read_turns(obj, given, settings.angle_attribute)
     if settings.exact_attribute is None:
@@ -60,6 +68,9 @@ def gather(command, obj, settings, polygons=None):
         if PATTERNS.get(command) is quad_pattern and row.where == "attribute" and row.what == "phase":
             raise SettingError(f"{row.label} gives one phase a vertex, and quads have two: remove the row")
     rows = constraints.rows_of(obj, given, settings.all_constraints)
+    if command == "quad_mesh" and settings.features > 0:
+        sides = smallest_sides(given.mesh, spacings)
+        rows += constraints.feature_rows(obj, given, settings.features, sides)
     mirrors = read_mirrors(given, settings.mirror)
     return SurfaceRequest(
         command,
@@ -75,6 +86,10 @@ def gather(command, obj, settings, polygons=None):
         spacings,
         tuple(map("XYZ".index, settings.mirror)),
         settings.smoothing,
+        settings.singularities,
+        settings.branching,
+        settings.faces or None,
+        settings.straighten,
     )
 
 

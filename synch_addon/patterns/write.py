@@ -24,6 +24,7 @@ def results(obj, request, field, pattern, report):
     polygons = given.polygons
     if pattern is not None:
         polygons = write_phases(obj, given, pattern.edge_phases, report.warn)
+        attributes.write(obj, schema.SPACING_ERROR, _at_faces(given, polygons, pattern.evenness.errors))
     defects = _defects(given, field, pattern, polygons)
     _write_field(obj, given, field, polygons, [d for d in defects if d.kind == "disclination"])
     kinds = ("disclination",) if pattern is None else KINDS
@@ -159,6 +160,14 @@ def _plain(obj, defect):
     position = obj.matrix_world @ Vector(defect.position)
     plain = {"kind": defect.kind, "face": defect.face, "index": defect.index, "position": list(position)}
     return plain | {"phase": defect.phase} if defect.phase else plain
+
+
+def _at_faces(given, polygons, values):
+    """(p,) means in faces of the values of the mesh's triangles, be some faces split since or not."""
+    is_split = polygons is not given.polygons
+    faces = meshes.faces_of_triangles(polygons, given.mesh.triangles) if is_split else polygons.triangle_faces
+    count = len(polygons.starts)
+    return np.bincount(faces, values, count) / np.bincount(faces, minlength=count)
 
 
 def has_one_material(obj):

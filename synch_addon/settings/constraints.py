@@ -5,8 +5,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from ...core.errors import SettingError
+from ...core.errors import SettingError, shown
 from ...core.fields import Row, boundary_line, line_of_edges
+from ...core.fields.constraints.features import feature_edges, feature_row
 from ...core.fields.constraints.lines import (
     group_edges,
     line_of_group,
@@ -17,11 +18,14 @@ from ...core.fields.constraints.lines import (
 from ...core.fields.constraints.rows import KINDS
 from ...core.geometry import mesh_input
 from ...core.geometry.cut import carried_edges, cut_open
+from ...core.keywords import check_text
 from ..blender import attributes, groups
 from ..blender.strokes import read_strokes
 
 PLACES = ("boundary", "group", "seams", "sharp", "creases", "curve", "attribute")
 WISHES = (*KINDS, "cut")
+# No number of a row is as large as this.
+_MOST = 1e30
 # Places that have a name; the boundary may have the name of a group that restricts it.
 _NAMED = {"group": "a vertex group", "curve": "a curve object", "attribute": "an attribute"}
 
@@ -58,12 +62,17 @@ class Constraint:
                 raise SettingError(f"{self.label} has {value!r}: use one of {', '.join(choices)}")
         if not isinstance(self.name, str):
             raise SettingError(f"the name {self.name!r} in {self.where} {self.what} is no text: give a name")
+        check_text(self.name, f"the name in {self.where} {self.what}")
         if self.where in _NAMED and not self.name:
             raise SettingError(f"{self.label} has no name: choose {_NAMED[self.where]}")
         for key in ("degrees", "weight"):
             value = getattr(self, key)
-            if not (isinstance(value, int | float) or (key == "weight" and value is None)):
-                raise SettingError(f"the {key} of {self.label} is {value!r}: give a number")
+            if key == "weight" and value is None:
+                continue
+            if isinstance(value, bool) or not isinstance(value, int | float):
+                raise SettingError(f"the {key} of {self.label} is {shown(value)}: give a number")
+            if not abs(value) < _MOST:
+                raise SettingError(f"the {key} of {self.label} is {shown(value)}: give a finite number")
         if self.what not in wishes_at(self.where):
             raise SettingError(f"{self.label} is impossible: use one of {', '.join(wishes_at(self.where))} there")
         if self.what == "cut" and self.weight is not None:
@@ -110,6 +119,22 @@ def cut_mesh(obj, given, constraints):
 def rows_of(obj, given, constraints):
     """The core's rows for all constraints but cuts, on the mesh as it may have been cut."""
     return tuple(_row(obj, given, c) for c in constraints if c.what != "cut")
+
+
+def feature_rows(obj, given, angle, sides):
+    """The row for the boundary and the sharp edges of the uncut mesh, none where there are none.
+
+    Parameters
+    ----------
+    angle : radians between two faces beyond which their edge is sharp; marked ones always are
+    sides : (n,) length of a quad's side at each vertex, a few of which make a feature
+    """
+    uncut = np.empty(given.uncut.vertex_count)
+    uncut[given.source] = sides
+    pairs = attributes.read_marked_edges(obj, "sharp")
+    marked = given.uncut.edges_between(*pairs.T) if len(pairs) else ()
+    edges = feature_edges(given.uncut, angle, uncut, marked)
+    return (feature_row(given.mesh, carried_edges(given.uncut, given.mesh, edges)),) if len(edges) else ()
 
 
 def _row(obj, given, constraint):

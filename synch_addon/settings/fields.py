@@ -17,6 +17,7 @@ from bpy.props import (
 )
 
 from ...core.errors import SettingError
+from ...core.fields.calming import check_share
 from ...core.fields.directions import SYMMETRIES
 from ...core.keywords import check_choice, check_positive, check_whole
 from ...core.tasks.settings import SolverSettings
@@ -26,9 +27,23 @@ from .constraints import Constraint, from_plain
 from .favourite_list import SynchFavourite
 from .guidance import parse
 from .guide_list import GUIDE_ITEMS, SynchGuide, suggest_numbers
-from .solver import ANGLE, FACTOR, METHOD, RANGE, SEED, SPACING_MAP, SPACING_RANGE, TARGET_GAP, settings_of
+from .solver import (
+    ANGLE,
+    BRANCHING,
+    FACTOR,
+    METHOD,
+    RANGE,
+    SEED,
+    SHARE,
+    SPACING_MAP,
+    SPACING_RANGE,
+    TARGET_GAP,
+    settings_of,
+)
 
 BOUNDARIES = ("free", "along", "across", "phase")
+# Angle between two faces beyond which the edges of quad meshes follow theirs.
+FEATURES = math.radians(40)
 
 
 @dataclass(frozen=True)
@@ -44,13 +59,20 @@ class Settings(SolverSettings):
     boundary : "free", "along", "across" or "phase" (a stripe or grid line lies on the boundary)
     vertex_group : restricts the boundary to the edges in a vertex group; "" for all of it
     mirror : axes "X", "Y", "Z", or several, in which the field is its own mirror image; "" for none
+    singularities : share of the shape's unevenness that directions answer with singular points, from 0 (the fewest
+        that its topology allows) to 1
     constraints : rows of the constraint list, :class:`Constraint` or dicts; None for the object's own list
     spacing : period in scene units, the distance between two stripes or two quads' length; None for about forty
         stripes or quads across the object
     spacing_map : name of a float attribute on the vertices, a factor on the spacing, or of a vertex group; "" for none
     spacing_range : factor on the spacing where the vertex group's weight is 1
     aspect : of quads, the spacing along the second direction over that along the first, which is the one nearer to X
-    smoothing : of quad meshes, how often vertices move to the middle of their neighbours on the surface
+    features : of quad meshes, the angle in radians between two faces beyond which their edge is sharp: chains of edges
+        lie on the boundary and on sharp edges; 0 for neither
+    smoothing : of quad meshes, how often vertices move to where faces are nearer to squares, on the surface
+    faces : of quad meshes, about how many there should be, whatever the spacing; 0 for as many as that gives
+    straighten : of quad meshes, look for shorter loops among variations and with fewer singularities
+    branching : share of the branches that even spacing needs, from 0 to 1; None for 1, and for 0 in quad meshes
     assign_material : show the pattern on all faces, whatever materials they have
     """
 
@@ -61,12 +83,17 @@ class Settings(SolverSettings):
     boundary: str = "free"
     vertex_group: str = ""
     mirror: str = ""
+    singularities: float = 1.0
     constraints: tuple[Constraint, ...] | None = None
     spacing: float | None = None
     spacing_map: str = ""
     spacing_range: float = RANGE
     aspect: float = 1.0
-    smoothing: int = 3
+    features: float = FEATURES
+    smoothing: int = 10
+    faces: int = 0
+    straighten: bool = False
+    branching: float | None = None
     assign_material: bool = False
 
     def __post_init__(self):
@@ -79,10 +106,15 @@ class Settings(SolverSettings):
             value = getattr(self, name)
             if value is not None and not isinstance(value, int | float):
                 raise SettingError(f"the {name} is {value!r}: give a number")
+        check_share(self.singularities, "singularities")
+        if self.branching is not None:
+            check_share(self.branching, "branching")
         if not math.isfinite(self.angle):
             raise SettingError(f"the angle is {self.angle}: give a finite one")
+        if not isinstance(self.features, int | float) or not 0 <= self.features <= math.pi:
+            raise SettingError(f"the angle of features is {self.features!r}: give radians from 0 (none) to pi")
         check_positive(self, "spacing_range", "aspect")
-        check_whole(self, "smoothing")
+        check_whole(self, "smoothing", "faces")
         if not isinstance(self.mirror, str) or set(self.mirror) - set("XYZ"):
             raise SettingError(f"the mirror is {self.mirror!r}: use axes of X, Y and Z, such as X or XY")
         parse(self.guidance)
@@ -120,12 +152,41 @@ SYMMETRY = EnumProperty(
     ),
     default="LINE",
 )
+FEATURE_ANGLE = FloatProperty(
+    name="Feature Angle",
+    description="Boundaries and edges at which faces bend by more than this angle, or that are marked sharp, stay "
+    "edges of the quad mesh; 0 for none of them",
+    subtype="ANGLE",
+    default=FEATURES,
+    min=0,
+    max=math.pi,
+)
 SMOOTHING = IntProperty(
     name="Smoothing",
-    description="How often the quad mesh's vertices move to the middle of their neighbours on the surface",
+    description="How often the quad mesh's vertices move to where faces are nearer to squares, on the surface",
     default=Settings.smoothing,
     min=0,
     soft_max=20,
+)
+FACES = IntProperty(
+    name="Face Count",
+    description="About how many faces the quad mesh is to have, whatever the spacing; 0 for as many as that gives",
+    default=Settings.faces,
+    min=0,
+    soft_max=100_000,
+)
+STRAIGHTEN = BoolProperty(
+    name="Straighten",
+    description="Look for a quad mesh of shorter loops and fewer spirals among variations and with fewer "
+    "singularities; takes two to three times as long",
+)
+# Of quad meshes alone.
+MESH_BRANCHING = FloatProperty(
+    name="Mesh Branching",
+    description="How much the lines of quad meshes may branch to keep their distance: at 0 faces are quads all over "
+    "and vary in size, at 100 their sizes are most even, but faces of five and six corners lie between",
+    default=0.0,
+    **SHARE,
 )
 
 
@@ -160,6 +221,13 @@ class SettingProperties:
         description="Make the pattern its own mirror image in these axes of the object, whose mesh has to be symmetric",
         size=3,
     )
+    singularities: FloatProperty(
+        name="Singularities",
+        description="How many singular points directions may have to stay smooth: 100 for as many as the shape's bumps "
+        "call for, 0 for the fewest that it allows, where directions bend more and quads vary in size instead",
+        default=100.0,
+        **SHARE,
+    )
     spacing: FloatProperty(
         name="Spacing",
         description="Distance from one stripe to the next; the object's scale counts",
@@ -170,6 +238,7 @@ class SettingProperties:
     )
     spacing_map: SPACING_MAP
     spacing_range: SPACING_RANGE
+    branching: BRANCHING
     aspect: FloatProperty(
         name="Aspect",
         description="Spacing of quads along their second direction over that along the first, the one nearer to X; "
@@ -177,7 +246,10 @@ class SettingProperties:
         default=1.0,
         **FACTOR,
     )
+    features: FEATURE_ANGLE
     smoothing: SMOOTHING
+    faces: FACES
+    straighten: STRAIGHTEN
     method: METHOD
     seed: SEED
     target_gap: TARGET_GAP
@@ -207,6 +279,7 @@ class SynchSettings(SettingProperties, bpy.types.PropertyGroup):
         description="About forty stripes across the object, or as many as the mesh can carry",
         default=True,
     )
+    mesh_branching: MESH_BRANCHING
     constraints: CollectionProperty(
         name="Constraints", description="What is asked of the pattern along lines of the mesh", type=SynchConstraint
     )
@@ -216,6 +289,8 @@ class SynchSettings(SettingProperties, bpy.types.PropertyGroup):
 
 
 PROPERTY_NAMES = tuple(SettingProperties.__annotations__)
+# What an object has of its own besides.
+STORED_NAMES = (*PROPERTY_NAMES, "automatic_spacing", "mesh_branching")
 
 
 def plain(properties, spacing):

@@ -13,13 +13,15 @@ from .guide_list import suggest_numbers
 def settings_of(kind, properties, shared, **apart):
     """Settings of a dataclass ``kind`` from the properties with the names of its fields that ``shared`` declares.
 
-    Choices become lower case; ``apart`` are values of fields that are given otherwise.
+    Choices become lower case and percentages shares; ``apart`` are values of fields that are given otherwise.
     """
     known = shared.__annotations__
     values = {field.name: getattr(properties, field.name) for field in fields(kind) if field.name in known}
     for name, value in values.items():
         if known[name].function is EnumProperty:
             values[name] = value.lower() if isinstance(value, str) else tuple(choice.lower() for choice in value)
+        elif known[name].keywords.get("subtype") == "PERCENTAGE":
+            values[name] = value / 100
     return kind(**values | apart)
 
 
@@ -45,10 +47,18 @@ TARGET_GAP = FloatProperty(
     max=0.5,
     precision=4,
 )
-# Factor on the spacing where the weight of a vertex group is 1; limits of such factors, and of angles.
+# Factor on the spacing where the weight of a vertex group is 1; limits of such factors, of shares, and of angles.
 RANGE = 2.0
 FACTOR = {"min": 1e-3, "soft_min": 0.25, "soft_max": 4.0}
+SHARE = {"subtype": "PERCENTAGE", "min": 0.0, "max": 100.0, "precision": 0}
 ANGLE = {"subtype": "ANGLE", "soft_min": -math.pi, "soft_max": math.pi}
+BRANCHING = FloatProperty(
+    name="Branching",
+    description="How much lines may branch to keep their distance: 100 for as much as even spacing needs, 0 for hardly "
+    "any branches or none, where lines are nearer to and further from one another instead",
+    default=100.0,
+    **SHARE,
+)
 SPACING_MAP = StringProperty(
     name="Spacing Map",
     description="Float attribute, a factor on the spacing, or vertex group, which takes it from 1 to the range",

@@ -9,7 +9,8 @@ import numpy as np
 from mathutils import Matrix
 
 from ...core.files.tool_paths import WRITERS
-from ..blender.files import MESH_SUFFIXES, check_output, export_mesh, unwritten
+from ...core.files.whole import write_text
+from ..blender.files import MESH_SUFFIXES, check_output, export_mesh
 from ..blender.transaction import only_for_now, whole_or_nothing
 from ..patterns.lines import add_splines
 from .links import SOLID
@@ -120,8 +121,5 @@ def export_paths(layering, paths, path):
     # Turned and mirrored like the layers; there is no scale in the matrix.
     normals = paths.lines.normals @ matrix[:3, :3].T
     write = WRITERS[Path(path).suffix.lower()]
-    try:
-        Path(path).write_text(write(paths.lines, paths.layers, points, normals))
-    except OSError as error:
-        raise unwritten(path, error.strerror) from None
+    write_text(path, write(paths.lines, paths.layers, points, normals))
     return str(path)

@@ -73,4 +73,4 @@ def _read(obj, settings, solid):
         lengths = Lengths.of(distance, settings.spacing, settings.size, lowest)
     else:
         lengths = Lengths.carried(distance, settings.spacing, float(np.median(solid.edge_lengths)), lowest)
-    return SolidRequest(surface, solid, guide, tuple(asked), lengths, factors, settings.options)
+    return SolidRequest(surface, solid, guide, tuple(asked), lengths, factors, settings.options, settings.branching)

@@ -17,7 +17,7 @@ from ...core.geometry.polygons import Polygons
 from ..blender import attributes, meshes, schema
 from ..blender.defect_empties import KINDS, DefectEmpty, write_defects
 from ..blender.transaction import whole_or_nothing
-from ..nodes.layers import curve_material, layer_material
+from ..nodes.layers import COUNT, curve_material, layer_material
 from ..nodes.materials import SPACING, pattern_material
 from ..patterns import memory, write
 from .links import MADE, SOLID, made_of
@@ -50,15 +50,19 @@ def write_all(obj, layering, result, given, warn, spacing):
 @contextmanager
 def replacing(obj):
     """Give what was made for an object new data; where that fails, it has its own again, and all that is new goes."""
-    before = {made: (made.data, made.matrix_world.copy(), made.get(SPACING)) for made in _all_made(obj)}
+    figures = (SPACING, COUNT)
+    before = {
+        made: (made.data, made.matrix_world.copy(), {name: made[name] for name in figures if name in made})
+        for made in _all_made(obj)
+    }
     with whole_or_nothing():
         try:
             yield
         except BaseException:
-            for made, (data, matrix, spacing) in before.items():
+            for made, (data, matrix, numbers) in before.items():
                 made.data, made.matrix_world = data, matrix
-                if spacing is not None:
-                    made[SPACING] = spacing
+                for name, number in numbers.items():
+                    made[name] = number
             for kind in MADE:
                 if made_of(obj, kind) not in before:
                     obj.pop(MADE[kind], None)

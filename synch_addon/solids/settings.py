@@ -4,6 +4,7 @@
 from dataclasses import dataclass
 
 from ...core.errors import SettingError
+from ...core.fields.calming import check_share
 from ...core.keywords import check_positive
 from ...core.tasks.settings import SolverSettings
 from ...core.texts import items, quoted
@@ -107,6 +108,7 @@ class LayerSettings(SolverSettings):
     spacing : distance between layers in scene units; None for an automatic one
     spacing_map : name of a float attribute on the vertices, a factor on the spacing, or of a vertex group; "" for none
     spacing_range : factor on the spacing where the vertex group's weight is 1
+    branching : share of the branches that even distances need, from 0 to 1
     size : of the tetrahedra, their longest edge in scene units; None for an automatic one
     """
 
@@ -115,11 +117,13 @@ class LayerSettings(SolverSettings):
     spacing: float | None = None
     spacing_map: str = ""
     spacing_range: float = RANGE
+    branching: float = 1.0
     size: float | None = None
 
     def __post_init__(self):
         super().__post_init__()
         check_positive(self, "spacing_range", optional=("spacing", "size"))
+        check_share(self.branching, "branching")
         _ = self.guide, self.flush
 
     @property

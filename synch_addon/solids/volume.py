@@ -7,8 +7,9 @@ import bpy
 import numpy as np
 
 from ...core.errors import SettingError
+from ...core.files.whole import unwritten, written_whole
 from ...core.tasks.layer_outputs import NOTHING
-from ..blender.files import check_output, check_written, unwritten
+from ..blender.files import check_output
 from ..blender.openvdb import openvdb_module
 from ..nodes.canvas import surface_material
 from ..nodes.materials import SPACING
@@ -51,12 +52,20 @@ def _write_grid(path, voxels):
     matrix = np.diag([voxels.step, voxels.step, voxels.step, 1.0])
     matrix[3, :3] = voxels.origin  # points are rows
     grid.transform = vdb.createLinearTransform(matrix.tolist())
-    try:
-        vdb.write(str(path), grids=[grid])
-    except (OSError, RuntimeError) as error:
-        raise unwritten(path, error) from None
-    check_written(path)
-    return grid.activeVoxelCount()
+    count = grid.activeVoxelCount()
+
+    def is_whole(made):
+        try:
+            return vdb.read(str(made), GRID).activeVoxelCount() == count
+        except RuntimeError:
+            return False
+
+    with written_whole(path, is_whole) as made:
+        try:
+            vdb.write(str(made), grids=[grid])
+        except RuntimeError as error:
+            raise unwritten(path, error) from None
+    return count
 
 
 def _show(made, spacing):

@@ -38,8 +38,21 @@ def window_of_its_own(tmp_path):
         yield blender
 
 
+@pytest.fixture
+def small_window(tmp_path):
+    """A window of half as many pixels, its tab "Synch" opened.
+
+    Without a graphics card, drawing anything takes a time that grows with the pixels of the whole window: some 50 ms
+    for those of the others.
+    """
+    with _installed(tmp_path, (1000, 700)) as blender:
+        blender.run("bpy.data.objects.remove(bpy.data.objects['Cube'])")
+        blender.open_panel()
+        yield blender
+
+
 @contextmanager
-def _installed(folder):
+def _installed(folder, size=SIZE):
     """A Blender with the extension, as `tools/extension.py` builds it, installed into a folder of its own."""
     command = os.environ.get("SYNCH_BLENDER")
     if not command:
@@ -48,7 +61,7 @@ def _installed(folder):
         pytest.skip("no virtual display: install Xvfb")
     if importlib.util.find_spec("bpy") is None:
         pytest.skip("the extension cannot be built: bpy is not installed")
-    screen = Screen(folder, SIZE)
+    screen = Screen(folder, size)
     try:
         blender = Blender(command, screen, folder)
         try:

@@ -49,6 +49,11 @@ def region(kind):
     return found.x, found.y, found.width, found.height
 
 
+def window_region():
+    """The region of the 3D view that the scene is drawn in."""
+    return next(region for region in area().regions if region.type == "WINDOW")
+
+
 def drawn_text(text, points):
     """A text in the font of the interface, rows from the top, 0 to 255."""
     blf.size(0, points * bpy.context.preferences.system.ui_scale)
@@ -127,7 +132,8 @@ def time_cancelling():
 
 
 _scope = {"bpy": bpy, "os": os, "seconds": []}
-_scope |= {f.__name__: f for f in (event, area, view, region, drawn_text, part, active, state, pixel, time_cancelling)}
+_helpers = event, area, view, region, window_region, drawn_text, part, active, state, pixel, time_cancelling
+_scope |= {helper.__name__: helper for helper in _helpers}
 
 
 def _poll():

@@ -176,6 +176,52 @@ def test_defect_is_placed_where_the_mouse_is(panel, end, keep):
     assert panel.value("state()") == before
 
 
+LOOP = """
+from mathutils import Vector
+
+def shown_edge():
+    mesh = active().data
+    towards = view().view_rotation @ Vector((-0.3, 0.2, 1))
+    middles = [sum((mesh.vertices[v].co for v in edge.vertices), Vector()) / 2 for edge in mesh.edges]
+    edge = max(range(len(middles)), key=lambda edge: middles[edge] @ towards)
+    return edge, pixel(middles[edge])
+"""
+
+
+@pytest.mark.parametrize("end", ["Enter", "Esc"])
+def test_a_click_shows_the_loop_through_an_edge(panel, end, keep):
+    panel.run("bpy.ops.mesh.primitive_torus_add(major_radius=2, minor_radius=0.8)")
+    panel.run(LOOP)
+    panel.wait_for("Stripes")
+    panel.scroll_to("Overlay")
+    panel.click("Overlay")
+    panel.scroll_to("Loop")
+    edge, place = panel.value("shown_edge()")
+    # The button beside the word: its picture cannot be read.
+    panel.run("bpy.context.scene.synch_overlay.show = False")
+    before = panel.picture("WINDOW").astype(int)
+    panel.move(place)
+    panel.run(
+        "with bpy.context.temp_override(area=area(), region=window_region()):\n"
+        "    bpy.ops.synch.show_loop('INVOKE_DEFAULT')"
+    )
+    panel.hold()
+    panel.until(f"active().synch_loop.edge == {edge}")
+    panel.release()
+
+    def is_orange(shown):
+        """a loop in orange"""
+        orange = (shown[..., 0].astype(int) - shown[..., 2] > 60) & (before[..., 0] - before[..., 2] < 40)
+        return orange.sum() > 500
+
+    panel.wait_to_see(is_orange, "WINDOW")
+    keep(f"loop_{end}", panel.picture("WINDOW"))
+    panel.press("RET" if end == "Enter" else "ESC")
+    panel.until("not bpy.context.window_manager.windows[0].modal_operators")
+    overlay = panel.value("[bpy.context.scene.synch_overlay.show, active().synch_loop.edge]")
+    assert overlay == ([True, edge] if end == "Enter" else [False, -1])
+
+
 def test_results_are_found_again_after_bake_save_and_load(panel, keep):
     add_ball(panel, 4)
     found = solved(panel)

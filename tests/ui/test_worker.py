@@ -11,22 +11,14 @@ import pytest
 from .blender import PATIENCE
 from .test_window import stripes_are_seen
 
-# Inside: the longest time between two calls of a timer that asks to be called every hundredth of a second, apart
-# from it that in which a first picture was drawn; and the sidebar drawn again as often as a progress bar may be.
+# Inside: the longest time between two calls of a timer that asks to be called every hundredth of a second.
 WATCH = """
 import time
 class Watch:
-    last, longest, at_picture, redraw = time.monotonic(), 0.0, None, False
+    last, longest = time.monotonic(), 0.0
 def tick():
-    now, work = time.monotonic(), part('jobs.queue').queue.running
-    gap, Watch.last = now - Watch.last, now
-    if work is not None and work.picture is not None and (Watch.at_picture is None or now < Watch.pictured + 1):
-        Watch.pictured = now if Watch.at_picture is None else Watch.pictured
-        Watch.at_picture = max(Watch.at_picture or 0.0, gap)
-    else:
-        Watch.longest = max(Watch.longest, gap)
-    if Watch.redraw:
-        next(r for r in area().regions if r.type == 'UI').tag_redraw()
+    now = time.monotonic()
+    Watch.longest, Watch.last = max(Watch.longest, now - Watch.last), now
     return 0.01
 bpy.app.timers.register(tick, persistent=True)
 """
@@ -80,35 +72,58 @@ def solves_again(panel):
 
 
 @pytest.mark.slow
-def test_a_large_solve_does_not_hold_the_window_up(panel):
-    """The bar is drawn, which alone takes its time without a graphics card; so it is in the window that waits, too."""
+def test_a_large_solve_does_not_hold_the_window_up(small_window):
+    """Beside an idle window before and after it; where other programs keep the processors busy, gaps tell of them."""
+    panel = small_window
     panel.run("bpy.ops.mesh.primitive_grid_add(x_subdivisions=450, y_subdivisions=450, size=4)")  # 203,401 vertices
     panel.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.05")
     panel.run(WATCH)
-    panel.run("Watch.redraw = True")
-    time.sleep(5)
-    panel.run("Watch.longest = 0.0")
-    time.sleep(60)
-    idle = panel.value("Watch.longest")
-    panel.run("Watch.redraw = False")
+    before, others_before = idle_gap(panel)
     begin(panel, "fraction > 0.01")
-    panel.run("Watch.longest = 0.0")
-    end = time.monotonic() + 60
-    while time.monotonic() < end and panel.value(f"{RUNNING} is not None and {RUNNING}.fraction < 0.8"):
-        time.sleep(1)
-    solving, pictured = panel.value("Watch.longest, Watch.at_picture")
-    print(f"longest gap idle {1000 * idle:.0f} ms, solving {1000 * solving:.0f} ms, at the picture {pictured} s")
-    assert panel.value(f"{RUNNING} is not None"), "the solve was over too soon to tell"
+    solving = longest_gap(panel, f"{RUNNING}.picture is None or {RUNNING}.fraction < 0.8")
+    assert panel.value(f"{RUNNING}.picture is not None"), "the solve was over too soon to tell"
     over_view(panel)
     panel.press("ESC")
     panel.until(f"{RUNNING} is None")
-    assert solving <= idle + 0.05 and pictured < 1
+    after, others_after = idle_gap(panel)
+    print(
+        f"longest gaps: idle {before:.3f} s, solving {solving:.3f} s, idle {after:.3f} s; "
+        f"processors that others used: {others_before:.2f} before, {others_after:.2f} after"
+    )
+    limit = max(before, after) + 0.05
+    if solving > limit and max(others_before, others_after) > 0.2:
+        pytest.skip(f"other programs use the machine, and the longest gap was {solving:.3f} s")
+    assert solving <= limit
+
+
+def longest_gap(panel, goes_on="True"):
+    """Seconds that the window was held up at most, in a minute or as long as something goes on."""
+    time.sleep(5)
+    panel.run("Watch.longest = 0.0")
+    end = time.monotonic() + 60
+    while time.monotonic() < end and panel.value(goes_on):
+        time.sleep(1)
+    return panel.value("Watch.longest")
+
+
+def idle_gap(panel):
+    """That of a window that waits, and how many processors others than Blender used meanwhile."""
+    start, used = time.monotonic(), used_by_others(panel)
+    gap = longest_gap(panel)
+    return gap, (used_by_others(panel) - used) / (time.monotonic() - start)
+
+
+def used_by_others(panel):
+    """Seconds of processors that were not idle and not Blender's, since any time."""
+    with open("/proc/stat") as file:
+        ticks = [int(word) for word in file.readline().split()[1:9]]
+    return (sum(ticks) - sum(ticks[3:5])) / os.sysconf("SC_CLK_TCK") - panel.value("time.process_time()")
 
 
 @pytest.mark.parametrize(
     "reached",
     [
-        "stage == ''",
+        "has_begun",
         "fraction > 0.1",
         "stage.startswith('relaxation')",
         "stage.startswith('continuation')",
@@ -119,8 +134,9 @@ def test_escape_is_answered_at_once_in_every_stage(panel, reached):
     add_ball(panel, 7)
     before = panel.value("state()")
     panel.run("time_cancelling()")
-    number = begin(panel, reached)
+    number = begin(panel, "has_begun")
     over_view(panel)
+    panel.until(f"{RUNNING} is None or {RUNNING}.{reached}")
     assert panel.value(f"{RUNNING} is not None"), "the solve was over too soon to be cancelled"
     panel.press("ESC")
     panel.until(f"{RUNNING} is None")
@@ -254,20 +270,38 @@ def test_the_child_goes_with_blender(window_of_its_own, end):
     assert ends(number, 1.0 if end == "kill" else PATIENCE)
 
 
-def test_a_first_result_is_drawn_over_the_object_and_changes_nothing(panel, keep):
+@pytest.fixture(params=["quick", "slow"])
+def is_quick(panel, request):
+    """Whether views are drawn quickly, as far as the window knows; no machine of the tests tells both."""
+    limit, early = "part('panels.early_view')._QUICK", request.param == "quick"
+    usual = panel.value(limit)
+    panel.run(f"{limit} = {1000.0 * early}")
+    yield early
+    panel.run(f"{limit} = {usual}")
+
+
+def test_a_first_result_is_drawn_over_the_object_and_changes_nothing(panel, is_quick, keep):
+    hint = "Turn the view to see a first result"
     add_ball(panel, 7)
     panel.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.4")
     before = panel.value("state()")
-    assert not stripes_are_seen(panel.picture("WINDOW"))
     begin(panel)
+    over_view(panel)
     panel.until(f"{RUNNING}.picture is not None")
-    keep("first", panel.wait_to_see(stripes_are_seen, "WINDOW"))
+    if not is_quick:
+        panel.wait_for(hint)
+        assert not stripes_are_seen(panel.picture("WINDOW"))
+        panel.press("NUMPAD_4")
+    panel.until(f"{RUNNING}.is_seen")
+    time.sleep(1)
+    assert stripes_are_seen(panel.picture("WINDOW")) and not panel.shows(hint)
+    keep("first", panel.picture("WINDOW"))
     assert panel.value(f"{RUNNING} is not None") and panel.value("state()") == before
     assert panel.value("active().visible_get() and active().select_get() and len(bpy.data.objects) == 3")
-    over_view(panel)
     panel.press("ESC")
     panel.until(f"{RUNNING} is None")
-    assert panel.value("state()") == before
+    time.sleep(1)
+    assert not stripes_are_seen(panel.picture("WINDOW")) and panel.value("state()") == before
 
 
 def test_a_result_waits_for_the_end_of_a_transform_in_edit_mode(panel):

@@ -62,6 +62,19 @@ def fixed_phases(parts, remedy):
     return Targets(unique, values[first])
 
 
+def without_contradictions(fixed, gives_way, links, slack):
+    """Fixed values (Targets), without those that give way, (k,) bool, and that links bring to another value."""
+    values = np.full(
+        max(links.i.max(initial=-1), links.j.max(initial=-1), fixed.nodes.max(initial=-1)) + 1, np.nan, complex
+    )
+    values[fixed.nodes] = fixed.values
+    start = values[links.i]
+    apart = np.abs(np.exp(1j * links.angles) * np.where(links.flips, start.conj(), start) - values[links.j]) > slack
+    torn = np.isin(fixed.nodes, np.append(links.i[apart], links.j[apart]))
+    keep = ~(gives_way & torn)
+    return Targets(fixed.nodes[keep], fixed.values[keep])
+
+
 def contracted(count, links, fixed, slack=TOLERANCE):
     """Groups that links join: those with a fixed node become fixed, the others merge into their first node.
 
@@ -85,7 +98,7 @@ def contracted(count, links, fixed, slack=TOLERANCE):
     if len(links.i) == 0:
         return fixed, Merged.none()
     members = np.unique([links.i, links.j])
-    lead, angles, flips = _from_leads(count, links)
+    lead, angles, flips = from_leads(count, links)
     closing = links.angles + np.where(links.flips, -angles[links.i], angles[links.i]) - angles[links.j]
     torn = np.abs(np.exp(1j * closing) - 1) > slack
     torn |= flips[links.i] ^ links.flips ^ flips[links.j]
@@ -126,8 +139,8 @@ def _agreed_leads(links, lead, known, at_lead, slack):
     return Targets(leads, sums / np.abs(sums))
 
 
-def _from_leads(count, links):
-    """(n,) the first node of each node's group, and angle and flip of the way from there."""
+def from_leads(count, links):
+    """(n,) the first node of each node's group, and angle and flip of the way from there, whole turns included."""
     labels = components(count, np.column_stack([links.i, links.j]))
     lead = np.unique(labels, return_index=True)[1][labels]
     step = {}

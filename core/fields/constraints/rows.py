@@ -2,7 +2,8 @@
 """The rows of the constraint list, and what they ask of a direction field.
 
 Rows of the kinds "along", "across" and "angle" speak of directions, "phase" and "constant" of stripes; a stripe
-that lies on a line needs directions along it, so that these two also ask for that.
+that lies on a line needs directions along it, so that these two also ask for that. Rows of the kind "grid" are made by
+the program: lines on which quads have a grid line where no other row asks for anything.
 """
 
 from dataclasses import dataclass, replace
@@ -15,6 +16,7 @@ from ...problem import Targets
 from .lines import Line, joined
 
 KINDS = ("along", "across", "angle", "phase", "constant")
+GRID = "grid"
 # A vertex whose stations disagree by more than this (as a mean of unit powers) is left free:
 # at a right angle a line cannot run along both sides, though a cross can.
 AGREEMENT = 0.5
@@ -32,7 +34,7 @@ class Row:
     ----------
     line : Line
     kind : "along", "across", or "angle" to the line; "phase" for a fixed phase, "constant" for one that is
-        free on each connected piece of the line
+        free on each connected piece of the line; "grid" for a grid line that gives way to other rows
     value : radians: the angle, counterclockwise from the line, or the phase, where it grows to the line's left;
         one, or (k,) one at each of the line's nodes
     weight : None for a hard wish; otherwise the penalty is weight * integral |x - wish|^2 / sqrt(area)
@@ -47,7 +49,7 @@ class Row:
     name: str = "the row"
 
     def __post_init__(self):
-        if self.kind not in KINDS:
+        if self.kind not in (*KINDS, GRID):
             raise SettingError(f"{self.name} asks for {self.kind!r}: use one of {', '.join(KINDS)}")
         if not np.isfinite(self.value).all():
             raise SettingError(f"the value of {self.name} is {self.value}: give a finite number")
@@ -65,7 +67,7 @@ class Row:
 
     @property
     def is_of_phases(self):
-        return self.kind in ("phase", "constant")
+        return self.kind in ("phase", "constant", GRID)
 
     @property
     def turn(self):
@@ -84,13 +86,16 @@ def penalties(mesh, row):
 
 
 def direction_targets(mesh, symmetry, rows):
-    """Fixed and drawn directions, as unit powers: (Targets, list of Targets).
+    """Fixed and drawn directions, as unit powers: (Targets, list of Targets), and (k,) bool: fixed ones that are to
+    give way where they cannot be had.
 
     Raises
     ------
     ContradictionError
         when two hard rows ask for different directions on the same edge
     """
+    grid = [row for row in rows if row.kind == GRID]
+    rows = [row for row in rows if row.kind != GRID]
     hard = [row for row in rows if row.is_hard]
     for first, second in combinations(hard, 2):
         _refuse_contradiction(symmetry, first, second)
@@ -106,7 +111,14 @@ def direction_targets(mesh, symmetry, rows):
             weights = penalties(mesh, row)[np.searchsorted(row.line.nodes, nodes)]
             free = ~held[nodes]
             drawn.append(Targets(nodes[free], values[free], weights[free]))
-    return fixed, drawn
+            held[nodes] |= weights > 0
+    gives_way = np.zeros(len(fixed.nodes), bool)
+    for row in grid:
+        nodes, values = _agreed(*row.directions(symmetry))
+        free = ~held[nodes]
+        fixed = Targets(np.append(fixed.nodes, nodes[free]), np.append(fixed.values, values[free]))
+        gives_way = np.append(gives_way, np.ones(free.sum(), bool))
+    return fixed, drawn, gives_way
 
 
 def _agreed(nodes, means):

@@ -17,7 +17,7 @@ def principal_directions(mesh, symmetry, largest=True):
     values : (n,) complex, the direction's ``symmetry``-th power, unit modulus
     weights : (n,) mass * (k1 - k2)^2: free of units, zero on flat and umbilic parts
     """
-    edge_angles = _dihedral_angles(mesh) * mesh.edge_lengths
+    edge_angles = mesh.dihedral_angles * mesh.edge_lengths
     i, j = mesh.edges.T
     turn = np.exp(2j * mesh.edge_directions)
     # A bent edge has no curvature along itself: its tensor's traceless part points across it.
@@ -36,15 +36,3 @@ def principal_directions(mesh, symmetry, largest=True):
     # What rounding of the coordinates bends is not curvature.
     weights[np.abs(difference) < 1e-5 / np.sqrt(mesh.areas.sum())] = 0
     return np.exp(1j * symmetry * angles), weights
-
-
-def _dihedral_angles(mesh):
-    """(e,) signed angle between the two faces of an edge, positive at ridges; 0 on the boundary."""
-    halves = np.flatnonzero((mesh.twins >= 0) & (mesh.triangle_edge_signs.ravel() > 0))
-    left, right = mesh.face_normals[halves // 3], mesh.face_normals[mesh.twins[halves] // 3]
-    edge = mesh.triangle_edges.ravel()[halves]
-    along = mesh.edge_vectors[edge] / mesh.edge_lengths[edge, None]
-    sine = np.einsum("ij,ij->i", np.cross(left, right), along)
-    angles = np.zeros(len(mesh.edges))
-    angles[edge] = np.arctan2(sine, np.einsum("ij,ij->i", left, right))
-    return angles

@@ -2,12 +2,13 @@
 """Functions on a solid whose changes along the edges are as near as can be to given ones: Poisson's equation."""
 
 import numpy as np
-from scipy.sparse import coo_matrix, diags_array
+from scipy.sparse import coo_matrix, csr_matrix, diags_array
 from scipy.sparse.linalg import LinearOperator, cg
 
 from ...algebra.factorization import factorize
 from ...algebra.metric import Hierarchy, definite_metric
 from ...errors import SettingError, SynchError, name_elements
+from ...graphs import components
 from .fronts import chosen_vertices
 
 # In solids the time of a factorization grows with the square of the unknowns: from here on, multigrid is faster.
@@ -66,17 +67,18 @@ def extended(mesh, known, values):
     matrix = _laplacian(mesh, mesh.cotangent_weights)
     known = np.flatnonzero(known)
     right = -(matrix[free][:, known] @ result[known])
-    result[free] = _solved(mesh, matrix, free, right)
+    result[free] = _solved(matrix, mesh.vertex_masses, free, right)
     return result
 
 
-def potential(mesh, changes):
+def potential(mesh, changes, names=None):
     """The function whose changes along the edges are nearest to given ones by the edges' weights.
 
     Parameters
     ----------
     mesh : TetMesh
     changes : (e,) from the lower to the higher vertex
+    names : (n,) int from 0 up, vertices of the same name have one value; all their own if None
 
     Returns
     -------
@@ -85,14 +87,21 @@ def potential(mesh, changes):
     i, j = mesh.edges.T
     flow = mesh.weights * changes
     sources = np.bincount(j, flow, mesh.vertex_count) - np.bincount(i, flow, mesh.vertex_count)
-    _, first, piece = np.unique(mesh.pieces, return_index=True, return_inverse=True)
-    free = np.ones(mesh.vertex_count, bool)
-    free[first] = False
-    result = np.zeros(mesh.vertex_count)
-    result[free] = _solved(mesh, _laplacian(mesh, mesh.weights), np.flatnonzero(free), sources[free])
-    lowest = np.full(len(first), np.inf)
-    np.minimum.at(lowest, piece, result)
-    return result - lowest[piece]
+    matrix, masses = _laplacian(mesh, mesh.weights), mesh.vertex_masses
+    names = np.arange(mesh.vertex_count) if names is None else names
+    count = names.max(initial=-1) + 1
+    joined = csr_matrix((np.ones(len(names)), (np.arange(len(names)), names)), shape=(len(names), count))
+    matrix = (joined.T @ matrix @ joined).tocsr()
+    # A change between two vertices that are one does nothing.
+    pieces = np.full(count, -1)
+    pieces[names] = components(count, names[mesh.edges])[names]
+    free = np.ones(count, bool)
+    free[np.unique(pieces, return_index=True)[1]] = False
+    result = np.zeros(count)
+    result[free] = _solved(matrix, joined.T @ masses, np.flatnonzero(free), (joined.T @ sources)[free])
+    lowest = np.full(pieces.max(initial=-1) + 1, np.inf)
+    np.minimum.at(lowest, pieces, result)
+    return (result - lowest[pieces])[names]
 
 
 def _laplacian(mesh, weights):
@@ -104,14 +113,14 @@ def _laplacian(mesh, weights):
     return (diags_array(diagonal) - beside - beside.T).tocsr()
 
 
-def _solved(mesh, matrix, nodes, right):
+def _solved(matrix, masses, nodes, right):
     """Solution on the given nodes of (k,) or (k, d) right sides, all others being zero."""
     if len(nodes) == 0:
         return right
     matrix = matrix[nodes][:, nodes].tocsr()
     if len(nodes) <= LARGEST_FACTORIZED:
         return factorize(matrix, single=False).solve(right)
-    scale, mass = matrix.diagonal().mean(), mesh.vertex_masses[nodes]
+    scale, mass = matrix.diagonal().mean(), masses[nodes]
     metric = definite_metric(Hierarchy(matrix / scale, mass / mass.mean(), 1), SMALL_SHIFT)
     preconditioner = LinearOperator(matrix.shape, matvec=metric.solve)
     columns = right.reshape(len(right), -1) / scale

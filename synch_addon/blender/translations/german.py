@@ -84,6 +84,10 @@ OPERATORS = {
     "Show a configuration of defects that is drawn at random, from the last solve": (
         "Eine zufällig gezogene Anordnung der Defekte aus der letzten Lösung zeigen"
     ),
+    "Show Loop": "Schleife zeigen",
+    "Click near an edge to show the loop of quads through it; Enter keeps it in the overlay, Esc does not": (
+        "Nahe einer Kante klicken zeigt die Schleife durch sie; Eingabe behält sie in der Einblendung, Esc nicht"
+    ),
     "Place Defects": "Defekte setzen",
     "Click on the surface to put a dislocation there, drag to move it, click again for more; Enter ends, Esc undoes": (
         "Klicken setzt eine Versetzung, Ziehen bewegt sie, erneutes Klicken setzt weitere; Eingabe beendet, Esc "
@@ -261,6 +265,26 @@ SETTINGS = {
     "Factor on the spacing where the vertex group's weight is 1": (
         "Faktor auf den Abstand beim Gewicht 1 der Punktgruppe"
     ),
+    "Branching": "Verzweigung",
+    "How much lines may branch to keep their distance: 100 for as much as even spacing needs, 0 for hardly any "
+    "branches or none, where lines are nearer to and further from one another instead": (
+        "Wie sehr sich Linien verzweigen dürfen, um ihren Abstand zu halten: 100 für so sehr, wie gleichmäßiger "
+        "Abstand es braucht, 0 für kaum Verzweigungen oder keine, wofür die Abstände schwanken"
+    ),
+    "Mesh Branching": "Netzverzweigung",
+    "How much the lines of quad meshes may branch to keep their distance: at 0 faces are quads all over and vary in "
+    "size, at 100 their sizes are most even, but faces of five and six corners lie between": (
+        "Wie sehr sich die Linien von Vierecksnetzen verzweigen dürfen, um ihren Abstand zu halten: bei 0 sind alle "
+        "Flächen Vierecke verschiedener Größe, bei 100 sind sie am gleichmäßigsten, aber mit Fünf- und Sechsecken "
+        "dazwischen"
+    ),
+    "Singularities": "Singularitäten",
+    "How many singular points directions may have to stay smooth: 100 for as many as the shape's bumps call for, 0 for "
+    "the fewest that it allows, where directions bend more and quads vary in size instead": (
+        "Wie viele singuläre Stellen die Richtungen haben dürfen, um glatt zu bleiben: 100 für so viele, wie die "
+        "Beulen der Form verlangen, 0 für so wenige, wie sie zulässt, wofür Richtungen sich mehr biegen und Vierecke "
+        "verschieden groß werden"
+    ),
     "Aspect": "Seitenverhältnis",
     "Spacing of quads along their second direction over that along the first, the one nearer to X; only where "
     "the two never change places around a disclination": (
@@ -268,8 +292,25 @@ SETTINGS = {
         "wo beide nie um eine Disklination die Plätze tauschen"
     ),
     "Smoothing": "Glättung",
-    "How often the quad mesh's vertices move to the middle of their neighbours on the surface": (
-        "Wie oft die Punkte des Vierecksnetzes auf der Oberfläche zur Mitte ihrer Nachbarn rücken"
+    "How often the quad mesh's vertices move to where faces are nearer to squares, on the surface": (
+        "Wie oft die Punkte des Vierecksnetzes auf der Oberfläche dorthin rücken, wo Flächen Quadraten näher sind"
+    ),
+    "Face Count": "Flächenzahl",
+    "About how many faces the quad mesh is to have, whatever the spacing; 0 for as many as that gives": (
+        "Wie viele Flächen das Vierecksnetz ungefähr haben soll, gleich welcher Abstand; 0 für so viele, wie dieser "
+        "ergibt"
+    ),
+    "Feature Angle": "Kantenwinkel",
+    "Boundaries and edges at which faces bend by more than this angle, or that are marked sharp, stay edges of the "
+    "quad mesh; 0 for none of them": (
+        "Ränder und Kanten, an denen Flächen sich um mehr als diesen Winkel biegen oder die als scharf markiert sind, "
+        "bleiben Kanten des Vierecksnetzes; 0 für keine davon"
+    ),
+    "Straighten": "Begradigen",
+    "Look for a quad mesh of shorter loops and fewer spirals among variations and with fewer singularities; takes two "
+    "to three times as long": (
+        "Unter Variationen und mit weniger Singularitäten ein Vierecksnetz kürzerer Schleifen und weniger Spiralen "
+        "suchen; dauert zwei- bis dreimal so lang"
     ),
     "Method": "Verfahren",
     "How the field is optimized": "Wie das Feld optimiert wird",

@@ -21,10 +21,12 @@ PARTS = {
     "write": "Schreiben",
     "{passed:.0f} s": "{passed:.0f} s",
     "{passed:.0f} s, about {left:.0f} s left": "{passed:.0f} s, noch etwa {left:.0f} s",
+    "Turn the view to see a first result": "Ansicht drehen, um ein erstes Ergebnis zu sehen",
     "Esc over the 3D view: cancel": "Esc über der 3D-Ansicht: abbrechen",
     "Energy {energy:.4g}": "Energie {energy:.4g}",
     "Proved: no field saves more than {gap:.0%}": "Bewiesen: Kein Feld spart mehr als {gap:.0%}",
     "About {gap:.0%} above the bound": "Etwa {gap:.0%} über der Schranke",
+    "Spacing × {low:.2f} to {high:.2f}, {off:.0%} off": "Abstand × {low:.2f} bis {high:.2f}, {off:.0%} daneben",
     "disclination": "Disklination",
     "disclinations": "Disklinationen",
     "dislocation": "Versetzung",
@@ -65,8 +67,19 @@ PARTS = {
         "Stellen, um die sich die Richtungen drehen: bei Linien um ein halbes, bei Kreuzen um ein viertel Mal"
     ),
     "Points where a stripe begins or ends": "Stellen, an denen ein Streifen beginnt oder endet",
+    "How many times as far apart as asked lines are, on all but a hundredth of the surface at either end, and on how "
+    "much of it they are off by more than a quarter; Spacing Error in the overlay shows where": (
+        "Wievielmal so weit wie verlangt Linien auseinander liegen, bis auf je ein Hundertstel der Oberfläche an "
+        "beiden Enden, und auf welchem Teil sie um mehr als ein Viertel daneben liegen; die Einblendung zeigt als "
+        "Abstandsfehler, wo"
+    ),
     "How long the last solve took, and on how many vertices": (
         "Wie lange die letzte Lösung auf wie vielen Punkten brauchte"
+    ),
+    "A loop of {count} quads": "Eine Schleife von {count} Vierecken",
+    "A spiral of {count} quads": "Eine Spirale von {count} Vierecken",
+    "Click near an edge: show its loop   Enter: done   Esc: as before": (
+        "Nahe einer Kante klicken: ihre Schleife zeigen   Eingabe: fertig   Esc: wie vorher"
     ),
     "Click: place a defect   Drag: move it   Enter: done   Esc: as before": (
         "Klicken: Defekt setzen   Ziehen: bewegen   Eingabe: fertig   Esc: wie vorher"
@@ -74,6 +87,9 @@ PARTS = {
 }
 
 REASONS = {
+    "leave edit mode: loops are shown in object mode": (
+        "den Bearbeitungsmodus verlassen: Schleifen zeigt der Objektmodus"
+    ),
     "leave the present mode: fields are solved in object or edit mode": (
         "verlassen Sie den jetzigen Modus: Felder werden im Objekt- oder Bearbeitungsmodus gelöst"
     ),

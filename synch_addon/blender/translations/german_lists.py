@@ -142,6 +142,16 @@ OVERLAY = {
     "Edges of the constraint list, coloured by what they ask for": (
         "Kanten der Liste der Bedingungen, gefärbt nach dem, was sie verlangen"
     ),
+    "Spacing Error": "Abstandsfehler",
+    "Faces in colours: red where lines are further apart than asked, blue where they are nearer, white where they are "
+    "as asked; full from one and a half times on": (
+        "Flächen in Farben: rot, wo Linien weiter auseinander liegen als verlangt, blau, wo sie enger liegen, weiß, wo "
+        "sie stimmen; voll ab dem Anderthalbfachen"
+    ),
+    "Loop": "Schleife",
+    "The loop of quads that was last clicked on, spirals in another colour": (
+        "Die zuletzt angeklickte Schleife von Vierecken, Spiralen in einer anderen Farbe"
+    ),
 }
 
 BAKE = {

@@ -17,6 +17,7 @@ STRIPE_ATTRIBUTES = {
     "synch_barycentric": ("CORNER", "FLOAT_VECTOR"),
     "synch_vertex_phase": ("POINT", "FLOAT"),
     "synch_pattern": ("POINT", "FLOAT"),
+    "synch_spacing_error": ("FACE", "FLOAT"),
     "synch_singularity": ("FACE", "FLOAT"),
 }
 # Written only where a face needs them: an absent attribute is zero to a shader.

@@ -10,6 +10,7 @@ import bpy
 import pytest
 
 from synch_fields.synch_addon.blender import translations
+from synch_fields.synch_addon.operators.picking import PickingOperator
 
 SOURCES = Path(translations.__file__).parents[2]
 GERMAN = translations.LANGUAGES["de_DE"]
@@ -28,13 +29,13 @@ BLENDERS = {
 UNSEEN = {"about"}
 # What is shown by the parts of the interface that are held complete.
 GROUPS = (
-    "SynchSettings SynchConstraint SynchGuide SynchBake SynchFavourite SynchAnimation SynchFlush SynchLayering "
-    "SynchVortices SynchVortexLook"
+    "SynchSettings SynchOverlay SynchConstraint SynchGuide SynchBake SynchFavourite SynchAnimation SynchFlush "
+    "SynchLayering SynchVortices SynchVortexLook"
 ).split()
 OPERATORS = (
     "stripes quads directions quad_mesh trace_quads refine add_sample isolines bake animate variation draw_variation "
     "place_defect keep_favourite show_favourite remove_favourite select_defects next_defect copy_report cancel "
-    "preset number_stripes asset_library "
+    "show_loop preset number_stripes asset_library "
     "import_field export_field add_preset constraint_add constraint_remove constraint_move guide_add guide_remove "
     "layers layer_group_add layer_group_remove layer_export layer_toolpaths layer_path_export layer_volume "
     "clebsch best_vortices"
@@ -100,6 +101,11 @@ def said_texts():
 def test_what_is_put_together_is_translated():
     texts = list(said_texts())
     assert len(texts) > 15 and untranslated(texts) == []
+
+
+def test_hints_in_the_status_bar_are_translated():
+    hints = [cls.hint for cls in PickingOperator.__subclasses__()]
+    assert len(hints) == 2 and all(hints) and untranslated(hints) == []
 
 
 def test_menu_entries_are_translated():

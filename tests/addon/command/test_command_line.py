@@ -253,7 +253,7 @@ def test_a_report_never_overwrites_another_kind_of_file(files, tmp_path, capfd):
     model.write_bytes(files[".obj"].read_bytes())
     for command in ("stripes", "info"):
         status, _, err = run(capfd, command, model, "--report", model)
-        assert status == 1 and "must end in .json" in err
+        assert status == 1 and "--report and the input are the same file" in err
         assert model.read_bytes() == files[".obj"].read_bytes()
 
 

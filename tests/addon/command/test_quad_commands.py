@@ -145,7 +145,7 @@ def test_the_greyed_button_says_why(operator, tmp_path):
 
 def test_settings_of_quads_are_kept_in_the_file(tmp_path):
     obj = sphere()
-    assert (obj.synch.aspect, obj.synch.smoothing) == (1.0, 3)
+    assert (obj.synch.aspect, obj.synch.smoothing) == (1.0, 10)
     obj.synch.aspect, obj.synch.smoothing = 1.5, 7
     obj = save_and_reopen(tmp_path / "kept.blend", obj.name)
     assert (obj.synch.aspect, obj.synch.smoothing) == (1.5, 7)

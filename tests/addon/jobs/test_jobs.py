@@ -3,6 +3,8 @@
 """Jobs that the window waits for: solved one after the other, and only what still fits is written."""
 
 import time
+from functools import partial
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -31,10 +33,10 @@ def test_window_gets_what_a_script_gets(command):
     loop, operator = begun(operator)
     assert loop.run(operator) == {"FINISHED"}
     assert queue.running is None and loop.free
-    names = [a.name for a in obj.data.attributes if a.name.startswith("synch_")]
+    names = {a.name for a in obj.data.attributes if a.name.startswith("synch_")}
     written = [attribute(obj, name) for name in names]
     getattr(api, command)(obj, spacing=0.4)
-    assert names == [a.name for a in obj.data.attributes if a.name.startswith("synch_")]
+    assert names == {a.name for a in obj.data.attributes if a.name.startswith("synch_")}
     for name, values in zip(names, written, strict=True):
         np.testing.assert_array_equal(values, attribute(obj, name))
 
@@ -174,7 +176,7 @@ def test_the_result_waits_for_a_mode_in_which_it_can_be_written(end):
     loop, operator = begun(Stripes())
     bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
     work = operator._work
-    assert loop.run(operator, until=lambda: work.is_over and loop.status) == {"PASS_THROUGH"}
+    assert loop.run(operator, until=lambda: work.is_over and "waits" in (loop.status or "")) == {"PASS_THROUGH"}
     assert "waits for object mode of" in loop.status and "synch_phase" not in obj.data.attributes
     if end == "FINISHED":
         bpy.ops.object.mode_set(mode="OBJECT")
@@ -232,6 +234,28 @@ def test_the_window_gets_the_picture_of_a_first_result():
     loop.run(operator, until=lambda: queue.running.picture is not None)
     assert len(queue.running.picture.places) == 3 * 81920 and snapshot() == before
     assert loop.send(operator, "ESC", "PRESS") == {"CANCELLED"} and snapshot() == before
+
+
+@pytest.mark.parametrize("quick", [True, False])
+def test_nothing_is_drawn_together_and_a_picture_alone_where_that_is_quick(quick, monkeypatch):
+    sphere(7)
+    monkeypatch.setattr("synch_fields.synch_addon.operators.field_operator._TURN", 0.0)
+    monkeypatch.setattr("synch_fields.synch_addon.panels.early_view._QUICK", float(quick))
+    loop, operator = begun(Stripes(spacing=0.15))
+    said, drawn = [], []
+    loop.windows = [loop]
+    for kind in ("UI", "WINDOW"):
+        loop.areas[0].regions.append(SimpleNamespace(type=kind, tag_redraw=partial(drawn.append, kind)))
+    monkeypatch.setattr(loop, "status_text_set", drawn.append)
+    while queue.running.picture is None or queue.running.fraction < 0.4:
+        loop.run(operator, until=lambda: drawn)
+        said += drawn
+        assert len(drawn) == 1
+        drawn.clear()
+    assert said.count("WINDOW") == quick
+    said = [one == "UI" for one in said if one != "WINDOW"]
+    assert len(said) > 4 and said == [True, False] * (len(said) // 2) + [True] * (len(said) % 2)  # in turns
+    loop.send(operator, "ESC", "PRESS")
 
 
 def test_errors_select_on_their_own_object_alone():

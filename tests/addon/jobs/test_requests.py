@@ -82,7 +82,7 @@ REQUESTS = {
     "directions": dict(symmetry="vector"),
     "stripes": dict(guidance="curvature-max=2,axis:Z,distance:half", spacing_map="half"),
     "quads": dict(aspect=1.0, mirror="X", constraints=(Constraint("group", "phase", "half"),)),
-    "quad_mesh": dict(smoothing=2),
+    "quad_mesh": dict(smoothing=2, branching=0.5, singularities=0.5),
 }
 
 

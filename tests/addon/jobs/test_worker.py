@@ -55,6 +55,17 @@ def test_the_child_stays_for_the_next_job_and_goes_when_it_is_idle(monkeypatch):
     assert not is_alive(number) and queue._worker is None
 
 
+def test_the_child_goes_behind_the_window_and_is_not_meant_by_its_ctrl_c():
+    sphere()
+    loop, operator = begun(Stripes())
+    loop.run(operator, until=in_work)
+    number = child()
+    assert os.getsid(number) == os.getsid(0)  # niceness counts within a session
+    assert os.getpriority(os.PRIO_PROCESS, number) > os.getpriority(os.PRIO_PROCESS, 0)
+    assert os.getpgid(number) == number
+    loop.send(operator, "ESC", "PRESS")
+
+
 @pytest.mark.parametrize("when", ["at the start", "amid"])
 def test_a_child_that_is_killed_gives_one_line_and_the_next_job_a_new_one(when):
     sphere(5)
@@ -113,6 +124,14 @@ class Unreadable:
     shared = ()
 
 
+class ReadByMainThread:
+    """A spacing that no other thread of the child can read."""
+
+    def __reduce__(self):
+        own = "__import__('threading').current_thread() is __import__('threading').main_thread()"
+        return eval, (f"{{True: 0.4}}[{own}]",)
+
+
 def asked_for(request, monkeypatch):
     """The operator of a job with another request, begun in a loop."""
     sphere()
@@ -143,6 +162,13 @@ def test_a_request_that_cannot_be_read_gives_one_line(monkeypatch):
     assert operator.reports == [
         ({"ERROR"}, "the process that solves could not read what it was asked: nothing was changed")
     ]
+
+
+def test_requests_are_read_by_the_thread_that_loads_modules(monkeypatch):
+    """Two threads that import at once may wait for one another."""
+    request = FieldJob("stripes", sphere(), Settings(spacing=0.4)).request
+    loop, operator = asked_for(replace(request, spacings=ReadByMainThread()), monkeypatch)
+    assert loop.run(operator) == {"FINISHED"}
 
 
 def test_a_child_that_has_died_meanwhile_is_replaced():

@@ -44,7 +44,7 @@ def test_picture_of_nothing_is_refused_and_leaves_the_file_as_it_was(tmp_path):
 
 def test_picture_that_cannot_be_written_is_an_error(tmp_path):
     (tmp_path / "a_file").touch()
-    with pytest.raises(SettingError, match="cannot write"):
+    with pytest.raises(SettingError, match="cannot be written"):
         render_picture(FACES["regular quad"].build(), tmp_path / "a_file" / "p.png", resolution=(8, 8), samples=1)
 
 

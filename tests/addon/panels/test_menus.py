@@ -10,7 +10,7 @@ import pytest
 
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.panels import menus, setting_presets
-from synch_fields.synch_addon.settings.fields import PROPERTY_NAMES
+from synch_fields.synch_addon.settings.fields import STORED_NAMES
 from synch_fields.synch_addon.settings.guide_list import stored_guidance
 
 from ..scenes import sphere, tube
@@ -112,6 +112,7 @@ def test_own_preset_keeps_all_settings(tmp_path, monkeypatch):
     monkeypatch.setattr(bpy.utils, "user_resource", lambda kind, path="", create=False: str(tmp_path))
     obj = sphere()
     changed = {"angle": 0.5, "spacing": 0.25, "automatic_spacing": False, "seed": 7, "guidance": "AXIS"}
+    changed |= {"branching": 30.0, "singularities": 50.0, "mesh_branching": 20.0}
     for name, value in changed.items():
         setattr(obj.synch, name, value)
     obj.synch.guide.axis = "X"
@@ -120,7 +121,7 @@ def test_own_preset_keeps_all_settings(tmp_path, monkeypatch):
     other = sphere()
     bpy.ops.script.execute_preset(filepath=str(path), menu_idname="SYNCH_PT_presets")
     assert other.synch.guide.axis == "X"
-    for name in PROPERTY_NAMES:
+    for name in STORED_NAMES:
         now, then = getattr(other.synch, name), getattr(obj.synch, name)
         assert (list(now) if name == "mirror" else now) == (list(then) if name == "mirror" else then)
     assert all(getattr(other.synch, name) == pytest.approx(value) if isinstance(value, float)

@@ -111,6 +111,93 @@ def test_boundary_is_restricted_to_the_vertex_group():
     assert len(points) == 4 and (points[:, :, 0] == -1).all()
 
 
+def set_errors(obj, errors):
+    obj.data.attributes.new("synch_spacing_error", "FLOAT", "FACE").data.foreach_set("value", np.float32(errors))
+
+
+def test_faces_are_red_where_lines_are_too_far_apart_and_blue_where_too_near():
+    obj = scenes.grid(3)
+    assert overlay.spacing_errors(obj) == []
+    set_errors(obj, [0, 0.25, 0.5, 2, -0.2, -1 / 3, -0.9, 0, 0])
+    [(corners, colours)] = overlay.spacing_errors(obj)
+    assert corners.shape == (18, 3, 3) and colours.shape == (18, 4)
+    places = scenes.places(obj)
+    for face, own in enumerate(np.split(corners, 9)):
+        expected = {tuple(p) for p in places[list(obj.data.polygons[face].vertices)]}
+        assert {tuple(p) for p in own.reshape(-1, 3)} == expected
+    even, wide, wider, widest, narrow, narrower, narrowest, *_ = colours[::2, :3]
+    np.testing.assert_array_equal(even, [1, 1, 1])
+    assert wide[0] > wide[2] and narrow[2] > narrow[0]
+    # A quarter wider and a fifth nearer are as far off: as much white is left.
+    assert wide[2] > wider[2] and np.abs(wide[[1, 2]].mean() - narrow[[0, 1]].mean()) < 0.06
+    np.testing.assert_allclose([wider, widest], [overlay.WIDE_COLOR[:3]] * 2, rtol=1e-6)
+    np.testing.assert_allclose([narrower, narrowest], [overlay.NARROW_COLOR[:3]] * 2, rtol=1e-6)
+
+
+def test_errors_that_are_shown_are_those_of_the_pattern():
+    obj = scenes.quad_sphere(9)
+    bpy.ops.synch.stripes(spacing=0.3, branching=0)
+    [(_, colours)] = overlay.spacing_errors(obj)
+    errors = scenes.attribute(obj, "synch_spacing_error")
+    assert errors.max() > 0.1 and errors.min() < -0.1
+    expected = np.repeat(overlay.error_colors(errors), 2, axis=0)
+    np.testing.assert_allclose(colours, expected)
+
+
+def set_loop(obj, *vertices):
+    obj.synch_loop.edge = next(e.index for e in obj.data.edges if set(e.vertices) == set(vertices))
+
+
+def test_a_loop_is_the_row_of_quads_across_an_edge():
+    obj = scenes.grid(5)
+    assert overlay.loop_faces(obj) == []
+    # The edge between the vertices 2 and 3 of the rim; the row through it leads to the rim across.
+    set_loop(obj, 2, 3)
+    [(corners, colours)] = overlay.loop_faces(obj)
+    assert corners.shape == (10, 3, 3) and (colours == overlay.LOOP_COLOR).all()
+    ends = scenes.places(obj)[[2, 3]]
+    axis = np.ptp(ends, axis=0).argmax()
+    own, across = corners[..., axis], corners[..., 1 - axis]
+    assert own.min() == ends[:, axis].min() and own.max() == ends[:, axis].max()
+    assert (across.min(), across.max()) == (-1, 1)
+    obj.synch_loop.edge = len(obj.data.edges)
+    assert overlay.loop_faces(obj) == []
+
+
+def test_a_loop_ends_at_a_triangle_and_none_passes_between_two():
+    places = [(x, y, 0) for y in (0, 1) for x in range(4)] + [(4, 0.5, 0), (5, 1, 0)]
+    faces = [(0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 8, 7), (8, 9, 7)]
+    obj = scenes.add_object(places, faces)
+    set_loop(obj, 3, 7)
+    [(corners, _)] = overlay.loop_faces(obj)
+    assert len(corners) == 6 and corners[..., 0].max() == 3
+    set_loop(obj, 7, 8)
+    assert overlay.loop_faces(obj) == []
+
+
+def spiral():
+    """A band of 120 quads that is wound three times around, each turn beside the last one."""
+    rings, count = 4, 40
+    steps = np.arange(rings * count + 1)
+    angles, radii = steps * 2 * np.pi / count, 1 + 0.1 * steps / count
+    places = np.column_stack([radii * np.cos(angles), radii * np.sin(angles), 0 * radii])
+    # Vertex k + count is the one above k, a turn later.
+    first = steps[: (rings - 1) * count]
+    faces = np.column_stack([first, first + count, first + count + 1, first + 1])
+    return scenes.add_object(places.tolist(), faces.tolist())
+
+
+def test_a_spiral_has_a_colour_of_its_own():
+    obj = spiral()
+    # It crosses each of the short rows from ring to ring three times; those are no spirals.
+    set_loop(obj, 0, 40)
+    [(corners, colours)] = overlay.loop_faces(obj)
+    assert len(corners) == 240 and (colours == overlay.SPIRAL_COLOR).all()
+    set_loop(obj, 0, 1)
+    [(corners, colours)] = overlay.loop_faces(obj)
+    assert len(corners) == 6 and (colours == overlay.LOOP_COLOR).all()
+
+
 # When it is computed again, and when it is drawn
 
 
@@ -137,6 +224,7 @@ def test_key_changes_with_the_attribute_the_mesh_and_the_settings_only():
     assert changed(set_(obj.data.vertices[0], "co", (0, 0, 1)))
     assert changed(set_(obj.synch, "symmetry", "CROSS"))
     assert changed(set_(obj.synch, "boundary", "ALONG"))
+    assert changed(set_(obj.synch_loop, "edge", 4))
     assert changed(set_(obj, "scale", (1, 2, 1)))
     for name, value in (("location", (1, 2, 3)), ("rotation_euler", (0.1, 0.5, 2.0)), ("scale", (3, 6, 3))):
         assert not changed(set_(obj, name, value)), name
@@ -162,7 +250,7 @@ def test_drawing_changes_nothing_in_the_file():
     obj = scenes.sphere()
     bpy.ops.synch.stripes()
     before = scenes.snapshot()
-    for compute in (overlay.direction_marks, overlay.direction_lines, overlay.defect_points, overlay.constraint_lines):
+    for compute in overlay_view._PARTS.values():
         compute(obj)
     assert scenes.snapshot() == before
 
@@ -201,6 +289,9 @@ def test_parts_follow_the_switches():
     assert shown.parts == ["STREAMLINES"]
     shown.directions = "NONE"
     assert shown.parts == []
+    shown.spacing = shown.defects = True
+    shown.loop = True
+    assert shown.parts == ["SPACING", "LOOP", "DEFECTS"]
 
 
 def test_taking_the_extension_out_leaves_no_handler_behind():
@@ -262,6 +353,21 @@ def test_seam_is_drawn_at_its_place_and_hidden_by_what_is_nearer(canvas):
     bpy.context.view_layer.update()
     rows = np.flatnonzero(drawn(canvas, obj, ["CONSTRAINTS"])[:, 20, 0] > 0.3)
     assert len(rows) and np.abs(rows - 47.5).max() < 3
+
+
+def test_faces_are_painted_and_lines_are_seen_over_them(canvas):
+    obj = scenes.add_object([(-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0)], [(0, 2, 1), (0, 1, 3)])
+    set_errors(obj, [1, -0.6])
+    for edge in obj.data.edges:
+        edge.use_seam = set(edge.vertices) == {0, 1}
+    row = obj.synch.constraints.add()
+    row.where, row.what = "SEAMS", "PHASE"
+    painted = drawn(canvas, obj, ["SPACING"])
+    red, blue = painted[20, 32], painted[44, 32]
+    assert red[0] > 0.4 > 0.3 > red[2] and blue[2] > 0.4 > 0.3 > blue[0]
+    assert not drawn(canvas, obj, ["SPACING"], depth=0.6).any(), "something nearer hides it"
+    seam = drawn(canvas, obj, ["SPACING", "CONSTRAINTS"])[31:33, 24:40]
+    assert (seam[..., 0] > 0.5).any(axis=0).all() and (seam[..., 2] > 0.3).any(axis=0).all()
 
 
 def test_picture_follows_a_change_of_the_attribute(canvas):

@@ -45,6 +45,7 @@ QUAD_ATTRIBUTES = {
     "synch_vertex_phase_x": ("POINT", "FLOAT"),
     "synch_vertex_phase_y": ("POINT", "FLOAT"),
     "synch_pattern": ("POINT", "FLOAT"),
+    "synch_spacing_error": ("FACE", "FLOAT"),
     "synch_singularity": ("FACE", "FLOAT"),
 }
 OPTIONAL = {"synch_index_x_2": ("FACE", "INT"), "synch_index_y_2": ("FACE", "INT")}

@@ -107,7 +107,8 @@ def test_the_mesh_of_the_quads_that_are_shown():
     report = api.trace_quads(obj, smoothing=1)
     made = bpy.data.objects[report["quad_mesh"]["object"]]
     assert (made.synch.seed, made.synch.smoothing) == (5, 2) and '"quad_mesh"' in made.synch.result
-    again = bpy.data.objects[api.quad_mesh(obj, spacing=0.4, seed=3, smoothing=1)["quad_mesh"]["object"]]
+    other = api.quad_mesh(obj, spacing=0.4, seed=3, smoothing=1, branching=1.0)
+    again = bpy.data.objects[other["quad_mesh"]["object"]]
     np.testing.assert_array_equal(places(made), places(again))
     np.testing.assert_array_equal(corner_vertices(made), corner_vertices(again))
 

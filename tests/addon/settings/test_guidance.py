@@ -256,7 +256,7 @@ def test_guidance_that_cannot_be_followed_is_one_line_and_changes_nothing(guidan
 
 @pytest.mark.parametrize("guidance", [None, 3, ["axis:X"]])
 def test_guidance_that_is_no_text_is_refused(guidance):
-    with pytest.raises(SynchError, match="give a text such as"):
+    with pytest.raises(SynchError, match="give a text"):
         api.directions(sphere(), guidance=guidance)
 
 

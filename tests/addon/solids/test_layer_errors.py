@@ -85,7 +85,7 @@ def test_flat_meshes_are_refused():
         ({"groups": "Top"}, "the group 'Top' lacks its name or its wish: write NAME=layer"),
         ({"groups": "Top=flat"}, "the wish 'flat' of the group 'Top' is unknown: use layer or constant"),
         ({"spacing_map": "gone"}, "has no attribute 'gone'"),
-        ({"spacing": -1}, "the spacing is -1: give a positive number"),
+        ({"spacing": -1}, "the spacing is -1.0: give a positive number"),
     ],
 )
 def test_settings_that_cannot_be_are_refused(settings, match):

@@ -9,6 +9,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from synch_fields.core.errors import SettingError
+from synch_fields.core.extract.centred import centred
 from synch_fields.core.extract.isolines import End, isolines
 from synch_fields.core.extract.quad_mesh import quad_mesh
 from synch_fields.core.fields import direction_field, given_directions, quad_pattern, stripe_pattern
@@ -142,7 +143,7 @@ def test_plane_quads_have_both_families_of_lines(degrees):
 )
 def test_edges_of_the_quad_mesh_run_along_lines(build):
     """A vertex of it lies on the lines that cross there, and both ends of an edge on one of them."""
-    edge_phases = build()
+    edge_phases = centred(build())
     lines, quads = isolines(edge_phases), quad_mesh(edge_phases)
     edges, counts = quads.edges
     rim = np.unique(edges[counts == 1])
@@ -391,3 +392,19 @@ def test_without_a_line_there_is_nothing():
     lines = isolines(EdgePhases(mesh, np.ones((mesh.vertex_count, 1)), np.zeros((len(none), 1)), none))
     assert len(lines.sizes) == len(lines.triangles) == 0
     assert len(lines.resampled(0.1).triangles) == len(lines.without_repeats(0.1).triangles) == 0
+
+
+@pytest.mark.parametrize(("build", "refusals"), [(isolines, 1), (quad_mesh, 2)])
+def test_more_lines_than_memory_holds_are_refused_with_a_spacing_that_fits(build, refusals, monkeypatch):
+    """Far more lines than a square of few triangles may have; lines of quads cross the edges and one another."""
+    mesh, spacing = square(4), 0.001
+    monkeypatch.setattr("synch_fields.core.extract.chords.MOST", 1000)
+    draw = plane_stripes if build is isolines else plane_edge_phases
+    for _ in range(refusals):
+        with pytest.raises(SettingError, match=r"more than 1e\+03 are not drawn: make the spacing") as caught:
+            build(draw(mesh, 30, spacing))
+        assert "\n" not in str(caught.value)
+        factor = float(str(caught.value).split("make the spacing ")[1].split()[0])
+        assert 1 < factor < 100
+        spacing *= factor
+    build(draw(mesh, 30, spacing))

@@ -207,7 +207,8 @@ def test_the_sphere_takes_no_more_time_than_the_limit_leaves_nor_than_the_gap_ne
     found = rankine(4)
     sphere = spherical_map(found)
     fine = spherical_map(replace(found, options=Options(target_gap=1e-4)))
-    assert fine.energy <= sphere.energy <= 1.001 * fine.energy
+    # Of starts that go less far another one may look best.
+    assert fine.energy <= sphere.energy <= 1.02 * fine.energy
     late = spherical_map(replace(found, options=Options(time_limit=1e-3)))  # which the map has taken
     first = found.solution.lifted[:, :2]
     np.testing.assert_allclose(late.lifted, first / np.linalg.norm(first, axis=1)[:, None], atol=1e-12)

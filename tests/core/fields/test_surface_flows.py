@@ -106,7 +106,9 @@ def test_figure_7(count):
     directions = np.random.default_rng(0).standard_normal((300, 3))
     directions /= np.linalg.norm(directions, axis=1)[:, None]
     numbers = np.array([sphere.seen_from(direction).face_numbers for direction in directions])
-    assert numbers.min() == 0 and numbers.max() == 1
+    # A sliver that is folded over is met by hardly any direction.
+    plain = (numbers >= 0).all(axis=1)
+    assert plain.mean() > 0.98 and numbers.max() == 1
     met = numbers.sum(axis=1)
     np.testing.assert_allclose(met.mean(), covered, atol=4 * met.std() / np.sqrt(len(met)) + 0.03)
     # One by one: the triangles on the sphere that hold the antipode; over the boundary's image vortices leave.
@@ -115,7 +117,7 @@ def test_figure_7(count):
     facing = triangles.mean(axis=1) @ -directions.T > 0
     held = ((sides > 0).all(axis=1) & facing).sum(axis=0)
     border = sphere.sphere[surface.mesh.boundary_vertices]
-    clear = (border @ -directions.T).max(axis=0) < np.cos(0.15)
+    clear = plain & ((border @ -directions.T).max(axis=0) < np.cos(0.15))
     assert clear.mean() > 0.8
     np.testing.assert_array_equal(met[clear], held[clear])
     radii = np.linalg.norm(surface.places[surface.faces].mean(axis=1), axis=1)

@@ -219,7 +219,7 @@ def test_fields_that_do_not_fit_are_refused(tmp_path):
     uneven = np.tile([[1.0, 0, 0], [1, 1, 0], [-1, 0, 0], [-1, -1, 0]], (mesh.triangle_count, 1, 1))
     with pytest.raises(SettingError, match=r"no\.rosy cannot be read \(No such file or directory\): check the path"):
         read_field(tmp_path / "no.rosy")
-    with pytest.raises(SettingError, match=r"cannot be written .*: choose another folder"):
+    with pytest.raises(SettingError, match=r"cannot be written .*: make room, or choose another place"):
         write_field(tmp_path / "nowhere" / "a.rosy", one)
     with pytest.raises(SettingError, match=r"needs 4 vectors a face and the field has one: pass it through"):
         write_field(tmp_path / "a.rawfield", one)
@@ -237,3 +237,12 @@ def test_fields_that_do_not_fit_are_refused(tmp_path):
         to_vertices(mesh, on_vertices)
     with pytest.raises(SettingError, match="every vector of the field is zero or normal to its face"):
         to_vertices(mesh, FaceField(1, np.tile([[0, 0, 1.0]], (mesh.triangle_count, 1, 1))))
+
+
+@pytest.mark.parametrize("text", ["9" * 5000 + "\n4\n", "0\n4\n", "2\n" + "4" * 5000 + "\n", "-2\n4\n"])
+def test_headers_without_a_number_that_can_be_are_refused_in_one_line(tmp_path, text):
+    path = tmp_path / "field.rosy"
+    path.write_text(text + "1 0 0\n1 0 0\n")
+    with pytest.raises(SettingError, match=r"line \d: .* is no header") as caught:
+        read_field(path)
+    assert len(str(caught.value)) < 300

@@ -3,6 +3,7 @@
 """Reading tetrahedra of MEDIT and VTK: round trips through text written here, a real file, and one-line refusals."""
 
 import re
+import tracemalloc
 import zlib
 from base64 import b64encode
 
@@ -219,6 +220,28 @@ def test_broken_vtu_files_are_refused_in_one_line(tmp_path, change, words):
     with pytest.raises(SettingError, match=words) as caught:
         read_tets(path)
     assert str(caught.value).startswith(str(path))
+    assert "\n" not in str(caught.value)
+
+
+def test_blocks_that_are_longer_than_promised_are_not_unpacked(tmp_path):
+    """A hundred megabytes of zeros in a block of 1000 bytes: no more than that is made of it."""
+    vtu, bomb = Vtu("zlib"), zlib.compress(bytes(100_000_000))
+    whole = vtu.text(block())
+    vtu.packed = lambda values: (np.array([1, 1000, 0, len(bomb)], vtu.header).tobytes(), bomb)
+    points = vtu.array("Points", np.zeros(3)).encode()
+    text = re.sub(rb'<DataArray[^<]*Name="Points".*?</DataArray>', lambda _: points, whole, flags=re.DOTALL)
+    path = written(tmp_path, text, "solid.vtu")
+    tracemalloc.start()
+    with pytest.raises(SettingError, match="a block of other than the 1000 bytes that are promised"):
+        read_tets(path)
+    assert tracemalloc.get_traced_memory()[1] < 20_000_000
+    tracemalloc.stop()
+
+
+def test_indices_that_no_number_holds_are_refused_in_one_line(tmp_path):
+    text = re.sub(rb'(Name="connectivity"[^>]*>)\d+', rb"\g<1>" + b"9" * 23, Vtu("ascii").text(block()))
+    with pytest.raises(SettingError, match="has an array that cannot be read") as caught:
+        read_tets(written(tmp_path, text, "solid.vtu"))
     assert "\n" not in str(caught.value)
 
 

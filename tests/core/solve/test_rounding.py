@@ -211,7 +211,7 @@ def test_a_continuation_returns_distinct_fields_best_first(build):
     )
     assert not timed_out
     values = piece.energy(fields.astype(piece.matrix.dtype))
-    assert 1 <= fields.shape[1] <= rounding.KEPT
+    assert 1 <= fields.shape[1] <= rounding.ALONE.kept
     assert (np.diff(values) > -1e-6 * values[:-1]).all()
     agreement = np.abs(fields.conj().T @ fields) / stage.node_count
     assert (agreement[np.triu_indices(fields.shape[1], 1)] <= rounding.SAME_FIELD + 1e-5).all()
@@ -259,7 +259,7 @@ def test_frustrated_problems_have_several_variations():
         solution = solve(build())
         assert len(solution.variations) > 1
         first, second = solution.variations[:2]
-        assert np.abs(np.vdot(first, second)) < 0.999 * len(first)  # not the same turned as a whole
+        assert np.abs(np.vdot(first, second)) < 0.9995 * len(first)  # not the same turned as a whole
 
 
 @pytest.mark.parametrize(

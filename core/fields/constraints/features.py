@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Boundaries and sharp edges of a surface, and grid lines that lie on them.
+
+A grid line of quads is where a phase is a multiple of pi: 1 or -1 as a complex number, in whatever sheet it is seen.
+The phases along a line are one node, therefore, with an edge to itself that asks for one of these two values.
+"""
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import minimum_spanning_tree
+
+from ...graphs import components
+from .groups import Links, joined_links
+from .lines import line_of_edges
+from .rows import GRID, Row
+
+# Radians by which a line turns at a corner.
+CORNER = np.radians(30)
+# A grid line needs directions that run along it, but for so much less than a right angle to the growth: at half a right
+# angle it would be as far from one phase's lines as from the other's.
+LEAST_ALONG = np.radians(50)
+# What is shorter than this many sides of a quad is no feature of quads: lines between corners, and all that hangs
+# together; a boundary always is.
+SHORTEST_LINE, SHORTEST_PIECE = 1.0, 4.0
+
+
+def feature_edges(mesh, angle, side, marked=()):
+    """Indices of the edges of boundaries and of sharp edges that quads can follow.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+    angle : radians between the normals of two faces beyond which their edge is sharp
+    side : length of a quad's side, one or (n,) at the vertices
+    marked : indices of further edges that count as sharp
+    """
+    sharp = np.abs(mesh.dihedral_angles) > angle
+    sharp[np.asarray(marked, int)] = True
+    sharp[mesh.boundary_edges] = True
+    edges = np.flatnonzero(sharp)
+    lengths = mesh.edge_lengths / np.broadcast_to(side, mesh.vertex_count)[mesh.edges].mean(axis=1)
+    on_boundary = mesh.edge_face_counts == 1
+    for pieces, shortest in ((_pieces_between_corners, SHORTEST_LINE), (_connected_pieces, SHORTEST_PIECE)):
+        labels = pieces(mesh, edges)
+        long = np.bincount(labels, lengths[edges]) >= shortest
+        edges = edges[long[labels] | on_boundary[edges]]
+    return edges
+
+
+def _connected_pieces(mesh, edges):
+    return components(mesh.vertex_count, mesh.edges[edges])[mesh.edges[edges, 0]]
+
+
+def _pieces_between_corners(mesh, edges):
+    """(k,) label of the line between corners that each edge is on."""
+    corner = np.zeros(mesh.vertex_count, bool)
+    corner[line_corners(mesh, edges)] = True
+    order, first = _meetings(mesh, edges)
+    first = first[~corner[mesh.edges[edges].ravel()[order[first]]]]
+    return components(len(edges), np.column_stack([order[first], order[first + 1]]) // 2)
+
+
+def line_corners(mesh, edges):
+    """Vertices at which lines of edges end, branch, or turn by more than :data:`CORNER`."""
+    ends = mesh.edges[edges]
+    degrees = np.bincount(ends.ravel(), minlength=mesh.vertex_count)
+    leaving = np.zeros((mesh.vertex_count, 3))
+    along = mesh.edge_vectors[edges] / np.maximum(mesh.edge_lengths[edges, None], np.finfo(float).tiny)
+    np.add.at(leaving, ends[:, 0], along)
+    np.add.at(leaving, ends[:, 1], -along)
+    # Two unit vectors that leave a vertex add up to 0 where they go straight on.
+    bends = np.linalg.norm(leaving, axis=1) > np.sqrt(2 - 2 * np.cos(CORNER))
+    return np.flatnonzero((degrees > 0) & ((degrees != 2) | bends))
+
+
+def quads_around(mesh, edges, corners):
+    """How many quads fit around corners of lines: at least one between two lines, and as many right angles as there
+    are, all but.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+    edges : (k,) of the lines
+    corners : (c,) vertices
+    """
+    ends = mesh.edges[edges].ravel()
+    angles = mesh.edge_directions[edges].ravel()
+    counts = np.zeros(len(corners), int)
+    for place, corner in enumerate(corners):
+        # At the boundary they count from its one side to the other.
+        around = np.sort(angles[ends == corner])
+        rest = [] if mesh.boundary_vertices[corner] else [around[0] + 2 * np.pi]
+        gaps = np.diff(around, append=rest) / mesh.angle_scales[corner]
+        counts[place] = np.maximum(np.rint(gaps / (np.pi / 2)), 1).sum()
+    return counts
+
+
+def _meetings(mesh, edges):
+    """Ends of edges in the order of their vertices, and places in it where exactly one edge goes on as another."""
+    ends = mesh.edges[edges].ravel()
+    order = np.argsort(ends, kind="stable")
+    met = ends[order]
+    first = np.flatnonzero(met[:-1] == met[1:])
+    return order, first[np.bincount(met, minlength=mesh.vertex_count)[met[first]] == 2]
+
+
+def feature_row(mesh, edges, name="a sharp edge or the boundary"):
+    """The :class:`Row` that holds a grid line on edges, where nothing else is asked."""
+    return Row(line_of_edges(mesh, edges), GRID, name=name)
+
+
+def with_grid_lines(growth, rows, links):
+    """Links between phases with those along grid lines, and the phases on these, each of which is 1 or -1.
+
+    Parameters
+    ----------
+    growth : Growth
+    rows : Rows of phases
+    links : Links of mirrors
+    """
+    along, nodes = _grid_links(growth, rows)
+    if len(nodes) == 0:
+        return links, nodes
+    joined = joined_links([links, along])
+    return _spanning(growth.phase_count * growth.mesh.vertex_count, joined, nodes), nodes
+
+
+def loops_at(nodes):
+    """:class:`Links` of nodes to themselves that leave them 1 or -1."""
+    names = np.full(len(nodes), "a grid line", object)
+    return Links(nodes, nodes, np.zeros(len(nodes)), np.ones(len(nodes), bool), names)
+
+
+def _grid_links(growth, rows):
+    """:class:`Links` between the phases that a grid line needs along its edges, and the phases, which are 1 or -1.
+
+    Of the two phases of an edge it is the one that grows most across. Edges that touch what other rows ask of phases
+    are left to them, and so are those along which the directions, given or asked for otherwise, do not run.
+
+    Parameters
+    ----------
+    growth : Growth
+    rows : Rows of phases
+    """
+    mesh, count = growth.mesh, growth.phase_count
+    taken = np.zeros(mesh.vertex_count, bool)
+    links = np.empty((0, 2), int)
+    for row in rows:
+        if row.kind == GRID:
+            links = np.concatenate([links, row.line.links])
+        else:
+            taken[row.line.nodes] = True
+    links = links[~taken[links].any(axis=1)]
+    edges = np.unique(mesh.edges_between(*links.T)) if len(links) else np.empty(0, int)
+    i, j = mesh.edges[edges].T
+    own = np.arange(count)
+    matched = growth.matchings[edges, None]
+    at_tail = growth.angles[i, None] + growth.turn * own - mesh.edge_directions[edges, :1]
+    at_head = growth.angles[j, None] + growth.turn * (own - matched) - mesh.edge_directions[edges, 1:]
+    across = np.abs(np.sin(at_tail)) + np.abs(np.sin(at_head))
+    along = across.max(axis=1, initial=0) > 2 * np.sin(LEAST_ALONG)
+    edges, i, j, across, matched = edges[along], i[along], j[along], across[along], matched[along]
+    phase = across.argmax(axis=1)
+    direction = (phase - matched[:, 0]) % (2 * count)
+    tails, heads = count * i + phase, count * j + direction % count
+    flips = direction >= count
+    if count == 2:
+        # Three or five quads at a vertex: its phases change places around it, and both are 1 or both are -1.
+        corners = line_corners(mesh, edges)
+        odd = corners[(quads_around(mesh, edges, corners) % 2 == 1) & ~mesh.boundary_vertices[corners]]
+        tails, heads = np.append(tails, 2 * odd), np.append(heads, 2 * odd + 1)
+        flips = np.append(flips, np.zeros(len(odd), bool))
+    names = np.full(len(tails), "a grid line", object)
+    return Links(tails, heads, np.zeros(len(tails)), flips, names), np.unique([tails, heads])
+
+
+def _spanning(count, links, loops):
+    """The links without those that close a way between nodes that are 1 or -1, which may come back with a flip.
+
+    Parameters
+    ----------
+    count : number of nodes
+    links : Links, those that nodes of ``loops`` hang on without turns
+    loops : (k,) nodes that are 1 or -1
+    """
+    pairs = np.column_stack([links.i, links.j])
+    labels = components(count, pairs)
+    whole = np.zeros(labels.max(initial=-1) + 1, bool)
+    whole[labels[loops]] = True
+    needed = ~whole[labels[links.i]]
+    # Of several links between two nodes the sum would be taken: places are kept apart from lengths.
+    tree = minimum_spanning_tree(coo_matrix((np.ones(len(pairs)), np.sort(pairs, axis=1).T), shape=(count, count)))
+    first = np.unique(np.sort(pairs, axis=1), axis=0, return_index=True)[1]
+    kept = np.column_stack(tree.nonzero())
+    in_tree = np.isin(np.sort(pairs, axis=1)[first] @ [count, 1], np.sort(kept, axis=1) @ [count, 1])
+    needed[first[in_tree]] = True
+    return Links(*(getattr(links, name)[needed] for name in Links.__dataclass_fields__))

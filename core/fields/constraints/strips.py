@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Strips between two grid lines that are narrower than a quad, and a growth in which a quad fits across.
+
+Where lines run beside each other at less than a quad's side, phases that grow as elsewhere are nearest to the same
+number on both: the lines would become one. There lengths across the strip count as more, along it as what they are.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ...graphs import components, ragged_arange
+from .rows import GRID
+
+# Quads asked for across a strip: more than one, so that two come before none where their number has to be even; and how
+# many times as much as elsewhere at most.
+ACROSS, MOST = 1.3, 6.0
+# Cosine of the angle that the way to the second line may have to the perpendicular on the first.
+STRAIGHT = 0.8
+# Cosine of the angle between two lines beyond which they are no strip but meet at a corner.
+BESIDE = np.cos(np.radians(12))
+# Points on lines are this far apart, in sides of a quad.
+STEP = 0.1
+
+
+def widened(growth, rows):
+    """The :class:`Growth` with room for a quad between the grid lines of rows.
+
+    Parameters
+    ----------
+    growth : Growth of two phases
+    rows : Rows of phases
+    """
+    links = np.concatenate([np.empty((0, 2), int), *(row.line.links for row in rows if row.kind == GRID)])
+    if len(links) == 0:
+        return growth
+    mesh = growth.mesh
+    sides = np.pi / growth.rates.mean(axis=1)
+    across, factors = strips(mesh, np.unique(mesh.edges_between(*links.T)), sides)
+    return replace(growth, stretch=_stretched_edges(mesh, across, factors))
+
+
+def strips(mesh, edges, sides):
+    """Which triangles are in narrow strips: (m, 3) unit vectors across these, and (m,) how many times a length across
+    has to count for :data:`ACROSS` quads; 1 elsewhere.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+    edges : (k,) of the lines
+    sides : (n,) length of a quad's side at the vertices
+    """
+    points, tangents, regions = _on_lines(mesh, edges, STEP * sides.min())
+    places, reach = mesh.vertices[mesh.triangles].mean(axis=1), ACROSS * sides[mesh.triangles].mean(axis=1)
+    triangles, met = _within_reach(places, reach, points)
+    same = (regions[met] == _regions(mesh, edges)[triangles, None]).any(axis=1)
+    triangles, met = triangles[same], met[same]
+    ways = points[met] - places[triangles]
+    lengths = np.linalg.norm(ways, axis=1)
+    nearest = np.zeros(mesh.triangle_count, int)
+    first = _first_of_each(triangles, lengths, np.arange(len(met)))
+    nearest[triangles[first]] = met[first]
+    own = nearest[triangles]
+    across = np.cross(mesh.face_normals[triangles], tangents[own])
+    across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), np.finfo(float).tiny)
+    heights = np.einsum("kx,kx->k", ways, across)
+    own_heights = np.einsum("kx,kx->k", points[own] - places[triangles], across)
+    beside = np.abs(np.einsum("kx,kx->k", tangents[met], tangents[own])) > BESIDE
+    opposite = np.flatnonzero(beside & (-np.sign(own_heights) * heights > STRAIGHT * lengths))
+    found = _first_of_each(triangles, lengths, opposite)
+    widths = np.maximum(np.abs(heights - own_heights)[found], np.finfo(float).tiny)
+    at, directions, factors = triangles[found], np.zeros((mesh.triangle_count, 3)), np.ones(mesh.triangle_count)
+    directions[at], factors[at] = across[found], np.clip(reach[at] / widths, 1, MOST)
+    return directions, factors
+
+
+def _within_reach(places, reach, points):
+    """Pairs of (m, 3) places and of points within (m,) reach of them: (k,) places, (k,) points. Places farther than
+    half of it from all points are in no strip and have none."""
+    tree = cKDTree(points)
+    near = np.flatnonzero(tree.query(places)[0] < reach / 2)
+    reached = tree.query_ball_point(places[near], reach[near])
+    rows, _ = ragged_arange(np.array([len(names) for names in reached], int))
+    return near[rows], np.concatenate([np.empty(0, int), *reached]).astype(int)
+
+
+def _first_of_each(labels, lengths, chosen):
+    """Of (c,) chosen ones the shortest of each label."""
+    order = chosen[np.lexsort((lengths[chosen], labels[chosen]))]
+    return order[np.unique(labels[order], return_index=True)[1]]
+
+
+def _on_lines(mesh, edges, step):
+    """Points on edges, unit vectors along these, and the (p, 2) regions at both sides, -1 beyond the boundary."""
+    own = _regions(mesh, edges)
+    beside = np.full((len(mesh.edges), 2), -1)
+    half = np.arange(3 * mesh.triangle_count)
+    side = (mesh.triangle_edge_signs.ravel() < 0).astype(int)
+    beside[mesh.triangle_edges.ravel(), side] = own[half // 3]
+    counts = np.ceil(mesh.edge_lengths[edges] / step).astype(int) + 1
+    rows, places = ragged_arange(counts)
+    shares = (places / (counts[rows] - 1))[:, None]
+    points = mesh.vertices[mesh.edges[edges[rows], 0]] + shares * mesh.edge_vectors[edges[rows]]
+    tangents = mesh.edge_vectors[edges] / np.maximum(mesh.edge_lengths[edges, None], np.finfo(float).tiny)
+    return points, tangents[rows], beside[edges[rows]]
+
+
+def _regions(mesh, edges):
+    """(m,) label of the part of the surface between lines of edges that each triangle is in."""
+    open_edge = np.ones(len(mesh.edges), bool)
+    open_edge[edges] = False
+    half = np.flatnonzero((mesh.twins >= 0) & open_edge[mesh.triangle_edges.ravel()])
+    return components(mesh.triangle_count, np.column_stack([half, mesh.twins[half]]) // 3)
+
+
+def _stretched_edges(mesh, across, factors):
+    """(e,) complex: what each edge counts as, as a multiple of itself, turned counterclockwise; a mean of its faces."""
+    half = mesh.triangle_edges.ravel()
+    faces = np.arange(len(half)) // 3
+    along = mesh.edge_vectors[half] / np.maximum(mesh.edge_lengths[half, None], np.finfo(float).tiny)
+    left = np.cross(mesh.face_normals[faces], along)
+    forward, sideways = (np.einsum("hx,hx->h", across[faces], part) for part in (along, left))
+    extra = (factors[faces] - 1) * forward * (forward + 1j * sideways)
+    sums = np.bincount(half, extra.real, len(mesh.edges)) + 1j * np.bincount(half, extra.imag, len(mesh.edges))
+    return 1 + sums / np.maximum(mesh.edge_face_counts, 1)

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mesh files, looked at without a mesh: whether an .obj, .ply or .stl holds all that it should, and whether a .ply has
+a header that its reader survives."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import SettingError, shown
+
+_FORMATS = "ascii", "binary_little_endian", "binary_big_endian"
+_SIZES = {"char": 1, "short": 2, "int": 4, "float": 4, "double": 8} | {"uchar": 1, "ushort": 2, "uint": 4}
+_SIZES |= {"int8": 1, "uint8": 1, "int16": 2, "uint16": 2, "int32": 4, "uint32": 4, "float32": 4, "float64": 8}
+_COUNTS = {"char": "i1", "uchar": "u1", "int8": "i1", "uint8": "u1", "short": "i2", "ushort": "u2"}
+_COUNTS |= {"int16": "i2", "uint16": "u2", "int": "i4", "uint": "u4", "int32": "i4", "uint32": "u4"}
+# Bytes before the triangles of an .stl file, the last four of which count them, and of a triangle.
+_STL_HEADER, _STL_TRIANGLE = 84, 50
+
+
+def is_whole(path, vertices, faces):
+    """Whether a mesh file of so many vertices and faces is complete; an .stl has triangles, their number in itself."""
+    content = Path(path).read_bytes()
+    if path.suffix.lower() == ".stl":
+        count = int.from_bytes(content[_STL_HEADER - 4 : _STL_HEADER], "little")
+        return len(content) == _STL_HEADER + _STL_TRIANGLE * count and (count > 0) == (faces > 0)
+    if path.suffix.lower() == ".ply":
+        return _is_whole_ply(content)
+    lines = b"\n" + content
+    return content.endswith(b"\n") and lines.count(b"\nv ") == vertices and lines.count(b"\nf ") == faces
+
+
+def _is_whole_ply(content):
+    """Whether a binary file, little end first, is as long as its header says."""
+    try:
+        kind, elements, body = _ply_header(content)
+    except ValueError:
+        return False
+    if kind != "binary_little_endian":
+        return False
+    place = 0
+    for count, properties in elements:
+        place = _after(body, place, count, properties)
+    return place == len(body)
+
+
+def check_ply(path):
+    """Refuse a .ply file whose header no reader survives, Blender's importer among them.
+
+    Raises
+    ------
+    SettingError
+        in one line
+    """
+    try:
+        content = Path(path).read_bytes()
+        kind, elements, body = _ply_header(content)
+    except OSError as error:
+        raise SettingError(f"{path} cannot be read ({error.strerror}): check the path") from None
+    except ValueError as error:
+        raise SettingError(f"{path} has a header that is none ({error}): export it again") from None
+    # The least that an element takes: of text a character and a space for each number, which a list may have none of.
+    least = 0
+    for count, properties in elements:
+        sizes = [2 if kind == "ascii" else _SIZES[words[0] if len(words) == 1 else words[1]] for words in properties]
+        least += count * sum(sizes)
+    if least > len(body) + 1:
+        raise SettingError(f"{path} promises more than {len(content)} bytes hold: it was cut short, export it again")
+
+
+def _ply_header(content):
+    """The format, the elements, each a count and the words of its properties' types, and the bytes after the header.
+
+    Raises
+    ------
+    ValueError
+        where this is no header
+    """
+    header, end, body = content.partition(b"end_header")
+    if not content.startswith(b"ply") or not end:
+        raise ValueError("it does not begin with ply, or end with end_header")
+    kind = None
+    elements: list[tuple[int, list[list[str]]]] = []
+    for line in header.decode("ascii").splitlines()[1:]:
+        words = line.split()
+        match words:
+            case [] | ["comment" | "obj_info", *_]:
+                continue
+            case ["format", kind, _] if kind in _FORMATS:
+                continue
+            case ["element", _, number] if re.fullmatch(r"\d{1,10}", number) and int(number) < 2**31:
+                elements.append((int(number), []))
+            case ["property", "list", count, item, _] if elements and count in _COUNTS and item in _SIZES:
+                elements[-1][1].append(["list", count, item])
+            case ["property", item, _] if elements and item in _SIZES:
+                elements[-1][1].append([item])
+            case _:
+                raise ValueError(f"it has the line {shown(line)}")
+    if kind is None:
+        raise ValueError("it has no format")
+    return kind, elements, body.removeprefix(b"\r").removeprefix(b"\n")
+
+
+def _after(body, place, count, kinds):
+    """Where so many elements end that begin at a place; beyond the end where they do not fit."""
+    if all(len(kind) == 1 for kind in kinds):
+        return place + count * sum(_SIZES[kind] for (kind,) in kinds)
+    for _ in range(count):
+        for kind in kinds:
+            if len(kind) == 1:
+                place += _SIZES[kind[0]]
+                continue
+            _, numbers, items = kind
+            if place + _SIZES[numbers] > len(body):
+                return len(body) + 1
+            length = np.frombuffer(body, _COUNTS[numbers], 1, place)[0]
+            place += _SIZES[numbers] + int(length) * _SIZES[items]
+    return place

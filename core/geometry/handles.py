@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Handles of a solid: changes along its edges that no function has, though they add up to nothing around triangles."""
+
+import numpy as np
+from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse.csgraph import breadth_first_tree
+
+from ..graphs import components, ragged_arange
+
+# Of the square of a combination of changes, on the scale of the largest: below, the combination vanishes.
+_NOTHING = 1e-9
+
+
+def triangle_sums(mesh):
+    """(f, e) CSR of a TetMesh: from changes along the edges to their sums around the triangles, along the vertices in
+    increasing order."""
+    a, b, c = mesh.faces.T
+    columns = np.column_stack([mesh.edges_between(a, b), mesh.edges_between(b, c), mesh.edges_between(a, c)])
+    starts = np.arange(0, columns.size + 1, 3)
+    shape = (len(columns), len(mesh.edges))
+    return csr_matrix((np.tile([1.0, 1.0, -1.0], len(columns)), columns.ravel(), starts), shape=shape)
+
+
+def handle_changes(mesh, resting):
+    """Changes that add up to nothing around all triangles and vanish at given edges, one for each handle.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+    resting : (e,) bool
+
+    Returns
+    -------
+    (e, g) : every such change is a combination of these and the changes of a function that is constant along the
+        resting edges
+
+    Notes
+    -----
+    Without loss the change along the edges of a tree is zero. Triangles of two known sides give the third; where there
+    is none, an edge is a new unknown, and the triangles all of whose sides are known say how the unknowns depend.
+    """
+    sums = triangle_sums(mesh)
+    known = resting | _tree_edges(mesh, resting)
+    values, fresh = np.zeros((len(known), 0)), np.flatnonzero(known)
+    beside = sums.T.tocsr()
+    sides, signs = sums.indices.reshape(-1, 3), sums.data.reshape(-1, 3)
+    while not known.all():
+        if len(fresh) == 0:
+            fresh = np.flatnonzero(~known)[:1]
+            values = np.column_stack([values, np.zeros(len(known))])
+            values[fresh, -1] = 1
+            known[fresh] = True
+        rows, places = ragged_arange(np.diff(beside.indptr)[fresh])
+        triangles = np.unique(beside.indices[beside.indptr[fresh][rows] + places])
+        triangles = triangles[known[sides[triangles]].sum(axis=1) == 2]
+        last = np.argmin(known[sides[triangles]], axis=1)[:, None]
+        fresh, first = np.unique(np.take_along_axis(sides[triangles], last, axis=1), return_index=True)
+        triangles, last = triangles[first], last[first]
+        own = np.take_along_axis(signs[triangles], last, axis=1)
+        values[fresh] = -own * (sums[triangles] @ values)
+        known[fresh] = True
+    relations = sums @ values
+    squares, combinations = np.linalg.eigh(relations.T @ relations)
+    return values @ combinations[:, squares <= _NOTHING * max(1.0, squares.max(initial=0))]
+
+
+def _tree_edges(mesh, resting):
+    """(e,) bool: edges that join all vertices of a piece once, those that resting edges join counting as one."""
+    count = mesh.vertex_count
+    names = components(count, mesh.edges[resting])
+    ends = np.sort(names[mesh.edges], axis=1)
+    proper = np.flatnonzero(ends[:, 0] != ends[:, 1])
+    # One edge between each two, its number plus one as the weight; one walk from a node beside all pieces.
+    pairs, first = np.unique(ends[proper], axis=0, return_index=True)
+    _, firsts = np.unique(components(count, pairs), return_index=True)
+    tails, heads = np.append(pairs[:, 0], np.full(len(firsts), count)), np.append(pairs[:, 1], firsts)
+    weights = np.append(proper[first] + 1, np.full(len(firsts), len(ends) + 1))
+    graph = coo_matrix((weights, (tails, heads)), shape=(count + 1, count + 1)).tocsr()
+    chosen = breadth_first_tree(graph, count, directed=False).data.astype(int) - 1
+    result = np.zeros(len(ends), bool)
+    result[chosen[chosen < len(ends)]] = True
+    return result

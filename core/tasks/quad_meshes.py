@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Quad meshes of a wanted number of faces, and with fewer long loops."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..errors import Cancelled, ContradictionError, SettingError, SynchError
+from ..extract.quad_loops import quad_loops
+from ..extract.quad_smoothing import lost_lines
+from ..fields.growth import Growth
+from ..monitor import Monitor, portion
+
+# Share by which the number of faces may miss without more tries and without a warning, and how often one is made.
+NEAR, FAR, CORRECTIONS = 0.03, 0.05, 6
+# How much the singularities are turned down where loops are to be straightened.
+CALMER = 0.25
+# Shares of the work: directions, and of the rest the pattern.
+_DIRECTIONS, _PATTERN, _CORRECTION = 0.4, 0.3, 0.05
+
+
+def solved_mesh(request, progress=None):
+    """The SurfaceResult of a SurfaceRequest with its quads; errors as :meth:`SurfaceRequest.solve`."""
+    share = 0.5 if request.straighten else 1.0
+    found = _meshed(
+        request, request.directed(portion(progress, 0.0, share * _DIRECTIONS)), portion(progress, 0.0, share)
+    )
+    if request.straighten:
+        found = _straightened(request, found, portion(progress, share, 1.0 - share))
+    return replace(found, warnings=(*found.warnings, *_about_lines(request, found), *_about_others(request, found)))
+
+
+def _meshed(request, directions, progress):
+    """The mesh along a field; of the wanted number of faces as nearly as can be.
+
+    The number falls in steps, by whole loops: the spacing is mended in proportion, and then halfway between those with
+    too many and too few.
+    """
+    if request.faces is None:
+        return _traced(request, directions, portion(progress, _DIRECTIONS, 1 - _DIRECTIONS))
+    growth = Growth.of(request.given.mesh, directions, request.spacings)
+    factor, bounds, found = np.sqrt(growth.quad_count / request.faces), [0.0, np.inf], []
+    for number in range(1 + CORRECTIONS):
+        start = _DIRECTIONS + number * _CORRECTION + (number > 0) * _PATTERN
+        share = _CORRECTION if number else _PATTERN
+        try:
+            found.append(_traced(_scaled(request, float(factor)), directions, portion(progress, start, share)))
+        except ContradictionError:
+            raise
+        except SettingError:  # quads as large as that are no mesh
+            bounds[1] = factor
+            factor = np.sqrt(np.prod(bounds)) if bounds[0] > 0 else factor / 2
+            continue
+        count = len(found[-1].quads.sizes)
+        if abs(count / request.faces - 1) <= NEAR:
+            break
+        bounds[count < request.faces] = factor
+        proportional = factor * np.sqrt(count / request.faces)
+        factor = np.sqrt(np.prod(bounds)) if bounds[0] > 0 and np.isfinite(bounds[1]) else proportional
+    if not found:
+        raise SettingError(f"{request.faces} faces are too few for a quad mesh of this surface: ask for more")
+    best = min(found, key=lambda result: abs(len(result.quads.sizes) - request.faces))
+    return replace(best, warnings=(*best.warnings, *_about_faces(len(best.quads.sizes), request.faces)))
+
+
+def _traced(request, directions, progress):
+    """The result of the pattern along a field with its quads, and the settings that they are made with."""
+    found = request.along(directions, progress)
+    settled = {"spacing": request.spacing, "singularities": request.singularities}
+    return replace(found, **request.traced(found.pattern), settled=settled)
+
+
+def _scaled(request, factor):
+    return replace(request, spacing=factor * request.spacing, spacings=factor * np.asarray(request.spacings))
+
+
+def _about_faces(count, wanted):
+    if abs(count / wanted - 1) > FAR:
+        yield f"the quad mesh has {count} faces, not {wanted}: what it must keep to leaves no spacing nearer to that"
+
+
+def _about_lines(request, found):
+    lost, lengths = lost_lines(found.quads, request.given.mesh, request.rows)
+    if len(lost):
+        yield (
+            f"{len(lost)} of {len(lengths)} lines of the boundary and of sharp edges are lost, {lost.sum():.3g} of "
+            f"{lengths.sum():.3g} in length: reduce the spacing"
+        )
+
+
+def _about_others(request, found):
+    others = int((found.quads.sizes != 4).sum())
+    if others and request.branching == 0:
+        faces = len(found.quads.sizes)
+        yield f"{others} of {faces} faces are no quads though no branches are asked for: reduce the spacing"
+
+
+def spacing_factor(mesh, spacings, faces):
+    """What spacings are to be multiplied with for about a number of quads on a flat surface.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+    spacings : one, (n,), or (n, 2) or (1, 2) along two axes
+    faces : number of quads
+    """
+    sides = np.broadcast_to(_along_axes(spacings), (mesh.vertex_count, 2)) / 2
+    return float(np.sqrt((mesh.vertex_masses / sides.prod(axis=1)).sum() / faces))
+
+
+def smallest_sides(mesh, spacings):
+    """(n,) the shorter side of a quad at each vertex, for spacings as :func:`spacing_factor` has them."""
+    return np.broadcast_to(_along_axes(spacings).min(axis=1) / 2, mesh.vertex_count)
+
+
+def _along_axes(spacings):
+    spacings = np.asarray(spacings, float)
+    return spacings if spacings.ndim == 2 else np.repeat(spacings.reshape(-1, 1), 2, axis=1)
+
+
+def _straightened(request, found, progress):
+    """The mesh of the fewest spirals, and then of the shortest longest loop, of about as many faces, among those of the
+    pattern's variations and of a calmer field."""
+    monitor = Monitor(progress)
+    variations = found.pattern.solution.variations
+    candidates = []
+    for number, phases in enumerate(variations[1:], 1):
+        monitor.at("straightening", 0.5 * number / len(variations))
+        pattern = found.pattern.showing(phases)
+        candidates.append(_tried(lambda shown=pattern: replace(found, pattern=shown, **request.traced(shown))))
+    if request.singularities > 0 and request.directions is None:
+        calmer = replace(request, singularities=max(0.0, request.singularities - CALMER))
+        directions = calmer.directed(portion(progress, 0.5, 0.2))
+        candidates.append(_tried(lambda: _meshed(calmer, directions, portion(progress, 0.7, 0.3))))
+    share, count = _quad_share(found), len(found.quads.sizes)
+    near = [c for c in candidates if c is not None and abs(len(c.quads.sizes) / count - 1) <= NEAR]
+    best = min(
+        [found, *(c for c in near if _quad_share(c) >= share)],
+        key=lambda result: (quad_loops(result.quads).spirals.sum(), quad_loops(result.quads).lengths.max(initial=0)),
+    )
+    return replace(best, loops_before=quad_loops(found.quads).figures)
+
+
+def _tried(make):
+    """A candidate; None where its quads would be no mesh."""
+    try:
+        return make()
+    except Cancelled:
+        raise
+    except SynchError:
+        return None
+
+
+def _quad_share(result):
+    return float((result.quads.sizes == 4).mean())

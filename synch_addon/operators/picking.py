@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators that wait for clicks on the active object in a 3D view."""
+
+import bpy
+from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
+
+from ...core.errors import SynchError
+from ..blender import meshes
+from ..blender.translations import said
+from ..patterns.picking import PickedSurface
+from .field_operator import navigates, over_sidebar
+from .ready import ReadyOperator
+
+
+class PickingOperator(ReadyOperator):
+    """Mixed into operators that are told by clicks on the surface where to do something.
+
+    ``hint`` is shown in the status bar meanwhile. ``begin`` notes how an object is; ``pick`` does something at a ray,
+    anew after a click and in the last one's place while that is held, and returns whether it did; ``keep`` and
+    ``take_back`` end what was done, for good or as before.
+    """
+
+    hint = ""
+
+    def begin(self, obj):
+        raise NotImplementedError
+
+    def pick(self, obj, surface, ray, is_moved):
+        raise NotImplementedError
+
+    def keep(self, obj):
+        """Nothing more is to be done by default."""
+
+    def take_back(self, obj):
+        raise NotImplementedError
+
+    def invoke(self, context, _event):
+        if context.region is None or context.region.type != "WINDOW":
+            self.report({"ERROR"}, "this is done by clicks in a 3D view: run it with the mouse over one")
+            return {"CANCELLED"}
+        obj = context.active_object
+        try:
+            with meshes.object_mode(obj):
+                self.begin(obj)
+                self._surface = PickedSurface.of(obj)
+        except SynchError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self._object_name = obj.name
+        self._picked = self._held = False
+        context.window_manager.modal_handler_add(self)
+        context.workspace.status_text_set(said(self.hint))
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        try:
+            result = self._step(context, event)
+        except SynchError as error:
+            self.report({"ERROR"}, str(error))
+            result = {"FINISHED"} if self._picked else {"CANCELLED"}
+        except Exception:
+            self.cancel(context)
+            raise
+        if result & {"FINISHED", "CANCELLED"}:
+            self.cancel(context)
+        return result
+
+    def cancel(self, context):
+        """However it ends: give the status bar back."""
+        context.workspace.status_text_set(None)
+
+    def _step(self, context, event):
+        obj = bpy.data.objects.get(self._object_name)
+        if obj is None:
+            raise SynchError(f"the object {self._object_name} is gone: nothing more can be done on it")
+        if event.type in {"RET", "NUMPAD_ENTER", "RIGHTMOUSE"} and event.value == "PRESS":
+            if not self._picked:
+                return {"CANCELLED"}
+            self.keep(obj)
+            return {"FINISHED"}
+        if event.type == "ESC":
+            if self._picked:
+                self.take_back(obj)
+                context.area.tag_redraw()
+            return {"CANCELLED"}
+        if event.type == "LEFTMOUSE":
+            pressed = event.value == "PRESS" and not over_sidebar(context, event)
+            self._held = pressed and self._pick(context, event, obj, False)
+            return {"RUNNING_MODAL"}
+        if event.type == "MOUSEMOVE" and self._held:
+            self._pick(context, event, obj, True)
+        return {"PASS_THROUGH"} if navigates(event) else {"RUNNING_MODAL"}
+
+    def _pick(self, context, event, obj, is_moved):
+        """What was done may be refused in one line, and stays as it was then."""
+        try:
+            done = self.pick(obj, self._surface, _ray(context, event, obj), is_moved)
+        except SynchError as error:
+            self.report({"ERROR"}, str(error))
+            return False
+        self._picked |= done
+        context.area.tag_redraw()
+        return done
+
+
+def _ray(context, event, obj):
+    """Origin and direction of what is under the mouse, in an object's space."""
+    mouse = event.mouse_region_x, event.mouse_region_y
+    origin = region_2d_to_origin_3d(context.region, context.region_data, mouse)
+    towards = region_2d_to_vector_3d(context.region, context.region_data, mouse)
+    inverse = obj.matrix_world.inverted()
+    return inverse @ origin, inverse.to_3x3() @ towards

@@ -1,0 +1,209 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Outputs of the command line on a full disk: the status is not 0, one line says why, and older files stay.
+
+A limit on the size of files stands for the full disk: what goes beyond it is refused by the system in the same way.
+"""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from synch_fields.synch_addon.blender import files
+from synch_fields.synch_addon.command.main import main
+from synch_fields.synch_addon.jobs.report import json_text
+
+from .. import scenes
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="there are no limits on files there")
+
+ROOT = Path(__file__).resolve().parents[4]
+# The command line with a limit on the bytes of each file.
+LIMITED = """
+import resource, runpy, sys
+sys.dont_write_bytecode = True
+resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv.pop(1)), resource.RLIM_INFINITY))
+runpy.run_module("synch_fields", run_name="__main__")
+"""
+
+
+def limited(bytes_, *arguments):
+    """The finished process of a command line none of whose files may become longer."""
+    return subprocess.run(
+        [sys.executable, "-c", LIMITED, str(bytes_), *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        check=False,
+    )
+
+
+@pytest.fixture
+def sphere(tmp_path):
+    obj = scenes.sphere()
+    path = tmp_path / "sphere.obj"
+    files.export_mesh(obj, path)
+    return path
+
+
+OUTPUTS = {
+    "--output": "out.blend",
+    "--render": "out.png",
+    "--report": "out.json",
+    "--export-mesh": "out.ply",
+    "--export-field": "out.rawfield",
+}
+
+
+@pytest.mark.parametrize(
+    ("flag", "name"),
+    [pytest.param(*item, marks=[pytest.mark.slow] if item[0] == "--render" else []) for item in OUTPUTS.items()],
+)
+def test_a_full_disk_loses_no_file(sphere, tmp_path, flag, name):
+    command = "quad_mesh" if flag == "--export-mesh" else "directions"
+    (tmp_path / name).write_text("old")
+    found = limited(700, command, sphere, "--quiet", flag, tmp_path / name)
+    lines = found.stderr.strip().splitlines()
+    assert found.returncode == 1, found.stderr
+    assert "cannot be written" in lines[-1] and str(tmp_path / name) in lines[-1]
+    assert (tmp_path / name).read_text() == "old" and len(list(tmp_path.iterdir())) == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (["ball.obj", "--export-mesh", "./ball.obj"], "./ball.obj: --export-mesh and the input are the same file"),
+        (["ball.obj", "--report", "rows.json", "--constraints", "rows.json"], "rows.json: --report and --constraints"),
+        (
+            ["ball.blend", "--output", "link.blend"],
+            "link.blend: --output and the input are the same",
+        ),
+    ],
+)
+def test_an_output_that_is_an_input_is_refused_before_anything_runs(tmp_path, monkeypatch, capsys, arguments, line):
+    monkeypatch.chdir(tmp_path)
+    for name in ("ball.obj", "ball.blend", "rows.json"):
+        (tmp_path / name).write_text(name)
+    (tmp_path / "link.blend").symlink_to("ball.blend")
+    assert main(["quad_mesh", *arguments]) == 1
+    assert capsys.readouterr().err.startswith(f"synch quad_mesh: {line}")
+    assert [(tmp_path / name).read_text() for name in ("ball.obj", "rows.json")] == ["ball.obj", "rows.json"]
+
+
+def test_reports_are_json_that_every_reader_takes():
+    report = {"settings": {"spacing": float("nan"), "angle": 1.5}, "gaps": [float("inf"), -float("inf"), 0.0, None]}
+    text = json_text(report)
+
+    def refuse(word):
+        raise AssertionError(word)
+
+    read = json.loads(text, parse_constant=refuse)
+    assert read == {"settings": {"spacing": "nan", "angle": 1.5}, "gaps": ["inf", "-inf", 0.0, None]}
+    assert report["gaps"][0] == float("inf")
+
+
+def started(*arguments, **options):
+    """A command line that runs."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "synch_fields", *map(str, arguments)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        **options,
+    )
+
+
+# The command line, interrupted when Blender is about to be imported.
+INTERRUPTED = """
+import importlib.abc, os, runpy, signal, sys
+
+class Interrupting(importlib.abc.MetaPathFinder):
+    def find_spec(self, name, path, target=None):
+        if name == "bpy":
+            os.kill(os.getpid(), signal.SIGINT)
+
+sys.meta_path.insert(0, Interrupting())
+runpy.run_module("synch_fields", run_name="__main__")
+"""
+
+
+def test_an_interrupt_while_blender_is_imported_ends_the_command_in_one_line(sphere):
+    found = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED, "info", str(sphere)],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        check=False,
+    )
+    assert found.returncode == 130 and found.stderr.strip() == "synch: interrupted"
+
+
+@pytest.mark.parametrize("moment", ["", "relax", "cont", "polish"])
+def test_an_interrupt_ends_the_command_in_one_line(sphere, tmp_path, moment):
+    """At the first progress of a kind, which is that of the directions: the stripes are still to be solved."""
+    output = tmp_path / "out.blend"
+    process = started("stripes", sphere, "--spacing", 0.05, "--output", output, "--report", tmp_path / "out.json")
+    for line in process.stderr:
+        if moment in line:
+            break
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=120)
+    assert process.returncode == 130, errors
+    assert "Traceback" not in errors and "interrupted" in errors.splitlines()[-1]
+    assert [path.name for path in tmp_path.iterdir()] == ["sphere.obj"]
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="there is no device without room")
+def test_a_result_that_cannot_be_printed_is_told(sphere):
+    with open("/dev/full", "w") as full:
+        found = subprocess.run(
+            [sys.executable, "-m", "synch_fields", "info", str(sphere)],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=os.environ | {"PYTHONPATH": str(ROOT)},
+            check=False,
+        )
+    assert found.returncode == 1
+    assert found.stderr.strip() == "synch info: the result cannot be printed (No space left on device)"
+
+
+def test_without_a_stdout_the_command_runs(sphere):
+    command = f"{sys.executable} -m synch_fields info {sphere} >&-"
+    found = subprocess.run(
+        ["sh", "-c", command],
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        check=False,
+    )
+    assert (found.returncode, found.stderr) == (0, "")
+
+
+def test_names_that_are_no_text_are_refused_in_one_line(tmp_path, capsys):
+    assert main(["info", str(tmp_path / "b\udcff.obj")]) == 1
+    line = capsys.readouterr().err.strip()
+    assert line.startswith("synch info: the input is ") and line.endswith("which is no text: write it as UTF-8")
+
+
+@pytest.mark.parametrize("name", ["bad.blend", "bad.glb", "bad.stl", "bad.ply"])
+def test_a_damaged_input_is_told_in_one_line_with_its_name(tmp_path, name, capfd):
+    path = tmp_path / name
+    path.write_text("nothing of the kind")
+    assert main(["info", str(path)]) == 1
+    out, err = capfd.readouterr()
+    assert out == "" and len(err.splitlines()) == 1
+    assert err.startswith(f"synch info: {path}") and err.rstrip().endswith("export it again")
+
+
+def test_what_the_importer_says_of_each_line_is_not_repeated(tmp_path, capfd):
+    path = tmp_path / "many.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n" + "f 1 x 99999\n" * 2000)
+    assert main(["info", str(path)]) == 0
+    assert capfd.readouterr().err == ""

@@ -1,0 +1,133 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shapes with boundaries and sharp edges, and how far a quad mesh is from these."""
+
+from itertools import pairwise
+
+import numpy as np
+from scipy.spatial import Delaunay
+
+from synch_fields.core.extract.quad_mesh import quad_mesh
+from synch_fields.core.extract.quad_smoothing import smoothed
+from synch_fields.core.fields import DirectionWishes, direction_field, quad_pattern
+from synch_fields.core.fields.constraints.features import feature_edges, feature_row
+from synch_fields.core.geometry import TriangleMesh
+
+from .meshes import grid_quads, split_quads
+
+ANGLE = np.radians(40)
+
+
+def welded(patches):
+    """One mesh of (points, triangles), whose equal points become one vertex."""
+    points, triangles, count = [], [], 0
+    for places, faces in patches:
+        points.append(places)
+        triangles.append(np.asarray(faces) + count)
+        count += len(places)
+    vertices, number = np.unique(np.round(np.concatenate(points), 9), axis=0, return_inverse=True)
+    return TriangleMesh(vertices, number.ravel()[np.concatenate(triangles)])
+
+
+def plate(cells=30, radius=0.22):
+    """A square of side 1 with a round hole in its middle."""
+    random = np.random.default_rng(0)
+    x, y = np.meshgrid(*[np.arange(cells + 1) / cells - 0.5] * 2)
+    points = np.column_stack([x.ravel(), y.ravel()])
+    inner = (np.abs(points) < 0.5 - 1e-9).all(axis=1)
+    points[inner] += 0.2 / cells * random.uniform(-1, 1, (inner.sum(), 2))
+    points = points[np.linalg.norm(points, axis=1) > radius + 0.5 / cells]
+    count = int(2 * np.pi * radius * cells)
+    around = 2 * np.pi / count * np.arange(count)
+    points = np.vstack([points, radius * np.column_stack([np.cos(around), np.sin(around)])])
+    triangles = Delaunay(points).simplices
+    middles = points[triangles].mean(axis=1)
+    triangles = triangles[np.linalg.norm(middles, axis=1) > radius * np.cos(np.pi / count) - 1e-9]
+    return TriangleMesh(np.column_stack([points, np.zeros(len(points))]), triangles)
+
+
+def flat_cells(cells, fine):
+    """Unit squares of the plane, as one mesh."""
+    grid = split_quads(grid_quads(fine, fine))
+    i, j = np.mgrid[: fine + 1, : fine + 1]
+    square = np.column_stack([i.ravel(), j.ravel(), 0 * i.ravel()]) / fine
+    return welded([(square + [x, y, 0], grid) for x, y in cells])
+
+
+def polygon(sides, fine=12):
+    """A regular polygon of radius 1 in the plane."""
+    angles = 2 * np.pi / sides * np.arange(sides + 1)
+    corners = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
+    return welded([_fine_triangle(np.zeros(3), a, b, fine) for a, b in pairwise(corners)])
+
+
+def chamfered_cube(cells=16, cut=0.12):
+    """A cube of side 1 whose edges are cut off, and its corners to triangles."""
+    inner = 0.5 - cut
+    across = max(2, round(cells * cut * np.sqrt(2) / (2 * inner)))
+    patches = []
+    for axis in range(3):
+        for side in (-0.5, 0.5):
+            corners = np.full((4, 3), side)
+            corners[:, (axis + 1) % 3] = np.array([-inner, inner, inner, -inner])
+            corners[:, (axis + 2) % 3] = np.array([-inner, -inner, inner, inner])
+            patches.append(_patch(corners, cells, cells))
+        for signs in ((1, 1), (1, -1), (-1, 1), (-1, -1)):
+            corners = np.empty((4, 3))
+            corners[:, axis] = np.array([-inner, inner, inner, -inner])
+            corners[:, (axis + 1) % 3] = signs[0] * np.array([0.5, 0.5, inner, inner])
+            corners[:, (axis + 2) % 3] = signs[1] * np.array([inner, inner, 0.5, 0.5])
+            patches.append(_patch(corners, cells, across))
+    for signs in np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T:
+        patches.append(_fine_triangle(*(signs * (np.full((3, 3), inner) + cut * np.eye(3))), across))
+    return _outwards(welded(patches))
+
+
+def _patch(corners, columns, rows):
+    u, v = np.meshgrid(np.linspace(0, 1, columns + 1), np.linspace(0, 1, rows + 1), indexing="ij")
+    u, v = u.ravel()[:, None], v.ravel()[:, None]
+    a, b, c, d = corners
+    return (1 - u) * (1 - v) * a + u * (1 - v) * b + u * v * c + (1 - u) * v * d, split_quads(grid_quads(columns, rows))
+
+
+def _fine_triangle(a, b, c, count):
+    places = [(i, j) for i in range(count + 1) for j in range(count + 1 - i)]
+    number = {place: k for k, place in enumerate(places)}
+    points = np.array([a + (b - a) * i / count + (c - a) * j / count for i, j in places])
+    up = [(number[i, j], number[i + 1, j], number[i, j + 1]) for i, j in places if i + j < count]
+    down = [(number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]) for i, j in places if i + j < count - 1]
+    return points, up + down
+
+
+def _outwards(mesh):
+    """A convex mesh around the origin with its faces looking away from there."""
+    inwards = np.einsum("fx,fx->f", mesh.face_normals, mesh.vertices[mesh.triangles].mean(axis=1)) < 0
+    triangles = mesh.triangles.copy()
+    triangles[inwards] = triangles[inwards][:, ::-1]
+    return TriangleMesh(mesh.vertices, triangles)
+
+
+def kept_quads(mesh, spacing, rounds=10, mirrors=(), planes=()):
+    """The quad mesh that keeps features and has quads alone, and the indices of the mesh's edges that are features."""
+    edges = feature_edges(mesh, ANGLE, spacing / 2)
+    rows = (feature_row(mesh, edges),)
+    field = direction_field(mesh, 4, DirectionWishes(rows=rows, mirrors=mirrors))
+    pattern = quad_pattern(mesh, field, spacing, rows, mirrors, branching=0.0)
+    return smoothed(quad_mesh(pattern.edge_phases), mesh, rows, planes, rounds, only_quads=True), edges
+
+
+def distances_from_edges(quads, points):
+    """(p,) how far points are from the nearest edge of a quad mesh."""
+    begin, end = np.moveaxis(quads.vertices[quads.edges[0]], 1, 0)
+    along, nearest = end - begin, np.full(len(points), np.inf)
+    for start, step in zip(begin, along, strict=True):
+        share = np.clip((points - start) @ step / max(step @ step, np.finfo(float).tiny), 0, 1)
+        nearest = np.minimum(nearest, np.linalg.norm(points - start - share[:, None] * step, axis=1))
+    return nearest
+
+
+def samples(mesh, edges, count=5):
+    """Points on edges."""
+    shares = ((np.arange(count) + 0.5) / count)[:, None, None]
+    a, b = np.moveaxis(mesh.vertices[mesh.edges[edges]], 1, 0)
+    return (a + shares * (b - a)).reshape(-1, 3)
