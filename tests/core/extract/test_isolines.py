@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from synch_fields.core.errors import SettingError
 from synch_fields.core.extract.centred import centred
 from synch_fields.core.extract.isolines import End, isolines
 from synch_fields.core.extract.quad_mesh import quad_mesh
@@ -25,18 +24,10 @@ from synch_fields.core.interpolate import (
 
 from ..crosses import plane_edge_phases, random_edge_phases
 from ..meshes import annulus, bent_square, cube, cylinder, disk, double_torus, icosphere, renumbered, square, torus
+from ..plane_stripes import plane_stripes
 from ..wishes import boundary_row
 
 WIDTHS = [0, 0.3, 0.5, 1]
-
-
-def plane_stripes(mesh, degrees, spacing, origin=(0.0, 0.0, 0.0), seed=0):
-    """The exact stripes along a constant direction in the plane, of which a vertex knows either sign."""
-    angles = np.radians(degrees) + np.pi * np.random.default_rng(seed).integers(0, 2, mesh.vertex_count)
-    field = given_directions(mesh, 2, np.column_stack([np.cos(angles), np.sin(angles), 0 * angles]))
-    away = mesh.vertices - origin
-    waves = 2 * np.pi / spacing * (np.cos(angles) * away[:, 1] - np.sin(angles) * away[:, 0])
-    return Growth.of(mesh, field, spacing).edge_phases(np.exp(1j * waves))
 
 
 def random_stripes(mesh, smooth, seed=0, spacing=None):
@@ -372,39 +363,3 @@ def test_normals_and_lengths_of_a_sphere():
     # Middles of stripes a spacing apart share the sphere's area out.
     spacing = 2 / 9
     assert lines.lengths.sum() * spacing == pytest.approx(4 * np.pi, rel=0.1)
-
-
-@pytest.mark.parametrize("width", [-0.1, 1.1, np.nan, np.inf])
-def test_a_width_outside_a_period_is_refused(width):
-    with pytest.raises(SettingError, match="width"):
-        isolines(solved(sphere, 9), width)
-
-
-def test_quads_have_no_width():
-    with pytest.raises(SettingError, match="grid lines"):
-        isolines(plane_edge_phases(square(4), 0, 0.5), 0.5)
-
-
-def test_without_a_line_there_is_nothing():
-    """A sphere smaller than a period."""
-    mesh = icosphere(1)
-    none = np.zeros(len(mesh.edges), int)
-    lines = isolines(EdgePhases(mesh, np.ones((mesh.vertex_count, 1)), np.zeros((len(none), 1)), none))
-    assert len(lines.sizes) == len(lines.triangles) == 0
-    assert len(lines.resampled(0.1).triangles) == len(lines.without_repeats(0.1).triangles) == 0
-
-
-@pytest.mark.parametrize(("build", "refusals"), [(isolines, 1), (quad_mesh, 2)])
-def test_more_lines_than_memory_holds_are_refused_with_a_spacing_that_fits(build, refusals, monkeypatch):
-    """Far more lines than a square of few triangles may have; lines of quads cross the edges and one another."""
-    mesh, spacing = square(4), 0.001
-    monkeypatch.setattr("synch_fields.core.extract.chords.MOST", 1000)
-    draw = plane_stripes if build is isolines else plane_edge_phases
-    for _ in range(refusals):
-        with pytest.raises(SettingError, match=r"more than 1e\+03 are not drawn: make the spacing") as caught:
-            build(draw(mesh, 30, spacing))
-        assert "\n" not in str(caught.value)
-        factor = float(str(caught.value).split("make the spacing ")[1].split()[0])
-        assert 1 < factor < 100
-        spacing *= factor
-    build(draw(mesh, 30, spacing))
