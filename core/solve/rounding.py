@@ -7,7 +7,7 @@ lets defects pair up and settle, and then descend on the unrelaxed problem (18).
 crossed, each region from the one that does better there, and carried again, as long as that pays.
 """
 
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -24,8 +24,8 @@ TIMES = 0.3 * 0.1 ** np.arange(3)
 LONG_TIMES = 0.7 * 0.6 ** np.arange(4)
 # The share of carried fields that go on to descend.
 DESCENDING = 0.5
-# Rounds of crossing at least and at most, and the relative gain below which they end.
-FEWEST_ROUNDS, MOST_ROUNDS = 1, 5
+# Rounds of crossing at least, and the relative gain below which they end.
+FEWEST_ROUNDS = 1
 GAIN = 2e-3
 # The numbers of :class:`Tries` are for so many nodes. As what there is to choose from, they grow with the size, as its
 # root, between these multiples: small meshes would wait for little, and large ones for long. From the last number of
@@ -52,28 +52,30 @@ CANDIDATE_SHIFT = 1.0
 
 @dataclass(frozen=True)
 class Tries:
-    """How many fields are tried.
+    """How many fields a search tries.
 
     Attributes
     ----------
     best, drawn : projections of the lifted field that are carried: the best, and for variety some at random, through
         the slower fall first
-    calmed : projections of each calmed problem's lifted field that are carried, the best
     kept, crossed : fields that are kept and crossed in pairs, crossings that go on
+    rounds : of crossing at most
     """
 
     best: int
     drawn: int
-    calmed: int
     kept: int
     crossed: int
+    rounds: int
 
     def times(self, effort):
-        return Tries(*(round(effort * number) for number in astuple(self)))
+        more = {name: round(effort * getattr(self, name)) for name in ("best", "drawn", "kept", "crossed")}
+        return replace(self, **more)
 
 
-# Without calmed problems, and with them.
-ALONE, TOGETHER = Tries(14, 5, 0, 7, 20), Tries(8, 2, 5, 8, 15)
+# On a matrix that cannot be calmed; on a calmed one, and on the asked one after it.
+ALONE = Tries(14, 5, 7, 20, 5)
+CALMED, AFTER = Tries(12, 4, 7, 18, 4), Tries(5, 0, 7, 18, 2)
 
 
 def random_directions(is_complex, rank, count, random):
@@ -182,8 +184,10 @@ def finish(workspace, column, metric, monitor):
     return descend(workspace.matrix, spheres, column, metric, FINAL_TOLERANCE, FINAL_STEPS, monitor).point
 
 
-def continuation(stage, lifted, samples, density, random, monitor, calmed=(), metric_of_lifted=None):
+def continuation(stage, lifted, samples, density, random, monitor, calmed=None, metric_of_lifted=None):
     """Fields by seeded continuation and crossing, best first, and whether time ran out on the way.
+
+    On a slightly calmed problem fewer defects stand in one another's way: what is found there leads to less energy.
 
     Parameters
     ----------
@@ -193,75 +197,99 @@ def continuation(stage, lifted, samples, density, random, monitor, calmed=(), me
     density : energy per mass of the relaxation, positive
     random : numpy Generator
     monitor : Monitor
-    calmed : matrices of calmed problems on the same rows, the least calmed first; their fields join the others
-    metric_of_lifted : in which lifted fields descend on these
+    calmed : matrix of a calmed problem on the same rows, on which most of the search is made
+    metric_of_lifted : in which lifted fields descend on it
     """
-    tries = (TOGETHER if calmed else ALONE).times(_effort(stage.node_count))
-    metric = monitor.during(partial(stage.candidate_metric, CANDIDATE_SHIFT * density))
-    directions = random_directions(stage.is_complex, lifted.shape[1], samples, random)
-    seeds = projections(stage, lifted, directions, tries.best, monitor)
-    found, best = seeds[:, :1], np.inf
+    search = _Search(stage, samples, density, random, monitor)
     try:
-        drawn = projections(stage, lifted, directions[:, -tries.drawn :], tries.drawn, monitor)
-        seeds = np.hstack([seeds, diffuse(stage, drawn, _metrics(stage, LONG_TIMES, density), 1, monitor)])
-        diffusion = monitor.during(partial(list, _metrics(stage, TIMES, density)))
-        smoothing = monitor.during(partial(stage.smoothing, density / CROSSING_TIME))
-        carried = _carried(stage, seeds, diffusion, metric, monitor)
-        for calm, field in _calmed_fields(stage, lifted, calmed, metric_of_lifted, monitor):
-            directions = random_directions(stage.is_complex, field.shape[1], samples, random)
-            seeds = projections(calm, field, directions, tries.calmed, monitor)
-            settled = _carried(calm, seeds, diffusion, metric, monitor)
-            carried = np.hstack([carried, _in_batches(stage, _descent(stage, metric), settled, monitor)])
-        for round_number in range(1 + MOST_ROUNDS):
-            found = distinct_columns(stage, np.hstack([found, carried]))[:, : tries.kept]
-            value = energies(stage, found[:, :1])[0]
-            monitor.found(float(value))
-            monitor.at("continuation", 0.4 + 0.5 * (1 + round_number) / (1 + MOST_ROUNDS))
-            settled = round_number >= FEWEST_ROUNDS and value > (1 - GAIN) * best
-            if found.shape[1] == 1 or settled or round_number == MOST_ROUNDS:
-                break
-            best = value
-            seeds = crossings(stage, found, smoothing, tries.crossed, monitor)
-            carried = _carried(stage, seeds, diffusion[:1], metric, monitor)
+        if calmed is None:
+            search.on(stage, lifted, ALONE, (0.4, 0.9))
+        else:
+            calm = stage.turned(calmed)
+            point = lifted.astype(stage.matrix.dtype)
+            point = descend(
+                calm.matrix, calm.lifted, point, metric_of_lifted, CALM_TOLERANCE, CALM_STEPS, monitor
+            ).point
+            search.on(calm, principal(point)[0], CALMED, (0.4, 0.75))
+            search.on(stage, lifted, AFTER, (0.75, 0.9))
+        found, metric = search.found, search.metric
         found = np.hstack([polish(stage, found[:, :FINALISTS], metric, monitor), found[:, FINALISTS:]])
     except OutOfTime:
-        return found, True
+        return _best(stage, search.found, search.found.shape[1]), True
     return distinct_columns(stage, found), False
 
 
-def _calmed_fields(stage, lifted, matrices, metric, monitor):
-    """The stage of each calmed matrix, and what the lifted field descends to there, in principal columns."""
-    point = lifted.astype(stage.matrix.dtype)
-    for matrix in matrices:
-        calm = stage.turned(matrix)
-        point = descend(calm.matrix, calm.lifted, point, metric, CALM_TOLERANCE, CALM_STEPS, monitor).point
-        yield calm, principal(point)[0]
+class _Search:
+    """Fields that are carried and crossed, on the asked matrix or on one that is calmed.
+
+    Attributes
+    ----------
+    found : (N, k) fields so far, best first, where a next search goes on
+    metric : of descents
+    """
+
+    def __init__(self, stage, samples, density, random, monitor):
+        self._asked, self._samples, self._density = stage, samples, density
+        self._random, self._monitor = random, monitor
+        self.found = np.empty((stage.matrix.shape[0], 0), stage.matrix.dtype)
+        self.metric = monitor.during(partial(stage.candidate_metric, CANDIDATE_SHIFT * density))
+        self._diffusion = monitor.during(partial(list, _metrics(stage, TIMES, density)))
+        self._smoothing = monitor.during(partial(stage.smoothing, density / CROSSING_TIME))
+
+    def on(self, stage, lifted, tries, fractions):
+        """Find fields of low energy on a stage: from projections of a lifted field, and from those found before.
+
+        ``fractions`` of the whole work, which the monitor is told, are done at the start and at the end.
+        """
+        tries, monitor = tries.times(_effort(stage.node_count)), self._monitor
+        directions = random_directions(stage.is_complex, lifted.shape[1], self._samples, self._random)
+        seeds = projections(stage, lifted, directions, tries.best, monitor)
+        before, self.found, best = self.found, np.hstack([seeds[:, :1], self.found]), np.inf
+        carried = self._carried(stage, np.hstack([seeds, self._drawn(stage, lifted, directions, tries)]))
+        if before.shape[1]:
+            carried = np.hstack([self._descended(stage, before), carried])
+        self.found = seeds[:, :1]
+        for round_number in range(1 + tries.rounds):
+            self.found = distinct_columns(stage, np.hstack([self.found, carried]))[:, : tries.kept]
+            value = energies(stage, self.found[:, :1])[0]
+            monitor.found(float(energies(self._asked, self.found[:, :1])[0]))
+            monitor.at("continuation", float(np.interp(1 + round_number, (0, 1 + tries.rounds), fractions)))
+            settled = round_number >= FEWEST_ROUNDS and value > (1 - GAIN) * best
+            if self.found.shape[1] == 1 or settled or round_number == tries.rounds:
+                break
+            best = value
+            seeds = crossings(stage, self.found, self._smoothing, tries.crossed, monitor)
+            carried = self._carried(stage, seeds, self._diffusion[:1])
+
+    def _drawn(self, stage, lifted, directions, tries):
+        """Projections at random that have been through the slower fall."""
+        drawn = directions[:, directions.shape[1] - tries.drawn :]
+        fields = projections(stage, lifted, drawn, tries.drawn, self._monitor) if tries.drawn else self.found[:, :0]
+        return diffuse(stage, fields, _metrics(stage, LONG_TIMES, self._density), 1, self._monitor)
+
+    def _carried(self, stage, seeds, diffusion=None):
+        """The better part of the seeds after diffusion, carried on by some steps of descent."""
+        diffusion = self._diffusion if diffusion is None else diffusion
+
+        def settle(batch, batch_monitor):
+            return diffuse(stage, batch, diffusion, 1, batch_monitor)
+
+        settled = _in_batches(stage, settle, seeds, self._monitor)
+        return self._descended(stage, _best(stage, settled, round(DESCENDING * seeds.shape[1])))
+
+    def _descended(self, stage, columns):
+        """Columns after a short descent each."""
+
+        def go_on(batch, batch_monitor):
+            return polish(stage, batch, self.metric, batch_monitor, SHORT_STEPS)
+
+        return _in_batches(stage, go_on, columns, self._monitor)
 
 
 def _effort(size):
     """How many times the usual numbers of fields are tried on so many nodes."""
     effort = float(np.clip(np.sqrt(size / USUAL_SIZE), LEAST_EFFORT, MOST_EFFORT))
     return min(effort, max(LARGE_SIZE / size, 1.0))
-
-
-def _carried(stage, seeds, diffusion, metric, monitor):
-    """The better part of the seeds after diffusion, carried on by some steps of descent."""
-
-    def settle(batch, batch_monitor):
-        return diffuse(stage, batch, diffusion, 1, batch_monitor)
-
-    settled = _in_batches(stage, settle, seeds, monitor)
-    settled = _best(stage, settled, round(DESCENDING * seeds.shape[1]))
-    return _in_batches(stage, _descent(stage, metric), settled, monitor)
-
-
-def _descent(stage, metric):
-    """The short descent of a batch."""
-
-    def go_on(batch, batch_monitor):
-        return polish(stage, batch, metric, batch_monitor, SHORT_STEPS)
-
-    return go_on
 
 
 def _metrics(stage, times, density):

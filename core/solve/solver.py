@@ -22,8 +22,8 @@ from .staircase import MAX_RANK, relax
 DIFFUSION_STARTS = 8
 DIFFUSION_TIMES = 0.5 ** np.arange(11)
 DIFFUSION_STEPS = 30
-# Shares that calmed problems are calmed by, whose fields are candidates for the asked one.
-CALM_SHARES = 0.08, 0.2
+# Share by which the problem is calmed on which most of the search for phases is made.
+CALM_SHARE = 0.1
 # A rounded relaxation whose gap is at most this is taken for an exact recovery, which descent completes.
 NEARLY_TIGHT = 0.05
 
@@ -85,29 +85,29 @@ def _solve(problem, options, callback, start):
     for number, piece in enumerate(pieces):
         share = piece.node_count / work
         start = begin.on(piece)
-        calm = partial(calmed.matrices, number)
+        calm = partial(calmed.matrix, number)
         results.append(_solve_piece(piece, options, monitor.portion(done, share), clock, start, calm))
         done += share
     return _combine(problem, pieces, results, options, clock.seconds)
 
 
 class _Calmed:
-    """The matrices of the calmed problems, made when the first piece asks for them."""
+    """The matrices of the calmed problem, made when the first piece asks for them."""
 
     def __init__(self, problem):
         self._problem = problem
 
     @cached_property
-    def _of_shares(self):
+    def _matrices(self):
         problem = self._problem
         turns = np.zeros(0) if problem.calmer is None else problem.calmer()
         if not turns.any() or not np.isfinite(turns).all():
-            return []
-        return [[piece.matrix for piece in problem.turned_by(share * turns).pieces] for share in CALM_SHARES]
+            return None
+        return [piece.matrix for piece in problem.turned_by(CALM_SHARE * turns).pieces]
 
-    def matrices(self, number):
-        """Those of a piece, the least calmed first; none where nothing can be calmed."""
-        return [matrices[number] for matrices in self._of_shares]
+    def matrix(self, number, weight):
+        """That of a piece over its weight; None where nothing can be calmed."""
+        return None if self._matrices is None else self._matrices[number] / weight
 
 
 def _as_phases(problem, values):
@@ -187,7 +187,7 @@ def _solve_piece(piece, options, monitor, clock, start, calm):
         return _without_search(piece, options, status, start)
     scaled, weight = piece.scaled()
     try:
-        result = _solve_by_method(scaled, options, monitor, clock, start, lambda: [m / weight for m in calm()])
+        result = _solve_by_method(scaled, options, monitor, clock, start, partial(calm, weight))
     except OutOfTime:
         result = _without_search(scaled, options, Status.TIME_LIMIT, start)
     return replace(
@@ -328,9 +328,9 @@ def _round(workspace, relaxation, options, monitor, start, calm):
             monitor.at("continuation", 0.4)
             energy = float(piece.energy(by_svd)[0])
             if relative_gap(energy, relaxation.lower_bound, piece.perfect) > NEARLY_TIGHT:
-                matrices = monitor.during(calm)
+                matrix = monitor.during(calm)
                 columns, timed_out = rounding.continuation(
-                    stage, lifted, options.samples, density, random, monitor, matrices, relaxation.metric
+                    stage, lifted, options.samples, density, random, monitor, matrix, relaxation.metric
                 )
                 if timed_out:
                     return columns, True
