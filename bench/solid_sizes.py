@@ -15,7 +15,7 @@ from time import process_time
 import numpy as np
 
 from synch_fields.bench.command import arguments
-from synch_fields.bench.measure import peak_megabytes, row_of_child, untouched
+from synch_fields.bench.measure import peak_megabytes, row_of_child, with_matrices
 from synch_fields.bench.solid_shapes import stuffed_bunny
 from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.algebra.workers import solving
@@ -68,12 +68,12 @@ def measure(folder, size):
         row = {"nodes": nodes, "tets": mesh.tet_count, "edges": len(mesh.edges)}
         row |= {"mesh s": mesh_seconds, "guidance s": guidance_seconds}
         relaxation, row["relaxation s"] = processed(
-            solve, untouched(problem), Options(target_gap=TARGET_GAP, rounding="svd")
+            solve, with_matrices(problem), Options(target_gap=TARGET_GAP, rounding="svd")
         )
         row |= {"gap": relaxation.sdp_gap, "certificate": relaxation.certificate, "rank": relaxation.rank}
         row |= {"MB relaxation": peak_megabytes()}
         products = product_times(problem, relaxation.rank)
-        solution, row["solve s"] = processed(solve, untouched(problem), Options(target_gap=TARGET_GAP))
+        solution, row["solve s"] = processed(solve, with_matrices(problem), Options(target_gap=TARGET_GAP))
         products += product_times(problem, relaxation.rank)
         product = median(products)
         row |= {"LY": row["relaxation s"] / product, "solve LY": row["solve s"] / product}

@@ -7,6 +7,10 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csr_matrix
 
+# What rounding alone makes of the quadratic form <x, L x>, and the energy as a sum of squares below which the fit is
+# perfect to the last digit, as shares of the sum of the weights.
+NOISE, PERFECT = 1e-13, 1e-18
+
 
 @dataclass(frozen=True)
 class Piece:
@@ -65,12 +69,12 @@ class Piece:
     @property
     def noise(self):
         """What rounding alone makes of the quadratic form <x, L x>: below it only sums of squares tell energies."""
-        return 1e-13 * self.total_weight
+        return NOISE * self.total_weight
 
     @property
     def perfect(self):
         """Energy, as a sum of squares, below which the fit counts as perfect."""
-        return 1e-18 * self.total_weight
+        return PERFECT * self.total_weight
 
     @property
     def unused_rows(self):

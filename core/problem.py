@@ -11,15 +11,16 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_matrix, csr_matrix, diags_array
+from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from .connection import circle_transports, compose, make_arrays
 from .errors import SettingError
 from .gauge import balance
 from .graphs import components
-from .piece import Piece
+from .pieces import Pieces
 from .problem_check import check_problem
+from .trees import along_trees
 
 
 @dataclass(frozen=True)
@@ -83,6 +84,28 @@ class _Embedding:
     masses: np.ndarray
     components: np.ndarray
     grounds: np.ndarray
+
+
+@dataclass(frozen=True)
+class Links:
+    """What asks columns to agree: weight |after x_head - before x_tail|^2, of (e,) numbers or (e, d, d) blocks.
+
+    The block of a ground has one column only; a ground is a tail or a head of edges, and the tail of soft wishes.
+    """
+
+    tails: np.ndarray
+    heads: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+    weights: np.ndarray
+
+    @property
+    def scales(self):
+        """(r,) what each of the factor's rows weighs at both ends together: with it grows what rounding makes of it."""
+        squares = np.abs(self.before) ** 2 + np.abs(self.after) ** 2
+        if squares.ndim == 3:
+            return (self.weights[:, None] * squares.sum(axis=2)).ravel()
+        return self.weights * squares
 
 
 class SynchronizationProblem:
@@ -225,38 +248,36 @@ class SynchronizationProblem:
         column_labels[free.sum() :] = grounded
         return _Embedding(columns, units, masses, column_labels, grounds)
 
-    @cached_property
-    def factor(self):
-        """Sparse B with energy = |B x|^2: one block of rows an edge (Eq. 2 in the merged nodes)."""
+    @property
+    def links(self):
+        """The :class:`Links` between columns that edges and soft wishes come to."""
         columns, units = self._embedding.columns, self._embedding.units
         i, j = self.connection.edges.T
         moved = compose(self._transports(self.connection.transports, i, j), units[i])
-        scale = np.sqrt(self.connection.weights)
-        parts = [
-            (np.arange(len(i)), columns[j], _scaled(units[j], scale)),
-            (np.arange(len(i)), columns[i], _scaled(moved, -scale)),
-        ]
-        nodes, scale = self.drawn.nodes, np.sqrt(np.asarray(self.drawn.weights))
-        wished = len(i) + np.arange(len(nodes))
-        grounds = self._embedding.grounds[self._components[nodes]]
-        parts.append((wished, columns[nodes], _scaled(units[nodes], scale)))
-        parts.append((wished, grounds, _scaled(_ground_blocks(self._values(self.drawn)), -scale)))
-        rows, places, values = (np.concatenate(part) for part in zip(*parts, strict=True))
-        return _block_matrix(rows, places, values, (rows.max(initial=-1) + 1, len(self._embedding.masses)))
+        nodes = self.drawn.nodes
+        return Links(
+            np.append(columns[i], self._embedding.grounds[self._components[nodes]]),
+            np.append(columns[j], columns[nodes]),
+            np.concatenate([moved, _ground_blocks(self._values(self.drawn))]),
+            np.concatenate([units[j], units[nodes]]),
+            np.append(self.connection.weights, np.asarray(self.drawn.weights)),
+        )
+
+    @cached_property
+    def factor(self):
+        """Sparse B with energy = |B x|^2: one block of rows an edge (Eq. 2 in the merged nodes)."""
+        links = self.links
+        numbers, scale = np.arange(len(links.tails)), np.sqrt(links.weights)
+        rows, places = np.append(numbers, numbers), np.append(links.heads, links.tails)
+        values = np.concatenate([_scaled(links.after, scale), _scaled(links.before, -scale)])
+        return _block_matrix(rows, places, values, (len(numbers), len(self._embedding.masses)))
 
     @cached_property
     def pieces(self):
-        """The connected pieces that have at least one edge; the others keep the phase 1."""
+        """The :class:`Pieces`: connected, with at least one edge each; other nodes keep the phase 1."""
         embedding = self._embedding
-        order = np.lexsort((self._places, embedding.components))
-        ends = np.cumsum(np.bincount(embedding.components))
-        edge_rows = self._row_pieces(embedding.components)
-        pieces = []
-        for label, nodes in enumerate(np.split(order, ends[:-1])):
-            if len(nodes) and len(edge_rows[label]):
-                mass, ground = embedding.masses[nodes], embedding.grounds[label]
-                pieces.append(self._piece(nodes, edge_rows[label], mass, ground))
-        return pieces
+        shape = (embedding.masses, embedding.components, embedding.grounds)
+        return Pieces(self.factor, self.links.scales, *shape, self._places, self.block, self.is_complex)
 
     @cached_property
     def _places(self):
@@ -268,30 +289,19 @@ class SynchronizationProblem:
         places[self._embedding.columns[order[::-1]]] = np.arange(len(order))[::-1]
         return places
 
-    def _row_pieces(self, component):
-        """Rows of the factor that belong to each component."""
-        factor = self.factor
-        filled = np.flatnonzero(np.diff(factor.indptr))
-        label = component[factor.indices[factor.indptr[filled]] // self.block]
-        order = np.argsort(label, kind="stable")
-        return np.split(filled[order], np.cumsum(np.bincount(label, minlength=component.max() + 1))[:-1])
+    def along_trees(self):
+        """(N,) unit coordinates that fit all edges of a spanning tree of each piece, and fixed values.
 
-    def _piece(self, nodes, edge_rows, mass, ground_column):
-        block = self.block
-        rows = (nodes[:, None] * block + np.arange(block)).ravel()
-        factor = self.factor if len(rows) == self.factor.shape[1] else self.factor[edge_rows]
-        factor = _columns(factor, rows)
-        matrix = (factor.conj().T @ factor).tocsr()
-        matrix.sum_duplicates()
-        ground = None
-        if ground_column >= 0:
-            ground = int(np.flatnonzero(rows[::block] == ground_column * block)[0])
-            unused = ground * block + np.arange(1, block)
-            # Rows of the ground beyond its first are zero at every optimum if they cost this much.
-            penalty = np.zeros(len(rows))
-            penalty[unused] = max(2 * abs(matrix[ground * block, ground * block]), abs(matrix.diagonal()).mean())
-            matrix = (matrix + diags_array(penalty)).tocsr() if len(unused) else matrix
-        return Piece(matrix, factor, mass, block, self.is_complex, ground, rows)
+        Where some fit all edges of a piece, these do.
+        """
+        links, pieces = self.links, self.pieces
+        if links.before.ndim == 1:
+            transports = np.conj(links.after) * links.before
+        else:
+            transports = np.einsum("eba,ebc->eac", links.after, links.before)
+        count = len(self._embedding.masses)
+        frames = along_trees(count, links.tails, links.heads, transports, pieces.roots)
+        return pieces.aligned(frames.reshape(self.block * count, self.block))
 
     def expand(self, coordinates):
         """Phases of all nodes from unit coordinates: (n,) complex on the circle, else (n, d).
@@ -367,14 +377,6 @@ def _ground_blocks(values):
 
 def _scaled(blocks, scale):
     return blocks * scale.reshape(-1, *[1] * (blocks.ndim - 1))
-
-
-def _columns(matrix, columns):
-    """Columns of a CSR matrix in a given order, which holds all that have entries."""
-    places = np.empty(matrix.shape[1], matrix.indices.dtype)
-    places[columns] = np.arange(len(columns))
-    parts = (matrix.data.copy(), places[matrix.indices], matrix.indptr)
-    return csr_matrix(parts, shape=(matrix.shape[0], len(columns)))
 
 
 def _block_matrix(rows, columns, values, shape):

@@ -104,8 +104,8 @@ class DirectionField:
         logarithm = np.bincount(mesh.triangles.ravel(), np.repeat(at_faces, 3), mesh.vertex_count)
         logarithm *= share / (3 * mesh.vertex_masses)
         scale = np.ones(mesh.vertex_count)
-        for piece in range(mesh.pieces.max(initial=-1) + 1):  # each has a constant of its own
-            own = mesh.pieces == piece
+        order = np.argsort(mesh.pieces, kind="stable")
+        for own in np.split(order, np.flatnonzero(np.diff(mesh.pieces[order])) + 1):  # each has a constant of its own
             masses = mesh.vertex_masses[own]
             low, high = quantiles(logarithm[own], masses, [_RARE, 1 - _RARE])
             shrunk = min(1.0, np.log(LARGEST_RATIO) / max(high - low, np.finfo(float).tiny))

@@ -81,9 +81,11 @@ def _drawn_to(problem, phases, weights):
 def _turned_back(problem, solution, phases):
     """The solution with each free piece turned as a whole to be nearest to phases."""
     turned, wanted = problem.coordinates(solution.phases), problem.coordinates(phases)
-    for piece in problem.pieces:
-        product = np.vdot(turned[piece.rows], piece.mass * wanted[piece.rows])
-        if piece.ground is None and product != 0:
-            turned[piece.rows] *= product / abs(product)
+    pieces = problem.pieces
+    for number in np.flatnonzero(pieces.grounds < 0):
+        rows = pieces.rows([number])
+        product = np.vdot(turned[rows], pieces.masses([number]) * wanted[rows])
+        if product != 0:
+            turned[rows] *= product / abs(product)
     phases = problem.expand(turned)
     return replace(solution, phases=phases, variations=phases[None])

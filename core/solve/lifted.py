@@ -15,7 +15,6 @@ from ..algebra.workers import solving
 from ..errors import SettingError
 from ..monitor import Monitor, OutOfTime
 from .descent import descend
-from .rounding import ground_to_one
 from .spheres import Lifted, gaussian
 from .stage import Workspace
 
@@ -92,12 +91,10 @@ class LiftedField:
                 f"{self.most_defects} at a time"
             )
         rows = self.problem.rows_of(nodes)
-        for piece in self.problem.pieces:
-            held = np.isin(rows[:, 0], piece.rows[[] if piece.ground is None else [piece.ground * piece.block]])
-            if held.any():
-                raise SettingError(
-                    f"the phase of node {nodes[held][0]} is fixed: a defect can only be where it is free"
-                )
+        grounds = self.problem.pieces.grounds
+        held = np.isin(rows[:, 0], grounds[grounds >= 0] * self.problem.block)
+        if held.any():
+            raise SettingError(f"the phase of node {nodes[held][0]} is fixed: a defect can only be where it is free")
         values = self.lifted[rows.ravel()]
         _, sizes, axes = np.linalg.svd(values)
         return axes[np.count_nonzero(sizes > TINY) :].conj().T
@@ -111,9 +108,7 @@ class LiftedField:
         long = lengths > TINY * np.linalg.norm(direction)
         coordinates = np.where(long, coordinates / np.where(long, lengths, 1), fallback)
         coordinates = coordinates.ravel()
-        for piece in problem.pieces:
-            coordinates[piece.rows] = ground_to_one(piece, coordinates[piece.rows, None])[:, 0]
-        return problem.expand(coordinates)
+        return problem.expand(problem.pieces.ground_to_one(coordinates))
 
 
 def lifted_of_rank(problem, solution, rank, options, callback=None, start=None):

@@ -1,23 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Solve a synchronization problem piece by piece: relax, certify, round, polish."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, partial
-from operator import attrgetter
 
 import numpy as np
 
 from ..algebra.metric import SMALLEST_SHIFT
 from ..algebra.workers import solving
-from ..errors import SettingError
 from ..monitor import Monitor, OutOfTime
 from . import rounding
 from .diffusion import diffuse
-from .solution import DESCENT, METHODS, ROUNDINGS, Certificate, Clock, Options, Solution, Status, relative_gap
+from .options_check import check_options
+from .parts import PartResult, Start, combine
+from .solution import DESCENT, Certificate, Clock, Options, Status, relative_gap
 from .spectral import smallest_eigenpair
 from .spheres import candidates, random_columns
 from .stage import Workspace
 from .staircase import MAX_RANK, relax
+from .together import solve_together
 
 DIFFUSION_STARTS = 8
 DIFFUSION_TIMES = 0.5 ** np.arange(11)
@@ -26,20 +27,6 @@ DIFFUSION_STEPS = 30
 CALM_SHARE = 0.1
 # A rounded relaxation whose gap is at most this is taken for an exact recovery, which descent completes.
 NEARLY_TIGHT = 0.05
-
-
-@dataclass(frozen=True)
-class _PieceResult:
-    fields: np.ndarray
-    bound: float = 0.0
-    sdp_value: float = 0.0
-    certificate: Certificate = Certificate.NONE
-    status: Status = Status.UNCERTIFIED
-    lifted: np.ndarray | None = None
-    singular_values: np.ndarray | None = None
-    spectral_bound: float = 0.0
-    iterations: int = 0
-    products: int = 0
 
 
 def solve(problem, options=None, callback=None, start=None):
@@ -68,7 +55,7 @@ def solve(problem, options=None, callback=None, start=None):
         when the callback says so; nothing has been changed. Both are in ``core.errors``
     """
     options = Options() if options is None else options
-    _check(options, problem, start)
+    check_options(options, problem, start)
     with solving():
         return _solve(problem, options, callback, start)
 
@@ -78,106 +65,39 @@ def _solve(problem, options, callback, start):
     monitor = Monitor(callback, options.time_limit)
     with clock("build"):
         pieces = problem.pieces
-        begin = _Start.of(problem, start)
-    work = sum(piece.node_count for piece in pieces) or 1
-    done, results = 0, []
+        begin = Start.of(problem, start)
+    work = pieces.sizes.sum() or 1
+    results, left = [], np.arange(len(pieces))
+    if len(pieces) > 1:
+        results, left = solve_together(problem, options, monitor, clock, begin)
+    done = 1 - pieces.sizes[left].sum() / work
     calmed = _Calmed(problem)
-    for number, piece in enumerate(pieces):
-        share = piece.node_count / work
-        start = begin.on(piece)
+    for number in left:
+        share = pieces.sizes[number] / work
+        piece = pieces[number]
         calm = partial(calmed.matrix, number)
-        results.append(_solve_piece(piece, options, monitor.portion(done, share), clock, start, calm))
+        results.append(_solve_piece(piece, options, monitor.portion(done, share), clock, begin.on(piece), calm))
         done += share
-    return _combine(problem, pieces, results, options, clock.seconds)
+    return combine(problem, results, options, clock.seconds)
 
 
 class _Calmed:
-    """The matrices of the calmed problem, made when the first piece asks for them."""
+    """The pieces of the calmed problem, made when the first one asks for its matrix."""
 
     def __init__(self, problem):
         self._problem = problem
 
     @cached_property
-    def _matrices(self):
+    def _pieces(self):
         problem = self._problem
         turns = np.zeros(0) if problem.calmer is None else problem.calmer()
         if not turns.any() or not np.isfinite(turns).all():
             return None
-        return [piece.matrix for piece in problem.turned_by(CALM_SHARE * turns).pieces]
+        return problem.turned_by(CALM_SHARE * turns).pieces
 
     def matrix(self, number, weight):
         """That of a piece over its weight; None where nothing can be calmed."""
-        return None if self._matrices is None else self._matrices[number] / weight
-
-
-def _as_phases(problem, values):
-    return np.asarray(values, complex if problem.is_circle else float)
-
-
-@dataclass(frozen=True)
-class _Start:
-    """Coordinates and lifted field to start from, in the rows of the problem or of one piece."""
-
-    column: np.ndarray | None = None
-    lifted: np.ndarray | None = None
-
-    @classmethod
-    def of(cls, problem, start):
-        if start is None:
-            return cls()
-        if not isinstance(start, Solution):
-            return cls(problem.coordinates(_as_phases(problem, start))[:, None])
-        lifted = start.lifted
-        if lifted is not None and lifted.shape[0] != problem.factor.shape[1]:
-            lifted = None
-        return cls(problem.coordinates(_as_phases(problem, start.phases))[:, None], lifted)
-
-    def on(self, piece):
-        """The part of one piece."""
-        column, lifted = (None if array is None else array[piece.rows] for array in (self.column, self.lifted))
-        if lifted is not None and lifted.dtype != piece.matrix.dtype:
-            lifted = None
-        if lifted is not None:
-            lifted[piece.unused_rows] = 0
-        return _Start(column, lifted)
-
-
-def _check(options, problem, start):
-    if not isinstance(options, Options):
-        raise SettingError(f"options are given as {type(options).__name__}: make them with Options(...)")
-    for name, smallest in (("seed", 0), ("samples", 1)):
-        value = getattr(options, name)
-        if not isinstance(value, int | np.integer) or value < smallest:
-            raise SettingError(f"{name} is {value!r}: give a whole number of at least {smallest}")
-    for name in ("target_gap",) if options.time_limit is None else ("target_gap", "time_limit"):
-        value = getattr(options, name)
-        if not isinstance(value, int | float | np.number):
-            raise SettingError(f"{name} is {value!r}: give a number")
-    if options.method == DESCENT and start is None:
-        raise SettingError("the method 'descent' goes on from a start: give one")
-    if options.method not in (*METHODS, DESCENT):
-        raise SettingError(f"method {options.method!r} is unknown: use one of {', '.join(METHODS)}")
-    if options.rounding not in ROUNDINGS:
-        raise SettingError(f"rounding {options.rounding!r} is unknown: use one of {', '.join(ROUNDINGS)}")
-    if not 0 < options.target_gap < 1:
-        raise SettingError(f"the target gap is {options.target_gap:g}: give a share between 0 and 1, such as 0.001")
-    if options.time_limit is not None and not options.time_limit > 0:
-        raise SettingError(f"the time limit is {options.time_limit:g} s: give a positive number of seconds")
-    if start is not None:
-        _check_start(problem, start, options)
-
-
-def _check_start(problem, start, options):
-    if options.method not in ("sdp", DESCENT):
-        raise SettingError(f"a start is given to method {options.method!r}, which has no use for it: take 'sdp'")
-    phases = np.asarray(start.phases if isinstance(start, Solution) else start)
-    count, block = problem.connection.node_count, problem.connection.block
-    shape = (count,) if problem.is_circle else (count, block)
-    if phases.shape != shape:
-        raise SettingError(f"the start has the shape {phases.shape} and the problem {shape}: give one phase a node")
-    if not np.isfinite(phases).all():
-        node = np.flatnonzero(~np.isfinite(phases).reshape(count, -1).all(axis=1))[0]
-        raise SettingError(f"the start is not a number at node {node}: give finite phases")
+        return None if self._pieces is None else self._pieces[number].matrix / weight
 
 
 def _solve_piece(piece, options, monitor, clock, start, calm):
@@ -228,7 +148,7 @@ def _solve_by_method(piece, options, monitor, clock, start, calm):
 
 def _finished(piece, columns, **quality):
     fields = candidates(piece.block, piece.is_circle).normalize(columns.astype(piece.matrix.dtype))
-    return _PieceResult(rounding.ground_to_one(piece, fields), **quality)
+    return PartResult(piece.rows, piece.node_count, rounding.ground_to_one(piece, fields), **quality)
 
 
 def _solve_spectral(piece, options, monitor, clock):
@@ -341,40 +261,3 @@ def _round(workspace, relaxation, options, monitor, start, calm):
     except OutOfTime:
         return columns, True
     return columns, False
-
-
-def _combine(problem, pieces, results, options, times):
-    """Put the pieces' results together: energies and bounds add up."""
-    coordinates = problem.unit_coordinates()
-    rank = max([r.lifted.shape[1] for r in results if r.lifted is not None], default=0)
-    lifted = np.zeros((len(coordinates), rank), coordinates.dtype)
-    lifted[:, :1] = coordinates[:, None]
-    for piece, result in zip(pieces, results, strict=True):
-        if result.lifted is not None:
-            lifted[piece.rows] = 0
-            lifted[piece.rows, : result.lifted.shape[1]] = result.lifted
-    variations = []
-    for number in range(max([r.fields.shape[1] for r in results], default=1)):
-        for piece, result in zip(pieces, results, strict=True):
-            coordinates[piece.rows] = result.fields[:, min(number, result.fields.shape[1] - 1)]
-        variations.append(problem.expand(coordinates))
-    is_sdp = options.method == "sdp"
-    largest = max(range(len(pieces)), key=lambda k: pieces[k].node_count, default=None)
-    default_status = Status.CERTIFIED if is_sdp else Status.UNCERTIFIED
-    return Solution(
-        phases=variations[0],
-        energy=problem.energy(variations[0]),
-        lower_bound=sum(r.bound for r in results),
-        sdp_value=sum(r.sdp_value for r in results) if is_sdp else None,
-        noise=sum(piece.perfect for piece in pieces),
-        certificate=min((r.certificate for r in results), key=attrgetter("strength"), default=Certificate.PROVED),
-        status=max((r.status for r in results), key=attrgetter("severity"), default=default_status),
-        rank=rank,
-        singular_values=np.empty(0) if largest is None else results[largest].singular_values,
-        lifted=lifted if rank else None,
-        variations=np.array(variations),
-        spectral_bound=None if is_sdp else sum(r.spectral_bound for r in results),
-        iterations=sum(r.iterations for r in results),
-        products=sum(r.products for r in results),
-        times=times,
-    )

@@ -101,7 +101,7 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
             if search.reached or search.out_of_time:
                 break
         else:
-            search.prove_less()
+            search.settle()
     except OutOfTime:
         search.out_of_time = True
     return search.result()
@@ -197,10 +197,16 @@ class _Search:
             with self._clock("relax"):
                 self._climb(slack.directions)
 
-    def prove_less(self):
-        """The tightest bound that can be proved when the target cannot, at tens, hundreds ... of the gap."""
-        if self._is_provable and self.value > self._workspace.piece.noise:
+    def settle(self):
+        """Where the target is out of reach: a gap that rounding alone makes does for it, otherwise less is proved."""
+        noise, target = self._workspace.piece.noise, self._target_gap * self.value
+        if self.value - self.bound <= target + noise:
+            self.reached = True
+        elif self._is_provable:
             with self._clock("certify"):
+                self.reached = self._prove(self._depth_to(self.value - target - noise))
+                if self.reached:
+                    return
                 weaker = 10.0 ** np.arange(1, 1 + int(np.log10(WEAKEST_GAP / self._target_gap)))
                 for gap in self._target_gap * weaker:
                     if self._prove(self._depth_at(gap)):
@@ -208,7 +214,10 @@ class _Search:
 
     def _depth_at(self, gap):
         """How far below zero the slack may reach for a bound at a relative gap from the value."""
-        return depth_for_bound(self._workspace.piece, self._shift, self._duals, self.value * (1 - gap))
+        return self._depth_to(self.value * (1 - gap))
+
+    def _depth_to(self, bound):
+        return depth_for_bound(self._workspace.piece, self._shift, self._duals, bound)
 
     def _prove(self, depth):
         """Whether the bound of a depth can be proved, which then is the bound."""

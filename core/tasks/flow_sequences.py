@@ -2,7 +2,7 @@
 """Vortices of the frames of a sequence of flows, each solved from the frame before."""
 
 import dataclasses
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -189,11 +189,11 @@ def _named(progress, frame):
 
 
 def _facts(file, found, shown):
-    solution = found.solution
+    solution = replace(found.solution, energy=found.energy)
     return {
         "frame": file.frame,
         "file": file.source.path.name,
-        "energy": found.energy,
+        "energy": solution.energy,
         "lower_bound": solution.lower_bound,
         "certificate": solution.certificate,
         "status": solution.status.value,

