@@ -276,7 +276,7 @@ class _Search:
         return (np.conj(fields) * (self._stack.matrices @ fields)).real.sum(axis=1)
 
     def _distinct(self, fields):
-        """Fields with the best one in place of those that agree with a better one but for a turn of the whole."""
+        """Fields without those that agree with a better one but for a turn; the last again where few are left."""
         stack = self._stack
         fields = self._best(fields, fields.shape[2])
         used = np.where(stack.used[:, :, None], fields, 0)
