@@ -23,7 +23,21 @@ def cut_open(mesh, edges):
     is_cut = np.zeros(len(mesh.edges), bool)
     is_cut[edges] = True
     halves = np.flatnonzero((mesh.twins >= 0) & ~is_cut[mesh.triangle_edges.ravel()])
-    twins = mesh.twins[halves]
+    return opened(mesh, halves, mesh.twins[halves])
+
+
+def opened(mesh, halves, twins):
+    """The mesh whose triangles hold together across given half-edges alone.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh, with any number of triangles at an edge
+    halves, twins : (k,) half-edges that stay together, which run opposite ways; pairs may come up twice
+
+    Returns
+    -------
+    What :func:`cut_open` does
+    """
     # Corners on both sides of an edge that stays closed belong together: a half-edge's tail and its twin's head.
     pairs = np.concatenate([np.column_stack([halves, _following(twins)]), np.column_stack([_following(halves), twins])])
     fans = components(3 * mesh.triangle_count, pairs)
