@@ -105,7 +105,8 @@ def stripe_table(phase, polygons, lines, spacing):
     places = np.where(whole > 0, start + (places - start + whole / 2) % np.maximum(whole, 1) - whole / 2, places)
     along = np.zeros((len(polygons.corner_vertices), SLOTS))
     along[corner, slots[row]] = places
-    return StripeTable(_sides(phase, polygons, along) * numbers, along)
+    signed = _sides(phase, polygons, along) * numbers
+    return StripeTable(polygons.at_faces(signed), polygons.at_corners(along))
 
 
 def slot_numbers(phase, polygons, lines):

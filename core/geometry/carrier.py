@@ -28,6 +28,8 @@ KINDS = {
     "turned_faces": ("face", "the opposite winding of their neighbours", "they count as turned over"),
     "one_sided_edges": ("edge", "both sides of a one-sided surface", "it is cut open, and nothing goes on across"),
 }
+# Of which vertices have copies, each with values of its own.
+APART = ("non_manifold_edges", "pinched_vertices", "one_sided_edges")
 
 
 @dataclass(frozen=True)
@@ -93,7 +95,7 @@ def carrier(mesh, polygons):
         where no face is left
     """
     lost = ~np.isfinite(mesh.vertices).all(axis=1)
-    vertices = np.where(lost[:, None], 0.0, mesh.vertices)
+    vertices = finite_places(mesh.vertices)
     is_lost = np.logical_or.reduceat(lost[polygons.corner_vertices], polygons.starts)
     is_flat = flat_faces(TriangleMesh(vertices, mesh.triangles), polygons.triangle_faces) | _meets_itself(polygons)
     is_flat &= ~is_lost
@@ -130,6 +132,11 @@ def carrier(mesh, polygons):
         source,
         tuple(Finding(name, elements) for name, elements in found.items() if len(elements)),
     )
+
+
+def finite_places(vertices):
+    """(n, 3) points, the origin for those that are not finite."""
+    return np.where(np.isfinite(vertices).all(axis=1, keepdims=True), vertices, 0.0)
 
 
 def _meets_itself(polygons):

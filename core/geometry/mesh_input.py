@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import TriangleMesh
+from .carrier import Finding
 from .polygons import Polygons
 
 
@@ -14,8 +15,10 @@ class MeshInput:
     """A mesh as the core sees it.
 
     ``stretch`` is the (3, 3) scale that lengths were measured with. Where edges are cut, ``mesh`` and ``polygons``
-    have them apart, ``uncut`` is the whole mesh, and ``source`` the (n,) vertex of it that each vertex was: its
-    own vertices first, then their second sides.
+    have them apart, and ``uncut`` is the whole surface, whose vertices come first. ``source`` is the (n,) vertex of
+    the object that each vertex was: the object's own first, then their copies. There are copies where edges are cut,
+    and where the object's mesh is no surface and ``uncut`` is its carrier; ``findings`` say where that differs from it,
+    and ``polygons`` have all faces, with the triangles of those alone that are part of it.
     """
 
     mesh: TriangleMesh
@@ -23,10 +26,44 @@ class MeshInput:
     stretch: np.ndarray
     uncut: TriangleMesh
     source: np.ndarray
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def vertex_count(self):
+        """How many vertices the object has."""
+        return int(self.source.max(initial=-1)) + 1
+
+    @property
+    def loose_vertices(self):
+        """Indices of the object's vertices without a face."""
+        faces = np.bincount(self.source[self.polygons.corner_vertices], minlength=self.vertex_count)
+        return np.flatnonzero(faces == 0)
+
+    @property
+    def has_copies(self):
+        """Whether vertices of the object stand for several of the surface, which values at vertices cannot tell."""
+        return len(self.source) > self.vertex_count
+
+    def at_object(self, values):
+        """(k, ...) values at the object's vertices, for (n, ...) values at those of the mesh."""
+        return values[: self.vertex_count]
+
+    def of_uncut(self, values):
+        """(n, ...) values at the vertices of the mesh, for values at those of the whole surface."""
+        carried = np.zeros((self.mesh.vertex_count, *values.shape[1:]), values.dtype)
+        carried[: len(values)] = values
+        carried[self.mesh.triangles] = values[self.uncut.triangles]
+        return carried
+
+    def edges_of(self, pairs):
+        """Indices of the edges of the whole surface that (k, 2) edges of the object became, none or several each."""
+        count = self.vertex_count
+        own, asked = (np.sort(ends, axis=1) for ends in (self.source[self.uncut.edges], pairs))
+        return np.flatnonzero(np.isin(own[:, 0] * count + own[:, 1], asked[:, 0] * count + asked[:, 1]))
 
     def to_object(self, vectors):
         """Unit vectors in object space at the object's vertices, for (n, 3) vectors of the measured mesh."""
-        return unstretched(vectors[: self.uncut.vertex_count], self.stretch)
+        return unstretched(self.at_object(vectors), self.stretch)
 
 
 def unstretched(vectors, stretch):

@@ -40,12 +40,12 @@ def settings_for(command, obj, settings):
     return settings
 
 
-def gather(command, obj, settings, polygons=None):
+def gather(command, obj, settings, base=None):
     """The :class:`SurfaceRequest` of what settings ask for on an object in object mode; refuses what cannot be.
 
-    The faces are read where they are not given.
+    Its surface is made of the same faces as a base, a MeshInput, where there is one.
     """
-    given = constraints.cut_mesh(obj, meshes.read_mesh(obj, polygons), settings.constraints)
+    given = constraints.cut_mesh(obj, meshes.read_mesh(obj, base, settings.strict), settings.constraints)
     spacing = automatic_spacing(command, given.mesh) if settings.spacing is None else settings.spacing
     spacings, turn, directions, guides = spacing, settings.angle, None, ()
     if settings.spacing_map:

@@ -189,7 +189,7 @@ def _read_origin(obj, name, given):
             raise SettingError(
                 f"the mesh {obj.data.name} has no boundary: measure from a vertex group or a curve object"
             )
-        return given.uncut.boundary_vertices[given.source]
+        return given.of_uncut(given.uncut.boundary_vertices)
     if name not in bpy.data.objects:
         groups = ", ".join(g.name for g in obj.vertex_groups) or "none yet"
         raise SettingError(
