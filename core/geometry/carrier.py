@@ -5,12 +5,13 @@ Faces that cannot be part of a surface are left out. Where more than two meet in
 joined; where faces of solids touch in an edge, each solid stays itself. Then vertices come apart into fans.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..errors import name_elements
-from .check import check_mesh, flat_faces
+from ..graphs import components
+from .check import FLAT_FACE, check_mesh, flat_faces
 from .cut import opened
 from .joins import joined_halves
 from .polygons import Polygons, alike_corners, first_alike
@@ -72,12 +73,14 @@ class Carrier:
     mesh : TriangleMesh
     polygons : all faces that were given, with the triangles of those in the surface alone, in the order of ``mesh``
     source : (n,) the given vertex that each vertex was: the given ones first, then their copies
+    own : (k,) vertex that stands for each given one: itself, or one at the same place
     findings : tuple of :class:`Finding`
     """
 
     mesh: TriangleMesh
     polygons: Polygons
     source: np.ndarray
+    own: np.ndarray
     findings: tuple[Finding, ...]
 
 
@@ -99,6 +102,8 @@ def carrier(mesh, polygons):
     is_lost = np.logical_or.reduceat(lost[polygons.corner_vertices], polygons.starts)
     is_flat = flat_faces(TriangleMesh(vertices, mesh.triangles), polygons.triangle_faces) | _meets_itself(polygons)
     is_flat &= ~is_lost
+    own = _one_for_all(polygons, vertices, is_flat, is_lost)
+    polygons = replace(polygons, corner_vertices=own[polygons.corner_vertices])
     first = _first_alike(polygons, ~is_lost & ~is_flat)
     is_double = first != np.arange(len(first))
     kept = ~(is_lost | is_flat | is_double)
@@ -106,7 +111,7 @@ def carrier(mesh, polygons):
         check_mesh(mesh, polygons.triangle_faces)
     rows = kept[polygons.triangle_faces]
     faces, corners = polygons.triangle_faces[rows], polygons.triangle_corners[rows]
-    whole = TriangleMesh(vertices, mesh.triangles[rows])
+    whole = TriangleMesh(vertices, own[mesh.triangles[rows]])
     joins = joined_halves(whole, faces)
     turned, seam = wound(whole, faces, joins)
     corners = np.where(turned[faces, None], corners[:, ::-1], corners)
@@ -130,6 +135,7 @@ def carrier(mesh, polygons):
         surface,
         Polygons(corner_vertices[alike], polygons.starts, polygons.sizes, corners, faces, alike),
         source,
+        own,
         tuple(Finding(name, elements) for name, elements in found.items() if len(elements)),
     )
 
@@ -139,12 +145,34 @@ def finite_places(vertices):
     return np.where(np.isfinite(vertices).all(axis=1, keepdims=True), vertices, 0.0)
 
 
+def _one_for_all(polygons, vertices, is_flat, is_lost):
+    """(n,) the first of the vertices at one place that edges of flat faces join, which stands for all: the surface
+    closes where these faces were. Not where another face has two of them."""
+    following = np.arange(len(polygons.corner_vertices)) + 1
+    following[polygons.starts + polygons.sizes - 1] = polygons.starts
+    ends = np.column_stack([polygons.corner_vertices, polygons.corner_vertices[following]])
+    lengths = np.linalg.norm(np.diff(vertices[ends], axis=1)[:, 0], axis=1)
+    reach = np.maximum.reduceat(lengths, polygons.starts)[polygons.corner_faces]
+    joined = is_flat[polygons.corner_faces] & (lengths <= 2 * FLAT_FACE * reach)
+    places = components(len(vertices), ends[joined])
+    within = ~(is_flat | is_lost)[polygons.corner_faces]
+    twice = _met_twice(polygons.corner_faces[within], places[polygons.corner_vertices[within]])[1]
+    first = np.unique(places, return_index=True)[1]
+    return np.where(np.isin(places, twice), np.arange(len(places)), first[places])
+
+
+def _met_twice(faces, labels):
+    """Faces, and labels, where two corners of a face have the same label."""
+    order = np.lexsort((labels, faces))
+    faces, labels = faces[order], labels[order]
+    same = np.flatnonzero((faces[1:] == faces[:-1]) & (labels[1:] == labels[:-1]))
+    return faces[same], labels[same]
+
+
 def _meets_itself(polygons):
     """(p,) bool: faces with a vertex twice."""
-    order = np.lexsort((polygons.corner_vertices, polygons.corner_faces))
-    faces, vertices = polygons.corner_faces[order], polygons.corner_vertices[order]
-    same = (faces[1:] == faces[:-1]) & (vertices[1:] == vertices[:-1])
-    return np.bincount(faces[1:], same, len(polygons.starts)) > 0
+    faces = _met_twice(polygons.corner_faces, polygons.corner_vertices)[0]
+    return np.bincount(faces, minlength=len(polygons.starts)) > 0
 
 
 def _first_alike(polygons, usable):

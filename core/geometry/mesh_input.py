@@ -18,7 +18,8 @@ class MeshInput:
     have them apart, and ``uncut`` is the whole surface, whose vertices come first. ``source`` is the (n,) vertex of
     the object that each vertex was: the object's own first, then their copies. There are copies where edges are cut,
     and where the object's mesh is no surface and ``uncut`` is its carrier; ``findings`` say where that differs from it,
-    and ``polygons`` have all faces, with the triangles of those alone that are part of it.
+    ``polygons`` have all faces, with the triangles of those alone that are part of it, and ``own``, where it is not
+    None, is the vertex that stands for each of the object's: another one where two at one place count as one.
     """
 
     mesh: TriangleMesh
@@ -27,6 +28,7 @@ class MeshInput:
     uncut: TriangleMesh
     source: np.ndarray
     findings: tuple[Finding, ...] = ()
+    own: np.ndarray | None = None
 
     @property
     def vertex_count(self):
@@ -37,7 +39,7 @@ class MeshInput:
     def loose_vertices(self):
         """Indices of the object's vertices without a face."""
         faces = np.bincount(self.source[self.polygons.corner_vertices], minlength=self.vertex_count)
-        return np.flatnonzero(faces == 0)
+        return np.flatnonzero(self.at_object(faces) == 0)
 
     @property
     def has_copies(self):
@@ -46,7 +48,7 @@ class MeshInput:
 
     def at_object(self, values):
         """(k, ...) values at the object's vertices, for (n, ...) values at those of the mesh."""
-        return values[: self.vertex_count]
+        return values[: self.vertex_count] if self.own is None else values[self.own]
 
     def of_uncut(self, values):
         """(n, ...) values at the vertices of the mesh, for values at those of the whole surface."""
@@ -58,8 +60,9 @@ class MeshInput:
     def edges_of(self, pairs):
         """Indices of the edges of the whole surface that (k, 2) edges of the object became, none or several each."""
         count = self.vertex_count
-        own, asked = (np.sort(ends, axis=1) for ends in (self.source[self.uncut.edges], pairs))
-        return np.flatnonzero(np.isin(own[:, 0] * count + own[:, 1], asked[:, 0] * count + asked[:, 1]))
+        pairs = pairs if self.own is None else self.own[pairs]
+        known, asked = (np.sort(ends, axis=1) for ends in (self.source[self.uncut.edges], pairs))
+        return np.flatnonzero(np.isin(known[:, 0] * count + known[:, 1], asked[:, 0] * count + asked[:, 1]))
 
     def to_object(self, vectors):
         """Unit vectors in object space at the object's vertices, for (n, 3) vectors of the measured mesh."""

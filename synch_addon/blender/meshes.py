@@ -2,6 +2,7 @@
 """The only door between Blender's data and the core's arrays."""
 
 from contextlib import contextmanager
+from dataclasses import replace
 
 import bmesh
 import bpy
@@ -76,7 +77,7 @@ def read_mesh(obj, base=None, strict=False):
     if base is not None:
         mesh = TriangleMesh(finite_places(vertices)[base.source], base.uncut.triangles)
         check_mesh(mesh, base.polygons.triangle_faces)
-        return MeshInput(mesh, base.polygons, stretch, mesh, base.source, base.findings)
+        return replace(base, mesh=mesh, uncut=mesh, stretch=stretch)
     polygons = read_polygons(obj)
     mesh = TriangleMesh(vertices, polygons.triangles)
     try:
@@ -85,7 +86,7 @@ def read_mesh(obj, base=None, strict=False):
         if strict or mesh.triangle_count == 0:
             raise
         found = carrier(mesh, polygons)
-        return MeshInput(found.mesh, found.polygons, stretch, found.mesh, found.source, found.findings)
+        return MeshInput(found.mesh, found.polygons, stretch, found.mesh, found.source, found.findings, found.own)
     return MeshInput(mesh, polygons, stretch, mesh, np.arange(mesh.vertex_count))
 
 
@@ -100,12 +101,19 @@ def is_unchanged(obj, given):
         return False
     now, then = read_polygons(obj), given.polygons
     return (
-        np.array_equal(finite_places(_places(obj, given.stretch)), given.at_object(given.uncut.vertices))
-        and np.array_equal(now.corner_vertices, given.source[then.corner_vertices])
-        and np.array_equal(now.starts, then.starts)
+        np.array_equal(finite_places(_places(obj, given.stretch)), given.uncut.vertices[: given.vertex_count])
+        and has_faces(now, given)
         and np.array_equal(_drawn_triangles(now, then), np.sort(then.triangle_corners, axis=1))
         and np.array_equal(_stretch(obj), given.stretch)
     )
+
+
+def has_faces(polygons, given):
+    """Whether Polygons have the corners of the object that was read."""
+    corners = polygons.corner_vertices if given.own is None else given.own[polygons.corner_vertices]
+    then = given.polygons
+    same = np.array_equal(corners, given.source[then.corner_vertices])
+    return same and np.array_equal(polygons.starts, then.starts)
 
 
 def _drawn_triangles(polygons, surface):

@@ -211,7 +211,7 @@ def _at_present(obj):
 
 def _request(obj, frame, settings, span, base):
     evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    if not _has_faces(evaluated, base):
+    if not meshes.has_faces(meshes.read_polygons(evaluated), base):
         modifier = _changing(obj, base)
         raise SynchError(
             f"frame {frame}: the modifier {modifier} of {obj.name} changes its faces: hide it in the viewport while "
@@ -238,18 +238,12 @@ def _following(request, rest):
     return replace(request, directions=DirectionField(mesh, 1, carried_angles(rest.angles, rest.mesh, mesh)).vectors)
 
 
-def _has_faces(obj, base):
-    """Whether an object's mesh has the faces of a :class:`MeshInput`."""
-    now, then = meshes.read_polygons(obj), base.polygons
-    same = np.array_equal(now.corner_vertices, base.source[then.corner_vertices])
-    return same and np.array_equal(now.starts, then.starts)
-
-
 def _changing(obj, base):
     """Name of the first modifier behind which the mesh has other faces."""
     shown = [modifier for modifier in obj.modifiers if modifier.show_viewport]
     for number, modifier in enumerate(shown):
         with hidden(shown[number + 1 :]):
-            if not _has_faces(obj.evaluated_get(bpy.context.evaluated_depsgraph_get()), base):
+            seen = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+            if not meshes.has_faces(meshes.read_polygons(seen), base):
                 return modifier.name
     return "that deforms it"

@@ -35,9 +35,9 @@ def carried(points, faces):
     check_mesh(found.mesh, found.polygons.triangle_faces)
     np.testing.assert_array_equal(found.polygons.triangles, found.mesh.triangles)
     np.testing.assert_array_equal(found.source[: len(points)], np.arange(len(points)))
-    given = {tuple(sorted(t)) for t in mesh.triangles.tolist()}
+    given = {tuple(sorted(t)) for t in found.own[mesh.triangles].tolist()}
     assert {tuple(sorted(t)) for t in found.source[found.mesh.triangles].tolist()} <= given
-    np.testing.assert_array_equal(found.source[found.polygons.corner_vertices], polygons.corner_vertices)
+    np.testing.assert_array_equal(found.source[found.polygons.corner_vertices], found.own[polygons.corner_vertices])
     return found
 
 
@@ -184,6 +184,32 @@ def test_faces_without_area_are_left_out():
     found = carried(points, [[0, 1, 2, 3], [0, 5, 4, 1], [2, 3, 2]])
     assert findings(found) == {"flat_faces": [1, 2]}
     assert found.mesh.areas.sum() == 1 and found.polygons.drawn.tolist() == [True, False, False]
+
+
+@pytest.mark.parametrize("apart", [0.0, 1e-13])
+def test_the_surface_closes_over_needles(apart):
+    """A row of vertices of a sphere doubled, with needles between the two: each counts as one."""
+    ball = icosphere(2)
+    low = ball.vertices[ball.triangles].mean(axis=1)[:, 2] < 0
+    ring = np.intersect1d(ball.triangles[low], ball.triangles[~low])
+    copies = np.arange(ball.vertex_count)
+    copies[ring] = ball.vertex_count + np.arange(len(ring))
+    points = np.vstack([ball.vertices, ball.vertices[ring] + [0, 0, apart]])
+    both = np.bincount(ball.triangle_edges[low].ravel(), minlength=len(ball.edges)) == 1
+    around = ball.edges[both]
+    needles = [[i, j, copies[j], copies[i]] for i, j in around.tolist()]
+    faces = np.vstack([ball.triangles[low], copies[ball.triangles[~low]]]).tolist()
+    found = carried(points, faces + needles)
+    assert findings(found) == {"flat_faces": list(range(len(faces), len(faces) + len(needles)))}
+    np.testing.assert_array_equal(found.mesh.triangles, np.vstack([ball.triangles[low], ball.triangles[~low]]))
+    np.testing.assert_array_equal(found.own[copies[ring]], ring)
+
+
+def test_vertices_at_one_place_stay_two_where_another_face_has_both():
+    points = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 0], [0, -1, 0]]
+    found = carried(points, [[0, 1, 2, 3, 4], [0, 4, 5]])
+    assert findings(found) == {"flat_faces": [1]}
+    np.testing.assert_array_equal(found.own, np.arange(6))
 
 
 def test_a_face_that_passes_a_vertex_twice_is_left_out():
