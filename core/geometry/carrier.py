@@ -8,6 +8,8 @@ joined; where faces of solids touch in an edge, each solid stays itself. Then ve
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import minimum_spanning_tree
 
 from ..errors import name_elements
 from ..graphs import components
@@ -27,7 +29,7 @@ KINDS = {
     "non_manifold_edges": ("edge", "three or more faces", "those that bend least stay joined, others come apart"),
     "pinched_vertices": ("vertex", "faces that touch only at this point", "they come apart"),
     "turned_faces": ("face", "the opposite winding of their neighbours", "they count as turned over"),
-    "one_sided_edges": ("edge", "both sides of a one-sided surface", "it is cut open, and nothing goes on across"),
+    "one_sided_edges": ("edge", "both sides of a one-sided surface", "it is open there, with the same on both sides"),
 }
 # Of which vertices have copies, each with values of its own.
 APART = ("non_manifold_edges", "pinched_vertices", "one_sided_edges")
@@ -74,6 +76,7 @@ class Carrier:
     polygons : all faces that were given, with the triangles of those in the surface alone, in the order of ``mesh``
     source : (n,) the given vertex that each vertex was: the given ones first, then their copies
     own : (k,) vertex that stands for each given one: itself, or one at the same place
+    seam : (k, 2) vertices at the two sides along which a one-sided surface is open; no loop of them
     findings : tuple of :class:`Finding`
     """
 
@@ -81,6 +84,7 @@ class Carrier:
     polygons: Polygons
     source: np.ndarray
     own: np.ndarray
+    seam: np.ndarray
     findings: tuple[Finding, ...]
 
 
@@ -118,6 +122,8 @@ def carrier(mesh, polygons):
     # The same half-edges where a triangle runs the other way round.
     halves = np.where(turned[faces[joins // 3]], joins - joins % 3 + np.array([1, 0, 2])[joins % 3], joins)
     surface, source = _in_fans(TriangleMesh(vertices, polygons.corner_vertices[corners]), faces, halves[~seam])
+    across = halves[seam]
+    ends = np.concatenate([across, across - across % 3 + (across + 1) % 3])
     alike = alike_corners(polygons, first)
     corner_vertices = polygons.corner_vertices.copy()
     corner_vertices[corners] = surface.triangles
@@ -136,8 +142,17 @@ def carrier(mesh, polygons):
         Polygons(corner_vertices[alike], polygons.starts, polygons.sizes, corners, faces, alike),
         source,
         own,
+        _tree(surface.triangles.ravel()[ends]),
         tuple(Finding(name, elements) for name, elements in found.items() if len(elements)),
     )
+
+
+def _tree(pairs):
+    """Those of (k, 2) pairs of nodes that lead to all nodes in one way each."""
+    nodes, names = np.unique(pairs, return_inverse=True)
+    names = names.reshape(pairs.shape)
+    graph = coo_array((np.ones(len(pairs)), names.T), shape=(len(nodes),) * 2)
+    return np.sort(nodes[np.column_stack(minimum_spanning_tree(graph).nonzero())], axis=1)
 
 
 def finite_places(vertices):

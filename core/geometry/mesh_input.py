@@ -20,6 +20,7 @@ class MeshInput:
     and where the object's mesh is no surface and ``uncut`` is its carrier; ``findings`` say where that differs from it,
     ``polygons`` have all faces, with the triangles of those alone that are part of it, and ``own``, where it is not
     None, is the vertex that stands for each of the object's: another one where two at one place count as one.
+    ``seam`` are the (k, 2) vertices on the two sides along which a one-sided surface is open, None where there is none.
     """
 
     mesh: TriangleMesh
@@ -29,6 +30,7 @@ class MeshInput:
     source: np.ndarray
     findings: tuple[Finding, ...] = ()
     own: np.ndarray | None = None
+    seam: np.ndarray | None = None
 
     @property
     def vertex_count(self):

@@ -12,8 +12,8 @@ from ..graphs import components
 def wound(mesh, faces, joins):
     """Which faces to turn over so that windings agree, and where that cannot be.
 
-    In each piece the larger share of the area keeps its winding. A one-sided piece disagrees with itself along a seam,
-    which lies opposite to its first face.
+    In each piece the larger share of the area keeps its winding. A one-sided piece disagrees with itself along a seam:
+    where it was given one, or opposite to its first face, whichever is shorter.
 
     Parameters
     ----------
@@ -31,14 +31,23 @@ def wound(mesh, faces, joins):
     signs = mesh.triangle_edge_signs.ravel()
     clash = signs[joins[:, 0]] == signs[joins[:, 1]]
     turned, balanced = balance(count, pairs, clash)
+    pieces = components(count, pairs)
     if not balanced.all():
         tree = _tree(count, pairs, ~balanced)
-        turned |= ~balanced & balance(count, pairs[tree], clash[tree])[0]
-    pieces = components(count, pairs)
+        along_tree = balance(count, pairs[tree], clash[tree])[0]
+        lengths = mesh.edge_lengths[mesh.triangle_edges.ravel()[joins[:, 0]]]
+        longer = lengths * clash - lengths * _clashes(clash, along_tree, pairs)
+        shortened = np.bincount(pieces[pairs[:, 0]], longer, pieces.max() + 1) > 0
+        turned |= along_tree & ~balanced & shortened[pieces]
     areas = np.bincount(faces, mesh.areas, count)
     turned ^= (np.bincount(pieces, np.where(turned, areas, -areas)) > 0)[pieces]
     turned[np.bincount(faces, minlength=count) == 0] = False
-    return turned, clash ^ turned[pairs].any(axis=1) ^ turned[pairs].all(axis=1)
+    return turned, _clashes(clash, turned, pairs)
+
+
+def _clashes(clash, turned, pairs):
+    """(j,) bool: where windings disagree after some faces were turned over."""
+    return clash ^ turned[pairs[:, 0]] ^ turned[pairs[:, 1]]
 
 
 def _tree(count, pairs, chosen):

@@ -86,7 +86,8 @@ def read_mesh(obj, base=None, strict=False):
         if strict or mesh.triangle_count == 0:
             raise
         found = carrier(mesh, polygons)
-        return MeshInput(found.mesh, found.polygons, stretch, found.mesh, found.source, found.findings, found.own)
+        places = found.mesh, found.polygons, stretch, found.mesh, found.source
+        return MeshInput(*places, found.findings, found.own, found.seam if len(found.seam) else None)
     return MeshInput(mesh, polygons, stretch, mesh, np.arange(mesh.vertex_count))
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...core.errors import AsymmetryError, SettingError
 from ...core.fields import quad_pattern
-from ...core.fields.mirror import Mirror
+from ...core.fields.mirror import Mirror, Seam
 from ...core.fields.patterns import check_lengths, check_spacing
 from ...core.geometry.mirror import mirrored_vertices
 from ...core.tasks.quad_meshes import smallest_sides, spacing_factor
@@ -72,6 +72,8 @@ def gather(command, obj, settings, base=None):
         sides = smallest_sides(given.mesh, spacings)
         rows += constraints.feature_rows(obj, given, settings.features, sides)
     mirrors = read_mirrors(given, settings.mirror)
+    if given.seam is not None:
+        mirrors += (Seam.of(given.mesh, given.seam),)
     return SurfaceRequest(
         command,
         given,

@@ -131,6 +131,19 @@ def test_a_patched_sphere_shows_a_pattern_without_jumps(build, command):
     assert jump < 1e-4 and compared > len(obj.data.edges)
 
 
+@pytest.mark.parametrize("build", [lambda: moebius_strip(60, 8), klein_bottle])
+@pytest.mark.parametrize("symmetry", ["vector", "line", "cross"])
+def test_patterns_go_on_all_around_a_one_sided_surface(build, symmetry):
+    obj = add_object(*build())
+    if symmetry == "cross":
+        report = api.quads(obj, spacing=0.3)
+    else:
+        report = api.stripes(obj, spacing=0.3, symmetry=symmetry)
+    jump, compared = largest_jump(obj)
+    assert jump < 1e-4 and compared > 800
+    assert list(report["carrier"]) == ["one_sided_edges"]
+
+
 def test_a_patched_sphere_has_the_field_of_the_clean_one():
     clean = sphere()
     obj = patched()
