@@ -124,7 +124,7 @@ def slot_numbers(phase, polygons, lines):
     numbers = numbers.reshape(-1, SLOTS)
     # Inside a face with a defect there may be a speck of a period that its edges do not meet.
     speck = _with_defect(phase, polygons)[:, None] & (numbers == 0)
-    return np.where(speck, numbers.max(axis=1, keepdims=True), numbers)
+    return polygons.at_faces(np.where(speck, numbers.max(axis=1, keepdims=True), numbers))
 
 
 def _ways_to_middle(phase, polygons, vertices, faces, slots, corners):

@@ -156,8 +156,9 @@ def _tree(pairs):
 
 
 def finite_places(vertices):
-    """(n, 3) points, the origin for those that are not finite."""
-    return np.where(np.isfinite(vertices).all(axis=1, keepdims=True), vertices, 0.0)
+    """(n, 3) points, the first finite one in place of those that are not finite."""
+    finite = np.isfinite(vertices).all(axis=1)
+    return vertices if finite.all() else np.where(finite[:, None], vertices, vertices[np.argmax(finite)])
 
 
 def _one_for_all(polygons, vertices, is_flat, is_lost):

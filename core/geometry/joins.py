@@ -9,6 +9,8 @@ from .triangle_mesh import TriangleMesh
 # How much a concave bend counts above a convex one, where cosines of the bends are compared: solids that touch in an
 # edge come apart rather than grow together.
 _CONCAVE = 0.01
+# Faces at an edge from which on all of them come apart: pairs to choose from grow with their square.
+_MOST = 64
 
 
 def joined_halves(mesh: TriangleMesh, faces):
@@ -35,6 +37,7 @@ def joined_halves(mesh: TriangleMesh, faces):
     )
     pairs = [np.column_stack([order[ordinary], order[ordinary + 1]]), halves[np.column_stack([inside, inside + 1])]]
     halves = np.delete(halves, np.concatenate([inside, inside + 1]))
+    halves = halves[np.bincount(edges[halves], minlength=len(mesh.edges))[edges[halves]] < _MOST]
     if len(halves):
         pages = _pages(mesh, np.concatenate(pairs), halves)
         pairs.append(halves[_matched(edges[halves], *_candidates(mesh, halves, pages))])

@@ -3,6 +3,7 @@
 """Objects whose meshes are no surface: solved all the same, told in the report, and left as they are."""
 
 import json
+import pickle
 from unittest.mock import MagicMock
 
 import bpy
@@ -17,6 +18,8 @@ from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.panels.overlay import direction_marks
 from synch_fields.synch_addon.panels.result import FINDINGS, draw_findings
 from synch_fields.synch_addon.patterns import memory
+from synch_fields.synch_addon.patterns.job import FieldJob
+from synch_fields.synch_addon.settings.fields import Settings
 
 from ...core.bad_meshes import (
     checkerboard,
@@ -234,6 +237,12 @@ def test_a_button_selects_the_places(kind):
 def test_every_kind_of_place_has_a_label_in_german():
     assert FINDINGS.keys() == KINDS.keys()
     assert set(FINDINGS.values()) <= translations.LANGUAGES["de_DE"].keys()
+
+
+def test_a_process_of_its_own_solves_it_too(bad):
+    request = FieldJob("stripes", bad[0], Settings(spacing=0.5)).request
+    sent = pickle.loads(pickle.dumps(request, protocol=5))
+    np.testing.assert_array_equal(sent.solve().pattern.phases, request.solve().pattern.phases)
 
 
 def test_the_window_says_what_was_done():

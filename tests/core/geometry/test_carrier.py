@@ -97,6 +97,11 @@ def test_many_fans_are_joined_in_pairs(count):
     assert characteristics(found.mesh) == [1] * ((count + 1) // 2)
 
 
+def test_faces_come_apart_at_an_edge_of_very_many():
+    found = carried(*fans(1, np.arange(3000) * 360 / 3000))
+    assert characteristics(found.mesh) == [1] * 3000
+
+
 def test_an_hourglass_is_two_spheres():
     points, faces, waist = hourglass()
     found = carried(points, faces)
