@@ -48,6 +48,20 @@ class MeshInput:
         """Whether vertices of the object stand for several of the surface, which values at vertices cannot tell."""
         return len(self.source) > self.vertex_count
 
+    @property
+    def euler_characteristic(self):
+        """Of the surface, with the two sides of a seam as one."""
+        return self.mesh.euler_characteristic + (0 if self.seam is None else self._seam_edges - len(self.seam))
+
+    @property
+    def is_closed(self):
+        """Whether the surface has no boundary, the two sides of a seam apart."""
+        return len(self.mesh.boundary_edges) == 2 * self._seam_edges
+
+    @property
+    def _seam_edges(self):
+        return sum(len(finding.elements) for finding in self.findings if finding.name == "one_sided_edges")
+
     def at_object(self, values):
         """(k, ...) values at the object's vertices, for (n, ...) values at those of the mesh."""
         return values[: self.vertex_count] if self.own is None else values[self.own]

@@ -149,8 +149,8 @@ class Report:
             report["evenness"] = pattern.evenness.figures
         return report | {
             "carrier": {finding.name: len(finding.elements) for finding in self._request.given.findings},
-            "euler_characteristic": mesh.euler_characteristic,
-            "closed": len(mesh.boundary_edges) == 0,
+            "euler_characteristic": self._request.given.euler_characteristic,
+            "closed": self._request.given.is_closed,
             "disclinations": [d for d in defects if d["kind"] == "disclination"],
             "dislocations": [d for d in defects if d["kind"] == "dislocation"],
             "forced_dislocations": self.forced_dislocations,

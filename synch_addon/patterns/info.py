@@ -29,7 +29,7 @@ def describe(obj):
         "triangles": mesh.triangle_count,
         "pieces": len(np.unique(mesh.pieces[mesh.triangles[:, 0]])),
         "boundary_loops": _boundary_loops(mesh),
-        "euler_characteristic": mesh.euler_characteristic,
+        "euler_characteristic": given.euler_characteristic,
         "size": np.ptp(mesh.vertices, axis=0).tolist(),
         "area": float(mesh.areas.sum()),
         "edge_length": {

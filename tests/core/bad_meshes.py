@@ -5,6 +5,7 @@
 from itertools import product
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from .meshes import (
     grid_quads,
@@ -83,6 +84,18 @@ def klein_bottle(around=24, across=12):
     ahead = np.vstack([number[1:], number[:1, -np.arange(across) % across]])
     beside = lambda rows: np.roll(rows, -1, axis=1)  # noqa: E731
     return points, np.stack([number, ahead, beside(ahead), beside(number)], axis=-1).reshape(-1, 4).tolist()
+
+
+def projective_plane(subdivisions=3):
+    """A projective plane that passes through itself: each place of a sphere, and the one opposite to it."""
+    ball = icosphere(subdivisions)
+    opposite = cKDTree(ball.vertices).query(-ball.vertices)[1]
+    first, names = np.unique(np.minimum(np.arange(ball.vertex_count), opposite), return_inverse=True)
+    x, y, z = ball.vertices[first].T
+    points = np.column_stack([x * y + 0.15 * x * x, y * z + 0.15 * (y * y - z * z), z * x + 0.075 * z * z])
+    triangles = names[ball.triangles]
+    once = np.unique(np.sort(triangles, axis=1), axis=0, return_index=True)[1]
+    return points, triangles[once].tolist()
 
 
 def torus_on_a_sheet(around=24, across=12):

@@ -145,6 +145,7 @@ def test_patterns_go_on_all_around_a_one_sided_surface(build, symmetry):
     jump, compared = largest_jump(obj)
     assert jump < 1e-4 and compared > 800
     assert list(report["carrier"]) == ["one_sided_edges"]
+    assert report["euler_characteristic"] == 0 and report["closed"] == (build is klein_bottle)
 
 
 def test_a_patched_sphere_has_the_field_of_the_clean_one():

@@ -8,8 +8,9 @@ import pytest
 from synch_fields.core.fields import DirectionWishes, direction_field, quad_pattern, stripe_pattern
 from synch_fields.core.fields.mirror import Seam
 from synch_fields.core.geometry.carrier import carrier
+from synch_fields.core.geometry.mesh_input import MeshInput
 
-from ..bad_meshes import klein_bottle, moebius_strip
+from ..bad_meshes import klein_bottle, moebius_strip, projective_plane
 from ..meshes import polygon_mesh
 
 SURFACES = {"moebius strip": lambda: moebius_strip(60, 8), "klein bottle": lambda: klein_bottle(48, 24)}
@@ -38,6 +39,20 @@ def test_directions_are_the_same_on_both_sides(surface, symmetry):
     assert agreement.min() > 0.9 and np.median(agreement) > 0.99  # tangent planes lean a little, from fan to fan
     assert field.solution.certificate == "proved"
     assert field.energy > direction_field(mesh, symmetry).energy
+
+
+@pytest.mark.parametrize("symmetry", [1, 2, 4])
+@pytest.mark.parametrize(("build", "characteristic"), [(klein_bottle, 0), (projective_plane, 1)])
+def test_sum_of_indices_is_the_euler_characteristic(build, characteristic, symmetry):
+    mesh, polygons = polygon_mesh(*build())
+    found = carrier(mesh, polygons)
+    assert mesh.euler_characteristic == characteristic
+    given = MeshInput(
+        found.mesh, found.polygons, np.eye(3), found.mesh, found.source, found.findings, found.own, found.seam
+    )
+    assert given.euler_characteristic == characteristic and given.is_closed
+    field = direction_field(found.mesh, symmetry, DirectionWishes(mirrors=(Seam.of(found.mesh, found.seam),)))
+    assert sum(round(symmetry * d.index) for d in field.disclinations) == symmetry * characteristic
 
 
 @pytest.mark.parametrize("symmetry", [1, 2, 4])
