@@ -71,9 +71,13 @@ class Seam:
     name: str = "the one-sided surface"
 
     @classmethod
-    def of(cls, mesh, pairs):
-        """Of (k, 2) pairs of vertices at the same places."""
-        first, second = pairs.T
+    def of(cls, mesh, pairs, rows=()):
+        """Of (k, 2) pairs of vertices at the same places, but for those that hard Rows hold on both sides: the ends of
+        a seam, on a boundary that turns there."""
+        held = np.zeros(mesh.vertex_count, bool)
+        for row in rows:
+            held[row.line.vertices] |= row.weight is None
+        first, second = pairs[~held[pairs].all(axis=1)].T
         x, y = mesh.tangent_frames
         # Where the direction of angle 0 of the one is in the tangent plane of the other, seen from either.
         turns = 2 * np.einsum("kx,kx->k", x[first], x[second]) + 1j * (

@@ -17,7 +17,7 @@ from .check import FLAT_FACE, check_mesh, flat_faces
 from .cut import opened
 from .joins import joined_halves
 from .polygons import Polygons, alike_corners, first_alike
-from .touching import separated_fans
+from .touching import following, separated_fans
 from .triangle_mesh import TriangleMesh
 from .windings import wound
 
@@ -123,7 +123,7 @@ def carrier(mesh, polygons):
     halves = np.where(turned[faces[joins // 3]], joins - joins % 3 + np.array([1, 0, 2])[joins % 3], joins)
     surface, source = _in_fans(TriangleMesh(vertices, polygons.corner_vertices[corners]), faces, halves[~seam])
     across = halves[seam]
-    ends = np.concatenate([across, across - across % 3 + (across + 1) % 3])
+    ends = np.concatenate([across, following(across)])
     alike = alike_corners(polygons, first)
     corner_vertices = polygons.corner_vertices.copy()
     corner_vertices[corners] = surface.triangles
@@ -164,9 +164,9 @@ def finite_places(vertices):
 def _one_for_all(polygons, vertices, is_flat, is_lost):
     """(n,) the first of the vertices at one place that edges of flat faces join, which stands for all: the surface
     closes where these faces were. Not where another face has two of them."""
-    following = np.arange(len(polygons.corner_vertices)) + 1
-    following[polygons.starts + polygons.sizes - 1] = polygons.starts
-    ends = np.column_stack([polygons.corner_vertices, polygons.corner_vertices[following]])
+    ahead = np.arange(len(polygons.corner_vertices)) + 1
+    ahead[polygons.starts + polygons.sizes - 1] = polygons.starts
+    ends = np.column_stack([polygons.corner_vertices, polygons.corner_vertices[ahead]])
     lengths = np.linalg.norm(np.diff(vertices[ends], axis=1)[:, 0], axis=1)
     reach = np.maximum.reduceat(lengths, polygons.starts)[polygons.corner_faces]
     joined = is_flat[polygons.corner_faces] & (lengths <= 2 * FLAT_FACE * reach)

@@ -4,6 +4,7 @@
 import numpy as np
 
 from ..graphs import components
+from .touching import corner_links
 from .triangle_mesh import TriangleMesh
 
 
@@ -38,9 +39,7 @@ def opened(mesh, halves, twins):
     -------
     What :func:`cut_open` does
     """
-    # Corners on both sides of an edge that stays closed belong together: a half-edge's tail and its twin's head.
-    pairs = np.concatenate([np.column_stack([halves, _following(twins)]), np.column_stack([_following(halves), twins])])
-    fans = components(3 * mesh.triangle_count, pairs)
+    fans = components(3 * mesh.triangle_count, corner_links(mesh.triangles, halves, twins))
     _, first_corner = np.unique(fans, return_index=True)
     vertex_of_fan = mesh.triangles.ravel()[first_corner]
     _, kept = np.unique(vertex_of_fan, return_index=True)
@@ -57,8 +56,3 @@ def carried_edges(mesh, cut, edges):
     chosen = np.zeros(len(mesh.edges), bool)
     chosen[edges] = True
     return np.unique(cut.triangle_edges[chosen[mesh.triangle_edges]])
-
-
-def _following(halves):
-    """The next half-edge in the same triangle."""
-    return halves - halves % 3 + (halves + 1) % 3

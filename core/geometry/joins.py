@@ -4,6 +4,7 @@
 import numpy as np
 
 from ..graphs import components, ragged_arange
+from .touching import corner_links, following
 from .triangle_mesh import TriangleMesh
 
 # How much a concave bend counts above a convex one, where cosines of the bends are compared: solids that touch in an
@@ -46,20 +47,11 @@ def joined_halves(mesh: TriangleMesh, faces):
 
 def _pages(mesh, joins, halves):
     """(k,) label of what hangs together on one side of a chain of crowded edges, for half-edges at them."""
-    tails, heads = mesh.triangles.ravel(), np.roll(mesh.triangles, -1, axis=1).ravel()
-    following = np.arange(len(tails)) // 3 * 3 + (np.arange(len(tails)) + 1) % 3
-    here, there = joins.T
-    same = tails[here] == tails[there]
-    corners = [
-        np.column_stack([here, np.where(same, there, following[there])]),
-        np.column_stack([following[here], np.where(same, following[there], there)]),
-    ]
-    fans = components(len(tails), np.concatenate(corners))
+    fans = components(3 * mesh.triangle_count, corner_links(mesh.triangles, *joins.T))
     crowded = np.unique(mesh.triangle_edges.ravel()[halves])
     degrees = np.bincount(mesh.edges[crowded].ravel(), minlength=mesh.vertex_count)
-    number = np.tile(np.arange(len(halves)), 2)
-    fan = fans[np.concatenate([halves, following[halves]])]
-    inside = degrees[np.concatenate([tails[halves], heads[halves]])] == 2
+    number, ends = np.tile(np.arange(len(halves)), 2), np.concatenate([halves, following(halves)])
+    fan, inside = fans[ends], degrees[mesh.triangles.ravel()[ends]] == 2
     number, fan = number[inside], fan[inside]
     order = np.argsort(fan, kind="stable")
     both = np.flatnonzero(fan[order][1:] == fan[order][:-1])

@@ -51,16 +51,24 @@ class MeshInput:
     @property
     def euler_characteristic(self):
         """Of the surface, with the two sides of a seam as one."""
-        return self.mesh.euler_characteristic + (0 if self.seam is None else self._seam_edges - len(self.seam))
+        characteristic = self.mesh.euler_characteristic
+        if self.seam is None:
+            return characteristic
+        sides = len(self.uncut.boundary_edges) - len(self.boundary_edges)
+        return characteristic + sides // 2 - len(self.seam)
 
     @property
     def is_closed(self):
         """Whether the surface has no boundary, the two sides of a seam apart."""
-        return len(self.mesh.boundary_edges) == 2 * self._seam_edges
+        sides = len(self.uncut.boundary_edges) - len(self.boundary_edges)
+        return len(self.mesh.boundary_edges) == sides
 
     @property
-    def _seam_edges(self):
-        return sum(len(finding.elements) for finding in self.findings if finding.name == "one_sided_edges")
+    def boundary_edges(self):
+        """Indices of the boundary edges of the whole surface, the two sides of a seam left out."""
+        edges = self.uncut.boundary_edges
+        seams = [finding.elements for finding in self.findings if finding.name == "one_sided_edges"]
+        return np.setdiff1d(edges, self.edges_of(seams[0])) if seams else edges
 
     def at_object(self, values):
         """(k, ...) values at the object's vertices, for (n, ...) values at those of the mesh."""

@@ -73,7 +73,7 @@ def gather(command, obj, settings, base=None):
         rows += constraints.feature_rows(obj, given, settings.features, sides)
     mirrors = read_mirrors(given, settings.mirror)
     if given.seam is not None:
-        mirrors += (Seam.of(given.mesh, given.seam),)
+        mirrors += (Seam.of(given.mesh, given.seam, rows),)
     return SurfaceRequest(
         command,
         given,

@@ -150,7 +150,8 @@ def _line(obj, given, constraint):
     group = groups.read_group(obj, constraint.name) if constraint.name else None
     if constraint.where == "boundary":
         try:
-            line = boundary_line(given.uncut, None if group is None else group[_own(given)])
+            members = None if group is None else group[_own(given)]
+            line = boundary_line(given.uncut, members, given.boundary_edges)
         except SettingError as error:
             raise SettingError(f"{constraint.label}: {error}, or remove the row") from None
         edges = given.uncut.edges_between(*line.links.T)

@@ -148,6 +148,26 @@ def test_patterns_go_on_all_around_a_one_sided_surface(build, symmetry):
     assert report["euler_characteristic"] == 0 and report["closed"] == (build is klein_bottle)
 
 
+def test_a_seam_is_no_boundary():
+    obj = add_object(*moebius_strip(60, 8))
+    report = api.stripes(obj, spacing=0.25, boundary="phase")
+    # The circle in the middle would turn its phase over: with 5 lines on a width of 1 all is even.
+    assert report["energy"] < 3 and largest_jump(obj)[0] < 1e-4
+    rim = np.bincount(np.concatenate([edge.vertices for edge in obj.data.edges if _faces(obj, edge) == 1])) > 0
+    waves = np.cos(attribute(obj, "synch_vertex_phase"))
+    np.testing.assert_allclose(waves[rim.nonzero()], 1, atol=1e-5)
+    assert (waves < 0).any()
+    seam = places(obj)[:, 1] ** 2 < 1e-12
+    assert waves[seam & (places(obj)[:, 0] > 0)].min() < 0
+    with pytest.raises(SynchError, match="the mesh has no boundary"):
+        api.stripes(add_object(*klein_bottle()), spacing=0.3, boundary="along")
+    assert api.stripes(obj, spacing=0.25, guidance="distance:boundary")["energy"] > 0
+
+
+def _faces(obj, edge):
+    return sum(set(edge.vertices) <= set(face.vertices) for face in obj.data.polygons)
+
+
 def test_a_patched_sphere_has_the_field_of_the_clean_one():
     clean = sphere()
     obj = patched()
