@@ -148,7 +148,7 @@ def face_phases(edge_phases, polygons):
     singular = np.zeros(len(polygons.starts), bool)
     singular[polygons.triangle_faces[numbers.any(axis=1) | torn]] = True
     torn_count = np.bincount(polygons.triangle_faces[torn], minlength=len(singular))
-    unfit = singular & ((polygons.sizes > 4) | (torn_count > 1))
+    unfit = polygons.at_faces(singular & ((polygons.sizes > 4) | (torn_count > 1)))
     faces, count = len(singular), edge_phases.phase_count
     result = FacePhases(
         corner_phase=_walked_phases(edge_phases, polygons),
@@ -160,22 +160,31 @@ def face_phases(edge_phases, polygons):
         unfit=np.flatnonzero(unfit),
     )
     fit = singular & ~unfit
-    _fill_triangles(result, edge_phases, polygons, np.flatnonzero(fit & (polygons.sizes == 3)), numbers)
+    _fill_triangles(result, edge_phases, polygons, np.flatnonzero(fit & (polygons.sizes == 3)))
     _fill_quads(result, edge_phases, polygons, np.flatnonzero(fit & (polygons.sizes == 4)))
     _fill_fans(result, edge_phases, polygons, np.flatnonzero(fit & (torn_count == 1)))
-    of_phase = ("corner_phase", "index", "index_2", "disclination", "closing")
+    at_corners = {name: polygons.at_corners(getattr(result, name)) for name in ("corner_phase", "corner_place")}
+    of_faces = ("index", "index_2", "disclination", "closing")
+    result = replace(result, **at_corners, **{name: polygons.at_faces(getattr(result, name)) for name in of_faces})
     return tuple(
-        replace(result, **{name: getattr(result, name)[..., phase] for name in of_phase}) for phase in range(count)
+        replace(result, **{name: getattr(result, name)[..., phase] for name in ("corner_phase", *of_faces)})
+        for phase in range(count)
     )
 
 
 def _walked_phases(edge_phases, polygons):
-    """(c, k) corner phases by a walk along each face's rim: right wherever nothing in it is singular."""
+    """(c, k) corner phases by a walk along each face's rim: right wherever nothing in it is singular.
+
+    Faces without triangles have those of their vertices.
+    """
     phases = np.zeros((len(polygons.corner_vertices), edge_phases.phase_count))
     phases[polygons.starts] = edge_phases.arguments[polygons.corner_vertices[polygons.starts]]
+    drawn = polygons.drawn
+    at_vertices = ~drawn[polygons.corner_faces]
+    phases[at_vertices] = edge_phases.arguments[polygons.corner_vertices[at_vertices]]
     turns = np.zeros(len(polygons.starts), int)
     for step in range(1, polygons.sizes.max(initial=0)):
-        going = polygons.sizes > step
+        going = drawn & (polygons.sizes > step)
         corner = polygons.starts[going] + step
         change, matched = edge_phases.between(polygons.corner_vertices[corner - 1], polygons.corner_vertices[corner])
         phases[corner] = phases[corner - 1] + after_turns(change, -turns[going])
@@ -183,11 +192,11 @@ def _walked_phases(edge_phases, polygons):
     return phases
 
 
-def _fill_triangles(result, edge_phases, polygons, faces, numbers):
+def _fill_triangles(result, edge_phases, polygons, faces):
     """Dislocations of triangle faces: the corners share out -2 pi N evenly."""
     corners = polygons.starts[faces, None] + np.arange(3)
     values, _ = edge_phases.around(polygons.corner_vertices[corners])
-    number = numbers[polygons.first_triangles[faces]]
+    number = np.rint((values[:, 3] - values[:, 0]) / TURN).astype(int)
     result.corner_phase[corners] = values[:, :3] - TURN / 3 * number[:, None] * np.arange(3)[:, None]
     result.corner_place[corners] = np.eye(3)
     result.index[faces] = number

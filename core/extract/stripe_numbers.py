@@ -105,7 +105,8 @@ def stripe_table(phase, polygons, lines, spacing):
     places = np.where(whole > 0, start + (places - start + whole / 2) % np.maximum(whole, 1) - whole / 2, places)
     along = np.zeros((len(polygons.corner_vertices), SLOTS))
     along[corner, slots[row]] = places
-    return StripeTable(_sides(phase, polygons, along) * numbers, along)
+    signed = _sides(phase, polygons, along) * numbers
+    return StripeTable(polygons.at_faces(signed), polygons.at_corners(along))
 
 
 def slot_numbers(phase, polygons, lines):
@@ -123,7 +124,7 @@ def slot_numbers(phase, polygons, lines):
     numbers = numbers.reshape(-1, SLOTS)
     # Inside a face with a defect there may be a speck of a period that its edges do not meet.
     speck = _with_defect(phase, polygons)[:, None] & (numbers == 0)
-    return np.where(speck, numbers.max(axis=1, keepdims=True), numbers)
+    return polygons.at_faces(np.where(speck, numbers.max(axis=1, keepdims=True), numbers))
 
 
 def _ways_to_middle(phase, polygons, vertices, faces, slots, corners):

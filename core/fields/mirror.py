@@ -48,23 +48,70 @@ class Mirror:
 
     def direction_links(self, symmetry):
         """:class:`Links` between the powers of a direction field."""
-        nodes = np.arange(len(self.partner))
-        return self._links(nodes, self.partner, symmetry * self.turns, np.ones(len(nodes), bool))
+        return _direction_links(np.arange(len(self.partner)), self.partner, self.turns, self.name, symmetry)
 
     def phase_links(self, growth):
         """:class:`Links` between the phases of a :class:`Growth`, which come out exchanged or reversed."""
-        count = growth.phase_count
-        met = np.rint((self.turns - growth.angles - growth.angles[self.partner]) / growth.turn).astype(int)
-        # Directions mirrored are counted the other way round: direction l comes to direction met - l.
-        directions = (met[:, None] - np.arange(count)) % (2 * count)
-        nodes = np.arange(count * len(self.partner))
-        partners = count * self.partner[:, None] + directions % count
-        return self._links(nodes, partners.ravel(), np.zeros(len(nodes)), directions.ravel() >= count)
+        return _phase_links(np.arange(len(self.partner)), self.partner, self.turns, self.name, growth)
 
-    def _links(self, i, j, angles, flips):
-        once = i <= j
-        names = np.full(once.sum(), self.name, object)
-        return Links(i[once], j[once], angles[once], flips[once], names)
+
+@dataclass(frozen=True)
+class Seam:
+    """The two sides along which a one-sided surface is open: they look opposite ways and have the same field.
+
+    Attributes
+    ----------
+    first, second : (k,) vertices at the same places
+    turns : (k,) a direction at angle a at the first is at turns - a at the second
+    """
+
+    first: np.ndarray
+    second: np.ndarray
+    turns: np.ndarray
+    name: str = "the one-sided surface"
+
+    @classmethod
+    def of(cls, mesh, pairs, rows=()):
+        """Of (k, 2) pairs of vertices at the same places, but for those that hard Rows hold on both sides: the ends of
+        a seam, on a boundary that turns there."""
+        held = np.zeros(mesh.vertex_count, bool)
+        for row in rows:
+            held[row.line.vertices] |= row.weight is None
+        first, second = pairs[~held[pairs].all(axis=1)].T
+        x, y = mesh.tangent_frames
+        # Where the direction of angle 0 of the one is in the tangent plane of the other, seen from either.
+        turns = 2 * np.einsum("kx,kx->k", x[first], x[second]) + 1j * (
+            np.einsum("kx,kx->k", y[first], x[second]) + np.einsum("kx,kx->k", y[second], x[first])
+        )
+        return cls(first, second, np.angle(turns))
+
+    def direction_links(self, symmetry):
+        """:class:`Links` between the powers of a direction field."""
+        return _direction_links(self.first, self.second, self.turns, self.name, symmetry)
+
+    def phase_links(self, growth):
+        """:class:`Links` between the phases of a :class:`Growth`."""
+        return _phase_links(self.first, self.second, self.turns, self.name, growth)
+
+
+def _direction_links(first, second, turns, name, symmetry):
+    return _links(first, second, symmetry * turns, np.ones(len(first), bool), name)
+
+
+def _phase_links(first, second, turns, name, growth):
+    count = growth.phase_count
+    met = np.rint((turns - growth.angles[first] - growth.angles[second]) / growth.turn).astype(int)
+    # Directions mirrored are counted the other way round: direction l comes to direction met - l.
+    directions = (met[:, None] - np.arange(count)) % (2 * count)
+    nodes = (count * first[:, None] + np.arange(count)).ravel()
+    partners = count * second[:, None] + directions % count
+    return _links(nodes, partners.ravel(), np.zeros(len(nodes)), directions.ravel() >= count, name)
+
+
+def _links(i, j, angles, flips, name):
+    once = i <= j
+    names = np.full(once.sum(), name, object)
+    return Links(i[once], j[once], angles[once], flips[once], names)
 
 
 def split_links(count, parts):

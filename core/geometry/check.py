@@ -53,20 +53,24 @@ def _refuse_vertices(mesh, bad, what, remedy):
         raise MeshError(f"{name_elements('vertex', bad)} {verb} {what}{_piece(mesh, bad[0])}: {remedy}")
 
 
+def flat_faces(mesh, faces):
+    """(faces.max() + 1,) bool: faces without area, or with a triangle that has a vertex twice, by triangles' faces."""
+    flat, reach = np.zeros(faces.max() + 1), np.zeros(faces.max() + 1)
+    np.add.at(flat, faces, mesh.areas)
+    np.maximum.at(reach, faces, mesh.edge_lengths[mesh.triangle_edges].max(axis=1) ** 2)
+    flat = flat <= FLAT_FACE * reach
+    flat[faces[(mesh.triangles == np.roll(mesh.triangles, 1, axis=1)).any(axis=1)]] = True
+    return flat
+
+
 def _refuse_faces(mesh, faces):
     sorted_corners = np.sort(mesh.triangles, axis=1)
-    repeated = (np.diff(sorted_corners, axis=1) == 0).any(axis=1)
-    lengths = mesh.edge_lengths[mesh.triangle_edges].max(axis=1)
-    flat = np.zeros(faces.max() + 1)
-    np.add.at(flat, faces, mesh.areas)
-    reach = np.zeros(faces.max() + 1)
-    np.maximum.at(reach, faces, lengths**2)
-    flat = (flat <= FLAT_FACE * reach)[faces]
+    flat = flat_faces(mesh, faces)[faces]
     first = np.unique(sorted_corners, axis=0, return_index=True)[1]
     duplicate = np.ones(len(faces), bool)
     duplicate[first] = False
     for bad, what, remedy in (
-        (repeated | flat, "no area", "Mesh > Clean Up > Degenerate Dissolve"),
+        (flat, "no area", "Mesh > Clean Up > Degenerate Dissolve"),
         (duplicate, "the same corners as another face", "Mesh > Clean Up > Merge by Distance"),
     ):
         if bad.any():

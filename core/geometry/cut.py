@@ -4,6 +4,7 @@
 import numpy as np
 
 from ..graphs import components
+from .touching import corner_links
 from .triangle_mesh import TriangleMesh
 
 
@@ -23,10 +24,22 @@ def cut_open(mesh, edges):
     is_cut = np.zeros(len(mesh.edges), bool)
     is_cut[edges] = True
     halves = np.flatnonzero((mesh.twins >= 0) & ~is_cut[mesh.triangle_edges.ravel()])
-    twins = mesh.twins[halves]
-    # Corners on both sides of an edge that stays closed belong together: a half-edge's tail and its twin's head.
-    pairs = np.concatenate([np.column_stack([halves, _following(twins)]), np.column_stack([_following(halves), twins])])
-    fans = components(3 * mesh.triangle_count, pairs)
+    return opened(mesh, halves, mesh.twins[halves])
+
+
+def opened(mesh, halves, twins):
+    """The mesh whose triangles hold together across given half-edges alone.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh, with any number of triangles at an edge
+    halves, twins : (k,) half-edges that stay together, which run opposite ways; pairs may come up twice
+
+    Returns
+    -------
+    What :func:`cut_open` does
+    """
+    fans = components(3 * mesh.triangle_count, corner_links(mesh.triangles, halves, twins))
     _, first_corner = np.unique(fans, return_index=True)
     vertex_of_fan = mesh.triangles.ravel()[first_corner]
     _, kept = np.unique(vertex_of_fan, return_index=True)
@@ -43,8 +56,3 @@ def carried_edges(mesh, cut, edges):
     chosen = np.zeros(len(mesh.edges), bool)
     chosen[edges] = True
     return np.unique(cut.triangle_edges[chosen[mesh.triangle_edges]])
-
-
-def _following(halves):
-    """The next half-edge in the same triangle."""
-    return halves - halves % 3 + (halves + 1) % 3

@@ -59,7 +59,7 @@ def _match_by_faces(polygons, places, image, partner):
     """Fill ``partner`` from corner to corner of mirrored faces; returns the vertices for which that fails."""
     lonely = []
     for size in np.unique(polygons.sizes):
-        corners = polygons.starts[polygons.sizes == size, None] + np.arange(size)
+        corners = polygons.starts[polygons.drawn & (polygons.sizes == size), None] + np.arange(size)
         vertices = polygons.corner_vertices[corners]
         here, there = np.sort(places[vertices], axis=1), np.sort(image[places[vertices]], axis=1)
         labels = np.unique(np.concatenate([here, there]), axis=0, return_inverse=True)[1].reshape(-1)
@@ -70,6 +70,6 @@ def _match_by_faces(polygons, places, image, partner):
         opposite = vertices[face]
         corner = (places[opposite][:, None] == image[places[vertices]][:, :, None]).argmax(axis=2)
         partner[vertices] = np.take_along_axis(opposite, corner, axis=1)
-    corners = polygons.corner_vertices
+    corners = polygons.corner_vertices[polygons.drawn[polygons.corner_faces]]
     lonely.append(corners[partner[partner[corners]] != corners])
     return np.concatenate(lonely)

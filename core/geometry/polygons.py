@@ -18,6 +18,7 @@ class Polygons:
     sizes : (p,) corners of each face
     triangle_corners : (m, 3) corners of each triangle; the triangles of a face follow one another
     triangle_faces : (m,) face of each triangle
+    alike : (c,) where faces without triangles look like others: the corner that each corner looks like, mostly itself
     """
 
     corner_vertices: np.ndarray
@@ -25,6 +26,7 @@ class Polygons:
     sizes: np.ndarray
     triangle_corners: np.ndarray
     triangle_faces: np.ndarray
+    alike: np.ndarray | None = None
 
     @classmethod
     def of_triangles(cls, mesh):
@@ -48,3 +50,69 @@ class Polygons:
     def first_triangles(self):
         """(p,) first triangle of each face."""
         return np.searchsorted(self.triangle_faces, np.arange(len(self.starts)))
+
+    @cached_property
+    def corner_faces(self):
+        """(c,) face of each corner."""
+        return np.repeat(np.arange(len(self.starts)), self.sizes)
+
+    @cached_property
+    def drawn(self):
+        """(p,) bool: faces that have triangles."""
+        return np.bincount(self.triangle_faces, minlength=len(self.starts)) > 0
+
+    def at_corners(self, values):
+        """(c, ...) values at corners, with those of faces that look like others taken from there."""
+        return values if self.alike is None else values[self.alike]
+
+    def at_faces(self, values):
+        """(p, ...) values of faces, with those of faces that look like others taken from there."""
+        return values if self.alike is None else values[self.corner_faces[self.alike[self.starts]]]
+
+    def after_split(self, now, old_corners):
+        """The same surface after some of its faces were split.
+
+        Parameters
+        ----------
+        now : Polygons, all faces as they are
+        old_corners : (c,) corner that each corner was
+        """
+        vertices = self.corner_vertices[old_corners]
+        if self.alike is None:
+            return replace(now, corner_vertices=vertices)
+        now = replace(now, corner_vertices=vertices)
+        old_faces = self.corner_faces[old_corners[now.starts]]
+        rows = self.drawn[old_faces][now.triangle_faces]
+        triangle_faces = now.triangle_faces[rows]
+        turned = self._turned[old_faces[triangle_faces], None]
+        corners = np.where(turned, now.triangle_corners[rows][:, ::-1], now.triangle_corners[rows])
+        alike = alike_corners(now, first_alike(now, self.drawn[old_faces]))
+        return replace(now, triangle_corners=corners, triangle_faces=triangle_faces, alike=alike)
+
+    @property
+    def _turned(self):
+        """(p,) bool: faces whose triangles run against the order of their corners."""
+        falls = (np.roll(self.triangle_corners, -1, axis=1) < self.triangle_corners).sum(axis=1) > 1
+        return np.bincount(self.triangle_faces, falls, len(self.starts)) > 0
+
+
+def first_alike(polygons, chosen):
+    """(p,) the first of the chosen faces with the vertices of each face and no other; itself where there is none."""
+    first = np.arange(len(polygons.starts))
+    for size in np.unique(polygons.sizes):
+        faces = np.flatnonzero(polygons.sizes == size)
+        corners = np.sort(polygons.corner_vertices[polygons.starts[faces, None] + np.arange(size)], axis=1)
+        labels = np.unique(corners, axis=0, return_inverse=True)[1].reshape(-1)
+        leads = np.full(len(faces), len(first))
+        np.minimum.at(leads, labels, np.where(chosen[faces], faces, len(first)))
+        first[faces] = np.where(leads[labels] < len(first), leads[labels], faces)
+    return first
+
+
+def alike_corners(polygons, first):
+    """(c,) the corner of another face, ``first``, that is at the same vertex as each corner of a face."""
+    count = polygons.corner_vertices.max(initial=0) + 1
+    own = polygons.corner_faces * count + polygons.corner_vertices
+    asked = first[polygons.corner_faces] * count + polygons.corner_vertices
+    order = np.argsort(own, kind="stable")
+    return np.where(asked == own, np.arange(len(own)), order[np.searchsorted(own[order], asked)])

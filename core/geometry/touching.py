@@ -24,15 +24,23 @@ def separated_fans(triangles):
     keys = np.minimum(tails, heads) * (triangles.max(initial=0) + 1) + np.maximum(tails, heads)
     order = np.argsort(keys, kind="stable")
     meet = keys[order[1:]] == keys[order[:-1]]
-    halves, others = order[:-1][meet], order[1:][meet]
-    corners = np.arange(len(tails)).reshape(-1, 3)
-    following = np.roll(corners, -1, axis=1).ravel()
-    opposite = tails[halves] != tails[others]
-    links = [
-        (halves, np.where(opposite, following[others], others)),
-        (following[halves], np.where(opposite, others, following[others])),
-    ]
-    return _merged(triangles, links)
+    return _merged(triangles, [corner_links(triangles, order[:-1][meet], order[1:][meet]).T])
+
+
+def corner_links(triangles, halves, others):
+    """(2 k, 2) corners that are one vertex where pairs of half-edges are joined, whichever way each of them runs.
+
+    Corner c = 3 t + k is the tail of half-edge c.
+    """
+    opposite = triangles.ravel()[halves] != triangles.ravel()[others]
+    tails = np.where(opposite, following(others), others)
+    heads = np.where(opposite, others, following(others))
+    return np.concatenate([np.column_stack([halves, tails]), np.column_stack([following(halves), heads])])
+
+
+def following(halves):
+    """The next half-edge in the same triangle."""
+    return halves - halves % 3 + (halves + 1) % 3
 
 
 def separated_solid(mesh, at):

@@ -39,7 +39,10 @@ def read_guide(given, path):
     """
     check_triangles(given.polygons)
     field = read_field(bpy.path.abspath(str(path)))
-    measured = FaceField(field.symmetry, field.vectors @ given.stretch.T)
+    vectors, polygons = field.vectors, given.polygons
+    if len(vectors) == len(polygons.starts):
+        vectors = vectors[polygons.triangle_faces]
+    measured = FaceField(field.symmetry, vectors @ given.stretch.T)
     return field.symmetry, partial(to_vertices, given.mesh, measured)
 
 
@@ -55,7 +58,7 @@ def import_directions(obj, path):
         raise SettingError(f"{path} has {symmetry} directions a face: import fields of 1, 2 or 4")
     guide = compute()
     vectors = given.to_object(DirectionField(given.mesh, symmetry, guide.angles).vectors)
-    vectors[guide.weights == 0] = 0
+    vectors[given.at_object(guide.weights) == 0] = 0
     attributes.write(obj, DIRECTION, vectors)
     meshes.update(obj)
     return names[symmetry]
@@ -79,7 +82,9 @@ def export_directions(obj, path, symmetry):
     check_triangles(given.polygons)
     number = SYMMETRIES[symmetry]
     angles = given_directions(given.mesh, number, attributes.read_vectors(obj, DIRECTION.name, given)).angles
-    vectors = from_vertices(given.mesh, number, angles).vectors
-    faces, arms, _ = vectors.shape
-    local = mesh_input.unstretched(vectors.reshape(-1, 3), given.stretch).reshape(faces, arms, 3)
+    found = from_vertices(given.mesh, number, angles).vectors
+    vectors = np.zeros((len(given.polygons.starts), *found.shape[1:]))
+    vectors[given.polygons.triangle_faces] = found
+    vectors = given.polygons.at_faces(vectors)
+    local = mesh_input.unstretched(vectors.reshape(-1, 3), given.stretch).reshape(vectors.shape)
     write_field(bpy.path.abspath(str(path)), FaceField(number, local))

@@ -2,6 +2,7 @@
 """The only door between Blender's data and the core's arrays."""
 
 from contextlib import contextmanager
+from dataclasses import replace
 
 import bmesh
 import bpy
@@ -9,6 +10,7 @@ import numpy as np
 
 from ...core.errors import MeshError, SynchError
 from ...core.geometry import TriangleMesh
+from ...core.geometry.carrier import carrier, finite_places
 from ...core.geometry.check import check_mesh
 from ...core.geometry.mesh_input import MeshInput
 from ...core.geometry.polygons import Polygons
@@ -51,10 +53,16 @@ def object_mode(obj):
             bpy.ops.object.mode_set(mode="EDIT")
 
 
-def read_mesh(obj, polygons=None):
+def read_mesh(obj, base=None, strict=False):
     """Read the object's own mesh (before modifiers) in object mode, measured with the object's scale.
 
-    An evaluated object's own mesh is the one behind the modifiers. Its faces are read where they are not given.
+    An evaluated object's own mesh is the one behind the modifiers.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+    base : MeshInput of the same faces, at other places perhaps: the surface is made of the same ones
+    strict : refuse what cannot carry a field as it is, instead of solving on its carrier
 
     Raises
     ------
@@ -65,26 +73,53 @@ def read_mesh(obj, polygons=None):
         if group.name.startswith("synch_"):  # Blender would number an attribute of the same name
             raise MeshError(f"the vertex group {group.name!r} of {obj.name} has a name of our attributes: rename it")
     stretch = _stretch(obj)
-    vertices = read_values(obj, "position", "POINT") if len(obj.data.vertices) else np.empty((0, 3))
-    polygons = read_polygons(obj) if polygons is None else polygons
-    mesh = TriangleMesh(vertices.astype(float) @ stretch.T, polygons.triangles)
-    check_mesh(mesh, polygons.triangle_faces)
+    vertices = _places(obj, stretch)
+    if base is not None:
+        mesh = TriangleMesh(finite_places(vertices)[base.source], base.uncut.triangles)
+        check_mesh(mesh, base.polygons.triangle_faces)
+        return replace(base, mesh=mesh, uncut=mesh, stretch=stretch)
+    polygons = read_polygons(obj)
+    mesh = TriangleMesh(vertices, polygons.triangles)
+    try:
+        check_mesh(mesh, polygons.triangle_faces)
+    except MeshError:
+        if strict or mesh.triangle_count == 0:
+            raise
+        found = carrier(mesh, polygons)
+        places = found.mesh, found.polygons, stretch, found.mesh, found.source
+        return MeshInput(*places, found.findings, found.own, found.seam if len(found.seam) else None)
     return MeshInput(mesh, polygons, stretch, mesh, np.arange(mesh.vertex_count))
+
+
+def _places(obj, stretch):
+    vertices = read_values(obj, "position", "POINT") if len(obj.data.vertices) else np.empty((0, 3))
+    return vertices.astype(float) @ stretch.T
 
 
 def is_unchanged(obj, given):
     """Whether the object still has the positions, faces and scale of a :class:`MeshInput`."""
-    if len(obj.data.vertices) != given.uncut.vertex_count:
+    if len(obj.data.vertices) != given.vertex_count:
         return False
-    vertices = read_values(obj, "position", "POINT").astype(float) @ given.stretch.T
     now, then = read_polygons(obj), given.polygons
     return (
-        np.array_equal(vertices, given.uncut.vertices)
-        and np.array_equal(now.corner_vertices, given.source[then.corner_vertices])
-        and np.array_equal(now.starts, then.starts)
-        and np.array_equal(now.triangle_corners, then.triangle_corners)
+        np.array_equal(finite_places(_places(obj, given.stretch)), given.uncut.vertices[: given.vertex_count])
+        and has_faces(now, given)
+        and np.array_equal(_drawn_triangles(now, then), np.sort(then.triangle_corners, axis=1))
         and np.array_equal(_stretch(obj), given.stretch)
     )
+
+
+def has_faces(polygons, given):
+    """Whether Polygons have the corners of the object that was read."""
+    corners = polygons.corner_vertices if given.own is None else given.own[polygons.corner_vertices]
+    then = given.polygons
+    same = np.array_equal(corners, given.source[then.corner_vertices])
+    return same and np.array_equal(polygons.starts, then.starts)
+
+
+def _drawn_triangles(polygons, surface):
+    """Corners, ascending, of the triangles of the faces that are part of a surface."""
+    return np.sort(polygons.triangle_corners[surface.drawn[polygons.triangle_faces]], axis=1)
 
 
 def read_polygons(obj):
@@ -112,12 +147,12 @@ def _stretch(obj):
     return (axes * np.sqrt(values)) @ axes.T
 
 
-def split_faces(obj, polygons, faces):
+def split_faces(obj, faces):
     """Replace faces by the triangles that draw them, keeping all their corner and face data.
 
     Returns the (c,) old corner that each corner was.
     """
-    edited = bmesh.new()
+    polygons, edited = read_polygons(obj), bmesh.new()
     edited.from_mesh(obj.data)
     edited.faces.ensure_lookup_table()
     edited.verts.ensure_lookup_table()

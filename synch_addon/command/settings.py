@@ -55,6 +55,7 @@ def add_settings(command, name):
     command.add_argument(
         "--mirror", default="", metavar="AXES", help="X, Y, Z or several: the result is its own mirror image in them"
     )
+    command.add_argument("--strict", action="store_true", help="refuse meshes that cannot carry a field as they are")
     command.add_argument(
         "--constraints", metavar="ROWS.json", help="a list of rows; default: the list stored with the object"
     )
@@ -86,6 +87,7 @@ def settings_of(options):
         **only_some,
         **solver_of(options),
         assign_material=True,
+        strict=options.strict,
     )
 
 

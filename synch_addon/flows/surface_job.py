@@ -63,7 +63,7 @@ def _fill(given, result, settings, objects):
     period = _period(given.mesh, shown)
     facts = {"vortices": _write_vortices(obj, given, shown, period)}
     if result.sphere is not None:
-        write_sphere(obj, result.sphere.sphere)
+        write_sphere(obj, given.at_object(result.sphere.sphere))
         facts["coverage"] = float(np.abs(result.sphere.face_areas).sum())  # either way
     pattern_material(obj, "stripes" if settings.show == "filaments" else "globe", spacing=period)
     meshes.update(obj)

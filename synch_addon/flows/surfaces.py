@@ -60,7 +60,8 @@ def _of_object(obj, attribute):
     if reason:
         raise SettingError(reason)
     given = meshes.read_mesh(obj)
-    return SurfaceFlow(obj.name, given, attributes.read_vectors(obj, attribute, given), ObjectLink.to(obj))
+    warnings = tuple(finding.line for finding in given.findings)
+    return SurfaceFlow(obj.name, given, attributes.read_vectors(obj, attribute, given), ObjectLink.to(obj), warnings)
 
 
 def _of_plane(path):

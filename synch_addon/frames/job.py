@@ -107,8 +107,8 @@ class AnimationJob:
         self._report = Report("animate", obj, self._settings)
         self._requests = []
         with meshes.object_mode(obj), self._report.clock("read"):
-            self._base = meshes.read_mesh(obj)
-            self._rest = _rest_directions(obj, self._settings, span)
+            self._base = meshes.read_mesh(obj, strict=self._settings.strict)
+            self._rest = _rest_directions(obj, self._settings, span, self._base)
 
     def advance(self):
         """Read a frame; returns which one comes next and the share that is done, None when all are read."""
@@ -132,7 +132,7 @@ class AnimationJob:
 
     def _of_frame(self, obj, frame):
         bpy.context.scene.frame_set(frame)
-        request = _request(obj, frame, self._settings, self._span, self._base.polygons)
+        request = _request(obj, frame, self._settings, self._span, self._base)
         self._settings = replace(self._settings, spacing=request.spacing)  # an automatic one is that of the first frame
         return request if self._rest is None else _following(request, self._rest)
 
@@ -156,12 +156,11 @@ class AnimationJob:
     def _write(self, obj, frames, spacing):
         frame_attributes.remove_frames(obj)
         corners = self._split(obj, frames)
-        count = self._base.mesh.vertex_count
         own = frame_attributes.frame_layout(self._span.pattern)
         places, first = None, None
         for frame in frames:
             phases = face_phases(frame.edge_phases, corners(frame.polygons))
-            values = write.attribute_values(phases, frame.edge_phases.arguments[:count])
+            values = write.attribute_values(phases, self._base.at_object(frame.edge_phases.arguments))
             values[DIRECTION.name] = frame.directions
             first = values if first is None else first
             place = values[BARYCENTRIC.name]
@@ -190,9 +189,9 @@ class AnimationJob:
         if len(faces) == 0:
             return lambda polygons: polygons
         self._report.warn(write.split_line(faces))
-        old_corners = meshes.split_faces(obj, self._base.polygons, faces)
+        old_corners = meshes.split_faces(obj, faces)
         now = meshes.read_polygons(obj)
-        return lambda polygons: replace(now, corner_vertices=polygons.corner_vertices[old_corners])
+        return lambda polygons: polygons.after_split(now, old_corners)
 
 
 # Reading
@@ -210,26 +209,26 @@ def _at_present(obj):
         scene.frame_set(present[0], subframe=present[1])
 
 
-def _request(obj, frame, settings, span, polygons):
+def _request(obj, frame, settings, span, base):
     evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    if not _has_faces(evaluated, polygons):
-        modifier = _changing(obj, polygons)
+    if not meshes.has_faces(meshes.read_polygons(evaluated), base):
+        modifier = _changing(obj, base)
         raise SynchError(
             f"frame {frame}: the modifier {modifier} of {obj.name} changes its faces: hide it in the viewport while "
             "the animation is solved, or apply it"
         )
     try:
-        request = gather(span.pattern, evaluated, settings, polygons)
+        request = gather(span.pattern, evaluated, settings, base)
     except MeshError as error:
         raise in_frame(frame, error) from None
     return fresh(request)
 
 
-def _rest_directions(obj, settings, span):
+def _rest_directions(obj, settings, span, base):
     """The field of directions that an attribute gives on the mesh at rest, which go along with it; or None."""
     if settings.exact_attribute is None:
         return None
-    request = gather(span.pattern, obj, settings)
+    request = gather(span.pattern, obj, settings, base)
     return given_directions(request.given.mesh, SYMMETRIES[settings.symmetry], request.directions)
 
 
@@ -239,17 +238,12 @@ def _following(request, rest):
     return replace(request, directions=DirectionField(mesh, 1, carried_angles(rest.angles, rest.mesh, mesh)).vectors)
 
 
-def _has_faces(obj, polygons):
-    """Whether an object's mesh has these faces."""
-    now = meshes.read_polygons(obj)
-    return np.array_equal(now.corner_vertices, polygons.corner_vertices) and np.array_equal(now.starts, polygons.starts)
-
-
-def _changing(obj, polygons):
+def _changing(obj, base):
     """Name of the first modifier behind which the mesh has other faces."""
     shown = [modifier for modifier in obj.modifiers if modifier.show_viewport]
     for number, modifier in enumerate(shown):
         with hidden(shown[number + 1 :]):
-            if not _has_faces(obj.evaluated_get(bpy.context.evaluated_depsgraph_get()), polygons):
+            seen = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+            if not meshes.has_faces(meshes.read_polygons(seen), base):
                 return modifier.name
     return "that deforms it"

@@ -57,7 +57,9 @@ class Report:
     def warn_about(self, obj, request):
         """Warn about what the object has that the result cannot follow."""
         self._request = request
-        loose = request.given.mesh.loose_vertices
+        for finding in request.given.findings:
+            self.warn(finding.line)
+        loose = request.given.loose_vertices
         if len(loose):
             self.warn(
                 f"{name_elements('vertex', loose)} without a face get no field: "
@@ -145,8 +147,9 @@ class Report:
             report["directions"] = quality(field.solution)
             report["evenness"] = pattern.evenness.figures
         return report | {
-            "euler_characteristic": mesh.euler_characteristic,
-            "closed": len(mesh.boundary_edges) == 0,
+            "carrier": {finding.name: len(finding.elements) for finding in self._request.given.findings},
+            "euler_characteristic": self._request.given.euler_characteristic,
+            "closed": self._request.given.is_closed,
             "disclinations": [d for d in defects if d["kind"] == "disclination"],
             "dislocations": [d for d in defects if d["kind"] == "dislocation"],
             "forced_dislocations": self.forced_dislocations,
@@ -255,7 +258,7 @@ def _loops(made):
 
 def result_line(report):
     """What the panel shows of a report, and the settings with which it can be read back, as JSON."""
-    names = ("command", "energy", "lower_bound", "gap", "certificate", "status", "nodes")
+    names = ("command", "energy", "lower_bound", "gap", "certificate", "status", "nodes", "carrier")
     counts = {kind: len(report[kind]) for kind in ("disclinations", "dislocations")}
     kept = {"seconds": report["times"]["total"], "settings": report["settings"], "evenness": report.get("evenness")}
     return json.dumps({name: report[name] for name in names} | counts | kept)

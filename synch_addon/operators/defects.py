@@ -55,6 +55,29 @@ class SYNCH_OT_select_defects(_DefectOperator, PromptOperator, bpy.types.Operato
         return f"{len(faces)} faces selected"
 
 
+class SYNCH_OT_select_places(ReadyOperator, PromptOperator, bpy.types.Operator):
+    """Select where the surface that was solved on is not the mesh as it is, in edit mode"""
+
+    bl_idname = "synch.select_places"
+    bl_label = "Select Places"
+    bl_options = {"REGISTER", "UNDO"}
+
+    finding: StringProperty(description="Which kind of place", options={"HIDDEN", "SKIP_SAVE"})
+
+    def make(self, context):
+        obj = context.active_object
+        with meshes.object_mode(obj):
+            found = {finding.name: finding for finding in meshes.read_mesh(obj).findings}.get(self.finding)
+            if found is None:
+                raise SynchError(f"{obj.name} has no such place any more: solve it again")
+            if found.kind == "face":
+                meshes.select_faces(obj, found.elements)
+            else:
+                meshes.select_vertices(obj, found.elements.ravel())
+        bpy.ops.object.mode_set(mode="EDIT")
+        return found.line
+
+
 class SYNCH_OT_next_defect(_DefectOperator, PromptOperator, bpy.types.Operator):
     """Turn the view to the next defect and look at it from close by"""
 
@@ -106,4 +129,4 @@ class SYNCH_OT_copy_report(ReadyOperator, bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (SYNCH_OT_select_defects, SYNCH_OT_next_defect, SYNCH_OT_copy_report)
+CLASSES = (SYNCH_OT_select_defects, SYNCH_OT_select_places, SYNCH_OT_next_defect, SYNCH_OT_copy_report)

@@ -9,6 +9,17 @@ from ..blender.translations import counted, said
 from ..patterns import memory
 from .sidebar import SettingsPanel, property_column
 
+# What is said of each kind of place where the surface is not the mesh.
+FINDINGS = {
+    "lost_vertices": "Vertices without a place: {count}",
+    "flat_faces": "Faces without area: {count}",
+    "doubled_faces": "Doubled faces: {count}",
+    "non_manifold_edges": "Edges with three faces or more: {count}",
+    "pinched_vertices": "Pinched vertices: {count}",
+    "turned_faces": "Faces wound the other way: {count}",
+    "one_sided_edges": "One-sided, cut along edges: {count}",
+}
+
 
 class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
     """What the last solve found"""
@@ -26,6 +37,7 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
             draw_shading(self.layout, context.space_data.shading)
         held = memory.holds(context.active_object)
         draw_figures(self.layout, result, held)
+        draw_findings(self.layout, result.get("carrier", {}))
         if held:
             row = property_column(self.layout).row(align=True)
             slider = row.row(align=True)
@@ -43,6 +55,14 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
         row = self.layout.row(align=True)
         row.operator("synch.select_defects", text="Select Defects", icon="RESTRICT_SELECT_OFF")
         row.operator("synch.next_defect", text="Next Defect", icon="VIEWZOOM")
+
+
+def draw_findings(layout, findings):
+    """A button for each kind of place where the surface that was solved on is not the mesh, by how many there are."""
+    column = layout.column(align=True)
+    for name, count in findings.items():
+        text = said(FINDINGS[name], count=count)
+        column.operator("synch.select_places", text=text, icon="RESTRICT_SELECT_OFF").finding = name
 
 
 def draw_shading(layout, shading):

@@ -16,7 +16,7 @@ from ..blender import attributes, meshes, schema
 from ..jobs.report import Report
 from ..settings.fields import Settings
 from . import job, memory
-from .read_back import is_cut, read_back
+from .read_back import is_apart, read_back
 from .write import SAME
 
 
@@ -36,7 +36,7 @@ def keep(obj, name=""):
     result = json.loads(obj.synch.result) if obj.synch.result else {}
     if result.get("command") not in schema.KEPT:
         raise SynchError(f"{obj.name} shows no stripes or quads: solve them first")
-    if is_cut(from_names(Settings, result["settings"])):
+    if is_apart(from_names(Settings, result["settings"]), result):
         raise SynchError(f"the pattern of {obj.name} has cuts, which attributes of vertices cannot tell: use the seed")
     with meshes.object_mode(obj):
         values = {attribute: attributes.read(obj, attribute) for attribute in schema.KEPT[result["command"]]}

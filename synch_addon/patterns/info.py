@@ -22,14 +22,14 @@ def describe(obj):
         "command": "info",
         "object": obj.name,
         "status": "ready",
-        "vertices": mesh.vertex_count,
-        "loose_vertices": len(mesh.loose_vertices),
+        "vertices": given.vertex_count,
+        "loose_vertices": len(given.loose_vertices),
         "edges": len(mesh.edges),
         "faces": len(polygons.starts),
         "triangles": mesh.triangle_count,
         "pieces": len(np.unique(mesh.pieces[mesh.triangles[:, 0]])),
         "boundary_loops": _boundary_loops(mesh),
-        "euler_characteristic": mesh.euler_characteristic,
+        "euler_characteristic": given.euler_characteristic,
         "size": np.ptp(mesh.vertices, axis=0).tolist(),
         "area": float(mesh.areas.sum()),
         "edge_length": {
@@ -39,9 +39,10 @@ def describe(obj):
         },
         "automatic_spacing": automatic_spacing("stripes", mesh),
         "finest_spacing": 2 * float(np.quantile(mesh.edge_lengths, 1 - COARSE_SHARE)),
+        "carrier": {finding.name: len(finding.elements) for finding in given.findings},
         "versions": versions(),
     }
-    return facts, _lines(facts)
+    return facts, _lines(facts) + [finding.line for finding in given.findings]
 
 
 def _boundary_loops(mesh):

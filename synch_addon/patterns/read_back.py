@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...core.errors import SynchError
+from ...core.geometry.carrier import APART
 from ...core.keywords import from_names
 from ..blender import attributes, schema
 from ..settings.fields import Settings
@@ -52,14 +53,14 @@ def read_back(obj, result, favourite=None):
     Raises
     ------
     SynchError
-        where an attribute is missing, or edges were cut, whose second sides have phases of their own
+        where an attribute is missing, or the surface is apart, so that second sides have phases of their own
     """
     kept = json.loads(result) if result else {}
     command = kept.get("command")
     if command not in schema.KEPT or "settings" not in kept:
         raise SynchError(f"{obj.name} has no pattern whose settings are known: solve stripes or quads on it first")
     settings = settings_for(command, obj, from_names(Settings, kept["settings"]))
-    if is_cut(settings):
+    if is_apart(settings, kept):
         raise SynchError(f"the pattern of {obj.name} has cuts, which its attributes cannot tell: solve it again")
     request = gather(command, obj, _asked_along_edges(settings))
     given = request.given
@@ -70,9 +71,16 @@ def read_back(obj, result, favourite=None):
     return settings, request, *request.known(vectors, phases)
 
 
-def is_cut(settings):
-    """Whether edges are cut, so that vertices have several phases."""
-    return any(row.what == "cut" for row in settings.constraints)
+def is_apart(settings, kept):
+    """Whether vertices have several phases: where edges are cut, or the surface comes apart.
+
+    Parameters
+    ----------
+    settings : Settings
+    kept : what :func:`report.result_line` keeps of the solve, as a dict
+    """
+    is_cut = any(row.what == "cut" for row in settings.constraints)
+    return is_cut or any(name in APART for name in kept.get("carrier", {}))
 
 
 def _asked_along_edges(settings):

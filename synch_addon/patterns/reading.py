@@ -7,7 +7,7 @@ import numpy as np
 
 from ...core.errors import AsymmetryError, SettingError
 from ...core.fields import quad_pattern
-from ...core.fields.mirror import Mirror
+from ...core.fields.mirror import Mirror, Seam
 from ...core.fields.patterns import check_lengths, check_spacing
 from ...core.geometry.mirror import mirrored_vertices
 from ...core.tasks.quad_meshes import smallest_sides, spacing_factor
@@ -40,12 +40,12 @@ def settings_for(command, obj, settings):
     return settings
 
 
-def gather(command, obj, settings, polygons=None):
+def gather(command, obj, settings, base=None):
     """The :class:`SurfaceRequest` of what settings ask for on an object in object mode; refuses what cannot be.
 
-    The faces are read where they are not given.
+    Its surface is made of the same faces as a base, a MeshInput, where there is one.
     """
-    given = constraints.cut_mesh(obj, meshes.read_mesh(obj, polygons), settings.constraints)
+    given = constraints.cut_mesh(obj, meshes.read_mesh(obj, base, settings.strict), settings.constraints)
     spacing = automatic_spacing(command, given.mesh) if settings.spacing is None else settings.spacing
     spacings, turn, directions, guides = spacing, settings.angle, None, ()
     if settings.spacing_map:
@@ -72,6 +72,8 @@ def gather(command, obj, settings, polygons=None):
         sides = smallest_sides(given.mesh, spacings)
         rows += constraints.feature_rows(obj, given, settings.features, sides)
     mirrors = read_mirrors(given, settings.mirror)
+    if given.seam is not None:
+        mirrors += (Seam.of(given.mesh, given.seam, rows),)
     return SurfaceRequest(
         command,
         given,

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Write a solved field to the object at once: attributes, material and defect empties."""
 
-from dataclasses import replace
-
 import numpy as np
 from mathutils import Vector
 
@@ -38,11 +36,11 @@ def results(obj, request, field, pattern, report):
 
 def is_written(obj, request, field, pattern):
     """Whether an object's attributes are those of a field or a pattern, up to single precision."""
-    count = request.given.uncut.vertex_count
+    given = request.given
     if pattern is None:
         values = attributes.read(obj, schema.DIRECTION)
-        return values is not None and np.abs(values - request.given.to_object(field.vectors)).max(initial=0) < SAME
-    phases = pattern.edge_phases.arguments[:count]
+        return values is not None and np.abs(values - given.to_object(field.vectors)).max(initial=0) < SAME
+    phases = given.at_object(pattern.edge_phases.arguments)
     for own, column in zip(_own(phases.shape[1]), phases.T, strict=True):
         values = attributes.read(obj, own.vertex_phase)
         if values is None or np.abs(np.sin((values - column) / 2)).max(initial=0) > SAME:
@@ -91,10 +89,10 @@ def write_phases(obj, given, edge_phases, warn):
     unfit = phases[0].unfit
     if len(unfit):
         warn(split_line(unfit))
-        old_corners = meshes.split_faces(obj, polygons, unfit)
-        polygons = replace(meshes.read_polygons(obj), corner_vertices=polygons.corner_vertices[old_corners])
+        old_corners = meshes.split_faces(obj, unfit)
+        polygons = polygons.after_split(meshes.read_polygons(obj), old_corners)
         phases = face_phases(edge_phases, polygons)
-    pattern_attributes(obj, attribute_values(phases, edge_phases.arguments[: given.uncut.vertex_count]))
+    pattern_attributes(obj, attribute_values(phases, given.at_object(edge_phases.arguments)))
     return polygons
 
 
@@ -167,7 +165,7 @@ def _at_faces(given, polygons, values):
     is_split = polygons is not given.polygons
     faces = meshes.faces_of_triangles(polygons, given.mesh.triangles) if is_split else polygons.triangle_faces
     count = len(polygons.starts)
-    return np.bincount(faces, values, count) / np.bincount(faces, minlength=count)
+    return polygons.at_faces(np.bincount(faces, values, count) / np.maximum(np.bincount(faces, minlength=count), 1))
 
 
 def has_one_material(obj):

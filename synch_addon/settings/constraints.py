@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The constraint list: rows as plain data, from JSON, and as what the core asks along lines of the mesh."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -16,7 +16,6 @@ from ...core.fields.constraints.lines import (
     line_of_vectors,
 )
 from ...core.fields.constraints.rows import KINDS
-from ...core.geometry import mesh_input
 from ...core.geometry.cut import carried_edges, cut_open
 from ...core.keywords import check_text
 from ..blender import attributes, groups
@@ -113,7 +112,8 @@ def cut_mesh(obj, given, constraints):
         return given
     edges = np.unique(np.concatenate([_edges(obj, given, c) for c in cutting]))
     mesh, source = cut_open(given.mesh, edges)
-    return mesh_input.MeshInput(mesh, given.polygons.with_triangles(mesh.triangles), given.stretch, given.uncut, source)
+    polygons = given.polygons.with_triangles(mesh.triangles)
+    return replace(given, mesh=mesh, polygons=polygons, source=given.source[source])
 
 
 def rows_of(obj, given, constraints):
@@ -129,11 +129,8 @@ def feature_rows(obj, given, angle, sides):
     angle : radians between two faces beyond which their edge is sharp; marked ones always are
     sides : (n,) length of a quad's side at each vertex, a few of which make a feature
     """
-    uncut = np.empty(given.uncut.vertex_count)
-    uncut[given.source] = sides
-    pairs = attributes.read_marked_edges(obj, "sharp")
-    marked = given.uncut.edges_between(*pairs.T) if len(pairs) else ()
-    edges = feature_edges(given.uncut, angle, uncut, marked)
+    marked = given.edges_of(attributes.read_marked_edges(obj, "sharp"))
+    edges = feature_edges(given.uncut, angle, sides[: given.uncut.vertex_count], marked)
     return (feature_row(given.mesh, carried_edges(given.uncut, given.mesh, edges)),) if len(edges) else ()
 
 
@@ -153,7 +150,8 @@ def _line(obj, given, constraint):
     group = groups.read_group(obj, constraint.name) if constraint.name else None
     if constraint.where == "boundary":
         try:
-            line = boundary_line(given.uncut, group)
+            members = None if group is None else group[_own(given)]
+            line = boundary_line(given.uncut, members, given.boundary_edges)
         except SettingError as error:
             raise SettingError(f"{constraint.label}: {error}, or remove the row") from None
         edges = given.uncut.edges_between(*line.links.T)
@@ -168,16 +166,20 @@ def _edges(obj, given, constraint):
     """Indices of edges of the uncut mesh."""
     if constraint.where == "group":
         members = groups.read_group(obj, constraint.name)
-        edges = group_edges(given.uncut, members)
+        edges = group_edges(given.uncut, members[_own(given)])
         remedy = f"add both ends of at least one to {constraint.name!r}"
     else:
-        pairs = attributes.read_marked_edges(obj, constraint.where)
-        edges = given.uncut.edges_between(*pairs.T) if len(pairs) else np.empty(0, int)
+        edges = given.edges_of(attributes.read_marked_edges(obj, constraint.where))
         remedy = {"seams": "Mark Seam", "sharp": "Mark Sharp", "creases": "Edge Crease"}[constraint.where]
         remedy = f"mark edges with {remedy} first"
     if len(edges) == 0:
         raise SettingError(f"{constraint.label} holds no edge: {remedy}, or remove the row")
     return edges
+
+
+def _own(given):
+    """The object's vertex that each of the whole surface was."""
+    return given.source[: given.uncut.vertex_count]
 
 
 def _line_of_attribute(obj, given, constraint):

@@ -74,6 +74,7 @@ class Settings(SolverSettings):
     straighten : of quad meshes, look for shorter loops among variations and with fewer singularities
     branching : share of the branches that even spacing needs, from 0 to 1; None for 1, and for 0 in quad meshes
     assign_material : show the pattern on all faces, whatever materials they have
+    strict : refuse meshes that cannot carry a field as they are, instead of solving on the surface nearest to them
     """
 
     symmetry: str = "line"
@@ -95,6 +96,7 @@ class Settings(SolverSettings):
     straighten: bool = False
     branching: float | None = None
     assign_material: bool = False
+    strict: bool = False
 
     def __post_init__(self):
         if self.constraints is not None:

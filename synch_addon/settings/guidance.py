@@ -185,11 +185,14 @@ def _read_origin(obj, name, given):
     if name in obj.vertex_groups:
         return blender_groups.read_group(obj, name)[given.source]
     if name == BOUNDARY:
-        if len(given.uncut.boundary_edges) == 0:
+        edges = given.boundary_edges
+        if len(edges) == 0:
             raise SettingError(
                 f"the mesh {obj.data.name} has no boundary: measure from a vertex group or a curve object"
             )
-        return given.uncut.boundary_vertices[given.source]
+        on_boundary = np.zeros(given.uncut.vertex_count, bool)
+        on_boundary[given.uncut.edges[edges]] = True
+        return given.of_uncut(on_boundary)
     if name not in bpy.data.objects:
         groups = ", ".join(g.name for g in obj.vertex_groups) or "none yet"
         raise SettingError(

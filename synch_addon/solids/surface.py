@@ -23,7 +23,7 @@ def read_surface(obj):
     MeshError
         naming the first element that is in the way, and carrying vertices where the surface is open or meets itself
     """
-    given = meshes.read_mesh(obj)
+    given = meshes.read_mesh(obj, strict=True)
     mesh = given.mesh
     distance = SurfaceDistance(mesh)
     _refuse_crossings(given)

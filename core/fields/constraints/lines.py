@@ -118,15 +118,17 @@ def _reversed_edges(mesh, edges):
     return np.where(on_boundary, forward[edges] < 0, turned)
 
 
-def boundary_line(mesh, vertices=None):
+def boundary_line(mesh, vertices=None, edges=None):
     """The boundary, or the part of it whose edges have both ends among (n,) bool ``vertices``.
+
+    Where ``edges`` are given, (k,) indices, these are the boundary.
 
     Raises
     ------
     SettingError
         where there is none
     """
-    edges = mesh.boundary_edges
+    edges = mesh.boundary_edges if edges is None else edges
     if len(edges) == 0:
         raise SettingError("the mesh has no boundary: set the boundary to free")
     if vertices is not None:

@@ -108,6 +108,11 @@ OPERATORS = {
     ),
     "Select Defect Faces": "Flächen mit Defekten auswählen",
     "Select the faces that hold a defect, in edit mode": "Die Flächen mit einem Defekt im Bearbeitungsmodus auswählen",
+    "Select Places": "Stellen auswählen",
+    "Select where the surface that was solved on is not the mesh as it is, in edit mode": (
+        "Auswählen, wo die Fläche, auf der gelöst wurde, nicht das Netz ist, wie es ist, im Bearbeitungsmodus"
+    ),
+    "Which kind of place": "Welche Art von Stelle",
     "Frame Next Defect": "Nächsten Defekt zeigen",
     "Turn the view to the next defect and look at it from close by": (
         "Die Ansicht zum nächsten Defekt drehen und ihn von Nahem zeigen"

@@ -163,9 +163,9 @@ def test_what_is_no_flow_is_refused_and_changes_nothing(tmp_path):
     with pytest.raises(SettingError, match="vertex 7 is not a number"):
         clebsch(obj)
     assert {attribute.name for attribute in obj.data.attributes} == before and not defect_empties(obj)
-    bow = bpy.data.meshes.new("Bow")
-    bow.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, -1)], [], [(0, 1, 2), (0, 1, 3), (0, 1, 4)])
-    bad = bpy.data.objects.new("Bow", bow)
+    flat = bpy.data.meshes.new("Flat")
+    flat.from_pydata([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [], [(0, 1, 2)])
+    bad = bpy.data.objects.new("Flat", flat)
     bpy.context.scene.collection.objects.link(bad)
     with pytest.raises(MeshError):
         clebsch(bad)

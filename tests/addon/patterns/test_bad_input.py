@@ -91,17 +91,18 @@ def combed():
 
 
 PHASE = {"boundary": "phase"}
+STRICT = {"strict": True}
 CASES = {
     "empty mesh": (empty_mesh, {}, "the mesh is empty", "add some geometry"),
     "no faces": (no_faces, {}, "the mesh has no faces", "fill"),
-    "zero-area face": (flat_face, {}, "face 2 has no area", "Degenerate Dissolve"),
-    "duplicate faces": (doubled_face, {}, "face 2 has the same corners", "Merge by Distance"),
-    "non-manifold edge": (three_faces_at_an_edge, {}, "edge between vertices 0 and 2 has 3 faces", "keep two"),
-    "bow-tie vertex": (bow_tie, {}, "vertex 2 has faces that touch only at this point", "Split"),
-    "flipped face": (flipped_face, {}, "faces 0 and 1 at the edge between vertices 0 and 2", "Recalculate Outside"),
-    "one-sided": (moebius_strip, {}, "the surface is one-sided at faces", "cut it open"),
-    "not a number": (lost_coordinates, {}, "vertex 1 has no finite position", "delete it"),
-    "broken piece": (broken_piece, {}, "face 4 has no area (in the piece of vertex 4, one of 2)", "Dissolve"),
+    "zero-area face": (flat_face, STRICT, "face 2 has no area", "Degenerate Dissolve"),
+    "duplicate faces": (doubled_face, STRICT, "face 2 has the same corners", "Merge by Distance"),
+    "non-manifold edge": (three_faces_at_an_edge, STRICT, "edge between vertices 0 and 2 has 3 faces", "keep two"),
+    "bow-tie vertex": (bow_tie, STRICT, "vertex 2 has faces that touch only at this point", "Split"),
+    "flipped face": (flipped_face, STRICT, "faces 0 and 1 at the edge between vertices 0 and 2", "Recalculate Outside"),
+    "one-sided": (moebius_strip, STRICT, "the surface is one-sided at faces", "cut it open"),
+    "not a number": (lost_coordinates, STRICT, "vertex 1 has no finite position", "delete it"),
+    "broken piece": (broken_piece, STRICT, "face 4 has no area (in the piece of vertex 4, one of 2)", "Dissolve"),
     "zero scale": (no_scale, {}, "the scale of Icosphere is zero", "give it a scale"),
     "zero spacing": (sphere, {"spacing": 0.0}, "the spacing is 0", "give a positive length"),
     "negative spacing": (sphere, {"spacing": -0.1}, "the spacing is -0.1", "give a positive length"),
@@ -139,8 +140,20 @@ def case(request):
     return build(), settings, element, remedy
 
 
-def test_operator_is_cancelled_with_one_line(case):
+def test_python_is_refused_with_one_line(case):
     obj, settings, element, remedy = case
+    before = snapshot()
+    with pytest.raises(SynchError) as refused:
+        api.stripes(obj, **settings)
+    message = str(refused.value)
+    assert "\n" not in message and element in message and remedy in message
+    assert repr(snapshot()) == repr(before)  # nan is not equal to itself
+
+
+@pytest.mark.parametrize("name", [name for name, case in CASES.items() if case[1] is not STRICT])
+def test_operator_is_cancelled_with_one_line(name):
+    build, settings, element, remedy = CASES[name]
+    obj = build()
     before = snapshot()
     values = {k: v.upper() if k in ("boundary", "symmetry") else v for k, v in settings.items()}
     with pytest.raises(RuntimeError) as refused:
@@ -148,15 +161,15 @@ def test_operator_is_cancelled_with_one_line(case):
     message = str(refused.value).strip().removeprefix("Error: ")
     assert "\n" not in message and element in message and remedy in message
     assert message.index(element) < message.index(remedy)
-    assert repr(snapshot()) == repr(before)  # nan is not equal to itself
+    assert snapshot() == before
     assert obj.mode == "OBJECT"
 
 
 def test_operator_in_edit_mode_returns_there():
     obj = flat_face()
     bpy.ops.object.mode_set(mode="EDIT")
-    with pytest.raises(RuntimeError, match="face 2 has no area"):
-        bpy.ops.synch.directions()
+    with pytest.raises(RuntimeError, match="the spacing is -1"):
+        bpy.ops.synch.stripes(spacing=-1)
     assert obj.mode == "EDIT"
 
 
@@ -164,7 +177,7 @@ def test_command_line_fails_with_one_line_and_says_so_in_the_report(case, tmp_pa
     _, settings, element, remedy = case
     source = tmp_path / "bad.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(source))
-    flags = [f"--{key.replace('_', '-')}={value}" for key, value in settings.items()]
+    flags = [f"--{key.replace('_', '-')}" + ("" if value is True else f"={value}") for key, value in settings.items()]
     outputs = [tmp_path / name for name in ("out.blend", "out.png", "out.json")]
     capfd.readouterr()
     status = main.main(

@@ -340,10 +340,10 @@ def test_vertices_of_a_contradiction_are_selected(command):
 
 
 @pytest.mark.parametrize("command", ["quads", "quad_mesh"])
-def test_a_mesh_that_cannot_carry_a_field_is_refused(command):
+def test_a_mesh_that_is_no_surface_is_refused_when_strict(command):
     obj = sphere()
     obj.data.polygons[0].flip()
     before = snapshot()
     with pytest.raises(MeshError):
-        getattr(api, command)(obj, spacing=0.5)
+        getattr(api, command)(obj, spacing=0.5, strict=True)
     assert snapshot() == before
