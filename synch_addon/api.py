@@ -10,8 +10,8 @@ from numbers import Integral
 
 from ..core.errors import SettingError, SynchError, shown
 from ..core.fields.directions import SYMMETRIES
-from ..core.fields.placement import variation, with_defects
-from ..core.keywords import from_names
+from ..core.fields.placement import check_vertices, variation, with_defects
+from ..core.keywords import from_names, taken
 from ..core.tasks.surfaces import SurfaceResult
 from .bakes.job import BakeJob
 from .bakes.settings import BakeSettings
@@ -183,6 +183,7 @@ def trace_quads(obj, smoothing=Settings.smoothing):
     Result and errors as :func:`quad_mesh`.
     """
     meshes.refuse(obj)
+    smoothing = from_names(Settings, {"smoothing": smoothing}).smoothing
     with meshes.object_mode(obj):
         solved = memory.recall(obj)
         if solved.request.command != "quads":
@@ -266,7 +267,7 @@ def preset(obj, name, callback=None, solve=False, **settings):
         with one line that names the element and the remedy; nothing is written
     """
     meshes.refuse(obj)
-    needed = presets.solve_for(obj, name, solve or bool(settings))
+    needed = presets.solve_for(obj, name, taken("solve", bool, solve) or bool(settings))
     solved = None
     if needed is not None:
         solved = run(needed.pop("command"), obj, from_names(Settings, needed | settings), callback)
@@ -347,13 +348,21 @@ def export_field(obj, path, symmetry="line"):
         with one line that names the element and the remedy; nothing is written
     """
     meshes.refuse(obj)
-    if symmetry not in SYMMETRIES:
-        raise SettingError(f"symmetry {symmetry!r} is unknown: use one of {', '.join(SYMMETRIES)}")
+    if taken("symmetry", str, symmetry) not in SYMMETRIES:
+        raise SettingError(f"symmetry {shown(symmetry)} is unknown: use one of {', '.join(SYMMETRIES)}")
     with meshes.object_mode(obj):
         field_files.export_directions(obj, path, symmetry)
 
 
 def select(obj, vertices):
-    """Select vertices and nothing else of an object's mesh, in object or edit mode."""
+    """Select vertices and nothing else of an object's mesh, in object or edit mode.
+
+    Raises
+    ------
+    SettingError
+        for what is no vertex
+    """
+    meshes.refuse(obj)
+    vertices = check_vertices(vertices, len(obj.data.vertices))
     with meshes.object_mode(obj):
         meshes.select_vertices(obj, vertices)

@@ -13,12 +13,14 @@ from ...core.geometry.check import check_mesh
 from ...core.geometry.mesh_input import MeshInput
 from ...core.geometry.polygons import Polygons
 from .attributes import read_all, read_values
+from .objects import no_object
 
 
 def refusal(obj):
     """Why an object cannot be given a field, in one line, or None."""
-    if obj is None:
-        return "no active object: select a mesh object"
+    reason = no_object(obj)
+    if reason:
+        return reason
     if obj.type != "MESH":
         return f"{obj.name} is not a mesh: select a mesh object, or convert it with Object > Convert"
     for owner, kind in ((obj, "object"), (obj.data, "mesh")):

@@ -5,7 +5,19 @@ from dataclasses import dataclass
 
 import bpy
 
-from ...core.errors import SynchError
+from ...core.errors import SynchError, shown
+
+
+def no_object(obj):
+    """Why something is no object of the file, in one line, or None."""
+    if obj is None:
+        return "no active object: select a mesh object"
+    if not isinstance(obj, bpy.types.Object):
+        return f"{shown(obj)} is no object: give one of bpy.data.objects"
+    try:
+        return None if obj.session_uid else "the object has no number: give one of bpy.data.objects"
+    except ReferenceError:
+        return "the object is gone: it was removed from the file"
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ import bpy
 
 from ...core.errors import SynchError
 from ...core.extract.tubes import NORTH
+from ..blender.objects import no_object
 from . import memory
 from .report import report_of, result_line
 
@@ -58,6 +59,9 @@ def choose_point(obj, point=None, *, opening=None, smoothing=None):
         with one line that says what is wrong and the remedy; nothing is changed
     """
     start = time.perf_counter()
+    reason = no_object(obj)
+    if reason:
+        raise SynchError(reason)
     solved = memory.flows.get(obj)
     present = [found for found in bpy.data.objects if found.session_uid in solved.objects]
     if any(found.mode != "OBJECT" for found in present):

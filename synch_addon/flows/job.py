@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 
 from ...core.fields.loops import loop_error
-from ...core.keywords import from_names
+from ...core.keywords import check_path, from_names
 from ...core.tasks.flow_settings import ClebschSettings
 from ...core.tasks.flows import FlowRequest
 from ..blender.objects import Selection
@@ -73,6 +73,8 @@ def clebsch(source, callback=None, **settings):
 def job_for(source, settings):
     """The job of a source: a :class:`SequenceJob` of frames, a :class:`SurfaceJob` of a surface or plane, otherwise a
     :class:`ClebschJob`."""
+    if isinstance(source, str | Path):
+        check_path(source)
     if settings.frames is not None:
         return SequenceJob(source, settings)
     surface = surface_flow(source, settings.attribute)

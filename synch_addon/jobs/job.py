@@ -12,6 +12,7 @@ the result into the scene at once, and returns the report. Before that nothing h
 - ``request = None`` in its class, where pieces are all its work: ``write(None)`` then returns the report.
 """
 
+from ...core.errors import SettingError, shown
 from ...core.monitor import Monitor, portion
 
 # Share of the work that reading in pieces is.
@@ -30,6 +31,8 @@ def run(job, progress=None):
     SynchError
         with one line that names the element and the remedy; nothing is written
     """
+    if progress is not None and not callable(progress):
+        raise SettingError(f"the callback is {shown(progress)}: give a function of a stage and a fraction, or None")
     if hasattr(job, "advance"):
         solves = solves_after_pieces(job)
         _do_pieces(job, portion(progress, 0.0, READING) if solves else progress)

@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 
 import bpy
 
-from ...core.errors import SettingError
+from ...core.errors import SettingError, shown
+from ...core.keywords import taken
 from ..blender import meshes
 from ..blender.phases import pattern_kind
 from ..nodes.materials import new_material, show_material
@@ -65,8 +66,8 @@ PRESETS = {
 
 def chosen(name):
     """The :class:`Preset` of this name, refusing others."""
-    if name not in PRESETS:
-        raise SettingError(f"the preset {name!r} is unknown: use one of {', '.join(PRESETS)}")
+    if taken("preset", str, name) not in PRESETS:
+        raise SettingError(f"the preset {shown(name)} is unknown: use one of {', '.join(PRESETS)}")
     return PRESETS[name]
 
 

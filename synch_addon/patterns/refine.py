@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ...core.errors import SettingError, SynchError
+from ...core.errors import SettingError, SynchError, shown
+from ...core.keywords import taken
 from ..blender import groups, meshes
 from ..blender.changes import changes
 from ..blender.translations import said
@@ -62,11 +63,9 @@ def refine(obj, levels=None):
     SynchError
         with one line that names the element and the remedy; nothing is changed
     """
-    reason = meshes.refusal(obj)
-    if reason:
-        raise SynchError(reason)
+    meshes.refuse(obj)
     with meshes.object_mode(obj):
-        levels = max(offered_levels(obj), 1) if levels is None else levels
+        levels = max(offered_levels(obj), 1) if levels is None else taken("level", int, levels)
         before = len(obj.data.polygons)
         _subdivide(obj, levels)
     memory.forget(obj)
@@ -118,8 +117,8 @@ def _subdivide(obj, levels):
     SynchError
         where it cannot be; nothing is changed
     """
-    if not isinstance(levels, int) or not 1 <= levels <= MOST_LEVELS:
-        raise SettingError(f"the level is {levels!r}: give a whole number from 1 to {MOST_LEVELS}")
+    if not 1 <= levels <= MOST_LEVELS:
+        raise SettingError(f"the level is {shown(levels)}: give a whole number from 1 to {MOST_LEVELS}")
     if obj.data.shape_keys:
         raise SynchError(f"{obj.name} has shape keys, which subdivision would lose: apply or remove them first")
     if len(obj.data.polygons) == 0:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...core.errors import SettingError
 from ...core.files.whole import unwritten, written_whole
+from ...core.keywords import taken
 from ...core.tasks.layer_outputs import NOTHING
 from ..blender.files import check_output
 from ..blender.openvdb import openvdb_module
@@ -26,7 +27,7 @@ _COLOR = (0.32, 0.62, 0.82, 1.0)
 def check_volume(path, resolution):
     """Refuse what needs no layers to be found wrong: the file, the resolution, or a Blender without OpenVDB."""
     check_output(path, [".vdb"])
-    if resolution < 2:
+    if taken("resolution", int, resolution) < 2:
         raise SettingError(f"a resolution of {resolution} voxels shows no layer: give 2 or more")
     openvdb_module()
 
