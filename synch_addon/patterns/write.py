@@ -144,13 +144,15 @@ def pattern_attributes(obj, values):
 def _defect(given, pattern, defect, face):
     inverse = np.linalg.inv(given.stretch)
     normal = given.stretch @ defect.normal  # normals go the other way round than points
+    length = np.linalg.norm(normal)
+    normal = normal / length if length > 0 else np.array([0.0, 0.0, 1.0])  # a face without area has none
     of_two = defect.kind == "dislocation" and pattern.edge_phases.phase_count == 2
     return DefectEmpty(
         defect.kind,
         int(face),
         defect.index,
         tuple((inverse @ defect.position).tolist()),
-        tuple((normal / np.linalg.norm(normal)).tolist()),
+        tuple(normal.tolist()),
         "xy"[defect.phase] if of_two else "",
     )
 
