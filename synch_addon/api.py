@@ -17,6 +17,7 @@ from .bakes.job import BakeJob
 from .bakes.settings import BakeSettings
 from .blender import field_files, meshes
 from .blender.objects import Selection
+from .blender.transaction import whole_or_nothing
 from .flows.choice import choose_point as choose_point
 from .flows.job import clebsch as clebsch
 from .frames.job import animate as animate
@@ -168,7 +169,7 @@ def show_again(obj, shown):
     Errors as :func:`vary`.
     """
     meshes.refuse(obj)
-    with meshes.object_mode(obj):
+    with meshes.object_mode(obj), whole_or_nothing():
         write_again(obj, replace(shown, request=memory.recall(obj).request))
 
 
@@ -184,7 +185,7 @@ def trace_quads(obj, smoothing=Settings.smoothing):
     """
     meshes.refuse(obj)
     smoothing = from_names(Settings, {"smoothing": smoothing}).smoothing
-    with meshes.object_mode(obj):
+    with meshes.object_mode(obj), whole_or_nothing():
         solved = memory.recall(obj)
         if solved.request.command != "quads":
             raise SynchError(f"{obj.name} shows no quads: solve quads first")
@@ -214,7 +215,7 @@ def isolines(obj, **settings):
     """
     meshes.refuse(obj)
     settings = from_names(line_object.LineSettings, settings)
-    with meshes.object_mode(obj):
+    with meshes.object_mode(obj), whole_or_nothing():
         return line_object.write(obj, *shown_pattern(obj), settings)
 
 
@@ -241,7 +242,7 @@ def relief(obj, height=0.15, width=0.5, profile=0, level=None, smooth=False):
         with one line that names the element and the remedy; nothing is made
     """
     meshes.refuse(obj)
-    with meshes.object_mode(obj):
+    with meshes.object_mode(obj), whole_or_nothing():
         made = add_relief(obj, height, width, profile, level, smooth)
     return {"status": "made", "command": "relief", "object": obj.name, **made, "versions": versions()}
 
@@ -308,7 +309,7 @@ def run_bake(obj, settings, callback=None):
 
 def _show(obj, change, number=0, renumber=True):
     meshes.refuse(obj)
-    with meshes.object_mode(obj):
+    with meshes.object_mode(obj), whole_or_nothing():
         solved = memory.recall(obj)
         report = solved.report.again()
         with report.clock("round"):
@@ -329,7 +330,7 @@ def import_field(obj, path):
         with one line that names the element and the remedy; nothing is written
     """
     meshes.refuse(obj)
-    with meshes.object_mode(obj):
+    with meshes.object_mode(obj), whole_or_nothing():
         return field_files.import_directions(obj, path)
 
 

@@ -39,13 +39,13 @@ class ClebschJob:
                 made.append(make_tubes(f"{name} Tubes", shown))
             if shown.lines is not None:
                 made.append(make_filaments(f"{name} Filaments", shown))
-        present(made, self._selection)
-        numbers = tuple(obj.session_uid for obj in made)
-        solved = SolvedFlow(name, self.request.settings, result, fill, numbers, self._objects)
-        # How far the number of filaments through a loop is from the flow's circulation along it, in quanta and root
-        # mean square over all square loops a quarter of the grid's longest side wide; None where there are none.
-        off = {"circulation_error": loop_error(result.seen, max(result.seen.grid.shape) // 4)}
-        return finish(solved, Filled(facts(shown) | off, fill), made, self._start)
+            present(made, self._selection)
+            numbers = tuple(obj.session_uid for obj in made)
+            solved = SolvedFlow(name, self.request.settings, result, fill, numbers, self._objects)
+            # How far the number of filaments through a loop is from the flow's circulation along it, in quanta and root
+            # mean square over all square loops a quarter of the grid's longest side wide; None where there are none.
+            off = {"circulation_error": loop_error(result.seen, max(result.seen.grid.shape) // 4)}
+            return finish(solved, Filled(facts(shown) | off, fill), made, self._start)
 
 
 def clebsch(source, callback=None, **settings):

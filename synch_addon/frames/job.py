@@ -24,6 +24,7 @@ from ..blender.defect_empties import write_defects
 from ..blender.modifiers import hidden
 from ..blender.objects import ObjectLink
 from ..blender.schema import BARYCENTRIC, DIRECTION, SINGULARITY
+from ..blender.transaction import whole_or_nothing
 from ..jobs.job import run
 from ..jobs.report import Report
 from ..nodes.materials import pattern_material
@@ -149,7 +150,7 @@ class AnimationJob:
         """Write all frames to the object at once; returns the report."""
         obj, first, request = self.link.found, result.first, self._requests[0]
         self._report.take(first)
-        with meshes.object_mode(obj):
+        with meshes.object_mode(obj), whole_or_nothing():
             if not meshes.is_unchanged(obj, self._base):
                 raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
             defects = write.reported_defects(obj, request, first.field, first.pattern)

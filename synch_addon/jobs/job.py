@@ -3,7 +3,8 @@
 
 Making a job reads the scene and refuses what cannot be; its ``request`` is then all that a solve needs, plain data that
 can be pickled (:mod:`core.tasks`). ``write(result)`` refuses what no longer fits before its first change, then puts
-the result into the scene at once, and returns the report. Before that nothing has changed. A job also has
+the result into the scene at once, and returns the report. Before that nothing has changed, and nothing has where it
+fails. A job also has
 
 - ``link``, the :class:`ObjectLink` of the object that it is for, None where there is none;
 - ``advance()``, where it reads, or does all its work, in pieces that need Blender: it does one and returns what comes

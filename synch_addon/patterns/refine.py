@@ -14,6 +14,7 @@ from ...core.errors import SettingError, SynchError, shown
 from ...core.keywords import taken
 from ..blender import groups, meshes
 from ..blender.changes import changes
+from ..blender.transaction import keep, undone_by, whole_or_nothing
 from ..blender.translations import said
 from ..jobs.report import versions
 from ..jobs.shelf import Shelf
@@ -64,7 +65,7 @@ def refine(obj, levels=None):
         with one line that names the element and the remedy; nothing is changed
     """
     meshes.refuse(obj)
-    with meshes.object_mode(obj):
+    with meshes.object_mode(obj), whole_or_nothing():
         levels = max(offered_levels(obj), 1) if levels is None else taken("level", int, levels)
         before = len(obj.data.polygons)
         _subdivide(obj, levels)
@@ -125,6 +126,9 @@ def _subdivide(obj, levels):
         raise SynchError(f"{obj.name} has no faces: add some first")
     if faces_after(obj, levels) > MOST_FACES:
         raise SettingError(f"level {levels} would make {faces_after(obj, levels):,} faces: take a lower one")
+    mesh = obj.data
+    keep(mesh)
+    undone_by(obj, lambda: setattr(obj, "data", mesh))
     modifier = obj.modifiers.new("Synch Refine", "SUBSURF")
     name = modifier.name
     modifier.subdivision_type, modifier.levels, modifier.uv_smooth = "SIMPLE", levels, "NONE"

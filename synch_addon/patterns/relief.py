@@ -20,7 +20,8 @@ from ..blender.attributes import read_all, read_values
 from ..blender.defect_empties import mean_scale
 from ..blender.modifiers import RELIEFS, is_relief
 from ..blender.phases import pattern_kind
-from ..nodes.canvas import Expression, GeometryCanvas, Socket, group_tree, set_input
+from ..blender.transaction import assign
+from ..nodes.canvas import Expression, GeometryCanvas, Socket, add_modifier, group_tree, set_inputs
 from ..nodes.quads import PROFILES as QUAD_PROFILES
 from ..nodes.quads import phase_groups, profile_shapes
 from ..nodes.stripe_profiles import PROFILES as STRIPE_PROFILES
@@ -161,10 +162,13 @@ def add_relief(obj, height, width, profile, level, smooth):
         "Smooth": taken("smooth", bool, smooth),
     }
     group = relief_group(kind)
-    modifier = relief_modifier(obj) or obj.modifiers.new(group.name, "NODES")
-    modifier.node_group = group
-    for name, value in values.items():
-        set_input(modifier, name, value)
+    modifier = relief_modifier(obj)
+    if modifier is None:
+        modifier = add_modifier(obj, group, values)
+    else:
+        if modifier.node_group != group:
+            assign(modifier, "node_group", group)
+        set_inputs(modifier, values)
     named = KINDS[kind].profiles[values["Profile"]]
     return {"modifier": modifier.name, **{name.lower(): value for name, value in values.items()}, "profile": named}
 

@@ -9,6 +9,7 @@ from mathutils import Vector
 from ...core.interpolate import face_phases
 from ..blender import attributes, meshes, schema
 from ..blender.defect_empties import KINDS, DefectEmpty, write_defects
+from ..blender.transaction import assign, at_the_end
 from ..nodes.materials import pattern_material
 
 # How far attributes may be off what was solved to be the same: single precision.
@@ -57,8 +58,8 @@ def clear(obj):
             attributes.remove_attribute(obj, name)
     write_defects(obj, [])
     if hasattr(obj, "synch"):  # as long as the extension is registered
-        obj.synch.result = ""
-        obj.synch.favourites.clear()
+        assign(obj.synch, "result", "")
+        at_the_end(obj.synch.favourites.clear)
 
 
 def reported_defects(obj, request, field, pattern):

@@ -9,6 +9,7 @@ from ...core.tasks.layer_outputs import PathSettings
 from ..blender import meshes
 from ..blender.files import check_output
 from ..blender.objects import ObjectLink, no_object
+from ..blender.transaction import whole_or_nothing
 from ..jobs.job import run
 from . import files, memory
 from .links import solid_of
@@ -104,7 +105,7 @@ class _OutputJob:
     def write(self, result):
         """Make objects and files of a result, where the layers are now; returns the report."""
         obj = self.link.found
-        with meshes.object_mode(obj):
+        with meshes.object_mode(obj), whole_or_nothing():
             layering = memory.recall_layers(obj)
             if layering.pattern is not self._layering.pattern:
                 raise SynchError(f"the layers of {obj.name} were solved again meanwhile: run again")
