@@ -49,14 +49,15 @@ def state():
     bpy.context.view_layer.update()
     trees = [(m.name, m.node_tree) for m in bpy.data.materials] + [(g.name, g) for g in bpy.data.node_groups]
     return {
-        "file": snapshot(),
-        "data": datablocks(),
-        "hidden": {obj.name: (obj.hide_get(), obj.hide_render) for obj in bpy.context.view_layer.objects},
-        "nodes": {name: _tree(tree) for name, tree in trees if tree is not None},
+        # First, since Blender 4.5 keeps that these have been asked for.
         "results": {
             obj.name: (obj.synch.result, len(obj.synch.favourites), obj.synch_shown.variation)
             for obj in bpy.data.objects
         },
+        "file": snapshot(),
+        "data": datablocks(),
+        "hidden": {obj.name: (obj.hide_get(), obj.hide_render) for obj in bpy.context.view_layer.objects},
+        "nodes": {name: _tree(tree) for name, tree in trees if tree is not None},
         "curves": {curve.name: [_spline(s) for s in curve.splines] for curve in bpy.data.curves},
         "modifiers": {obj.name: [_modifier(m) for m in obj.modifiers] for obj in bpy.data.objects},
         "images": [(image.name, tuple(image.size), image.packed_file is not None) for image in bpy.data.images],
