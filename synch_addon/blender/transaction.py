@@ -66,6 +66,7 @@ class _Work:
         if self._steps is None or block.as_pointer() not in self._before:
             return
         name, copy = block.name, block.copy()
+        copy.name = name + _LEAVING
         self._before.add(copy.as_pointer())
         self.at_the_end(lambda: bpy.data.batch_remove([copy]))
 

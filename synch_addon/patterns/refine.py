@@ -126,9 +126,10 @@ def _subdivide(obj, levels):
         raise SynchError(f"{obj.name} has no faces: add some first")
     if faces_after(obj, levels) > MOST_FACES:
         raise SettingError(f"level {levels} would make {faces_after(obj, levels):,} faces: take a lower one")
-    mesh = obj.data
+    mesh, present = obj.data, {modifier.name for modifier in obj.modifiers}
     keep(mesh)
     undone_by(obj, lambda: setattr(obj, "data", mesh))
+    undone_by(obj, lambda: [obj.modifiers.remove(one) for one in list(obj.modifiers) if one.name not in present])
     modifier = obj.modifiers.new("Synch Refine", "SUBSURF")
     name = modifier.name
     modifier.subdivision_type, modifier.levels, modifier.uv_smooth = "SIMPLE", levels, "NONE"
