@@ -51,7 +51,12 @@ def state():
     return {
         # First, since Blender 4.5 keeps that these have been asked for.
         "results": {
-            obj.name: (obj.synch.result, len(obj.synch.favourites), obj.synch_shown.variation)
+            obj.name: (
+                obj.synch.result,
+                len(obj.synch.favourites),
+                obj.synch_shown.variation,
+                obj.synch_vortices.result,
+            )
             for obj in bpy.data.objects
         },
         "file": snapshot(),
