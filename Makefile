@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-slow ui-test ui-pictures lint extension bench bench-solver pictures thumbnails environment clean
+.PHONY: help demo test test-slow fuzz ui-test ui-pictures lint extension bench bench-solver pictures thumbnails environment clean
 
 # The Pythons that a bpy wheel exists for, in order of preference.
 VERSIONS ?= 3.13 3.11
@@ -24,6 +24,7 @@ help:
 	@echo 'make demo         stripes on a sample mesh: out/demo.blend, out/demo.png, out/demo.json'
 	@echo 'make test         the tests, in some minutes'
 	@echo 'make test-slow    the other tests'
+	@echo 'make fuzz         meshes, settings, files and faults at random; MINUTES=60 SEED=0'
 	@echo 'make ui-test      a real Blender window, driven; SYNCH_BLENDER=command starts a Blender, Xvfb has to be there'
 	@echo 'make ui-pictures  the same, and its pictures into docs/'
 	@echo 'make lint         ruff (rules and format) and mypy'
@@ -45,6 +46,12 @@ test: $(environment)
 
 test-slow: $(environment)
 	$(python) -m pytest -m slow
+
+MINUTES ?= 10
+SEED ?= 0
+
+fuzz: $(environment)
+	$(python) tools/fuzz.py $(MINUTES) $(SEED)
 
 ui-test: $(environment)
 	$(python) -m pytest -rs tests/ui

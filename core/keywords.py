@@ -4,6 +4,7 @@
 import math
 from dataclasses import fields
 from numbers import Integral, Real
+from pathlib import PurePath
 from types import UnionType
 from typing import Any, get_args, get_type_hints
 
@@ -11,6 +12,8 @@ import numpy as np
 
 from .errors import SettingError, shown
 
+# The largest whole number that files and Blender keep, and how often anything is smoothed.
+MOST, MOST_ROUNDS = 2**63 - 1, 10_000
 # Of simple fields: what is taken for them, NumPy's kinds included, and what errors ask for.
 _KINDS: dict[type, tuple[Any, str]] = {
     bool: ((bool, np.bool_), "True or False"),
@@ -26,18 +29,17 @@ def from_names(cls, values):
     for name in values:
         if name not in known:
             raise SettingError(f"the setting {name!r} is unknown: use one of {', '.join(known)}")
-    return cls(**{name: _typed(name, hints[name], value) for name, value in values.items()})
+    return cls(**{name: taken(name, hints[name], value) for name, value in values.items()})
 
 
-def _typed(name, hint, value):
-    """A value as the kind that its field has; fields that are not simple are looked at elsewhere."""
+def taken(name, hint, value):
+    """A value of a setting as the kind that it has; kinds that are not simple are looked at elsewhere."""
     wanted = get_args(hint) if isinstance(hint, UnionType) else (hint,)
     kinds = [kind for kind in wanted if kind in _KINDS]
     if not kinds or (value is None and type(None) in wanted):
         return value
     for kind in kinds:
-        taken, _ = _KINDS[kind]
-        if isinstance(value, taken) and (kind is bool or not isinstance(value, bool | np.bool_)):
+        if isinstance(value, _KINDS[kind][0]) and (kind is bool or not isinstance(value, bool | np.bool_)):
             return check_text(value, f"the {_label(name)}") if kind is str else _converted(name, kind, value)
     asked = " or ".join(_KINDS[kind][1] for kind in kinds)
     raise SettingError(f"the {_label(name)} is {shown(value)}: give {asked}")
@@ -59,19 +61,29 @@ def check_text(text, what):
     return text
 
 
+def check_path(path, what="the path"):
+    """The path as a text; refuses what no file can be called."""
+    if not isinstance(path, str | PurePath):
+        raise SettingError(f"{what} is {shown(path)}: give a text")
+    if "\0" in str(path):
+        raise SettingError(f"{what} is {shown(str(path))}, which has a null character: no file can be called that")
+    return check_text(str(path), what)
+
+
 def check_choice(settings, name, choices):
     """Refuse a value that is none of the choices."""
     value = getattr(settings, name)
     if value not in choices:
-        raise SettingError(f"the {_label(name)} {value!r} is unknown: use one of {', '.join(choices)}")
+        raise SettingError(f"the {_label(name)} {shown(value)} is unknown: use one of {', '.join(choices)}")
 
 
-def check_whole(settings, *names):
-    """Refuse values that are no whole numbers from 0 on."""
+def check_whole(settings, *names, most=MOST):
+    """Refuse values that are no whole numbers from 0 to ``most``."""
     for name in names:
         value = getattr(settings, name)
-        if not isinstance(value, int) or isinstance(value, bool) or value < 0:
-            raise SettingError(f"the {_label(name)} is {value!r}: give a whole number from 0 on")
+        if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value <= most:
+            upwards = "on" if most == MOST else f"to {most}"
+            raise SettingError(f"the {_label(name)} is {shown(value)}: give a whole number from 0 {upwards}")
 
 
 def check_positive(settings, *names, optional=()):
@@ -79,7 +91,7 @@ def check_positive(settings, *names, optional=()):
     for name in (*names, *(name for name in optional if getattr(settings, name) is not None)):
         value = getattr(settings, name)
         if not isinstance(value, int | float) or not 0 < value < math.inf:
-            raise SettingError(f"the {_label(name)} is {value!r}: give a positive number")
+            raise SettingError(f"the {_label(name)} is {shown(value)}: give a positive number")
 
 
 def _label(name):

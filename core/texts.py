@@ -9,7 +9,7 @@ inside, and so does one with a colon, unless it is the last one of the form.
 import re
 from functools import cache
 
-from .errors import SettingError
+from .errors import SettingError, shown
 
 _QUOTED = r'\s*"(?:[^"]|"")*"\s*'
 _NAMES = rf'({_QUOTED}|[^,:="\r\n]*)', rf'({_QUOTED}|[^,="\r\n]*)'
@@ -34,13 +34,13 @@ def items(text, what, form):
         naming the place that cannot be read, or what is no text
     """
     if not isinstance(text, str):
-        raise SettingError(f"the {what} is {text!r}: give a text such as {form}")
+        raise SettingError(f"the {what} is {shown(text)}: give a text such as {form}")
     result, place, end = [], 0, ","
     while end == ",":
         found = _pattern(form).match(text, place)
         if found is None:
             raise SettingError(
-                f"the {what} {text[place:].strip()!r} cannot be read: write {form}, "
+                f"the {what} {shown(text[place:].strip())} cannot be read: write {form}, "
                 'and names with , : = or " in double quotes'
             )
         *parts, end = found.groups()

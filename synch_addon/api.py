@@ -10,13 +10,14 @@ from numbers import Integral
 
 from ..core.errors import SettingError, SynchError, shown
 from ..core.fields.directions import SYMMETRIES
-from ..core.fields.placement import variation, with_defects
-from ..core.keywords import from_names
+from ..core.fields.placement import check_vertices, variation, with_defects
+from ..core.keywords import from_names, taken
 from ..core.tasks.surfaces import SurfaceResult
 from .bakes.job import BakeJob
 from .bakes.settings import BakeSettings
 from .blender import field_files, meshes
 from .blender.objects import Selection
+from .blender.transaction import whole_or_nothing
 from .flows.choice import choose_point as choose_point
 from .flows.job import clebsch as clebsch
 from .frames.job import animate as animate
@@ -168,7 +169,7 @@ def show_again(obj, shown):
     Errors as :func:`vary`.
     """
     meshes.refuse(obj)
-    with meshes.object_mode(obj):
+    with meshes.object_mode(obj), whole_or_nothing():
         write_again(obj, replace(shown, request=memory.recall(obj).request))
 
 
@@ -183,7 +184,8 @@ def trace_quads(obj, smoothing=Settings.smoothing):
     Result and errors as :func:`quad_mesh`.
     """
     meshes.refuse(obj)
-    with meshes.object_mode(obj):
+    smoothing = from_names(Settings, {"smoothing": smoothing}).smoothing
+    with meshes.object_mode(obj), whole_or_nothing():
         solved = memory.recall(obj)
         if solved.request.command != "quads":
             raise SynchError(f"{obj.name} shows no quads: solve quads first")
@@ -213,7 +215,7 @@ def isolines(obj, **settings):
     """
     meshes.refuse(obj)
     settings = from_names(line_object.LineSettings, settings)
-    with meshes.object_mode(obj):
+    with meshes.object_mode(obj), whole_or_nothing():
         return line_object.write(obj, *shown_pattern(obj), settings)
 
 
@@ -240,7 +242,7 @@ def relief(obj, height=0.15, width=0.5, profile=0, level=None, smooth=False):
         with one line that names the element and the remedy; nothing is made
     """
     meshes.refuse(obj)
-    with meshes.object_mode(obj):
+    with meshes.object_mode(obj), whole_or_nothing():
         made = add_relief(obj, height, width, profile, level, smooth)
     return {"status": "made", "command": "relief", "object": obj.name, **made, "versions": versions()}
 
@@ -266,7 +268,7 @@ def preset(obj, name, callback=None, solve=False, **settings):
         with one line that names the element and the remedy; nothing is written
     """
     meshes.refuse(obj)
-    needed = presets.solve_for(obj, name, solve or bool(settings))
+    needed = presets.solve_for(obj, name, taken("solve", bool, solve) or bool(settings))
     solved = None
     if needed is not None:
         solved = run(needed.pop("command"), obj, from_names(Settings, needed | settings), callback)
@@ -307,7 +309,7 @@ def run_bake(obj, settings, callback=None):
 
 def _show(obj, change, number=0, renumber=True):
     meshes.refuse(obj)
-    with meshes.object_mode(obj):
+    with meshes.object_mode(obj), whole_or_nothing():
         solved = memory.recall(obj)
         report = solved.report.again()
         with report.clock("round"):
@@ -328,7 +330,7 @@ def import_field(obj, path):
         with one line that names the element and the remedy; nothing is written
     """
     meshes.refuse(obj)
-    with meshes.object_mode(obj):
+    with meshes.object_mode(obj), whole_or_nothing():
         return field_files.import_directions(obj, path)
 
 
@@ -347,13 +349,21 @@ def export_field(obj, path, symmetry="line"):
         with one line that names the element and the remedy; nothing is written
     """
     meshes.refuse(obj)
-    if symmetry not in SYMMETRIES:
-        raise SettingError(f"symmetry {symmetry!r} is unknown: use one of {', '.join(SYMMETRIES)}")
+    if taken("symmetry", str, symmetry) not in SYMMETRIES:
+        raise SettingError(f"symmetry {shown(symmetry)} is unknown: use one of {', '.join(SYMMETRIES)}")
     with meshes.object_mode(obj):
         field_files.export_directions(obj, path, symmetry)
 
 
 def select(obj, vertices):
-    """Select vertices and nothing else of an object's mesh, in object or edit mode."""
+    """Select vertices and nothing else of an object's mesh, in object or edit mode.
+
+    Raises
+    ------
+    SettingError
+        for what is no vertex
+    """
+    meshes.refuse(obj)
+    vertices = check_vertices(vertices, len(obj.data.vertices))
     with meshes.object_mode(obj):
         meshes.select_vertices(obj, vertices)

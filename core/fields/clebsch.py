@@ -23,6 +23,10 @@ from ..problem import SynchronizationProblem
 from ..solve import Options, Solution, solve
 from ..solve.lifted import lifted_of_rank
 
+# Filaments that may pass a face on average. Between two corners a phase tells less than half a turn from more, and
+# each passage of a filament takes some hundred bytes.
+MOST_QUANTA = 0.5
+
 
 def edge_integrals(grid, velocity):
     """(e,) integral of a velocity along each edge, by the trapezoidal rule.
@@ -97,9 +101,21 @@ def quantum_for(grid, integrals, count):
 
 
 def clebsch_problem(grid, integrals, quantum):
-    """The synchronization problem of maps whose filaments carry the circulation ``quantum`` (Eq. 13)."""
+    """The synchronization problem of maps whose filaments carry the circulation ``quantum`` (Eq. 13).
+
+    Raises
+    ------
+    SettingError
+        for a circulation that is not positive, or so small that more than ``MOST_QUANTA`` pass a face on average
+    """
     if not (np.isfinite(quantum) and quantum > 0):
         raise SettingError(f"the circulation of a filament is {quantum}: give a positive one")
+    mean = float(np.abs(circulations(grid, integrals)).mean())
+    if not mean <= MOST_QUANTA * quantum:
+        raise SettingError(
+            f"filaments of the circulation {quantum:.3g} are too many for the grid, {mean / quantum:.3g} for each of "
+            f"its faces: give a circulation from {1.005 * mean / MOST_QUANTA:.3g} on, or a finer grid"
+        )
     transports = circle_transports(TURN / quantum * integrals)
     return SynchronizationProblem(Connection(grid.node_count, grid.edges, grid.weights, transports), grid.masses)
 

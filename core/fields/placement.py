@@ -38,7 +38,7 @@ def with_defects(pattern, vertices):
     """
     field = LiftedField(pattern.problem, pattern.solution)
     count = pattern.growth.phase_count
-    vertices = _checked(pattern.mesh, vertices)
+    vertices = check_vertices(vertices, pattern.mesh.vertex_count)
     if len(vertices) > field.most_defects:
         raise SettingError(
             f"{len(vertices)} defects are too many: the solved field leaves room for {field.most_defects} at a time"
@@ -59,17 +59,17 @@ def with_defects(pattern, vertices):
     return best
 
 
-def _checked(mesh, vertices):
-    """(k,) the vertices, ascending, each once."""
+def check_vertices(vertices, count):
+    """(k,) the vertices of a mesh that has so many, ascending, each once; refuses what are none."""
     try:
         found = np.unique(np.asarray(vertices).ravel())
     except ValueError:  # lists in lists of other lengths
         found = np.empty(0)
     if found.dtype.kind not in "iu" or not len(found):
         raise SettingError(f"the vertices are {shown(vertices)}: give the numbers of one or more")
-    outside = found[(found < 0) | (found >= mesh.vertex_count)]
+    outside = found[(found < 0) | (found >= count)]
     if len(outside):
-        raise SettingError(f"there is no vertex {outside[0]}: the mesh has {mesh.vertex_count}, from 0 on")
+        raise SettingError(f"there is no vertex {outside[0]}: the mesh has {count}, from 0 on")
     return found
 
 

@@ -6,9 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from numbers import Integral, Real
 
-from ..errors import SettingError
+from ..errors import SettingError, shown
 from ..files.flows import VELOCITY
-from ..keywords import check_choice, check_positive, check_whole
+from ..keywords import MOST_ROUNDS, check_choice, check_positive, check_whole
 from .settings import SolverSettings
 
 SHOWN = ("filaments", "tubes", "both")
@@ -52,10 +52,12 @@ class ClebschSettings(SolverSettings):
         super().__post_init__()
         check_choice(self, "show", SHOWN)
         check_positive(self, "count", "opening", optional=("quantum", "core"))
-        check_whole(self, "smoothing")
+        check_whole(self, "smoothing", most=MOST_ROUNDS)
         if self.frames is not None:
             if not _are(Integral, 2, self.frames):
-                raise SettingError(f"the frames are {self.frames!r}: give the first and the last one, whole numbers")
+                raise SettingError(
+                    f"the frames are {shown(self.frames)}: give the first and the last one, whole numbers"
+                )
             first, last = self.frames
             if first > last:
                 raise SettingError(f"the frames {first} to {last} are none: give the first one first")
@@ -63,7 +65,9 @@ class ClebschSettings(SolverSettings):
             raise SettingError(f"the opening is {self.opening:g} degrees: the whole sphere has 180, give less")
         if self.point is not None:
             if not (_are(Real, 3, self.point) and all(map(math.isfinite, self.point)) and any(self.point)):
-                raise SettingError(f"the point of the sphere is {self.point!r}: give three numbers that are not all 0")
+                raise SettingError(
+                    f"the point of the sphere is {shown(self.point)}: give three numbers that are not all 0"
+                )
             object.__setattr__(self, "point", tuple(map(float, self.point)))
         if (self.show != "filaments" or self.point is not None) and self.method != "sdp":
             raise SettingError("tubes and points of the sphere come from the relaxation: use the method sdp")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..errors import SettingError
+from ..errors import SettingError, shown
 from ..extract.defect_curves import DefectCurve
 from ..extract.isolines import Isolines
 from ..extract.layer_surfaces import LayerSurfaces
@@ -15,7 +15,7 @@ from ..extract.voxels import points_inside
 from ..fields.layers import LayerPattern
 from ..geometry.tet_mesh import TetMesh
 from ..interpolate_solid import TetPhases, evaluate_in_tets
-from ..keywords import check_choice
+from ..keywords import check_choice, taken
 from ..monitor import Monitor
 
 FILLS = ("contour", "across-x", "across-y", "across-z")
@@ -42,9 +42,10 @@ class PathSettings:
     fill: str = "contour"
 
     def __post_init__(self):
+        taken("fill", str, self.fill)
         check_choice(self, "fill", FILLS)
-        if self.step is not None and not (isinstance(self.step, int | float) and 0 < self.step < math.inf):
-            raise SettingError(f"the step between paths is {self.step!r}: give a positive number")
+        if self.step is not None and not 0 < taken("step", float, self.step) < math.inf:
+            raise SettingError(f"the step between paths is {shown(self.step)}: give a positive number")
 
 
 @dataclass(frozen=True)

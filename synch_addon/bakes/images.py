@@ -8,7 +8,9 @@ import numpy as np
 
 from ...core.files.pictures import is_whole
 from ...core.files.whole import unwritten
+from ..blender.transaction import assign, at_the_end, keep, set_aside
 from ..nodes.canvas import surface_material
+from ..nodes.materials import append_material
 from .settings import MAPS
 from .shaders import SOURCE, pattern_node, sources
 
@@ -58,14 +60,18 @@ def packed(path, name, map_name):
     image.use_fake_user = True  # nothing else may use it, and a file is saved without what is not used
     image.filepath_raw = f"//{name}"
     if older is not None and older.get(_MADE) == map_name:
-        older.user_remap(image)
-        bpy.data.images.remove(older)
+        set_aside(older)
+        at_the_end(lambda: (older.user_remap(image), bpy.data.images.remove(older)))
     return _declared(image, name, map_name)
 
 
 def loaded(path, map_name):
     """The image of a file."""
-    return _declared(bpy.data.images.load(str(path), check_existing=True), path.name, map_name)
+    count = len(bpy.data.images)
+    image = bpy.data.images.load(str(path), check_existing=True)
+    if len(bpy.data.images) == count:
+        keep(image)
+    return _declared(image, path.name, map_name)
 
 
 def reload(path):
@@ -95,14 +101,15 @@ def baked_materials(obj, kind, images, uv_map, with_displacement):
     shown = [(slot, source) for slot, source in zip(obj.material_slots, sources(obj), strict=True)]
     shown = [(slot, source) for slot, source in shown if pattern_node(source, kind) or _is_made_for(slot.material, obj)]
     if not shown:
-        obj.data.materials.append(None)
+        append_material(obj, None)
         shown = [(obj.material_slots[-1], None)]
     made = {source: slot.material for slot, source in shown if _is_made_for(slot.material, obj)}
     for slot, source in shown:
         if source not in made:
             made[source] = _new_material(obj, source)
-        slot.material = made[source]
+        assign(slot, "material", made[source])
     for material in made.values():
+        keep(material)
         _fill(material, obj, images, uv_map, with_displacement)
     return list(made.values())
 

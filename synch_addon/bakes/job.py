@@ -14,6 +14,7 @@ from ...core.extract.cells import cells
 from ..blender import meshes
 from ..blender import phases as blender_phases
 from ..blender.objects import ObjectLink
+from ..blender.transaction import undone_by, whole_or_nothing
 from ..jobs.report import versions
 from ..patterns.numbers import numbers_of
 from . import images as bake_images
@@ -82,12 +83,13 @@ def _baking(link, settings):
                 with staged(obj, modifiers=False) as stage:
                     coordinates = stage.unwrapped(min(max(settings.margin, 1), _APART) / max(settings.size, _SMALL))
             yield from _bake_all(obj, kind, settings, coordinates, Path(temporary), report)
-            images = _kept(obj, settings, Path(temporary), folder, report)
-        if is_new:
-            _add_layer(obj, report["uv_map"], coordinates)
-        if settings.material:
-            shown = bake_images.baked_materials(obj, kind, images, report["uv_map"], settings.displacement)
-            report["materials"] = [material.name for material in shown]
+            with whole_or_nothing():
+                images = _kept(obj, settings, Path(temporary), folder, report)
+                if is_new:
+                    _add_layer(obj, report["uv_map"], coordinates)
+                if settings.material:
+                    shown = bake_images.baked_materials(obj, kind, images, report["uv_map"], settings.displacement)
+                    report["materials"] = [material.name for material in shown]
     return report | {"seconds": time.perf_counter() - start, "versions": versions()}
 
 
@@ -241,6 +243,7 @@ def _add_layer(obj, name, coordinates):
     layers = obj.data.uv_layers
     active = layers.active and layers.active.name
     rendered = next((layer.name for layer in layers if layer.active_render), None)
+    undone_by(obj.data, lambda: name in layers and layers.remove(layers[name]))
     write_uv(layers.new(name=name, do_init=False), coordinates)
     if active:
         layers.active = layers[active]

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
-from ...core.errors import SettingError
-from ...core.keywords import check_choice
+from ...core.errors import SettingError, shown
+from ...core.keywords import check_choice, check_path
 
 SIZES = (16, 16384)
 _MOST_SAMPLES = 4096
@@ -71,22 +71,25 @@ class BakeSettings:
     displacement: bool = False
 
     def __post_init__(self):
-        names = self.maps.split(",") if isinstance(self.maps, str) else list(self.maps)
+        names = self.maps.split(",") if isinstance(self.maps, str) else self.maps
+        if not isinstance(names, list | tuple):
+            raise SettingError(f"the maps are {shown(names)}: give names such as colour,normal")
         for name in names:
-            if name not in MAPS:
-                raise SettingError(f"the map {name!r} is unknown: use one or more of {', '.join(MAPS)}")
+            if not isinstance(name, str) or name not in MAPS:
+                raise SettingError(f"the map {shown(name)} is unknown: use one or more of {', '.join(MAPS)}")
         object.__setattr__(self, "maps", tuple(name for name in MAPS if name in names))
         if not self.maps:
             raise SettingError(f"no map is asked for: choose one or more of {', '.join(MAPS)}")
         for name, low, high in (("size", *SIZES), ("margin", 0, self.size), ("samples", 1, _MOST_SAMPLES)):
             value = getattr(self, name)
             if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
-                raise SettingError(f"the {name} is {value!r}: give a whole number from {low} to {high}")
+                raise SettingError(f"the {name} is {shown(value)}: give a whole number from {low} to {high}")
         check_choice(self, "file_format", SUFFIXES)
         if self.material and not {"colour", "normal", "height"} & set(self.maps):
             raise SettingError("a material shows colour, normal or height: add one of them to the maps")
         if self.displacement and not (self.material and "height" in self.maps):
             raise SettingError("displacement is made by a material of the height: ask for both")
+        check_path(self.folder, "the folder")
         self._check_name()
 
     def _check_name(self):
@@ -97,7 +100,9 @@ class BakeSettings:
         except ValueError:
             used = {self.naming}
         if used - {"object", "map"} or not self.naming.strip() or set(self.naming) & set("/\\"):
-            raise SettingError(f"the name {self.naming!r} cannot be filled in: use letters, {{object}} and {{map}}")
+            raise SettingError(
+                f"the name {shown(self.naming)} cannot be filled in: use letters, {{object}} and {{map}}"
+            )
         if len(self.maps) > 1 and "map" not in used:
             raise SettingError(f"the name {self.naming!r} is the same for {len(self.maps)} maps: add {{map}}")
 

@@ -6,6 +6,7 @@ import numpy as np
 from ...core.errors import SettingError
 from .groups import is_group, read_weights
 from .schema import PREFIX, TYPES, layout_of
+from .transaction import undone_by
 
 # Attributes that mark edges.
 MARKS = {"seams": "uv_seam", "sharp": "sharp_edge", "creases": "crease_edge"}
@@ -112,6 +113,11 @@ def write_attribute(obj, name, domain, data_type, values):
     """
     attributes = obj.data.attributes
     values = _fitting(name, domain, data_type, attributes.domain_size(domain), np.asarray(values))
+    _keep(obj, name)
+    _put(attributes, name, domain, data_type, values)
+
+
+def _put(attributes, name, domain, data_type, values):
     attribute = attributes.get(name)
     if attribute is not None and (attribute.domain, attribute.data_type) != (domain, data_type):
         attributes.remove(attribute)
@@ -119,6 +125,22 @@ def write_attribute(obj, name, domain, data_type, values):
     if attribute is None:
         attribute = attributes.new(name, data_type, domain)
     attribute.data.foreach_set(TYPES[data_type][2], values.ravel())
+
+
+def _keep(obj, name):
+    """Give an attribute back as it is now, or as missing, where the work fails."""
+    mesh = obj.data
+    attribute = mesh.attributes.get(name)
+    if attribute is None:
+        undone_by(mesh, lambda: _remove(mesh.attributes, name))
+    elif attribute.data_type in TYPES:
+        layout, values = (attribute.domain, attribute.data_type), _read(attribute)
+        undone_by(mesh, lambda: _put(mesh.attributes, name, *layout, values))
+
+
+def _remove(attributes, name):
+    if name in attributes:
+        attributes.remove(attributes[name])
 
 
 def _fitting(name, domain, data_type, count, given):
@@ -135,9 +157,9 @@ def _fitting(name, domain, data_type, count, given):
 
 def remove_attribute(obj, name):
     """Remove an attribute if it is there."""
-    attribute = obj.data.attributes.get(name)
-    if attribute is not None:
-        obj.data.attributes.remove(attribute)
+    if name in obj.data.attributes:
+        _keep(obj, name)
+        _remove(obj.data.attributes, name)
 
 
 def show_same_maps(obj, made):

@@ -8,6 +8,8 @@ from typing import NamedTuple
 import bpy
 from mathutils import Matrix, Vector
 
+from .transaction import assign, at_the_end, drop, leave
+
 KINDS = ("disclination", "dislocation", "vortex")
 COLLECTION_NAME = "Synch Defects"
 
@@ -50,7 +52,7 @@ def write_defects(obj, defects: Iterable[DefectEmpty], *, kinds=KINDS, length=1.
     scale = mean_scale(obj)
     counts = {}
     empties = [_new_empty(obj, defect, collection, length / scale, counts) for defect in defects]
-    _remove_if_empty(collection)
+    at_the_end(lambda: _remove_if_empty(collection))
     return empties
 
 
@@ -60,8 +62,11 @@ def defect_empties(obj) -> list[bpy.types.Object]:
 
 
 def _remove_empties(obj, kinds):
-    """Remove empties from the file."""
-    bpy.data.batch_remove([empty for empty in defect_empties(obj) if empty[_KIND] in kinds])
+    """Remove empties from the file; those that are leaving are no defects any more."""
+    leaving = [empty for empty in defect_empties(obj) if empty[_KIND] in kinds]
+    for empty in leaving:
+        drop(empty, _KIND)
+    leave(leaving)
 
 
 def _new_empty(obj, defect, collection, size, counts):
@@ -101,7 +106,8 @@ def _collection_of(obj):
     for collection in {c for empty in defect_empties(obj) for c in empty.users_collection}:
         # A duplicated hierarchy shares its collection with the original: it gets its own.
         if collection.get(_MARK) == "object" and all(other.parent == obj for other in collection.objects):
-            collection.name = name
+            if collection.name != name:
+                assign(collection, "name", name)
             return collection
     collection = _new_collection(name, "object")
     _scene_collection(obj).children.link(collection)

@@ -10,6 +10,7 @@ from ...core.errors import MeshError, SettingError, name_elements
 from ...core.fields.directions import SYMMETRIES, DirectionField, given_directions
 from ...core.files.directions import FaceField, from_vertices, read_field, to_vertices, write_field
 from ...core.geometry import mesh_input
+from ...core.keywords import check_path
 from . import attributes, meshes
 from .schema import DIRECTION
 
@@ -38,7 +39,7 @@ def read_guide(given, path):
         for faces that are no triangles, and files that cannot be read
     """
     check_triangles(given.polygons)
-    field = read_field(bpy.path.abspath(str(path)))
+    field = read_field(bpy.path.abspath(check_path(path)))
     vectors, polygons = field.vectors, given.polygons
     if len(vectors) == len(polygons.starts):
         vectors = vectors[polygons.triangle_faces]
@@ -78,6 +79,7 @@ def export_directions(obj, path, symmetry):
     MeshError, SettingError
         for faces that are no triangles, an object without directions, and files that cannot be written
     """
+    path = bpy.path.abspath(check_path(path))
     given = meshes.read_mesh(obj)
     check_triangles(given.polygons)
     number = SYMMETRIES[symmetry]
@@ -87,4 +89,4 @@ def export_directions(obj, path, symmetry):
     vectors[given.polygons.triangle_faces] = found
     vectors = given.polygons.at_faces(vectors)
     local = mesh_input.unstretched(vectors.reshape(-1, 3), given.stretch).reshape(vectors.shape)
-    write_field(bpy.path.abspath(str(path)), FaceField(number, local))
+    write_field(path, FaceField(number, local))

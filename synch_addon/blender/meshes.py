@@ -15,12 +15,15 @@ from ...core.geometry.check import check_mesh
 from ...core.geometry.mesh_input import MeshInput
 from ...core.geometry.polygons import Polygons
 from .attributes import read_all, read_values
+from .objects import no_object
+from .transaction import at_the_end, undone_by
 
 
 def refusal(obj):
     """Why an object cannot be given a field, in one line, or None."""
-    if obj is None:
-        return "no active object: select a mesh object"
+    reason = no_object(obj)
+    if reason:
+        return reason
     if obj.type != "MESH":
         return f"{obj.name} is not a mesh: select a mesh object, or convert it with Object > Convert"
     for owner, kind in ((obj, "object"), (obj.data, "mesh")):
@@ -152,8 +155,9 @@ def split_faces(obj, faces):
 
     Returns the (c,) old corner that each corner was.
     """
-    polygons, edited = read_polygons(obj), bmesh.new()
-    edited.from_mesh(obj.data)
+    mesh, polygons = obj.data, read_polygons(obj)
+    _keep_faces(mesh)
+    edited = _edited(mesh)
     edited.faces.ensure_lookup_table()
     edited.verts.ensure_lookup_table()
     corner = edited.loops.layers.int.new("synch_corner")
@@ -170,9 +174,29 @@ def split_faces(obj, faces):
     bmesh.ops.delete(edited, geom=old, context="FACES_ONLY")
     old_corners = [loop[corner] for face in edited.faces for loop in face.loops]
     edited.loops.layers.int.remove(corner)
-    edited.to_mesh(obj.data)
+    edited.to_mesh(mesh)
     edited.free()
     return np.array(old_corners)
+
+
+def _keep_faces(mesh):
+    """Give all of a mesh back where the work fails."""
+    before, names = _edited(mesh), {attribute.name for attribute in mesh.attributes}
+
+    def give_back():
+        before.to_mesh(mesh)
+        before.free()
+        for name in [attribute.name for attribute in mesh.attributes if attribute.name not in names]:
+            mesh.attributes.remove(mesh.attributes[name])
+
+    undone_by(mesh, give_back)
+    at_the_end(before.free)
+
+
+def _edited(mesh):
+    edited = bmesh.new()
+    edited.from_mesh(mesh)
+    return edited
 
 
 def faces_of_triangles(polygons, triangles):

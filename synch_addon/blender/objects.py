@@ -5,7 +5,20 @@ from dataclasses import dataclass
 
 import bpy
 
-from ...core.errors import SynchError
+from ...core.errors import SynchError, shown
+from .transaction import undone_by
+
+
+def no_object(obj):
+    """Why something is no object of the file, in one line, or None."""
+    if obj is None:
+        return "no active object: select a mesh object"
+    if not isinstance(obj, bpy.types.Object):
+        return f"{shown(obj)} is no object: give one of bpy.data.objects"
+    try:
+        return None if obj.session_uid else "the object has no number: give one of bpy.data.objects"
+    except ReferenceError:
+        return "the object is gone: it was removed from the file"
 
 
 @dataclass(frozen=True)
@@ -68,6 +81,20 @@ class Selection:
         layer = bpy.context.view_layer
         if Selection.now() not in (self, Selection(None)):
             return
-        for other in layer.objects:
-            other.select_set(other in objects)
-        layer.objects.active = objects[-1]
+        before, active = [other for other in layer.objects if other.select_get()], layer.objects.active
+        undone_by(layer, lambda: _select(layer, before, active))
+        _select(layer, objects, objects[-1])
+
+
+def _select(layer, objects, active):
+    """Select some objects of a view layer and no others."""
+    for other in layer.objects:
+        other.select_set(other in objects)
+    layer.objects.active = active
+
+
+def hide(obj, hidden):
+    """Hide an object in the view layer, or show it; undone where the work fails."""
+    before, selected = obj.hide_get(), obj.select_get()
+    undone_by(obj, lambda: (obj.hide_set(before), obj.select_set(selected)))
+    obj.hide_set(hidden)

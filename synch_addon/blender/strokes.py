@@ -8,6 +8,7 @@ import numpy as np
 from mathutils.bvhtree import BVHTree
 
 from ...core.errors import SettingError
+from ...core.geometry.polylines import check_length
 from .attributes import read_all
 from .modifiers import is_of_filaments
 
@@ -23,7 +24,7 @@ def read_strokes(obj, name, given):
     Raises
     ------
     SettingError
-        when there is no such object, or it holds no curve
+        when there is no such object, or it holds no curve, or one that is far too long for the mesh
     """
     source = bpy.data.objects.get(name)
     if source is None or source == obj:
@@ -34,9 +35,11 @@ def read_strokes(obj, name, given):
     step = 0.5 * np.quantile(mesh.edge_lengths, 0.1)
     tree = BVHTree.FromPolygons(mesh.vertices.tolist(), mesh.triangles.tolist(), all_triangles=True)
     into = given.stretch @ np.array(obj.matrix_world.inverted())[:3]
+    matrix = np.array(source.matrix_world)
+    lines = [np.column_stack([line, np.ones(len(line))]) @ matrix.T @ into.T for line in polylines(source)]
+    check_length(f"the object {name!r}", sum(float(_lengths(points).sum()) for points in lines), step)
     strokes = []
-    for polyline in polylines(source):
-        points = np.column_stack([polyline, np.ones(len(polyline))]) @ np.array(source.matrix_world).T @ into.T
+    for points in lines:
         hits = [tree.find_nearest(point)[::2] for point in _resampled(points, step)]
         places, faces = (np.array(column) for column in zip(*hits, strict=True))
         strokes.append((faces, places))
@@ -110,9 +113,13 @@ def _chains(seen):
     return chains
 
 
+def _lengths(points):
+    """Of the pieces between points."""
+    return np.linalg.norm(np.diff(points, axis=0), axis=1)
+
+
 def _resampled(points, step):
     """Points along a polyline at most a step apart."""
-    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    along = np.append(0, np.cumsum(lengths))
+    along = np.append(0, np.cumsum(_lengths(points)))
     places = np.linspace(0, along[-1], max(int(np.ceil(along[-1] / step)), 1) + 1)
     return np.column_stack([np.interp(places, along, column) for column in points.T])

@@ -4,11 +4,14 @@
 import json
 import time
 from dataclasses import replace
+from functools import partial
 
 import bpy
 
 from ...core.errors import SynchError
 from ...core.extract.tubes import NORTH
+from ..blender.objects import no_object
+from ..blender.transaction import assign, at_the_end, undone_by, whole_or_nothing
 from . import memory
 from .report import report_of, result_line
 
@@ -26,11 +29,10 @@ def finish(solved, filled, objects, start):
     solved = replace(solved, fill=filled.fill)
     report = report_of(solved, filled, objects, start)
     if solved.result.sphere is not None:
-        for obj in objects:
-            memory.flows.put(obj, solved)
+        at_the_end(lambda: [memory.flows.put(obj, solved) for obj in objects])
     if hasattr(bpy.types.Object, "synch_vortices"):  # as long as the extension is registered
         for obj in objects:
-            obj.synch_vortices.sources = json.dumps(solved.sources)
+            assign(obj.synch_vortices, "sources", json.dumps(solved.sources))
             _set_sliders(obj.synch_vortices, solved.settings, result_line(report))
     return report
 
@@ -58,6 +60,9 @@ def choose_point(obj, point=None, *, opening=None, smoothing=None):
         with one line that says what is wrong and the remedy; nothing is changed
     """
     start = time.perf_counter()
+    reason = no_object(obj)
+    if reason:
+        raise SynchError(reason)
     solved = memory.flows.get(obj)
     present = [found for found in bpy.data.objects if found.session_uid in solved.objects]
     if any(found.mode != "OBJECT" for found in present):
@@ -65,8 +70,9 @@ def choose_point(obj, point=None, *, opening=None, smoothing=None):
     look = {name: value for name, value in (("opening", opening), ("smoothing", smoothing)) if value is not None}
     settings = replace(_shown(obj, solved.settings), **look, point=point)
     result = solved.result.again(settings)
-    filled = solved.fill(result, settings, present)
-    return finish(replace(solved, settings=settings, result=result), filled, present, start)
+    with whole_or_nothing():
+        filled = solved.fill(result, settings, present)
+        return finish(replace(solved, settings=settings, result=result), filled, present, start)
 
 
 def slide(obj):
@@ -86,7 +92,9 @@ def _shown(obj, settings):
 
 
 def _set_sliders(look, settings, line):
-    look.result = ""  # so that setting the sliders asks for nothing
+    assign(look, "result", "")  # so that setting the sliders asks for nothing
+    undone_by(look, partial(setattr, look, "point", tuple(look.point)))
     look.point = settings.point or NORTH
-    look.opening, look.smoothing = settings.opening, settings.smoothing
-    look.result = line
+    assign(look, "opening", settings.opening)
+    assign(look, "smoothing", settings.smoothing)
+    assign(look, "result", line)

@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 
 from ...core.fields.loops import loop_error
-from ...core.keywords import from_names
+from ...core.keywords import check_path, from_names
 from ...core.tasks.flow_settings import ClebschSettings
 from ...core.tasks.flows import FlowRequest
 from ..blender.objects import Selection
@@ -39,13 +39,13 @@ class ClebschJob:
                 made.append(make_tubes(f"{name} Tubes", shown))
             if shown.lines is not None:
                 made.append(make_filaments(f"{name} Filaments", shown))
-        present(made, self._selection)
-        numbers = tuple(obj.session_uid for obj in made)
-        solved = SolvedFlow(name, self.request.settings, result, fill, numbers, self._objects)
-        # How far the number of filaments through a loop is from the flow's circulation along it, in quanta and root
-        # mean square over all square loops a quarter of the grid's longest side wide; None where there are none.
-        off = {"circulation_error": loop_error(result.seen, max(result.seen.grid.shape) // 4)}
-        return finish(solved, Filled(facts(shown) | off, fill), made, self._start)
+            present(made, self._selection)
+            numbers = tuple(obj.session_uid for obj in made)
+            solved = SolvedFlow(name, self.request.settings, result, fill, numbers, self._objects)
+            # How far the number of filaments through a loop is from the flow's circulation along it, in quanta and root
+            # mean square over all square loops a quarter of the grid's longest side wide; None where there are none.
+            off = {"circulation_error": loop_error(result.seen, max(result.seen.grid.shape) // 4)}
+            return finish(solved, Filled(facts(shown) | off, fill), made, self._start)
 
 
 def clebsch(source, callback=None, **settings):
@@ -73,6 +73,8 @@ def clebsch(source, callback=None, **settings):
 def job_for(source, settings):
     """The job of a source: a :class:`SequenceJob` of frames, a :class:`SurfaceJob` of a surface or plane, otherwise a
     :class:`ClebschJob`."""
+    if isinstance(source, str | Path):
+        check_path(source)
     if settings.frames is not None:
         return SequenceJob(source, settings)
     surface = surface_flow(source, settings.attribute)

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..blender import attributes
 from ..blender.schema import COLOR, SPHERE
+from ..blender.transaction import keep, store
 from ..nodes.materials import pattern_material
 from ..nodes.vortices import STRENGTH, add_filaments_modifier
 from .memory import Filled
@@ -26,7 +27,8 @@ def make_filaments(name, shown):
 def fill_filaments(obj, shown):
     """Put filaments into a curve object in place of what it has."""
     data = obj.data
-    obj[STRENGTH] = shown.quantum
+    keep(data)
+    store(obj, STRENGTH, shown.quantum)
     data.splines.clear()
     for line in shown.lines:
         spline = data.splines.new("POLY")
@@ -50,7 +52,8 @@ def make_tubes(name, shown):
 def fill_tubes(obj, shown):
     """Put tubes into a mesh object in place of what it has; its materials stay."""
     data, tubes = obj.data, shown.tubes
-    obj[STRENGTH] = tubes.strength
+    keep(data)
+    store(obj, STRENGTH, tubes.strength)
     data.clear_geometry()
     corners = len(tubes.triangles) * 3
     data.vertices.add(len(tubes.vertices))

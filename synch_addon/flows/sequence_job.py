@@ -36,8 +36,8 @@ class SequenceJob:
                         made = make(f"{self._name} {kind} {frame.frame:04d}", shown)
                         collection.objects.link(made)
                         _show_at(made, frame.frame)
-        bpy.context.scene.collection.children.link(collection)
-        return sequence_report(self._name, self.request.settings, result, collection, self._start)
+            bpy.context.scene.collection.children.link(collection)
+            return sequence_report(self._name, self.request.settings, result, collection, self._start)
 
 
 def _show_at(obj, frame):

@@ -9,10 +9,11 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ...core.errors import SettingError
+from ...core.errors import SettingError, shown
 from ...core.fields.biot_savart import FilamentCurves
 from ...core.files.flows import VELOCITY, VolumeFile, flow_file
 from ..blender.modifiers import is_of_filaments
+from ..blender.objects import no_object
 from ..blender.openvdb import module_file
 from ..blender.strokes import SOURCE_TYPES, polylines
 from ..blender.volume_files import shown_file
@@ -47,7 +48,11 @@ def objects_of(source):
     objects = [source] if isinstance(source, bpy.types.Object) else source
     objects = list(objects) if isinstance(objects, Iterable) else []
     if not objects or not all(isinstance(obj, bpy.types.Object) for obj in objects):
-        raise SettingError(f"{source!r} is no flow: give a file, a volume, a mesh, or curves that stand for filaments")
+        raise SettingError(
+            f"{shown(source)} is no flow: give a file, a volume, a mesh, or curves that stand for filaments"
+        )
+    for reason in filter(None, map(no_object, objects)):
+        raise SettingError(reason)
     return objects
 
 

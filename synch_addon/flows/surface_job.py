@@ -39,14 +39,21 @@ class SurfaceJob:
         SynchError
             when the object is gone or has changed since it was read; nothing is written
         """
-        surface, settings = self._surface, self.request.settings
+        surface = self._surface
         result = replace(result, warnings=surface.warnings)
-        with whole_or_nothing():
-            obj = plane_object(surface) if self.link is None else self.link.found
-            with meshes.object_mode(obj):
-                filled = _fill(surface.given, result, settings, [obj])
-        if not obj.users_collection:
-            present([obj], self._selection)
+        if self.link is None:
+            with whole_or_nothing():
+                obj = plane_object(surface)
+                present([obj], self._selection)
+                return self._filled(obj, result)
+        obj = self.link.found
+        with meshes.object_mode(obj), whole_or_nothing():
+            return self._filled(obj, result)
+
+    def _filled(self, obj, result):
+        """Fill an object; returns the report."""
+        surface, settings = self._surface, self.request.settings
+        filled = _fill(surface.given, result, settings, [obj])
         solved = SolvedFlow(surface.name, settings, result, filled.fill, (obj.session_uid,))
         return finish(solved, filled, [obj], self._start)
 

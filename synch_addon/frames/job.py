@@ -5,24 +5,26 @@ The mesh of a frame is the one behind the object's modifiers, as long as they ke
 """
 
 import math
+from collections.abc import Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
 
-from ...core.errors import MeshError, SettingError, SynchError
+from ...core.errors import MeshError, SettingError, SynchError, shown
 from ...core.fields import given_directions
 from ...core.fields.directions import SYMMETRIES, DirectionField
 from ...core.fields.frames import carried_angles
 from ...core.interpolate import face_phases
-from ...core.keywords import check_choice, from_names
+from ...core.keywords import check_choice, from_names, taken
 from ...core.tasks.frames import FramesRequest, fresh, in_frame
 from ..blender import attributes, meshes, modifiers
 from ..blender.defect_empties import write_defects
 from ..blender.modifiers import hidden
 from ..blender.objects import ObjectLink
 from ..blender.schema import BARYCENTRIC, DIRECTION, SINGULARITY
+from ..blender.transaction import whole_or_nothing
 from ..jobs.job import run
 from ..jobs.report import Report
 from ..nodes.materials import pattern_material
@@ -33,6 +35,8 @@ from . import nodes
 
 # How strongly a pattern holds on to the frame before. Measured: jumps become slides, for up to 3 % of energy.
 HOLD = 0.1
+# Blender has no frame from here on.
+_LAST = 2**20
 
 
 @dataclass(frozen=True)
@@ -52,11 +56,15 @@ class Span:
     hold: float = HOLD
 
     def __post_init__(self):
-        if not (isinstance(self.first, int) and isinstance(self.last, int) and self.first <= self.last):
-            raise SettingError(f"the frames are {self.first!r} to {self.last!r}: give the first and the last, in order")
+        whole = all(isinstance(frame, int) and abs(frame) < _LAST for frame in (self.first, self.last))
+        if not whole or self.first > self.last:
+            raise SettingError(
+                f"the frames are {shown(self.first)} to {shown(self.last)}: give the first and the last, in order"
+            )
+        taken("pattern", str, self.pattern)
         check_choice(self, "pattern", modifiers.FRAMES)
-        if not isinstance(self.hold, int | float) or not (math.isfinite(self.hold) and self.hold >= 0):
-            raise SettingError(f"the hold is {self.hold!r}: give a number from 0 on, such as {HOLD}")
+        if not 0 <= taken("hold", float, self.hold) < math.inf:
+            raise SettingError(f"the hold is {shown(self.hold)}: give a number from 0 on, such as {HOLD}")
 
     @property
     def frames(self):
@@ -78,6 +86,8 @@ def animate(obj, callback=None, frames=None, pattern="stripes", hold=HOLD, **set
     """
     scene = bpy.context.scene
     frames = (scene.frame_start, scene.frame_end) if frames is None else frames
+    if not isinstance(frames, Sequence) or len(frames) != 2:
+        raise SettingError(f"the frames are {shown(frames)}: give the first and the last one")
     return run_animate(obj, from_names(Settings, settings), frames, pattern, hold, callback)
 
 
@@ -140,7 +150,7 @@ class AnimationJob:
         """Write all frames to the object at once; returns the report."""
         obj, first, request = self.link.found, result.first, self._requests[0]
         self._report.take(first)
-        with meshes.object_mode(obj):
+        with meshes.object_mode(obj), whole_or_nothing():
             if not meshes.is_unchanged(obj, self._base):
                 raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
             defects = write.reported_defects(obj, request, first.field, first.pattern)

@@ -6,7 +6,7 @@ that materials and reliefs read. It needs no driver and no script, so that a ren
 """
 
 from ..blender.modifiers import FRAMES, changes_faces, shows_frames
-from ..nodes.canvas import Expression, GeometryCanvas, Socket, group_tree, set_input
+from ..nodes.canvas import Expression, GeometryCanvas, Socket, add_modifier, group_tree
 from ..patterns.frame_attributes import frame_layout, frame_name
 
 _VERSION = 1
@@ -52,10 +52,7 @@ def _stored(canvas, geometry, text, name, domain, data_type):
 def add_frames(obj, kind, first, last):
     """Give an object the modifier, before the first one that changes its faces; returns the modifier."""
     group = frames_group(kind)
-    modifier = obj.modifiers.new(group.name, "NODES")
-    modifier.node_group = group
-    set_input(modifier, "First", first)
-    set_input(modifier, "Last", last)
+    add_modifier(obj, group, {"First": first, "Last": last})
     others = (n for n, other in enumerate(obj.modifiers) if changes_faces(other) and not shows_frames(other))
     place = next(others, len(obj.modifiers) - 1)
     obj.modifiers.move(len(obj.modifiers) - 1, place)

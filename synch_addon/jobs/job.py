@@ -3,7 +3,8 @@
 
 Making a job reads the scene and refuses what cannot be; its ``request`` is then all that a solve needs, plain data that
 can be pickled (:mod:`core.tasks`). ``write(result)`` refuses what no longer fits before its first change, then puts
-the result into the scene at once, and returns the report. Before that nothing has changed. A job also has
+the result into the scene at once, and returns the report. Before that nothing has changed, and nothing has where it
+fails. A job also has
 
 - ``link``, the :class:`ObjectLink` of the object that it is for, None where there is none;
 - ``advance()``, where it reads, or does all its work, in pieces that need Blender: it does one and returns what comes
@@ -12,6 +13,7 @@ the result into the scene at once, and returns the report. Before that nothing h
 - ``request = None`` in its class, where pieces are all its work: ``write(None)`` then returns the report.
 """
 
+from ...core.errors import SettingError, shown
 from ...core.monitor import Monitor, portion
 
 # Share of the work that reading in pieces is.
@@ -30,6 +32,8 @@ def run(job, progress=None):
     SynchError
         with one line that names the element and the remedy; nothing is written
     """
+    if progress is not None and not callable(progress):
+        raise SettingError(f"the callback is {shown(progress)}: give a function of a stage and a fraction, or None")
     if hasattr(job, "advance"):
         solves = solves_after_pieces(job)
         _do_pieces(job, portion(progress, 0.0, READING) if solves else progress)

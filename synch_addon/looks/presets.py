@@ -6,9 +6,11 @@ from dataclasses import dataclass, field
 
 import bpy
 
-from ...core.errors import SettingError
+from ...core.errors import SettingError, shown
+from ...core.keywords import taken
 from ..blender import meshes
 from ..blender.phases import pattern_kind
+from ..blender.transaction import whole_or_nothing
 from ..nodes.materials import new_material, show_material
 from ..nodes.stripe_profiles import NUMBER
 from ..patterns import memory, numbers
@@ -65,8 +67,8 @@ PRESETS = {
 
 def chosen(name):
     """The :class:`Preset` of this name, refusing others."""
-    if name not in PRESETS:
-        raise SettingError(f"the preset {name!r} is unknown: use one of {', '.join(PRESETS)}")
+    if taken("preset", str, name) not in PRESETS:
+        raise SettingError(f"the preset {shown(name)} is unknown: use one of {', '.join(PRESETS)}")
     return PRESETS[name]
 
 
@@ -106,9 +108,9 @@ def solve_for(obj, name, always=False):
 def show(obj, name, assign_faces=False):
     """Show a preset on an object whose pattern fits it; returns the material."""
     preset = chosen(name)
-    if preset.numbered and NUMBER not in obj.data.attributes:
-        numbers.number_stripes(obj)
-    with meshes.object_mode(obj):
+    with meshes.object_mode(obj), whole_or_nothing():
+        if preset.numbered and NUMBER not in obj.data.attributes:
+            numbers.number_stripes(obj)
         made = preset_material(name)
         show_material(obj, made, preset.kind, assign_faces=assign_faces)
         meshes.update(obj)

@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 import bpy
 
+from ..blender.transaction import keep, undone_by
+
 _STAMP = "synch_stamp"
 _COLUMN_WIDTH = 190
 _ROW_HEIGHT = 50
@@ -226,6 +228,8 @@ def group_tree(name, stamp, inputs, outputs, kind=Canvas):
     tree = groups[0] if groups else bpy.data.node_groups.new(name, kind.tree_type)
     if tree.get(_STAMP) == stamp:
         return tree, None
+    if groups:
+        keep(tree)
     tree.nodes.clear()
     tree[_STAMP] = stamp
     _declare(tree, inputs, outputs)
@@ -306,11 +310,35 @@ class GeometryCanvas(Canvas):
         return Expression(self, node.outputs["Value"], value.depth + 1)
 
 
-def set_input(modifier, name, value):
-    """Set an input of a modifier's group, by its name."""
-    identifier = modifier.node_group.interface.items_tree[name].identifier
-    if hasattr(modifier, "properties"):  # from 5.2 on
-        getattr(modifier.properties.inputs, identifier).value = value
-    else:
-        modifier[identifier] = value
+def set_inputs(modifier, values):
+    """Set inputs of a modifier's group, by their names; undone where the work fails."""
+    obj, name, before = modifier.id_data, modifier.name, {key: _socket_value(modifier, key) for key in values}
+    undone_by(obj, lambda: _set_values(obj.modifiers[name], before))
+    _set_values(modifier, values)
+
+
+def add_modifier(obj, group, values):
+    """A new last modifier that runs a geometry node group with values of inputs; it goes where the work fails."""
+    present = {modifier.name for modifier in obj.modifiers}
+    undone_by(obj, lambda: [obj.modifiers.remove(one) for one in list(obj.modifiers) if one.name not in present])
+    modifier = obj.modifiers.new(group.name, "NODES")
+    modifier.node_group = group
+    _set_values(modifier, values)
+    return modifier
+
+
+def _set_values(modifier, values):
+    for key, value in values.items():
+        identifier = modifier.node_group.interface.items_tree[key].identifier
+        if hasattr(modifier, "properties"):  # from 5.2 on
+            getattr(modifier.properties.inputs, identifier).value = value
+        else:
+            modifier[identifier] = value
     modifier.id_data.update_tag()
+
+
+def _socket_value(modifier, key):
+    identifier = modifier.node_group.interface.items_tree[key].identifier
+    if hasattr(modifier, "properties"):
+        return getattr(modifier.properties.inputs, identifier).value
+    return modifier[identifier]

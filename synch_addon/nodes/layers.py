@@ -4,6 +4,7 @@
 import bpy
 
 from ..blender.schema import LAYER
+from ..blender.transaction import store
 from .canvas import Expression, Socket, group_tree, surface_material
 
 LAYERS_NAME = "Synch Layers"
@@ -32,7 +33,7 @@ _OUTPUTS = (
 
 def layer_material(obj, count):
     """Give an object of layers its material, if it has none, and the number of layers."""
-    obj[COUNT] = count
+    store(obj, COUNT, count)
     layers_group()
     _give(obj, LAYERS_NAME, _new_layer_material)
 

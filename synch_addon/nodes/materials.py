@@ -7,6 +7,8 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
+from ..blender import attributes
+from ..blender.transaction import assign, store, undone_by
 from .canvas import Canvas, surface_material
 from .globe import GLOBE_NAME, globe_group
 from .quads import QUADS_NAME, quads_group
@@ -110,9 +112,9 @@ def _plain_look(relief):
 
 def _store_spacing(obj, spacing):
     if spacing is not None:
-        obj[SPACING] = float(spacing)
+        store(obj, SPACING, float(spacing))
     elif SPACING not in obj and any(obj.dimensions):
-        obj[SPACING] = max(obj.dimensions) / 30.0
+        store(obj, SPACING, max(obj.dimensions) / 30.0)
 
 
 def _shows(material, kind):
@@ -150,16 +152,31 @@ def _place(obj, material):
     if not free and all(slot.material is None for slot in slots):
         free = list(slots)
     if not free:
-        obj.data.materials.append(material)
-        obj.active_material_index = len(slots) - 1
+        append_material(obj, material)
+        assign(obj, "active_material_index", len(slots) - 1)
         return len(slots) - 1
     for slot in free:
-        slot.material = material
+        assign(slot, "material", material)
     return free[0].slot_index
 
 
+def append_material(obj, material):
+    """A new last slot with a material, or None; it goes where the work fails."""
+    data, index = obj.data, obj.active_material_index
+    materials, count = data.materials, len(data.materials)
+
+    def take_back():
+        while len(materials) > count:
+            materials.pop(index=len(materials) - 1)
+        for user in bpy.data.objects:
+            if user.data == data:
+                user.data = data  # which makes it have as many slots again
+        obj.active_material_index = index
+
+    undone_by(obj, take_back)
+    materials.append(material)
+
+
 def _assign_all_faces(obj, slot):
-    mesh = obj.data
-    indices = mesh.attributes.get("material_index") or mesh.attributes.new("material_index", "INT", "FACE")
-    indices.data.foreach_set("value", np.full(len(mesh.polygons), slot, np.int32))
-    mesh.update()
+    attributes.write_attribute(obj, "material_index", "FACE", "INT", np.full(len(obj.data.polygons), slot, np.int32))
+    obj.data.update()

@@ -10,7 +10,7 @@ import bpy
 
 from ..blender import schema
 from ..blender.modifiers import FILAMENTS
-from .canvas import Expression, GeometryCanvas, Socket, group_tree, set_input, surface_material
+from .canvas import Expression, GeometryCanvas, Socket, add_modifier, group_tree, surface_material
 from .globe import SPHERE, globe_group
 
 TUBES_NAME = "Synch Tubes"
@@ -122,11 +122,8 @@ def _around(canvas, curves, radius, sides):
 def add_filaments_modifier(obj, radius, circulation):
     """Give a curve object of filaments the tubes and colours of the node group."""
     group = filaments_group()
-    modifier = obj.modifiers.new(group.name, "NODES")
-    modifier.node_group = group
     material = filament_material()
-    for name, value in (("Radius", radius), ("Circulation", circulation), ("Material", material)):
-        set_input(modifier, name, value)
+    add_modifier(obj, group, {"Radius": radius, "Circulation": circulation, "Material": material})
     obj.data.materials.append(material)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from ...core.errors import SynchError
 from ...core.keywords import from_names
 from ..blender import attributes, meshes, schema
+from ..blender.transaction import at_the_end, undone_by, whole_or_nothing
 from ..jobs.report import Report
 from ..settings.fields import Settings
 from . import job, memory
@@ -38,11 +39,13 @@ def keep(obj, name=""):
         raise SynchError(f"{obj.name} shows no stripes or quads: solve them first")
     if is_apart(from_names(Settings, result["settings"]), result):
         raise SynchError(f"the pattern of {obj.name} has cuts, which attributes of vertices cannot tell: use the seed")
-    with meshes.object_mode(obj):
+    with meshes.object_mode(obj), whole_or_nothing():
         values = {attribute: attributes.read(obj, attribute) for attribute in schema.KEPT[result["command"]]}
         if any(part is None for part in values.values()):
             raise SynchError(f"attributes of the pattern of {obj.name} are missing: solve it again")
         number = _unused_number(obj)
+        count = len(obj.synch.favourites)
+        undone_by(obj, lambda: obj.synch.favourites.remove(count))
         favourite = obj.synch.favourites.add()
         favourite.number, favourite.variation, favourite.result = number, obj.synch_shown.variation, obj.synch.result
         favourite.name = name
@@ -64,7 +67,7 @@ def show(obj, name):
     meshes.refuse(obj)
     favourite = _favourite(obj, name)
     result = favourite.result
-    with meshes.object_mode(obj):
+    with meshes.object_mode(obj), whole_or_nothing():
         settings, request, field, pattern = read_back(obj, result, favourite.number)
         solved = _solve_of(obj, request, field)
         if solved is not None:
@@ -82,11 +85,11 @@ def remove(obj, name):
     """Remove a favourite, with its attributes unless a linked copy of the object has it, too."""
     meshes.refuse(obj)
     favourite = _favourite(obj, name)
-    if not _is_shared(obj, favourite):
-        with meshes.object_mode(obj):
+    with meshes.object_mode(obj), whole_or_nothing():
+        if not _is_shared(obj, favourite):
             for attribute in (*schema.KEPT["stripes"], *schema.KEPT["quads"]):
                 attributes.remove_attribute(obj, attribute.in_favourite(favourite.number).name)
-    obj.synch.favourites.remove(obj.synch.favourites.find(name))
+        at_the_end(lambda: obj.synch.favourites.remove(obj.synch.favourites.find(name)))
 
 
 def _favourite(obj, name):

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Attributes of animated patterns: those of each frame, beside those that are shown."""
 
+from ..blender import attributes
 from ..blender.modifiers import shows_frames
 from ..blender.schema import FRAMED, layout_of
+from ..blender.transaction import at_the_end, set_aside
 
 
 def frame_layout(kind):
@@ -17,7 +19,9 @@ def frame_name(name, frame):
 
 def remove_frames(obj):
     """Remove the modifier and all attributes of frames."""
-    for modifier in [m for m in obj.modifiers if shows_frames(m)]:
-        obj.modifiers.remove(modifier)
+    leaving = [modifier for modifier in obj.modifiers if shows_frames(modifier)]
+    for modifier in leaving:
+        set_aside(modifier)
+    at_the_end(lambda: [obj.modifiers.remove(modifier) for modifier in leaving])
     for name in [a.name for a in obj.data.attributes if "." in a.name and layout_of(a.name)]:
-        obj.data.attributes.remove(obj.data.attributes[name])
+        attributes.remove_attribute(obj, name)

@@ -8,6 +8,7 @@ import bpy
 from ...core.errors import SynchError
 from ..blender import meshes
 from ..blender.objects import ObjectLink, Selection
+from ..blender.transaction import whole_or_nothing
 from ..jobs.report import Report, result_line
 from . import frame_attributes, memory, numbers, quad_mesh, write
 from .reading import gather, settings_for
@@ -30,7 +31,7 @@ class FieldJob:
         """Write the result to the object at once; returns the report."""
         obj, request = self.link.found, self.request
         self._report.take(result)
-        with meshes.object_mode(obj):
+        with meshes.object_mode(obj), whole_or_nothing():
             if not meshes.is_unchanged(obj, request.given):
                 raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
             if result.quads is None:

@@ -14,7 +14,7 @@ from ...core.extract.isolines import End
 from ...core.extract.isolines import isolines as traced_lines
 from ...core.geometry.barycentric import barycentric
 from ...core.geometry.nearest import NearestTriangles
-from ...core.keywords import check_choice, check_whole
+from ...core.keywords import MOST_ROUNDS, check_choice, check_whole
 from ..jobs.report import counted, versions
 
 SPLINES = ("poly", "bezier", "nurbs")
@@ -55,7 +55,7 @@ class LineSettings:
                 raise SettingError(f"the {name} is {value!r}: give a number from 0 on")
         if self.width > 1:
             raise SettingError(f"the width is {self.width:g}: give a part of a period from 0 (middles) to 1 (of gaps)")
-        check_whole(self, "smoothing")
+        check_whole(self, "smoothing", most=MOST_ROUNDS)
         check_choice(self, "spline", SPLINES)
 
 

@@ -12,6 +12,7 @@ from ...core.errors import SynchError
 from ...core.fields import DirectionField, Pattern
 from ...core.tasks.surfaces import SurfaceRequest
 from ..blender import meshes as blender_meshes
+from ..blender.transaction import assign, at_the_end
 from ..jobs.report import Report
 from ..jobs.shelf import ObjectShelf
 from . import write
@@ -103,13 +104,14 @@ class _States:
 def show_line(obj, line, number):
     """Say at the object which state it shows, by what :func:`report.result_line` keeps of it, and set the slider."""
     if hasattr(obj, "synch"):  # as long as the extension is registered
-        obj.synch.result = ""  # so that setting the slider asks for nothing
-        obj.synch_shown.variation, obj.synch.result = number, line
+        assign(obj.synch, "result", "")  # so that setting the slider asks for nothing
+        assign(obj.synch_shown, "variation", number)
+        assign(obj.synch, "result", line)
 
 
 def show_nothing(obj):
     """Say at the object that it shows no state of a solve, and keep its solves no longer."""
-    forget(obj)
+    at_the_end(lambda: forget(obj))
     show_line(obj, "", 0)
 
 

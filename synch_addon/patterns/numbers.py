@@ -8,6 +8,7 @@ from ...core.extract.isolines import isolines
 from ...core.extract.stripe_numbers import StripeNumbers, slot_numbers, stripe_table
 from ..blender import attributes, meshes, schema
 from ..blender.phases import pattern_kind, read_phases
+from ..blender.transaction import whole_or_nothing
 from ..nodes.stripe_profiles import ALONG, NUMBER
 from .read_back import shown_pattern
 
@@ -35,7 +36,7 @@ def number_stripes(obj):
         with one line that names the element and the remedy; nothing is written
     """
     meshes.refuse(obj)
-    with meshes.object_mode(obj):
+    with meshes.object_mode(obj), whole_or_nothing():
         if pattern_kind(obj) != "stripes":
             raise SynchError("stripes are numbered: solve stripes first")
         return _write(obj, *shown_pattern(obj))
@@ -68,7 +69,7 @@ def _write(obj, request, pattern):
 def renew_shown(obj):
     """Number the stripes that an object shows anew where they were numbered before."""
     if NUMBER in obj.data.attributes:
-        with meshes.object_mode(obj):
+        with meshes.object_mode(obj), whole_or_nothing():
             renew_numbers(obj, *shown_pattern(obj))
 
 

@@ -10,7 +10,9 @@ from ...core.geometry.barycentric import barycentric
 from ...core.geometry.nearest import NearestTriangles
 from ..blender import attributes, groups, meshes
 from ..blender.defect_empties import defect_empties
+from ..blender.objects import hide
 from ..blender.schema import PREFIX
+from ..blender.transaction import assign
 from ..nodes.materials import shows_pattern
 from ..settings.fields import STORED_NAMES
 
@@ -86,13 +88,13 @@ def _carry(obj, made, given, quads, centres, under, surface):
 def _show_instead(obj, made, selection):
     """The given object is hidden, and the new one active and selected unless another one is by now."""
     made.display_type = obj.display_type
-    obj.hide_render = True
+    assign(obj, "hide_render", True)
     layer = bpy.context.view_layer
     if obj.name in layer.objects:
-        obj.hide_set(True)
+        hide(obj, True)
         for empty in defect_empties(obj):
             if empty.name in layer.objects:
-                empty.hide_set(True)
+                hide(empty, True)
     if made.name in layer.objects:
         selection.give_to([made])
     layer.update()  # so that its place in the world is known at once

@@ -10,9 +10,11 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ...core.errors import SettingError, SynchError
+from ...core.errors import SettingError, SynchError, shown
+from ...core.keywords import taken
 from ..blender import groups, meshes
 from ..blender.changes import changes
+from ..blender.transaction import keep, undone_by, whole_or_nothing
 from ..blender.translations import said
 from ..jobs.report import versions
 from ..jobs.shelf import Shelf
@@ -62,11 +64,9 @@ def refine(obj, levels=None):
     SynchError
         with one line that names the element and the remedy; nothing is changed
     """
-    reason = meshes.refusal(obj)
-    if reason:
-        raise SynchError(reason)
-    with meshes.object_mode(obj):
-        levels = max(offered_levels(obj), 1) if levels is None else levels
+    meshes.refuse(obj)
+    with meshes.object_mode(obj), whole_or_nothing():
+        levels = max(offered_levels(obj), 1) if levels is None else taken("level", int, levels)
         before = len(obj.data.polygons)
         _subdivide(obj, levels)
     memory.forget(obj)
@@ -118,14 +118,18 @@ def _subdivide(obj, levels):
     SynchError
         where it cannot be; nothing is changed
     """
-    if not isinstance(levels, int) or not 1 <= levels <= MOST_LEVELS:
-        raise SettingError(f"the level is {levels!r}: give a whole number from 1 to {MOST_LEVELS}")
+    if not 1 <= levels <= MOST_LEVELS:
+        raise SettingError(f"the level is {shown(levels)}: give a whole number from 1 to {MOST_LEVELS}")
     if obj.data.shape_keys:
         raise SynchError(f"{obj.name} has shape keys, which subdivision would lose: apply or remove them first")
     if len(obj.data.polygons) == 0:
         raise SynchError(f"{obj.name} has no faces: add some first")
     if faces_after(obj, levels) > MOST_FACES:
         raise SettingError(f"level {levels} would make {faces_after(obj, levels):,} faces: take a lower one")
+    mesh, present = obj.data, {modifier.name for modifier in obj.modifiers}
+    keep(mesh)
+    undone_by(obj, lambda: setattr(obj, "data", mesh))
+    undone_by(obj, lambda: [obj.modifiers.remove(one) for one in list(obj.modifiers) if one.name not in present])
     modifier = obj.modifiers.new("Synch Refine", "SUBSURF")
     name = modifier.name
     modifier.subdivision_type, modifier.levels, modifier.uv_smooth = "SIMPLE", levels, "NONE"

@@ -8,17 +8,20 @@ differ, but no profile sees them: the heights at the corners of a vertex agree, 
 """
 
 import math
+from numbers import Integral
 from typing import NamedTuple
 
 import bpy
 import numpy as np
 
-from ...core.errors import SettingError, SynchError
+from ...core.errors import SettingError, SynchError, shown
+from ...core.keywords import taken
 from ..blender.attributes import read_all, read_values
 from ..blender.defect_empties import mean_scale
 from ..blender.modifiers import RELIEFS, is_relief
 from ..blender.phases import pattern_kind
-from ..nodes.canvas import Expression, GeometryCanvas, Socket, group_tree, set_input
+from ..blender.transaction import assign
+from ..nodes.canvas import Expression, GeometryCanvas, Socket, add_modifier, group_tree, set_inputs
 from ..nodes.quads import PROFILES as QUAD_PROFILES
 from ..nodes.quads import phase_groups, profile_shapes
 from ..nodes.stripe_profiles import PROFILES as STRIPE_PROFILES
@@ -156,38 +159,43 @@ def add_relief(obj, height, width, profile, level, smooth):
         "Width": _number("width", width, 0, 1),
         "Profile": _profile(kind, profile),
         "Level": _level_for(obj, spacing) if level is None else _whole("level", level, _DEEPEST),
-        "Smooth": bool(smooth),
+        "Smooth": taken("smooth", bool, smooth),
     }
     group = relief_group(kind)
-    modifier = relief_modifier(obj) or obj.modifiers.new(group.name, "NODES")
-    modifier.node_group = group
-    for name, value in values.items():
-        set_input(modifier, name, value)
+    modifier = relief_modifier(obj)
+    if modifier is None:
+        modifier = add_modifier(obj, group, values)
+    else:
+        if modifier.node_group != group:
+            assign(modifier, "node_group", group)
+        set_inputs(modifier, values)
     named = KINDS[kind].profiles[values["Profile"]]
     return {"modifier": modifier.name, **{name.lower(): value for name, value in values.items()}, "profile": named}
 
 
 def _number(name, value, least, most):
-    if not isinstance(value, int | float) or not (math.isfinite(value) and least <= value <= most):
+    value = taken(name, float, value)
+    if not (math.isfinite(value) and least <= value <= most):
         between = f" from {least:g} to {most:g}" if math.isfinite(least) else ""
         raise SettingError(f"the {name} is {value!r}: give a number{between}")
-    return float(value)
+    return value
 
 
 def _whole(name, value, most):
-    if not isinstance(value, int) or not 0 <= value <= most:
-        raise SettingError(f"the {name} is {value!r}: give a whole number from 0 to {most}")
+    value = taken(name, int, value)
+    if not 0 <= value <= most:
+        raise SettingError(f"the {name} is {shown(value)}: give a whole number from 0 to {most}")
     return value
 
 
 def _profile(kind, profile):
     """The number of a profile that is given by its name or number."""
     names = KINDS[kind].profiles
-    if profile in names:
+    if isinstance(profile, str) and profile in names:
         return names.index(profile)
-    if isinstance(profile, int) and 0 <= profile < len(names):
-        return profile
-    raise SettingError(f"the profile {profile!r} is unknown: use one of {', '.join(names)}")
+    if isinstance(profile, Integral) and not isinstance(profile, bool) and 0 <= profile < len(names):
+        return int(profile)
+    raise SettingError(f"the profile {shown(profile)} is unknown: use one of {', '.join(names)}")
 
 
 def relief_modifier(obj):

@@ -7,6 +7,7 @@ from mathutils import Vector
 from ...core.interpolate import face_phases
 from ..blender import attributes, meshes, schema
 from ..blender.defect_empties import KINDS, DefectEmpty, write_defects
+from ..blender.transaction import assign, at_the_end
 from ..nodes.materials import pattern_material
 
 # How far attributes may be off what was solved to be the same: single precision.
@@ -55,8 +56,8 @@ def clear(obj):
             attributes.remove_attribute(obj, name)
     write_defects(obj, [])
     if hasattr(obj, "synch"):  # as long as the extension is registered
-        obj.synch.result = ""
-        obj.synch.favourites.clear()
+        assign(obj.synch, "result", "")
+        at_the_end(obj.synch.favourites.clear)
 
 
 def reported_defects(obj, request, field, pattern):
@@ -142,13 +143,15 @@ def pattern_attributes(obj, values):
 def _defect(given, pattern, defect, face):
     inverse = np.linalg.inv(given.stretch)
     normal = given.stretch @ defect.normal  # normals go the other way round than points
+    length = np.linalg.norm(normal)
+    normal = normal / length if length > 0 else np.array([0.0, 0.0, 1.0])  # a face without area has none
     of_two = defect.kind == "dislocation" and pattern.edge_phases.phase_count == 2
     return DefectEmpty(
         defect.kind,
         int(face),
         defect.index,
         tuple((inverse @ defect.position).tolist()),
-        tuple((normal / np.linalg.norm(normal)).tolist()),
+        tuple(normal.tolist()),
         "xy"[defect.phase] if of_two else "",
     )
 

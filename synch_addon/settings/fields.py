@@ -19,7 +19,7 @@ from bpy.props import (
 from ...core.errors import SettingError
 from ...core.fields.calming import check_share
 from ...core.fields.directions import SYMMETRIES
-from ...core.keywords import check_choice, check_positive, check_whole
+from ...core.keywords import MOST_ROUNDS, check_choice, check_positive, check_whole
 from ...core.tasks.settings import SolverSettings
 from ..blender.registration import keeping
 from .constraint_list import SynchConstraint
@@ -116,7 +116,8 @@ class Settings(SolverSettings):
         if not isinstance(self.features, int | float) or not 0 <= self.features <= math.pi:
             raise SettingError(f"the angle of features is {self.features!r}: give radians from 0 (none) to pi")
         check_positive(self, "spacing_range", "aspect")
-        check_whole(self, "smoothing", "faces")
+        check_whole(self, "faces")
+        check_whole(self, "smoothing", most=MOST_ROUNDS)
         if not isinstance(self.mirror, str) or set(self.mirror) - set("XYZ"):
             raise SettingError(f"the mirror is {self.mirror!r}: use axes of X, Y and Z, such as X or XY")
         parse(self.guidance)

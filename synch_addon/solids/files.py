@@ -11,7 +11,7 @@ from mathutils import Matrix
 from ...core.files.tool_paths import WRITERS
 from ...core.files.whole import write_text
 from ..blender.files import MESH_SUFFIXES, check_output, export_mesh
-from ..blender.transaction import only_for_now, whole_or_nothing
+from ..blender.transaction import at_the_end, leave, only_for_now, set_aside, store, undone_by
 from ..patterns.lines import add_splines
 from .links import SOLID
 
@@ -76,8 +76,7 @@ def write_paths(obj, layering, paths):
     An earlier run's curves are replaced.
     """
     digits = max(3, len(str(layering.surfaces.count - 1)))
-    with whole_or_nothing():
-        curves = {int(number): _curve(paths, number) for number in np.unique(paths.layers)}
+    curves = {int(number): _curve(paths, number) for number in np.unique(paths.layers)}
     collection, objects = _collection(obj), {}
     for number, data in curves.items():
         data.name = f"{obj.name} Paths {number:0{digits}d}"
@@ -85,7 +84,7 @@ def write_paths(obj, layering, paths):
         made[SOLID], made["synch_layer"] = obj, number
         made.matrix_world = Matrix(layering.matrix)
         collection.objects.link(made)
-    collection[_CURVES] = objects
+    store(collection, _CURVES, objects)
     return collection
 
 
@@ -104,10 +103,15 @@ def _collection(obj):
         collection[SOLID] = obj
     earlier = [made for made in collection.get(_CURVES, {}).values() if made is not None]
     curves = {made.data for made in earlier}
-    bpy.data.batch_remove(earlier)
-    bpy.data.batch_remove([data for data in curves if not data.users])
+    for data in curves:
+        if data.users == sum(made.data == data for made in earlier):
+            set_aside(data)
+    leave(earlier)
+    at_the_end(lambda: bpy.data.batch_remove([data for data in curves if not data.users]))
     if collection not in bpy.context.scene.collection.children_recursive:
-        (obj.users_collection or (bpy.context.scene.collection,))[0].children.link(collection)
+        around = (obj.users_collection or (bpy.context.scene.collection,))[0]
+        undone_by(collection, lambda: collection in around.children.values() and around.children.unlink(collection))
+        around.children.link(collection)
     return collection
 
 

@@ -11,6 +11,7 @@ from ...core.tasks.solids import AskedArea, SolidGuide, SolidRequest
 from ..blender import meshes
 from ..blender.modifiers import foreign_modifiers
 from ..blender.objects import ObjectLink, Selection
+from ..blender.transaction import whole_or_nothing
 from ..blender.vertex_maps import read_factors
 from ..jobs.report import Report
 from . import memory, objects
@@ -45,7 +46,7 @@ class LayerJob:
         obj, given, report = self.link.found, self.request.surface.given, self._report
         spacing = self.request.lengths.spacing
         report.take(result)
-        with meshes.object_mode(obj):
+        with meshes.object_mode(obj), whole_or_nothing():
             if not meshes.is_unchanged(obj, given):
                 raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
             layering = Layering(result.pattern, result.surfaces, result.curves, memory.solid_matrix(obj, given))

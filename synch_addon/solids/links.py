@@ -4,6 +4,8 @@ restores."""
 
 import bpy
 
+from ..blender.objects import no_object
+
 # On what is made, the object whose solid it shows; on that one, what was made by what it shows.
 SOLID = "synch_solid"
 MADE = {
@@ -16,7 +18,7 @@ MADE = {
 
 def solid_of(obj):
     """The object whose layers an object shows, or the object itself."""
-    source = obj.get(SOLID) if obj is not None else None
+    source = obj.get(SOLID) if no_object(obj) is None else None
     return source if isinstance(source, bpy.types.Object) and source.users_collection else obj
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from ...core.errors import SynchError
 from ...core.tasks.layer_outputs import Layering
 from ..blender import meshes
+from ..blender.transaction import at_the_end, store
 from ..jobs.shelf import Shelf
 from .links import made_of
 
@@ -25,8 +26,8 @@ _solids = Shelf(_MOST)
 def remember_layers(obj, given, layering):
     """Keep the :class:`Layering` that the layers of an object show, whose mesh was a :class:`MeshInput`."""
     run = uuid4().hex
-    made_of(obj, "layers")[RUN] = run
-    _solids.put(run, (given, layering))
+    store(made_of(obj, "layers"), RUN, run)
+    at_the_end(lambda: _solids.put(run, (given, layering)))
 
 
 def recall_layers(obj) -> Layering:

@@ -5,8 +5,6 @@ A second run of the same object gives these objects new data: what the user has 
 modifiers, stays.
 """
 
-from contextlib import contextmanager
-
 import bpy
 import numpy as np
 from mathutils import Matrix
@@ -16,9 +14,10 @@ from ...core.geometry.mesh_input import MeshInput
 from ...core.geometry.polygons import Polygons
 from ..blender import attributes, meshes, schema
 from ..blender.defect_empties import KINDS, DefectEmpty, write_defects
-from ..blender.transaction import whole_or_nothing
-from ..nodes.layers import COUNT, curve_material, layer_material
-from ..nodes.materials import SPACING, pattern_material
+from ..blender.objects import hide
+from ..blender.transaction import assign, at_the_end, drop, leave, store, undone_by
+from ..nodes.layers import curve_material, layer_material
+from ..nodes.materials import pattern_material
 from ..patterns import memory, write
 from .links import MADE, SOLID, made_of
 
@@ -27,47 +26,36 @@ _RADIUS = 0.06
 
 
 def write_all(obj, layering, result, given, warn, spacing):
-    """Make or fill anew the objects that show a :class:`SolidResult`; where that fails, they are as before.
+    """Make or fill anew the objects that show a :class:`SolidResult`.
 
     Returns them by their kinds: None for "curves" where there are none, the object itself for "surface" where its own
     mesh carries the phase.
     """
     _leave_modes(obj)
-    with replacing(obj):
-        made = {
-            "layers": _write_layers(obj, layering),
-            "curves": _write_curves(obj, layering, spacing),
-            "surface": _write_surface(obj, layering, given, result.phases, warn, spacing),
-        }
-        ends = [DefectEmpty("dislocation", end.face, end.index, end.position, end.normal) for end in result.ends]
-        write_defects(made["layers"], ends, kinds=KINDS, length=spacing)
+    keep_made(obj)
+    made = {
+        "layers": _write_layers(obj, layering),
+        "curves": _write_curves(obj, layering, spacing),
+        "surface": _write_surface(obj, layering, given, result.phases, warn, spacing),
+    }
+    ends = [DefectEmpty("dislocation", end.face, end.index, end.position, end.normal) for end in result.ends]
+    write_defects(made["layers"], ends, kinds=KINDS, length=spacing)
     for kind, one in made.items():
         if one in (None, obj):
             _remove(obj, kind)
     return made
 
 
-@contextmanager
-def replacing(obj):
-    """Give what was made for an object new data; where that fails, it has its own again, and all that is new goes."""
-    figures = (SPACING, COUNT)
-    before = {
-        made: (made.data, made.matrix_world.copy(), {name: made[name] for name in figures if name in made})
-        for made in _all_made(obj)
-    }
-    with whole_or_nothing():
-        try:
-            yield
-        except BaseException:
-            for made, (data, matrix, numbers) in before.items():
-                made.data, made.matrix_world = data, matrix
-                for name, number in numbers.items():
-                    made[name] = number
-            for kind in MADE:
-                if made_of(obj, kind) not in before:
-                    obj.pop(MADE[kind], None)
-            raise
-    bpy.data.batch_remove([data for data, *_ in before.values() if not data.users])
+def keep_made(obj):
+    """Before what was made for an object is given new data: where the work fails, each has its own again."""
+    before = [(made, made.data, made.matrix_world.copy()) for made in _all_made(obj)]
+
+    def give_back():
+        for made, data, matrix in before:
+            made.data, made.matrix_world = data, matrix
+
+    undone_by(obj, give_back)
+    at_the_end(lambda: bpy.data.batch_remove([data for _, data, _ in before if not data.users]))
 
 
 def _leave_modes(obj):
@@ -150,22 +138,23 @@ def show_layers(obj, made, before, selection):
         if now[one.session_uid] != before.get(one.session_uid, now[one.session_uid]):
             continue
         if one != layers:
-            one.hide_render = True
+            assign(one, "hide_render", True)
         if one.name in layer.objects:
-            one.hide_set(one != layers)
+            hide(one, one != layers)
     if layers.name in layer.objects:
         selection.give_to([layers])
     layer.update()
 
 
 def placed(obj, kind, name, data, matrix):
-    """The object of a kind that an earlier run has made, with new data, or a new one; inside :func:`replacing`."""
+    """The object of a kind that an earlier run has made, with new data, or a new one; after :func:`keep_made`."""
     made = made_of(obj, kind)
     if made is None:
         made = bpy.data.objects.new(name, data)
         for collection in obj.users_collection:
             collection.objects.link(made)
-        made[SOLID], obj[MADE[kind]] = obj, made
+        made[SOLID] = obj
+        store(obj, MADE[kind], made)
     else:
         for slot in made.material_slots:
             data.materials.append(slot.material)
@@ -183,8 +172,6 @@ def _remove(obj, kind):
     made = made_of(obj, kind)
     if made is not None:
         data = made.data
-        bpy.data.objects.remove(made)
-        if not data.users:
-            bpy.data.batch_remove([data])
-    if MADE[kind] in obj:
-        del obj[MADE[kind]]
+        leave([made])
+        at_the_end(lambda: None if data.users else bpy.data.batch_remove([data]))
+    drop(obj, MADE[kind])

@@ -4,10 +4,12 @@
 import bpy
 
 from ...core.errors import SettingError, SynchError
+from ...core.keywords import check_path, taken
 from ...core.tasks.layer_outputs import PathSettings
 from ..blender import meshes
 from ..blender.files import check_output
-from ..blender.objects import ObjectLink
+from ..blender.objects import ObjectLink, no_object
+from ..blender.transaction import whole_or_nothing
 from ..jobs.job import run
 from . import files, memory
 from .links import solid_of
@@ -32,7 +34,7 @@ def layer_export(obj, path, together=False):
     SynchError
         with one line that names the element and the remedy
     """
-    obj, path = solid_of(obj), _absolute(path)
+    obj, path, together = _solid(obj), _absolute(path), taken("together", bool, together)
     with meshes.object_mode(obj):
         written = files.export_layers(memory.recall_layers(obj), path, together)
     older = [] if together else files.left_behind(path, written)
@@ -95,7 +97,7 @@ class _OutputJob:
     """What is made of the last layers of an object; see :mod:`..jobs.job`."""
 
     def __init__(self, obj):
-        obj = solid_of(obj)
+        obj = _solid(obj)
         self.link = ObjectLink.to(obj)
         with meshes.object_mode(obj):
             self._layering = memory.recall_layers(obj)
@@ -103,7 +105,7 @@ class _OutputJob:
     def write(self, result):
         """Make objects and files of a result, where the layers are now; returns the report."""
         obj = self.link.found
-        with meshes.object_mode(obj):
+        with meshes.object_mode(obj), whole_or_nothing():
             layering = memory.recall_layers(obj)
             if layering.pattern is not self._layering.pattern:
                 raise SynchError(f"the layers of {obj.name} were solved again meanwhile: run again")
@@ -150,8 +152,16 @@ class VolumeJob(_OutputJob):
         return {"volume_object": made.name, "voxels": count, "files": [bpy.path.abspath(made.data.filepath)]}
 
 
+def _solid(obj):
+    """The object whose layers an object shows; refuses what is no object."""
+    reason = no_object(obj)
+    if reason:
+        raise SynchError(reason)
+    return solid_of(obj)
+
+
 def _absolute(path):
     """A path that may begin with //, for the folder of the .blend file."""
-    if str(path).startswith("//") and not bpy.data.filepath:
+    if check_path(path).startswith("//") and not bpy.data.filepath:
         raise SettingError(f"{path} begins with //, the folder of a .blend that is not saved: save it first")
     return bpy.path.abspath(str(path))

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A volume of the layers' pattern: an OpenVDB file of cos(phase), and a volume object that shows it."""
 
+from functools import partial
 from pathlib import Path
 
 import bpy
@@ -8,12 +9,14 @@ import numpy as np
 
 from ...core.errors import SettingError
 from ...core.files.whole import unwritten, written_whole
+from ...core.keywords import taken
 from ...core.tasks.layer_outputs import NOTHING
 from ..blender.files import check_output
 from ..blender.openvdb import openvdb_module
+from ..blender.transaction import store, undone_by
 from ..nodes.canvas import surface_material
 from ..nodes.materials import SPACING
-from .objects import placed, replacing
+from .objects import keep_made, placed
 
 GRID, MATERIAL = "pattern", "Synch Volume"
 # The node that has the density, which was made for the spacing that the object keeps.
@@ -26,7 +29,7 @@ _COLOR = (0.32, 0.62, 0.82, 1.0)
 def check_volume(path, resolution):
     """Refuse what needs no layers to be found wrong: the file, the resolution, or a Blender without OpenVDB."""
     check_output(path, [".vdb"])
-    if resolution < 2:
+    if taken("resolution", int, resolution) < 2:
         raise SettingError(f"a resolution of {resolution} voxels shows no layer: give 2 or more")
     openvdb_module()
 
@@ -35,11 +38,11 @@ def write_volume(obj, layering, voxels, path):
     """Write :class:`Voxels` to a .vdb file and make a volume object of it; returns it and the voxels in the solid."""
     path = Path(path).absolute()
     count = _write_grid(path, voxels)
-    with replacing(obj):
-        data = bpy.data.volumes.new(f"{obj.name} Volume")
-        data.filepath = str(path)
-        made = placed(obj, "volume", data.name, data, layering.matrix)
-        _show(made, layering.pattern.spacings.mean)
+    keep_made(obj)
+    data = bpy.data.volumes.new(f"{obj.name} Volume")
+    data.filepath = str(path)
+    made = placed(obj, "volume", data.name, data, layering.matrix)
+    _show(made, layering.pattern.spacings.mean)
     return made, count
 
 
@@ -78,8 +81,11 @@ def _show(made, spacing):
         for material in made.data.materials:
             node = material and material.node_tree and material.node_tree.nodes.get(_DENSITY)
             if node:
-                node.inputs["To Max"].default_value *= factor
-    made[SPACING] = spacing
+                socket = node.inputs["To Max"]
+                before = socket.default_value
+                undone_by(material, partial(setattr, socket, "default_value", before))
+                socket.default_value = before * factor
+    store(made, SPACING, spacing)
 
 
 def _new_material(spacing):

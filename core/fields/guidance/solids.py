@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...errors import SettingError, name_elements
+from ...geometry.polylines import check_length
 from ...graphs import ragged_arange
 from .potentials import extended, harmonic_function
 from .solid_distance import solid_distance
@@ -106,10 +107,9 @@ def curve_directions(mesh, curves, across=False):
     Raises
     ------
     SettingError
-        for no curves, other shapes, or curves without length
+        for no curves, other shapes, and curves without length or far too long for the mesh
     """
-    step = mesh.edge_lengths.mean() / 2
-    points, tangents, lengths = _stations(curves, step)
+    points, tangents, lengths = _stations(curves, mesh.edge_lengths.mean() / 2)
     _, nearest = cKDTree(points).query(mesh.vertices)
     if not across:
         return tangents[nearest]
@@ -123,10 +123,13 @@ def curve_directions(mesh, curves, across=False):
 def _stations(curves, step):
     """Middles of pieces of at most a step's length into which curves are cut, their unit tangents and lengths."""
     points, tangents, sizes = [], [], []
+    curves = [np.asarray(curve, float) for curve in curves]
     for number, curve in enumerate(curves):
-        curve = np.asarray(curve, float)
         if curve.ndim != 2 or curve.shape[1] != 3 or len(curve) < 2 or not np.isfinite(curve).all():
             raise SettingError(f"curve {number} has the shape {curve.shape}: give two or more points in space")
+    length = sum(float(np.linalg.norm(np.diff(curve, axis=0), axis=1).sum()) for curve in curves)
+    check_length("the guiding curve", length, step)
+    for curve in curves:
         along = np.diff(curve, axis=0)
         lengths = np.linalg.norm(along, axis=1)
         begins, along, lengths = curve[:-1][lengths > 0], along[lengths > 0], lengths[lengths > 0]

@@ -8,7 +8,7 @@ import numpy as np
 from ...errors import SettingError
 from ..mesh_input import MeshInput
 from .features import sharpened
-from .stuffing import stuffed
+from .likeness import filled_alike
 from .surface_distance import SurfaceDistance
 
 
@@ -65,11 +65,14 @@ class ClosedSurface:
         return float(np.linalg.norm(np.ptp(self.distance.bounds, axis=0)))
 
     def filled(self, size, areas=()):
-        """The TetMesh inside, its edges as long as a size, with the surface's sharp edges and outlines of areas."""
+        """The TetMesh inside, its edges as long as a size, with the surface's sharp edges and outlines of areas.
+
+        Errors as :func:`filled_alike`.
+        """
         labels = np.zeros(self.mesh.triangle_count, int)
         for number, area in enumerate(areas):
             labels[area.triangles] += 1 << number
-        return sharpened(stuffed(self.distance, self.distance.bounds, size), self.mesh, self.distance.nearest, labels)
+        return sharpened(filled_alike(self.distance, size), self.mesh, self.distance.nearest, labels)
 
     def lost_share(self, solid):
         """Share of the volume that a solid does not have."""

@@ -32,6 +32,10 @@ BYTES_PER_TET = 720
 COARSEST_BLOCK = 8
 
 
+class NothingInside(MeshError):
+    """No vertex of the lattice is left inside the surface."""
+
+
 def stuffed(signed_distance, bounds, size):
     """Fill a closed surface with tetrahedra whose boundary vertices lie on it.
 
@@ -54,7 +58,7 @@ def stuffed(signed_distance, bounds, size):
     SettingError
         for a size that is not positive, or makes more than ``MOST_CUBES`` cubes
     MeshError
-        where the surface leaves the bounds, or nothing of its inside is met
+        where the surface leaves the bounds; :class:`NothingInside` where nothing of its inside is met
     """
     bounds = np.asarray(bounds, float)
     reach = float(np.linalg.norm(bounds[1] - bounds[0]))
@@ -244,6 +248,6 @@ def _refuse_outside(lattice, sides):
 
 def _refuse_nothing(lattice, is_met):
     if not is_met:
-        raise MeshError(
+        raise NothingInside(
             f"no vertex of a lattice of size {lattice.size:g} is inside the surface: choose a size below its thickness"
         )

@@ -218,6 +218,7 @@ REFUSED = {
     "distance:all": "distance:all: every vertex is at distance 0: leave at least one out",
     "offset:boundary": "the mesh Icosphere has no boundary: measure from a vertex group or a curve",
     "distance:Lamp": "the object 'Lamp' is a light: choose a curve",
+    "distance:Far": "the object 'Far' has a length of 1.41e+06, and no more than",
     "uv-u": "the mesh Icosphere has no UV map: choose one of its maps (none yet), or unwrap it",
     "uv-v:Other": "has no UV map 'Other': choose one of its maps",
     "attribute:still=1": "attribute:still: every guidance vector is zero or points straight out of the surface",
@@ -232,6 +233,7 @@ def bare_sphere():
     obj.data.uv_layers.remove(obj.data.uv_layers[0])
     set_numbers(obj, "flat", np.ones(len(obj.data.vertices)))
     set_vectors(obj, "still", 0 * places(obj))
+    add_curve([(1, 0, 0), (0, 1, 0), (1e6, 1e6, 0)], "Far")
     add_group(obj, "all", range(len(obj.data.vertices)))
     bpy.context.scene.collection.objects.link(bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT")))
     return obj

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Clebsch maps: known filaments are found, spheres are covered as often as there is vorticity."""
 
+import re
 from dataclasses import replace
 from itertools import pairwise, product
 
@@ -249,6 +250,16 @@ def test_zeros_of_bilinear_functions():
     )
     assert np.abs(at).max() < 1e-8
     np.testing.assert_array_equal(bilinear_zero(np.ones((1, 4), complex)), [[0.5], [0.5]])
+
+
+def test_filaments_too_weak_for_the_grid_are_refused_with_a_circulation_that_fits():
+    """One per cent of a quantum would make millions of them, which no phase at the nodes tells apart."""
+    integrals = filament_integrals(BOX, [(ring_curve(0.6), 2.0)], BOX.spacing[0])
+    with pytest.raises(SettingError, match=r"too many for the grid, [\d.e+]+ for each of its faces") as caught:
+        clebsch_map(BOX, integrals, 1e-6)
+    fitting = float(re.search("circulation from ([0-9.e-]+) on", str(caught.value))[1])
+    assert 0.48 < np.abs(circulations(BOX, integrals)).mean() / fitting <= 0.5
+    assert filaments(clebsch_map(BOX, integrals, fitting, Options(method="spectral")))
 
 
 def test_what_is_no_flow_is_refused():

@@ -8,8 +8,9 @@ from functools import partial
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
-from synch_fields.core.errors import Cancelled, MeshError, SettingError
+from synch_fields.core.errors import Cancelled, SettingError
 from synch_fields.core.fields.guidance.filled import along_axis, between_areas, of_vectors
 from synch_fields.core.files.tool_paths import polylines_of, table_of
 from synch_fields.core.geometry import TriangleMesh
@@ -29,7 +30,7 @@ from synch_fields.core.solve import Options
 from synch_fields.core.tasks.layer_outputs import MOST_VOXELS, Layering, PathSettings
 from synch_fields.core.tasks.solids import AskedArea, SolidGuide, SolidRequest
 
-from ..meshes import CLOSED, cube, together
+from ..meshes import CLOSED, cube
 
 UP = SolidGuide("axis:Z", partial(along_axis, np.array([0.0, 0.0, 2.0])))
 
@@ -112,7 +113,7 @@ def test_a_spacing_that_no_layer_fits_is_told_the_depth():
 
 
 def test_coarse_solids_are_told_about():
-    """Layers finer than the edges, a thin wall that is lost, and a pad whose rim the tetrahedra cut off."""
+    """Layers finer than the edges, a thin rod that loses its edges, and a pad whose rim the tetrahedra cut off."""
     surface = closed(cube(5))
     middle = (np.abs(surface.mesh.vertices[:, :2] - 0.5) < 0.31).all(axis=1) & (surface.mesh.vertices[:, 2] == 1)
     pad = Area.of_members(surface.given, middle, "the pad")
@@ -121,14 +122,15 @@ def test_coarse_solids_are_told_about():
     assert line.startswith("the solid's triangles cover 9") and "% of the pad" in line and "size of about" in line
     (line,) = replace(request, asked=(), lengths=Lengths(0.1, 0.13)).solve().warnings
     assert line.startswith("the spacing is finer than the solid can carry on ")
-    both = closed(together(cube(5), flattened(2, 2, 0.12)))
-    lines = request_in(both, 0.6, 0.24).solve().warnings
-    assert len(lines) == 1 and "of the surface's volume: what is thinner than 0.24 is lost" in lines[0]
+    rod = flattened(1, 0.1, 0.1)
+    rod = TriangleMesh(rod.vertices @ Rotation.from_rotvec([0.8, 0.2, 0.1]).as_matrix().T, rod.triangles)
+    lines = request_in(closed(rod), 0.3, 0.066).solve().warnings
+    assert len(lines) == 1 and "of the surface's volume: what is thinner than 0.066 is lost" in lines[0]
 
 
 def test_a_plate_too_thin_to_be_filled_is_refused():
     """Points of the lattice are inside, and all of them move onto the surface."""
-    with pytest.raises(MeshError, match=r"is inside the surface: choose a size below its thickness"):
+    with pytest.raises(SettingError, match=r"too large: nothing of the solid is left; give a size of 0\.1"):
         request_in(closed(flattened(1, 1, 0.12)), 0.5, 0.24).solve()
 
 

@@ -218,6 +218,12 @@ def test_two_curves_share_the_solid():
     np.testing.assert_allclose(found[clear], expected, atol=1e-9)
 
 
+def test_a_curve_that_goes_far_away_is_refused():
+    """Its places would take gigabytes."""
+    with pytest.raises(SettingError, match=r"the guiding curve has a length of 1e.06, and no more than .* delete the"):
+        curve_directions(block((4, 4, 4)), [np.array([[0.0, 0, 0.5], [1, 0, 0.5], [1e6, 0, 0]])])
+
+
 # What cannot be
 
 

@@ -1,0 +1,164 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A write that fails, wherever it does, leaves the scene as it was: nothing half made, nothing lost."""
+
+import bpy
+import numpy as np
+import pytest
+
+from synch_fields.core.tasks.flow_settings import ClebschSettings
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.flows.job import job_for
+from synch_fields.synch_addon.frames.job import AnimationJob, Span
+from synch_fields.synch_addon.patterns import favourites
+from synch_fields.synch_addon.patterns.job import FieldJob
+from synch_fields.synch_addon.settings.fields import Settings
+from synch_fields.synch_addon.solids.settings import LayerSettings
+
+from .faults import check_faults
+from .scenes import add_curve, furnished, places, quad_sphere, set_vectors, sphere
+from .solid_objects import block
+
+ROUGH = {"method": "spectral", "seed": 1}
+
+
+def written(make):
+    """What gives the write of a job's result."""
+
+    def begin():
+        job = make()
+        if hasattr(job, "advance"):
+            while job.advance() is not None:
+                pass
+        result = job.request.solve()
+        return lambda: job.write(result)
+
+    return begin
+
+
+def field(command, **settings):
+    """A field on an object with materials, groups, a twin, and faces that have to be split."""
+    obj = furnished()
+    return written(lambda: FieldJob(command, obj, Settings(**ROUGH, **settings)))
+
+
+def again():
+    """Stripes in place of quads, frames and numbers."""
+    obj = sphere(2)
+    api.animate(obj, frames=(1, 2), spacing=0.6, **ROUGH)
+    api.stripes(obj, spacing=0.6, **ROUGH)
+    api.number_stripes(obj)
+    return written(lambda: FieldJob("stripes", obj, Settings(spacing=0.7, **ROUGH)))
+
+
+def quads_after_stripes():
+    obj = quad_sphere(4)
+    api.stripes(obj, spacing=0.6, **ROUGH)
+    return written(lambda: FieldJob("quads", obj, Settings(spacing=0.7, **ROUGH)))
+
+
+def frames():
+    obj = sphere(2)
+    api.stripes(obj, spacing=0.6, **ROUGH)
+    return written(lambda: AnimationJob(obj, Settings(spacing=0.6, **ROUGH), Span(1, 2)))
+
+
+def frames_again():
+    obj = sphere(2)
+    api.animate(obj, frames=(1, 3), spacing=0.6, **ROUGH)
+    return written(lambda: AnimationJob(obj, Settings(spacing=0.6, **ROUGH), Span(1, 2)))
+
+
+def layers():
+    obj = block((1, 1, 0.6))
+    return written(lambda: api.layer_job(obj, LayerSettings(spacing=0.3, size=0.15, **ROUGH)))
+
+
+def layers_again():
+    obj = block((1, 1, 0.6))
+    api.layers(obj, spacing=0.3, size=0.15, **ROUGH)
+    return written(lambda: api.layer_job(obj, LayerSettings(spacing=0.25, size=0.12, **ROUGH)))
+
+
+def flow():
+    turn = np.linspace(0, 2 * np.pi, 25)[:-1]
+    ring = add_curve(np.column_stack([np.cos(turn), np.sin(turn), 0 * turn]), "Ring", cyclic=True)
+    return written(lambda: job_for(ring, ClebschSettings(quantum=1.0, resolution=12, target_gap=0.1, show="both")))
+
+
+def surface_flow():
+    obj = sphere(2)
+    set_vectors(obj, "velocity", np.cross([0, 0, 1], places(obj)))
+    return written(lambda: job_for(obj, ClebschSettings(quantum=1.2, target_gap=0.1, show="tubes")))
+
+
+def shown(change, solve=lambda obj: api.stripes(obj, spacing=0.6, seed=1)):
+    """What is called on an object with a pattern."""
+    obj = sphere(2)
+    solve(obj)
+    return lambda: lambda: change(obj)
+
+
+def kept(change):
+    """The same for favourites, one of which there is."""
+
+    def solve(obj):
+        api.stripes(obj, spacing=0.6, seed=1)
+        favourites.keep(obj, "first")
+        api.vary(obj, 2)
+
+    return shown(change, solve)
+
+
+def rerun(change):
+    """The same where it has been done before."""
+    return shown(change, lambda obj: (api.stripes(obj, spacing=0.6, seed=1), change(obj)))
+
+
+SCENES = {
+    "stripes": lambda: field("stripes", spacing=0.6),
+    "quads": lambda: field("quads", spacing=0.8),
+    "directions": lambda: field("directions"),
+    "quad mesh": lambda: field("quad_mesh", spacing=0.8),
+    "stripes again": again,
+    "quads after stripes": quads_after_stripes,
+    "frames": frames,
+    "frames again": frames_again,
+    "layers": layers,
+    "layers again": layers_again,
+    "flow": flow,
+    "surface flow": surface_flow,
+    "vary": lambda: shown(lambda obj: api.vary(obj, 1)),
+    "relief": lambda: shown(api.relief),
+    "relief again": lambda: rerun(lambda obj: api.relief(obj, height=0.3)),
+    "lines": lambda: shown(api.isolines),
+    "numbers": lambda: shown(api.number_stripes),
+    "preset": lambda: shown(lambda obj: api.preset(obj, "corduroy")),
+    "refine": lambda: shown(lambda obj: api.refine(obj, 1)),
+    "favourite": lambda: kept(lambda obj: favourites.keep(obj, "second")),
+    "favourite shown": lambda: kept(lambda obj: favourites.show(obj, "first")),
+    "favourite removed": lambda: kept(lambda obj: favourites.remove(obj, obj.synch.favourites[0].name)),
+}
+
+
+def old_groups():
+    """Node groups of an earlier version, which a write draws anew, with a value that a user has set."""
+    for group in bpy.data.node_groups:
+        group["synch_stamp"] = "earlier"
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_fault_leaves_the_scene_as_it_was(name):
+    assert check_faults(SCENES[name](), stride=23) > 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SCENES)
+def test_a_fault_anywhere_leaves_the_scene_as_it_was(name):
+    assert check_faults(SCENES[name]()) > 20
+
+
+def test_groups_of_an_earlier_version_come_back():
+    begin = shown(lambda obj: api.vary(obj, 1))
+    old_groups()
+    assert check_faults(begin, stride=31) > 0

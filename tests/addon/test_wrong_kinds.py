@@ -1,0 +1,125 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every function of the Python API, given what is of the wrong kind: one line, or a result, and nothing else."""
+
+import inspect
+import math
+from dataclasses import fields
+
+import bpy
+import numpy as np
+import pytest
+
+from synch_fields.core.errors import SynchError, shown
+from synch_fields.core.tasks.flow_settings import ClebschSettings
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.bakes.settings import BakeSettings
+from synch_fields.synch_addon.patterns.lines import LineSettings
+from synch_fields.synch_addon.settings.fields import Settings
+from synch_fields.synch_addon.solids.settings import LayerSettings
+
+from .scenes import snapshot, sphere
+
+WRONG = [
+    None,
+    True,
+    False,
+    -1,
+    2**70,
+    10**5000,
+    0.5,
+    math.nan,
+    math.inf,
+    -math.inf,
+    1j,
+    b"axis:Z",
+    [],
+    [None],
+    [[0], 1],
+] + ["", "x" * 5000, "a\ud800", "\0", {}, {"a": 1}, object(), np.array([1.5, 2]), np.float32(np.nan)]
+# What each function takes as keywords besides those that it names.
+SETTINGS = {
+    "stripes": Settings,
+    "layers": LayerSettings,
+    "isolines": LineSettings,
+    "bake": BakeSettings,
+    "clebsch": ClebschSettings,
+}
+# Arguments without which a function cannot be called.
+NEEDED = {
+    "stripes": {"spacing": 1.5, "method": "spectral"},
+    "layers": {"spacing": 0.7, "size": 0.3, "method": "spectral"},
+    "vary": {"number": 1},
+    "place_defects": {"vertices": [3]},
+    "preset": {"name": "zebra"},
+    "import_field": {"path": "/nowhere/field.rosy"},
+    "export_field": {"path": "/nowhere/field.rosy"},
+    "layer_export": {"path": "/nowhere/part.stl"},
+    "layer_volume": {"path": "/nowhere/part.vdb"},
+    "select": {"vertices": [0]},
+    # Refused after everything that is given has been looked at, so that nothing is solved or baked.
+    "bake": {"folder": "/nowhere"},
+    "clebsch": {"quantum": 1.0},
+    "animate": {"frames": (1, 1)},
+}
+RE_EXPORTED = (
+    *("animate", "number_stripes", "refine", "layer_export", "layer_toolpaths", "layer_volume", "choose_point"),
+    "clebsch",
+)
+NAMES = (
+    *("directions", "stripes", "quads", "quad_mesh", "layers", "vary", "place_defects", "trace_quads", "isolines"),
+    *("relief", "preset", "bake", "import_field", "export_field", "select", "animate", "number_stripes", "refine"),
+    *("layer_export", "layer_toolpaths", "layer_volume", "choose_point", "clebsch"),
+)
+
+
+@pytest.fixture
+def solved():
+    """A small object with stripes, and what the file holds."""
+    obj = sphere(1)
+    bpy.context.scene.frame_end = 1
+    api.stripes(obj, spacing=1.5, method="spectral")
+    return obj
+
+
+def refused_or_done(function, /, *arguments, **keywords):
+    """Call a function of the API; whatever it says is one line, and the scene is as it was where it says something."""
+    bpy.context.view_layer.update()
+    before = snapshot()
+    try:
+        getattr(api, function)(*arguments, **keywords)
+    except SynchError as error:
+        assert str(error) and "\n" not in str(error)
+        assert snapshot() == before
+        return str(error)
+    return None
+
+
+def test_every_public_function_is_here():
+    public = {name for name, found in vars(api).items() if inspect.isfunction(found) and not name.startswith("_")}
+    own = {name for name in public if vars(api)[name].__module__ == api.__name__} | {*RE_EXPORTED}
+    assert own - {"run", "run_bake", "layer_job", "show_again"} == set(NAMES)  # those take ready settings and states
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_is_no_object_is_refused(name):
+    for wrong in WRONG:
+        assert refused_or_done(name, wrong, **NEEDED.get(name, {})) is not None, wrong
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_object_that_is_gone_is_refused(name):
+    gone = sphere(1)
+    bpy.data.objects.remove(gone)
+    assert "gone" in refused_or_done(name, gone, **NEEDED.get(name, {}))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_arguments_of_the_wrong_kind_are_refused_or_taken(name, solved):
+    """Of settings, those that other functions share are tried once."""
+    own = [p.name for p in list(inspect.signature(getattr(api, name)).parameters.values())[1:]]
+    known = [field.name for field in fields(SETTINGS[name])] if name in SETTINGS else []
+    for argument in [*(p for p in own if p != "settings"), *known]:
+        for wrong in WRONG:
+            if argument != "folder" or shown(wrong) != "''":  # which would bake
+                refused_or_done(name, solved, **{**NEEDED.get(name, {}), argument: wrong})

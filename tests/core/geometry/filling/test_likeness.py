@@ -1,0 +1,66 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Solids that are no longer the body that their surface encloses are refused, with a size that fits."""
+
+import re
+
+import numpy as np
+import pytest
+
+from synch_fields.core.errors import MeshError, SettingError
+from synch_fields.core.geometry import TriangleMesh
+from synch_fields.core.geometry.filling.likeness import filled_alike
+from synch_fields.core.geometry.filling.stuffing import stuffed
+from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
+
+from ...meshes import icosphere, split_quads, together, torus, voxel_quads
+
+
+def turned_box(*size, angle=0.4):
+    """A box of these sides, turned about two axes so that no lattice plane lies along it."""
+    points, quads = voxel_quads([(0, 0, 0)])
+    c, s = np.cos(angle), np.sin(angle)
+    turn = np.array([[1, 0, 0], [0, c, -s], [0, s, c]]) @ np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+    return TriangleMesh(points * size @ turn.T, split_quads(quads))
+
+
+def with_fin():
+    """A cube beside a wide, thin plate, to which more than half of the surface belongs."""
+    return together(turned_box(1, 1, 1), turned_box(2, 2, 0.06))
+
+
+@pytest.mark.parametrize(
+    ("mesh", "size", "flaw"),
+    [
+        pytest.param(turned_box(4, 4, 0.1), 0.4, "nothing of the solid is left", id="vanished"),
+        pytest.param(turned_box(4, 4, 0.1), 0.12, r"the solid falls apart into \d+ pieces", id="apart"),
+        pytest.param(turned_box(4, 4, 0.1), 0.098, r"the solid has \d+ holes where the surface has none", id="sieve"),
+        pytest.param(torus(1, 0.03, 60, 8), 0.05, r"the solid falls apart into \d+ pieces", id="beads"),
+        pytest.param(with_fin(), 0.15, r"the solid leaves out 5\d% of the surface", id="lost"),
+    ],
+)
+def test_another_body_is_refused_with_a_size_that_fits(mesh, size, flaw):
+    distance = SurfaceDistance(mesh)
+    with pytest.raises(SettingError, match=flaw) as caught:
+        filled_alike(distance, size)
+    finer = float(re.search("give a size of ([0-9.e-]+)", str(caught.value))[1])
+    assert finer < size and "\n" not in str(caught.value)
+    solid = filled_alike(distance, finer)
+    assert solid.volumes.sum() == pytest.approx(distance.volume, rel=0.25)
+    assert len(np.unique(solid.pieces)) == len(np.unique(mesh.pieces))
+
+
+def test_what_no_size_fills_is_refused():
+    with pytest.raises(MeshError, match="500,000 smaller ones would not do: thicken these parts"):
+        filled_alike(SurfaceDistance(turned_box(10, 10, 0.001)), 0.04)
+
+
+@pytest.mark.parametrize("speck", [0.02, 0.004])
+def test_small_losses_change_no_solid(speck):
+    """A speck that vanishes, and the tips of twenty spikes."""
+    base = icosphere(2)
+    spiky = TriangleMesh(base.vertices * np.where(np.arange(base.vertex_count) < 12, 1.5, 1)[:, None], base.triangles)
+    distance = SurfaceDistance(together(spiky, TriangleMesh(icosphere(0).vertices * speck, icosphere(0).triangles)))
+    found, plain = filled_alike(distance, 0.2), stuffed(distance, distance.bounds, 0.2)
+    np.testing.assert_array_equal(found.vertices, plain.vertices)
+    np.testing.assert_array_equal(found.tets, plain.tets)
