@@ -57,7 +57,8 @@ def flat_faces(mesh, faces):
     """(faces.max() + 1,) bool: faces without area, or with a triangle that has a vertex twice, by triangles' faces."""
     flat, reach = np.zeros(faces.max() + 1), np.zeros(faces.max() + 1)
     np.add.at(flat, faces, mesh.areas)
-    np.maximum.at(reach, faces, mesh.edge_lengths[mesh.triangle_edges].max(axis=1) ** 2)
+    with np.errstate(invalid="ignore"):  # this call tells of flags that others have left
+        np.maximum.at(reach, faces, mesh.edge_lengths[mesh.triangle_edges].max(axis=1) ** 2)
     flat = flat <= FLAT_FACE * reach
     flat[faces[(mesh.triangles == np.roll(mesh.triangles, 1, axis=1)).any(axis=1)]] = True
     return flat

@@ -96,7 +96,8 @@ def read_mesh(obj, base=None, strict=False):
 
 def _places(obj, stretch):
     vertices = read_values(obj, "position", "POINT") if len(obj.data.vertices) else np.empty((0, 3))
-    return vertices.astype(float) @ stretch.T
+    with np.errstate(invalid="ignore"):  # places that are not finite stay so
+        return vertices.astype(float) @ stretch.T
 
 
 def is_unchanged(obj, given):

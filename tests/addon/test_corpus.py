@@ -12,17 +12,6 @@ from synch_fields.synch_addon import api
 from ..corpus.bad_meshes import MESHES
 from .scenes import add_object, snapshot
 
-# What comes of a mesh may be a matter of rounding, but nothing of this.
-UNFINISHED = {
-    "inf": "places that are not finite meet the object's scale before they are looked at",
-    "minus inf": "likewise",
-}
-
-
-def named(name):
-    marks = [pytest.mark.xfail(reason=UNFINISHED[name], raises=RuntimeWarning)] if name in UNFINISHED else []
-    return pytest.param(name, id=name.replace(" ", "-"), marks=marks)
-
 
 def places(file, obj):
     """Of the vertices, as a snapshot has them."""
@@ -33,7 +22,7 @@ def test_there_are_kinds_enough():
     assert len(MESHES) >= 60
 
 
-@pytest.mark.parametrize("name", [named(name) for name in MESHES])
+@pytest.mark.parametrize("name", [pytest.param(name, id=name.replace(" ", "-")) for name in MESHES])
 def test_bad_meshes_are_solved_or_refused_in_one_line(name):
     vertices, faces = MESHES[name]()
     obj = add_object(vertices, faces)
