@@ -8,6 +8,15 @@ import signal
 import sys
 from contextlib import suppress
 
+try:
+    import resource
+except ImportError:  # Windows
+    resource = None
+
+# Bytes of address space below which Blender ends in a crash, or the first small mesh in an error. Most of it is never
+# used.
+LEAST_SPACE = 1.75 * 2**30
+
 
 def run():
     """The exit status of the command line.
@@ -17,6 +26,8 @@ def run():
     heard = []
     signal.signal(signal.SIGINT, lambda *_: heard.append(True))
     _open_what_is_closed()
+    if not _has_space():
+        return 1
     from . import register, unregister
     from .synch_addon.command.main import INTERRUPTED, main
 
@@ -41,6 +52,19 @@ def _leave(status):
         with suppress(OSError, ValueError):
             stream.flush()
     os._exit(status)
+
+
+def _has_space():
+    """Whether Blender can be loaded; a line says why not."""
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0] if resource else -1
+    if limit < 0 or limit >= LEAST_SPACE:
+        return True
+    print(
+        f"synch: the address space is limited to {limit / 2**30:.2g} GB and Blender needs {LEAST_SPACE / 2**30:.3g}: "
+        "raise the limit (ulimit -v)",
+        file=sys.stderr,
+    )
+    return False
 
 
 def _open_what_is_closed():

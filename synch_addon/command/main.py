@@ -62,6 +62,8 @@ def main(arguments, loaded=False):
         except KeyboardInterrupt:
             print(f"synch {options.command}: interrupted", file=sys.stderr)
             return INTERRUPTED
+        except MemoryError:
+            return _fail(options, "there is too little memory for this: allow more, or ask for less on a coarser mesh")
         except OSError as error:
             return _fail(options, f"{error.filename or 'a file'}: {error.strerror or error}")
         except RuntimeError as error:  # what an importer or exporter of Blender reports

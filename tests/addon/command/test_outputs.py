@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from synch_fields.core.tasks.surfaces import SurfaceRequest
 from synch_fields.synch_addon.blender import files
 from synch_fields.synch_addon.command.main import main
 from synch_fields.synch_addon.jobs.report import json_text
@@ -157,6 +158,29 @@ def test_an_interrupt_ends_the_command_in_one_line(sphere, tmp_path, moment):
     assert process.returncode == 130, errors
     assert "Traceback" not in errors and "interrupted" in errors.splitlines()[-1]
     assert [path.name for path in tmp_path.iterdir()] == ["sphere.obj"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere address space has no limit")
+def test_too_little_memory_is_told_in_one_line(sphere, tmp_path, capsys, monkeypatch):
+    """Too little for Blender before it is loaded, and too little for the solve when it ends."""
+    limited_space = LIMITED.replace("RLIMIT_FSIZE", "RLIMIT_AS")
+    found = subprocess.run(
+        [sys.executable, "-c", limited_space, str(10**9), "info", str(sphere)],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        check=False,
+    )
+    assert found.returncode == 1 and found.stderr.count("\n") == 1
+    assert found.stderr.startswith("synch: the address space is limited to 0.93 GB and Blender needs")
+
+    def without_memory(*_):
+        raise MemoryError
+
+    monkeypatch.setattr(SurfaceRequest, "solve", without_memory)
+    output = tmp_path / "out.blend"
+    assert main(["stripes", str(sphere), "--quiet", "--output", str(output)]) == 1
+    assert "too little memory" in capsys.readouterr().err and not output.exists()
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="there is no device without room")
