@@ -188,8 +188,12 @@ class TriangleMesh:
     @cached_property
     def dihedral_angles(self):
         """(e,) radians between the normals of the two triangles at each edge, positive at ridges; 0 on the boundary."""
+        return self.angles_between(self.face_normals)
+
+    def angles_between(self, normals):
+        """(e,) radians between (m, 3) unit vectors of the two triangles at each edge; signs as for normals."""
         half = np.flatnonzero((self.twins >= 0) & (self.triangle_edge_signs.ravel() > 0))
-        left, right = self.face_normals[half // 3], self.face_normals[self.twins[half] // 3]
+        left, right = normals[half // 3], normals[self.twins[half] // 3]
         edges = self.triangle_edges.ravel()[half]
         across = np.cross(left, right)
         sines = np.copysign(np.linalg.norm(across, axis=1), np.einsum("hx,hx->h", across, self.edge_vectors[edges]))

@@ -130,7 +130,8 @@ def feature_rows(obj, given, angle, sides):
     sides : (n,) length of a quad's side at each vertex, a few of which make a feature
     """
     marked = given.edges_of(attributes.read_marked_edges(obj, "sharp"))
-    edges = feature_edges(given.uncut, angle, sides[: given.uncut.vertex_count], marked)
+    faces = given.polygons.triangle_faces
+    edges = feature_edges(given.uncut, angle, sides[: given.uncut.vertex_count], marked, faces)
     return (feature_row(given.mesh, carried_edges(given.uncut, given.mesh, edges)),) if len(edges) else ()
 
 

@@ -24,7 +24,7 @@ LEAST_ALONG = np.radians(50)
 SHORTEST_LINE, SHORTEST_PIECE = 1.0, 4.0
 
 
-def feature_edges(mesh, angle, side, marked=()):
+def feature_edges(mesh, angle, side, marked=(), faces=None):
     """Indices of the edges of boundaries and of sharp edges that quads can follow.
 
     Parameters
@@ -33,8 +33,9 @@ def feature_edges(mesh, angle, side, marked=()):
     angle : radians between the normals of two faces beyond which their edge is sharp
     side : length of a quad's side, one or (n,) at the vertices
     marked : indices of further edges that count as sharp
+    faces : (m,) face of the user's that each triangle is a part of, within which nothing is sharp
     """
-    sharp = np.abs(mesh.dihedral_angles) > angle
+    sharp = np.abs(mesh.angles_between(_normals(mesh, faces))) > angle
     sharp[np.asarray(marked, int)] = True
     sharp[mesh.boundary_edges] = True
     edges = np.flatnonzero(sharp)
@@ -45,6 +46,18 @@ def feature_edges(mesh, angle, side, marked=()):
         long = np.bincount(labels, lengths[edges]) >= shortest
         edges = edges[long[labels] | on_boundary[edges]]
     return edges
+
+
+def _normals(mesh, faces):
+    """(m, 3) normals of the triangles' faces: of one with several triangles their mean, by area."""
+    if faces is None:
+        return mesh.face_normals
+    vectors = mesh.areas[:, None] * mesh.face_normals
+    sums = np.column_stack([np.bincount(faces, weights) for weights in vectors.T])[faces]
+    lengths = np.linalg.norm(sums, axis=1, keepdims=True)
+    means = np.divide(sums, lengths, out=np.zeros_like(sums), where=lengths > 0)
+    alone = np.bincount(faces)[faces] == 1
+    return np.where(alone[:, None], mesh.face_normals, means)
 
 
 def _connected_pieces(mesh, edges):

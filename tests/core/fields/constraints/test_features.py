@@ -7,6 +7,7 @@ import pytest
 
 from synch_fields.core.fields import DirectionWishes, Row, direction_field, line_of_edges, quad_pattern
 from synch_fields.core.fields.constraints.features import feature_edges, feature_row, line_corners, quads_around
+from synch_fields.core.geometry import TriangleMesh
 
 from ...crosses import plane_crosses
 from ...meshes import annulus, bent_square, cube, square, torus
@@ -25,6 +26,16 @@ def test_the_edges_of_a_cube_are_its_features(cuts):
     assert len(feature_edges(mesh, np.radians(100), 1 / cuts)) == 0
     marked = feature_edges(mesh, np.radians(100), 1 / cuts, marked=edges)
     np.testing.assert_array_equal(marked, edges)
+
+
+def test_edges_within_a_face_are_never_sharp():
+    bent = TriangleMesh([(0, 0, 0), (1, 0, 0), (1, 1, 1), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)])
+    assert len(feature_edges(bent, ANGLE, 0.1)) == 5
+    np.testing.assert_array_equal(feature_edges(bent, ANGLE, 0.1, faces=np.array([0, 0])), bent.boundary_edges)
+    # Between faces nothing changes: the pairs of triangles of a cube are its squares.
+    mesh = cube(5)
+    squares = np.unique(np.round(mesh.face_normals), axis=0, return_inverse=True)[1].reshape(-1)
+    np.testing.assert_array_equal(feature_edges(mesh, ANGLE, 0.2, faces=squares), feature_edges(mesh, ANGLE, 0.2))
 
 
 def test_what_a_few_quads_do_not_fit_on_is_no_feature_but_a_boundary_is():
