@@ -199,6 +199,11 @@ def continuation(stage, lifted, samples, density, random, monitor, calmed=None, 
     monitor : Monitor
     calmed : matrix of a calmed problem on the same rows, on which most of the search is made
     metric_of_lifted : in which lifted fields descend on it
+
+    Raises
+    ------
+    OutOfTime
+        when there is no field yet
     """
     search = _Search(stage, samples, density, random, monitor)
     try:
@@ -215,6 +220,8 @@ def continuation(stage, lifted, samples, density, random, monitor, calmed=None, 
         found, metric = search.found, search.metric
         found = np.hstack([polish(stage, found[:, :FINALISTS], metric, monitor), found[:, FINALISTS:]])
     except OutOfTime:
+        if search.found.shape[1] == 0:
+            raise
         return _best(stage, search.found, search.found.shape[1]), True
     return distinct_columns(stage, found), False
 

@@ -65,7 +65,7 @@ def _as_they_are(pieces, numbers, coordinates, options, is_perfect):
 def _small(problem, numbers, options, monitor, start, coordinates):
     """The results of small pieces; of (N,) coordinates where time runs out."""
     pieces, results = problem.pieces, []
-    chunks = _chunks(pieces.sizes, numbers, problem.block)
+    chunks = _chunks(pieces.sizes, numbers, problem.block, options.samples)
     for place, chunk in enumerate(chunks):
         try:
             monitor.at("small pieces", place / len(chunks))
@@ -76,15 +76,16 @@ def _small(problem, numbers, options, monitor, start, coordinates):
     return results
 
 
-def _chunks(sizes, numbers, block):
-    """Parts of some pieces, in each of which they have about the same size, and few numbers are worked on at once."""
+def _chunks(sizes, numbers, block, samples):
+    """Parts of some pieces, in each of which they have about the same size, and few numbers are worked on at once, of
+    their matrices as of their samples."""
     numbers = numbers[np.argsort(sizes[numbers], kind="stable")]
     # Sizes that differ by less than a fourth are filled up to the same one.
     steps = np.ceil(np.log(sizes[numbers]) / np.log(1.25)).astype(int)
     chunks = []
     for part in np.split(numbers, np.flatnonzero(np.diff(steps)) + 1):
         rows = sizes[part[-1]] * block
-        most = max(AT_ONCE // (rows * max(rows, LARGEST)), 1)
+        most = max(AT_ONCE // (rows * max(rows, LARGEST, samples)), 1)
         chunks.extend(np.array_split(part, -(-len(part) // most)))
     return chunks
 

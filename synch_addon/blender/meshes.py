@@ -78,7 +78,9 @@ def read_mesh(obj, base=None, strict=False):
     stretch = _stretch(obj)
     vertices = _places(obj, stretch)
     if base is not None:
-        mesh = TriangleMesh(finite_places(vertices)[base.source], base.uncut.triangles)
+        left_out = np.bincount(base.uncut.triangles.ravel(), minlength=len(base.source)) == 0
+        places = np.where(left_out[:, None], finite_places(vertices)[base.source], vertices[base.source])
+        mesh = TriangleMesh(places, base.uncut.triangles)
         check_mesh(mesh, base.polygons.triangle_faces)
         return replace(base, mesh=mesh, uncut=mesh, stretch=stretch)
     polygons = read_polygons(obj)
@@ -154,6 +156,8 @@ def _stretch(obj):
 def split_faces(obj, faces):
     """Replace faces by the triangles that draw them, keeping all their corner and face data.
 
+    A face that doubles another one stays where the triangles are there already: none can be there twice.
+
     Returns the (c,) old corner that each corner was.
     """
     mesh, polygons = obj.data, read_polygons(obj)
@@ -164,20 +168,27 @@ def split_faces(obj, faces):
     corner = edited.loops.layers.int.new("synch_corner")
     for number, loop in enumerate(loop for face in edited.faces for loop in face.loops):
         loop[corner] = number
-    old = [edited.faces[face] for face in faces]
-    for face, index in zip(old, faces, strict=True):
+    old = []
+    for index, face in [(index, edited.faces[index]) for index in faces]:
         loops = list(face.loops)
         source = {loop.vert: loop for loop in loops}
-        for corners in polygons.triangle_corners[polygons.triangle_faces == index] - polygons.starts[index]:
-            triangle = edited.faces.new([loops[k].vert for k in corners], face)
+        triangles = polygons.triangle_corners[polygons.triangle_faces == index] - polygons.starts[index]
+        new = [vertices for vertices in _vertices(loops, triangles) if edited.faces.get(vertices) is None]
+        for vertices in new:
+            triangle = edited.faces.new(vertices, face)
             for loop in triangle.loops:
                 loop.copy_from(source[loop.vert])
+        old += [face] if new else []
     bmesh.ops.delete(edited, geom=old, context="FACES_ONLY")
     old_corners = [loop[corner] for face in edited.faces for loop in face.loops]
     edited.loops.layers.int.remove(corner)
     edited.to_mesh(mesh)
     edited.free()
     return np.array(old_corners)
+
+
+def _vertices(loops, triangles):
+    return [[loops[k].vert for k in corners] for corners in triangles]
 
 
 def _keep_faces(mesh):

@@ -28,17 +28,19 @@ class _Work:
             yield
             return
         self._before, self._ends, self._names = set(all_data()), [], []
-        with ExitStack() as self._steps:
+        with ExitStack() as steps:
             # The last one first: what was changed is given back, then what is new goes, then its names are free.
-            self._steps.callback(self._name_again)
-            self._steps.callback(self._remove_new)
+            steps.callback(self._name_again)
+            steps.callback(self._remove_new)
             try:
+                self._steps = steps
                 yield
-                self._steps.pop_all()
+                steps.pop_all()
             finally:
                 self._steps = None
-        for end in self._ends:
-            end()
+        with ExitStack() as ends:  # each of them, whatever becomes of the others
+            for end in reversed(self._ends):
+                ends.callback(end)
 
     def undone_by(self, owner, step):
         """Call ``step``, which gives back what something of ``owner`` was, should the work fail, the last one first.

@@ -86,5 +86,5 @@ def write_quads(obj, request, result, report, selection):
     plain = report.finish(result.field, result.pattern, defects)
     made = bpy.data.objects[report.quad_mesh["object"]]
     if hasattr(made, "synch"):  # as long as the extension is registered
-        made.synch.result = result_line(plain)
+        made.synch.result = result_line(plain | {"carrier": {}})  # it is a surface
     return plain

@@ -148,6 +148,33 @@ def test_patterns_go_on_all_around_a_one_sided_surface(build, symmetry):
     assert report["euler_characteristic"] == 0 and report["closed"] == (build is klein_bottle)
 
 
+def test_doubled_polygons_with_a_defect_are_split_once():
+    """The triangles that draw one of them cannot be there twice: the other one stays."""
+    clean = hexagon_sphere()
+    count = len(clean.data.polygons)
+    obj = rebuilt(clean, doubled=range(count))
+    report = api.quads(obj, spacing=0.25)
+    assert report["disclinations"] and any("split" in line for line in report["warnings"])
+    sizes = np.array([len(polygon.vertices) for polygon in obj.data.polygons])
+    assert np.count_nonzero(sizes == 3) and np.count_nonzero(sizes > 3) > count
+    corners = [tuple(sorted(polygon.vertices)) for polygon in obj.data.polygons if len(polygon.vertices) == 3]
+    assert len(set(corners)) == len(corners)
+
+
+def test_a_moved_mesh_is_refused_where_a_vertex_of_its_surface_is_lost():
+    obj = sphere()
+    given = meshes.read_mesh(obj)
+    obj.data.vertices[3].co.x = np.nan
+    with pytest.raises(SynchError, match=r"vertex 3 has no finite position"):
+        meshes.read_mesh(obj, given)
+
+
+def test_a_quad_mesh_of_it_has_no_such_places():
+    obj = patched()
+    made = bpy.data.objects[api.quad_mesh(obj, spacing=0.4)["quad_mesh"]["object"]]
+    assert json.loads(made.synch.result)["carrier"] == {}
+
+
 def test_a_seam_is_no_boundary():
     obj = add_object(*moebius_strip(60, 8))
     report = api.stripes(obj, spacing=0.25, boundary="phase")
