@@ -158,9 +158,11 @@ def test_a_solution_starts_itself(build, _):
     for start in (cold.phases, cold):
         warm = solve(problem, start=start)
         assert warm.energy <= cold.energy * (1 + 1e-12) + cold.noise
-        # What ends on a saddle goes on from there.
-        assert warm.energy == pytest.approx(cold.energy, rel=5e-3, abs=cold.noise)
-        assert agreement(problem, warm.phases, cold.phases) >= 1 - 1e-6
+        # What ended on a saddle goes on from there.
+        if warm.energy > (1 - 1e-6) * cold.energy - cold.noise:
+            assert agreement(problem, warm.phases, cold.phases) >= 1 - 1e-6
+        else:
+            assert warm.energy == pytest.approx(cold.energy, rel=5e-3)
         assert warm.status is cold.status and warm.sdp_gap <= Options().target_gap
         assert warm.lower_bound <= cold.sdp_value * (1 + 1e-9) + cold.noise
         assert len(warm.variations) == 1
