@@ -46,4 +46,4 @@ def test_reading_takes_a_time_that_grows_with_the_length_alone():
     """A pattern with choices inside choices would take longer than the universe has."""
     for parts in itertools.product((" ", ":", "a ", '""'), repeat=2):
         with pytest.raises(SettingError):
-            items("a:" + "".join(parts) * 20_000 + '"', "thing", FORMS[1])
+            items("a:" + "".join(parts) * 5_000 + '"', "thing", FORMS[1])
