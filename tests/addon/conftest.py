@@ -3,8 +3,30 @@
 """Tests inside Blender: the extension registered once from the source tree, a clean scene before each test."""
 
 import importlib.util
+import os
+import shutil
+import sys
 
 import pytest
+
+_STATUS = pytest.StashKey[int]()
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_sessionfinish(session, exitstatus):
+    session.config.stash[_STATUS] = int(exitstatus)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure(config):
+    """End at once: where tracebacks of failed tests hold Blender's module, its own exit may wait for ever."""
+    bpy = sys.modules.get("bpy")
+    if bpy is None or _STATUS not in config.stash:
+        return
+    shutil.rmtree(bpy.app.tempdir, ignore_errors=True)
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(config.stash[_STATUS])
 
 
 class _SkippedModule(pytest.Module):
