@@ -34,12 +34,12 @@ class Monitor:
     def portion(self, start, share):
         """A monitor for one part of the work: its fractions are a part of the whole."""
         part = copy(self)
-        part.fraction, part._start, part._share = start, start, share
+        part.fraction, part._start, part._share = float(start), start, share
         return part
 
     def at(self, stage, fraction):
         """Enter a stage at a fraction of the whole work, 0..1."""
-        self.stage, self.fraction = stage, self._start + fraction * self._share
+        self.stage, self.fraction = stage, float(self._start + fraction * self._share)
         self.check()
 
     def found(self, energy):

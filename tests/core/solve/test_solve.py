@@ -158,6 +158,13 @@ def test_a_time_limit_that_has_passed_leaves_usable_phases(method):
     assert solution.status is Status.TIME_LIMIT
 
 
+def test_progress_is_told_in_plain_numbers():
+    """NumPy's own are no JSON, and what they are compared with are no plain truths."""
+    kinds = set()
+    solve(direction_problem(together(bent_square(6), bumpy_torus(10)), 4), callback=lambda _, f: kinds.add(type(f)))
+    assert kinds == {float}
+
+
 @pytest.mark.parametrize("method", ["sdp", "descent"])
 def test_a_time_limit_that_has_passed_leaves_the_start(method):
     problem = direction_problem(torus(), 4)
