@@ -11,8 +11,9 @@ from functools import cache
 
 from .errors import SettingError, shown
 
-_QUOTED = r'\s*"(?:[^"]|"")*"\s*'
-_NAMES = rf'({_QUOTED}|[^,:="\r\n]*)', rf'({_QUOTED}|[^,="\r\n]*)'
+# Nothing that is once read is given back (*+): the time grows with the length alone.
+_QUOTED = r'\s*+"(?:[^"]|"")*+"\s*+'
+_NAMES = rf'({_QUOTED}|[^,:="\r\n]*+)', rf'({_QUOTED}|[^,="\r\n]*+)'
 
 
 def items(text, what, form):
@@ -55,9 +56,9 @@ def _pattern(form):
     *others, _ = names.split(":")
     parts = [_NAMES[0]] * len(others) + [_NAMES[1]]
     if names.startswith("KIND"):
-        parts[0] = r"\s*([\w-]*)"
+        parts[0] = r"\s*+([\w-]*+)"
     pattern = parts[0] + "".join(f"(?::{part})?" for part in parts[1:])
-    return re.compile(pattern + (r"(?:=([^,=\"]*))?" if has_value else "") + r"\s*(,|$)")
+    return re.compile(pattern + (r"(?:=([^,=\"]*+))?" if has_value else "") + r"\s*+(,|$)")
 
 
 def _unquoted(part):
