@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Curves that guide: how long they may be for places along them to be looked at one by one."""
+"""Curves that guide: how long they may be, and what lies some way along them."""
 
 import math
+
+import numpy as np
 
 from ..errors import SettingError
 
@@ -30,3 +32,26 @@ def check_length(name, length, step):
             f"{name} has a length of {length:.3g}, and no more than {MOST_PLACES * step:.3g} can be followed along "
             "this mesh: delete the points that are far away from it"
         )
+
+
+def beside(points, values, ways):
+    """What a polyline carries some way before (negative) or behind each of its points.
+
+    Open polylines keep what their ends carry; those that end where they begin go round.
+
+    Parameters
+    ----------
+    points : (p, 3)
+    values : (p, d) at the points
+    ways : (w,) lengths along the polyline, at most its own
+
+    Returns
+    -------
+    (w, p, d) values, linear between the points
+    """
+    along = np.append(0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    places, length = along, along[-1]
+    if np.linalg.norm(points[-1] - points[0]) < 1e-6 * length:
+        along = np.concatenate([along[:-1] - length, along, along[1:] + length])
+        values = np.concatenate([values[:-1], values, values[1:]])
+    return np.array([np.column_stack([np.interp(places + way, along, column) for column in values.T]) for way in ways])

@@ -8,17 +8,20 @@ import numpy as np
 from mathutils.bvhtree import BVHTree
 
 from ...core.errors import SettingError
-from ...core.geometry.polylines import check_length
+from ...core.geometry.polylines import beside, check_length
 from .attributes import read_all
 from .modifiers import is_of_filaments
 
 SOURCE_TYPES = {"CURVE", "GREASEPENCIL", "MESH"}
+# Over so many edges of the mesh, to both sides, the ways from a curve to the surface are averaged.
+_SMOOTHED = 1.5
 
 
 def read_strokes(obj, name, given):
     """Curves of another object, projected to the surface: pairs of (p,) triangles and (p, 3) points.
 
-    Every polyline is sampled at half the mesh's shorter edges. Works with curves, Grease Pencil and meshes of
+    Every polyline is sampled at half the mesh's shorter edges. What lies nearest to a curve off the surface jumps
+    from face to face: the ways there are averaged along it, over some edges. Works with curves, Grease Pencil and meshes of
     edges, as they are seen, modifiers included; of a curve with thickness or fill the splines alone count.
 
     Raises
@@ -39,13 +42,28 @@ def read_strokes(obj, name, given):
     lines = [np.column_stack([line, np.ones(len(line))]) @ matrix.T @ into.T for line in polylines(source)]
     check_length(f"the object {name!r}", sum(float(_lengths(points).sum()) for points in lines), step)
     strokes = []
+    reach = _SMOOTHED * np.median(mesh.edge_lengths)
     for points in lines:
-        hits = [tree.find_nearest(point)[::2] for point in _resampled(points, step)]
-        places, faces = (np.array(column) for column in zip(*hits, strict=True))
-        strokes.append((faces, places))
+        strokes.append(_projected(tree, _resampled(points, step), reach))
     if not strokes:
         raise SettingError(f"the object {name!r} holds no curve: draw one, or choose another object")
     return strokes
+
+
+def _projected(tree, points, reach):
+    """(p,) faces and (p, 3) places on the surface for the points of a polyline."""
+    faces, places = _nearest(tree, points)
+    reach = min(reach, float(_lengths(points).sum()) / 4)
+    ways = np.linspace(-reach, reach, 9)
+    for _ in range(2):
+        around = beside(points, places - points, ways)
+        faces, places = _nearest(tree, points + np.average(around, axis=0, weights=1.1 * reach - np.abs(ways)))
+    return faces, places
+
+
+def _nearest(tree, points):
+    places, _, faces, _ = zip(*map(tree.find_nearest, points), strict=True)
+    return np.array(faces), np.array(places)
 
 
 def polylines(source):

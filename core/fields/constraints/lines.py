@@ -12,6 +12,7 @@ import numpy as np
 
 from ...errors import SettingError
 from ...gauge import balance
+from ...geometry.polylines import beside
 from ...graphs import components
 from ..guidance.face_directions import corner_turns, face_frames
 
@@ -199,8 +200,8 @@ def line_of_strokes(mesh, strokes):
 def _line_of_stroke(mesh, faces, points, frames, turns):
     if len(points) < 2:
         raise SettingError("a stroke has a single point: give it two at least")
-    tangents = np.gradient(points, axis=0)
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    tangents = _tangents(points, steps, np.median(mesh.edge_lengths[mesh.triangle_edges[faces]]))
     lengths = 0.5 * (np.append(steps, 0) + np.insert(steps, 0, 0))
     x, y = (axis[faces] for axis in frames)
     heading = np.einsum("ij,ij->i", tangents, x) + 1j * np.einsum("ij,ij->i", tangents, y)
@@ -217,6 +218,14 @@ def _line_of_stroke(mesh, faces, points, frames, turns):
     shares = np.bincount(np.searchsorted(nodes, vertices), np.repeat(lengths / 3, 3))
     links = mesh.edges[np.unique(mesh.triangle_edges[faces])]
     return Line(nodes, angles.ravel()[nearest], offsets.ravel()[nearest], shares, links)
+
+
+def _tangents(points, steps, reach):
+    """(p, 3) from a place about ``reach`` before each point of a polyline to one as far behind it: the points may lie
+    closely, and where faces meet they jump."""
+    reach = min(reach, steps.sum() / 4)
+    before, behind = beside(points, points, (-reach, reach))
+    return behind - before
 
 
 def joined(lines):

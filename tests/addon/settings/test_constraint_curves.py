@@ -62,6 +62,25 @@ def circle(radius, **settings):
     return source
 
 
+@pytest.mark.parametrize("away", [0.7, 1.0, 1.5])
+def test_a_stripe_under_a_circle_off_a_ball_is_as_round_as_the_circle(away):
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=5)
+    obj, height, spacing = bpy.context.active_object, 0.6, 0.25  # seven edges
+    bpy.ops.curve.primitive_bezier_circle_add(radius=0.8 * away, location=(0, 0, height * away))
+    source = bpy.context.active_object
+    source.data.resolution_u = 32
+    make_active(obj)
+    report = api.stripes(
+        obj, spacing=spacing, constraints=[{"where": "curve", "what": "phase", "name": source.name}]
+    )
+    latitude = np.arcsin(places(obj)[:, 2]) - np.arcsin(height)
+    near = np.abs(latitude) < 0.03
+    off = np.abs(np.arccos(np.clip(pattern(obj)[near], -1, 1)) / (2 * np.pi) - np.abs(latitude[near]) / spacing)
+    assert np.quantile(off, 0.95) < 0.02, np.quantile(off, 0.95)
+    defects = np.array([defect["position"] for defect in report["disclinations"]])
+    assert np.abs(np.arcsin(np.clip(defects[:, 2], -1, 1)) - np.arcsin(height)).min() > spacing
+
+
 @pytest.mark.parametrize("settings", [{}, {"bevel_depth": 0.05}, {"dimensions": "2D", "fill_mode": "BOTH"}], ids=str)
 def test_a_stripe_lies_on_a_circle_to_a_part_of_an_edge(settings):
     obj = grid(24)  # edges of 1/12
