@@ -1,18 +1,15 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every real mesh goes through stripes and directions, or is refused with a reason that a user can act on."""
+"""Every real mesh goes through stripes and directions."""
 
 import pytest
 
-from synch_fields.core.errors import MeshError
 from synch_fields.synch_addon import api
 
 from ..continuity import largest_jump
 from ..quad_meshes import is_closed
-from ..scenes import empties, save_and_reopen, snapshot
+from ..scenes import empties, save_and_reopen
 from ..shared_meshes import MARKS, MESHES, opened
-
-REFUSED = {"teapot": "touch only at this point.*: separate them"}
 
 pytestmark = MARKS
 
@@ -25,7 +22,7 @@ def check(obj, report):
     assert len(empties(obj)) == len(report["disclinations"]) + len(report["dislocations"])
 
 
-@pytest.mark.parametrize("name", [name for name in MESHES if name not in REFUSED])
+@pytest.mark.parametrize("name", MESHES)
 def test_stripes(name, tmp_path):
     obj = opened(name)
     report = api.stripes(obj)
@@ -39,20 +36,10 @@ def test_stripes(name, tmp_path):
 
 
 @pytest.mark.parametrize("symmetry", ["vector", "line", "cross"])
-@pytest.mark.parametrize("name", [name for name in MESHES if name not in REFUSED])
+@pytest.mark.parametrize("name", MESHES)
 def test_directions(name, symmetry):
     obj = opened(name)
     report = api.directions(obj, symmetry=symmetry)
     check(obj, report)
     if is_closed(obj):
         assert sum(d["index"] for d in report["disclinations"]) == report["euler_characteristic"]
-
-
-@pytest.mark.parametrize("command", [api.stripes, api.directions])
-@pytest.mark.parametrize("name", REFUSED)
-def test_refused(name, command):
-    obj = opened(name)
-    before = snapshot()
-    with pytest.raises(MeshError, match=REFUSED[name]):
-        command(obj)
-    assert snapshot() == before
