@@ -2,6 +2,7 @@
 """Baking: what an object with stripes or quads shows, as images over one of its UV maps."""
 
 import os
+import shutil
 import tempfile
 import time
 from pathlib import Path
@@ -230,12 +231,27 @@ def _kept(obj, settings, temporary, folder, report):
             images[name] = bake_images.packed(temporary / target, target, name)
             entry["image"] = images[name].name
             continue
-        os.replace(temporary / target, folder / target)
-        bake_images.reload(folder / target)
+        _replace(obj, temporary / target, folder / target)
         entry["file"] = str(folder / target)
         if settings.material:
             images[name] = bake_images.loaded(folder / target, name)
     return images
+
+
+def _replace(obj, made, place):
+    """Put a file in its place, and an older one back there where the work fails."""
+    older = made.with_name(f"older {made.name}")
+    has_older = place.exists()
+    if has_older:
+        shutil.copy2(place, older)
+
+    def give_back():
+        os.replace(older, place) if has_older else place.unlink(missing_ok=True)
+        bake_images.reload(place)
+
+    undone_by(obj, give_back)
+    os.replace(made, place)
+    bake_images.reload(place)
 
 
 def _add_layer(obj, name, coordinates):

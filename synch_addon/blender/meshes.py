@@ -92,7 +92,8 @@ def read_mesh(obj, base=None, strict=False):
             raise
         found = carrier(mesh, polygons)
         places = found.mesh, found.polygons, stretch, found.mesh, found.source
-        return MeshInput(*places, found.findings, found.own, found.seam if len(found.seam) else None)
+        across = found.across if len(found.across) else None
+        return MeshInput(*places, found.findings, found.own, across, across)
     return MeshInput(mesh, polygons, stretch, mesh, np.arange(mesh.vertex_count))
 
 
@@ -230,6 +231,20 @@ def select_vertices(obj, vertices):
     obj.data.vertices.foreach_set("select", chosen)
     obj.data.edges.foreach_set("select", chosen[ends].all(axis=1))
     obj.data.polygons.foreach_set("select", np.zeros(len(obj.data.polygons), bool))
+    obj.data.update()
+
+
+def select_edges(obj, pairs):
+    """Select edges, by (k, 2) their ends, and nothing else of a mesh in object mode, so that edit mode shows them."""
+    bpy.context.tool_settings.mesh_select_mode = (False, True, False)
+    known, asked = (np.sort(ends, axis=1) for ends in (read_all(obj.data.edges, "vertices", 2), np.asarray(pairs)))
+    names = np.unique(np.concatenate([known, asked]), axis=0, return_inverse=True)[1].reshape(-1)
+    for elements, chosen in (
+        (obj.data.vertices, np.isin(np.arange(len(obj.data.vertices)), asked)),
+        (obj.data.edges, np.isin(names[: len(known)], names[len(known) :])),
+        (obj.data.polygons, np.zeros(len(obj.data.polygons), bool)),
+    ):
+        elements.foreach_set("select", chosen)
     obj.data.update()
 
 
