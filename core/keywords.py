@@ -3,7 +3,6 @@
 
 import math
 from dataclasses import fields
-from functools import cache
 from numbers import Integral, Real
 from pathlib import PurePath
 from types import UnionType
@@ -35,13 +34,8 @@ def from_names(cls, values):
 
 def take_all(settings):
     """Turn each value of a frozen dataclass into the kind that its field has, as :func:`taken` does."""
-    for name, hint in _hints(type(settings)).items():
+    for name, hint in get_type_hints(type(settings)).items():
         object.__setattr__(settings, name, taken(name, hint, getattr(settings, name)))
-
-
-@cache
-def _hints(cls):
-    return get_type_hints(cls)
 
 
 def taken(name, hint, value):

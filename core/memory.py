@@ -16,6 +16,8 @@ except ImportError:  # Windows
 
 # Estimates may be too high by a third: what takes less than is left by so much is never refused.
 _SURE = 0.75
+# Address space that threads and allocators reserve in a solve for each byte that it takes.
+RESERVED = 2.5
 # Where Linux says in which control groups a process is, and where it has them, by their version: the folder, and the
 # file with a group's limit.
 _OWN_GROUPS = Path("/proc/self/cgroup")
@@ -28,43 +30,52 @@ class Room(NamedTuple):
     Attributes
     ----------
     bytes : how much
-    name : what limits it
-    remedy : how to have more
+    reserved : how much of it each byte takes that is used
+    name, remedy : what it is, and how to have more
     """
 
     bytes: float
+    reserved: float
     name: str
     remedy: str
 
+    @property
+    def usable(self):
+        """Bytes that can be used."""
+        return self.bytes / self.reserved
 
-def room():
-    """The :class:`Room` of what leaves least: the machine, the container, or the address space."""
+
+def room(reserved=RESERVED):
+    """The :class:`Room` that ends first: of the machine, of the container, or of address space, of which each byte that
+    is used takes ``reserved``."""
     used = used_bytes()
-    return min(
-        Room(machine_bytes() - used, "this machine", "use a machine with more"),
-        Room(_container_bytes() - used, "this container", "allow the container more"),
-        Room(_space_left(), "the address space", "raise its limit (ulimit -v)"),
+    rooms = (
+        Room(machine_bytes() - used, 1.0, "memory", "use a machine with more"),
+        Room(_container_bytes() - used, 1.0, "the container's memory", "allow it more"),
+        Room(_space_left(), reserved, "address space", "raise its limit (ulimit -v)"),
     )
+    return min(rooms, key=lambda left: left.usable)
 
 
-def check_memory(needed, what):
+def check_memory(needed, what, reserved=RESERVED):
     """Refuse work that takes more memory than there is, before it begins.
 
     Parameters
     ----------
     needed : bytes at its peak, beyond what this process has now; it may be a third too high
-    what : begins the message, such as "a solve on 9 vertices"
+    what : begins the message, such as "a solve of 9 phases"
+    reserved : address space for each of them
 
     Raises
     ------
     SynchError
         naming what is needed, what is there, and the remedy
     """
-    left = room()
-    if _SURE * needed > left.bytes:
-        needs, has = (f"{max(size, 0) / 2**30:.2g} GB" for size in (needed, left.bytes))
+    left = room(reserved)
+    if _SURE * needed > left.usable:
+        needs, has = (f"{max(size, 0) / 2**30:.2g} GB" for size in (needed * left.reserved, left.bytes))
         raise SynchError(
-            f"{what} takes about {needs} of memory and {left.name} has {has} left: use a coarser mesh or {left.remedy}"
+            f"{what} takes about {needs} of {left.name} and {has} are left: use a coarser mesh, or {left.remedy}"
         )
 
 

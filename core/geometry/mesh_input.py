@@ -64,8 +64,8 @@ class MeshInput:
     @property
     def euler_characteristic(self):
         """Of the surface, with the two sides of a seam as one."""
-        characteristic = self.mesh.euler_characteristic
-        return characteristic if self.seam is None else characteristic + len(self.linked) - len(self.seam)
+        characteristic, seam = self.mesh.euler_characteristic, self.seam
+        return characteristic if seam is None or self.linked is None else characteristic + len(self.linked) - len(seam)
 
     @property
     def is_closed(self):

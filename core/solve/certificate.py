@@ -194,7 +194,7 @@ def provable_width(piece):
     is_solid = width / piece.block > SURFACE_FRONT * np.sqrt(piece.node_count)
     if is_solid and rows * width**2 > LONGEST_SWEEP * piece.matrix.nnz:
         return None
-    if width > WIDEST_PROOF[piece.is_complex] or proof_bytes(rows, width, piece.is_complex) > room().bytes:
+    if width > WIDEST_PROOF[piece.is_complex] or proof_bytes(rows, width, piece.is_complex) > room().usable:
         return None
     return width
 

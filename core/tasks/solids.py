@@ -16,9 +16,10 @@ from ..fields.growth import COARSE_SHARE
 from ..fields.layers import LayerPattern, SolidGrowth, solve_layers
 from ..fields.surface_phases import SurfacePhases, surface_phases
 from ..geometry.filling.closed_surface import Area, ClosedSurface
-from ..geometry.filling.lengths import Lengths
+from ..geometry.filling.lengths import Lengths, estimate
 from ..geometry.tet_mesh import TetMesh
 from ..interpolate import TURN
+from ..memory import check_memory
 from ..monitor import Monitor, portion
 from ..solve import Options
 from ..solve.solution import Clock
@@ -105,9 +106,12 @@ class SolidRequest:
         Cancelled
             when the progress is answered with False
         SynchError
-            with one line that says what is wrong and the remedy
+            with one line that says what is wrong and the remedy, also where memory would not do
         """
         monitor, clock = Monitor(progress), Clock()
+        if self.solid is None:
+            expected = estimate(self.surface.distance, self.lengths.size)
+            check_memory(expected.bytes, f"layers in {expected.tets:,} tetrahedra")
         monitor.at("filling the surface", 0.0)
         with clock("fill"):
             solid = monitor.during(self._filled)
