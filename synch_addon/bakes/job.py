@@ -2,7 +2,6 @@
 """Baking: what an object with stripes or quads shows, as images over one of its UV maps."""
 
 import os
-import shutil
 import tempfile
 import time
 from pathlib import Path
@@ -15,7 +14,7 @@ from ...core.extract.cells import cells
 from ..blender import meshes
 from ..blender import phases as blender_phases
 from ..blender.objects import ObjectLink
-from ..blender.transaction import undone_by, whole_or_nothing
+from ..blender.transaction import keep_file, undone_by, whole_or_nothing
 from ..jobs.report import versions
 from ..patterns.numbers import numbers_of
 from . import images as bake_images
@@ -240,16 +239,8 @@ def _kept(obj, settings, temporary, folder, report):
 
 def _replace(obj, made, place):
     """Put a file in its place, and an older one back there where the work fails."""
-    older = made.with_name(f"older {made.name}")
-    has_older = place.exists()
-    if has_older:
-        shutil.copy2(place, older)
-
-    def give_back():
-        os.replace(older, place) if has_older else place.unlink(missing_ok=True)
-        bake_images.reload(place)
-
-    undone_by(obj, give_back)
+    undone_by(obj, lambda: bake_images.reload(place))
+    keep_file(obj, place)
     os.replace(made, place)
     bake_images.reload(place)
 

@@ -11,7 +11,7 @@ from ...core.tasks.layer_outputs import PathSettings
 from ..blender import meshes
 from ..blender.files import check_output
 from ..blender.objects import ObjectLink, no_object
-from ..blender.transaction import whole_or_nothing
+from ..blender.transaction import keep_file, whole_or_nothing
 from ..jobs.job import run
 from . import files, memory
 from .links import solid_of
@@ -96,7 +96,7 @@ def layer_volume(obj, path, resolution=128):
 
 
 class _OutputJob:
-    """What is made of the last layers of an object; see :mod:`..jobs.job`."""
+    """What is made of the last layers of an object as objects and in a file; see :mod:`..jobs.job`."""
 
     def __init__(self, obj):
         obj = _solid(obj)
@@ -111,7 +111,9 @@ class _OutputJob:
             layering = memory.recall_layers(obj)
             if layering.pattern is not self._layering.pattern:
                 raise SynchError(f"the layers of {obj.name} were solved again meanwhile: run again")
-            with self._file(layering, result) as facts:  # which takes its place when all else is done
+            if self._path is not None:
+                keep_file(obj, self._path)
+            with self._file(layering, result) as facts:
                 facts |= self._make(obj, layering, result)
                 return {"status": "made", "command": self.command, "object": obj.name, **facts}
 
