@@ -32,6 +32,8 @@ def read_surface(obj, strict=False):
     if given.across is not None:
         vertices = np.unique(given.source[given.seam])
         raise MeshError(f"{obj.name} is one-sided and encloses nothing: fill a closed surface with two sides", vertices)
+    if given.findings and len(given.mesh.boundary_edges):
+        meshes.read_mesh(obj, strict=True)  # which tells what keeps the surface from being closed
     check_closed(given.mesh, given.source)
     distance = SurfaceDistance(given.mesh)
     _refuse_crossings(given)
