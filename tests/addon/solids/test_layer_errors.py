@@ -173,5 +173,5 @@ def test_what_encloses_nothing_is_refused_by_name():
     with pytest.raises(SynchError, match="one-sided and encloses nothing") as caught:
         api.layers(add_object(*klein_bottle()), spacing=0.3)
     assert len(caught.value.vertices)
-    with pytest.raises(SynchError, match="the edge between vertices 0 and 1 .*three or more faces|has 3 faces"):
+    with pytest.raises(SynchError, match=r"the edge between vertices 0 and 1 .*three or more faces|has 3 faces"):
         api.layers(add_object(*fans(4)), spacing=0.3)
