@@ -123,11 +123,16 @@ def _keep_property(block, key):
 
 
 def keep_file(owner, path):
-    """Give a file back as it is now, or take away what has come to its place, should work on ``owner`` fail."""
+    """Give a file back as it is now, or take away what has come to its place, should work on ``owner`` fail.
+
+    What is no file, such as a device, is left alone.
+    """
     place = Path(path).resolve()
     kept = place.with_name(f".synch-{secrets.token_hex(8)}{place.suffix}")
-    if not place.is_file():
+    if not place.exists():
         undone_by(owner, lambda: place.unlink(missing_ok=True))
+        return
+    if not place.is_file():
         return
     shutil.copy2(place, kept)
     undone_by(owner, lambda: os.replace(kept, place))
