@@ -24,12 +24,18 @@ _KINDS: dict[type, tuple[Any, str]] = {
 
 
 def from_names(cls, values):
-    """The dataclass ``cls`` from keyword arguments, refusing names that do not exist and values of another kind."""
-    known, hints = [field.name for field in fields(cls)], get_type_hints(cls)
+    """The dataclass ``cls`` from keyword arguments, refusing names that do not exist."""
+    known = [field.name for field in fields(cls)]
     for name in values:
         if name not in known:
             raise SettingError(f"the setting {name!r} is unknown: use one of {', '.join(known)}")
-    return cls(**{name: taken(name, hints[name], value) for name, value in values.items()})
+    return cls(**values)
+
+
+def take_all(settings):
+    """Turn each value of a frozen dataclass into the kind that its field has, as :func:`taken` does."""
+    for name, hint in get_type_hints(type(settings)).items():
+        object.__setattr__(settings, name, taken(name, hint, getattr(settings, name)))
 
 
 def taken(name, hint, value):

@@ -1,13 +1,115 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much memory this process takes, and how much the machine has."""
+"""How much memory this process takes, and how much it may take."""
 
+import math
 import os
 import sys
+from pathlib import Path, PurePosixPath
+from typing import NamedTuple
+
+from .errors import SynchError
 
 try:
     import resource
 except ImportError:  # Windows
     resource = None  # type: ignore[assignment]
+
+# Estimates may be too high by a third: what takes less than is left by so much is never refused.
+_SURE = 0.75
+# Address space that threads and allocators reserve in a solve for each byte that it takes.
+RESERVED = 2.5
+# Where Linux says in which control groups a process is, and where it has them, by their version: the folder, and the
+# file with a group's limit.
+_OWN_GROUPS = Path("/proc/self/cgroup")
+_GROUPS = {True: ("/sys/fs/cgroup", "memory.max"), False: ("/sys/fs/cgroup/memory", "memory.limit_in_bytes")}
+
+
+class Room(NamedTuple):
+    """Memory that this process may take beyond what it has.
+
+    Attributes
+    ----------
+    bytes : how much
+    reserved : how much of it each byte takes that is used
+    name, remedy : what it is, and how to have more
+    """
+
+    bytes: float
+    reserved: float
+    name: str
+    remedy: str
+
+    @property
+    def usable(self):
+        """Bytes that can be used."""
+        return self.bytes / self.reserved
+
+
+def room(reserved=RESERVED):
+    """The :class:`Room` that ends first: of the machine, of the container, or of address space, of which each byte that
+    is used takes ``reserved``."""
+    used = used_bytes()
+    rooms = (
+        Room(machine_bytes() - used, 1.0, "memory", "use a machine with more"),
+        Room(_container_bytes() - used, 1.0, "the container's memory", "allow it more"),
+        Room(_space_left(), reserved, "address space", "raise its limit (ulimit -v)"),
+    )
+    return min(rooms, key=lambda left: left.usable)
+
+
+def check_memory(needed, what, reserved=RESERVED):
+    """Refuse work that takes more memory than there is, before it begins.
+
+    Parameters
+    ----------
+    needed : bytes at its peak, beyond what this process has now; it may be a third too high
+    what : begins the message, such as "a solve of 9 phases"
+    reserved : address space for each of them
+
+    Raises
+    ------
+    SynchError
+        naming what is needed, what is there, and the remedy
+    """
+    left = room(reserved)
+    if _SURE * needed > left.usable:
+        needs, has = (f"{max(size, 0) / 2**30:.2g} GB" for size in (needed * left.reserved, left.bytes))
+        raise SynchError(
+            f"{what} takes about {needs} of {left.name} and {has} are left: use a coarser mesh, or {left.remedy}"
+        )
+
+
+def _space_left():
+    """Bytes of address space that this process may add."""
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0] if sys.platform == "linux" else -1
+    return math.inf if limit < 0 else limit - _pages(0)
+
+
+def _container_bytes():
+    """Bytes of the least of this process's control groups."""
+    try:
+        lines = _OWN_GROUPS.read_text().splitlines()
+    except OSError:
+        return math.inf
+    least = math.inf
+    for line in lines:
+        _, kinds, path = line.split(":", 2)
+        if kinds and "memory" not in kinds.split(","):
+            continue
+        folder, name = _GROUPS[not kinds]
+        for group in (PurePosixPath(path), *PurePosixPath(path).parents):
+            try:
+                text = Path(f"{folder}{group}", name).read_text().strip()
+            except OSError:  # a group that cannot be seen from inside the container
+                continue
+            least = min(least, int(text) if text.isdigit() else math.inf)
+    return least
+
+
+def _pages(column):
+    """Bytes of a column of /proc/self/statm: 0 the address space, 1 the memory."""
+    with open("/proc/self/statm", "rb") as file:
+        return int(file.read().split()[column]) * os.sysconf("SC_PAGE_SIZE")
 
 
 def used_bytes():
@@ -16,8 +118,7 @@ def used_bytes():
         return _windows_process().WorkingSetSize
     if sys.platform == "darwin":
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    with open("/proc/self/statm", "rb") as file:
-        return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    return _pages(1)
 
 
 def peak_megabytes():

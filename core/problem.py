@@ -87,7 +87,7 @@ class _Embedding:
 
 
 @dataclass(frozen=True)
-class Links:
+class ColumnLinks:
     """What asks columns to agree: weight |after x_head - before x_tail|^2, of (e,) numbers or (e, d, d) blocks.
 
     The block of a ground has one column only; a ground is a tail or a head of edges, and the tail of soft wishes.
@@ -183,6 +183,11 @@ class SynchronizationProblem:
         """(n,) label of the component of the graph that each node is in."""
         return components(self.connection.node_count, self._pairs)
 
+    @property
+    def component_sizes(self):
+        """(c,) nodes of each component of the graph."""
+        return np.bincount(self._components)
+
     @cached_property
     def turned(self):
         """(n,) bool: nodes whose coordinates are the conjugate of their phase (circle only)."""
@@ -250,12 +255,12 @@ class SynchronizationProblem:
 
     @property
     def links(self):
-        """The :class:`Links` between columns that edges and soft wishes come to."""
+        """The :class:`ColumnLinks` that edges and soft wishes come to."""
         columns, units = self._embedding.columns, self._embedding.units
         i, j = self.connection.edges.T
         moved = compose(self._transports(self.connection.transports, i, j), units[i])
         nodes = self.drawn.nodes
-        return Links(
+        return ColumnLinks(
             np.append(columns[i], self._embedding.grounds[self._components[nodes]]),
             np.append(columns[j], columns[nodes]),
             np.concatenate([moved, _ground_blocks(self._values(self.drawn))]),

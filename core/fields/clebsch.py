@@ -18,8 +18,9 @@ from ..defects import wrap
 from ..errors import SettingError, name_elements
 from ..geometry.grid import Grid
 from ..geometry.surface import Surface
+from ..graphs import components
 from ..interpolate import TURN
-from ..problem import SynchronizationProblem
+from ..problem import Merged, SynchronizationProblem
 from ..solve import Options, Solution, solve
 from ..solve.lifted import lifted_of_rank
 
@@ -117,7 +118,18 @@ def clebsch_problem(grid, integrals, quantum):
             f"its faces: give a circulation from {1.005 * mean / MOST_QUANTA:.3g} on, or a finer grid"
         )
     transports = circle_transports(TURN / quantum * integrals)
-    return SynchronizationProblem(Connection(grid.node_count, grid.edges, grid.weights, transports), grid.masses)
+    connection = Connection(grid.node_count, grid.edges, grid.weights, transports)
+    return SynchronizationProblem(connection, grid.masses, _merged(grid))
+
+
+def _merged(grid):
+    """The two sides of a one-sided surface's seam, where there is one: what a velocity makes of a phase has no side."""
+    if not isinstance(grid, Surface) or grid.seam is None:
+        return None
+    labels = components(grid.node_count, grid.seam)
+    roots = np.unique(labels, return_index=True)[1][labels]
+    nodes = np.flatnonzero(roots != np.arange(grid.node_count))
+    return Merged(nodes, roots[nodes], np.ones(len(nodes), complex))
 
 
 @dataclass(frozen=True)

@@ -165,8 +165,8 @@ def _nearest_star(tangent, lengths):
     arm, and its length says how well they agree.
     """
     sizes = np.abs(tangent)
-    defined = (sizes > 1e-6 * lengths).all(axis=1)
-    units = np.divide(tangent, sizes, out=np.ones_like(tangent), where=sizes > 0)
+    defined = (sizes > np.maximum(1e-6 * lengths, np.finfo(float).tiny)).all(axis=1)
+    units = np.divide(tangent, sizes, out=np.ones_like(tangent), where=sizes > np.finfo(float).tiny)
     ordered = np.take_along_axis(units, np.argsort(np.angle(units), axis=1), axis=1)
     count = tangent.shape[1]
     return (ordered * np.exp(-2j * np.pi / count * np.arange(count))).mean(axis=1), defined

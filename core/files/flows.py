@@ -144,11 +144,12 @@ class ArrayFile:
 
 
 def _read_arrays(path):
-    arrays = np.load(path, allow_pickle=False)
-    if not isinstance(arrays, np.lib.npyio.NpzFile):
-        raise ValueError("a single array without a name")
-    with arrays:
-        found = {name: arrays[name] for name in arrays.files}
+    with path.open("rb") as file:
+        arrays = np.load(file, allow_pickle=False)
+        if not isinstance(arrays, np.lib.npyio.NpzFile):
+            raise ValueError("a single array without a name")
+        with arrays:
+            found = {name: arrays[name] for name in arrays.files}
     for name, array in found.items():
         if not isinstance(array, np.ndarray):
             raise ValueError(f"its member {name} is no array")

@@ -76,7 +76,7 @@ class Carrier:
     polygons : all faces that were given, with the triangles of those in the surface alone, in the order of ``mesh``
     source : (n,) the given vertex that each vertex was: the given ones first, then their copies
     own : (k,) vertex that stands for each given one: itself, or one at the same place
-    seam : (k, 2) vertices at the two sides along which a one-sided surface is open; no loop of them
+    across : (s, 2) half-edges on the two sides along which a one-sided surface is open, from the same place each
     findings : tuple of :class:`Finding`
     """
 
@@ -84,8 +84,13 @@ class Carrier:
     polygons: Polygons
     source: np.ndarray
     own: np.ndarray
-    seam: np.ndarray
+    across: np.ndarray
     findings: tuple[Finding, ...]
+
+    @property
+    def seam(self):
+        """(k, 2) vertices at the two sides along which a one-sided surface is open; no loop of them."""
+        return seam_ends(self.mesh, self.across)
 
 
 def carrier(mesh, polygons):
@@ -122,8 +127,6 @@ def carrier(mesh, polygons):
     # The same half-edges where a triangle runs the other way round.
     halves = np.where(turned[faces[joins // 3]], joins - joins % 3 + np.array([1, 0, 2])[joins % 3], joins)
     surface, source = _in_fans(TriangleMesh(vertices, polygons.corner_vertices[corners]), faces, halves[~seam])
-    across = halves[seam]
-    ends = np.concatenate([across, following(across)])
     alike = alike_corners(polygons, first)
     corner_vertices = polygons.corner_vertices.copy()
     corner_vertices[corners] = surface.triangles
@@ -142,13 +145,14 @@ def carrier(mesh, polygons):
         Polygons(corner_vertices[alike], polygons.starts, polygons.sizes, corners, faces, alike),
         source,
         own,
-        _tree(surface.triangles.ravel()[ends]),
+        halves[seam],
         tuple(Finding(name, elements) for name, elements in found.items() if len(elements)),
     )
 
 
-def _tree(pairs):
-    """Those of (k, 2) pairs of nodes that lead to all nodes in one way each."""
+def seam_ends(mesh, across):
+    """(k, 2) vertices of a mesh that (s, 2) half-edges join, in one way each: those of a :class:`Carrier`'s seam."""
+    pairs = mesh.triangles.ravel()[np.concatenate([across, following(across)])]
     nodes, names = np.unique(pairs, return_inverse=True)
     names = names.reshape(pairs.shape)
     graph = coo_array((np.ones(len(pairs)), names.T), shape=(len(nodes),) * 2)

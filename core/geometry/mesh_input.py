@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import TriangleMesh
-from .carrier import Finding
+from .carrier import Finding, seam_ends
 from .polygons import Polygons
 
 
@@ -20,7 +20,8 @@ class MeshInput:
     and where the object's mesh is no surface and ``uncut`` is its carrier; ``findings`` say where that differs from it,
     ``polygons`` have all faces, with the triangles of those alone that are part of it, and ``own``, where it is not
     None, is the vertex that stands for each of the object's: another one where two at one place count as one.
-    ``seam`` are the (k, 2) vertices on the two sides along which a one-sided surface is open, None where there is none.
+    ``across`` are the (s, 2) half-edges on the two sides along which a one-sided surface is open, None where there is
+    none, and ``linked`` those of them that are not cut.
     """
 
     mesh: TriangleMesh
@@ -30,12 +31,18 @@ class MeshInput:
     source: np.ndarray
     findings: tuple[Finding, ...] = ()
     own: np.ndarray | None = None
-    seam: np.ndarray | None = None
+    across: np.ndarray | None = None
+    linked: np.ndarray | None = None
 
     @property
     def vertex_count(self):
         """How many vertices the object has."""
         return int(self.source.max(initial=-1)) + 1
+
+    @property
+    def finding_counts(self):
+        """How many elements each kind of finding has, as reports tell it."""
+        return {finding.name: len(finding.elements) for finding in self.findings}
 
     @property
     def loose_vertices(self):
@@ -49,26 +56,27 @@ class MeshInput:
         return len(self.source) > self.vertex_count
 
     @property
+    def seam(self):
+        """(k, 2) vertices of the mesh on the two sides of a one-sided surface's seam, no loop of them; None where there
+        is none."""
+        return None if self.linked is None or not len(self.linked) else seam_ends(self.mesh, self.linked)
+
+    @property
     def euler_characteristic(self):
         """Of the surface, with the two sides of a seam as one."""
-        characteristic = self.mesh.euler_characteristic
-        if self.seam is None:
-            return characteristic
-        sides = len(self.uncut.boundary_edges) - len(self.boundary_edges)
-        return characteristic + sides // 2 - len(self.seam)
+        characteristic, seam = self.mesh.euler_characteristic, self.seam
+        return characteristic if seam is None or self.linked is None else characteristic + len(self.linked) - len(seam)
 
     @property
     def is_closed(self):
         """Whether the surface has no boundary, the two sides of a seam apart."""
-        sides = len(self.uncut.boundary_edges) - len(self.boundary_edges)
-        return len(self.mesh.boundary_edges) == sides
+        return len(self.mesh.boundary_edges) == (0 if self.linked is None else self.linked.size)
 
     @property
     def boundary_edges(self):
         """Indices of the boundary edges of the whole surface, the two sides of a seam left out."""
         edges = self.uncut.boundary_edges
-        seams = [finding.elements for finding in self.findings if finding.name == "one_sided_edges"]
-        return np.setdiff1d(edges, self.edges_of(seams[0])) if seams else edges
+        return edges if self.across is None else np.setdiff1d(edges, self.uncut.triangle_edges.ravel()[self.across])
 
     def at_object(self, values):
         """(k, ...) values at the object's vertices, for (n, ...) values at those of the mesh."""

@@ -81,19 +81,32 @@ class Polygons:
         if self.alike is None:
             return replace(now, corner_vertices=vertices)
         now = replace(now, corner_vertices=vertices)
-        old_faces = self.corner_faces[old_corners[now.starts]]
-        rows = self.drawn[old_faces][now.triangle_faces]
-        triangle_faces = now.triangle_faces[rows]
-        turned = self._turned[old_faces[triangle_faces], None]
-        corners = np.where(turned, now.triangle_corners[rows][:, ::-1], now.triangle_corners[rows])
-        alike = alike_corners(now, first_alike(now, self.drawn[old_faces]))
-        return replace(now, triangle_corners=corners, triangle_faces=triangle_faces, alike=alike)
+        shown = self.alike[old_corners]
+        was_drawn = self.drawn[self.corner_faces[old_corners[now.starts]]]
+        both = np.concatenate([self.triangle_corners, shown[now.triangle_corners]])
+        labels = np.unique(np.sort(both, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
+        old, new = np.split(labels, [len(self.triangle_corners)])
+        # Where a face was split over one that doubled a part of it, that one draws this part from now on.
+        order = np.lexsort((np.where(was_drawn, 0, now.sizes)[now.triangle_faces], new))
+        first = order[np.unique(new[order], return_index=True)[1]]
+        rows = np.sort(first[np.isin(new[first], old)])
+        runs = np.zeros(labels.max(initial=-1) + 1, bool)
+        runs[old] = _descends(self.triangle_corners)
+        turned = _descends(shown[now.triangle_corners[rows]]) != runs[new[rows]]
+        corners = np.where(turned[:, None], now.triangle_corners[rows][:, ::-1], now.triangle_corners[rows])
+        now = replace(now, triangle_corners=corners, triangle_faces=now.triangle_faces[rows])
+        alike = alike_corners(now, first_alike(now, now.drawn))
+        # What looked like a face that was split looks like its triangles, corner by corner.
+        drawn = np.flatnonzero(now.drawn[now.corner_faces])
+        known, where = np.unique(shown[drawn], return_index=True)
+        left = np.flatnonzero((alike == np.arange(len(alike))) & ~now.drawn[now.corner_faces] & np.isin(shown, known))
+        alike[left] = drawn[where[np.searchsorted(known, shown[left])]]
+        return replace(now, alike=alike)
 
-    @property
-    def _turned(self):
-        """(p,) bool: faces whose triangles run against the order of their corners."""
-        falls = (np.roll(self.triangle_corners, -1, axis=1) < self.triangle_corners).sum(axis=1) > 1
-        return np.bincount(self.triangle_faces, falls, len(self.starts)) > 0
+
+def _descends(corners):
+    """(k,) bool: triangles whose corners run against their numbers."""
+    return (np.roll(corners, -1, axis=1) < corners).sum(axis=1) > 1
 
 
 def first_alike(polygons, chosen):

@@ -8,12 +8,13 @@ class Surface:
     Parameters
     ----------
     mesh : TriangleMesh, checked
+    seam : (k, 2) vertices at the same places that count as one, None for none
     """
 
     dimension = 2
 
-    def __init__(self, mesh):
-        self.mesh = mesh
+    def __init__(self, mesh, seam=None):
+        self.mesh, self.seam = mesh, seam
 
     @property
     def node_count(self):

@@ -17,6 +17,8 @@ from ..graphs import components
 # Cotangent weights are kept in this range: Eq. (2) needs them positive, and slivers would
 # otherwise outweigh the rest of the mesh by ten orders of magnitude.
 WEIGHT_RANGE = (1e-4, 1e4)
+# And each cotangent in one in which they can be added.
+_LARGEST = 1e200
 
 
 def _rows_of_three(values, dtype, remedy):
@@ -217,7 +219,8 @@ class TriangleMesh:
     def weights(self):
         """(e,) cotangent weights (cot a + cot b) / 2, kept within ``WEIGHT_RANGE``."""
         dots, double_areas = self._corner_products
-        cotangents = dots / np.maximum(double_areas, np.finfo(float).tiny)
+        with np.errstate(over="ignore"):  # of triangles without area within a polygon that has one
+            cotangents = np.clip(dots / np.maximum(double_areas, np.finfo(float).tiny), -_LARGEST, _LARGEST)
         opposite = cotangents[:, [2, 0, 1]].ravel()
         sums = np.bincount(self._half_edges.numbers, weights=0.5 * opposite, minlength=len(self.edges))
         return np.clip(sums, *WEIGHT_RANGE)

@@ -19,6 +19,8 @@ from scipy.sparse import diags_array
 
 from ..algebra.factorization import front_width, is_positive_definite
 from ..errors import SynchError
+from ..memory import room
+from .footprint import proof_bytes
 
 # A factorization in double precision is tried as a proof up to this many rows, and rows of a front, of complex numbers
 # (True) or of real ones: some ten seconds.
@@ -185,14 +187,16 @@ def _inner(vectors, other):
 
 
 def provable_width(piece):
-    """Rows of the widest front if a proof by factorization is affordable, otherwise None."""
+    """Rows of the widest front if a proof by factorization is affordable, in time and in memory, otherwise None."""
     if piece.matrix.shape[0] > LARGEST_PROOF:
         return None
     rows, width = piece.matrix.shape[0], front_width(piece.matrix)
     is_solid = width / piece.block > SURFACE_FRONT * np.sqrt(piece.node_count)
     if is_solid and rows * width**2 > LONGEST_SWEEP * piece.matrix.nnz:
         return None
-    return width if width <= WIDEST_PROOF[piece.is_complex] else None
+    if width > WIDEST_PROOF[piece.is_complex] or proof_bytes(rows, width, piece.is_complex) > room().usable:
+        return None
+    return width
 
 
 def prove(piece, shift, duals, depth, width):

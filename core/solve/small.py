@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..monitor import OutOfTime
 from ..piece import NOISE
 from .certificate import ROUNDINGS
 from .descent import descend
@@ -63,7 +62,7 @@ class SmallResult:
 
     ``fields`` (k, N, c), best first, the last of a piece's own again where it has fewer; ``lifted`` (k, N, r) in
     principal columns; ``bounds`` (k,), all proved; ``reached`` (k,) bool, whether the target gap was; ``steps`` of
-    descents.
+    descents; ``out_of_time``, whether these are the best until time ran out.
     """
 
     fields: np.ndarray
@@ -71,6 +70,7 @@ class SmallResult:
     bounds: np.ndarray
     reached: np.ndarray
     steps: int
+    out_of_time: bool
 
 
 def smallest_eigenpairs(stack):
@@ -101,34 +101,41 @@ def solve_small(stack, options, monitor, start=None):
     -------
     list of (numbers, SmallResult): which of the pieces, and what became of them
     """
-    search = _Search(stack, options, monitor)
+    search, fields = _Search(stack, options, monitor), None
+    if start is not None and options.rounding in ("polish", "continuation"):
+        fields = search.polished(start, STEPS)
     first = search.polished(smallest_eigenpairs(stack)[1], FIRST_STEPS)
     reached = search.bounds(first, AIMED_AT * options.target_gap)[1]
     easy, hard = np.flatnonzero(reached), np.flatnonzero(~reached)
     results = []
-    if len(easy):
+    if search.out_of_time:
+        results.append((np.arange(len(stack)), search.tight(first)))
+    elif len(easy):
         results.append((easy, _Search(stack[easy], options, monitor).tight(first[easy])))
-    if len(hard):
+    if len(hard) and not search.out_of_time:
         results.append((hard, _Search(stack[hard], options, monitor).relaxed(first[hard])))
-    if start is not None and options.rounding in ("polish", "continuation"):
-        fields = search.polished(start, STEPS)
-        results = [(numbers, replace(result, fields=fields[numbers])) for numbers, result in results]
-    return results
+    return results if fields is None else [(k, replace(found, fields=fields[k])) for k, found in results]
 
 
 def descended(stack, start, monitor):
-    """(k, N, 1) local optima that descent reaches from fields, and its steps."""
+    """(k, N, 1) local optima that descent reaches from fields, its steps, and whether time ran out before."""
     search = _Search(stack, None, monitor)
-    return search.polished(start, STEPS), search.steps
+    return search.polished(start, STEPS), search.steps, search.out_of_time
 
 
 class _Search:
-    """Descents of the fields of a stack, and proofs."""
+    """Descents of the fields of a stack, and proofs.
+
+    Attributes
+    ----------
+    steps : of all descents
+    out_of_time : whether one of them has ended before its time
+    """
 
     def __init__(self, stack, options, monitor):
         self._stack, self._options, self._monitor = stack, options, monitor
         self._circles = Circles(stack.block)
-        self.steps = 0
+        self.steps, self.out_of_time = 0, False
 
     def polished(self, fields, all_steps):
         """Where descents lead from (k, N, 1) fields, each of some steps in the metric of the Hessian at its start."""
@@ -136,6 +143,8 @@ class _Search:
         for steps in all_steps:
             metric = SideBySide(self._hessian_inverse(apart(point, len(self._stack))))
             point = self._descended(point, metric, steps, FINAL_TOLERANCE)
+            if self.out_of_time:
+                break
         return apart(point, len(self._stack))
 
     def _descended(self, point, metric, steps, tolerance):
@@ -151,7 +160,7 @@ class _Search:
         """The result of fields that have the energy of the relaxation."""
         fields = self.polished(fields, STEPS[-1:])
         bounds, reached = self.bounds(fields, AIMED_AT * self._options.target_gap)
-        return SmallResult(fields, fields, bounds, reached, self.steps)
+        return SmallResult(fields, fields, bounds, reached, self.steps, self.out_of_time)
 
     def bounds(self, fields, gap):
         """(k,) bounds at a relative gap from the energies of lifted fields, or within rounding, and (k,) bool: whether
@@ -199,10 +208,10 @@ class _Search:
         for steps in LIFTED_STEPS:
             part = _Search(stack[going], options, self._monitor)
             point[going] = part.lifted_descent(point[going], values[going], steps, tolerance)
-            self.steps += part.steps
+            self.steps, self.out_of_time = self.steps + part.steps, part.out_of_time
             bounds[going], reached = part.bounds(point[going], AIMED_AT * options.target_gap)
             going = going[~reached]
-            if len(going) == 0:
+            if len(going) == 0 or self.out_of_time:
                 break
         is_reached = np.ones(len(stack), bool)
         is_reached[going] = False
@@ -211,8 +220,8 @@ class _Search:
                 bounds[going], reached = _Search(stack[going], options, self._monitor).bounds(point[going], gap)
                 going = going[~reached]
         lifted = principal_columns(stack, point)
-        fields = self._rounded(lifted, found, random)
-        return SmallResult(fields, unit_lifted(stack, lifted), bounds, is_reached, self.steps)
+        fields = found if self.out_of_time else self._rounded(lifted, found, random)
+        return SmallResult(fields, unit_lifted(stack, lifted), bounds, is_reached, self.steps, self.out_of_time)
 
     @property
     def _rank(self):
@@ -241,8 +250,7 @@ class _Search:
     def _descend(self, matrix, spheres, point, metric, steps, tolerance):
         descent = descend(matrix, spheres, point, metric, tolerance, steps, self._monitor)
         self.steps += descent.steps
-        if descent.out_of_time:
-            raise OutOfTime
+        self.out_of_time |= descent.out_of_time
         return descent.point
 
     def _rounded(self, lifted, found, random):

@@ -8,9 +8,11 @@ import numpy as np
 
 from ..algebra.metric import SMALLEST_SHIFT
 from ..algebra.workers import solving
+from ..memory import check_memory
 from ..monitor import Monitor, OutOfTime
 from . import rounding
 from .diffusion import diffuse
+from .footprint import connection_bytes
 from .options_check import check_options
 from .parts import PartResult, Start, combine
 from .solution import DESCENT, Certificate, Clock, Options, Status, relative_gap
@@ -63,6 +65,8 @@ def solve(problem, options=None, callback=None, start=None):
 def _solve(problem, options, callback, start):
     clock = Clock()
     monitor = Monitor(callback, options.time_limit)
+    if options.method == "sdp":
+        _check_memory(problem)
     with clock("build"):
         pieces = problem.pieces
         begin = Start.of(problem, start)
@@ -79,6 +83,14 @@ def _solve(problem, options, callback, start):
         results.append(_solve_piece(piece, options, monitor.portion(done, share), clock, begin.on(piece), calm))
         done += share
     return combine(problem, results, options, clock.seconds)
+
+
+def _check_memory(problem):
+    """Refuse a problem whose largest piece takes more memory than there is."""
+    connection, sizes = problem.connection, problem.component_sizes
+    share = sizes.max(initial=0) / max(sizes.sum(), 1)
+    whole = connection_bytes(connection.node_count, len(connection.edges), problem.block, problem.is_complex)
+    check_memory(share * whole, f"a solve of {connection.node_count:,} phases")
 
 
 class _Calmed:

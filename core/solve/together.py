@@ -63,16 +63,16 @@ def _as_they_are(pieces, numbers, coordinates, options, is_perfect):
 
 
 def _small(problem, numbers, options, monitor, start, coordinates):
-    """The results of small pieces; of (N,) coordinates where time runs out."""
+    """The results of small pieces; of (N,) coordinates where time runs out, if no better ones were found."""
     pieces, results = problem.pieces, []
     chunks = _chunks(pieces.sizes, numbers, problem.block, options.samples)
     for place, chunk in enumerate(chunks):
         try:
             monitor.at("small pieces", place / len(chunks))
-            results.extend(_solved(pieces, chunk, options, monitor, start))
         except OutOfTime:
             results.append(_as_they_are(pieces, np.concatenate(chunks[place:]), coordinates, options, False))
             break
+        results.extend(_solved(pieces, chunk, options, monitor, start, coordinates))
     return results
 
 
@@ -90,7 +90,7 @@ def _chunks(sizes, numbers, block, samples):
     return chunks
 
 
-def _solved(pieces, numbers, options, monitor, start):
+def _solved(pieces, numbers, options, monitor, start, coordinates):
     """The PartResults of the pieces of one stack."""
     stack = pieces.stack(numbers)
     column = None
@@ -99,10 +99,11 @@ def _solved(pieces, numbers, options, monitor, start):
         column[stack.used] = start.column[pieces.rows(numbers)]
     if options.method == "sdp":
         parts = solve_small(stack, options, monitor, column)
-        return [_certified(pieces, numbers[own], stack[own], found) for own, found in parts]
+        return [_certified(pieces, numbers[own], stack[own], found, coordinates) for own, found in parts]
     if options.method == DESCENT:
-        fields, steps = descended(stack, column, monitor)
-        return [_alone(pieces, numbers, stack, fields, iterations=steps)]
+        fields, steps, out_of_time = descended(stack, column, monitor)
+        status = Status.TIME_LIMIT if out_of_time else Status.UNCERTIFIED
+        return [_alone(pieces, numbers, stack, fields, iterations=steps, status=status)]
     values, vectors = smallest_eigenpairs(stack)
     bound = float(stack.weights @ (values * pieces.sizes[numbers]))
     quality = {"bound": bound, "spectral_bound": bound, "certificate": Certificate.ESTIMATED}
@@ -113,8 +114,11 @@ def _alone(pieces, numbers, stack, fields, **quality):
     return PartResult(pieces.rows(numbers), stack.mass.shape[1], _columns(stack, fields), **quality)
 
 
-def _certified(pieces, numbers, stack, found):
+def _certified(pieces, numbers, stack, found, coordinates):
     fields, lifted = _columns(stack, found.fields), found.lifted[stack.used]
+    status = Status.CERTIFIED if found.reached.all() else Status.TARGET_GAP_NOT_REACHED
+    if found.out_of_time:
+        fields, status = _better(pieces, numbers, fields[:, :1], coordinates), Status.TIME_LIMIT
     # Phases of less energy, which a tight relaxation may round to, are a better point of it.
     values = np.minimum(pieces.energies_of(numbers, lifted), pieces.energies_of(numbers, fields[:, :1]))
     largest = np.argmax(np.count_nonzero(stack.used, axis=1))
@@ -126,11 +130,19 @@ def _certified(pieces, numbers, stack, found):
         bound=float(np.minimum(stack.weights * found.bounds, values).sum()),
         sdp_value=float(values.sum()),
         certificate=Certificate.PROVED,
-        status=Status.CERTIFIED if found.reached.all() else Status.TARGET_GAP_NOT_REACHED,
+        status=status,
         lifted=lifted,
         singular_values=sizes[sizes > 0],
         iterations=found.steps,
     )
+
+
+def _better(pieces, numbers, fields, coordinates):
+    """Each piece's (m, 1) fields, or (N,) coordinates where these have less energy."""
+    given = coordinates[pieces.rows(numbers)][:, None]
+    is_worse = pieces.energies_of(numbers, fields) > pieces.energies(coordinates)[numbers]
+    rows = pieces.sizes[numbers] * (len(given) // pieces.sizes[numbers].sum())
+    return np.where(np.repeat(is_worse, rows)[:, None], given, fields)
 
 
 def _columns(stack, fields):

@@ -35,6 +35,7 @@ class ClebschSettings(SolverSettings):
     opening : degrees around the antipode that are inside a tube
     smoothing : how often points of filaments, and vertices of tubes, move to the middle of their neighbours
     frames : first and last frame of a sequence, None for what the source is now
+    strict : refuse a mesh that is no surface as it is, instead of solving on the surface nearest to it
     """
 
     show: str = "filaments"
@@ -47,6 +48,7 @@ class ClebschSettings(SolverSettings):
     opening: float = 60.0
     smoothing: int = 5
     frames: tuple[int, int] | None = None
+    strict: bool = False
 
     def __post_init__(self):
         super().__post_init__()

@@ -205,5 +205,5 @@ class SurfaceFlowRequest:
 
     def solve(self, progress=None):
         """The :class:`FlowResult`; errors as :meth:`FlowRequest.solve`."""
-        surface = Surface(self.given.mesh)
+        surface = Surface(self.given.mesh, self.given.seam)
         return FlowResult.of(surface, edge_integrals(surface, self.velocity), self.settings, progress)

@@ -3,7 +3,7 @@
 
 from dataclasses import dataclass, fields
 
-from ..keywords import check_choice, check_positive, check_whole
+from ..keywords import check_choice, check_positive, check_whole, take_all
 from ..solve import METHODS, Options
 
 
@@ -25,6 +25,7 @@ class SolverSettings:
     time_limit: float | None = None
 
     def __post_init__(self):
+        take_all(self)
         check_choice(self, "method", METHODS)
         check_whole(self, "seed")
         check_positive(self, "target_gap", optional=("time_limit",))

@@ -16,9 +16,10 @@ from ..fields.growth import COARSE_SHARE
 from ..fields.layers import LayerPattern, SolidGrowth, solve_layers
 from ..fields.surface_phases import SurfacePhases, surface_phases
 from ..geometry.filling.closed_surface import Area, ClosedSurface
-from ..geometry.filling.lengths import Lengths
+from ..geometry.filling.lengths import Lengths, estimate
 from ..geometry.tet_mesh import TetMesh
 from ..interpolate import TURN
+from ..memory import check_memory
 from ..monitor import Monitor, portion
 from ..solve import Options
 from ..solve.solution import Clock
@@ -105,9 +106,12 @@ class SolidRequest:
         Cancelled
             when the progress is answered with False
         SynchError
-            with one line that says what is wrong and the remedy
+            with one line that says what is wrong and the remedy, also where memory would not do
         """
         monitor, clock = Monitor(progress), Clock()
+        if self.solid is None:
+            expected = estimate(self.surface.distance, self.lengths.size)
+            check_memory(expected.bytes, f"layers in {expected.tets:,} tetrahedra")
         monitor.at("filling the surface", 0.0)
         with clock("fill"):
             solid = monitor.during(self._filled)
@@ -126,7 +130,12 @@ class SolidRequest:
             curves = tuple(defect_curves(solid, pattern.face_numbers))
             ends = curve_ends(solid, surfaces, curves)
             phases = monitor.during(lambda: surface_phases(self.surface.mesh, pattern, growth))
-        warnings = (*self._about_loss(solid), *self._about_rims(filled, groups), *_about_edges(growth))
+        warnings = (
+            *self._about_loss(solid),
+            *self._about_holes(solid),
+            *self._about_rims(filled, groups),
+            *_about_edges(growth),
+        )
         return SolidResult(pattern, surfaces, curves, ends, phases, warnings, clock.seconds)
 
     def _filled(self):
@@ -148,6 +157,14 @@ class SolidRequest:
                 f"the solid lacks {lost:.0%} of the surface's volume: what is thinner than {self.lengths.size:.3g} is "
                 "lost, reduce the size of its tetrahedra"
             )
+
+    def _about_holes(self, solid):
+        more = self.surface.more_holes(solid)
+        if more:
+            number = f"{abs(more)} hole" + "s" * (abs(more) > 1)
+            has = f"has {number} that the surface has not, where it closes narrow gaps"
+            lacks = f"lacks {number} of the surface, too narrow for it"
+            yield f"the solid {has if more > 0 else lacks}: reduce the size of its tetrahedra, {self.lengths.size:.3g}"
 
     def _about_rims(self, filled, groups):
         for asked, group in zip(self.asked, groups, strict=True):

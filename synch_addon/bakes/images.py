@@ -104,12 +104,13 @@ def baked_materials(obj, kind, images, uv_map, with_displacement):
         append_material(obj, None)
         shown = [(obj.material_slots[-1], None)]
     made = {source: slot.material for slot, source in shown if _is_made_for(slot.material, obj)}
+    for material in made.values():
+        keep(material)  # before slots are changed: what takes its place where the work fails comes to them last
     for slot, source in shown:
         if source not in made:
             made[source] = _new_material(obj, source)
         assign(slot, "material", made[source])
     for material in made.values():
-        keep(material)
         _fill(material, obj, images, uv_map, with_displacement)
     return list(made.values())
 

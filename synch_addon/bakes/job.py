@@ -14,7 +14,7 @@ from ...core.extract.cells import cells
 from ..blender import meshes
 from ..blender import phases as blender_phases
 from ..blender.objects import ObjectLink
-from ..blender.transaction import undone_by, whole_or_nothing
+from ..blender.transaction import keep_file, undone_by, whole_or_nothing
 from ..jobs.report import versions
 from ..patterns.numbers import numbers_of
 from . import images as bake_images
@@ -230,12 +230,19 @@ def _kept(obj, settings, temporary, folder, report):
             images[name] = bake_images.packed(temporary / target, target, name)
             entry["image"] = images[name].name
             continue
-        os.replace(temporary / target, folder / target)
-        bake_images.reload(folder / target)
+        _replace(obj, temporary / target, folder / target)
         entry["file"] = str(folder / target)
         if settings.material:
             images[name] = bake_images.loaded(folder / target, name)
     return images
+
+
+def _replace(obj, made, place):
+    """Put a file in its place, and an older one back there where the work fails."""
+    undone_by(obj, lambda: bake_images.reload(place))
+    keep_file(obj, place)
+    os.replace(made, place)
+    bake_images.reload(place)
 
 
 def _add_layer(obj, name, coordinates):

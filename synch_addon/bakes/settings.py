@@ -9,7 +9,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 
 from ...core.errors import SettingError, shown
-from ...core.keywords import check_choice, check_path
+from ...core.keywords import check_choice, check_path, take_all
 
 SIZES = (16, 16384)
 _MOST_SAMPLES = 4096
@@ -71,6 +71,7 @@ class BakeSettings:
     displacement: bool = False
 
     def __post_init__(self):
+        take_all(self)
         names = self.maps.split(",") if isinstance(self.maps, str) else self.maps
         if not isinstance(names, list | tuple):
             raise SettingError(f"the maps are {shown(names)}: give names such as colour,normal")
@@ -82,7 +83,7 @@ class BakeSettings:
             raise SettingError(f"no map is asked for: choose one or more of {', '.join(MAPS)}")
         for name, low, high in (("size", *SIZES), ("margin", 0, self.size), ("samples", 1, _MOST_SAMPLES)):
             value = getattr(self, name)
-            if not isinstance(value, int) or isinstance(value, bool) or not low <= value <= high:
+            if not low <= value <= high:
                 raise SettingError(f"the {name} is {shown(value)}: give a whole number from {low} to {high}")
         check_choice(self, "file_format", SUFFIXES)
         if self.material and not {"colour", "normal", "height"} & set(self.maps):

@@ -13,6 +13,7 @@ from ...core.errors import SettingError
 from ...core.files.directions import SUFFIXES as FIELD_SUFFIXES
 from ...core.files.meshes import check_ply, is_whole
 from ...core.files.whole import check_writable, unwritten, written_whole
+from ...core.memory import check_memory
 from .attributes import read_all
 from .quiet import quiet_stderr
 
@@ -22,6 +23,9 @@ _IMPORTERS = {
     ".stl": lambda path: bpy.ops.wm.stl_import(filepath=path),
     ".glb": lambda path: bpy.ops.import_scene.gltf(filepath=path),
 }
+# Memory that an importer takes for each byte of a file, which ends Blender where there is none: a third more than was
+# measured on spheres of 160,000 and a million vertices.
+_BYTES = {".obj": 8, ".ply": 34, ".stl": 4}
 _EXPORTERS = {
     ".obj": lambda **to: bpy.ops.wm.obj_export(export_selected_objects=True, export_materials=False, **to),
     ".ply": lambda **to: bpy.ops.wm.ply_export(
@@ -42,8 +46,8 @@ def open_input(path):
 
     Raises
     ------
-    SettingError
-        for a missing or damaged file, or a kind that is not supported
+    SynchError
+        for a missing or damaged file, a kind that is not supported, or one that memory does not hold
     """
     suffix = Path(path).suffix.lower()
     if suffix != ".blend" and suffix not in _IMPORTERS:
@@ -55,6 +59,7 @@ def open_input(path):
         raise SettingError(f"{path}: no such file")
     if suffix == ".ply":
         check_ply(path)
+    check_memory(_BYTES.get(suffix, 0) * Path(path).stat().st_size, str(path), reserved=1.0)
     try:
         with quiet_stderr():
             _read(suffix, str(Path(path).resolve()))

@@ -92,7 +92,8 @@ def read_mesh(obj, base=None, strict=False):
             raise
         found = carrier(mesh, polygons)
         places = found.mesh, found.polygons, stretch, found.mesh, found.source
-        return MeshInput(*places, found.findings, found.own, found.seam if len(found.seam) else None)
+        across = found.across if len(found.across) else None
+        return MeshInput(*places, found.findings, found.own, across, across)
     return MeshInput(mesh, polygons, stretch, mesh, np.arange(mesh.vertex_count))
 
 
@@ -153,10 +154,39 @@ def _stretch(obj):
     return (axes * np.sqrt(values)) @ axes.T
 
 
+def can_be_split(obj, faces, surface):
+    """Those of some faces whose triangles are not there yet as other faces: none can be there twice.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+    faces : (k,)
+    surface : Polygons of the surface, whose faces may look like others: such a face stands for the triangle it is
+    """
+    polygons, names = read_polygons(obj), np.arange(len(surface.starts))
+    shown = names if surface.alike is None else surface.corner_faces[surface.alike[surface.starts]]
+    small = np.flatnonzero(polygons.sizes == 3)
+    rows = np.isin(polygons.triangle_faces, faces)
+    there = polygons.corner_vertices[polygons.starts[small, None] + np.arange(3)]
+    both = np.sort(np.concatenate([there, polygons.triangles[rows]]), axis=1)
+    labels = np.unique(both, axis=0, return_inverse=True)[1].reshape(-1)
+    met, asked = np.split(labels, [len(small)])
+    near = np.isin(met, asked)
+    chosen, owners = [], {}
+    for label, face in zip(met[near].tolist(), shown[small[near]].tolist(), strict=True):
+        owners[label] = face if owners.get(label, face) == face else None
+    for face in faces:
+        own = asked[polygons.triangle_faces[rows] == face].tolist()
+        if all(owners.get(label, face) == face for label in own):
+            chosen.append(face)
+            owners |= dict.fromkeys(own, face)
+    return np.array(chosen, int)
+
+
 def split_faces(obj, faces):
     """Replace faces by the triangles that draw them, keeping all their corner and face data.
 
-    A face that doubles another one stays where the triangles are there already: none can be there twice.
+    Where a triangle is there already, none is made (see :func:`can_be_split`).
 
     Returns the (c,) old corner that each corner was.
     """
@@ -230,6 +260,20 @@ def select_vertices(obj, vertices):
     obj.data.vertices.foreach_set("select", chosen)
     obj.data.edges.foreach_set("select", chosen[ends].all(axis=1))
     obj.data.polygons.foreach_set("select", np.zeros(len(obj.data.polygons), bool))
+    obj.data.update()
+
+
+def select_edges(obj, pairs):
+    """Select edges, by (k, 2) their ends, and nothing else of a mesh in object mode, so that edit mode shows them."""
+    bpy.context.tool_settings.mesh_select_mode = (False, True, False)
+    known, asked = (np.sort(ends, axis=1) for ends in (read_all(obj.data.edges, "vertices", 2), np.asarray(pairs)))
+    names = np.unique(np.concatenate([known, asked]), axis=0, return_inverse=True)[1].reshape(-1)
+    for elements, chosen in (
+        (obj.data.vertices, np.isin(np.arange(len(obj.data.vertices)), asked)),
+        (obj.data.edges, np.isin(names[: len(known)], names[len(known) :])),
+        (obj.data.polygons, np.zeros(len(obj.data.polygons), bool)),
+    ):
+        elements.foreach_set("select", chosen)
     obj.data.update()
 
 

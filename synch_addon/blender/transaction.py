@@ -7,7 +7,11 @@ itself. Whoever changes what was there says how it is given back, by :func:`assi
 more. Outside all of these do what they are asked to, for good and at once.
 """
 
+import os
+import secrets
+import shutil
 from contextlib import ExitStack, contextmanager
+from pathlib import Path
 
 import bpy
 
@@ -116,6 +120,23 @@ def _keep_property(block, key):
     before = block.get(key)
     before = before.to_dict() if hasattr(before, "to_dict") else before
     undone_by(block, lambda: block.pop(key, None) if before is None else block.__setitem__(key, before))
+
+
+def keep_file(owner, path):
+    """Give a file back as it is now, or take away what has come to its place, should work on ``owner`` fail.
+
+    What is no file, such as a device, is left alone.
+    """
+    place = Path(path).resolve()
+    kept = place.with_name(f".synch-{secrets.token_hex(8)}{place.suffix}")
+    if not place.exists():
+        undone_by(owner, lambda: place.unlink(missing_ok=True))
+        return
+    if not place.is_file():
+        return
+    shutil.copy2(place, kept)
+    undone_by(owner, lambda: os.replace(kept, place))
+    at_the_end(lambda: kept.unlink(missing_ok=True))
 
 
 def leave(blocks):

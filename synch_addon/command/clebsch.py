@@ -9,7 +9,7 @@ from ..blender import files
 from ..blender.modifiers import is_of_filaments
 from ..flows.job import clebsch
 from ..flows.report import summary
-from .flags import Made, add_choice, add_number, add_outputs, add_solver, saved
+from .flags import Made, add_choice, add_number, add_outputs, add_solver, add_strict, saved
 
 
 def add_parser(commands):
@@ -47,6 +47,7 @@ def add_parser(commands):
         metavar=("FIRST", "LAST"),
         help="a range of a sequence: files with # for each digit of the number, smoke_####.vdb, or a volume's",
     )
+    add_strict(command)
     add_solver(command)
     add_outputs(command, "energies, bounds, filaments and times")
 

@@ -76,6 +76,10 @@ def add_quiet(command):
     command.add_argument("--quiet", action="store_true", help="no progress on stderr")
 
 
+def add_strict(command):
+    command.add_argument("--strict", action="store_true", help="refuse meshes that are no surface as they are")
+
+
 def add_solver(command):
     """Flags of :class:`SolverSettings`."""
     default = SolverSettings()

@@ -12,7 +12,18 @@ from ..jobs.job import run as run_job
 from ..solids.report import summary
 from ..solids.settings import KINDS, WISHES, LayerSettings
 from . import layer_outputs
-from .flags import Made, add_input, add_number, add_outputs, add_solver, add_spacing, saved, solver_of, spacing_of
+from .flags import (
+    Made,
+    add_input,
+    add_number,
+    add_outputs,
+    add_solver,
+    add_spacing,
+    add_strict,
+    saved,
+    solver_of,
+    spacing_of,
+)
 
 _DEFAULT = LayerSettings()
 
@@ -43,6 +54,7 @@ def add_parser(commands):
     )
     tip = "share of the branches that even distances need, from 0 (hardly any or none) to 1"
     add_number(command, "--branching", _DEFAULT.branching, tip)
+    add_strict(command)
     add_solver(command)
     layer_outputs.add_arguments(command)
     add_outputs(command, "energies, spacings, curves and times", "the layers", "all layers as one mesh")
@@ -55,6 +67,7 @@ def run(options, open_object, progress):
         options.groups,
         branching=options.branching,
         size=options.size,
+        strict=options.strict,
         **spacing_of(options),
         **solver_of(options),
     )

@@ -9,7 +9,7 @@ from ...core.errors import SettingError
 from ..settings.constraints import from_plain
 from ..settings.fields import BOUNDARIES, SYMMETRIES, Settings
 from ..settings.guidance import KINDS
-from .flags import add_choice, add_number, add_solver, add_spacing, solver_of, spacing_of
+from .flags import add_choice, add_number, add_solver, add_spacing, add_strict, solver_of, spacing_of
 
 
 def add_settings(command, name):
@@ -55,7 +55,7 @@ def add_settings(command, name):
     command.add_argument(
         "--mirror", default="", metavar="AXES", help="X, Y, Z or several: the result is its own mirror image in them"
     )
-    command.add_argument("--strict", action="store_true", help="refuse meshes that cannot carry a field as they are")
+    add_strict(command)
     command.add_argument(
         "--constraints", metavar="ROWS.json", help="a list of rows; default: the list stored with the object"
     )

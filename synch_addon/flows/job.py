@@ -77,5 +77,5 @@ def job_for(source, settings):
         check_path(source)
     if settings.frames is not None:
         return SequenceJob(source, settings)
-    surface = surface_flow(source, settings.attribute)
+    surface = surface_flow(source, settings.attribute, settings.strict)
     return ClebschJob(source, settings) if surface is None else SurfaceJob(surface, settings)

@@ -68,7 +68,7 @@ def _fill(given, result, settings, objects):
     phases = EdgePhases(given.mesh, np.angle(shown.phases)[:, None], changes, matchings)
     given = replace(given, polygons=write_phases(obj, given, phases, warnings.append))
     period = _period(given.mesh, shown)
-    facts = {"vortices": _write_vortices(obj, given, shown, period)}
+    facts = {"carrier": given.finding_counts, "vortices": _write_vortices(obj, given, shown, period)}
     if result.sphere is not None:
         write_sphere(obj, given.at_object(result.sphere.sphere))
         facts["coverage"] = float(np.abs(result.sphere.face_areas).sum())  # either way

@@ -36,13 +36,14 @@ class SurfaceFlow:
     warnings: tuple[str, ...] = ()
 
 
-def surface_flow(source, attribute):
+def surface_flow(source, attribute, strict=False):
     """The :class:`SurfaceFlow` of a mesh object with faces or of a .npz file with a plane; None for other sources.
 
     Parameters
     ----------
     source : path, object, or list of objects
     attribute : vector attribute on the vertices of a mesh
+    strict : refuse a mesh that is no surface as it is
     """
     if isinstance(source, str | Path):
         path = Path(source)
@@ -52,14 +53,14 @@ def surface_flow(source, attribute):
     surfaces = [obj for obj in objects if obj.type == "MESH" and len(obj.data.polygons)]
     if surfaces and len(objects) > 1:
         raise SettingError(f"{surfaces[0].name} is a surface with a flow of its own: choose it alone")
-    return _of_object(surfaces[0], attribute) if surfaces else None
+    return _of_object(surfaces[0], attribute, strict) if surfaces else None
 
 
-def _of_object(obj, attribute):
+def _of_object(obj, attribute, strict):
     reason = meshes.refusal(obj)
     if reason:
         raise SettingError(reason)
-    given = meshes.read_mesh(obj)
+    given = meshes.read_mesh(obj, strict=strict)
     warnings = tuple(finding.line for finding in given.findings)
     return SurfaceFlow(obj.name, given, attributes.read_vectors(obj, attribute, given), ObjectLink.to(obj), warnings)
 

@@ -195,7 +195,7 @@ class AnimationJob:
     def _split(self, obj, frames):
         """Split the faces that cannot carry their defects in some frame; how polygons are afterwards."""
         unfit = [face_phases(frame.edge_phases, frame.polygons)[0].unfit for frame in frames]
-        faces = np.unique(np.concatenate(unfit))
+        faces = meshes.can_be_split(obj, np.unique(np.concatenate(unfit)), self._base.polygons)
         if len(faces) == 0:
             return lambda polygons: polygons
         self._report.warn(write.split_line(faces))

@@ -147,7 +147,7 @@ class Report:
             report["directions"] = quality(field.solution)
             report["evenness"] = pattern.evenness.figures
         return report | {
-            "carrier": {finding.name: len(finding.elements) for finding in self._request.given.findings},
+            "carrier": self._request.given.finding_counts,
             "euler_characteristic": self._request.given.euler_characteristic,
             "closed": self._request.given.is_closed,
             "disclinations": [d for d in defects if d["kind"] == "disclination"],

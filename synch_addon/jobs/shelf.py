@@ -19,11 +19,9 @@ class Shelf:
         self._all.append(self)
 
     def put(self, key, value):
-        """Keep something, in place of what there was."""
-        self.drop(key)
-        self._kept[key] = value
-        while len(self._kept) > self.most:
-            del self._kept[next(iter(self._kept))]
+        """Keep something, in place of what there was, which stays where this fails."""
+        kept = {other: found for other, found in self._kept.items() if other != key} | {key: value}
+        self._kept = dict(list(kept.items())[-self.most :])
 
     def get(self, key):
         """What is kept, or None."""

@@ -15,6 +15,7 @@ from .ready import PromptOperator, ReadyOperator
 
 # Distance from which a defect is looked at, in sizes of its empty.
 _VIEWED = 30
+_SELECT = {"vertex": meshes.select_vertices, "edge": meshes.select_edges, "face": meshes.select_faces}
 # What the figures of the box Result mean.
 _MEANINGS = {
     "energy": "What is left of the wish for even stripes along the directions: 0 is a perfect pattern",
@@ -70,10 +71,7 @@ class SYNCH_OT_select_places(ReadyOperator, PromptOperator, bpy.types.Operator):
             found = {finding.name: finding for finding in meshes.read_mesh(obj).findings}.get(self.finding)
             if found is None:
                 raise SynchError(f"{obj.name} has no such place any more: solve it again")
-            if found.kind == "face":
-                meshes.select_faces(obj, found.elements)
-            else:
-                meshes.select_vertices(obj, found.elements.ravel())
+            _SELECT[found.kind](obj, found.elements)
         bpy.ops.object.mode_set(mode="EDIT")
         return found.line
 

@@ -39,7 +39,7 @@ def describe(obj):
         },
         "automatic_spacing": automatic_spacing("stripes", mesh),
         "finest_spacing": 2 * float(np.quantile(mesh.edge_lengths, 1 - COARSE_SHARE)),
-        "carrier": {finding.name: len(finding.elements) for finding in given.findings},
+        "carrier": given.finding_counts,
         "versions": versions(),
     }
     return facts, _lines(facts) + [finding.line for finding in given.findings]

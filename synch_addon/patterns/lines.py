@@ -14,7 +14,7 @@ from ...core.extract.isolines import End
 from ...core.extract.isolines import isolines as traced_lines
 from ...core.geometry.barycentric import barycentric
 from ...core.geometry.nearest import NearestTriangles
-from ...core.keywords import MOST_ROUNDS, check_choice, check_whole
+from ...core.keywords import MOST_ROUNDS, check_choice, check_whole, take_all
 from ..jobs.report import counted, versions
 
 SPLINES = ("poly", "bezier", "nurbs")
@@ -49,9 +49,10 @@ class LineSettings:
     spline: str = "poly"
 
     def __post_init__(self):
+        take_all(self)
         for name in ("width", "distance", "radius"):
             value = getattr(self, name)
-            if not isinstance(value, int | float) or not 0 <= value < math.inf:
+            if not 0 <= value < math.inf:
                 raise SettingError(f"the {name} is {value!r}: give a number from 0 on")
         if self.width > 1:
             raise SettingError(f"the width is {self.width:g}: give a part of a period from 0 (middles) to 1 (of gaps)")

@@ -87,7 +87,7 @@ def write_phases(obj, given, edge_phases, warn):
     """
     polygons = given.polygons
     phases = face_phases(edge_phases, polygons)
-    unfit = phases[0].unfit
+    unfit = meshes.can_be_split(obj, phases[0].unfit, polygons)
     if len(unfit):
         warn(split_line(unfit))
         old_corners = meshes.split_faces(obj, unfit)

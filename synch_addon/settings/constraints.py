@@ -112,8 +112,10 @@ def cut_mesh(obj, given, constraints):
         return given
     edges = np.unique(np.concatenate([_edges(obj, given, c) for c in cutting]))
     mesh, source = cut_open(given.mesh, edges)
-    polygons = given.polygons.with_triangles(mesh.triangles)
-    return replace(given, mesh=mesh, polygons=polygons, source=given.source[source])
+    polygons, linked = given.polygons.with_triangles(mesh.triangles), given.linked
+    if linked is not None:
+        linked = linked[~np.isin(given.mesh.triangle_edges.ravel()[linked], edges).any(axis=1)]
+    return replace(given, mesh=mesh, polygons=polygons, source=given.source[source], linked=linked)
 
 
 def rows_of(obj, given, constraints):

@@ -104,21 +104,17 @@ class Settings(SolverSettings):
         super().__post_init__()
         check_choice(self, "symmetry", SYMMETRIES)
         check_choice(self, "boundary", BOUNDARIES)
-        for name in ("angle", "spacing"):
-            value = getattr(self, name)
-            if value is not None and not isinstance(value, int | float):
-                raise SettingError(f"the {name} is {value!r}: give a number")
         check_share(self.singularities, "singularities")
         if self.branching is not None:
             check_share(self.branching, "branching")
         if not math.isfinite(self.angle):
             raise SettingError(f"the angle is {self.angle}: give a finite one")
-        if not isinstance(self.features, int | float) or not 0 <= self.features <= math.pi:
+        if not 0 <= self.features <= math.pi:
             raise SettingError(f"the angle of features is {self.features!r}: give radians from 0 (none) to pi")
         check_positive(self, "spacing_range", "aspect")
         check_whole(self, "faces")
         check_whole(self, "smoothing", most=MOST_ROUNDS)
-        if not isinstance(self.mirror, str) or set(self.mirror) - set("XYZ"):
+        if set(self.mirror) - set("XYZ"):
             raise SettingError(f"the mirror is {self.mirror!r}: use axes of X, Y and Z, such as X or XY")
         parse(self.guidance)
 

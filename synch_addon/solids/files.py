@@ -2,6 +2,7 @@
 """What is made of layers to print: a mesh file for each layer, and paths for a tool as curves and as a file."""
 
 import re
+from contextlib import contextmanager
 from pathlib import Path
 
 import bpy
@@ -9,7 +10,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ...core.files.tool_paths import WRITERS
-from ...core.files.whole import write_text
+from ...core.files.whole import written_whole
 from ..blender.files import MESH_SUFFIXES, check_output, export_mesh
 from ..blender.transaction import at_the_end, leave, only_for_now, set_aside, store, undone_by
 from ..patterns.lines import add_splines
@@ -115,8 +116,10 @@ def _collection(obj):
     return collection
 
 
-def export_paths(layering, paths, path):
-    """Write paths to a file, in the world: .csv with one row a point, or .obj with one polyline a path.
+@contextmanager
+def paths_file(layering, paths, path):
+    """Write paths to a file, in the world, which takes its place at the end: .csv with one row a point, or .obj with
+    one polyline a path. Yields the report's `files`.
 
     Closed paths come back to their first point. Normals point in the direction in which layers follow one another.
     """
@@ -125,5 +128,6 @@ def export_paths(layering, paths, path):
     # Turned and mirrored like the layers; there is no scale in the matrix.
     normals = paths.lines.normals @ matrix[:3, :3].T
     write = WRITERS[Path(path).suffix.lower()]
-    write_text(path, write(paths.lines, paths.layers, points, normals))
-    return str(path)
+    with written_whole(path) as made:
+        made.write_text(write(paths.lines, paths.layers, points, normals), encoding="utf-8")
+        yield {"files": [str(path)]}

@@ -37,6 +37,8 @@ class LayerJob:
         self.link, self._report = ObjectLink.to(obj), Report("layers", obj, settings)
         with meshes.object_mode(obj), self._report.clock("read"):
             self.request = _read(obj, settings, solid)
+            for finding in self.request.surface.given.findings:
+                self._report.warn(finding.line)
             self._report.warn_of_users(obj, "the phase")
             self._report.warn_of_modifiers(foreign_modifiers(obj), "layers are")
         self._hidden, self._selection = objects.hidden(obj), Selection.now()
@@ -56,13 +58,15 @@ class LayerJob:
             # Writing the phase may have split faces.
             memory.remember_layers(obj, meshes.read_mesh(obj) if made["surface"] == obj else given, layering)
         solution, names = result.pattern.solution, {f"{kind}_object": one and one.name for kind, one in made.items()}
-        facts = report.begun(solution, layering.solid) | names | layer_facts(layering)
+        facts = (
+            report.begun(solution, layering.solid) | names | layer_facts(layering) | {"carrier": given.finding_counts}
+        )
         return facts | report.ended([solution], self.request.lengths._asdict())
 
 
 def _read(obj, settings, solid):
     """The :class:`SolidRequest`."""
-    surface = read_surface(obj)
+    surface = read_surface(obj, settings.strict)
     given, distance, factors, lowest = surface.given, surface.distance, None, 1.0
     solid = None if solid is None else fitted(obj, surface, solid)
     guide = SolidGuide(settings.guidance, read_guide(obj, given, settings.guide))

@@ -5,6 +5,8 @@ A second run of the same object gives these objects new data: what the user has 
 modifiers, stays.
 """
 
+from functools import partial
+
 import bpy
 import numpy as np
 from mathutils import Matrix
@@ -63,6 +65,7 @@ def _leave_modes(obj):
     active = bpy.context.view_layer.objects.active
     for made in _all_made(obj):
         if made.mode != "OBJECT" and active is not None and active.mode == made.mode:
+            undone_by(made, partial(bpy.ops.object.mode_set, mode=made.mode))
             bpy.ops.object.mode_set(mode="OBJECT")
         if made.mode != "OBJECT":
             raise SynchError(f"{made.name} is in another mode and not active: make it the active object, or leave it")

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The part of the Python API that brings the last layers of an object out: files, tool paths and a volume."""
 
+from contextlib import nullcontext
+
 import bpy
 
 from ...core.errors import SettingError, SynchError
@@ -9,11 +11,11 @@ from ...core.tasks.layer_outputs import PathSettings
 from ..blender import meshes
 from ..blender.files import check_output
 from ..blender.objects import ObjectLink, no_object
-from ..blender.transaction import whole_or_nothing
+from ..blender.transaction import keep_file, whole_or_nothing
 from ..jobs.job import run
 from . import files, memory
 from .links import solid_of
-from .volume import check_volume, write_volume
+from .volume import check_volume, grid_file, make_volume
 
 
 def layer_export(obj, path, together=False):
@@ -94,7 +96,7 @@ def layer_volume(obj, path, resolution=128):
 
 
 class _OutputJob:
-    """What is made of the last layers of an object; see :mod:`..jobs.job`."""
+    """What is made of the last layers of an object as objects and in a file; see :mod:`..jobs.job`."""
 
     def __init__(self, obj):
         obj = _solid(obj)
@@ -109,7 +111,11 @@ class _OutputJob:
             layering = memory.recall_layers(obj)
             if layering.pattern is not self._layering.pattern:
                 raise SynchError(f"the layers of {obj.name} were solved again meanwhile: run again")
-            return {"status": "made", "command": self.command, "object": obj.name, **self._make(obj, layering, result)}
+            if self._path is not None:
+                keep_file(obj, self._path)
+            with self._file(layering, result) as facts:
+                facts |= self._make(obj, layering, result)
+                return {"status": "made", "command": self.command, "object": obj.name, **facts}
 
 
 class PathsJob(_OutputJob):
@@ -124,15 +130,16 @@ class PathsJob(_OutputJob):
         super().__init__(obj)
         self.request = self._layering.paths(settings)
 
+    def _file(self, layering, paths):
+        return nullcontext({"files": []}) if self._path is None else files.paths_file(layering, paths, self._path)
+
     def _make(self, obj, layering, paths):
-        written = [] if self._path is None else [files.export_paths(layering, paths, self._path)]
         return {
             "collection": files.write_paths(obj, layering, paths).name,
             "paths": len(paths.layers),
             "length": paths.length,
             "step": self.request.step,
             "fill": self.request.fill,
-            "files": written,
         }
 
 
@@ -147,9 +154,11 @@ class VolumeJob(_OutputJob):
         check_volume(self._path, resolution)
         self.request = self._layering.voxels(resolution)
 
-    def _make(self, obj, layering, voxels):
-        made, count = write_volume(obj, layering, voxels, self._path)
-        return {"volume_object": made.name, "voxels": count, "files": [bpy.path.abspath(made.data.filepath)]}
+    def _file(self, _layering, voxels):
+        return grid_file(voxels, self._path)
+
+    def _make(self, obj, layering, _voxels):
+        return {"volume_object": make_volume(obj, layering, self._path).name}
 
 
 def _solid(obj):

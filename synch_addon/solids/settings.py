@@ -110,6 +110,7 @@ class LayerSettings(SolverSettings):
     spacing_range : factor on the spacing where the vertex group's weight is 1
     branching : share of the branches that even distances need, from 0 to 1
     size : of the tetrahedra, their longest edge in scene units; None for an automatic one
+    strict : refuse meshes that are no surface as they are, instead of filling the surface nearest to them
     """
 
     guidance: str = "axis:Z"
@@ -119,6 +120,7 @@ class LayerSettings(SolverSettings):
     spacing_range: float = RANGE
     branching: float = 1.0
     size: float | None = None
+    strict: bool = False
 
     def __post_init__(self):
         super().__post_init__()

@@ -5,7 +5,7 @@ import numpy as np
 
 from ...core.errors import MeshError, SettingError, name_elements, shown
 from ...core.geometry.filling.closed_surface import Area, ClosedSurface
-from ...core.geometry.filling.surface_distance import SurfaceDistance
+from ...core.geometry.filling.surface_distance import SurfaceDistance, check_closed
 from ...core.geometry.tet_mesh import TetMesh
 from ..blender import groups, meshes
 from ..blender.bvh import surface_tree
@@ -15,17 +15,27 @@ from ..settings.guidance import BOUNDARY
 _FITTING = 1e-3
 
 
-def read_surface(obj):
-    """The closed :class:`ClosedSurface` of a mesh object in object mode.
+def read_surface(obj, strict=False):
+    """The :class:`ClosedSurface` of a mesh object in object mode.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+    strict : refuse a mesh that is no surface as it is, instead of taking its carrier
 
     Raises
     ------
     MeshError
         naming the first element that is in the way, and carrying vertices where the surface is open or meets itself
     """
-    given = meshes.read_mesh(obj, strict=True)
-    mesh = given.mesh
-    distance = SurfaceDistance(mesh)
+    given = meshes.read_mesh(obj, strict=strict)
+    if given.across is not None:
+        vertices = np.unique(given.source[given.seam])
+        raise MeshError(f"{obj.name} is one-sided and encloses nothing: fill a closed surface with two sides", vertices)
+    if given.findings and len(given.mesh.boundary_edges):
+        meshes.read_mesh(obj, strict=True)  # which tells what keeps the surface from being closed
+    check_closed(given.mesh, given.source)
+    distance = SurfaceDistance(given.mesh)
     _refuse_crossings(given)
     if distance.volume <= 1e-9 * float(np.ptp(distance.bounds, axis=0).max()) ** 3:
         raise MeshError(f"{obj.name} encloses no volume: give it thickness, with Solidify for instance")
@@ -34,8 +44,8 @@ def read_surface(obj):
 
 def _refuse_crossings(given):
     """Refuse faces that meet others without sharing a vertex with them."""
-    triangles = given.mesh.triangles
-    tree = surface_tree(given.mesh.vertices, triangles)
+    triangles = given.source[given.mesh.triangles]
+    tree = surface_tree(given.mesh.vertices, given.mesh.triangles)
     pairs = np.array(tree.overlap(tree), int).reshape(-1, 2)
     apart = (triangles[pairs[:, 0], :, None] != triangles[pairs[:, 1], None, :]).all(axis=(1, 2))
     met = np.unique(pairs[apart])
@@ -53,7 +63,7 @@ def read_area(obj, given, name):
     """The :class:`Area` of a vertex group, or of the whole surface by the name "boundary"."""
     if name == BOUNDARY and name not in obj.vertex_groups:
         return Area("the boundary", np.arange(given.mesh.triangle_count))
-    return Area.of_members(given, groups.read_group(obj, name), f"the vertex group {name!r}")
+    return Area.of_members(given, groups.read_group(obj, name)[given.source], f"the vertex group {name!r}")
 
 
 def fitted(obj, surface, solid):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A volume of the layers' pattern: an OpenVDB file of cos(phase), and a volume object that shows it."""
 
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
@@ -34,20 +35,21 @@ def check_volume(path, resolution):
     openvdb_module()
 
 
-def write_volume(obj, layering, voxels, path):
-    """Write :class:`Voxels` to a .vdb file and make a volume object of it; returns it and the voxels in the solid."""
-    path = Path(path).absolute()
-    count = _write_grid(path, voxels)
+def make_volume(obj, layering, path):
+    """A volume object of a .vdb file."""
     keep_made(obj)
     data = bpy.data.volumes.new(f"{obj.name} Volume")
-    data.filepath = str(path)
+    data.filepath = str(Path(path).absolute())
     made = placed(obj, "volume", data.name, data, layering.matrix)
     _show(made, layering.pattern.spacings.mean)
-    return made, count
+    return made
 
 
-def _write_grid(path, voxels):
-    """Write values to a file, inactive where they are nothing; returns how many are not."""
+@contextmanager
+def grid_file(voxels, path):
+    """Write :class:`Voxels` to a .vdb file, inactive where they are nothing, which takes its place at the end; yields
+    the report's `voxels`, which are not, and `files`."""
+    path = Path(path).absolute()
     vdb = openvdb_module()
     grid = vdb.FloatGrid(NOTHING)
     grid.name = GRID
@@ -68,7 +70,7 @@ def _write_grid(path, voxels):
             vdb.write(str(made), grids=[grid])
         except RuntimeError as error:
             raise unwritten(path, error) from None
-    return count
+        yield {"voxels": count, "files": [str(path)]}
 
 
 def _show(made, spacing):

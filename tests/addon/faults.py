@@ -44,8 +44,9 @@ def fault_at(number):
         sys.settrace(before)
 
 
-def state():
-    """What the file holds, with what is hidden, nodes and their values, and what the panel keeps."""
+def state(folder=None):
+    """What the file holds, with what is hidden, nodes and their values, and what the panel keeps; and the bytes of all
+    files in a folder."""
     bpy.context.view_layer.update()
     trees = [(m.name, m.node_tree) for m in bpy.data.materials] + [(g.name, g) for g in bpy.data.node_groups]
     return {
@@ -59,12 +60,15 @@ def state():
             )
             for obj in bpy.data.objects
         },
+        "files": {} if folder is None else {path.name: path.read_bytes() for path in Path(folder).iterdir()},
         "file": snapshot(),
         "data": datablocks(),
         "hidden": {obj.name: (obj.hide_get(), obj.hide_render) for obj in bpy.context.view_layer.objects},
         "nodes": {name: _tree(tree) for name, tree in trees if tree is not None},
         "curves": {curve.name: [_spline(s) for s in curve.splines] for curve in bpy.data.curves},
         "modifiers": {obj.name: [_modifier(m) for m in obj.modifiers] for obj in bpy.data.objects},
+        "maps": {mesh.name: _maps(mesh) for mesh in bpy.data.meshes},
+        "volumes": {volume.name: volume.filepath for volume in bpy.data.volumes},
         "images": [(image.name, tuple(image.size), image.packed_file is not None) for image in bpy.data.images],
     }
 
@@ -80,6 +84,11 @@ def _tree(tree):
 def _value(socket):
     value = getattr(socket, "default_value", None)
     return tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else str(value)
+
+
+def _maps(mesh):
+    layers = mesh.uv_layers
+    return [(layer.name, layer == layers.active, layer.active_render) for layer in layers]
 
 
 def _spline(spline):
@@ -100,24 +109,24 @@ def differences(before, after, path=()):
     return [line for name in names for line in differences(before.get(name), after.get(name), (*path, str(name)))]
 
 
-def check_faults(begin, stride=1, first=1):
+def check_faults(begin, stride=1, first=1, folder=None):
     """Let a fault come to each ``stride``-th place of work that writes the scene, which stays as it was; how many did.
 
-    ``begin()`` gives the work, a function, for the scene as it is. In the handlers of properties Blender itself takes
-    faults, and goes on.
+    ``begin()`` gives the work, a function, for the scene as it is; what is in a folder stays as well. In the handlers
+    of properties Blender itself takes faults, and goes on.
     """
     work, number, count = begin(), first, 0
-    before = state()
+    before = state(folder)
     while True:
         with fault_at(number) as lines:
             try:
                 work()
             except MemoryError as error:
-                found = differences(before, state())
+                found = differences(before, state(folder))
                 assert not found, f"{error}: {found}"
                 count += 1
             else:
-                work, before = begin(), state()
+                work, before = begin(), state(folder)
         if len(lines) < number:
             return count
         number += stride

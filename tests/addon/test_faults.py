@@ -17,7 +17,8 @@ from synch_fields.synch_addon.solids.settings import LayerSettings
 
 from .faults import check_faults
 from .scenes import add_curve, furnished, places, quad_sphere, set_vectors, sphere
-from .solid_objects import block
+from .solid_objects import block, made
+from .vortex_scenes import QUICK, write_npz
 
 ROUGH = {"method": "spectral", "seed": 1}
 
@@ -92,6 +93,67 @@ def surface_flow():
     return written(lambda: job_for(obj, ClebschSettings(quantum=1.2, target_gap=0.1, show="tubes")))
 
 
+def rings(folder):
+    """A sequence of two frames."""
+    for frame in (1, 2):
+        write_npz(folder / f"ring_{frame}.npz", 0.1 * frame)
+    return written(lambda: job_for(folder / "ring_#.npz", ClebschSettings(frames=(1, 2), show="both", **QUICK)))
+
+
+def chosen(folder):
+    """Another point of the sphere for a flow that is shown."""
+    report = api.clebsch(write_npz(folder / "ring.npz", circulation=4.0), show="both", **QUICK)
+    obj = bpy.data.objects[report["objects"][0]]
+    return lambda: lambda: api.choose_point(obj, (0.3, -0.8, 0.4))
+
+
+def layered(change, times=0):
+    """What is called on the object of layers, after some times before."""
+    obj = block((1, 1, 0.6))
+    api.layers(obj, spacing=0.3, size=0.15, **ROUGH)
+    for _ in range(times):
+        change(obj)
+    return lambda: lambda: change(obj)
+
+
+def layers_in_edit_mode():
+    """Layers again, where those before are being edited."""
+    obj = block((1, 1, 0.6))
+    report = api.layers(obj, spacing=0.3, size=0.15, **ROUGH)
+    before = made(report)
+
+    def begin():
+        job = api.layer_job(obj, LayerSettings(spacing=0.25, size=0.12, **ROUGH))
+        result = job.request.solve()
+        bpy.context.view_layer.objects.active = before
+        bpy.ops.object.mode_set(mode="EDIT")
+        return lambda: job.write(result)
+
+    return begin
+
+
+def baked(times=0, **settings):
+    """A bake into the file, or into a folder, after some times before."""
+    small = {"maps": "colour,height", "size": 32, "margin": 1, "samples": 1, "unwrap": True, "material": True}
+    return shown(lambda obj: api.bake(obj, **small | settings), lambda obj: _baked_before(obj, times, small | settings))
+
+
+def _baked_before(obj, times, settings):
+    api.stripes(obj, spacing=0.6, seed=1)
+    for layer in list(obj.data.uv_layers)[times:]:
+        obj.data.uv_layers.remove(layer)
+    for _ in range(times):
+        api.bake(obj, **settings)
+
+
+def imported(folder):
+    obj = sphere(2)
+    api.directions(obj, **ROUGH)
+    api.export_field(obj, folder / "field.rosy", "line")
+    api.directions(obj, angle=0.7, **ROUGH)
+    return lambda: lambda: api.import_field(obj, folder / "field.rosy")
+
+
 def shown(change, solve=lambda obj: api.stripes(obj, spacing=0.6, seed=1)):
     """What is called on an object with a pattern."""
     obj = sphere(2)
@@ -128,6 +190,7 @@ SCENES = {
     "layers again": layers_again,
     "flow": flow,
     "surface flow": surface_flow,
+    "layers in edit mode": layers_in_edit_mode,
     "vary": lambda: shown(lambda obj: api.vary(obj, 1)),
     "relief": lambda: shown(api.relief),
     "relief again": lambda: rerun(lambda obj: api.relief(obj, height=0.3)),
@@ -135,9 +198,27 @@ SCENES = {
     "numbers": lambda: shown(api.number_stripes),
     "preset": lambda: shown(lambda obj: api.preset(obj, "corduroy")),
     "refine": lambda: shown(lambda obj: api.refine(obj, 1)),
+    "placed": lambda: shown(lambda obj: api.place_defects(obj, [3])),
+    "traced": lambda: shown(api.trace_quads, lambda obj: api.quads(obj, spacing=0.8, seed=1)),
+    "bake": baked,
+    "bake again": lambda: baked(1),
     "favourite": lambda: kept(lambda obj: favourites.keep(obj, "second")),
     "favourite shown": lambda: kept(lambda obj: favourites.show(obj, "first")),
     "favourite removed": lambda: kept(lambda obj: favourites.remove(obj, obj.synch.favourites[0].name)),
+}
+
+
+# Those that read or write files, too, in a folder, which stays as it was.
+FILES = {
+    "sequence": rings,
+    "point": chosen,
+    "tool paths": lambda folder: layered(lambda obj: api.layer_toolpaths(obj, path=folder / "paths.csv")),
+    "tool paths again": lambda folder: layered(lambda obj: api.layer_toolpaths(obj, path=folder / "paths.csv"), 1),
+    "volume": lambda folder: layered(lambda obj: api.layer_volume(obj, folder / "layers.vdb", 8)),
+    "volume again": lambda folder: layered(lambda obj: api.layer_volume(obj, folder / "layers.vdb", 8), 1),
+    "bake to files": lambda folder: baked(folder=str(folder)),
+    "bake to files again": lambda folder: baked(1, folder=str(folder), maps="height", displacement=True),
+    "import": imported,
 }
 
 
@@ -152,10 +233,18 @@ def test_a_fault_leaves_the_scene_as_it_was(name):
     assert check_faults(SCENES[name](), stride=23) > 0
 
 
+@pytest.mark.parametrize("name", FILES)
+def test_a_fault_leaves_the_scene_and_the_files_as_they_were(name, tmp_path):
+    assert check_faults(FILES[name](tmp_path), stride=23, folder=tmp_path) > 0
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", SCENES)
-def test_a_fault_anywhere_leaves_the_scene_as_it_was(name):
-    assert check_faults(SCENES[name]()) > 20
+@pytest.mark.parametrize("name", [*SCENES, *FILES])
+def test_a_fault_anywhere_leaves_the_scene_and_the_files_as_they_were(name, tmp_path, record_property):
+    begin = FILES[name](tmp_path) if name in FILES else SCENES[name]()
+    count = check_faults(begin, folder=tmp_path)
+    record_property("faults", count)  # with pytest --junitxml
+    assert count > 20
 
 
 def test_groups_of_an_earlier_version_come_back():

@@ -5,27 +5,39 @@
 A short run belongs to the tests; `make fuzz` goes on for minutes, and keeps the smallest case of what it finds.
 """
 
+import json
 import os
+import tempfile
 import warnings
+from collections import Counter
+from functools import cache
+from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
 
 from synch_fields.core.errors import SynchError
+from synch_fields.core.files.flows import flow_file
+from synch_fields.core.files.tets import read_tets
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender import files
+from synch_fields.synch_addon.blender.openvdb import module_file
 from synch_fields.synch_addon.patterns.job import FieldJob
 from synch_fields.synch_addon.settings.fields import Settings
 
 from ..corpus import bad_meshes
 from .faults import differences, fault_at, state
-from .scenes import add_object, furnished, snapshot, sphere
+from .scenes import add_group, add_object, furnished, grid, snapshot, sphere
+from .vortex_scenes import write_npz, write_vdb
 
 hypothesis = pytest.importorskip("hypothesis")
 st = hypothesis.strategies
-# How many cases each test tries, and where what fails is kept.
+# How many cases each test tries, where what fails is kept, and the file that gets the counts of what came out.
 CASES = int(os.environ.get("SYNCH_FUZZ_CASES", "10"))
 KEPT = os.environ.get("SYNCH_FUZZ_KEPT")
+COUNTED = os.environ.get("SYNCH_FUZZ_COUNTED")
+COUNTS = Counter()
 fuzzed = hypothesis.settings(
     max_examples=CASES,
     deadline=None,
@@ -33,6 +45,8 @@ fuzzed = hypothesis.settings(
     database=KEPT and hypothesis.database.DirectoryBasedExampleDatabase(KEPT),
     suppress_health_check=list(hypothesis.HealthCheck),
 )
+# Files are tried that much more often, which takes as long.
+fuzzed_often = hypothesis.settings(fuzzed, max_examples=CASES if KEPT is None else 5 * CASES)
 LARGE = ("thirty boxes", "twenty triangles", "boxes that touch", "every face apart", "needles of a million")
 NUMBERS = st.floats(width=32) | st.floats(-2, 2, width=32) | st.sampled_from([0.0, 1.0, 1e-7, 1e30])
 NAMES = sorted(name for name in bad_meshes.MESHES if "inf" not in name and name not in LARGE)
@@ -43,7 +57,9 @@ def soups(draw):
     """A few vertices, some of them in one place, and faces over any of them."""
     places = draw(st.lists(st.tuples(*3 * [st.integers(-3, 3)]), min_size=3, max_size=12))
     corners = st.lists(st.integers(0, len(places) - 1), min_size=3, max_size=6, unique=True)
-    return np.array(places, float) * draw(st.sampled_from([1.0, 1e-6, 1e6])), draw(st.lists(corners, max_size=20))
+    return np.array(places, float) * draw(st.sampled_from([1.0, 1e-6, 1e6])), draw(
+        st.lists(corners, min_size=1, max_size=20)
+    )
 
 
 @st.composite
@@ -60,18 +76,37 @@ def spoilt(draw):
     return vertices, faces
 
 
-def solved_or_refused(work):
-    """The report of some work, or None where it has said in one line why not, and left the scene as it was."""
+@pytest.fixture(scope="module", autouse=True)
+def counted():
+    """Where it is asked for, leave the number of cases by what they are and what came out."""
+    yield
+    if COUNTED:
+        Path(COUNTED).write_text(json.dumps(COUNTS))
+
+
+def solved_or_refused(kind, work):
+    """The result of some work on a case of some kind, or None where it has said in one line why not, and left the scene
+    as it was."""
     bpy.context.view_layer.update()
     before = snapshot()
+    found = read_or_refused(kind, work)
+    assert found is not None or snapshot() == before
+    return found
+
+
+def read_or_refused(kind, work):
+    """The same of work that need not leave the scene as it was."""
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         try:
-            return work()
+            found = work()
         except SynchError as error:
             assert str(error) and "\n" not in str(error)
-            assert snapshot() == before
+            COUNTS[f"{kind} refused"] += 1
             return None
+    has_warnings = isinstance(found, dict) and found["warnings"]
+    COUNTS[f"{kind} solved with warnings" if has_warnings else f"{kind} solved"] += 1
+    return found
 
 
 def empty_scene():
@@ -83,61 +118,170 @@ def empty_scene():
 def test_any_soup_is_solved_or_refused(mesh, command):
     empty_scene()
     obj = add_object(*mesh)
-    report = solved_or_refused(lambda: getattr(api, command)(obj, time_limit=5.0))
+    report = solved_or_refused("meshes", lambda: getattr(api, command)(obj, time_limit=5.0))
     assert report is None or report["energy"] is None or report["lower_bound"] <= report["energy"]
 
 
+def mostly(usual, odd):
+    """Values that can be taken, and now and then others."""
+    return st.integers(0, 15).flatmap(lambda number: odd if number == 15 else usual)
+
+
+def one_of(values, odd):
+    return mostly(st.sampled_from(values), st.sampled_from(odd))
+
+
+SHARES = mostly(st.floats(0, 1), NUMBERS | st.none())
 SETTINGS = {
-    "symmetry": st.sampled_from(["vector", "line", "cross", "other"]),
-    "guidance": st.sampled_from(["smooth", "axis:X", "axis:Z=2,curvature-max", "boundary", "distance:boundary", "a:b"]),
-    "angle": NUMBERS,
-    "spacing": NUMBERS | st.none(),
-    "boundary": st.sampled_from(["free", "along", "across", "phase"]),
-    "mirror": st.sampled_from(["", "X", "XYZ", "W"]),
-    "singularities": NUMBERS,
-    "branching": NUMBERS | st.none(),
-    "aspect": NUMBERS,
+    "symmetry": one_of(["vector", "line", "cross"], ["other", ""]),
+    "guidance": one_of(
+        ["smooth", "axis:X", "axis:Z=2,curvature-max", "offset:some"], ["distance:boundary", "a:b", ":"]
+    ),
+    "angle": mostly(st.floats(-9, 9), NUMBERS),
+    "spacing": mostly(st.floats(0.2, 3), NUMBERS | st.none()),
+    "boundary": one_of(["free", "along", "across", "phase"], ["other"]),
+    "mirror": one_of(["", "X", "XYZ"], ["W"]),
+    "singularities": SHARES,
+    "branching": SHARES,
+    "aspect": mostly(st.floats(0.5, 2), NUMBERS),
     "method": st.sampled_from(["spectral", "diffusion", "sdp"]),
-    "seed": st.integers(-1, 2**70),
-    "target_gap": NUMBERS,
+    "seed": mostly(st.integers(0, 9), st.integers(-1, 2**70)),
+    "target_gap": mostly(st.floats(1e-3, 0.5), NUMBERS),
 }
-
-
-@fuzzed
-@hypothesis.given(st.fixed_dictionaries({}, optional=SETTINGS), st.sampled_from(["stripes", "quads", "quad_mesh"]))
-def test_any_settings_are_taken_or_refused(settings, command):
-    empty_scene()
-    obj = sphere(2)
-    solved_or_refused(lambda: getattr(api, command)(obj, time_limit=5.0, **settings))
+OBJECTS = {"sphere": lambda: sphere(2), "grid": lambda: grid(6), "furnished": furnished}
 
 
 @fuzzed
 @hypothesis.given(
-    st.binary(max_size=200) | st.text(alphabet="0123456789 .-+einfa\n", max_size=200).map(str.encode),
+    st.fixed_dictionaries({}, optional=SETTINGS),
+    st.sampled_from(["stripes", "quads", "quad_mesh", "directions"]),
+    st.sampled_from(sorted(OBJECTS)),
+)
+def test_any_settings_are_taken_or_refused(settings, command, name):
+    empty_scene()
+    obj = OBJECTS[name]()
+    if "some" not in obj.vertex_groups:
+        add_group(obj, "some", range(9))
+    solved_or_refused("settings", lambda: getattr(api, command)(obj, time_limit=5.0, **settings))
+
+
+@st.composite
+def rows(draw):
+    """A field for the 20 faces of an icosahedron, or nearly."""
+    symmetry = draw(st.sampled_from([1, 2, 4, 4, 4, 3]))
+    width = draw(st.sampled_from([1, symmetry]))
+    numbers = draw(st.lists(mostly(st.floats(-2, 2), NUMBERS), min_size=3 * width, max_size=3 * width))
+    head = draw(st.sampled_from([f"20\n{symmetry}\n", f"{symmetry} 20\n"]))
+    return (head + 20 * (" ".join(map(str, numbers)) + "\n")).encode()
+
+
+@fuzzed_often
+@hypothesis.given(
+    st.binary(max_size=200) | st.text(alphabet="0123456789 .-+einfa\n", max_size=200).map(str.encode) | rows(),
     st.sampled_from([".rosy", ".rawfield"]),
 )
 def test_any_field_file_is_read_or_refused(content, suffix):
-    import tempfile
-    from pathlib import Path
-
     empty_scene()
     obj = sphere(1)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"field{suffix}"
         path.write_bytes(content)
-        solved_or_refused(lambda: api.import_field(obj, path))
+        solved_or_refused("field files", lambda: api.import_field(obj, path))
 
 
-@fuzzed
-@hypothesis.given(st.integers(1, 600), st.sampled_from(["stripes", "quads", "directions", "quad_mesh"]))
-def test_a_fault_anywhere_leaves_the_scene_as_it_was(number, command):
-    empty_scene()
-    job = FieldJob(command, furnished(), Settings(spacing=None if command == "directions" else 0.7, method="spectral"))
-    result = job.request.solve()
-    before = state()
-    with fault_at(number):
-        try:
-            job.write(result)
-        except MemoryError as error:
-            found = differences(before, state())
-            assert not found, f"{error}: {found}"
+def _exported(suffix):
+    def write(path):
+        empty_scene()
+        files.export_mesh(sphere(1), path)
+
+    return suffix, write, files.open_input
+
+
+def _flow(path):
+    return flow_file(path, module=module_file()).read()
+
+
+def _write_medit(path):
+    places = "".join(f"{x} {y} {z} 0\n" for x in (0, 1) for y in (0, 1) for z in (0, 1))
+    path.write_text(
+        f"MeshVersionFormatted 1\nDimension 3\nVertices\n8\n{places}Tetrahedra\n2\n1 5 3 2 0\n8 4 6 7 0\nEnd\n"
+    )
+
+
+def _write_vtu(path):
+    arrays = {
+        "connectivity": "0 1 2 3 1 2 3 4",
+        "offsets": "4 8",
+        "types": "10 10",
+    }
+    cells = "".join(f'<DataArray type="Int64" Name="{k}" format="ascii">{v}</DataArray>' for k, v in arrays.items())
+    points = '<DataArray type="Float64" NumberOfComponents="3" format="ascii">0 0 0 1 0 0 0 1 0 0 0 1 1 1 1</DataArray>'
+    piece = f'<Piece NumberOfPoints="5" NumberOfCells="2"><Points>{points}</Points><Cells>{cells}</Cells></Piece>'
+    path.write_text(f'<VTKFile type="UnstructuredGrid"><UnstructuredGrid>{piece}</UnstructuredGrid></VTKFile>')
+
+
+# Suffix, what writes a sound file, and what reads it.
+FORMATS = [
+    (".npz", write_npz, _flow),
+    (".vdb", write_vdb, _flow),
+    (".mesh", _write_medit, read_tets),
+    (".vtu", _write_vtu, read_tets),
+    *map(_exported, files.MESH_SUFFIXES),
+]
+
+
+@cache
+def sound(number):
+    """The bytes of a sound file."""
+    suffix, write, _ = FORMATS[number]
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"sound{suffix}"
+        write(path)
+        return path.read_bytes()
+
+
+@st.composite
+def damages(draw):
+    """The number of a format, a few places, as shares of a file, with how many bytes go and those that come there, and
+    the share that is left."""
+    places = st.tuples(st.floats(0, 1), st.integers(0, 8), st.binary(max_size=8) | st.sampled_from([b"-1", b"9" * 30]))
+    share = draw(mostly(st.just(1.0), st.floats(0, 1)))
+    return draw(st.integers(0, len(FORMATS) - 1)), draw(st.lists(places, max_size=2)), share
+
+
+@fuzzed_often
+@hypothesis.given(damages())
+def test_any_damaged_file_is_read_or_refused(damage):
+    number, places, share = damage
+    suffix, _, read = FORMATS[number]
+    content = sound(number)
+    for place, lost, new in places:
+        here = round(place * len(content))
+        content = content[:here] + new + content[here + lost :]
+    content = content[: round(len(content) * share)]
+    with tempfile.TemporaryDirectory(dir=KEPT) as folder:  # what ends the process is found there
+        path = Path(folder) / f"damaged{suffix}"
+        path.write_bytes(content)
+        read_or_refused(f"{suffix} files", lambda: read(path) or "read")
+
+
+def test_a_fault_anywhere_leaves_the_scene_as_it_was():
+    @fuzzed
+    @hypothesis.given(st.integers(1, 600), st.sampled_from(["stripes", "quads", "directions", "quad_mesh"]))
+    def check(number, command):
+        empty_scene()
+        spacing = None if command == "directions" else 0.7
+        job = FieldJob(command, furnished(), Settings(spacing=spacing, method="spectral"))
+        result = job.request.solve()
+        before = state()
+        with fault_at(number):
+            try:
+                job.write(result)
+                COUNTS["writes without a fault"] += 1
+            except MemoryError as error:
+                COUNTS["faults injected"] += 1
+                found = differences(before, state())
+                assert not found, f"{error}: {found}"
+
+    check()
+    assert COUNTS["faults injected"] >= CASES / 2

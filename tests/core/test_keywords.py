@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError, shown
-from synch_fields.core.keywords import from_names
+from synch_fields.core.keywords import from_names, take_all
 
 
 @dataclass(frozen=True)
@@ -19,6 +19,9 @@ class Kinds:
     is_on: bool = False
     maybe: float | None = None
     rows: tuple[int, ...] | None = None
+
+    def __post_init__(self):
+        take_all(self)
 
 
 @pytest.mark.parametrize(
@@ -58,6 +61,9 @@ def test_other_values_are_refused_in_one_line(name, given, line):
     with pytest.raises(SettingError, match=line) as caught:
         from_names(Kinds, {name: given})
     assert "\n" not in str(caught.value) and len(str(caught.value)) < 200
+    if name in Kinds.__dataclass_fields__:
+        with pytest.raises(SettingError, match=line):
+            Kinds(**{name: given})
 
 
 def test_long_values_are_cut_off():

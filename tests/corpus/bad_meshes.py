@@ -4,28 +4,23 @@
 
 import numpy as np
 
+from ..core.meshes import grid_quads, square_points, torus_points
+from .makers import boxes, fans, hourglass, klein_bottle, moebius_strip
 
-def grid(columns=6, rows=None, size=1.0):
+
+def grid(columns=6):
     """A flat square of quads."""
-    rows = columns if rows is None else rows
-    x, y = np.meshgrid(np.linspace(0, size, columns + 1), np.linspace(0, size, rows + 1), indexing="ij")
-    points = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
-    i, j = (a.ravel() for a in np.mgrid[:columns, :rows])
-    first = i * (rows + 1) + j
-    return points, np.column_stack([first, first + rows + 1, first + rows + 2, first + 1]).tolist()
+    return square_points(columns), grid_quads(columns, columns).tolist()
 
 
-def wound(columns, rows, close, place):
-    """Quads over a rectangle whose two columns at the ends are joined by ``close``: a row here to the row there."""
-    u, v = np.meshgrid(np.arange(columns) / columns, np.linspace(0, 1, rows + 1), indexing="ij")
-    points = np.column_stack([a.ravel() for a in place(u, v)])
+def torus(around=12, across=8):
+    """A torus of quads."""
+    return torus_points(2, 1, around, across), grid_quads(around, across, True, True).tolist()
 
-    def at(i, j):
-        return i * (rows + 1) + j if i < columns else close(j)
 
-    return points, [
-        [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)] for i in range(columns) for j in range(rows)
-    ]
+def fans_around(count):
+    """So many sheets of quads that share one line of edges, evenly around it."""
+    return fans(4, np.arange(count) * 360 / count)
 
 
 def ball(rings=6, segments=8, radius=1.0):
@@ -48,15 +43,6 @@ def ball(rings=6, segments=8, radius=1.0):
 def box(size=(1.0, 1.0, 1.0)):
     points = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float) * size
     return points, [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
-
-
-def torus(columns=12, rows=8):
-    u, v = (2 * np.pi * a.ravel() for a in np.meshgrid(np.arange(columns) / columns, np.arange(rows) / rows))
-    points = np.column_stack([(2 + np.cos(v)) * np.cos(u), (2 + np.cos(v)) * np.sin(u), np.sin(v)])
-    index = np.arange(columns * rows).reshape(rows, columns)
-    right, up = np.roll(index, -1, 1), np.roll(index, -1, 0)
-    both = np.roll(up, -1, 1)
-    return points, np.stack([index, right, both, up], axis=-1).reshape(-1, 4).tolist()
 
 
 def joined(*meshes):
@@ -95,24 +81,7 @@ def triangulated(mesh):
     return mesh[0], [[face[0], face[k], face[k + 1]] for face in mesh[1] for k in range(1, len(face) - 1)]
 
 
-def fans_on_an_edge(count, columns=4):
-    """So many sheets of quads that share one line of edges."""
-    heights = np.linspace(0, 1, columns + 1)
-    points, faces = [np.column_stack([0 * heights, 0 * heights, heights])], []
-    for sheet in range(count):
-        angle = 2 * np.pi * sheet / count
-        for ring in range(1, columns + 1):
-            out = ring / columns
-            line = np.full(columns + 1, out * np.cos(angle)), np.full(columns + 1, out * np.sin(angle)), heights
-            points.append(np.column_stack(line))
-        for ring in range(columns):
-            here = 0 if ring == 0 else (sheet * columns + ring) * (columns + 1)
-            there = (sheet * columns + ring + 1) * (columns + 1)
-            faces += [[here + k, there + k, there + k + 1, here + k + 1] for k in range(columns)]
-    return np.vstack(points), faces
-
-
-def pinched(count=2):
+def caps_at_a_vertex(count):
     """Caps that share one vertex."""
     points, faces = [np.zeros((1, 3))], []
     for cap in range(count):
@@ -124,26 +93,6 @@ def pinched(count=2):
         points.append(turned)
         faces += [[0, start + k, start + (k + 1) % 6] for k in range(6)]
     return np.vstack(points), faces
-
-
-def moebius(columns=16, rows=3):
-    def place(u, v):
-        turn, out = 2 * np.pi * u, v - 0.5
-        reach = 1 + out * np.cos(turn / 2)
-        return reach * np.cos(turn), reach * np.sin(turn), out * np.sin(turn / 2)
-
-    return wound(columns, rows, lambda j: rows - j, place)
-
-
-def klein(columns=16, rows=8):
-    u, v = (2 * np.pi * a.ravel() for a in np.meshgrid(np.arange(columns) / columns, np.arange(rows) / rows))
-    reach = 2 + np.cos(u / 2) * np.sin(v) - np.sin(u / 2) * np.sin(2 * v)
-    points = [reach * np.cos(u), reach * np.sin(u), np.sin(u / 2) * np.sin(v) + np.cos(u / 2) * np.sin(2 * v)]
-    index = np.arange(columns * rows).reshape(rows, columns)
-    right = np.roll(index, -1, 1)
-    right[:, -1] = index[-np.arange(rows) % rows, 0]
-    up, both = np.roll(index, -1, 0), np.roll(right, -1, 0)
-    return np.column_stack(points), np.stack([index, right, both, up], axis=-1).reshape(-1, 4).tolist()
 
 
 def star(corners=12, inner=0.3):
@@ -293,14 +242,14 @@ MESHES = {
     "stairs": stairs,
     "folded flat": lambda: with_place(grid(2), [6, 7, 8], grid(2)[0][[0, 1, 2]]),
     # How faces meet
-    "three fans on an edge": lambda: fans_on_an_edge(3),
-    "four fans on an edge": lambda: fans_on_an_edge(4),
-    "nine fans on an edge": lambda: fans_on_an_edge(9),
-    "hourglass": pinched,
-    "three caps at a vertex": lambda: pinched(3),
-    "boxes at an edge": lambda: joined_boxes((1, 1, 0)),
-    "boxes at a corner": lambda: joined_boxes((1, 1, 1)),
-    "boxes at a face": lambda: joined_boxes((1, 0, 0)),
+    "three fans on an edge": lambda: fans_around(3),
+    "four fans on an edge": lambda: fans_around(4),
+    "nine fans on an edge": lambda: fans_around(9),
+    "hourglass": lambda: hourglass(1)[:2],
+    "three caps at a vertex": lambda: caps_at_a_vertex(3),
+    "boxes at an edge": lambda: boxes([(0, 0, 0), (1, 1, 0)]),
+    "boxes at a corner": lambda: boxes([(0, 0, 0), (1, 1, 1)]),
+    "boxes at a face": lambda: boxes([(0, 0, 0), (1, 0, 0)]),
     "doubled face": lambda: with_faces(ball(), ball()[1][7]),
     "doubled and turned face": lambda: with_faces(ball(), ball()[1][7][::-1]),
     "doubled mesh": lambda: with_faces(grid(), *grid()[1]),
@@ -320,9 +269,9 @@ MESHES = {
     "a hole of one face": lambda: (ball()[0], ball()[1][1:]),
     "many holes": lambda: (ball(9, 12)[0], ball(9, 12)[1][::2]),
     # Topology
-    "Moebius strip": moebius,
-    "narrow Moebius strip": lambda: moebius(5, 1),
-    "Klein bottle": klein,
+    "Moebius strip": lambda: moebius_strip(16, 3),
+    "narrow Moebius strip": lambda: moebius_strip(5, 1),
+    "Klein bottle": lambda: klein_bottle(16, 8),
     "torus of few faces": lambda: torus(3, 3),
     "tetrahedron": lambda: (np.vstack([np.zeros(3), np.eye(3)]), [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]),
     "pillow of two triangles": lambda: (np.eye(3), [[0, 1, 2], [2, 1, 0]]),
@@ -332,12 +281,3 @@ MESHES = {
     "boxes that touch": lambda: crowd(27, gap=1.0),
     "twenty triangles": lambda: crowd(20, lambda: (np.eye(3), [[0, 1, 2]])),
 }
-
-
-def joined_boxes(step):
-    """Two boxes that share what lies between them."""
-    first, second = box(), moved(box(), *step)
-    points = np.vstack([first[0], second[0]])
-    unique, where = np.unique(points.round(6), axis=0, return_inverse=True)
-    where = where.reshape(-1)
-    return unique, [[int(where[v]) for v in face] for face in [*first[1], *([v + 8 for v in f] for f in second[1])]]

@@ -8,7 +8,7 @@ import numpy as np
 from ...errors import SettingError
 from ..mesh_input import MeshInput
 from .features import sharpened
-from .likeness import filled_alike
+from .likeness import filled_alike, more_holes
 from .surface_distance import SurfaceDistance
 
 
@@ -73,6 +73,10 @@ class ClosedSurface:
         for number, area in enumerate(areas):
             labels[area.triangles] += 1 << number
         return sharpened(filled_alike(self.distance, size), self.mesh, self.distance.nearest, labels)
+
+    def more_holes(self, solid):
+        """Holes of a solid that the surface has not; negative where it lacks some."""
+        return more_holes(solid, self.distance)
 
     def lost_share(self, solid):
         """Share of the volume that a solid does not have."""

@@ -16,8 +16,9 @@ from .stuffing import NothingInside, estimated_tets, stuffed
 LOST_AREA, FAR, PLACES = 0.05, 1.5, 4000
 # Share of the solid that may lie in other pieces than the surface has bodies.
 LOOSE_VOLUME = 0.05
-# Tunnels that the solid may have and the surface has not: a gap that is closed makes one.
-MORE_TUNNELS = 20
+# Holes that the solid may have and the surface has not, where a gap is closed, or lack, where one is too narrow. They
+# are told about.
+MOST_HOLES = 20
 # What is tried for a size that fits.
 FINER, MOST_TRIED = 0.7, 500_000
 
@@ -71,14 +72,21 @@ def _flaw(solid, distance, size):
     bodies, pieces = np.count_nonzero(shells > 0), np.count_nonzero(volumes)
     if volumes[bodies:].sum() > LOOSE_VOLUME * volumes.sum():
         return f"the solid falls apart into {pieces} pieces"
-    boundary = solid.boundary_surface[0]
-    more = _tunnels(boundary) - _tunnels(mesh)
-    if more > MORE_TUNNELS:
+    more = more_holes(solid, distance)
+    if more > MOST_HOLES:
         return f"the solid has {more} holes where the surface has none"
+    if -more > MOST_HOLES:
+        return f"the solid lacks {-more} holes that the surface has"
+    boundary = solid.boundary_surface[0]
     far = cKDTree(boundary.vertices).query(_places_on(mesh))[0] > FAR * size
     if far.mean() > LOST_AREA:
         return f"the solid leaves out {far.mean():.0%} of the surface"
     return None
+
+
+def more_holes(solid, distance):
+    """How many holes a solid has, through it and inside, that the surface has not; negative where it lacks some."""
+    return _tunnels(solid.boundary_surface[0]) - _tunnels(distance.mesh)
 
 
 def _cones(mesh):

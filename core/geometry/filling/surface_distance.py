@@ -31,7 +31,7 @@ class SurfaceDistance:
 
     def __init__(self, mesh):
         check_mesh(mesh)
-        _refuse_open(mesh)
+        check_closed(mesh, np.arange(mesh.vertex_count))
         self.mesh = turned_outwards(mesh)
         self._surface = NearestTriangles(mesh.vertices, mesh.triangles)
 
@@ -91,12 +91,14 @@ def normals_at(mesh, triangles, shares):
     return normals
 
 
-def _refuse_open(mesh):
+def check_closed(mesh, source):
+    """Refuse a TriangleMesh with open edges by a MeshError that carries their vertices, (n,) ``source`` of its own."""
     if len(mesh.boundary_edges):
-        i, j = mesh.edges[mesh.boundary_edges[0]]
+        edges = source[mesh.edges[mesh.boundary_edges]]
+        i, j = edges[0]
         more = f" and {len(mesh.boundary_edges) - 1} more" if len(mesh.boundary_edges) > 1 else ""
         raise MeshError(
             f"the edge between vertices {i} and {j}{more} has one face only, and a solid needs a closed surface: "
             "fill the holes with Mesh > Clean Up > Fill Holes",
-            mesh.edges[mesh.boundary_edges],
+            edges,
         )

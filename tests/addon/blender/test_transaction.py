@@ -2,10 +2,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is left of work that fails, and what comes at its end."""
 
+import os
+from contextlib import nullcontext
+
 import bpy
 import pytest
 
-from synch_fields.synch_addon.blender.transaction import assign, at_the_end, whole_or_nothing
+from synch_fields.synch_addon.blender.transaction import assign, at_the_end, keep_file, whole_or_nothing
 
 from ..scenes import sphere
 
@@ -36,3 +39,22 @@ def test_one_end_that_fails_keeps_no_other_from_coming():
     assert came == [1, 2]
     at_the_end(lambda: came.append(3))
     assert came == [1, 2, 3]
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no pipes among files there")
+def test_files_come_back_and_what_is_no_file_stays(tmp_path):
+    obj = bpy.data.objects.new("Owner", None)
+    there, new, pipe = (tmp_path / name for name in ("there.txt", "new.txt", "pipe"))
+    there.write_text("old")
+    os.mkfifo(pipe)
+    for fails in (True, False):
+        with pytest.raises(MemoryError) if fails else nullcontext(), whole_or_nothing():
+            for path in (there, new, pipe):
+                keep_file(obj, path)
+            for path in (there, new):
+                path.write_text("changed")
+            if fails:
+                raise MemoryError
+        expected = {"pipe", "there.txt"} if fails else {"pipe", "there.txt", "new.txt"}
+        assert {path.name for path in tmp_path.iterdir()} == expected and pipe.is_fifo()
+        assert there.read_text() == ("old" if fails else "changed")

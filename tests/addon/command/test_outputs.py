@@ -7,6 +7,7 @@ A limit on the size of files stands for the full disk: what goes beyond it is re
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -173,6 +174,19 @@ def test_too_little_memory_is_told_in_one_line(sphere, tmp_path, capsys, monkeyp
     )
     assert found.returncode == 1 and found.stderr.count("\n") == 1
     assert found.stderr.startswith("synch: the address space is limited to 0.93 GB and Blender needs")
+
+    large = tmp_path / "large.obj"
+    large.write_bytes(sphere.read_bytes() + b"# nothing but a comment\n" * 6_000_000)
+    found = subprocess.run(
+        [sys.executable, "-c", limited_space, str(2 * 10**9), "info", str(large)],
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        check=False,
+    )
+    assert found.returncode == 1 and found.stderr.count("\n") == 1
+    assert re.search(r"large\.obj takes about 1\.\d GB of address space and 0\.\d+ GB are left", found.stderr)
+    large.unlink()
 
     def without_memory(*_):
         raise MemoryError

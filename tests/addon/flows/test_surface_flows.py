@@ -8,19 +8,20 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.core.errors import MeshError, SettingError
+from synch_fields.core.errors import MeshError, SettingError, SynchError
 from synch_fields.core.files.flows import ArrayFile
 from synch_fields.core.tasks.flow_settings import ClebschSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import meshes
 from synch_fields.synch_addon.blender.defect_empties import defect_empties
 from synch_fields.synch_addon.command.main import main
-from synch_fields.synch_addon.flows import surface_job
+from synch_fields.synch_addon.flows import memory, surface_job
 from synch_fields.synch_addon.flows.job import clebsch, job_for
 from synch_fields.synch_addon.flows.surfaces import surface_flow
 from synch_fields.synch_addon.nodes.vortices import STRENGTH
 
-from ..scenes import snapshot
+from ...corpus.makers import moebius_strip
+from ..scenes import add_object, places, set_vectors, snapshot
 
 QUANTUM = np.pi / 5
 
@@ -204,3 +205,16 @@ def test_a_periodic_plane_is_shown_open_and_said_so(tmp_path):
     np.savez(tmp_path / "waves.npz", velocity=velocity, spacing=1 / 24, periodic=True)
     report = clebsch(tmp_path / "waves.npz", count=3)
     assert "shown open" in report["warnings"][0] and len(bpy.data.objects[report["object"]].data.polygons) == 23**2
+
+
+def test_a_flow_around_a_one_sided_surface_goes_on_across_its_seam():
+    """And a mesh that is no surface is refused where it is asked for."""
+    obj = add_object(*moebius_strip(60, 8))
+    set_vectors(obj, "velocity", np.cross([0, 0, 1], places(obj)) * [1, 1, 0])
+    report = clebsch(obj, quantum=2.0, show="filaments")
+    assert report["carrier"].keys() == {"one_sided_edges"}
+    given = meshes.read_mesh(obj)
+    phases = memory.flows.get(obj).result.found.phases
+    np.testing.assert_allclose(*phases[given.seam.T], atol=1e-12)
+    with pytest.raises(SynchError, match="the surface is one-sided"):
+        clebsch(obj, quantum=2.0, strict=True)

@@ -21,7 +21,7 @@ from synch_fields.synch_addon.patterns import memory
 from synch_fields.synch_addon.patterns.job import FieldJob
 from synch_fields.synch_addon.settings.fields import Settings
 
-from ...core.bad_meshes import (
+from ...corpus.makers import (
     checkerboard,
     doubled_and_turned,
     fans,
@@ -191,6 +191,46 @@ def test_a_seam_is_no_boundary():
     assert api.stripes(obj, spacing=0.25, guidance="distance:boundary")["energy"] > 0
 
 
+def _cut_at(obj, chosen):
+    """The report of a field on an object with a cut along edges for whose two ends (n,) bool holds."""
+    for edge in obj.data.edges:
+        edge.use_seam = bool(chosen[list(edge.vertices)].all())
+    return api.directions(obj, constraints=[{"where": "seams", "what": "cut"}])
+
+
+def test_cuts_go_across_the_seam_of_a_one_sided_surface():
+    """Along the middle a Moebius strip becomes a ring of two sides, and across a disk, be the cut the seam or not."""
+    points, faces = moebius_strip(60, 8)
+    across = np.arange(len(points)) % 9
+    assert _cut_at(add_object(points, faces), across == 4)["euler_characteristic"] == 0
+    for place in range(0, 60, 7):
+        assert _cut_at(add_object(points, faces), np.arange(len(points)) // 9 == place)["euler_characteristic"] == 1
+    (seam,) = (f.elements for f in meshes.read_mesh(bpy.context.active_object).findings if f.name == "one_sided_edges")
+    on_seam = np.isin(np.arange(len(points)), seam)
+    report = _cut_at(add_object(points, faces), on_seam)
+    assert report["euler_characteristic"] == 1 and not report["closed"]
+
+
+def test_a_fin_along_the_seam_has_a_boundary_of_its_own():
+    """Edges of three faces along which a Moebius strip is open: those of the fin are a boundary, the seam is not."""
+    points, faces = moebius_strip(40, 6)
+    (seam,) = (f.elements for f in meshes.read_mesh(add_object(points, faces)).findings if f.name == "one_sided_edges")
+    line = np.unique(seam)
+    fin = np.arange(len(line)) + len(points)
+    edges = [(line.searchsorted(a), line.searchsorted(b)) for a, b in seam]
+    obj = add_object(
+        np.vstack([points, points[line] + [0, 0, 0.5]]),
+        [*faces, *([int(line[a]), int(line[b]), int(fin[b]), int(fin[a])] for a, b in edges)],
+    )
+    given = meshes.read_mesh(obj)
+    found = {finding.name: finding.elements for finding in given.findings}
+    assert len(found["non_manifold_edges"]) == len(edges) == 6
+    # The strip has the rim of 80 edges; the fin has one around it of 6 along, 6 free, and 2 at its ends.
+    assert len(given.boundary_edges) == 80 + 14
+    assert given.euler_characteristic == 0 + 1
+    assert api.stripes(obj, spacing=0.3)["status"] == "certified"
+
+
 def _faces(obj, edge):
     return sum(set(edge.vertices) <= set(face.vertices) for face in obj.data.polygons)
 
@@ -262,22 +302,32 @@ def test_a_mesh_that_moves_keeps_its_carrier():
     assert jump < 1e-4
 
 
-@pytest.mark.parametrize("kind", ["faces", "vertices"])
+PLACES = {
+    "faces": (patched, "doubled_faces", [320, 321]),
+    "edges": (lambda: add_object(*fans(8)), "non_manifold_edges", [(k, k + 1) for k in range(8)]),
+    "vertices": (lambda: add_object(*hourglass()[:2]), "pinched_vertices", [hourglass()[2]]),
+}
+
+
+@pytest.mark.parametrize("kind", PLACES)
 def test_a_button_selects_the_places(kind):
-    obj = patched() if kind == "faces" else add_object(*fans(8))
+    build, name, expected = PLACES[kind]
+    obj = build()
     report = api.directions(obj)
     layout = MagicMock()
     draw_findings(layout, json.loads(obj.synch.result)["carrier"])
     operators = [call for call in layout.mock_calls if call[0].endswith("operator")]
     assert len(operators) == len(report["carrier"])
-    name = "doubled_faces" if kind == "faces" else "non_manifold_edges"
     assert bpy.ops.synch.select_places(finding=name) == {"FINISHED"}
     assert obj.mode == "EDIT"
     bpy.ops.object.mode_set(mode="OBJECT")
-    if kind == "faces":
-        assert [face.index for face in obj.data.polygons if face.select] == [320, 321]
-    else:
-        assert [v.index for v in obj.data.vertices if v.select] == list(range(9))
+    chosen = {
+        "faces": [face.index for face in obj.data.polygons if face.select],
+        "edges": sorted(tuple(sorted(edge.vertices)) for edge in obj.data.edges if edge.select),
+        "vertices": [vertex.index for vertex in obj.data.vertices if vertex.select],
+    }
+    assert chosen[kind] == expected and (kind == "faces" or not chosen["faces"])
+    assert kind != "vertices" or not chosen["edges"]
     with pytest.raises(RuntimeError, match="no such place"):
         bpy.ops.synch.select_places(finding="lost_vertices")
 

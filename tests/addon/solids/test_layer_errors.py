@@ -16,8 +16,9 @@ from synch_fields.synch_addon.solids.settings import (
     text_of_groups,
 )
 
-from ..scenes import add_group, add_object, attribute, grid, make_active, snapshot, tube
-from ..solid_objects import block
+from ...corpus.makers import boxes, fans, klein_bottle
+from ..scenes import add_group, add_object, attribute, grid, make_active, places, snapshot, tube
+from ..solid_objects import block, layers_of, made
 
 
 def refused(obj, match, **settings):
@@ -133,3 +134,44 @@ def test_texts_of_guides_and_groups_can_hold_any_name():
 
 def test_an_empty_object_is_no_solid():
     refused(add_object([], []), "the mesh is empty")
+
+
+def _rebuilt(obj, change):
+    """An object with the vertices of another one, and with faces that a change makes of its faces."""
+    faces = [list(face.vertices) for face in obj.data.polygons]
+    return add_object(places(obj), change(faces), "Rebuilt")
+
+
+SOUPS = {
+    "flipped faces": (lambda faces: [face[::-1] if k < 9 else face for k, face in enumerate(faces)], "turned_faces"),
+    "doubled faces": (lambda faces: [*faces, faces[3], faces[5][::-1]], "doubled_faces"),
+}
+
+
+@pytest.mark.parametrize("name", SOUPS)
+def test_layers_fill_the_surface_nearest_to_a_mesh_that_is_none(name):
+    clean = block((1, 1, 1), (4, 4, 4))
+    change, kind = SOUPS[name]
+    expected = api.layers(clean, spacing=0.25, size=0.12)
+    obj = _rebuilt(clean, change)
+    add_group(obj, "Top", np.flatnonzero(places(obj)[:, 2] > 0.49))
+    report = api.layers(obj, spacing=0.25, size=0.12, groups="Top=layer")
+    assert list(report["carrier"]) == [kind] and report["volume"] == pytest.approx(expected["volume"], rel=1e-3)
+    assert any("turned over" in line or "count once" in line for line in report["warnings"])
+    assert layers_of(made(report))[-1][:, 2].min() == pytest.approx(0.5, abs=1e-6)
+    with pytest.raises(SynchError):
+        api.layers(obj, spacing=0.25, size=0.15, strict=True)
+
+
+def test_bodies_that_touch_are_filled_each_by_itself():
+    obj = add_object(*boxes([(0, 0, 0), (1, 1, 0)]))
+    report = api.layers(obj, spacing=0.3, size=0.14)
+    assert report["carrier"] == {"non_manifold_edges": 1} and report["volume"] == pytest.approx(2, rel=0.1)
+
+
+def test_what_encloses_nothing_is_refused_by_name():
+    with pytest.raises(SynchError, match="one-sided and encloses nothing") as caught:
+        api.layers(add_object(*klein_bottle()), spacing=0.3)
+    assert len(caught.value.vertices)
+    with pytest.raises(SynchError, match=r"the edge between vertices 0 and 1 .*three or more faces|has 3 faces"):
+        api.layers(add_object(*fans(4)), spacing=0.3)

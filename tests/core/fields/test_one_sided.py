@@ -10,7 +10,7 @@ from synch_fields.core.fields.mirror import Seam
 from synch_fields.core.geometry.carrier import carrier
 from synch_fields.core.geometry.mesh_input import MeshInput
 
-from ..bad_meshes import klein_bottle, moebius_strip, projective_plane
+from ...corpus.makers import klein_bottle, moebius_strip, projective_plane
 from ..meshes import polygon_mesh
 
 SURFACES = {"moebius strip": lambda: moebius_strip(60, 8), "klein bottle": lambda: klein_bottle(48, 24)}
@@ -48,7 +48,8 @@ def test_sum_of_indices_is_the_euler_characteristic(build, characteristic, symme
     found = carrier(mesh, polygons)
     assert mesh.euler_characteristic == characteristic
     given = MeshInput(
-        found.mesh, found.polygons, np.eye(3), found.mesh, found.source, found.findings, found.own, found.seam
+        *(found.mesh, found.polygons, np.eye(3), found.mesh, found.source, found.findings, found.own),
+        *(found.across, found.across),
     )
     assert given.euler_characteristic == characteristic and given.is_closed
     field = direction_field(found.mesh, symmetry, DirectionWishes(mirrors=(Seam.of(found.mesh, found.seam),)))

@@ -3,6 +3,7 @@
 """Field files of Directional and QuadWild: what they hold, the way to vertices and back, and clear refusals."""
 
 import re
+import warnings
 
 import numpy as np
 import pytest
@@ -246,3 +247,16 @@ def test_headers_without_a_number_that_can_be_are_refused_in_one_line(tmp_path, 
     with pytest.raises(SettingError, match=r"line \d: .* is no header") as caught:
         read_field(path)
     assert len(str(caught.value)) < 300
+
+
+def test_vectors_shorter_than_any_usual_number_have_no_direction(tmp_path):
+    mesh = icosphere(0)
+    for length, has_one in ((1e-300, True), (5e-324, False)):
+        vectors = np.tile([[[0.0, length, length]]], (mesh.triangle_count, 1, 1))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            if has_one:
+                assert to_vertices(mesh, FaceField(1, vectors)).weights.max() > 0
+                continue
+            with pytest.raises(SettingError, match="every vector of the field is zero"):
+                to_vertices(mesh, FaceField(1, vectors))

@@ -2,6 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The surface nearest to a mesh that cannot carry a field: what comes apart, what is left out, what is turned over."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -9,10 +12,10 @@ from synch_fields.core.errors import MeshError
 from synch_fields.core.fields import direction_field
 from synch_fields.core.fields.growth import Growth
 from synch_fields.core.geometry import check_mesh
-from synch_fields.core.geometry.carrier import carrier
+from synch_fields.core.geometry.carrier import KINDS, carrier
 from synch_fields.core.interpolate import evaluate, face_phases
 
-from ..bad_meshes import (
+from ...corpus.makers import (
     boxes,
     checkerboard,
     doubled_and_turned,
@@ -338,3 +341,9 @@ def test_the_lines_name_elements_and_what_is_done():
         "the edge between vertices 0 and 1 and 1 more have three or more faces: "
         "those that bend least stay joined, others come apart"
     )
+
+
+def test_the_guide_has_a_row_for_every_kind():
+    guide = (Path(__file__).parents[3] / "docs" / "guide.md").read_text(encoding="utf-8")
+    table = guide.split("## Meshes that are no surface")[1].split("\n## ")[0]
+    assert re.findall(r"^\| `(\w+)` \|", table, re.MULTILINE) == list(KINDS)

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Areas, angles, masses and cotangent weights against element-by-element assembly."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -92,3 +94,12 @@ def test_weights_do_not_change_with_size(build, characteristic):
 def test_loose_vertices_have_a_little_mass():
     mesh = together(square(3), loose=1)
     assert 0 < mesh.vertex_masses[-1] < 1e-6 * mesh.vertex_masses[0]
+
+
+def test_weights_are_numbers_where_a_polygon_has_a_triangle_without_area():
+    """Two corners of a quad in one place: of the triangle between them two cotangents are larger than any number."""
+    mesh = TriangleMesh(np.array([[0, 2, 0], [0, 0, 1], [0, 0, 0], [0, 0, 0]], float), [[0, 1, 2], [0, 2, 3]])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert np.isfinite(mesh.weights).all()
+    assert mesh.weights[mesh.edges_between(np.array([1]), np.array([2]))] == pytest.approx(1.0)

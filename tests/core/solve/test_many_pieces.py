@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Many connected pieces: perfect fits found at once, small ones solved together, each as well as alone."""
 
+import itertools
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from synch_fields.core import monitor
 from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.fields import direction_field, stripe_pattern
 from synch_fields.core.fields.directions import direction_problem
@@ -158,10 +160,14 @@ def test_small_pieces_descend_from_where_they_are(kind):
         for k, c in enumerate(connections)
     ]
     found = solve(problem, Options(method=DESCENT), start=start)
-    assert found.energy <= problem.energy(start) and found.status is Status.UNCERTIFIED
-    # Descents in other metrics may end in other optima; some end in the same.
-    own = [problem.connection.energy(found.phases)] and problem.pieces.energies(problem.coordinates(found.phases))
+    assert found.status is Status.UNCERTIFIED
+    own, begun = (problem.pieces.energies(problem.coordinates(phases)) for phases in (found.phases, start))
+    assert (own < 0.9 * begun).all()
+    # Descents in other metrics may end in other optima; some end in the same, and none can go on.
     assert min(abs(own - [s.energy for s in alone]) / own) < 1e-6
+    for k, c in enumerate(connections):
+        further = solve(SynchronizationProblem(c), Options(method=DESCENT), start=found.phases[12 * k : 12 * k + 12])
+        assert further.energy == pytest.approx(own[k], rel=1e-6)
     again = solve(problem, start=found)
     np.testing.assert_allclose(again.energy, found.energy, rtol=1e-9)
 
@@ -173,11 +179,33 @@ def test_time_that_runs_out_among_small_pieces_leaves_phases():
     np.testing.assert_allclose(np.abs(solution.phases), 1)
 
 
+@pytest.mark.parametrize("kind", ["circle", "flips"])
+@pytest.mark.parametrize("has_start", [False, True])
+def test_time_that_runs_out_among_small_pieces_leaves_the_best_so_far(kind, has_start, monkeypatch):
+    """With a clock that goes on by one whenever it is looked at."""
+    count = itertools.count()
+    monkeypatch.setattr(monitor.time, "perf_counter", lambda: float(next(count)))
+    problem = SynchronizationProblem(side_by_side([random_connection(kind, 9, 9, seed) for seed in range(30)]))
+    start = random_values(kind, 270, np.random.default_rng(5)) if has_start else None
+    for method in ("sdp", DESCENT) if has_start else ("sdp",):
+        limits = (3, 10, 15, 20, 1e9)
+        found = [solve(problem, Options(method=method, time_limit=limit), start=start) for limit in limits]
+        assert [s.status is Status.TIME_LIMIT for s in found] == [True] * 4 + [False]
+        energies = [problem.pieces.energies(problem.coordinates(solution.phases)) for solution in found]
+        assert all((late <= energies[0] * (1 + 1e-9)).all() for late in energies[:-1])
+        assert found[-1].energy * (1 - 1e-9) <= found[-2].energy < 0.9 * found[0].energy
+        assert all(solution.lower_bound <= found[-1].energy * (1 + 1e-9) for solution in found)
+
+
 def test_many_stacks_are_as_good_as_one(monkeypatch):
     problem = SynchronizationProblem(side_by_side([random_connection("circle", 9, 9, seed) for seed in range(12)]))
     one = solve(problem)
     monkeypatch.setattr(together, "AT_ONCE", 1)
-    assert solve(problem).energy == pytest.approx(one.energy, rel=1e-9)
+    stacks = together._chunks(problem.pieces.sizes, np.arange(12), problem.block, Options().samples)
+    assert sorted(np.concatenate(stacks)) == list(range(12)) and len(stacks) == 12
+    many = solve(problem)
+    assert many.energy == pytest.approx(one.energy, rel=1e-9)
+    assert many.lower_bound == pytest.approx(one.lower_bound, rel=1e-2)
 
 
 def fuzzed(kind, random):

@@ -9,11 +9,11 @@ import pytest
 
 from synch_fields.core.errors import MeshError, SettingError
 from synch_fields.core.geometry import TriangleMesh
-from synch_fields.core.geometry.filling.likeness import filled_alike
+from synch_fields.core.geometry.filling.likeness import filled_alike, more_holes
 from synch_fields.core.geometry.filling.stuffing import stuffed
 from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
 
-from ...meshes import icosphere, split_quads, together, torus, voxel_quads
+from ...meshes import grid_quads, icosphere, split_quads, together, torus, voxel_quads
 
 
 def turned_box(*size, angle=0.4):
@@ -64,3 +64,31 @@ def test_small_losses_change_no_solid(speck):
     found, plain = filled_alike(distance, 0.2), stuffed(distance, distance.bounds, 0.2)
     np.testing.assert_array_equal(found.vertices, plain.vertices)
     np.testing.assert_array_equal(found.tets, plain.tets)
+
+
+def open_ring(gap, around=60, across=12):
+    """A ring of unit radius, thick by 0.6, whose two flat ends are about so far apart."""
+    u, v = np.meshgrid(np.linspace(0, 2 * np.pi - gap, around), np.arange(across) * 2 * np.pi / across, indexing="ij")
+    reach = 1 + 0.3 * np.cos(v)
+    points = np.stack([reach * np.cos(u), reach * np.sin(u), 0.3 * np.sin(v)], axis=-1)
+    walls = split_quads(grid_quads(around - 1, across, wrap_rows=True))
+    rim, ends = np.arange(across), around * across + np.arange(2)
+    first = np.column_stack([rim, np.roll(rim, -1), np.full(across, ends[0])])
+    last = np.column_stack([np.roll(rim, -1), rim, np.full(across, ends[1])])
+    last[:, :2] += (around - 1) * across
+    points = np.vstack([points.reshape(-1, 3), points[[0, -1]].mean(axis=1)])
+    return TriangleMesh(points, np.concatenate([walls, first, last]))
+
+
+@pytest.mark.parametrize(
+    ("mesh", "size", "more"),
+    [
+        pytest.param(open_ring(0.05), 0.2, 1, id="a gap closed"),
+        pytest.param(open_ring(0.8), 0.2, 0, id="a gap open"),
+        pytest.param(torus(1, 0.93, 60, 60), 0.35, -1, id="a hole closed"),
+        pytest.param(torus(1, 0.5, 60, 30), 0.35, 0, id="a hole open"),
+    ],
+)
+def test_holes_that_come_and_go_are_counted(mesh, size, more):
+    distance = SurfaceDistance(mesh)
+    assert more_holes(filled_alike(distance, size), distance) == more

@@ -7,7 +7,7 @@ from itertools import product
 import numpy as np
 from scipy.spatial import cKDTree
 
-from .meshes import (
+from ..core.meshes import (
     grid_quads,
     icosphere,
     torus_points,
