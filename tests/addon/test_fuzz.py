@@ -98,6 +98,7 @@ SETTINGS = {
     "branching": NUMBERS | st.none(),
     "aspect": NUMBERS,
     "method": st.sampled_from(["spectral", "diffusion", "sdp"]),
+    "rounding": st.sampled_from(["continuation", "polish", "random", "svd", "none"]),
     "seed": st.integers(-1, 2**70),
     "target_gap": NUMBERS,
 }
