@@ -16,6 +16,7 @@ from ..algebra.workers import idle_workers, share_out
 from ..monitor import OutOfTime
 from .descent import descend
 from .diffusion import diffuse
+from .signs import knock_outs
 from .spheres import fields_of, gaussian, principal
 
 # Diffusion times of the continuation, in units of 1 / (energy per mass), the first of which does for crossings, whose
@@ -169,14 +170,19 @@ def distinct_columns(stage, columns):
 def polish(stage, columns, metric, monitor, steps=LONG_STEPS):
     """Descend on the unrelaxed problem from each column; returns columns sorted by energy, best first."""
     columns = columns.astype(stage.matrix.dtype)
+    if stage.flips is not None:
+        return _best(stage, stage.flips.descended(columns), columns.shape[1])
     descent = descend(stage.matrix, stage.candidates, columns, metric, TOLERANCE, steps, monitor)
     return np.take(descent.point, np.argsort(descent.values, kind="stable"), axis=1)
 
 
 def finish(workspace, column, metric, monitor):
     """Descend from one field to the last digit that matters, in double precision."""
+    stage = workspace.stages[0]
+    if stage.flips is not None:
+        return stage.flips.descended(column).astype(workspace.matrix.dtype)
     column = column.astype(workspace.matrix.dtype)
-    spheres = workspace.stages[0].candidates
+    spheres = stage.candidates
     return descend(workspace.matrix, spheres, column, metric, FINAL_TOLERANCE, FINAL_STEPS, monitor).point
 
 
@@ -213,6 +219,8 @@ def continuation(stage, lifted, samples, density, random, monitor, calmed=None, 
             ).point
             search.on(calm, principal(point)[0], CALMED, (0.4, 0.75))
             search.on(stage, lifted, AFTER, (0.75, 0.9))
+        if stage.flips is not None:
+            search.knock_out(lifted)
         found, metric = search.found, search.metric
         found = np.hstack([polish(stage, found[:, :FINALISTS], metric, monitor), found[:, FINALISTS:]])
     except OutOfTime:
@@ -263,6 +271,18 @@ class _Search:
             best = value
             seeds = crossings(stage, self.found, self._smoothing, tries.crossed, monitor)
             carried = self._carried(stage, seeds, self._diffusion[:1])
+
+    def knock_out(self, lifted):
+        """Find signs of less energy by crossing many projections of the lifted field."""
+        stage = self._asked
+
+        def seeds(most):
+            count = min(most, self._samples)
+            directions = gaussian((lifted.shape[1], count), False, self._random)
+            return projections(stage, lifted, directions, count, self._monitor)
+
+        found = knock_outs(stage.flips, seeds, self.found, self._random, self._monitor)
+        self.found = distinct_columns(stage, found)
 
     def _drawn(self, stage, lifted, directions, tries):
         """Projections at random that have been through the slower fall."""

@@ -8,6 +8,7 @@ from ..algebra.blocks import clipped, on_rows
 from ..algebra.coarsening import graph_laplacian, scalar_aggregates, turning_laplacian
 from ..algebra.metric import SMALLEST_SHIFT, Hierarchy, Metric, definite_metric
 from ..algebra.products import SharedRows
+from .signs import Flips
 from .spheres import Lifted, fields_of
 
 # Shift of the metric of lifted fields as a share of the mean energy per mass. Halved or doubled, the products L Y to a
@@ -40,6 +41,11 @@ class Stage:
         self.width = piece.width
         self.lifted = Lifted(piece.block, piece.width)
         self.candidates = fields_of(piece)
+
+    @cached_property
+    def flips(self):
+        """:class:`Flips` where fields are signs, which nothing else changes, otherwise None."""
+        return Flips(self.matrix.matrix) if self.block == 1 and not self.is_complex else None
 
     @property
     def node_count(self):
