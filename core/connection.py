@@ -6,8 +6,24 @@ after an optional complex conjugation (``flip``).
 """
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
+
+
+class Fibre(StrEnum):
+    """What the nodes carry where transports are d x d matrices; the text is what a caller gives."""
+
+    VECTORS = "vectors"
+    """unit vectors in R^d"""
+    ORTHOGONAL = "orthogonal"
+    """frames: orthogonal d x d matrices"""
+    ROTATIONS = "rotations"
+    """frames without a reflection"""
+
+    def width(self, block):
+        """Columns of a node's value, which has ``block`` rows."""
+        return 1 if self is Fibre.VECTORS else block
 
 
 @dataclass(frozen=True)
@@ -42,12 +58,14 @@ class Connection:
         return self.transports.ndim == 1 or self.block == 2
 
     def energy(self, phases):
-        """sum of w_e |phi_j - g_e phi_i|^2 (Eq. 17) for (n,) complex or (n, d) real values."""
+        """sum of w_e |phi_j - g_e phi_i|^2 (Eq. 17) for (n,) complex, (n, d) or (n, d, d) real values."""
         i, j = self.edges.T
         if self.transports.ndim == 1:
             moved = self.transports * phases[i]
         elif np.iscomplexobj(phases):
             return self.energy(np.column_stack([phases.real, phases.imag]))
+        elif phases.ndim == 3:
+            moved = self.transports @ phases[i]
         else:
             moved = np.einsum("eab,eb->ea", self.transports, phases[i])
         difference = phases[j] - moved
@@ -81,6 +99,14 @@ def circle_transports(angles, flips=None):
     cosine, sine = np.cos(angles), np.sin(angles)
     sign = np.where(flips, -1.0, 1.0)
     return np.stack([np.stack([cosine, -sine * sign], -1), np.stack([sine, cosine * sign], -1)], -2)
+
+
+def as_matrices(transports):
+    """Turns as 2 x 2 matrices; matrices as they are."""
+    if transports.ndim == 3:
+        return transports
+    cosine, sine = transports.real, transports.imag
+    return np.stack([np.stack([cosine, -sine], -1), np.stack([sine, cosine], -1)], -2)
 
 
 def levi_civita(mesh, symmetry):

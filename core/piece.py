@@ -7,6 +7,8 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csr_matrix
 
+from .connection import Fibre
+
 # What rounding alone makes of the quadratic form <x, L x>, and the energy as a sum of squares below which the fit is
 # perfect to the last digit, as shares of the sum of the weights.
 NOISE, PERFECT = 1e-13, 1e-18
@@ -25,6 +27,7 @@ class Piece:
     is_complex : whether the one row of a node is a complex number
     ground : index of the ground node among the piece's nodes, or None
     rows : (N,) rows of the whole problem's coordinates
+    fibre : what the nodes carry
     """
 
     matrix: csr_matrix
@@ -34,15 +37,26 @@ class Piece:
     is_complex: bool
     ground: int | None
     rows: np.ndarray
+    fibre: Fibre = Fibre.VECTORS
 
     @property
     def node_count(self):
         return len(self.mass)
 
     @property
+    def width(self):
+        """Columns of a field: (N, width). As a column among others it is flat, (N * width,)."""
+        return self.fibre.width(self.block)
+
+    @property
     def is_circle(self):
         """Whether a node's unit vector is a point of the circle."""
-        return self.is_complex or self.block == 2
+        return self.width == 1 and (self.is_complex or self.block == 2)
+
+    @property
+    def total_mass(self):
+        """What every field weighs: the mass of its nodes times the squares of their values."""
+        return self.mass.sum() * self.width
 
     @property
     def row_mass(self):
@@ -78,12 +92,14 @@ class Piece:
 
     @property
     def unused_rows(self):
-        """Rows of the ground's block beyond its first: zero at every feasible start and optimum."""
+        """Rows of a ground's block beyond the first of a vector: zero at every feasible start and optimum."""
         if self.ground is None:
             return np.empty(0, int)
-        return self.ground * self.block + np.arange(1, self.block)
+        return self.ground * self.block + np.arange(self.width, self.block)
 
     def energy(self, columns):
-        """(k,) energies of (N, k) columns, as sums of squares: exact zero for a perfect fit."""
-        differences = self.factor @ columns
-        return (differences.real**2 + differences.imag**2).sum(axis=0) if self.is_complex else (differences**2).sum(0)
+        """(k,) energies of k columns, as sums of squares: exact zero for a perfect fit."""
+        differences = self.factor @ columns.reshape(self.factor.shape[1], -1)
+        if self.is_complex:
+            return (differences.real**2 + differences.imag**2).sum(axis=0)
+        return (differences**2).sum(0).reshape(-1, columns.shape[1]).sum(0)

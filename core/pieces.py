@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array
 
+from .connection import Fibre
 from .graphs import ragged_arange
 from .piece import NOISE, PERFECT, Piece
 
@@ -21,7 +22,7 @@ class Pieces(Sequence):
     masses, components : (c,) of the columns of nodes: their mass, and the label of their component
     grounds : (labels,) column that is the ground of each component, -1 where there is none
     places : (c,) order of the columns in a piece
-    block, is_complex : as in :class:`Piece`
+    block, is_complex, fibre : as in :class:`Piece`
 
     Attributes
     ----------
@@ -32,8 +33,9 @@ class Pieces(Sequence):
     roots : (k,) column of each piece's ground, or of its first node
     """
 
-    def __init__(self, factor, scales, masses, components, grounds, places, block, is_complex):
+    def __init__(self, factor, scales, masses, components, grounds, places, block, is_complex, fibre=Fibre.VECTORS):
         self._factor, self._masses, self._block, self._is_complex = factor, masses, block, is_complex
+        self._fibre = fibre
         self._order = np.lexsort((places, components))
         filled = np.flatnonzero(np.diff(factor.indptr))
         labels = components[factor.indices[factor.indptr[filled]] // block]
@@ -72,8 +74,11 @@ class Pieces(Sequence):
     def aligned(self, frames):
         """(N,) unit coordinates that are the same in the (N, block) frames of a piece, and fit it as well as such can.
 
-        In the frames of a ground they are its value; otherwise the first axis is taken wherever it fits.
+        In the frames of a ground they are its value; otherwise the first axis is taken wherever it fits. Where the
+        nodes carry frames, they are these.
         """
+        if self._fibre is not Fibre.VECTORS:
+            return frames
         count = len(self)
         axes = np.zeros((count + 1, self._block), frames.dtype)  # the last for nodes in no piece
         axes[:, 0] = 1
@@ -91,13 +96,13 @@ class Pieces(Sequence):
         return (nodes / np.linalg.norm(nodes, axis=1, keepdims=True)).ravel()
 
     def fitted(self, coordinates):
-        """(k,) bool: pieces that (N,) coordinates fit perfectly."""
+        """(k,) bool: pieces that (N,) or (N, width) coordinates fit perfectly."""
         return self.energies(coordinates) <= PERFECT * self.scales
 
     def energies(self, coordinates):
-        """(k,) energies of (N,) coordinates, as sums of squares."""
-        differences = self._factor @ coordinates
-        return self._sums(np.abs(differences) ** 2)
+        """(k,) energies of (N,) or (N, width) coordinates, as sums of squares."""
+        squares = np.abs(self._factor @ coordinates) ** 2
+        return self._sums(squares.sum(axis=1) if squares.ndim == 2 else squares)
 
     def energies_of(self, numbers, columns):
         """(k,) energies of some pieces by (m, c) columns together, whose rows are theirs, one after the other."""
@@ -152,12 +157,13 @@ class Pieces(Sequence):
         ground, ground_column = None, self.grounds[number]
         if ground_column >= 0:
             ground = int(np.flatnonzero(rows[::block] == ground_column * block)[0])
-            unused = ground * block + np.arange(1, block)
+            unused = ground * block + np.arange(self._fibre.width(block), block)
             # Rows of the ground beyond its first are zero at every optimum if they cost this much.
             penalty = np.zeros(len(rows))
             penalty[unused] = max(2 * abs(matrix[ground * block, ground * block]), abs(matrix.diagonal()).mean())
             matrix = (matrix + diags_array(penalty)).tocsr() if len(unused) else matrix
-        return Piece(matrix, factor, self._masses[rows[::block] // block], block, self._is_complex, ground, rows)
+        masses = self._masses[rows[::block] // block]
+        return Piece(matrix, factor, masses, block, self._is_complex, ground, rows, self._fibre)
 
     def stack(self, numbers):
         """The :class:`Stack` of some pieces, which have weights."""

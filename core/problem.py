@@ -14,7 +14,8 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from .connection import circle_transports, compose, make_arrays
+from .algebra.frames import nearest
+from .connection import Fibre, as_matrices, circle_transports, compose, make_arrays
 from .errors import SettingError
 from .gauge import balance
 from .graphs import components
@@ -44,7 +45,7 @@ class Merged:
 class Targets:
     """Values that nodes must have (weights None) or are drawn to: w |phi_i - value|^2.
 
-    ``values`` are complex of unit modulus on the circle, otherwise (k, d) unit vectors.
+    ``values`` are complex of unit modulus on the circle, otherwise (k, d) unit vectors or (k, d, d) frames.
     """
 
     nodes: np.ndarray
@@ -120,6 +121,7 @@ class SynchronizationProblem:
     drawn : Targets with weights, optional
     calmer : callable without arguments, optional; asked for (k,) radians that turn the first k transports further, so
         that they contradict each other as little as they can. Circle only.
+    fibre : Fibre, optional: what nodes carry where transports are d x d matrices; by default unit vectors
 
     What is left out is of no node: the attributes ``merged``, ``fixed`` and ``drawn`` are never None.
 
@@ -130,8 +132,8 @@ class SynchronizationProblem:
         not of unit length; when a node is constrained twice, or merged into a node that is itself constrained
     """
 
-    def __init__(self, connection, mass=None, merged=None, fixed=None, drawn=None, calmer=None):
-        check_problem(connection, mass, merged, fixed, drawn)
+    def __init__(self, connection, mass=None, merged=None, fixed=None, drawn=None, calmer=None, fibre=Fibre.VECTORS):
+        self.fibre = check_problem(connection, mass, merged, fixed, drawn, fibre)
         if merged is not None and merged.transports.ndim != connection.transports.ndim:
             connection = replace(connection, transports=as_matrices(connection.transports))
             merged = replace(merged, transports=as_matrices(merged.transports))
@@ -139,7 +141,7 @@ class SynchronizationProblem:
         count = connection.node_count
         self.mass = np.ones(count) if mass is None else np.asarray(mass, float)
         nobody = np.empty(0, int)
-        nothing = np.empty(0, complex) if connection.is_circle else np.empty((0, connection.block))
+        nothing = np.empty((0, *self.value_shape), complex if self.is_circle else float)
         self.merged = Merged(nobody, nobody, connection.transports[:0]) if merged is None else merged
         self.fixed = Targets(nobody, nothing) if fixed is None else fixed
         self.drawn = Targets(nobody, nothing, np.empty(0)) if drawn is None else drawn
@@ -157,7 +159,17 @@ class SynchronizationProblem:
     @property
     def is_circle(self):
         """Whether phases are given and returned as complex numbers."""
-        return self.connection.is_circle
+        return self.connection.is_circle and self.fibre is Fibre.VECTORS
+
+    @property
+    def width(self):
+        """Columns of the phase of a node: 1, or d of frames."""
+        return self.fibre.width(self.block)
+
+    @property
+    def value_shape(self):
+        """Shape of the phase of a node: () on the circle, (d,) or (d, d)."""
+        return () if self.is_circle else (self.block, self.block)[: 1 if self.fibre is Fibre.VECTORS else 2]
 
     def turned_by(self, turns):
         """The problem with the first transports turned further by (k,) radians; its pieces have the same rows."""
@@ -196,7 +208,7 @@ class SynchronizationProblem:
     @cached_property
     def _gauge(self):
         count = self.connection.node_count
-        if self.connection.block != 2:
+        if self.connection.block != 2 or not self.is_circle:
             return np.zeros(count, bool), self.connection.transports.ndim == 1
         flips = np.append(_is_flip(self.connection.transports), _is_flip(self.merged.transports))
         turned, balanced = balance(count, self._pairs, flips)
@@ -221,7 +233,7 @@ class SynchronizationProblem:
         return np.where(self.turned[heads], numbers.conj(), numbers)
 
     def _values(self, targets):
-        """Target values as (k,) complex coordinates or (k, d) vectors."""
+        """Target values as (k,) complex coordinates, (k, d) vectors or (k, d, d) frames."""
         values = np.asarray(targets.values)
         if self.is_complex:
             return np.where(self.turned[targets.nodes], values.conj(), values)
@@ -282,7 +294,7 @@ class SynchronizationProblem:
         """The :class:`Pieces`: connected, with at least one edge each; other nodes keep the phase 1."""
         embedding = self._embedding
         shape = (embedding.masses, embedding.components, embedding.grounds)
-        return Pieces(self.factor, self.links.scales, *shape, self._places, self.block, self.is_complex)
+        return Pieces(self.factor, self.links.scales, *shape, self._places, self.block, self.is_complex, self.fibre)
 
     @cached_property
     def _places(self):
@@ -295,7 +307,7 @@ class SynchronizationProblem:
         return places
 
     def along_trees(self):
-        """(N,) unit coordinates that fit all edges of a spanning tree of each piece, and fixed values.
+        """(N,) or (N, d) unit coordinates that fit all edges of a spanning tree of each piece, and fixed values.
 
         Where some fit all edges of a piece, these do.
         """
@@ -309,34 +321,38 @@ class SynchronizationProblem:
         return pieces.aligned(frames.reshape(self.block * count, self.block))
 
     def expand(self, coordinates):
-        """Phases of all nodes from unit coordinates: (n,) complex on the circle, else (n, d).
+        """Phases of all nodes from unit coordinates: (n,) complex on the circle, else (n, d) or (n, d, d).
 
         Parameters
         ----------
-        coordinates : (N,) array in the rows of :attr:`factor`'s columns
+        coordinates : (N,) array in the rows of :attr:`factor`'s columns; of frames (N, d)
         """
         columns, units = self._embedding.columns, self._embedding.units
         if self.is_complex:
             phases = units * coordinates[columns]
             return np.where(self.turned, phases.conj(), phases)
+        if coordinates.ndim == 2:
+            return units @ coordinates.reshape(-1, self.block, self.block)[columns]
         vectors = np.einsum("nab,nb->na", units, coordinates.reshape(-1, self.block)[columns])
         return vectors[:, 0] + 1j * vectors[:, 1] if self.is_circle else vectors
 
     def coordinates(self, phases):
-        """(N,) unit coordinates nearest to phases of all nodes: the inverse of :meth:`expand`.
+        """(N,) or (N, d) unit coordinates nearest to phases of all nodes: the inverse of :meth:`expand`.
 
         Parameters
         ----------
-        phases : (n,) complex on the circle, else (n, d)
+        phases : (n,) complex on the circle, else (n, d) or (n, d, d)
         """
         columns, units = self._embedding.columns, self._embedding.units
         if self.is_complex:
             values = np.where(self.turned, phases.conj(), phases) * units.conj()
         else:
             values = np.column_stack([phases.real, phases.imag]) if np.iscomplexobj(phases) else phases
-            values = np.einsum("nba,nb->na", units, values)
+            values = np.einsum("nba,nb...->na...", units, values)
         sums = np.zeros((len(self._embedding.masses), *values.shape[1:]), values.dtype)
         np.add.at(sums, columns, values * self.mass.reshape(-1, *[1] * (values.ndim - 1)))
+        if self.width > 1:
+            return nearest(sums, self.fibre is Fibre.ROTATIONS).reshape(-1, self.width)
         fallback = self.unit_coordinates().reshape(sums.shape)
         lengths = np.sqrt((np.abs(sums) ** 2).reshape(len(sums), -1).sum(axis=1)).reshape(-1, *[1] * (sums.ndim - 1))
         return np.where(lengths > 0, sums / np.where(lengths > 0, lengths, 1), fallback).ravel()
@@ -346,8 +362,10 @@ class SynchronizationProblem:
         return self._embedding.columns[nodes][:, None] * self.block + np.arange(self.block)
 
     def unit_coordinates(self):
-        """(N,) coordinates with the phase 1 at every node."""
+        """(N,) or (N, d) coordinates with the phase 1 at every node."""
         count = self.factor.shape[1] // self.block
+        if self.width > 1:
+            return np.tile(np.eye(self.block), (count, 1))
         return np.ones(count, complex) if self.is_complex else np.tile(np.eye(self.block)[0], count)
 
     def energy(self, phases):
@@ -357,14 +375,6 @@ class SynchronizationProblem:
         return self.connection.energy(phases) + float(self.drawn.weights @ squares)
 
 
-def as_matrices(transports):
-    """Turns as 2 x 2 matrices; matrices as they are."""
-    if transports.ndim == 3:
-        return transports
-    cosine, sine = transports.real, transports.imag
-    return np.stack([np.stack([cosine, -sine], -1), np.stack([sine, cosine], -1)], -2)
-
-
 def _is_flip(transports):
     if transports.ndim == 1:
         return np.zeros(len(transports), bool)
@@ -372,8 +382,8 @@ def _is_flip(transports):
 
 
 def _ground_blocks(values):
-    """The ground is one number; in real coordinates it is the first row of a block."""
-    if values.ndim == 1:
+    """The ground is one number or frame; that of vectors is the first row of a block."""
+    if values.ndim != 2:
         return values
     blocks = np.zeros((*values.shape, values.shape[1]))
     blocks[:, :, 0] = values

@@ -3,14 +3,21 @@
 
 import numpy as np
 
+from .connection import Fibre
 from .errors import SettingError
 
 # How far a transport may be from a rotation or reflection, and a value from unit length: what single precision leaves.
 UNIT = 1e-4
 
 
-def check_problem(connection, mass, merged, fixed, drawn):
-    """Raise a SettingError for the first thing wrong with the parts of a problem, but for doubled constraints."""
+def check_problem(connection, mass, merged, fixed, drawn, fibre):
+    """Raise a SettingError for the first thing wrong with the parts of a problem, but for doubled constraints.
+
+    Returns the :class:`Fibre`, which may be given by its word.
+    """
+    if fibre not in [*Fibre]:
+        raise SettingError(f"the fibre {fibre!r} is unknown: use one of {', '.join(Fibre)}")
+    fibre = Fibre(fibre)
     count = connection.node_count
     if not isinstance(count, int | np.integer) or count < 1:
         raise SettingError(f"the connection has {count!r} nodes: give a whole number of at least 1")
@@ -19,24 +26,25 @@ def check_problem(connection, mass, merged, fixed, drawn):
         raise SettingError(f"edges have the shape {edges.shape}: give two nodes for each")
     _check_nodes("edge", edges, count)
     _check_numbers("weight", "edge", connection.weights, len(edges))
-    _check_transports("edge", connection.transports, len(edges))
+    _check_transports("edge", connection.transports, len(edges), fibre)
     if mass is not None:
         _check_numbers("mass", "node", mass, count)
     if merged is not None:
         _check_nodes("merged node", merged.nodes, count)
         _check_nodes("root of merged nodes", merged.roots, count)
         _check_length("roots", "merged node", merged.roots, len(merged.nodes))
-        _check_transports("merged node", merged.transports, len(merged.nodes))
+        _check_transports("merged node", merged.transports, len(merged.nodes), fibre)
     for name, targets in (("fixed node", fixed), ("drawn node", drawn)):
         if targets is not None:
             _check_nodes(name, targets.nodes, count)
-            _check_values(name, targets.values, len(targets.nodes), connection)
+            _check_values(name, targets.values, len(targets.nodes), connection, fibre)
     if fixed is not None and fixed.weights is not None:
         raise SettingError("fixed nodes have weights: leave them out, or draw the nodes instead")
     if drawn is not None:
         if drawn.weights is None:
             raise SettingError("drawn nodes have no weights: give one for each, or fix the nodes instead")
         _check_numbers("weight", "drawn node", drawn.weights, len(drawn.nodes))
+    return fibre
 
 
 def _refuse_first(wrong, line):
@@ -66,20 +74,36 @@ def _check_numbers(name, element, values, count):
     _refuse_first(wrong, lambda k: f"the {name} of {element} {k} is {values[k]}: give a finite number, not below 0")
 
 
-def _check_transports(element, transports, count):
+def _check_transports(element, transports, count, fibre):
     _check_length("transports", element, transports, count)
     if transports.ndim == 1:
         wrong = ~(np.abs(np.abs(transports) - 1) < UNIT)
     elif transports.ndim == 3 and transports.shape[1] == transports.shape[2]:
-        squares = np.einsum("eba,ebc->eac", transports, transports)
-        wrong = ~(np.abs(squares - np.eye(transports.shape[1])) < UNIT).all(axis=(1, 2))
+        wrong = _far_from_orthogonal(transports)
     else:
         raise SettingError(f"transports of {element}s have the shape {transports.shape}: give (e,) or (e, d, d)")
     kind = "modulus 1" if transports.ndim == 1 else "orthogonal columns of length 1"
     _refuse_first(wrong, lambda k: f"the transport of {element} {k} is {transports[k].tolist()}: it needs {kind}")
+    if fibre is not Fibre.VECTORS and transports.ndim == 1:
+        raise SettingError(f"nodes carry {fibre} and the transports are complex numbers: give d x d matrices")
+    if fibre is Fibre.ROTATIONS:
+        _refuse_reflections(f"transport of {element}", transports)
 
 
-def _check_values(element, values, count, connection):
+def _far_from_orthogonal(matrices):
+    squares = np.einsum("eba,ebc->eac", matrices, matrices)
+    return ~(np.abs(squares - np.eye(matrices.shape[1])) < UNIT).all(axis=(1, 2))
+
+
+def _refuse_reflections(name, matrices):
+    reflects = np.linalg.det(matrices) < 0
+    _refuse_first(reflects, lambda k: f"the {name} {k} is a reflection: give rotations, or let the nodes be orthogonal")
+
+
+def _check_values(element, values, count, connection, fibre):
+    if fibre is not Fibre.VECTORS:
+        _check_frames(element, values, (count, connection.block, connection.block), fibre)
+        return
     is_number = np.iscomplexobj(values) or (connection.is_circle and values.ndim == 1)
     shape = (count,) if is_number else (count, connection.block)
     if values.shape != shape:
@@ -87,3 +111,12 @@ def _check_values(element, values, count, connection):
     lengths = np.sqrt((np.abs(values) ** 2).sum(axis=tuple(range(1, values.ndim))))
     wrong = ~(np.abs(lengths - 1) < UNIT)
     _refuse_first(wrong, lambda k: f"the value of {element} {k} is {values[k].tolist()}: it needs the length 1")
+
+
+def _check_frames(element, values, shape, fibre):
+    if values.shape != shape:
+        raise SettingError(f"values of {element}s have the shape {values.shape}: give {shape}")
+    wrong = _far_from_orthogonal(values)
+    _refuse_first(wrong, lambda k: f"the value of {element} {k} is {values[k].tolist()}: it needs orthonormal columns")
+    if fibre is Fibre.ROTATIONS:
+        _refuse_reflections(f"value of {element}", values)

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array
 
+from .blocks import block_diagonal
 from .coarsening import aggregates, hubs
 from .factorization import factorize, has_positive_pivots
 from .products import SharedRows
@@ -91,14 +92,14 @@ class Hierarchy:
             ground = coarse_ground
 
     def lowered(self, diagonal, depth=0):
-        """The hierarchy of a level's matrix less a (N,) diagonal, with the same aggregates.
+        """The hierarchy of a level's matrix less (N,) numbers on its diagonal or (n, d, d) blocks.
 
-        None where the diagonal of a level shows that this has negative eigenvalues.
+        The aggregates are the same. None where the diagonal of a level shows that this has negative eigenvalues.
         """
         random = np.random.default_rng(0)
         result = copy(self)
         result.levels = []
-        change = diags_array(diagonal.astype(np.float32)).tocsr()
+        change = block_diagonal(diagonal.astype(np.float32)).tocsr()
         for level in self.levels[depth:]:
             matrix = (level.matrix - change).tocsr()
             if not (matrix.diagonal().real > 0).all():
@@ -201,7 +202,10 @@ class Metric:
         self.dtype = matrix.dtype
 
     def solve(self, columns):
-        """Approximate A^-1 on (N, k) or (N,) columns; a fixed Hermitian operator, positive if A is; keeps dtypes."""
+        """Approximate A^-1 on (N, k) or (N,) columns; a fixed Hermitian operator, positive if A is; keeps dtypes.
+
+        Columns may hold several numbers for each row, as those of :class:`.products.SharedRows`.
+        """
         return self._applied(self._cycle, columns)
 
     def precondition(self, columns):
@@ -213,7 +217,7 @@ class Metric:
         return self._applied(self._sum, columns)
 
     def _applied(self, operator, columns):
-        vectors = columns[:, None] if columns.ndim == 1 else columns
+        vectors = columns.reshape(len(self._scale), -1)
         result = self._scaled_rows(operator(self._scaled_rows(vectors.astype(self.dtype, order="C"))))
         return result.reshape(columns.shape).astype(columns.dtype, copy=False)
 

@@ -13,7 +13,10 @@ WORTH_SHARING = 1_000_000
 
 
 class SharedRows:
-    """A CSR matrix whose products with many columns are computed by all cores, each with a range of rows."""
+    """A CSR matrix whose products with many columns are computed by all cores, each with a range of rows.
+
+    Columns may hold several numbers for each row of the matrix, one after the other: each takes its own way.
+    """
 
     def __init__(self, matrix):
         self.matrix = matrix
@@ -22,6 +25,8 @@ class SharedRows:
 
     def __matmul__(self, columns):
         matrix = self.matrix
+        if len(columns) > matrix.shape[1]:
+            return (self @ columns.reshape(matrix.shape[1], -1)).reshape(-1, columns.shape[1])
         if workers.idle_workers() == 1 or matrix.nnz * (columns.size // len(columns)) < WORTH_SHARING:
             return matrix @ columns
         columns = np.ascontiguousarray(columns)

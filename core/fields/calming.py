@@ -21,12 +21,12 @@ from scipy.sparse import csr_matrix, diags_array
 from scipy.sparse.linalg import LinearOperator, cg
 
 from ..algebra.metric import Hierarchy, definite_metric
+from ..connection import as_matrices
 from ..defects import wrap
 from ..errors import SettingError, SynchError
 from ..gauge import balance
 from ..geometry.handles import handle_changes
 from ..graphs import components
-from ..problem import as_matrices
 from ..sheets import after_turns
 from .constraints.groups import Links, from_leads
 from .guidance.potentials import potential

@@ -9,10 +9,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..connection import Connection, circle_transports
+from ..connection import Connection, as_matrices, circle_transports
 from ..errors import ContradictionError
 from ..graphs import components
-from ..problem import as_matrices
 from .constraints.groups import Links, joined_links
 
 # How far, in radians of direction, mirrored wishes may differ: tangent planes lean, strokes are sampled.

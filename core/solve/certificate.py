@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lower bounds on the optimum, from the dual of the semidefinite relaxation (Eqs. 22, 23).
 
-With lambda_i = Re<Y_i, (L Y)_i> the slack is S = L - diag(lambda). If S + t A is positive
+With lambda_i = Re<Y_i, (L Y)_i>, of frames symmetric blocks, the slack is S = L - diag(lambda). If S + t A is positive
 semidefinite for A = L + shift M, then (lambda - t shift m) / (1 + t) is feasible for the dual, since
 
     L - diag(lambda - t shift m) / (1 + t) = (S + t A) / (1 + t),
@@ -15,8 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import eigh
-from scipy.sparse import diags_array
 
+from ..algebra.blocks import block_diagonal, on_rows, times, traces, with_diagonal
 from ..algebra.factorization import front_width, is_positive_definite
 from ..errors import SynchError
 from ..memory import room
@@ -59,12 +59,12 @@ class Slack:
 def lower_bound(piece, shift, duals, depth):
     """Value of the dual point that is feasible when S + depth A is positive semidefinite."""
     share = 1 / (1 + depth)
-    return float((share * duals - (1 - share) * shift * piece.mass).sum())
+    return float((share * traces(duals) - (1 - share) * shift * piece.width * piece.mass).sum())
 
 
 def depth_for_bound(piece, shift, duals, bound):
     """The depth at which :func:`lower_bound` is ``bound``."""
-    return float((duals.sum() - bound) / (bound + shift * piece.mass.sum()))
+    return float((traces(duals).sum() - bound) / (bound + shift * piece.total_mass))
 
 
 def measure_slack(workspace, shift, metric, point, duals, random, monitor, enough=-np.inf, count=2):
@@ -82,7 +82,7 @@ def measure_slack(workspace, shift, metric, point, duals, random, monitor, enoug
     shift : of A
     metric : whose inverse leads the search, best one near S
     point : (N, r) lifted field Y
-    duals : (nodes,) lambda
+    duals : (nodes,) lambda, or (nodes, d, d) of frames
     random : numpy Generator
     monitor : Monitor
     enough : depth plus error below which the search may end early
@@ -94,14 +94,15 @@ def measure_slack(workspace, shift, metric, point, duals, random, monitor, enoug
     free = size - len(piece.unused_rows)
     steps = min(MOST_STEPS, free)
     masses = shift * piece.row_mass
-    space = _Space(matrix, masses, np.repeat(duals, piece.block) + masses, point.shape[1] + steps)
+    weight = with_diagonal(on_rows(duals, piece.block), masses)
+    space = _Space(matrix, masses, weight, point.shape[1] + steps)
     squares, rotation = eigh(point.conj().T @ point)
     for column in (point @ rotation[:, squares > NEGLIGIBLE * squares[-1]]).T:
         space.add(column)
     known = space.filled
     vector = random.standard_normal(size).astype(matrix.dtype)
     vector[piece.unused_rows] = 0
-    vector = metric.solve(space.weight * vector)
+    vector = metric.solve(times(space.weight, vector))
     for step in range(1, steps + 1):
         monitor.check()
         if not space.add(vector):
@@ -130,14 +131,15 @@ class _Space:
     Parameters
     ----------
     matrix : (N, N) L
-    masses, weight : (N,) diagonals of A - L and of W
+    masses : (N,) diagonal of A - L
+    weight : W, (N,) or in blocks
     capacity : vectors at most
     """
 
     def __init__(self, matrix, masses, weight, capacity):
         real = np.finfo(matrix.dtype).dtype
         self._matrix, self._masses, self.weight = matrix, masses.astype(real), weight.astype(real)
-        self._vectors = np.empty((capacity, len(weight)), matrix.dtype)
+        self._vectors = np.empty((capacity, len(masses)), matrix.dtype)
         self._weighted, self._measured = np.zeros((2, capacity, capacity), matrix.dtype)
         self.filled = 0
 
@@ -159,7 +161,7 @@ class _Space:
             return False
         added = self._vectors[self.filled] = vector / np.sqrt(square)
         self.filled += 1
-        for seen, other in ((self._weighted, self.weight * added), (self._measured, image)):
+        for seen, other in ((self._weighted, times(self.weight, added)), (self._measured, image)):
             seen[: self.filled, self.filled - 1] = _inner(self._vectors[: self.filled], other)
             seen[self.filled - 1, : self.filled] = seen[: self.filled, self.filled - 1].conj()
         return True
@@ -172,7 +174,7 @@ class _Space:
 
     def residual(self, value, direction):
         """(W - mu A) times a direction."""
-        return self.weight * direction - self._masses.dtype.type(value) * self._apply(direction)
+        return times(self.weight, direction) - self._masses.dtype.type(value) * self._apply(direction)
 
 
 def _length(residual, solved):
@@ -205,10 +207,10 @@ def prove(piece, shift, duals, depth, width):
     What rounding may hide is taken off the diagonal first: it grows with the entries that were summed for a row of
     L, and with the length of a factor's column, at most the ``width`` of the fronts.
     """
-    diagonal = depth * shift * piece.row_mass - np.repeat(duals, piece.block)
+    added = with_diagonal(-on_rows(duals, piece.block), depth * shift * piece.row_mass)
     hidden = np.finfo(float).eps * (np.diff(piece.matrix.indptr) + ROUNDINGS * width)
-    diagonal = diagonal - hidden * piece.matrix.diagonal().real
+    added = with_diagonal(added, -hidden * piece.matrix.diagonal().real)
     try:
-        return is_positive_definite(piece.matrix * (1 + depth) + diags_array(diagonal))
+        return is_positive_definite(piece.matrix * (1 + depth) + block_diagonal(added))
     except SynchError:  # no memory for it
         return False

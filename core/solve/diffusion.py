@@ -43,7 +43,8 @@ def _solve(stage, metric, right):
 
     Works on real and imaginary parts as separate numbers, which NumPy multiplies faster.
     """
-    dtype, real = right.dtype, right.real.dtype
+    shape, dtype, real = right.shape, right.dtype, right.real.dtype
+    right = right.reshape(len(stage.row_mass), -1)
     parts = 2 if np.iscomplexobj(right) else 1
     shift = np.multiply(stage.row_mass, metric.shift, dtype=real)[:, None]
 
@@ -67,7 +68,7 @@ def _solve(stage, metric, right):
         add_multiples(steepest, _ratio(new_size, size), direction)
         direction = steepest
         size = new_size
-    return solution.view(dtype)
+    return solution.view(dtype).reshape(shape)
 
 
 def _ratio(numbers, divisors):

@@ -40,8 +40,8 @@ def _check_start(problem, start, options):
     if options.method not in ("sdp", DESCENT):
         raise SettingError(f"a start is given to method {options.method!r}, which has no use for it: take 'sdp'")
     phases = np.asarray(start.phases if isinstance(start, Solution) else start)
-    count, block = problem.connection.node_count, problem.connection.block
-    shape = (count,) if problem.is_circle else (count, block)
+    count = problem.connection.node_count
+    shape = (count, *problem.value_shape)
     if phases.shape != shape:
         raise SettingError(f"the start has the shape {phases.shape} and the problem {shape}: give one phase a node")
     if not np.isfinite(phases).all():

@@ -18,7 +18,7 @@ class PartResult:
     ----------
     rows : (m,) in the coordinates of the problem
     node_count : of the largest piece among them
-    fields : (m, k) unit coordinates, best first
+    fields : (m, k) unit coordinates, best first; of frames (m * width, k)
     lifted : (m, r), or None
     singular_values : of the lifted field on the largest piece
     bound, sdp_value, spectral_bound : sums over the pieces
@@ -42,7 +42,7 @@ class PartResult:
 
 @dataclass(frozen=True)
 class Start:
-    """Coordinates and lifted field to start from, in the rows of the problem or of one piece."""
+    """Coordinates (N, width) and lifted field to start from, in the rows of the problem; on a piece they are flat."""
 
     column: np.ndarray | None = None
     lifted: np.ndarray | None = None
@@ -53,11 +53,11 @@ class Start:
             return cls()
         as_phases = partial(np.asarray, dtype=complex if problem.is_circle else float)
         if not isinstance(start, Solution):
-            return cls(problem.coordinates(as_phases(start))[:, None])
+            return cls(_as_columns(problem.coordinates(as_phases(start))))
         lifted = start.lifted
         if lifted is not None and lifted.shape[0] != problem.factor.shape[1]:
             lifted = None
-        return cls(problem.coordinates(as_phases(start.phases))[:, None], lifted)
+        return cls(_as_columns(problem.coordinates(as_phases(start.phases))), lifted)
 
     def on(self, piece):
         """The part of one piece."""
@@ -66,7 +66,12 @@ class Start:
             lifted = None
         if lifted is not None:
             lifted[piece.unused_rows] = 0
-        return Start(column, lifted)
+        return Start(None if column is None else column.reshape(-1, 1), lifted)
+
+
+def _as_columns(coordinates):
+    """(N, width) of (N,) or (N, width) coordinates."""
+    return coordinates.reshape(len(coordinates), -1)
 
 
 def combine(problem, results, options, times):
@@ -74,7 +79,8 @@ def combine(problem, results, options, times):
     coordinates = problem.unit_coordinates()
     rank = max([r.lifted.shape[1] for r in results if r.lifted is not None], default=0)
     lifted = np.zeros((len(coordinates), rank), coordinates.dtype)
-    lifted[:, :1] = coordinates[:, None]
+    if rank:
+        lifted[:, : problem.width] = _as_columns(coordinates)
     for result in results:
         if result.lifted is not None:
             lifted[result.rows] = 0
@@ -82,7 +88,8 @@ def combine(problem, results, options, times):
     variations = []
     for number in range(max([r.fields.shape[1] for r in results], default=1)):
         for result in results:
-            coordinates[result.rows] = result.fields[:, min(number, result.fields.shape[1] - 1)]
+            field = result.fields[:, min(number, result.fields.shape[1] - 1)]
+            coordinates[result.rows] = field.reshape(len(result.rows), *coordinates.shape[1:])
         variations.append(problem.expand(coordinates))
     is_sdp = options.method == "sdp"
     largest = max(results, key=attrgetter("node_count"), default=None)

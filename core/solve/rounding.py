@@ -16,7 +16,8 @@ from ..algebra.workers import idle_workers, share_out
 from ..monitor import OutOfTime
 from .descent import descend
 from .diffusion import diffuse
-from .spheres import gaussian, principal
+from .signs import knock_outs
+from .spheres import fields_of, gaussian, principal
 
 # Diffusion times of the continuation, in units of 1 / (energy per mass), the first of which does for crossings, whose
 # parents have settled already; and a slower fall that some go through before.
@@ -78,18 +79,20 @@ ALONE = Tries(14, 5, 7, 20, 5)
 CALMED, AFTER = Tries(12, 4, 7, 18, 4), Tries(5, 0, 7, 18, 2)
 
 
-def random_directions(is_complex, rank, count, random):
-    """(r, count + 1) directions: the dominant singular one, and Gaussian ones."""
-    return np.hstack([np.eye(rank)[:, :1], gaussian((rank, count), is_complex, random)])
+def random_directions(is_complex, rank, count, random, width=1):
+    """(r * width, count + 1) directions: the dominant singular one, and Gaussian ones."""
+    leading = np.eye(rank)[:, :width].reshape(-1, 1)
+    return np.hstack([leading, gaussian((rank * width, count), is_complex, random)])
 
 
 def projections(stage, lifted, directions, count, monitor):
-    """The best ``count`` of the fields seen along (r, k) directions xi, which are Y xi, normalized (Eq. 29)."""
+    """The best ``count`` of the fields seen along (r * width, k) directions xi, which are Y xi, normalized (Eq. 29)."""
     dtype = stage.matrix.dtype
     lifted, directions = lifted.astype(dtype), directions.astype(dtype)
 
     def project(numbers):
-        return stage.candidates.normalize(lifted @ directions[:, numbers])
+        seen = lifted @ directions[:, numbers].reshape(lifted.shape[1], -1)
+        return stage.candidates.normalize(seen.reshape(-1, len(numbers)))
 
     return _best_of(stage, project, directions.shape[1], count, monitor)
 
@@ -100,9 +103,9 @@ def crossings(stage, columns, smoothing, count, monitor):
     The pair is first turned to agree as well as it can. Local energies are compared after ``smoothing``, a metric of
     values on the nodes, so that a region holds a few defects.
     """
-    block = stage.block
+    numbers_a_node = stage.block * stage.width
     local = np.real(columns.conj() * (stage.matrix @ columns))
-    local = local.reshape(-1, block, columns.shape[1]).sum(axis=1)
+    local = local.reshape(-1, numbers_a_node, columns.shape[1]).sum(axis=1)
     smooth = smoothing.solve(local)
     pairs = np.transpose(np.triu_indices(columns.shape[1], 1))
 
@@ -110,9 +113,10 @@ def crossings(stage, columns, smoothing, count, monitor):
         first, second = pairs[numbers].T
         sums = np.abs(smooth[:, first]) + np.abs(smooth[:, second])
         preference = np.tanh(SHARPNESS * (smooth[:, second] - smooth[:, first]) / np.where(sums > 0, sums, 1))
-        preference = np.repeat(preference, block, axis=0)
+        preference = np.repeat(preference, numbers_a_node, axis=0)
         kept, joined = np.take(columns, first, axis=1), np.take(columns, second, axis=1)
-        return stage.candidates.normalize((1 + preference) * kept + (1 - preference) * _aligned(joined, kept))
+        joined = stage.candidates.aligned(joined, kept)
+        return stage.candidates.normalize((1 + preference) * kept + (1 - preference) * joined)
 
     return _best_of(stage, cross, len(pairs), count, monitor)
 
@@ -139,19 +143,12 @@ def _best(stage, columns, count):
 
 def _in_batches(stage, work, columns, monitor):
     """What work(columns, monitor) makes of columns, or of their numbers, in batches that all cores share."""
-    size, count = stage.matrix.shape[0], columns.shape[-1]
+    size, count = stage.matrix.shape[0] * stage.width, columns.shape[-1]
     most = max(MOST_AT_ONCE // 2 // size, SMALLEST_BATCH)
     fewest = min(size * count // WORTH_SHARING, count // SMALLEST_BATCH, idle_workers())
     batches = np.array_split(columns, max(-(-count // most), fewest, 1), axis=-1)
     at_once = max(MOST_AT_ONCE // (size * batches[0].shape[-1]), 2)
     return np.concatenate(share_out(work, batches, monitor, at_once), axis=-1)
-
-
-def _aligned(columns, targets):
-    """Columns times the global phase (a sign in real coordinates) that brings each nearest its target."""
-    products = (targets * columns.conj()).sum(axis=0)
-    sizes = np.abs(products)
-    return columns * np.where(sizes > 0, products / np.where(sizes > 0, sizes, 1), 1).astype(columns.dtype)
 
 
 def energies(stage, columns):
@@ -162,7 +159,7 @@ def energies(stage, columns):
 def distinct_columns(stage, columns):
     """Columns sorted by energy, best first, without those that agree with a better one but for a turn of the whole."""
     columns = _best(stage, columns, columns.shape[1])
-    agreement = np.abs(columns.conj().T @ columns) / stage.node_count
+    agreement = stage.candidates.agreements(columns) / stage.node_count
     kept: list[int] = []
     for number in range(columns.shape[1]):
         if not (agreement[number, kept] > SAME_FIELD).any():
@@ -173,14 +170,19 @@ def distinct_columns(stage, columns):
 def polish(stage, columns, metric, monitor, steps=LONG_STEPS):
     """Descend on the unrelaxed problem from each column; returns columns sorted by energy, best first."""
     columns = columns.astype(stage.matrix.dtype)
+    if stage.flips is not None:
+        return _best(stage, stage.flips.descended(columns), columns.shape[1])
     descent = descend(stage.matrix, stage.candidates, columns, metric, TOLERANCE, steps, monitor)
     return np.take(descent.point, np.argsort(descent.values, kind="stable"), axis=1)
 
 
 def finish(workspace, column, metric, monitor):
     """Descend from one field to the last digit that matters, in double precision."""
+    stage = workspace.stages[0]
+    if stage.flips is not None:
+        return stage.flips.descended(column).astype(workspace.matrix.dtype)
     column = column.astype(workspace.matrix.dtype)
-    spheres = workspace.stages[0].candidates
+    spheres = stage.candidates
     return descend(workspace.matrix, spheres, column, metric, FINAL_TOLERANCE, FINAL_STEPS, monitor).point
 
 
@@ -217,6 +219,8 @@ def continuation(stage, lifted, samples, density, random, monitor, calmed=None, 
             ).point
             search.on(calm, principal(point)[0], CALMED, (0.4, 0.75))
             search.on(stage, lifted, AFTER, (0.75, 0.9))
+        if stage.flips is not None:
+            search.knock_out(lifted)
         found, metric = search.found, search.metric
         found = np.hstack([polish(stage, found[:, :FINALISTS], metric, monitor), found[:, FINALISTS:]])
     except OutOfTime:
@@ -238,7 +242,7 @@ class _Search:
     def __init__(self, stage, samples, density, random, monitor):
         self._asked, self._samples, self._density = stage, samples, density
         self._random, self._monitor = random, monitor
-        self.found = np.empty((stage.matrix.shape[0], 0), stage.matrix.dtype)
+        self.found = np.empty((stage.matrix.shape[0] * stage.width, 0), stage.matrix.dtype)
         self.metric = monitor.during(partial(stage.candidate_metric, CANDIDATE_SHIFT * density))
         self._diffusion = monitor.during(partial(list, _metrics(stage, TIMES, density)))
         self._smoothing = monitor.during(partial(stage.smoothing, density / CROSSING_TIME))
@@ -249,7 +253,7 @@ class _Search:
         ``fractions`` of the whole work, which the monitor is told, are done at the start and at the end.
         """
         tries, monitor = tries.times(_effort(stage.node_count)), self._monitor
-        directions = random_directions(stage.is_complex, lifted.shape[1], self._samples, self._random)
+        directions = random_directions(stage.is_complex, lifted.shape[1], self._samples, self._random, stage.width)
         seeds = projections(stage, lifted, directions, tries.best, monitor)
         before, self.found, best = self.found, np.hstack([seeds[:, :1], self.found]), np.inf
         carried = self._carried(stage, np.hstack([seeds, self._drawn(stage, lifted, directions, tries)]))
@@ -267,6 +271,18 @@ class _Search:
             best = value
             seeds = crossings(stage, self.found, self._smoothing, tries.crossed, monitor)
             carried = self._carried(stage, seeds, self._diffusion[:1])
+
+    def knock_out(self, lifted):
+        """Find signs of less energy by crossing many projections of the lifted field."""
+        stage = self._asked
+
+        def seeds(most):
+            count = min(most, self._samples)
+            directions = gaussian((lifted.shape[1], count), False, self._random)
+            return projections(stage, lifted, directions, count, self._monitor)
+
+        found = knock_outs(stage.flips, seeds, self.found, self._random, self._monitor)
+        self.found = distinct_columns(stage, found)
 
     def _drawn(self, stage, lifted, directions, tries):
         """Projections at random that have been through the slower fall."""
@@ -310,7 +326,4 @@ def _metrics(stage, times, density):
 
 def ground_to_one(piece, columns):
     """Turn every column so that the ground, where there is one, has the phase 1."""
-    if piece.ground is None:
-        return columns
-    value = columns[piece.ground * piece.block]
-    return columns * np.conj(value / np.abs(value))
+    return columns if piece.ground is None else fields_of(piece).ground_to_one(columns, piece.ground)

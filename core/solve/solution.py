@@ -91,7 +91,7 @@ class Solution:
 
     Attributes
     ----------
-    phases : (n,) complex on the circle, else (n, d)
+    phases : (n,) complex on the circle, else (n, d), or (n, d, d) where nodes carry frames
     energy : of the phases, by Eq. (17)
     lower_bound : no phases have less energy; 0 when no bound was asked. What rounding leaves of it above the energy is
         taken off
@@ -103,7 +103,7 @@ class Solution:
     rank : columns of the lifted field
     singular_values : of the lifted field, descending, of the largest piece
     lifted : (N, rank) lifted field in the coordinates of ``problem.factor``, or None
-    variations : (k, n) or (k, n, d) phases of other good fields, near local optima, best first; the first
+    variations : (k, n), (k, n, d) or (k, n, d, d) phases of other good fields, near local optima, best first; the first
         are ``phases``. In problems of several pieces every piece takes its next best at the same time.
     spectral_bound : the weaker bound of Eq. (23), when the spectral relaxation was solved
     iterations, products : descent steps, and columns multiplied by L

@@ -17,7 +17,7 @@ from .options_check import check_options
 from .parts import PartResult, Start, combine
 from .solution import DESCENT, Certificate, Clock, Options, Status, relative_gap
 from .spectral import smallest_eigenpair
-from .spheres import candidates, random_columns
+from .spheres import fields_of, random_columns
 from .stage import Workspace
 from .staircase import MAX_RANK, relax
 from .together import solve_together
@@ -132,16 +132,18 @@ def _solve_piece(piece, options, monitor, clock, start, calm):
 
 def _without_search(piece, options, status, start):
     """The start, or equal phases, and zero as the bound, which proves something only where nothing is asked."""
-    column = np.zeros((piece.matrix.shape[0], 1), piece.matrix.dtype) if start.column is None else start.column
-    column = candidates(piece.block, piece.is_circle).normalize(column)
+    size = piece.matrix.shape[0] * piece.width
+    column = np.zeros((size, 1), piece.matrix.dtype) if start.column is None else start.column
+    column = fields_of(piece).normalize(column)
+    lifted = column.reshape(-1, piece.width)
     return _finished(
         piece,
         column,
         sdp_value=float(piece.energy(column)[0]),
         certificate=Certificate.NONE if status is Status.TIME_LIMIT else Certificate.PROVED,
         status=status,
-        lifted=column if options.method == "sdp" else None,
-        singular_values=np.linalg.norm(column, axis=0),
+        lifted=lifted if options.method == "sdp" else None,
+        singular_values=np.linalg.norm(lifted, axis=0),
     )
 
 
@@ -159,7 +161,7 @@ def _solve_by_method(piece, options, monitor, clock, start, calm):
 
 
 def _finished(piece, columns, **quality):
-    fields = candidates(piece.block, piece.is_circle).normalize(columns.astype(piece.matrix.dtype))
+    fields = fields_of(piece).normalize(columns.astype(piece.matrix.dtype))
     return PartResult(piece.rows, piece.node_count, rounding.ground_to_one(piece, fields), **quality)
 
 
@@ -167,7 +169,7 @@ def _solve_spectral(piece, options, monitor, clock):
     with clock("relax"):
         monitor.at("spectral relaxation", 0.0)
         eigenvalue, vector = monitor.during(partial(smallest_eigenpair, piece, options.seed))
-    bound = eigenvalue * piece.mass.sum()
+    bound = eigenvalue * piece.total_mass
     return _finished(
         piece,
         vector[:, None],
@@ -185,8 +187,8 @@ def _solve_diffusion(workspace, options, monitor, clock):
     with clock("relax"):
         monitor.at("diffusion", 0.0)
         eigenvalue, _ = monitor.during(partial(smallest_eigenpair, piece, options.seed))
-        bound = eigenvalue * piece.mass.sum()
-        columns = random_columns(piece, DIFFUSION_STARTS, random)
+        bound = eigenvalue * piece.total_mass
+        columns = random_columns(piece, DIFFUSION_STARTS * piece.width, random).reshape(-1, DIFFUSION_STARTS)
         times = DIFFUSION_TIMES / max(eigenvalue, SMALLEST_SHIFT * piece.stiffness)
         metrics = (stage.metric(1 / tau) for tau in times)
         columns = diffuse(stage, columns, metrics, DIFFUSION_STEPS, monitor, tolerance=1e-2)
@@ -205,7 +207,7 @@ def _solve_descent(workspace, monitor, clock, start):
     piece = workspace.piece
     with clock("round"):
         monitor.at("descent", 0.0)
-        density = float(piece.energy(start)[0]) / piece.mass.sum()
+        density = float(piece.energy(start)[0]) / piece.total_mass
         metric = monitor.during(partial(workspace.stages[0].candidate_metric, rounding.CANDIDATE_SHIFT * density))
         column = rounding.finish(workspace, start, metric, monitor)
     return _finished(piece, column, certificate=Certificate.NONE, status=Status.UNCERTIFIED)
@@ -244,15 +246,17 @@ def _round(workspace, relaxation, options, monitor, start, calm):
     """Candidates as columns, best first, and whether time ran out before they were finished."""
     piece, stage, lifted = workspace.piece, workspace.stages[0], relaxation.lifted
     start = start if options.rounding in ("polish", "continuation") else None
-    by_svd = stage.candidates.normalize(lifted[:, :1]) if start is None else start
+    leading = lifted[:, : piece.width].reshape(-1, 1)
+    by_svd = stage.candidates.normalize(leading) if start is None else start
     if options.rounding == "svd" or relaxation.out_of_time:
         return by_svd, relaxation.out_of_time
     random = np.random.default_rng(options.seed + 1)
-    density = relaxation.value / piece.mass.sum()
+    density = relaxation.value / piece.total_mass
     columns = by_svd
     try:
         if options.rounding in ("random", "polish") and start is None:
-            directions = rounding.random_directions(piece.is_complex, lifted.shape[1], options.samples, random)
+            sizes = lifted.shape[1], options.samples
+            directions = rounding.random_directions(piece.is_complex, *sizes, random, piece.width)
             columns = rounding.projections(stage, lifted, directions, rounding.ALONE.kept, monitor).astype(lifted.dtype)
             if options.rounding == "random":
                 return columns, False

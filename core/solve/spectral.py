@@ -17,11 +17,19 @@ RESIDUAL = 1e-11
 
 
 def smallest_eigenpair(piece, seed):
-    """Smallest generalized eigenvalue of (L, M) and its (N,) eigenvector, by shift-inverted Lanczos.
+    """Smallest generalized eigenvalue of (L, M) and its eigenvector, by shift-inverted Lanczos.
 
     Where a factorization is too much, as in most solids, by LOBPCG with the multigrid cycle as preconditioner.
-    ``piece.mass.sum() * eigenvalue`` is the spectral lower bound of Eq. (23).
+    Of frames the mean of as many eigenvalues as these have columns, and (N * width,) of their eigenvectors together.
+    ``piece.total_mass * eigenvalue`` is the spectral lower bound of Eq. (23).
     """
+    values, vectors = _smallest_eigenpairs(piece, seed)
+    order = np.argsort(values, kind="stable")[: piece.width]
+    return max(float(values[order].mean()), 0.0), np.take(vectors, order, axis=1).ravel()
+
+
+def _smallest_eigenpairs(piece, seed):
+    """(c,) eigenvalues and (N, c) eigenvectors, the smallest of them among others."""
     size = piece.matrix.shape[0]
     mass = diags_array(piece.row_mass).tocsr()
     if size < 16:
@@ -34,14 +42,13 @@ def smallest_eigenpair(piece, seed):
     inverse = LinearOperator((size, size), matvec=lambda x: lu.solve(x.astype(dtype)), dtype=dtype)
     start = np.random.default_rng(seed).standard_normal(size).astype(dtype)
     start[piece.unused_rows] = 0
-    values, vectors = eigsh(piece.matrix, k=1, M=mass, sigma=-shift, OPinv=inverse, v0=start, tol=1e-9)
-    return max(float(values[0]), 0.0), vectors[:, 0]
+    return eigsh(piece.matrix, k=piece.width, M=mass, sigma=-shift, OPinv=inverse, v0=start, tol=1e-9)
 
 
 def _dense_eigenpair(piece):
     root = np.sqrt(piece.row_mass)
     values, vectors = np.linalg.eigh(piece.matrix.toarray() / root[:, None] / root)
-    return max(float(values[0]), 0.0), vectors[:, 0] / root
+    return values, vectors / root[:, None]
 
 
 def _by_multigrid(piece, seed):
@@ -49,9 +56,8 @@ def _by_multigrid(piece, seed):
     size, dtype = scaled.matrix.shape[0], scaled.matrix.dtype
     metric = definite_metric(Hierarchy(scaled.matrix, scaled.row_mass, scaled.block, scaled.ground), SMALLEST_SHIFT)
     inverse = LinearOperator((size, size), matvec=metric.solve, matmat=metric.solve, dtype=dtype)
-    start = np.random.default_rng(seed).standard_normal((size, BLOCK)).astype(dtype)
+    start = np.random.default_rng(seed).standard_normal((size, max(BLOCK, piece.width + 1))).astype(dtype)
     start[piece.unused_rows] = 0
     mass = diags_array(scaled.row_mass).tocsr()
     values, vectors = lobpcg(scaled.matrix, start, B=mass, M=inverse, tol=RESIDUAL, maxiter=MAX_STEPS, largest=False)
-    smallest = np.argmin(values)
-    return max(float(values[smallest]) * weight / piece.mass.mean(), 0.0), vectors[:, smallest]
+    return values * weight / piece.mass.mean(), vectors

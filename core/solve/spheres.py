@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Products of spheres, on which lifted phases and sets of candidates live.
+"""Products of spheres and of Stiefel manifolds, on which lifted phases and sets of candidates live.
 
 An array has one group of ``block`` rows per node. :class:`Lifted` (Eq. 24): the whole group, all columns,
-is one unit vector. Candidates: each column is a field of its own with one unit vector per node, either
-on the circle (:class:`Circles`, whose tangent vectors are angles) or in any R^d (:class:`Columns`).
+is one unit vector, or ``width`` orthonormal ones where nodes carry frames. Candidates: each column is a field of its
+own with one unit vector per node, either on the circle (:class:`Circles`, whose tangent vectors are angles) or in any
+R^d (:class:`Columns`). A field of frames, (N, width), is one column, too: (N * width,), row by row.
 
 All have the same methods. ``point`` and ``image`` (the matrix times the point) are arrays in rows of the
 matrix; tangent vectors are real arrays, whose sums go over everything (:class:`Lifted`, one value) or over
@@ -14,62 +15,74 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..algebra.blocks import traces
 from ..algebra.columns import add_multiples, inner_products, precise_inner_products, row_parts
+from ..algebra.frames import gram, nearest, orthonormalize, tangent_part
+from ..connection import Fibre
 
 # Columns whose singular value is below this share of the largest are empty.
 EMPTY = 1e-6
 
 
-def candidates(block, is_circle):
-    """The product of spheres for columns that are fields of their own."""
-    return Circles(block) if is_circle else Columns(block)
+def candidates(block, is_circle, fibre=Fibre.VECTORS):
+    """The product of spheres, or of frames, for columns that are fields of their own."""
+    return Circles(block) if is_circle else Columns(block, fibre)
+
+
+def fields_of(piece):
+    """The candidates of a piece."""
+    return candidates(piece.block, piece.is_circle, piece.fibre)
 
 
 @dataclass(frozen=True)
 class Lifted:
-    """One lifted field: (N, r) with a unit vector per node; tangent vectors are (nodes, real coordinates)."""
+    """One lifted field: (N, r) with ``width`` orthonormal vectors per node; tangent vectors are like those.
+
+    A vector has block / width rows: of a unit vector the whole group, of frames one.
+    """
 
     block: int
+    width: int = 1
     # The metric is close to the Hessian: to remember more saves no step.
     memory = 2
 
-    def _reals(self, array):
-        """(nodes, m) real coordinates, a view. Row sums over contiguous floats are fast in NumPy."""
+    def _vectors(self, array):
+        """(nodes, width, m) real coordinates, a view. Row sums over contiguous floats are fast in NumPy."""
         array = np.ascontiguousarray(array)
-        return array.view(array.real.dtype).reshape(len(array) // self.block, -1)
+        return array.view(array.real.dtype).reshape(len(array) // self.block, self.width, -1)
 
     def normalize(self, point):
-        """Nearest point: every unit vector scaled to length one; zero vectors stay zero."""
-        reals = self._reals(point)
-        lengths = np.sqrt(np.einsum("ij,ij->i", reals, reals))
-        return _like(reals * _inverse(lengths)[:, None], point)
+        """Every unit vector scaled to length one, those of a frame made orthogonal; zero vectors stay zero."""
+        vectors = self._vectors(point).copy()
+        return _like(orthonormalize(vectors), point)
 
     def multipliers(self, point, image):
-        """(nodes,) lambda_i = Re<Y_i, (L Y)_i>."""
-        return np.einsum("ij,ij->i", self._reals(point), self._reals(image))
+        """(nodes,) lambda_i = Re<Y_i, (L Y)_i>; of frames symmetric blocks (nodes, d, d)."""
+        products = gram(self._vectors(point), self._vectors(image))
+        return products[:, 0, 0] if self.width == 1 else products
 
     def energies(self, point, image):
         """(1,) energy Re<Y, L Y>."""
-        return self.multipliers(point, image).sum(keepdims=True, dtype=float)
+        return traces(self.multipliers(point, image)).sum(keepdims=True, dtype=float)
 
     def gradient(self, point, image):
         """Half the energy's gradient: the part of the image that is tangent."""
-        return self._project(self._reals(point), self._reals(image))
+        return tangent_part(self._vectors(point), self._vectors(image))
 
     def precondition(self, vector, metric, point):
         """The inverse metric applied to real coordinates of the kind of ``point``."""
-        return self._reals(metric.precondition(_like(vector, point)))
+        return self._vectors(metric.precondition(_like(vector, point)))
 
     def tangent(self, point, vector):
         """Part of real coordinates that is tangent at the point."""
-        return self._project(self._reals(point), vector)
+        vectors = self._vectors(point)
+        return tangent_part(vectors, vector.reshape(vectors.shape))
 
     def move(self, point, tangent, lengths):
         """Step along a tangent vector, and back to the spheres."""
         moved = tangent * tangent.dtype.type(lengths[0])
-        moved += self._reals(point)
-        moved *= _inverse(np.sqrt(np.einsum("ij,ij->i", moved, moved)))[:, None]
-        return _like(moved, point)
+        moved += self._vectors(point)
+        return _like(orthonormalize(moved), point)
 
     def inner(self, first, second):
         """(1,) inner product of tangent vectors."""
@@ -82,15 +95,12 @@ class Lifted:
             raise ValueError("the vector is not contiguous: the sum would be lost in a copy")
         add_multiples(vector.reshape(-1, 1), shares, other.reshape(-1, 1))
 
-    @staticmethod
-    def _project(point, vector):
-        across = point * np.einsum("ij,ij->i", point, vector)[:, None]
-        return np.subtract(vector, across, out=across)
 
-
+@dataclass(frozen=True)
 class _Fields:
     """What columns have in common, whatever their spheres."""
 
+    block: int
     memory = 4
 
     @staticmethod
@@ -109,12 +119,25 @@ class _Fields:
         """Add multiples of another tangent vector's columns, in place."""
         add_multiples(vector, shares, other)
 
+    def aligned(self, columns, targets):
+        """Columns times the global phase (a sign in real coordinates) that brings each nearest its target."""
+        products = (targets * columns.conj()).sum(axis=0)
+        sizes = np.abs(products)
+        return columns * np.where(sizes > 0, products / np.where(sizes > 0, sizes, 1), 1).astype(columns.dtype)
+
+    def agreements(self, columns):
+        """(k, k) how far columns agree when they are turned as a whole, at most the number of nodes."""
+        return np.abs(columns.conj().T @ columns)
+
+    def ground_to_one(self, columns, ground):
+        """Columns turned as a whole, so that a node has the phase 1."""
+        value = columns[ground * self.block]
+        return columns * np.conj(value / np.abs(value))
+
 
 @dataclass(frozen=True)
 class Circles(_Fields):
     """Fields on the circle, complex (block 1) or as pairs of rows (block 2); tangent vectors are (nodes, k) angles."""
-
-    block: int
 
     def _pair(self, array):
         if self.block == 1:
@@ -166,25 +189,42 @@ class Circles(_Fields):
 
 @dataclass(frozen=True)
 class Columns(_Fields):
-    """Fields of unit vectors in R^d, d = block; tangent vectors are rows like the points."""
+    """Fields of unit vectors in R^d, d = block, or of frames; tangent vectors are rows like the points."""
 
-    block: int
+    fibre: Fibre = Fibre.VECTORS
 
-    def _products(self, first, second):
-        """(N, k) inner products per node, repeated for its rows."""
-        products = first * second
-        if self.block == 1:
-            return products
-        return np.repeat(products.reshape(-1, self.block, products.shape[1]).sum(axis=1), self.block, axis=0)
+    @property
+    def _width(self):
+        return self.fibre.width(self.block)
+
+    @property
+    def _is_special(self):
+        return self.fibre is Fibre.ROTATIONS
+
+    def _vectors(self, columns):
+        """(nodes, width, m, k) coordinates, a view: the orthonormal vectors of each node are the rows of its frame."""
+        return columns.reshape(len(columns) // (self.block * self._width), self._width, -1, columns.shape[1])
+
+    def _matrices(self, columns):
+        """(nodes, k, d, d) frames."""
+        return self._vectors(columns).transpose(0, 3, 1, 2)
 
     def normalize(self, point):
-        """Nearest point: every unit vector scaled to length one; where it vanishes, the first unit vector."""
-        lengths = np.sqrt(self._products(point, point))
-        return _filled(point * _inverse(lengths), lengths[:: self.block], self.block)
+        """Nearest point: every unit vector scaled to length one; where it vanishes, the first unit vector.
+
+        Of frames the nearest ones, where most are reflections that may be none after a reflection of the whole field.
+        """
+        if self._width > 1:
+            frames = nearest(self._matrices(point), self._is_special, among=0)
+            return frames.transpose(0, 2, 3, 1).reshape(point.shape)
+        vectors = self._vectors(point)
+        lengths = np.sqrt(gram(vectors, vectors)[:, 0, 0])
+        columns = (vectors * _inverse(lengths)[:, None, None]).reshape(point.shape)
+        return _filled(columns, lengths, self.block)
 
     def gradient(self, point, image):
         """Half the energy's gradient: the part of the image that is tangent."""
-        return image - point * self._products(point, image)
+        return tangent_part(self._vectors(point), self._vectors(image)).reshape(image.shape)
 
     def precondition(self, vector, metric, _point):
         """The inverse metric applied to rows."""
@@ -196,7 +236,32 @@ class Columns(_Fields):
 
     def move(self, point, tangent, lengths):
         """Step along a tangent vector, and back to the spheres."""
-        return self.normalize(point + tangent * lengths.astype(tangent.dtype))
+        moved = np.ascontiguousarray(point + tangent * lengths.astype(tangent.dtype))
+        orthonormalize(self._vectors(moved))
+        return moved
+
+    def aligned(self, columns, targets):
+        if self._width == 1:
+            return super().aligned(columns, targets)
+        turns = nearest(np.einsum("iabk,iack->kbc", self._vectors(columns), self._vectors(targets)), self._is_special)
+        return self._turned(columns, turns.astype(columns.dtype))
+
+    def agreements(self, columns):
+        if self._width == 1:
+            return super().agreements(columns)
+        width, count = self._width, columns.shape[1]
+        rows = columns.reshape(-1, width * count)
+        products = (rows.T @ rows).reshape(width, count, width, count).transpose(1, 3, 0, 2)
+        return np.linalg.svd(products, compute_uv=False).sum(axis=2) / width
+
+    def ground_to_one(self, columns, ground):
+        if self._width == 1:
+            return super().ground_to_one(columns, ground)
+        return self._turned(columns, self._matrices(columns)[ground].swapaxes(1, 2))
+
+    def _turned(self, columns, turns):
+        """Frames of each column times its (k, d, d) matrix."""
+        return np.einsum("iabk,kbc->iack", self._vectors(columns), turns).reshape(columns.shape)
 
 
 def _like(reals, array):

@@ -4,12 +4,12 @@
 from copy import copy
 from functools import cached_property
 
-import numpy as np
-
+from ..algebra.blocks import clipped, on_rows
 from ..algebra.coarsening import graph_laplacian, scalar_aggregates, turning_laplacian
 from ..algebra.metric import SMALLEST_SHIFT, Hierarchy, Metric, definite_metric
 from ..algebra.products import SharedRows
-from .spheres import Lifted, candidates
+from .signs import Flips
+from .spheres import Lifted, fields_of
 
 # Shift of the metric of lifted fields as a share of the mean energy per mass. Halved or doubled, the products L Y to a
 # gap change by less than 4 % (measured as in :mod:`.staircase`).
@@ -25,7 +25,7 @@ class Stage:
     ----------
     matrix : SharedRows, single precision
     row_mass : (N,)
-    block, is_complex : as in Piece
+    block, is_complex, width : as in Piece
     lifted, candidates : the spheres of a lifted field, and of fields in columns
     stiffness : mean diagonal of the matrix per mass
     """
@@ -38,8 +38,14 @@ class Stage:
         self.row_mass = self._level.row_mass
         self.stiffness = float(self._level.matrix.diagonal().real.sum() / self.row_mass.sum())
         self.block, self.is_complex, self._is_circle = piece.block, piece.is_complex, piece.is_circle
-        self.lifted = Lifted(piece.block)
-        self.candidates = candidates(piece.block, piece.is_circle)
+        self.width = piece.width
+        self.lifted = Lifted(piece.block, piece.width)
+        self.candidates = fields_of(piece)
+
+    @cached_property
+    def flips(self):
+        """:class:`Flips` where fields are signs, which nothing else changes, otherwise None."""
+        return Flips(self.matrix.matrix) if self.block == 1 and not self.is_complex else None
 
     @property
     def node_count(self):
@@ -58,7 +64,7 @@ class Stage:
     def density(self, point):
         """Energy per mass of a lifted field."""
         energy = float(self.lifted.energies(point, self.matrix @ point)[0])
-        return max(energy, 0.0) * self.block / float(self.row_mass.sum())
+        return max(energy, 0.0) * self.block / (self.width * float(self.row_mass.sum()))
 
     def shift_at(self, point):
         """Shift of the metric of lifted fields: small enough to leave the metric alone."""
@@ -73,7 +79,7 @@ class Stage:
         """
         point = point.astype(self.matrix.dtype, copy=False)
         diagonal = self._level.matrix.diagonal().real
-        duals = np.repeat(self.lifted.multipliers(point, self.matrix @ point), self.block).clip(0, diagonal)
+        duals = clipped(on_rows(self.lifted.multipliers(point, self.matrix @ point), self.block), diagonal)
         shift = self.shift_at(point)
         lowered = self._hierarchy.lowered(TAKEN_OFF * duals, self._depth)
         if lowered is not None:

@@ -262,8 +262,8 @@ class _Search:
 
 
 def start_rank(piece, provable, target_gap):
-    """Columns of the lifted field at the start."""
-    rank = START_RANK[piece.is_complex]
+    """Columns of the lifted field at the start: of frames more than twice as many as theirs."""
+    rank = max(START_RANK[piece.is_complex], 2 * piece.width + 3)
     if not provable or target_gap < SMALL_GAP:
         rank = round(MORE_COLUMNS * rank)
     return min(rank, piece.matrix.shape[0])

@@ -48,17 +48,18 @@ def solve_together(problem, options, monitor, clock, start):
 def _as_they_are(pieces, numbers, coordinates, options, is_perfect):
     """The result of (N,) coordinates that fit some pieces perfectly, or that time has left as they are."""
     rows, is_sdp = pieces.rows(numbers), options.method == "sdp"
-    field, size = coordinates[rows][:, None], pieces.sizes[numbers].max()
+    field = coordinates[rows].reshape(len(rows), -1)
+    size = pieces.sizes[numbers].max()
     status = Status.CERTIFIED if is_sdp else Status.UNCERTIFIED
     return PartResult(
         rows,
         size,
-        field,
+        field.reshape(-1, 1),
         sdp_value=float(pieces.energies(coordinates)[numbers].sum()),
         certificate=Certificate.PROVED if is_perfect else Certificate.NONE,
         status=status if is_perfect else Status.TIME_LIMIT,
         lifted=field if is_sdp else None,
-        singular_values=np.sqrt([size]) if is_sdp else None,
+        singular_values=np.sqrt(np.full(field.shape[1], size)) if is_sdp else None,
     )
 
 

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import bpy
 
 from ...core.errors import SettingError
-from ...core.solve import METHODS
+from ...core.solve import METHODS, ROUNDINGS
 from ...core.solve.solution import SMALLEST_GAP
 from ...core.tasks.settings import SolverSettings
 from ..blender import files
@@ -84,6 +84,8 @@ def add_solver(command):
     """Flags of :class:`SolverSettings`."""
     default = SolverSettings()
     add_choice(command, "--method", METHODS, default.method, "sdp proves a bound, spectral is fast")
+    rounded = "how sdp comes to a field: svd and random as they are, polish and continuation go on to less energy"
+    add_choice(command, "--rounding", ROUNDINGS, default.rounding, rounded)
     add_number(command, "--seed", default.seed, "of every random choice", "N")
     bracketed = f"how closely the relaxation's optimum is bracketed, from {SMALLEST_GAP:g}"
     add_number(command, "--target-gap", default.target_gap, bracketed)

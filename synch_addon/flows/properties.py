@@ -17,7 +17,7 @@ from bpy.props import (
 from ...core.extract.tubes import NORTH
 from ...core.tasks.flow_settings import ClebschSettings
 from ..blender.registration import keeping
-from ..settings.solver import METHOD, SEED, TARGET_GAP, settings_of
+from ..settings.solver import METHOD, ROUNDING, SEED, TARGET_GAP, settings_of
 from . import memory
 from .choice import slide
 
@@ -100,6 +100,7 @@ class VortexProperties:
     opening: FloatProperty(**_OPENING)
     smoothing: IntProperty(**_SMOOTHING)
     method: METHOD
+    rounding: ROUNDING
     seed: SEED
     target_gap: TARGET_GAP
     use_frames: BoolProperty(

@@ -86,6 +86,7 @@ def draw_solver(layout, settings):
     column.prop(settings, "method")
     column.prop(settings, "seed")
     if settings.method == "SDP":
+        column.prop(settings, "rounding")
         column.prop(settings, "target_gap")
 
 

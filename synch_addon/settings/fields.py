@@ -33,6 +33,7 @@ from .solver import (
     FACTOR,
     METHOD,
     RANGE,
+    ROUNDING,
     SEED,
     SHARE,
     SPACING_MAP,
@@ -250,6 +251,7 @@ class SettingProperties:
     faces: FACES
     straighten: STRAIGHTEN
     method: METHOD
+    rounding: ROUNDING
     seed: SEED
     target_gap: TARGET_GAP
     assign_material: BoolProperty(

@@ -38,6 +38,16 @@ METHOD = EnumProperty(
         ("DIFFUSION", "Diffusion", "Repeated smoothing and normalizing, without a useful bound"),
     ],
 )
+ROUNDING = EnumProperty(
+    name="Rounding",
+    description="How a field comes of the relaxation",
+    items=[
+        ("CONTINUATION", "Continuation", "Search from many projections for the least energy"),
+        ("POLISH", "Polished", "The best of many random projections, and the local optimum below it"),
+        ("RANDOM", "Randomized", "The best of many random projections and the principal one, as it is"),
+        ("SVD", "Singular Vector", "The principal projection, as it is"),
+    ],
+)
 SEED = IntProperty(name="Seed", description="Another seed gives another result of about the same quality", min=0)
 TARGET_GAP = FloatProperty(
     name="Target Gap",

@@ -14,7 +14,7 @@ from ..blender.registration import keeping
 from ..blender.strokes import SOURCE_TYPES
 from ..settings.guidance import BOUNDARY
 from ..settings.guide_list import AXIS, VECTORS
-from ..settings.solver import BRANCHING, METHOD, SEED, SPACING_MAP, SPACING_RANGE, TARGET_GAP
+from ..settings.solver import BRANCHING, METHOD, ROUNDING, SEED, SPACING_MAP, SPACING_RANGE, TARGET_GAP
 from .settings import Flush, LayerGuide, text_of_groups
 
 _LENGTH = {"subtype": "DISTANCE", "min": 1e-6, "soft_min": 1e-4, "precision": 4}
@@ -64,6 +64,7 @@ class LayerProperties:
         **_LENGTH,
     )
     method: METHOD
+    rounding: ROUNDING
     seed: SEED
     target_gap: TARGET_GAP
 

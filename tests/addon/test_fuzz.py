@@ -145,6 +145,7 @@ SETTINGS = {
     "branching": SHARES,
     "aspect": mostly(st.floats(0.5, 2), NUMBERS),
     "method": st.sampled_from(["spectral", "diffusion", "sdp"]),
+    "rounding": st.sampled_from(["continuation", "polish", "random", "svd", "none"]),
     "seed": mostly(st.integers(0, 9), st.integers(-1, 2**70)),
     "target_gap": mostly(st.floats(1e-3, 0.5), NUMBERS),
 }

@@ -329,6 +329,20 @@ SETTINGS = {
     "Repeated smoothing and normalizing, without a useful bound": (
         "Wiederholtes Glätten und Normieren, ohne brauchbare Schranke"
     ),
+    "Rounding": "Rundung",
+    "How a field comes of the relaxation": "Wie aus der Relaxierung ein Feld wird",
+    "Continuation": "Fortsetzung",
+    "Search from many projections for the least energy": "Von vielen Projektionen aus die kleinste Energie suchen",
+    "Polished": "Poliert",
+    "The best of many random projections, and the local optimum below it": (
+        "Die beste von vielen zufälligen Projektionen und das lokale Optimum darunter"
+    ),
+    "Randomized": "Zufällig",
+    "The best of many random projections and the principal one, as it is": (
+        "Die beste von vielen zufälligen Projektionen und der wichtigsten, so wie sie ist"
+    ),
+    "Singular Vector": "Singulärvektor",
+    "The principal projection, as it is": "Die wichtigste Projektion, so wie sie ist",
     "Seed": "Startwert",
     "Another seed gives another result of about the same quality": (
         "Ein anderer gibt ein anderes, etwa gleich gutes Ergebnis"

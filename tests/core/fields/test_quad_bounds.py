@@ -5,12 +5,12 @@
 import numpy as np
 import pytest
 
-from synch_fields.core.connection import Connection, circle_transports
+from synch_fields.core.connection import Connection, as_matrices, circle_transports
 from synch_fields.core.fields import direction_field, given_directions, quad_pattern
 from synch_fields.core.fields.growth import Growth
 from synch_fields.core.fields.quads import quad_problem
 from synch_fields.core.geometry import TriangleMesh
-from synch_fields.core.problem import SynchronizationProblem, Targets, as_matrices
+from synch_fields.core.problem import SynchronizationProblem, Targets
 from synch_fields.core.solve import Options, Status, solve
 
 from ..crosses import plane_crosses, random_turns, turned_crosses

@@ -1,0 +1,126 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""MAX-CUT: the reader of graphs, and cuts against exact ones."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from synch_fields.core.errors import SynchError
+from synch_fields.core.problem import SynchronizationProblem, Targets
+from synch_fields.core.solve import Certificate, Options, solve
+from synch_fields.core.solve.signs import Flips
+from synch_fields.examples import max_cut
+
+from ..core.graphs import only_piece
+
+RING = range(5)
+PETERSEN = [*((k, (k + 1) % 5) for k in RING), *((k, k + 5) for k in RING), *((5 + k, 5 + (k + 2) % 5) for k in RING)]
+
+
+def cylinder(around, length, seed, closed=False):
+    """Nodes of a square grid that is closed around, and along if ``closed``; edges, and weights 1 or -1 at random."""
+    number = np.arange(around * length).reshape(length, around)
+    along = np.column_stack([number.ravel(), np.roll(number, -1, 0).ravel()])
+    edges = np.concatenate([np.column_stack([number.ravel(), np.roll(number, -1, 1).ravel()]), along])
+    edges = edges if closed else edges[:-around]
+    return number.size, edges, np.random.default_rng(seed).choice([-1.0, 1.0], len(edges))
+
+
+def best_cut(around, length, weights):
+    """The largest cut of a :func:`cylinder`, by dynamic programming over the signs of one ring."""
+    signs = np.array(list(product((-1.0, 1.0), repeat=around))).T
+    of_rings, between = (
+        weights[: around * length].reshape(length, -1),
+        weights[around * length :].reshape(length - 1, -1),
+    )
+
+    def within(ring):
+        return (of_rings[ring][:, None] * (1 - signs * np.roll(signs, -1, 0)) / 2).sum(axis=0)
+
+    best = within(0)
+    for ring in range(1, length):
+        for place, weight in enumerate(between[ring - 1]):  # one sign after the other crosses to the next ring
+            cells = best.reshape(2**place, 2, -1)
+            best = np.maximum(cells, cells[:, ::-1] + weight).ravel()  # kept, or changed and the edge cut
+        best = best + within(ring)
+    return best.max()
+
+
+def cut_of(solution, edges, weights):
+    signs = solution.phases[:, 0]
+    return weights[signs[edges[:, 0]] != signs[edges[:, 1]]].sum()
+
+
+def write(path, count, edges, weights=None):
+    rows = [f"{i + 1} {j + 1}" for i, j in edges]
+    rows = rows if weights is None else [f"{row} {weight:g}" for row, weight in zip(rows, weights, strict=True)]
+    path.write_text("\n".join([f"{count} {len(edges)}", *rows, ""]))
+    return path
+
+
+def test_graphs_are_read_and_cut(tmp_path, capsys):
+    path = write(tmp_path / "petersen.txt", 10, PETERSEN)
+    count, edges, weights = max_cut.read_graph(path)
+    assert count == 10 and (edges == PETERSEN).all() and (weights == 1).all()
+    cut, at_most = max_cut.main(path)
+    assert cut == 12 and at_most == pytest.approx(12.5, rel=1e-3)  # of 15; the relaxation's is 12.5
+    assert "10 nodes, 15 edges: a cut of 12; none is above 12.5" in capsys.readouterr().out
+    count, edges, weights = cylinder(4, 5, 0)
+    _, again, read = max_cut.read_graph(write(tmp_path / "signed.txt", count, edges, weights))
+    assert (again == edges).all() and (read == weights).all()
+    path.write_text(path.read_text().rsplit("\n", 2)[0])
+    with pytest.raises(SynchError, match="tells of 15 edges and has 14"):
+        max_cut.read_graph(path)
+
+
+def test_the_program_of_exact_cuts_is_right():
+    count, edges, weights = cylinder(3, 4, 5)
+    signs = np.array(list(product((-1, 1), repeat=count)))
+    cuts = ((signs[:, edges[:, 0]] != signs[:, edges[:, 1]]) * weights).sum(axis=1)
+    assert best_cut(3, 4, weights) == cuts.max()
+
+
+@pytest.mark.parametrize(("around", "length", "seed"), [(8, 60, 0), (10, 60, 1)])
+def test_cuts_are_within_a_percent_of_the_best(around, length, seed):
+    count, edges, weights = cylinder(around, length, seed)
+    best = best_cut(around, length, weights)
+    solution = solve(max_cut.cut_problem(count, edges, weights))
+    assert 0.99 * best <= cut_of(solution, edges, weights) <= best
+    assert np.maximum(weights, 0).sum() - solution.lower_bound / 4 >= best
+
+
+def test_bipartite_tori_of_3000_nodes_are_cut_completely_and_proved():
+    count, edges, _ = cylinder(60, 50, 0, closed=True)
+    solution = solve(max_cut.cut_problem(count, edges, np.ones(len(edges))))
+    assert solution.energy == 0 and solution.lower_bound == 0 and solution.certificate is Certificate.PROVED
+    assert cut_of(solution, edges, np.ones(len(edges))) == 6000
+
+
+def test_flips_and_crossings_never_raise_the_energy():
+    count, edges, weights = cylinder(12, 15, 3)
+    piece = only_piece(max_cut.cut_problem(count, edges, weights))
+    flips, random = Flips(piece.matrix), np.random.default_rng(0)
+    signs = np.sign(random.standard_normal((count, 12)))
+    settled = flips.descended(signs)
+    assert (piece.energy(settled) < piece.energy(signs)).all()
+    for node in range(count):  # no flip of one sign is better
+        other = settled.copy()
+        other[node] *= -1
+        assert (piece.energy(other) >= piece.energy(settled) - 1e-9).all()
+    first, second = settled[:, :6], settled[:, 6:]
+    crossed = flips.crossed(first, second)
+    assert (piece.energy(crossed) <= np.minimum(piece.energy(first), piece.energy(second)) + 1e-9).all()
+    assert piece.energy(crossed).mean() < 0.97 * piece.energy(settled).mean()
+
+
+def test_fixed_signs_stay():
+    count, edges, weights = cylinder(8, 20, 2)
+    free = solve(max_cut.cut_problem(count, edges, weights))
+    problem = max_cut.cut_problem(count, edges, weights)
+    values = -free.phases[[0, 9, 40]] * [[1], [-1], [1]]
+    fixed = SynchronizationProblem(problem.connection, fixed=Targets(np.array([0, 9, 40]), values))
+    solution = solve(fixed, Options())
+    np.testing.assert_array_equal(solution.phases[[0, 9, 40]], values)
+    assert solution.lower_bound <= solution.energy and solution.energy >= free.energy
