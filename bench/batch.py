@@ -5,7 +5,7 @@
     python bench/batch.py tiny [--count 10000]
     python bench/batch.py meshes FOLDER [--workers 2]
 
-The first prints the time a row and the memory of all processes as the batch goes on, beside the time of the same
+The first prints times a row and the memory of all processes as the batch goes on, beside the time of the same
 command in a loop without a batch. The second prints both times, their ratio, and whether all figures and files are the
 same. Needs Blender as a module (bpy).
 """
@@ -13,12 +13,15 @@ same. Needs Blender as a module (bpy).
 import argparse
 import json
 import os
+import resource
 import subprocess
 import sys
 import tempfile
 import time
 from itertools import product
 from pathlib import Path
+
+import numpy as np
 
 TETRAHEDRON = "v 1 1 1\nv -1 -1 1\nv -1 1 -1\nv 1 -1 -1\nf 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n"
 # Meshes of the folder that one process does in some seconds, and what is done with each.
@@ -34,9 +37,10 @@ synch_fields.register()
 path, count = sys.argv[1], int(sys.argv[2])
 main(["info", path])
 start = time.perf_counter()
+spent = time.process_time()
 for _ in range(count):
-    main(["info", path])
-print((time.perf_counter() - start) / count, file=sys.stderr)
+    main(["info", path, "--report", "loop.json"])
+print((time.perf_counter() - start) / count, (time.process_time() - spent) / count, file=sys.stderr)
 """
 
 
@@ -55,29 +59,33 @@ def main():
 
 
 def tiny(folder, count):
+    """Print times a row, those of the processor too, which a busy machine does not change much."""
     path = folder / "tetrahedron.obj"
     path.write_text(TETRAHEDRON)
     loop = [sys.executable, "-c", LOOP, path, str(min(count, 500))]
-    alone = subprocess.run(loop, check=True, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True)
-    alone = float(alone.stderr.split()[-1])
-    write_rows(
-        folder / "rows.jsonl",
-        [{"command": "info", "input": str(path), "report": f"reports/{n:05}.json"} for n in range(count)],
-    )
-    start = time.perf_counter()
+    alone = subprocess.run(loop, check=True, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True, cwd=folder)
+    alone = np.array(alone.stderr.split()[-2:], float)
+    row = {"command": "info", "input": str(path)}
+    write_rows(folder / "rows.jsonl", [row | {"report": f"reports/{number:05}.json"} for number in range(count)])
+    start = times_now()
     batch = subprocess.Popen(command("--jobs", 1, "--quiet"), cwd=folder)
-    seen = []
     while batch.poll() is None:
+        done = sum(1 for _ in folder.glob("reports/*.json"))
+        print(f"{done:6} rows, {memory_of(batch.pid):.0f} MB", flush=True)
         time.sleep(5)
-        done = sum(1 for _ in (folder / "reports").glob("*.json"))
-        seen.append((done, memory_of(batch.pid)))
-        print(f"{done:6} rows, {seen[-1][1]:.0f} MB", flush=True)
-    each = (time.perf_counter() - start) / count
-    again = time.perf_counter()
+    each = (times_now() - start) / count
+    start = times_now()
     subprocess.run(command("--jobs", 1, "--quiet"), cwd=folder, check=True)
-    again = time.perf_counter() - again
-    print(f"{count} rows: {each * 1000:.1f} ms each, {alone * 1000:.1f} ms each in a loop without a batch")
-    print(f"overhead {(each - alone) * 1000:.1f} ms a row, start and summary included; again, all done: {again:.1f} s")
+    again = times_now() - start
+    for kind, place in (("time", 0), ("processor time", 1)):
+        both = f"{each[place] * 1000:.1f} ms a row, in a loop without a batch {alone[place] * 1000:.1f} ms"
+        print(f"{kind}: {both}; overhead {(each - alone)[place] * 1000:.1f} ms; once more: {again[place]:.1f} s")
+
+
+def times_now():
+    """Seconds on the clock, and of processors in processes that have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return np.array([time.perf_counter(), used.ru_utime + used.ru_stime])
 
 
 def memory_of(pid):
@@ -111,9 +119,8 @@ def compare(folder, meshes, workers):
             with LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster:
                 times.append(timed(command("--scheduler", cluster.scheduler_address, "--quiet"), here))
         found.append(results(here))
-    print(
-        f"{len(rows)} rows: {times[0]:.1f} s by one process, {times[1]:.1f} s by {workers}: ratio {times[1] / times[0]:.3f}"
-    )
+    both = f"{times[0]:.1f} s by one process, {times[1]:.1f} s by {workers}"
+    print(f"{len(rows)} rows: {both}: ratio {times[1] / times[0]:.3f}")
     print("all figures and files are the same" if found[0] == found[1] else "THEY DIFFER")
 
 

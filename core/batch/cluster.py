@@ -14,7 +14,6 @@ from collections import defaultdict
 from ..errors import SettingError
 from .serving import Hand
 
-_PACKAGE = __package__.removesuffix(".core.batch")
 # Seconds in which a scheduler has to answer.
 _PATIENCE = 15
 
@@ -25,6 +24,7 @@ class Cluster:
     Parameters
     ----------
     address : of the scheduler, such as tcp://10.0.0.1:8786
+    arguments : of each worker's own Python that start a warm process
     threads : that each solve may use
 
     Raises
@@ -33,7 +33,7 @@ class Cluster:
         where Dask is missing, or nothing answers at the address
     """
 
-    def __init__(self, address, threads):
+    def __init__(self, address, arguments, threads):
         try:
             from distributed import Client
         except ImportError:
@@ -46,7 +46,7 @@ class Cluster:
             raise SettingError(
                 f"no Dask scheduler answers at {address} ({error}): start one with dask scheduler"
             ) from None
-        self._crew = secrets.token_hex(8), threads
+        self._crew = secrets.token_hex(8), tuple(arguments), threads
         self._answers: queue.SimpleQueue = queue.SimpleQueue()
         self._number = 0
 
@@ -91,7 +91,8 @@ class _Hands:
         with self._lock:
             free = self._free[crew]
             if not free:
-                free.append(Hand([sys.executable, "-m", _PACKAGE, "batch", "-"], crew[1]))
+                _, arguments, threads = crew
+                free.append(Hand([sys.executable, *arguments], threads))
                 self._all[crew].append(free[0])
             hand = free.pop()
         try:

@@ -26,7 +26,8 @@ from ...core.files.whole import written_whole
 from ..jobs.report import counted, versions
 from .flags import Made, add_number, add_quiet
 
-_PACKAGE = __package__.removesuffix(".synch_addon.command")
+# Arguments of a Python that has Blender as a module that start a warm process.
+_SERVE = "-m", __package__.removesuffix(".synch_addon.command"), "batch", "-"
 # Pixels across a picture of the contact sheet, and its quality.
 _SMALL, _QUALITY = 320, 82
 # Files that a guidance names.
@@ -81,7 +82,7 @@ def run(options, way, shared, progress):
     records = Records(folder)
     records.make_folders()
     if options.scheduler:
-        crew = Cluster(options.scheduler, options.threads)
+        crew = Cluster(options.scheduler, _SERVE, options.threads)
     else:
         crew = Crew(_command(), options.jobs, options.threads)
     try:
@@ -107,7 +108,7 @@ def _name(rows):
 def _command():
     """What starts a warm process here."""
     if bpy.app.module:
-        return [sys.executable, "-m", _PACKAGE, "batch", "-"]
+        return [sys.executable, *_SERVE]
     return [bpy.app.binary_path, "--background", "--command", "synch", "batch", "-"]
 
 
