@@ -110,6 +110,8 @@ def _ranges(row):
         raise SettingError(
             f'the frames are {shown(frames)}, the chunk {shown(chunk)}: write "frames": [1, 240], "chunk": 60'
         )
+    if row[_COMMAND] == "animate" and not row.get("spacing") and frames[1] - frames[0] >= chunk:
+        raise SettingError("each chunk would find a spacing of its own: give one")
     parts = []
     for first in range(frames[0], frames[1] + 1, chunk):
         last = min(first + chunk - 1, frames[1])

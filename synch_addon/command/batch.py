@@ -6,6 +6,7 @@ import os
 import re
 import sys
 import time
+from contextlib import chdir
 from pathlib import Path
 from typing import NamedTuple
 
@@ -65,12 +66,18 @@ def add_parser(commands):
     command.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster, which does the rows instead")
     add_number(command, "--threads", 1, f"of each solve, up to {MOST_WORKERS}; roundings differ with it", "N")
     add_number(command, "--retries", 1, "how often a row that fails is tried again", "N")
+    command.add_argument("--working-folder", default=".", metavar="FOLDER", help="that all paths start from")
     command.add_argument("--share", metavar="K/N", help="only the Kth of N parts, and no summary: for arrays of jobs")
     add_quiet(command)
 
 
 def run(options, way, shared, progress):
     """Run the command; ``shared`` is what stands after two dashes."""
+    with chdir(options.working_folder):
+        return _run(options, way, shared, progress)
+
+
+def _run(options, way, shared, progress):
     for name, least in (("jobs", 1), ("threads", 1), ("retries", 0)):
         if getattr(options, name) < least:
             raise SettingError(f"--{name} is {getattr(options, name)}: give a number from {least} on")

@@ -50,11 +50,12 @@ def test_frames_go_out_in_contiguous_chunks_that_cover_them_once(tmp_path):
         "input": "walk.blend",
         "frames": [1, 10],
         "chunk": 4,
+        "spacing": 1,
         "output": "w.{first}-{last}.blend",
     }
     lines = list(read_rows(written(tmp_path / "rows.jsonl", row)))
     assert [line[2:5] for line in lines] == [["--frames", "1", "4"], ["--frames", "5", "8"], ["--frames", "9", "10"]]
-    assert [line[5] for line in lines] == [
+    assert [line[6] for line in lines] == [
         "--output=w.0001-0004.blend",
         "--output=w.0005-0008.blend",
         "--output=w.0009-0010.blend",
@@ -69,6 +70,7 @@ def test_frames_go_out_in_contiguous_chunks_that_cover_them_once(tmp_path):
         ('{"input": "a.obj"}', "this is no row"),
         ('{"command": "animate", "chunk": 4}', "the frames are None"),
         ('{"command": "animate", "chunk": 0, "frames": [1, 4]}', "the chunk 0"),
+        ('{"command": "animate", "chunk": 2, "frames": [1, 4]}', "a spacing of its own"),
         ('{"command": "stripes", "spacing": {}}', "spacing is {}"),
     ],
 )
