@@ -6,8 +6,8 @@
     python bench/batch.py meshes FOLDER [--workers 2]
 
 The first prints times a row and the memory of all processes as the batch goes on, beside the time of the same
-command in a loop without a batch. The second prints both times, their ratio, and whether all figures and files are the
-same. Needs Blender as a module (bpy).
+command in a loop without a batch. The second prints both times, their ratios, and whether all figures and files are
+the same. Needs Blender as a module (bpy).
 """
 
 import argparse
@@ -113,25 +113,24 @@ def compare(folder, meshes, workers):
         here = folder / kind
         here.mkdir()
         write_rows(here / "rows.jsonl", rows)
+        start = times_now()
         if kind == "serial":
-            times.append(timed(command("--jobs", 1, "--quiet"), here))
+            subprocess.run(command("--jobs", 1, "--quiet"), cwd=here, check=True)
+            times.append(times_now() - start)
         else:
             with LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster:
-                times.append(timed(command("--scheduler", cluster.scheduler_address, "--quiet"), here))
+                start = times_now()
+                subprocess.run(command("--scheduler", cluster.scheduler_address, "--quiet"), cwd=here, check=True)
+                clock = times_now()
+            times.append(np.array([clock[0] - start[0], times_now()[1] - start[1]]))
         found.append(results(here))
-    both = f"{times[0]:.1f} s by one process, {times[1]:.1f} s by {workers}"
-    print(f"{len(rows)} rows: {both}: ratio {times[1] / times[0]:.3f}")
+    for what, serial, cluster in zip(("time", "processor time"), *times, strict=True):
+        print(f"{what}: {serial:.1f} s by one process, {cluster:.1f} s by {workers} workers: {cluster / serial:.3f}")
     print("all figures and files are the same" if found[0] == found[1] else "THEY DIFFER")
 
 
 def command(*flags):
     return [sys.executable, "-m", "synch_fields", "batch", "rows.jsonl", "--folder", "batch", *map(str, flags)]
-
-
-def timed(line, folder):
-    start = time.perf_counter()
-    subprocess.run(line, cwd=folder, check=True)
-    return time.perf_counter() - start
 
 
 def results(folder):

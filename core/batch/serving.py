@@ -16,6 +16,9 @@ import threading
 _MARK = "synch-row "
 # Tasks after which a process is followed by a fresh one: Blender keeps some kilobytes of each file that it opens.
 _TASKS = 1000
+# What Dask tells its workers' memory: each array of some size would be given back and asked for again, which doubles
+# the time of a solve.
+_NOT_FOR_SOLVES = "MALLOC_TRIM_THRESHOLD_"
 # Seconds that a process has to end after its pipe has broken.
 _FAREWELL = 10
 
@@ -102,7 +105,8 @@ def _started(command, variables):
         kind["creationflags"] = subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.CREATE_NO_WINDOW
     else:
         kind["process_group"] = 0
-    return subprocess.Popen(command, env=os.environ | variables, **kind)
+    kept = {name: value for name, value in os.environ.items() if name != _NOT_FOR_SOLVES}
+    return subprocess.Popen(command, env=kept | variables, **kind)
 
 
 def _end(child):

@@ -30,9 +30,10 @@ def answer(task):
     if word == "hang once" and not Path(path).exists():
         Path(path).touch()
         time.sleep(600)
+    asked = {name: os.environ.get(name) for name in ("SYNCH_THREADS", "MALLOC_TRIM_THRESHOLD_")}
     time.sleep({"slow": 0.1}.get(word, 0))
     write_text(path, word)
-    records.keep_done(task["key"], {"energy": 2.0, "gap": 0.25, "seconds": 0.5, "pid": os.getpid()}, [path])
+    records.keep_done(task["key"], {"energy": 2.0, "gap": 0.25, "seconds": 0.5, "pid": os.getpid()} | asked, [path])
     return {}
 
 print("Blender says something")

@@ -129,6 +129,14 @@ def test_a_process_ends_when_its_batch_is_killed(records, tmp_path):
         os.kill(pid, 0)
 
 
+def test_a_process_has_its_threads_and_not_what_slows_its_memory(records, monkeypatch):
+    """Dask sets the variable for its workers."""
+    monkeypatch.setenv("MALLOC_TRIM_THRESHOLD_", "65536")
+    run(rows("write"), records)
+    (entry,) = entries(rows("write"), records)
+    assert (entry["SYNCH_THREADS"], entry["MALLOC_TRIM_THRESHOLD_"]) == ("1", None)
+
+
 def test_a_command_that_is_not_there_fails_its_rows(records):
     wanted = rows("write")
     crew = Crew(["no-such-program"], 1, 1)
