@@ -10,7 +10,9 @@ from contextlib import contextmanager
 from ..monitor import POLL_SECONDS, OutOfTime
 from .threads import one_blas_thread
 
-WORKERS = min(os.cpu_count() or 1, 8)
+MOST_WORKERS = 8
+# Roundings differ with their number: a batch sets one that holds on all its machines.
+WORKERS = min(int(os.environ.get("SYNCH_THREADS") or os.cpu_count() or 1), MOST_WORKERS)
 
 _thread = threading.local()
 

@@ -23,6 +23,7 @@ class Made(NamedTuple):
     written : paths of files
     shown : bpy.types.Object of the picture, where one is asked for
     look : how the picture shows it, as :func:`render.render_picture` takes it
+    failed : why the exit status is not 0 although all this was made
     """
 
     report: dict
@@ -30,6 +31,7 @@ class Made(NamedTuple):
     written: list[str]
     shown: bpy.types.Object | None = None
     look: dict = {}
+    failed: str = ""
 
 
 def add_number(command, flag, default, tip, metavar="X", **more):

@@ -9,7 +9,9 @@ was asked for has been written; every failure is one line.
 """
 
 import argparse
+import io
 import sys
+from contextlib import redirect_stderr
 from pathlib import Path
 
 import bpy
@@ -24,7 +26,7 @@ from ..jobs.report import failure, json_text, summary
 from ..looks.demo import add_demo_object
 from ..patterns.info import describe
 from ..settings.fields import Settings
-from . import animate, bake, clebsch, fields, layers
+from . import animate, bake, batch, clebsch, fields, layers
 from . import lines as cli_lines
 from .flags import Made, add_input, add_quiet, add_view, saved
 from .interrupts import heard_interrupts
@@ -35,45 +37,91 @@ INTERRUPTED = 130
 _INPUTS = "input", "constraints"
 _OUTPUTS = "output", "render", "report", "export_mesh", "export_field"
 _OUTPUTS += "export_layers", "export_paths", "export_volume"
+# What is told in one line.
+_REFUSALS = SynchError, MemoryError, OSError, RuntimeError
 
 
 def main(arguments, loaded=False):
     """Run a command line; ``loaded`` tells that Blender has opened the file already. Exit status."""
     parser = _parser(loaded)
+    own, shared = _at_dashes(arguments)
     try:
-        options = parser.parse_args(arguments)
+        options = parser.parse_args(own)
     except SystemExit as stop:
         return stop.code or 0
+    of_rows = batch.Way(lambda line: _parsed(parser, line), _outputs_of, _carry_out_row)
+    if options.command == "batch" and options.rows == "-":
+        return batch.serve(of_rows)
     clash = _clash(options)
     if clash:
         print(f"synch {options.command}: {clash}", file=sys.stderr)
         return 1
     with quiet_stdout() as out, heard_interrupts() as check:
         try:
-            for name, value in vars(options).items():
-                if isinstance(value, str):
-                    check_text(value, f"the {name.replace('_', ' ')}")
             progress = _Progress(check, getattr(options, "quiet", True))
-            made = _COMMANDS[options.command](options, lambda: _open(options, loaded), progress)
-            check()
-            lines = _deliver(made, options, progress)
-        except SynchError as error:
-            return _fail(options, str(error))
+            if options.command == "batch":
+                made = batch.run(options, of_rows, shared, progress)
+            else:
+                made = _carry_out(options, lambda: _open(options, loaded), progress, check)
         except KeyboardInterrupt:
             print(f"synch {options.command}: interrupted", file=sys.stderr)
             return INTERRUPTED
-        except MemoryError:
-            return _fail(options, "there is too little memory for this: allow more, or ask for less on a coarser mesh")
-        except OSError as error:
-            return _fail(options, f"{error.filename or 'a file'}: {error.strerror or error}")
-        except RuntimeError as error:  # what an importer or exporter of Blender reports
-            return _fail(options, " ".join(str(error).split()))
+        except _REFUSALS as error:
+            print(f"synch {options.command}: {_reported(options, error)}", file=sys.stderr)
+            return 1
         try:
-            print("\n".join(lines), file=out, flush=True)
+            print("\n".join(_lines(made)), file=out, flush=True)
         except OSError as error:
             print(f"synch {options.command}: the result cannot be printed ({error.strerror})", file=sys.stderr)
             return 1
-    return 0
+    if made.failed:
+        print(f"synch {options.command}: {made.failed}", file=sys.stderr)
+    return 1 if made.failed else 0
+
+
+def _at_dashes(arguments):
+    """A command line, and what stands after two dashes in one of ``batch``: the command of its rows."""
+    if arguments[:1] != ["batch"] or "--" not in arguments:
+        return arguments, []
+    place = arguments.index("--")
+    return arguments[:place], arguments[place + 1 :]
+
+
+def _carry_out(options, open_object, progress, check):
+    """Carry a command out, and write the report and the picture that are asked for; what was made, with their paths."""
+    for name, value in vars(options).items():
+        if isinstance(value, str):
+            check_text(value, f"the {name.replace('_', ' ')}")
+    made = _COMMANDS[options.command](options, open_object, progress)
+    check()
+    return _delivered(made, options, progress)
+
+
+def _carry_out_row(options):
+    """Carry a command out as a row of a batch; errors are SynchError."""
+    with quiet_stdout(), heard_interrupts() as check:
+        try:
+            return _carry_out(options, lambda: _open(options, False), _Progress(check, True), check)
+        except _REFUSALS as error:
+            raise SynchError(_reported(options, error)) from None
+
+
+def _parsed(parser, arguments):
+    """The options of a row; SettingError where they are none."""
+    told = io.StringIO()
+    try:
+        with redirect_stderr(told):
+            options = parser.parse_args(arguments)
+    except SystemExit:
+        raise SettingError(" ".join(told.getvalue().split()) or "this asks for help, not for a result") from None
+    clash = _clash(options)
+    if clash:
+        raise SettingError(clash)
+    return options
+
+
+def _outputs_of(options):
+    return [path for path in (getattr(options, name, None) for name in _OUTPUTS) if path]
 
 
 def _clash(options):
@@ -91,7 +139,20 @@ def _clash(options):
     return None
 
 
-def _fail(options, line):
+def _reason(error):
+    """What went wrong, in one line."""
+    if isinstance(error, SynchError):
+        return str(error)
+    if isinstance(error, MemoryError):
+        return "there is too little memory for this: allow more, or ask for less on a coarser mesh"
+    if isinstance(error, OSError):
+        return f"{error.filename or 'a file'}: {error.strerror or error}"
+    return " ".join(str(error).split())  # what an importer or exporter of Blender reports
+
+
+def _reported(options, error):
+    """What went wrong, which the report tells, too, where one is asked for."""
+    line = _reason(error)
     path = getattr(options, "report", None)
     if path and files.is_report(path):
         settings = {k: v for k, v in vars(options).items() if isinstance(v, str | int | float | None)}
@@ -99,12 +160,11 @@ def _fail(options, line):
             _write_json(path, failure(options.command, settings, line))
         except SettingError as error:
             line += "" if path in line else f" (and no report: {error})"
-    print(f"synch {options.command}: {line}", file=sys.stderr)
-    return 1
+    return line
 
 
-def _deliver(made, options, progress):
-    """Write the report and the picture that are asked for; the lines to print."""
+def _delivered(made, options, progress):
+    """Write the report and the picture that are asked for; what was made, with their paths."""
     report, picture = (getattr(options, name, None) for name in ("report", "render"))
     if report:  # a picture may take minutes, and what was solved should not be lost with it
         _write_json(report, made.report)
@@ -113,9 +173,13 @@ def _deliver(made, options, progress):
 
         progress("rendering", 0.0)
         render_picture(made.shown, picture, view=options.view, **made.look)
-    written = [*made.written, *(path for path in (picture, report) if path)]
+    return made._replace(written=[*made.written, *(path for path in (picture, report) if path)])
+
+
+def _lines(made):
+    """What is printed of what was made."""
     warnings = [f"warning: {line}" for line in made.report.get("warnings", ())]
-    return [*made.lines, *warnings, *(f"wrote {path}" for path in written)]
+    return [*made.lines, *warnings, *(f"wrote {path}" for path in made.written)]
 
 
 # Commands
@@ -201,7 +265,7 @@ def _parser(loaded):
     )
     commands = parser.add_subparsers(dest="command", required=True, metavar="command")
     fields.add_parsers(commands)
-    for module in (cli_lines, animate, clebsch, layers, bake):
+    for module in (cli_lines, animate, clebsch, layers, bake, batch):
         module.add_parser(commands)
     command = commands.add_parser("info", help="what a mesh can carry", description="Describe a mesh.")
     add_input(command)

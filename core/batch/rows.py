@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The rows of a batch: each is a command line, from a line of JSON or from a file that a pattern matches."""
+
+import glob
+import hashlib
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..errors import SettingError, shown
+
+# Keys of a row that are not flags: the command, its positional argument, and how many frames a worker gets at once.
+_COMMAND, _INPUT, _CHUNK = "command", "input", "chunk"
+
+
+@dataclass(frozen=True)
+class Row:
+    """A command that is asked for, as its parser understands it.
+
+    Attributes
+    ----------
+    arguments : the command line, its command first
+    options : what every flag stands for, ready for JSON
+    inputs : paths of files that the result depends on
+    outputs : paths of files that are asked for
+    """
+
+    arguments: tuple[str, ...]
+    options: dict
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+
+    @property
+    def label(self):
+        """What a person calls it: its command and its input."""
+        name = Path(str(self.options.get("input") or "")).name
+        frames = self.options.get("frames")
+        return " ".join([self.arguments[0], name, *([f"{frames[0]}-{frames[1]}"] if frames else [])])
+
+
+def read_rows(jobs, shared=()):
+    """The command lines of a batch.
+
+    Parameters
+    ----------
+    jobs : path of a JSON Lines file, or a pattern such as "meshes/*.obj"
+    shared : the command and its flags for each file that the pattern matches, ``{stem}`` for its name without suffix;
+        needed for a pattern, refused for a JSON Lines file
+
+    Yields lists of texts, or a :class:`SettingError` for a row that is none.
+
+    Raises
+    ------
+    SettingError
+        for a file or a pattern that gives no rows
+    """
+    if shared:
+        return _matched(jobs, list(shared))
+    path = Path(jobs)
+    if not path.is_file():
+        raise SettingError(
+            f"{jobs}: no such file of rows; a pattern needs its command after two dashes: "
+            f"synch batch '{jobs}' -- stripes --render 'out/{{stem}}.png'"
+        )
+    return _lines(path)
+
+
+def _matched(pattern, shared):
+    if shared[0].startswith("-"):
+        raise SettingError(f"{shared[0]} stands where a command is needed: write -- stripes --spacing 0.05")
+    paths = sorted(path for path in glob.glob(pattern, recursive=True) if Path(path).is_file())
+    if not paths:
+        raise SettingError(f"{pattern}: no file matches, quote the pattern so that the shell leaves it alone")
+    command, *flags = shared
+    for path in paths:
+        yield [command, path, *(flag.replace("{stem}", Path(path).stem) for flag in flags)]
+
+
+def _lines(path):
+    with path.open(encoding="utf-8") as file:
+        for number, line in enumerate(file, 1):
+            if not line.strip():
+                continue
+            try:
+                yield from _from_line(line)
+            except SettingError as error:
+                yield SettingError(f"{path}, line {number}: {error}")
+
+
+def _from_line(line) -> Iterator[list[str]]:
+    try:
+        row = json.loads(line)
+    except (ValueError, RecursionError) as error:
+        raise SettingError(f"this is no JSON ({error}): write one object a line") from None
+    if not isinstance(row, dict) or not isinstance(row.get(_COMMAND), str):
+        raise SettingError('this is no row: write {"command": "stripes", "input": "mesh.obj", "spacing": 0.05}')
+    for part in _ranges(row):
+        yield _arguments(part)
+
+
+def _ranges(row):
+    """The row for each run of frames that a worker gets at once, the row itself where it has no chunk."""
+    if _CHUNK not in row:
+        return [row]
+    row = dict(row)
+    chunk, frames = row.pop(_CHUNK), row.get("frames")
+    whole = isinstance(frames, list) and len(frames) == 2 and all(type(frame) is int for frame in [*frames, chunk])
+    if not whole or chunk < 1 or frames[0] > frames[1]:
+        raise SettingError(
+            f'the frames are {shown(frames)}, the chunk {shown(chunk)}: write "frames": [1, 240], "chunk": 60'
+        )
+    if row[_COMMAND] == "animate" and not row.get("spacing") and frames[1] - frames[0] >= chunk:
+        raise SettingError("each chunk would find a spacing of its own: give one")
+    parts = []
+    for first in range(frames[0], frames[1] + 1, chunk):
+        last = min(first + chunk - 1, frames[1])
+        names = {"{first}": f"{first:04d}", "{last}": f"{last:04d}"}
+        parts.append({key: _filled(value, names) for key, value in row.items()} | {"frames": [first, last]})
+    return parts
+
+
+def _filled(value, names):
+    if isinstance(value, str):
+        for name, text in names.items():
+            value = value.replace(name, text)
+    return value
+
+
+def _arguments(row):
+    """The command line of a row: a flag for each key, none for false and null."""
+    given, stem = [], Path(str(row.get(_INPUT) or "")).stem
+    for key, value in row.items():
+        if key in (_COMMAND, _INPUT) or value is None or value is False:
+            continue
+        flag = f"--{key.replace('_', '-')}"
+        values = value if isinstance(value, list) else [value]
+        if any(isinstance(item, dict | list) for item in values):
+            raise SettingError(f"{key} is {shown(value)}: write a text, a number, true, or a list of these")
+        texts = [_filled(str(item), {"{stem}": stem}) for item in values if item is not True]
+        given += [f"{flag}={texts[0]}"] if len(texts) == 1 else [flag, *texts]
+    named = [str(row[_INPUT])] if row.get(_INPUT) else []
+    return [row[_COMMAND], *named, *given]
+
+
+class Keys:
+    """The key of each row: equal where command, options, contents of the inputs and versions are equal.
+
+    Parameters
+    ----------
+    versions : of everything that a result depends on
+    """
+
+    def __init__(self, versions):
+        self._versions, self._digests = versions, {}
+
+    def of(self, row):
+        """32 hexadecimal digits."""
+        contents = {path: self._digest(path) for path in row.inputs}
+        told = json.dumps([row.arguments[0], row.options, contents, self._versions], sort_keys=True)
+        return hashlib.sha256(told.encode("utf-8", "surrogatepass")).hexdigest()[:32]
+
+    def _digest(self, path):
+        """Of a file's bytes, which are read once; None where it cannot be read, as the row itself will tell."""
+        if path not in self._digests:
+            try:
+                with open(path, "rb") as file:
+                    self._digests[path] = hashlib.file_digest(file, "sha256").hexdigest()
+            except OSError:
+                self._digests[path] = None
+        return self._digests[path]
+
+
+def share_of(rows, text):
+    """The contiguous part "K/N" of a sequence, K from 1 on.
+
+    Raises
+    ------
+    SettingError
+        where the text is none
+    """
+    part, _, parts = text.partition("/")
+    if not (part.isdecimal() and parts.isdecimal() and 1 <= int(part) <= int(parts)):
+        raise SettingError(f"the share is {shown(text)}: write 3/40 for the third of forty")
+    ends = [len(rows) * number // int(parts) for number in (int(part) - 1, int(part))]
+    return rows[ends[0] : ends[1]]

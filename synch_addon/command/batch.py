@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command ``batch`` of the command line: many commands in warm processes of this machine or of a Dask cluster."""
+
+import glob
+import os
+import re
+import sys
+import time
+from contextlib import chdir
+from pathlib import Path
+from typing import NamedTuple
+
+import bpy
+
+from ...core.algebra.workers import MOST_WORKERS, WORKERS
+from ...core.batch import serving
+from ...core.batch.cluster import Cluster
+from ...core.batch.crew import Crew
+from ...core.batch.records import Records
+from ...core.batch.rows import Row, read_rows, share_of
+from ...core.batch.run import plan, run_rows
+from ...core.batch.sheet import write_sheet
+from ...core.batch.table import figures, write_tables
+from ...core.errors import SettingError, SynchError
+from ...core.files import pictures
+from ...core.files.whole import written_whole
+from ..jobs.report import counted, versions
+from .flags import Made, add_number, add_quiet
+
+# Arguments of a Python that has Blender as a module that start a warm process.
+_SERVE = "-m", __package__.removesuffix(".synch_addon.command"), "batch", "-"
+# Pixels across a picture of the contact sheet, and its quality.
+_SMALL, _QUALITY = 320, 82
+# Files that a guidance names.
+_GUIDES = re.compile(r'file:("(?:[^"]|"")*"|[^,="]+)')
+# Flags that do not change what a row gives.
+_UNSAID = "command", "quiet"
+
+
+class Way(NamedTuple):
+    """How one command line is understood and carried out, which all commands share.
+
+    Attributes
+    ----------
+    parse : callable(arguments) -> options; raises SettingError
+    outputs : callable(options) -> paths of the files that are asked for
+    carry_out : callable(options) -> Made, its files written; raises SynchError
+    """
+
+    parse: object
+    outputs: object
+    carry_out: object
+
+
+def add_parser(commands):
+    """Add the command to the parser's."""
+    command = commands.add_parser(
+        "batch",
+        help="many commands, by many processes",
+        description="Run the commands of a JSON Lines file, or one for each file that a pattern matches: "
+        "batch 'meshes/*.obj' -- stripes --render 'out/{stem}.png'. Rows that are done already are skipped.",
+    )
+    command.add_argument("rows", metavar="JOBS", help="file of rows, pattern of files, or - for a warm process's tasks")
+    command.add_argument("--folder", help="of records, summary.csv, summary.json and sheet.html; default: out/NAME")
+    add_number(command, "--jobs", os.cpu_count() or 1, "processes on this machine", "N")
+    command.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster, which does the rows instead")
+    add_number(command, "--threads", 1, f"of each solve, up to {MOST_WORKERS}; roundings differ with it", "N")
+    add_number(command, "--retries", 1, "how often a row that fails is tried again", "N")
+    command.add_argument("--working-folder", default=".", metavar="FOLDER", help="that all paths start from")
+    command.add_argument("--share", metavar="K/N", help="only the Kth of N parts, and no summary: for arrays of jobs")
+    add_quiet(command)
+
+
+def run(options, way, shared, progress):
+    """Run the command; ``shared`` is what stands after two dashes."""
+    with chdir(options.working_folder):
+        return _run(options, way, shared, progress)
+
+
+def _run(options, way, shared, progress):
+    for name, least in (("jobs", 1), ("threads", 1), ("retries", 0)):
+        if getattr(options, name) < least:
+            raise SettingError(f"--{name} is {getattr(options, name)}: give a number from {least} on")
+    started = time.monotonic()
+    needed = versions() | {"threads": min(options.threads, MOST_WORKERS)}
+    folder = Path(options.folder or Path("out", _name(options.rows)))
+    rows = plan(read_rows(options.rows, shared), lambda line: _understood(line, way), needed)
+    rows = share_of(rows, options.share) if options.share else rows
+    records = Records(folder)
+    records.make_folders()
+    if options.scheduler:
+        crew = Cluster(options.scheduler, _SERVE, options.threads)
+    else:
+        crew = Crew(_command(), options.jobs, options.threads)
+    try:
+        before, now = run_rows(rows, records, crew, options.retries, needed, progress)
+    finally:
+        crew.end()
+    lines = [f"{counted(len(rows), 'row')}: {now} done in {time.monotonic() - started:.1f} s, {before} before"]
+    if options.share:
+        return Made({}, lines, [])
+    written, done = write_tables(folder, rows, records)
+    sheet = folder / "sheet.html"
+    write_sheet(sheet, f"{Path(options.rows).name}: {counted(len(rows), 'row')}", rows, records)
+    lost = f"{len(rows) - done} of {counted(len(rows), 'row')} failed, see {written[0]}" if done < len(rows) else ""
+    return Made({}, lines, [*written, str(sheet)], failed=lost)
+
+
+def _name(rows):
+    """What a batch is called, by its file or its pattern."""
+    name = re.sub(r"[^\w.-]+", "_", Path(rows).stem).strip("_.")
+    return f"{name or 'rows'}.batch"
+
+
+def _command():
+    """What starts a warm process here."""
+    if bpy.app.module:
+        return [sys.executable, *_SERVE]
+    return [bpy.app.binary_path, "--background", "--command", "synch", "batch", "-"]
+
+
+def _understood(arguments, way):
+    """The :class:`Row` of a command line."""
+    options = way.parse(arguments)
+    if options.command == "batch":
+        raise SettingError("a row cannot be a batch: write its rows here")
+    told = {name: value for name, value in vars(options).items() if name not in _UNSAID}
+    return Row(tuple(arguments), told, tuple(_inputs(options)), tuple(way.outputs(options)))
+
+
+def _inputs(options):
+    """Files that a result depends on. What a .blend links to is not among them."""
+    given = str(getattr(options, "input", None) or "")
+    if "#" in given:
+        yield from sorted(glob.glob(re.sub("#+", "*", glob.escape(given))))
+    elif given:
+        yield given
+    if getattr(options, "constraints", None):
+        yield options.constraints
+    for name in _GUIDES.findall(getattr(options, "guidance", None) or ""):
+        yield name[1:-1].replace('""', '"') if name.startswith('"') else name.strip()
+
+
+# The other side
+
+
+def serve(way):
+    """Carry out rows that come by standard input, until it is closed."""
+    here = versions() | {"threads": WORKERS}
+    serving.serve(lambda task: _answer(task, way, here))
+
+
+def _answer(task, way, here):
+    """What became of a task: nothing more to tell where it is done, else why not."""
+    try:
+        for name, wanted in task["versions"].items():
+            if here[name] != wanted:
+                raise SettingError(f"{name} is {here[name]} here and {wanted} where the batch began: install the same")
+        os.chdir(task["working_folder"])
+        records = Records(task["folder"])
+        if records.done(task["key"]) is None:
+            _do(task, way, records)
+        return {}
+    except SynchError as error:
+        return {"failed": str(error)}
+    except OSError as error:
+        return {"failed": f"{error.filename or 'a file'}: {error.strerror or error}"}
+    except Exception as error:  # a fault of ours is told as well, and the other rows go on
+        return {"failed": f"{type(error).__name__}: {' '.join(str(error).split())}"}
+
+
+def _do(task, way, records):
+    started = time.monotonic()
+    options = way.parse(task["arguments"])
+    made = way.carry_out(options)
+    picture = getattr(options, "render", None)
+    if picture:
+        _make_small(picture, records.thumbnail(task["key"]))
+    records.keep_done(task["key"], figures(made.report, time.monotonic() - started), made.written)
+
+
+def _make_small(picture, path):
+    image = bpy.data.images.load(str(Path(picture).resolve()))
+    try:
+        image.scale(_SMALL, max(round(_SMALL * image.size[1] / image.size[0]), 1))
+        image.file_format = "JPEG"
+        with written_whole(path, pictures.is_whole) as made:
+            image.save(filepath=str(made), quality=_QUALITY)
+    finally:
+        bpy.data.images.remove(image)
