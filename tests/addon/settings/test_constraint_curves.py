@@ -70,9 +70,7 @@ def test_a_stripe_under_a_circle_off_a_ball_is_as_round_as_the_circle(away):
     source = bpy.context.active_object
     source.data.resolution_u = 32
     make_active(obj)
-    report = api.stripes(
-        obj, spacing=spacing, constraints=[{"where": "curve", "what": "phase", "name": source.name}]
-    )
+    report = api.stripes(obj, spacing=spacing, constraints=[{"where": "curve", "what": "phase", "name": source.name}])
     latitude = np.arcsin(places(obj)[:, 2]) - np.arcsin(height)
     near = np.abs(latitude) < 0.03
     off = np.abs(np.arccos(np.clip(pattern(obj)[near], -1, 1)) / (2 * np.pi) - np.abs(latitude[near]) / spacing)
