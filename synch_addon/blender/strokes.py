@@ -21,8 +21,8 @@ def read_strokes(obj, name, given):
     """Curves of another object, projected to the surface: pairs of (p,) triangles and (p, 3) points.
 
     Every polyline is sampled at half the mesh's shorter edges. What lies nearest to a curve off the surface jumps
-    from face to face: the ways there are averaged along it, over some edges. Works with curves, Grease Pencil and meshes of
-    edges, as they are seen, modifiers included; of a curve with thickness or fill the splines alone count.
+    from face to face: the ways there are averaged along it, over some edges. Works with curves, Grease Pencil and
+    meshes of edges, as they are seen, modifiers included; of a curve with thickness or fill the splines alone count.
 
     Raises
     ------
