@@ -30,7 +30,7 @@ def test_roundings_are_chosen_in_python_and_on_the_command_line(trefoil, tmp_pat
     for name in ("svd", "random", "polish", "continuation"):
         energies[name] = api.clebsch(trefoil, rounding=name, quantum=quantum, show="filaments")["energy"]
     assert energies["svd"] > 1.005 * energies["random"] > 1.01 * energies["polish"]
-    assert energies["polish"] >= energies["continuation"]
+    assert energies["polish"] >= energies["continuation"] * (1 - 1e-9)
     report = tmp_path / "report.json"
     arguments = ["clebsch", str(trefoil), "--quantum", str(quantum), "--show", "filaments", "--quiet"]
     assert main([*arguments, "--rounding", "svd", "--report", str(report)]) == 0
