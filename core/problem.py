@@ -14,6 +14,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
+from .algebra.blocks import block_matrix, scaled
 from .algebra.frames import nearest
 from .connection import Fibre, as_matrices, circle_transports, compose, make_arrays
 from .errors import SettingError
@@ -286,8 +287,8 @@ class SynchronizationProblem:
         links = self.links
         numbers, scale = np.arange(len(links.tails)), np.sqrt(links.weights)
         rows, places = np.append(numbers, numbers), np.append(links.heads, links.tails)
-        values = np.concatenate([_scaled(links.after, scale), _scaled(links.before, -scale)])
-        return _block_matrix(rows, places, values, (len(numbers), len(self._embedding.masses)))
+        values = np.concatenate([scaled(links.after, scale), scaled(links.before, -scale)])
+        return block_matrix(rows, places, values, (len(numbers), len(self._embedding.masses)))
 
     @cached_property
     def pieces(self):
@@ -388,18 +389,3 @@ def _ground_blocks(values):
     blocks = np.zeros((*values.shape, values.shape[1]))
     blocks[:, :, 0] = values
     return blocks
-
-
-def _scaled(blocks, scale):
-    return blocks * scale.reshape(-1, *[1] * (blocks.ndim - 1))
-
-
-def _block_matrix(rows, columns, values, shape):
-    """CSR of (k,) numbers or (k, d, d) blocks at block positions."""
-    if values.ndim == 1:
-        return coo_matrix((values, (rows, columns)), shape=shape).tocsr()
-    block = values.shape[1]
-    inner = np.arange(block)
-    rows = np.broadcast_to(rows[:, None, None] * block + inner[:, None], values.shape).ravel()
-    columns = np.broadcast_to(columns[:, None, None] * block + inner, values.shape).ravel()
-    return coo_matrix((values.ravel(), (rows, columns)), shape=(shape[0] * block, shape[1] * block)).tocsr()

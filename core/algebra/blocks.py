@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What acts on the rows of each node by itself: (N,) numbers, one a row, or (n, d, d) blocks, one a node."""
+"""Numbers or blocks of numbers, one for each node or edge, and the sparse matrices that they make.
+
+What acts on the rows of each node by itself is (N,) numbers, one a row, or (n, d, d) blocks, one a node.
+"""
 
 import numpy as np
-from scipy.sparse import bsr_matrix, diags_array
+from scipy.sparse import bsr_matrix, coo_matrix, diags_array
 
 
 def on_rows(multipliers, block):
@@ -44,3 +47,19 @@ def block_diagonal(blocks):
         return diags_array(blocks)
     count, block = blocks.shape[:2]
     return bsr_matrix((blocks, np.arange(count), np.arange(count + 1)), shape=(count * block, count * block)).tocsr()
+
+
+def scaled(blocks, scale):
+    """(k,) numbers or (k, d, d) blocks times (k,) numbers."""
+    return blocks * scale.reshape(-1, *[1] * (blocks.ndim - 1))
+
+
+def block_matrix(rows, columns, values, shape):
+    """CSR of (k,) numbers or (k, d, d) blocks at block positions."""
+    if values.ndim == 1:
+        return coo_matrix((values, (rows, columns)), shape=shape).tocsr()
+    block = values.shape[1]
+    inner = np.arange(block)
+    rows = np.broadcast_to(rows[:, None, None] * block + inner[:, None], values.shape).ravel()
+    columns = np.broadcast_to(columns[:, None, None] * block + inner, values.shape).ravel()
+    return coo_matrix((values.ravel(), (rows, columns)), shape=(shape[0] * block, shape[1] * block)).tocsr()

@@ -41,10 +41,8 @@ def read_strokes(obj, name, given):
     matrix = np.array(source.matrix_world)
     lines = [np.column_stack([line, np.ones(len(line))]) @ matrix.T @ into.T for line in polylines(source)]
     check_length(f"the object {name!r}", sum(float(_lengths(points).sum()) for points in lines), step)
-    strokes = []
     reach = _SMOOTHED * np.median(mesh.edge_lengths)
-    for points in lines:
-        strokes.append(_projected(tree, _resampled(points, step), reach))
+    strokes = [_projected(tree, _resampled(points, step), reach) for points in lines]
     if not strokes:
         raise SettingError(f"the object {name!r} holds no curve: draw one, or choose another object")
     return strokes
