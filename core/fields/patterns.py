@@ -11,7 +11,7 @@ import numpy as np
 
 from ..defects import list_defects
 from ..errors import ContradictionError, SettingError
-from ..interpolate import dislocation_numbers, face_phases
+from ..interpolate import face_phases
 from ..problem import SynchronizationProblem, joined_targets
 from ..solve import Solution, solve
 from .calming import check_share
@@ -50,7 +50,10 @@ class Pattern:
     @property
     def energy(self):
         """Of the phases that are shown; None for given ones."""
-        return None if self.problem is None else self.problem.energy(self.phases)
+        if self.problem is None:
+            return None
+        is_solution = self.solution is not None and self.phases is self.solution.phases
+        return self.solution.energy if is_solution else self.problem.energy(self.phases)
 
     def showing(self, phases):
         """The pattern with other phases of the same problem: a variation, or with a defect at a chosen place."""
@@ -74,7 +77,7 @@ class Pattern:
     @property
     def dislocations(self):
         """List of :class:`Defect` with integer index."""
-        numbers, _ = dislocation_numbers(self.edge_phases, self.mesh.triangles)
+        numbers, _ = self.edge_phases.dislocations
         return [
             defect
             for phase, column in enumerate(numbers.T)
@@ -153,7 +156,17 @@ def _posed(mesh, field, spacing, rows, mirrors, branching):
 
 
 def solve_pattern(
-    mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None, before=None, hold=0.0, branching=1.0
+    mesh,
+    field,
+    spacing,
+    rows=(),
+    mirrors=(),
+    options=None,
+    callback=None,
+    before=None,
+    hold=0.0,
+    branching=1.0,
+    show=None,
 ):
     """Solve for a :class:`Pattern`; arguments as :func:`pattern_problem` and :func:`core.solve.solve`.
 
@@ -162,15 +175,21 @@ def solve_pattern(
     before : Pattern on another shape of the mesh along a field in the same sheets, optional: the pattern is then the
         one that descent reaches from there (see :mod:`.frames`)
     hold : how strongly the phases are drawn to those before, per mass and in units of 1 / spacing^2
+    show : callable(Pattern), called with what there is before the end, for a pattern without one before
     """
     growth, problem, loops = _posed(mesh, field, spacing, rows, mirrors, branching)
+
+    def pattern(solution):
+        solution = snapped(problem, solution, loops)
+        return Pattern(growth, problem, solution, solution.phases)
+
     if before is None:
-        solution = solve(problem, options, callback)
+        shows = None if show is None else lambda solution: show(pattern(solution))
+        solution = solve(problem, options, callback, show=shows)
     else:
         weights = hold * growth.masses * (growth.rates.ravel() / (2 * np.pi)) ** 2
         solution = next_solution(problem, before.phases, options, callback, weights)
-    solution = snapped(problem, solution, loops)
-    return Pattern(growth, problem, solution, solution.phases)
+    return pattern(solution)
 
 
 def known_pattern(mesh, field, spacing, phases, rows=(), mirrors=(), branching=1.0):

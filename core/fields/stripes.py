@@ -12,11 +12,21 @@ def stripe_problem(mesh, field, spacing, rows=(), mirrors=(), branching=1.0):
 
 
 def stripe_pattern(
-    mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None, before=None, hold=0.0, branching=1.0
+    mesh,
+    field,
+    spacing,
+    rows=(),
+    mirrors=(),
+    options=None,
+    callback=None,
+    before=None,
+    hold=0.0,
+    branching=1.0,
+    show=None,
 ):
     """Stripes along a vector or line field; arguments as :func:`solve_pattern`."""
     _check_symmetry(field)
-    return solve_pattern(mesh, field, spacing, rows, mirrors, options, callback, before, hold, branching)
+    return solve_pattern(mesh, field, spacing, rows, mirrors, options, callback, before, hold, branching, show)
 
 
 def _check_symmetry(field):

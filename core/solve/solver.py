@@ -297,6 +297,10 @@ def _solve_sdp(workspace, options, monitor, clock, start, calm, watch):
     piece = workspace.piece
     relaxation = relax(workspace, options.target_gap, options.seed, monitor, clock, start.lifted)
     monitor.proved(relaxation.lower_bound)
+    if relaxation.reached:
+        status = Status.CERTIFIED if relaxation.certificate is Certificate.PROVED else Status.ESTIMATED
+    else:
+        status = Status.MAX_RANK if relaxation.lifted.shape[1] >= MAX_RANK else Status.TARGET_GAP_NOT_REACHED
     quality = {
         "bound": relaxation.lower_bound,
         "sdp_value": relaxation.value,
@@ -307,16 +311,12 @@ def _solve_sdp(workspace, options, monitor, clock, start, calm, watch):
         "products": relaxation.products,
     }
     if watch is not None:
-        watch.proved(**quality)
+        watch.proved(status=status, **quality)
         monitor.on_found = watch.found
     with clock("round"):
         columns, timed_out = _round(workspace, relaxation, options, monitor, start.column, calm)
     if relaxation.out_of_time or timed_out:
         status = Status.TIME_LIMIT
-    elif relaxation.reached:
-        status = Status.CERTIFIED if relaxation.certificate is Certificate.PROVED else Status.ESTIMATED
-    else:
-        status = Status.MAX_RANK if relaxation.lifted.shape[1] >= MAX_RANK else Status.TARGET_GAP_NOT_REACHED
     result = _finished(piece, columns, status=status, **quality)
     # Phases of less energy, which a tight relaxation may round to, are a better point of it.
     return replace(result, sdp_value=min(relaxation.value, float(piece.energy(result.fields[:, :1])[0])))
