@@ -52,8 +52,9 @@ class Pattern:
         """Of the phases that are shown; None for given ones."""
         if self.problem is None:
             return None
-        is_solution = self.solution is not None and self.phases is self.solution.phases
-        return self.solution.energy if is_solution else self.problem.energy(self.phases)
+        if self.solution is not None and self.phases is self.solution.phases:
+            return self.solution.energy
+        return self.problem.energy(self.phases)
 
     def showing(self, phases):
         """The pattern with other phases of the same problem: a variation, or with a defect at a chosen place."""

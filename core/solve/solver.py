@@ -97,7 +97,8 @@ def _solve(problem, options, callback, start, show):
 
 def _watched(problem, options, monitor, clock, begin, results, left, show):
     """Show a first field, and later each better one; returns the :class:`_Watch` of each piece that is left."""
-    done, watches = tuple(results), {}
+    done = tuple(results)
+    watches: dict[int, _Watch] = {}
 
     def tell():
         parts = [watch.part for watch in watches.values()]

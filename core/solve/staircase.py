@@ -22,8 +22,8 @@ from .spheres import principal
 
 # What was measured of the numbers here: products L Y to gaps of 1e-2 and 1e-3 with one of them halved or doubled,
 # geometric means over n = 1, n = 4 and stripes on spot and cheburashka (3k and 7k vertices). With other values of
-# FALL_WITH_SIZE and TIGHTENING, and of FIRST_SHIFT, SMALLEST_START and COARSE_TOLERANCE in :mod:`.first`, they change by
-# less than 5 %.
+# FALL_WITH_SIZE and TIGHTENING, and of FIRST_SHIFT, SMALLEST_START and COARSE_TOLERANCE in :mod:`.first`, they change
+# by less than 5 %.
 
 # Columns at the start: of complex rows (True), and of real ones, which hold half as much. With half of them 15 % fewer
 # products, but up to 4 times as many on one of the twelve, and more time for directions; with twice as many, 2 times.
