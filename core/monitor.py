@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Progress, cancellation and time limit, asked at every iteration."""
 
-import threading
 import time
 from copy import copy
 
 from .errors import Cancelled
+from .threads import begun
 
 POLL_SECONDS = 0.05
 
@@ -72,8 +72,7 @@ class Monitor:
             except BaseException as error:  # raised again where it was asked for
                 errors.append(error)
 
-        thread = threading.Thread(target=run, daemon=True)
-        thread.start()
+        thread = begun(run)
         while thread.is_alive():
             thread.join(POLL_SECONDS)
             self.check()
