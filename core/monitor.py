@@ -2,12 +2,15 @@
 """Progress, cancellation and time limit, asked at every iteration."""
 
 import time
+from collections.abc import Callable
 from copy import copy
 
 from .errors import Cancelled
 from .threads import begun
 
 POLL_SECONDS = 0.05
+# Told a stage and a fraction of the work; a false answer other than None cancels.
+Callback = Callable[[str, float], bool | None]
 
 
 class OutOfTime(Exception):
