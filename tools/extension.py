@@ -66,7 +66,7 @@ def build(output_dir: Path, with_wheels: bool) -> list[Path]:
 
 
 def repack(archive: Path, target: Path) -> None:
-    """Copy a zip, with its entries in order and without their times and modes.
+    """Copy a zip, or a wheel, with its entries in order and without their times and modes.
 
     Nothing is compressed: wheels and pictures are already, and libraries that compress differ in what they make of it.
     """

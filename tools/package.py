@@ -16,7 +16,6 @@ import argparse
 import hashlib
 import html
 import json
-import os
 import shutil
 import subprocess
 import sys
@@ -24,10 +23,8 @@ import tempfile
 from pathlib import Path
 from urllib.parse import urlencode
 
-from extension import ROOT, BuildError, blender_ext, build, first_error
+from extension import ROOT, BuildError, blender_ext, build, first_error, repack
 
-# Of the wheel's entries, in seconds since 1970: as the zips' own.
-EPOCH = "315532800"
 SOURCES = ("pyproject.toml", "setup.py", "blender_manifest.toml", "LICENSE", "py.typed", "__init__.py", "core")
 PAGE = """<!DOCTYPE html>
 <html lang="en">
@@ -100,14 +97,14 @@ def wheel(folder: Path) -> Path:
                 shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
             else:
                 shutil.copy(ROOT / name, source)
-        for path in source.rglob("*"):
-            path.chmod(0o755 if path.is_dir() else 0o644)
         command = [sys.executable, "-m", "pip", "--disable-pip-version-check", "wheel", "--quiet", "--no-deps"]
-        command += ["--no-build-isolation", "--wheel-dir", str(folder), str(source)]
-        result = subprocess.run(command, capture_output=True, text=True, env=os.environ | {"SOURCE_DATE_EPOCH": EPOCH})
-    if result.returncode:
-        raise BuildError(f"pip could not make the wheel: {first_error(result.stdout + result.stderr)}")
-    return next(folder.glob("*.whl"))
+        command += ["--no-build-isolation", "--wheel-dir", place, str(source)]
+        result = subprocess.run(command, capture_output=True, text=True)
+        if result.returncode:
+            raise BuildError(f"pip could not make the wheel: {first_error(result.stdout + result.stderr)}")
+        (made,) = Path(place).glob("*.whl")
+        repack(made, folder / made.name)
+        return folder / made.name
 
 
 def checksums(folder: Path, files: list[Path]) -> Path:
