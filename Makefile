@@ -2,11 +2,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-slow fuzz ui-test ui-pictures lint extension package library bench bench-solver pictures thumbnails environment clean
+.PHONY: help demo test test-slow fuzz ui-test ui-pictures lint extension package install-test matrix library bench bench-solver pictures thumbnails environment clean
 
 # The Pythons that a bpy wheel exists for, in order of preference.
 VERSIONS ?= 3.13 3.11
 VENV ?= .venv
+# The Blenders that are tested as modules, and the Python that each has a wheel for.
+BLENDERS ?= 4.5.15 5.0.1 5.2.3
+python_of = $(if $(filter 4.% 5.0.%,$(1)),3.11,3.13)
 # Where the real meshes lie (spot, fertility, stanford-bunny ... from public collections); tests do without.
 MESHES ?= ../shared/meshes
 
@@ -31,6 +34,8 @@ help:
 	@echo 'make lint         ruff (rules and format) and mypy'
 	@echo 'make extension    the zip for Blender in out/; WHEELS=1 bundles SciPy, one zip for each platform'
 	@echo 'make package      all of a release in out/package: zips of all platforms, a repository of extensions, the wheel of core'
+	@echo 'make install-test the release into fresh Blenders: enable, use, disable, uninstall; SYNCH_BLENDER=command for a real one'
+	@echo 'make matrix       all tests on each Blender: $(BLENDERS); deprecation warnings are failures'
 	@echo 'make library      the library of assets that the extension ships; needs Blender 4.5: VENV=.venv-3.11'
 	@echo 'make bench        bounds and energies of three meshes beside other methods; MESHES=folder holds them'
 	@echo 'make bench-solver times, bounds and energies of six meshes beside other methods, and time against size'
@@ -74,6 +79,22 @@ package: environment
 	$(python) tools/package.py
 	SYNCH_ARCHIVES=out/package/extensions $(python) -m pytest -q tests/addon/test_rules.py
 
+install-test: package $(BLENDERS:%=install-test-%)
+	$(if $(SYNCH_BLENDER),$(python) tools/install_test.py out/package/extensions $(SYNCH_BLENDER))
+
+# Nothing but Blender is in these environments.
+install-test-%:
+	rm -rf out/blender-$*
+	$(MAKE) out/blender-$*/bin/python VENV=out/blender-$* VERSIONS=$(call python_of,$*)
+	out/blender-$*/bin/python -m pip install --quiet --disable-pip-version-check bpy==$*
+	out/blender-$*/bin/python tools/install_test.py out/package/extensions
+	rm -rf out/blender-$*
+
+matrix: $(BLENDERS:%=matrix-%)
+
+matrix-%:
+	$(MAKE) test test-slow VENV=.venv-blender-$* BPY=$* VERSIONS=$(call python_of,$*)
+
 library: environment
 	$(python) tools/assets.py
 
@@ -104,7 +125,7 @@ thumbnails: environment
 
 environment:
 	@test -x $(python) || $(MAKE) $(python)
-	@$(python) tools/environment.py blender test lint
+	@$(python) tools/environment.py blender test lint $(BPY:%=bpy==%)
 
 $(python):
 	$(eval found := $(find_python))

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """See that the environment which runs this has what the project needs; where it has, nothing in it is changed.
 
-    VENV/bin/python tools/environment.py [EXTRA ...]
+    VENV/bin/python tools/environment.py [EXTRA ...] [NAME==VERSION ...]
 
 What is missing is installed by pip. The program itself is installed only where there is none, as an editable one: an
 environment that was made for another checkout stays with that one. `make` runs this checkout's code in any of them, by
@@ -12,6 +12,7 @@ the link out/tree/synch_fields, which this makes.
 import subprocess
 import sys
 import tomllib
+from collections.abc import Iterable
 from importlib import metadata
 from pathlib import Path
 
@@ -24,15 +25,17 @@ NAME = "synch_fields"
 ENOUGH = {"bpy": SpecifierSet(">=4.5")}
 
 
-def main(extras: list[str]) -> int:
+def main(arguments: list[str]) -> int:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    chosen = {Requirement(text).name: text for text in arguments if "=" in text}
     wanted = [*project["dependencies"]]
-    for extra in extras:
-        wanted += project["optional-dependencies"][extra]
+    for extra in arguments:
+        wanted += project["optional-dependencies"].get(extra, [])
+    wanted = [text for text in wanted if Requirement(text).name not in chosen]
     link()
-    lacking = missing(wanted)
+    lacking = [*missing(wanted, ENOUGH), *missing(chosen.values(), {})]
     if not is_there(NAME):
-        return pip("install", "--editable", f"{ROOT}[{','.join(extras)}]")
+        lacking += ["--editable", str(ROOT)]
     return pip("install", *lacking) if lacking else 0
 
 
@@ -45,14 +48,14 @@ def link() -> None:
         place.symlink_to(ROOT, target_is_directory=True)
 
 
-def missing(wanted: list[str]) -> list[str]:
-    """Those requirements that are not met here."""
+def missing(wanted: Iterable[str], enough: dict[str, SpecifierSet]) -> list[str]:
+    """Those requirements that are not met here, where for some names other versions are enough."""
     lacking = []
     for text in wanted:
         requirement = Requirement(text)
         if requirement.marker is not None and not requirement.marker.evaluate():
             continue
-        works = ENOUGH.get(requirement.name, requirement.specifier)
+        works = enough.get(requirement.name, requirement.specifier)
         if not is_there(requirement.name) or not works.contains(metadata.version(requirement.name), prereleases=True):
             lacking.append(text)
     return lacking

@@ -37,9 +37,7 @@ class Cluster:
         try:
             from distributed import Client
         except ImportError:
-            raise SettingError(
-                "Dask is not installed: pip install 'synch_fields[dask]', or leave --scheduler out"
-            ) from None
+            raise SettingError("Dask is not installed: pip install distributed, or leave --scheduler out") from None
         try:
             self._client = Client(address, timeout=_PATIENCE, set_as_default=False)
         except (OSError, ValueError) as error:

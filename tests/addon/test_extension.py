@@ -5,6 +5,7 @@
 import ast
 import importlib.util
 import os
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -124,6 +125,21 @@ def test_zip_holds_the_program_and_nothing_else(archive):
     del expected["wheels"], expected["platforms"], expected["build"]
     assert {key: packed_manifest[key] for key in expected} == expected
     assert not {"wheels", "platforms"} & packed_manifest.keys()
+
+
+def test_two_builds_are_the_same_to_the_last_byte(archive, tmp_path):
+    """Of another checkout, whose files are of another time and for nobody else."""
+    source = tmp_path / "checkout"
+    source.mkdir()
+    for name in ("core", "synch_addon", "tools"):
+        shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("__init__.py", "__main__.py", "LICENSE", "blender_manifest.toml"):
+        shutil.copyfile(ROOT / name, source / name)
+    for path in source.rglob("*"):
+        path.chmod(0o700)
+        os.utime(path, (2e9, 2e9))
+    built = Path(run(source / "tools/extension.py", "--output-dir", tmp_path, TZ="Asia/Tokyo").strip())
+    assert built.parent == tmp_path and built.read_bytes() == archive.read_bytes()
 
 
 def test_installed_extension_makes_stripes(archive, tmp_path):
