@@ -21,7 +21,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-NAME = "synch_fields"
+NAME, REPOSITORY = "synch_fields", "Release"
 PLATFORMS = {"linux": "linux_x64", "darwin": "macos_arm64", "win32": "windows_x64"}
 MARK = "install-test: "
 
@@ -43,11 +43,11 @@ def main(arguments):
         ways = {"zip": str(archive)} | ({"repository": (folder / "index.json").as_uri()} if has_wheels else {})
         for way, source in ways.items():
             resources = Path(home, way)
-            step(blender, resources, f"install from {way}", source)
-            found = step(blender, resources, "use", "wheels" if has_wheels else "own")
+            step(blender, resources, "install", source)
+            found = step(blender, resources, "use", source, "wheels" if has_wheels else "own")
             print(f"  from {way}: stripes, disabled, enabled, stripes; SciPy {found['scipy']}", flush=True)
-            step(blender, resources, "uninstall")
-            step(blender, resources, "look for what is left")
+            step(blender, resources, "uninstall", source)
+            step(blender, resources, "look for what is left", source)
             left = [path for path in resources.rglob("*") if NAME in path.name or "scipy" in path.name]
             if left:
                 sys.exit(f"install-test: left behind: {left[0]}")
@@ -77,7 +77,9 @@ def inside(words):
     """Do a step in Blender; a dict that it tells."""
     import bpy
 
-    STEPS[words[0].split(" from ")[0]](bpy, *words[1:])
+    if len(words) > 1 and not words[1].endswith(".zip"):
+        add_repository(bpy, words[1])  # a module does not save preferences
+    STEPS[words[0]](bpy, *words[1:])
     scipy = sys.modules.get("scipy")
     python = f"{sys.version_info.major}.{sys.version_info.minor}"
     return {"blender": bpy.app.version_string, "python": python, "scipy": scipy and scipy.__version__}
@@ -90,14 +92,18 @@ def about(_bpy):
         pass
 
 
+def add_repository(bpy, address):
+    """Add a repository to the preferences where it is not there."""
+    bpy.context.preferences.system.use_online_access = True
+    if not any(repository.remote_url == address for repository in bpy.context.preferences.extensions.repos):
+        bpy.ops.preferences.extension_repo_add(name=REPOSITORY, remote_url=address, type="REMOTE")
+
+
 def install(bpy, source):
     if source.endswith(".zip"):
         done = bpy.ops.extensions.package_install_files(filepath=source, repo="user_default", enable_on_install=True)
     else:
-        bpy.context.preferences.system.use_online_access = True
-        bpy.ops.preferences.extension_repo_add(name=NAME, remote_url=source, type="REMOTE")
-        repositories = bpy.context.preferences.extensions.repos
-        number = next(k for k, repository in enumerate(repositories) if repository.remote_url == source)
+        number = number_of(bpy, lambda repository: repository.remote_url == source)
         assert bpy.ops.extensions.repo_sync(repo_index=number) == {"FINISHED"}
         done = bpy.ops.extensions.package_install(repo_index=number, pkg_id=NAME, enable_on_install=True)
     assert done == {"FINISHED"}, done
@@ -105,7 +111,12 @@ def install(bpy, source):
     bpy.ops.wm.save_userpref()
 
 
-def use(bpy, scipy_of):
+def number_of(bpy, is_it):
+    """Of a repository."""
+    return next(k for k, found in enumerate(bpy.context.preferences.extensions.repos) if is_it(found))
+
+
+def use(bpy, _source, scipy_of):
     import addon_utils  # on the path once bpy is loaded
 
     name = module_name(bpy)
@@ -124,14 +135,13 @@ def use(bpy, scipy_of):
     assert Path(scipy.__file__).resolve().is_relative_to(own) == (scipy_of == "wheels"), scipy.__file__
 
 
-def uninstall(bpy):
+def uninstall(bpy, _source):
     name = module_name(bpy).split(".")[1]
-    repositories = bpy.context.preferences.extensions.repos
-    number = next(k for k, repository in enumerate(repositories) if repository.module == name)
+    number = number_of(bpy, lambda repository: repository.module == name)
     assert bpy.ops.extensions.package_uninstall(repo_index=number, pkg_id=NAME) == {"FINISHED"}
 
 
-def look(bpy):
+def look(bpy, _source):
     import addon_utils
 
     names = [module.__name__ for module in addon_utils.modules(refresh=True)]
