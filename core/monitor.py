@@ -2,13 +2,16 @@
 """Progress, cancellation and time limit, asked at every iteration."""
 
 import math
-import threading
 import time
+from collections.abc import Callable
 from copy import copy
 
 from .errors import Cancelled
+from .threads import begun
 
 POLL_SECONDS = 0.05
+# Told a stage and a fraction of the work; a false answer other than None cancels.
+Callback = Callable[[str, float], bool | None]
 
 
 class OutOfTime(Exception):
@@ -93,8 +96,7 @@ class Monitor:
             except BaseException as error:  # raised again where it was asked for
                 errors.append(error)
 
-        thread = threading.Thread(target=run, daemon=True)
-        thread.start()
+        thread = begun(run)
         while thread.is_alive():
             thread.join(POLL_SECONDS)
             self.check()

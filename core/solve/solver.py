@@ -2,6 +2,7 @@
 """Solve a synchronization problem piece by piece: relax, certify, round, polish."""
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property, partial
 
@@ -10,14 +11,15 @@ import numpy as np
 from ..algebra.metric import SMALLEST_SHIFT
 from ..algebra.workers import solving
 from ..memory import check_memory
-from ..monitor import Monitor, OutOfTime
+from ..monitor import Callback, Monitor, OutOfTime
+from ..problem import SynchronizationProblem
 from . import rounding
 from .diffusion import diffuse
 from .first import first_field
 from .footprint import connection_bytes
 from .options_check import check_options
 from .parts import PartResult, Start, combine
-from .solution import DESCENT, FIRST, Certificate, Clock, Options, Status, relative_gap
+from .solution import DESCENT, FIRST, Certificate, Clock, Options, Solution, Status, relative_gap
 from .spectral import smallest_eigenpair
 from .spheres import fields_of, random_columns
 from .stage import Workspace
@@ -35,7 +37,13 @@ NEARLY_TIGHT = 0.05
 PROOF_IN_FIRSTS = 4.0
 
 
-def solve(problem, options=None, callback=None, start=None, show=None):
+def solve(
+    problem: SynchronizationProblem,
+    options: Options | None = None,
+    callback: Callback | None = None,
+    start: Solution | None = None,
+    show: Callable[[Solution], object] | None = None,
+) -> Solution:
     """Find phases of low energy together with a lower bound.
 
     Parameters

@@ -33,7 +33,11 @@ from ..solve.solution import FIRST, Clock
 from .quad_meshes import solved_mesh
 
 # What a command solves along its directions; "directions" stops before.
-PATTERNS = {"stripes": stripe_pattern, "quads": quad_pattern, "quad_mesh": quad_pattern}
+PATTERNS: dict[str, Callable[..., Pattern]] = {
+    "stripes": stripe_pattern,
+    "quads": quad_pattern,
+    "quad_mesh": quad_pattern,
+}
 # Of these there are pictures on the way.
 SHOWN = ("stripes", "quads")
 
