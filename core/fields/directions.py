@@ -19,6 +19,7 @@ from ..monitor import Callback
 from ..problem import SynchronizationProblem, Targets, joined_targets
 from ..sheets import matchings
 from ..solve import Options, Solution, solve
+from ..solve.following import Follower
 from .calming import ROUGH, calming, check_share, known_turns, surface_circulation
 from .constraints.groups import contracted, joined_links, without_contradictions
 from .constraints.rows import Row, direction_targets
@@ -205,6 +206,7 @@ def direction_field(
     options: Options | None = None,
     callback: Callback | None = None,
     before: DirectionField | None = None,
+    follower: Follower | None = None,
 ) -> DirectionField:
     """The smoothest direction field that follows the wishes.
 
@@ -216,6 +218,7 @@ def direction_field(
     options, callback : see :func:`core.solve.solve`
     before : DirectionField on another shape of the mesh, optional: the field is then the one that descent reaches
         from there, in its sheets (see :mod:`.frames`)
+    follower : Follower that goes some steps from there only, optional
     """
     wishes = DirectionWishes() if wishes is None else wishes
     problem, known, correction = _posed(mesh, symmetry, wishes)
@@ -223,7 +226,7 @@ def direction_field(
         solution = solve(problem, options, callback)
     else:
         carried = carried_angles(before.angles - before.turn, before.mesh, mesh)
-        solution = next_solution(problem, np.exp(1j * symmetry * carried), options, callback)
+        solution = next_solution(problem, np.exp(1j * symmetry * carried), options, callback, follower=follower)
     _, loops = split_links(mesh.vertex_count, [mirror.direction_links(symmetry) for mirror in wishes.mirrors])
     solution = snapped(problem, solution, loops)
     angles = np.angle(solution.phases) / symmetry

@@ -169,6 +169,7 @@ def solve_pattern(
     hold=0.0,
     branching=1.0,
     show=None,
+    follower=None,
 ):
     """Solve for a :class:`Pattern`; arguments as :func:`pattern_problem` and :func:`core.solve.solve`.
 
@@ -177,6 +178,7 @@ def solve_pattern(
     before : Pattern on another shape of the mesh along a field in the same sheets, optional: the pattern is then the
         one that descent reaches from there (see :mod:`.frames`)
     hold : how strongly the phases are drawn to those before, per mass and in units of 1 / spacing^2
+    follower : Follower that goes some steps from the pattern before only, optional
     show : callable(Pattern), called with what there is before the end, for a pattern without one before
     """
     growth, problem, loops = _posed(mesh, field, spacing, rows, mirrors, branching)
@@ -190,7 +192,7 @@ def solve_pattern(
         solution = solve(problem, options, callback, show=shows)
     else:
         weights = hold * growth.masses * (growth.rates.ravel() / (2 * np.pi)) ** 2
-        solution = next_solution(problem, before.phases, options, callback, weights)
+        solution = next_solution(problem, before.phases, options, callback, weights, follower)
     return pattern(solution)
 
 

@@ -159,7 +159,7 @@ class SurfaceRequest:
             phases[:, number] = phase.corner_phase[corners]
         return Picture(places.reshape(-1, 3).astype(np.float32), phases)
 
-    def directed(self, progress=None, before=None):
+    def directed(self, progress=None, before=None, follower=None):
         """The :class:`DirectionField`, turned by its angle; from the one of the frame before, if there is one."""
         mesh, symmetry = self.given.mesh, SYMMETRIES[self.symmetry]
         if self.directions is not None:
@@ -167,9 +167,10 @@ class SurfaceRequest:
         with self._own_vertices():
             guides = tuple(guide.weighted for guide in self.guides)
             wishes = DirectionWishes(guides, self.rows, self.mirrors, self.singularities)
-            return direction_field(mesh, symmetry, wishes, self.options, progress, before).turned(self.turn)
+            field = direction_field(mesh, symmetry, wishes, self.options, progress, before, follower)
+            return field.turned(self.turn)
 
-    def along(self, directions, progress=None, before=None, hold=0.0, show=None):
+    def along(self, directions, progress=None, before=None, hold=0.0, show=None, follower=None):
         """The :class:`SurfaceResult` of the pattern along a field; from that of the frame before, if there is one.
 
         ``show`` as of :meth:`solve_showing`.
@@ -195,6 +196,7 @@ class SurfaceRequest:
                 hold=hold,
                 branching=self.branching,
                 show=None if show is None else lambda pattern: show(result(pattern)),
+                follower=follower,
             )
         return result(pattern)
 
