@@ -175,8 +175,8 @@ def solve_pattern(
 
     Parameters
     ----------
-    before : Pattern on another shape of the mesh along a field in the same sheets, optional: the pattern is then the
-        one that descent reaches from there (see :mod:`.frames`)
+    before : Pattern on another shape of the mesh along a field in the same sheets, or anything else with its phases,
+        optional: the pattern is then the one that descent reaches from there (see :mod:`.frames`)
     hold : how strongly the phases are drawn to those before, per mass and in units of 1 / spacing^2
     follower : Follower that goes some steps from the pattern before only, optional
     show : callable(Pattern), called with what there is before the end, for a pattern without one before

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..fields import DirectionField, Pattern
+from ..fields import DirectionField
 from ..monitor import portion
 from ..solve.following import Follower
 from .surfaces import SurfaceRequest
@@ -47,5 +47,4 @@ class LiveRequest:
             directions = self.field.turned(self.asked.turn - self.field.turn)
         else:
             directions = self.asked.directed(portion(progress, 0.0, 0.4), self.field, of_field)
-        before = Pattern(None, None, None, self.phases)
-        return self.asked.along(directions, portion(progress, 0.4, 0.6), before, follower=of_pattern)
+        return self.asked.along(directions, portion(progress, 0.4, 0.6), self, follower=of_pattern)

@@ -6,6 +6,7 @@ import bpy
 from ..blender.meshes import refusal
 from ..blender.translations import said
 from ..jobs.queue import queue
+from ..patterns.live import live
 from ..patterns.refine import draw_warning
 from .guides import draw_guidance
 from .row_operators import can_set
@@ -109,6 +110,8 @@ def draw_unready(layout, obj):
 def draw_row(layout):
     """The job that runs with a bar, and those that wait for their turn."""
     for place, work in enumerate(queue.works):
+        if work.is_quiet:
+            continue
         link = work.job.link
         obj = None if link is None else link.present
         name = said(work.label) if obj is None else f"{said(work.label)}: {obj.name}"
@@ -157,6 +160,9 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
         row = column.row(align=True)
         row.operator("synch.directions", icon="ORIENTATION_NORMAL")
         row.operator("synch.quad_mesh", icon="MOD_REMESH")
+        self.layout.prop(context.window_manager, "synch_live", toggle=True, icon="PLAY")
+        if live.error:
+            self.layout.label(text=live.error, icon="ERROR", translate=False)
         draw_warning(self.layout, obj)
 
 
