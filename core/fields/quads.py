@@ -6,6 +6,7 @@ The product of the phases' cosines does not depend on the sheet, and its grid li
 
 from collections.abc import Callable, Sequence
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import SettingError
@@ -38,11 +39,12 @@ def quad_pattern(
     branching: float = 1.0,
     show: Callable[[Pattern], object] | None = None,
     follower: Follower | None = None,
+    start: np.ndarray | None = None,
 ) -> Pattern:
     """Quads along a cross field; arguments as :func:`solve_pattern`."""
     _check_symmetry(field)
     return solve_pattern(
-        mesh, field, spacing, rows, mirrors, options, callback, before, hold, branching, show, follower
+        mesh, field, spacing, rows, mirrors, options, callback, before, hold, branching, show, follower, start
     )
 
 

@@ -3,6 +3,7 @@
 
 from collections.abc import Callable, Sequence
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import SettingError
@@ -35,11 +36,12 @@ def stripe_pattern(
     branching: float = 1.0,
     show: Callable[[Pattern], object] | None = None,
     follower: Follower | None = None,
+    start: np.ndarray | None = None,
 ) -> Pattern:
     """Stripes along a vector or line field; arguments as :func:`solve_pattern`."""
     _check_symmetry(field)
     return solve_pattern(
-        mesh, field, spacing, rows, mirrors, options, callback, before, hold, branching, show, follower
+        mesh, field, spacing, rows, mirrors, options, callback, before, hold, branching, show, follower, start
     )
 
 

@@ -95,6 +95,8 @@ class SurfaceRequest:
     branching : share of the dislocations that even spacing asks for; None for directions alone
     faces : of quad meshes, how many there should be, whatever the spacing; None for as many as it gives
     straighten : of quad meshes, whether shorter loops are looked for
+    start : (n,) radians of directions before they are turned, and (k n,) complex phases along them, from which the
+        whole solve starts and near which it stays; None for a search
     """
 
     command: str
@@ -114,6 +116,7 @@ class SurfaceRequest:
     branching: float | None = 1.0
     faces: int | None = None
     straighten: bool = False
+    start: tuple[np.ndarray, np.ndarray] | None = None
 
     @property
     def shared(self):
@@ -164,10 +167,11 @@ class SurfaceRequest:
         mesh, symmetry = self.given.mesh, SYMMETRIES[self.symmetry]
         if self.directions is not None:
             return given_directions(mesh, symmetry, self.directions).turned(self.turn)
+        start = None if self.start is None else self.start[0]
         with self._own_vertices():
             guides = tuple(guide.weighted for guide in self.guides)
             wishes = DirectionWishes(guides, self.rows, self.mirrors, self.singularities)
-            field = direction_field(mesh, symmetry, wishes, self.options, progress, before, follower)
+            field = direction_field(mesh, symmetry, wishes, self.options, progress, before, follower, start)
             return field.turned(self.turn)
 
     def along(self, directions, progress=None, before=None, hold=0.0, show=None, follower=None):
@@ -197,6 +201,7 @@ class SurfaceRequest:
                 branching=self.branching,
                 show=None if show is None else lambda pattern: show(result(pattern)),
                 follower=follower,
+                start=None if self.start is None else self.start[1],
             )
         return result(pattern)
 

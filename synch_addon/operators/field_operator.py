@@ -18,6 +18,7 @@ from ..jobs.queue import queue
 from ..jobs.report import counted
 from ..panels.early_view import view
 from ..patterns import job as field_job
+from ..patterns.live import from_shown
 from ..settings.fields import PROPERTY_NAMES, plain
 from ..settings.guide_list import stored_guidance
 from .ready import ReadyOperator
@@ -248,7 +249,9 @@ class FieldOperator(ObjectOperator):
         return plain(self, self.spacing if self.properties.is_property_set("spacing") else None)
 
     def _job(self, context):
-        return field_job.FieldJob(self.command, context.active_object, self._settings())
+        job = field_job.FieldJob(self.command, context.active_object, self._settings())
+        job.request = from_shown(context.active_object, job.request)
+        return job
 
     def _announce(self, report):
         self.spacing = report["settings"]["spacing"]

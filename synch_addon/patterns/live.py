@@ -9,6 +9,7 @@ import time
 from dataclasses import replace
 
 import bpy
+import numpy as np
 from bpy.props import BoolProperty
 
 from ...core.errors import Cancelled, SynchError
@@ -76,6 +77,18 @@ class LiveJob:
 
 def _cuts(settings):
     return [(row.where, row.name) for row in settings.constraints if row.what == "cut"]
+
+
+def from_shown(obj, request):
+    """A request for a whole solve, which starts from what its object shows where Live is on and that is of its kind."""
+    if not bpy.context.window_manager.synch_live or not memory.holds(obj):
+        return request
+    shown = memory.state(obj)
+    before = shown.request
+    of_kind = (before.command, before.symmetry) == (request.command, request.symmetry) and request.command in SHOWN
+    if not of_kind or not np.array_equal(before.given.mesh.triangles, request.given.mesh.triangles):
+        return request
+    return replace(request, start=(shown.field.angles - shown.field.turn, shown.pattern.phases))
 
 
 class _Live:

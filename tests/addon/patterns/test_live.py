@@ -14,7 +14,7 @@ from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.patterns import live as live_module
 from synch_fields.synch_addon.patterns import memory
 from synch_fields.synch_addon.patterns.job import FieldJob
-from synch_fields.synch_addon.patterns.live import live
+from synch_fields.synch_addon.patterns.live import from_shown, live
 from synch_fields.synch_addon.settings.fields import stored_settings
 
 from ..scenes import attribute, empties, snapshot, sphere, tube
@@ -202,6 +202,31 @@ def test_a_full_solve_afterwards_is_proved():
     obj.synch.spacing = 0.41
     assert followed() == 1 and memory.state(obj).plain["certificate"] == "none"
     assert solve(obj)["certificate"] == "proved" and followed() == 0
+
+
+def test_a_click_while_it_is_on_starts_from_what_is_shown_and_proves():
+    obj = striped(uneven)
+    obj.synch.spacing = 0.44
+    assert followed() == 1
+    shown = memory.state(obj)
+    anew = FieldJob("stripes", obj, stored_settings(obj)).request.solve()
+    manager = bpy.context.window_manager
+    manager.synch_live = True
+    try:
+        bpy.ops.synch.stripes("EXEC_DEFAULT", spacing=obj.synch.spacing)
+        request = from_shown(obj, FieldJob("stripes", obj, stored_settings(obj)).request)
+    finally:
+        manager.synch_live = False
+        bpy.app.timers.unregister(live_module._look)
+    near = memory.state(obj)
+    assert near.plain["certificate"] == "proved" and near.plain["energy"] <= shown.plain["energy"]
+    products = [np.vdot(shown.pattern.phases, other.pattern.phases) for other in (near, anew)]
+    shares = np.abs(products) / len(shown.pattern.phases)
+    assert shares[0] > 0.8 and shares[0] > shares[1]
+    results = []
+    request.solve_showing(results.append)
+    np.testing.assert_allclose(results[0].pattern.phases, near.pattern.phases, atol=1e-9)  # shown first as it is
+    assert from_shown(obj, request) is request  # it is off again
 
 
 def test_the_toggle_begins_to_look_and_ends_it():
