@@ -153,8 +153,9 @@ class SurfaceRequest:
     def picture(self, result):
         """The :class:`Picture` of a result with a pattern."""
         polygons, inverse = self.given.polygons, np.linalg.inv(self.given.stretch)
-        drawn = drawn_phases(result.pattern.on_faces(polygons), polygons, self.given.mesh.vertices @ inverse.T)
-        return Picture(*drawn, self.command == "quads")
+        vertices = self.given.mesh.vertices @ inverse.T
+        places, phases = drawn_phases(result.pattern.on_faces(polygons), polygons, vertices)
+        return Picture(places, phases, self.command == "quads")
 
     def directed(self, progress=None, before=None):
         """The :class:`DirectionField`, turned by its angle; from the one of the frame before, if there is one."""
