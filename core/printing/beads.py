@@ -64,13 +64,13 @@ def contour_beads(surfaces, step):
     at = np.zeros(mesh.vertex_count, int)
     at[mesh.triangles] = numbers[:, None]
     for _ in range(_ROUNDS):
-        gaps = _away(*found[:2], step)(mesh.vertices, at)
+        gaps = _away(found[0], found[1], step)(mesh.vertices, at)
         far = (gaps > REACH * step) & _is_large(mesh, gaps > REACH * step, np.isinf(gaps), _TIP * step**2)
         more = beads_through(mesh, numbers, far, step)
         if not more:
             break
         found = _joined(found, more, rim, step)
-    return Beads(*found, *covered_share(mesh, numbers, _away(*found[:2], step), step))
+    return Beads(*found, *covered_share(mesh, numbers, _away(found[0], found[1], step), step))
 
 
 def plane_beads(surfaces, values, step):

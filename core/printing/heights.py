@@ -14,7 +14,7 @@ OUTSIDE, NOTHING = -1, -2
 _DEPTH, _STRIDE = 3.0, 0.5
 # A layer does not lie on itself within this many spacings: its triangles around the point are not below it.
 _ITSELF = 0.3
-_SLACK = 1e-9
+_SLACK, _ON_LAYER = 1e-9, 1e-6
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,9 @@ def below(surfaces, solid, points, normals, layers, spacing):
             )
             hit = (ways <= (number + 1) * stride) & (ways >= -_SLACK * spacing)
             hit &= np.where(kinds == OUTSIDE, outward <= 0, (kinds != layers[rays[which]]) | (ways > _ITSELF * spacing))
-            order = np.flatnonzero(hit)[np.argsort(-ways[hit], kind="stable")]
+            # A layer on the end of the solid comes before that.
+            late = ways[hit] + _ON_LAYER * spacing * (kinds[hit] == OUTSIDE)
+            order = np.flatnonzero(hit)[np.argsort(-late, kind="stable")]
             # Of several assignments the last one stays, which is the nearest.
             heights[rays[which[order]]], found[rays[which[order]]] = np.maximum(ways[order], 0), kinds[order]
         going = going[found[going] == NOTHING]
