@@ -7,11 +7,14 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..graphs import ragged_arange
+from .fine import refined
 
 # What is below beside layers: the end of the solid, and nothing as far as it was looked for.
 OUTSIDE, NOTHING = -1, -2
 # Spacings that are looked down, and that are gone at once.
 _DEPTH, _STRIDE = 3.0, 0.5
+# Longest edge of the triangles that are looked for, in spacings, and how many of them there may be.
+_SIZE, _MOST = 0.75, 1_000_000
 # A layer does not lie on itself within this many spacings: its triangles around the point are not below it.
 _ITSELF = 0.3
 _SLACK, _ON_LAYER = 1e-9, 1e-6
@@ -42,10 +45,11 @@ def below(surfaces, solid, points, normals, layers, spacing):
     layers : (n,) on which the points are
     spacing : mean distance of layers; what is farther than three of them counts as NOTHING, at that height
     """
-    vertices = np.concatenate([surfaces.vertices, solid.vertices])
-    triangles = np.concatenate([surfaces.triangles, solid.boundary_triangles + len(surfaces.vertices)])
-    of = np.append(surfaces.layers, np.full(len(solid.boundary_triangles), OUTSIDE))
-    a, b, c = np.moveaxis(vertices[triangles], 1, 0)
+    sides, parents = zip(
+        *(refined(mesh, _SIZE * spacing, _MOST) for mesh in (surfaces.mesh, solid.boundary_surface[0])), strict=True
+    )
+    of = np.append(surfaces.layers[parents[0]], np.full(len(parents[1]), OUTSIDE))
+    a, b, c = np.moveaxis(np.concatenate([mesh.vertices[mesh.triangles] for mesh in sides]), 1, 0)
     centres = (a + b + c) / 3
     around = np.sqrt(np.max([np.square(corner - centres).sum(axis=1) for corner in (a, b, c)]))
     tree = cKDTree(centres)

@@ -19,6 +19,8 @@ _ROUNDS = 4
 # Of a step: nearer to beads than the first no bead begins or ends, and one that is farther nowhere than the second is
 # left out. In a corner of 90 degrees, two contours leave 0.59 at most.
 _NEAR, _FAR = 0.5, 0.62
+# Of a step: what is shorter is less than a bead is wide.
+_SHORTEST = 0.5
 # Passes of smoothing, and the share of the way to the middle of its neighbours that a point moves in each.
 _PASSES, _SHARE = 12, 0.5
 # Points of a bead are a step over this apart.
@@ -217,6 +219,8 @@ def beads_through(mesh, layers, far, step):
         run = [int(ways.argmax())]
         while run[-1] != start:
             run.append(int(before[run[-1]]))
+        if ways.max() < _SHORTEST * step:
+            continue
         vertices = chosen[members[run]]
         beads.append(smooth(Polyline(mesh.vertices[vertices], False, int(of[vertices[0]])), step))
     return beads

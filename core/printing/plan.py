@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ..extract.isolines import Isolines
 from .gcode import Course
@@ -16,6 +17,8 @@ from .reach import collisions, tilts, tool_axes
 
 # What is this near to the lowest place, in spacings, lies on the bed.
 _ON_BED = 0.5
+# A bead leans on an earlier layer that is no farther than this, in spacings: 45 degrees aside of what is below.
+_LEAN = 1.5
 # The tool meets what is higher above its tip than this, in spacings.
 _SLACK = 0.25
 # Share of a bead that lies on another layer from which on that has to be there before.
@@ -37,7 +40,8 @@ class PrintPlan:
     step, spacing : between beads, and mean distance of layers
     covered : (c,) share of each layer's area that is covered
     covered_share : of all layers
-    overhangs : (n,) bool, on air: neither on the bed nor on a layer that was printed before
+    overhangs : (n,) bool, on air: neither on the bed nor on a layer that was printed before, nor 45 degrees
+        aside of one
     met : (n,) the point at which what the tool meets was printed, -1 for none
     lowest : (3,) of the solid in the world: X and Y of its middle, Z of its lowest place
     """
@@ -136,7 +140,9 @@ def print_plan(surfaces, solid, beads, matrix, machine, step, spacing):
     rank = np.empty(surfaces.count + 2, int)
     rank[order], rank[OUTSIDE], rank[NOTHING] = np.arange(surfaces.count), surfaces.count, surfaces.count
     on_bed = (found.layers < 0) & (feet < _ON_BED * spacing)
-    overhangs = (rank[found.layers] > rank[layers[made.numbers]]) & ~on_bed
+    ranks = rank[layers[made.numbers]]
+    overhangs = (rank[found.layers] > ranks) & ~on_bed
+    overhangs &= ~_leaning(places, ranks, overhangs, _LEAN * spacing)
     scaled = replace(
         machine,
         nozzle_radius=machine.nozzle_radius / machine.scale,
@@ -147,6 +153,16 @@ def print_plan(surfaces, solid, beads, matrix, machine, step, spacing):
         made, layers, beads.widths[points], found, matrix, machine, step, spacing,
         beads.covered, beads.covered_share, overhangs, met, lowest,
     )  # fmt: skip
+
+
+def _leaning(points, ranks, asked, reach):
+    """(n,) bool: of the points that are asked for, those with a point of a lower rank within reach; ranks ascend."""
+    result = np.zeros(len(points), bool)
+    for rank in np.unique(ranks[asked]):
+        before, here = np.searchsorted(ranks, rank), np.flatnonzero(asked & (ranks == rank))
+        if before:
+            result[here] = np.isfinite(cKDTree(points[:before]).query(points[here], distance_upper_bound=reach)[0])
+    return result
 
 
 def _carried(lines, layers, found, count):

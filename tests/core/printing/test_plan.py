@@ -5,6 +5,10 @@
 import numpy as np
 import pytest
 
+from synch_fields.core.extract.layer_surfaces import layer_surfaces
+from synch_fields.core.fields.guidance.solids import axis_directions
+from synch_fields.core.fields.layers import LayerGroup, solve_layers
+from synch_fields.core.geometry.tet_mesh import TetMesh
 from synch_fields.core.printing.beads import contour_beads
 from synch_fields.core.printing.heights import NOTHING, OUTSIDE, below
 from synch_fields.core.printing.machine import Machine
@@ -127,3 +131,22 @@ def test_tools_stand_along_normals_as_far_as_they_tilt():
     np.testing.assert_allclose(axes[:2], normals[:2], atol=1e-12)
     np.testing.assert_allclose(axes[2], [0, -np.sqrt(0.75), 0.5], atol=1e-12)
     np.testing.assert_allclose(np.linalg.norm(axes[:3], axis=1), 1)
+
+
+def test_a_bead_leans_on_a_layer_up_to_45_degrees_aside():
+    """A cone on its tip, widening by as much as an angle has it: all layers lean where it is below 45 degrees."""
+    for slope, some in ((0.6, False), (1.6, True)):
+        mesh, _ = planes((0.4, 0.4, 0.35), (4, 4, 3))
+        wide = mesh.vertices.copy()
+        wide[:, :2] = (wide[:, :2] - 0.2) * (1 + 5 * slope * wide[:, 2:])
+        mesh = TetMesh(wide, mesh.tets)
+        floor = LayerGroup.of_vertices(mesh, mesh.vertices[:, 2] == 0, 0.0)
+        pattern = solve_layers(mesh, axis_directions(mesh, (0, 0, 1)), 0.1, [floor])
+        surfaces = layer_surfaces(pattern.edge_phases, pattern.heights)
+        plan = print_plan(surfaces, mesh, contour_beads(surfaces, 0.1), np.eye(4), UPRIGHT, 0.1, 0.1)
+        assert plan.overhangs.any() == some
+        if some:
+            found = np.abs(plan.lines.points[plan.overhangs, :2]).max(axis=1)
+            heights = plan.lines.points[plan.overhangs, 2]
+            # Only near the rim, which moves out by a quarter from layer to layer.
+            assert (found > 0.2 * (1 + 5 * slope * heights) - 0.26).all()
