@@ -107,7 +107,9 @@ class SYNCH_OT_layer_toolpaths(_LayerOperator, BackgroundOperator, bpy.types.Ope
     machine: _MACHINE
 
     def _job(self, context):
-        return PathsJob(context.active_object, PathSettings(self.step or None, self.fill, machine_of(self.machine)))
+        return PathsJob(
+            context.active_object, PathSettings(self.step or None, self.fill, machine_of(self.machine or None))
+        )
 
     def _headline(self, report):
         return _told(report)
@@ -132,7 +134,9 @@ class SYNCH_OT_layer_path_export(_FileOperator, bpy.types.Operator):
 
     def _job(self, context):
         return PathsJob(
-            context.active_object, PathSettings(self.step or None, self.fill, machine_of(self.machine)), self.filepath
+            context.active_object,
+            PathSettings(self.step or None, self.fill, machine_of(self.machine or None)),
+            self.filepath,
         )
 
     def _headline(self, report):

@@ -122,8 +122,8 @@ class _OutputJob:
 
 
 def machine_of(path):
-    """The :class:`Machine` of a file whose name may begin with //, the usual one for None and for no name."""
-    return Machine() if path is None or path == "" else read_machine(_absolute(path))
+    """The :class:`Machine` of a file whose name may begin with //, the usual one for None."""
+    return Machine() if path is None else read_machine(_absolute(path))
 
 
 class PathsJob(_OutputJob):
