@@ -107,9 +107,7 @@ class SYNCH_OT_layer_toolpaths(_LayerOperator, BackgroundOperator, bpy.types.Ope
     machine: _MACHINE
 
     def _job(self, context):
-        return PathsJob(
-            context.active_object, PathSettings(self.step or None, self.fill, machine_of(self.machine or None))
-        )
+        return PathsJob(context.active_object, _asked(self))
 
     def _headline(self, report):
         return _told(report)
@@ -135,7 +133,7 @@ class SYNCH_OT_layer_path_export(_FileOperator, bpy.types.Operator):
     def _job(self, context):
         return PathsJob(
             context.active_object,
-            PathSettings(self.step or None, self.fill, machine_of(self.machine or None)),
+            _asked(self),
             self.filepath,
         )
 
@@ -161,6 +159,11 @@ class SYNCH_OT_layer_volume(_FileOperator, bpy.types.Operator):
 
     def _headline(self, report):
         return f"{report['volume_object']}: {counted(report['voxels'], 'voxel')}"
+
+
+def _asked(operator):
+    """The :class:`PathSettings` of an operator."""
+    return PathSettings(operator.step or None, operator.fill, machine_of(operator.machine or None))
 
 
 def _told(report):
