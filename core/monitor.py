@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Progress, cancellation and time limit, asked at every iteration."""
 
-import threading
 import time
+from collections.abc import Callable
 from copy import copy
 
 from .errors import Cancelled
+from .threads import begun
 
 POLL_SECONDS = 0.05
+# Told a stage and a fraction of the work; a false answer other than None cancels.
+Callback = Callable[[str, float], bool | None]
 
 
 class OutOfTime(Exception):
@@ -72,8 +75,7 @@ class Monitor:
             except BaseException as error:  # raised again where it was asked for
                 errors.append(error)
 
-        thread = threading.Thread(target=run, daemon=True)
-        thread.start()
+        thread = begun(run)
         while thread.is_alive():
             thread.join(POLL_SECONDS)
             self.check()

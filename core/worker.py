@@ -10,12 +10,12 @@ fraction), ("early", picture), ("done", result, peak in MB), ("failed", SynchErr
 
 import os
 import queue
-import threading
 import time
 import traceback
 from functools import partial
 
 from .parcels import BrokenParcel, Unpacker, packed
+from .threads import begun
 
 # Exit status of a process that took more memory than it may, or could not get what it needed.
 TOO_MUCH_MEMORY = 77
@@ -43,12 +43,12 @@ def serve(limit):
     # On Windows libraries that ask about standard input while they are loaded would wait for a thread that reads it.
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     chunks: queue.SimpleQueue = queue.SimpleQueue()
-    threading.Thread(target=_read, args=(into, chunks), daemon=True).start()
+    begun(_read, into, chunks)
     # Only now: reading has begun, so that the parent can write while all this is loaded.
     from . import tasks
 
     watch = _Watch(limit)
-    threading.Thread(target=watch.run, daemon=True).start()
+    begun(watch.run)
     tasks.load()
     send = partial(_send, out)
     send(("ready", tasks.versions()))

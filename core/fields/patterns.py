@@ -9,9 +9,10 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from ..defects import list_defects
+from ..defects import Defect, list_defects
 from ..errors import ContradictionError, SettingError
-from ..interpolate import dislocation_numbers, face_phases
+from ..geometry import TriangleMesh
+from ..interpolate import EdgePhases, dislocation_numbers, face_phases
 from ..problem import SynchronizationProblem, joined_targets
 from ..solve import Solution, solve
 from .calming import check_share
@@ -20,7 +21,7 @@ from .constraints.groups import TOLERANCE, joined_links
 from .constraints.phase_rows import phase_constraints
 from .constraints.rows import GRID
 from .constraints.strips import widened
-from .evenness import evenness
+from .evenness import Evenness, evenness
 from .frames import next_solution
 from .growth import Growth
 from .mirror import LEAN, on_mirror, snapped, split_links, with_loops
@@ -44,35 +45,35 @@ class Pattern:
     phases: np.ndarray
 
     @property
-    def mesh(self):
+    def mesh(self) -> TriangleMesh:
         return self.growth.mesh
 
     @property
-    def energy(self):
+    def energy(self) -> float | None:
         """Of the phases that are shown; None for given ones."""
         return None if self.problem is None else self.problem.energy(self.phases)
 
-    def showing(self, phases):
+    def showing(self, phases: np.ndarray) -> "Pattern":
         """The pattern with other phases of the same problem: a variation, or with a defect at a chosen place."""
         return replace(self, phases=phases)
 
     @cached_property
-    def edge_phases(self):
+    def edge_phases(self) -> EdgePhases:
         """:class:`EdgePhases`, the phase changes along every edge."""
         return self.growth.edge_phases(self.phases)
 
     @cached_property
-    def evenness(self):
+    def evenness(self) -> Evenness:
         """:class:`Evenness` of the lines, against the spacing that was asked for."""
         return evenness(self.edge_phases, self.growth.asked_rates)
 
     @property
-    def vertex_phases(self):
+    def vertex_phases(self) -> np.ndarray:
         """(n, k) radians."""
         return self.edge_phases.arguments
 
     @property
-    def dislocations(self):
+    def dislocations(self) -> list[Defect]:
         """List of :class:`Defect` with integer index."""
         numbers, _ = dislocation_numbers(self.edge_phases, self.mesh.triangles)
         return [

@@ -133,12 +133,12 @@ class Solution:
                 object.__setattr__(self, name, min(bound, self.energy))
 
     @property
-    def gap(self):
+    def gap(self) -> float:
         """(energy - lower bound) / energy: at most this share of the energy could be saved."""
         return relative_gap(self.energy, self.lower_bound, self.noise)
 
     @property
-    def sdp_gap(self):
+    def sdp_gap(self) -> float | None:
         """(sdp value - lower bound) / sdp value, None without a relaxation."""
         return None if self.sdp_value is None else relative_gap(self.sdp_value, self.lower_bound, self.noise)
 

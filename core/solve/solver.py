@@ -9,13 +9,14 @@ import numpy as np
 from ..algebra.metric import SMALLEST_SHIFT
 from ..algebra.workers import solving
 from ..memory import check_memory
-from ..monitor import Monitor, OutOfTime
+from ..monitor import Callback, Monitor, OutOfTime
+from ..problem import SynchronizationProblem
 from . import rounding
 from .diffusion import diffuse
 from .footprint import connection_bytes
 from .options_check import check_options
 from .parts import PartResult, Start, combine
-from .solution import DESCENT, Certificate, Clock, Options, Status, relative_gap
+from .solution import DESCENT, Certificate, Clock, Options, Solution, Status, relative_gap
 from .spectral import smallest_eigenpair
 from .spheres import fields_of, random_columns
 from .stage import Workspace
@@ -31,7 +32,12 @@ CALM_SHARE = 0.1
 NEARLY_TIGHT = 0.05
 
 
-def solve(problem, options=None, callback=None, start=None):
+def solve(
+    problem: SynchronizationProblem,
+    options: Options | None = None,
+    callback: Callback | None = None,
+    start: Solution | None = None,
+) -> Solution:
     """Find phases of low energy together with a lower bound.
 
     Parameters

@@ -33,7 +33,11 @@ from ..solve.solution import Clock
 from .quad_meshes import solved_mesh
 
 # What a command solves along its directions; "directions" stops before.
-PATTERNS = {"stripes": stripe_pattern, "quads": quad_pattern, "quad_mesh": quad_pattern}
+PATTERNS: dict[str, Callable[..., Pattern]] = {
+    "stripes": stripe_pattern,
+    "quads": quad_pattern,
+    "quad_mesh": quad_pattern,
+}
 # Vertices from which on a first, spectral result is worth its time, a fifth to a third of all.
 EARLY_FROM = 20_000
 
