@@ -92,7 +92,7 @@ def _row(vertices, repeat):
 
 
 def _asked(worker, request):
-    """Seconds until the result is read, the solve has begun, and a first picture is there; and the result."""
+    """Seconds until the result is read, the solve has begun and a first picture is there; and the result."""
     start = time.perf_counter()
     worker.ask(request)
     begun, early = None, 0.0

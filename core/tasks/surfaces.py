@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import ContradictionError, SettingError
+from ..extract.drawn_phases import drawn_phases
 from ..extract.quad_mesh import QuadMesh, quad_mesh
 from ..extract.quad_smoothing import smoothed
 from ..fields import (
@@ -155,12 +156,9 @@ class SurfaceRequest:
     def picture(self, result):
         """The :class:`Picture` of a result with a pattern."""
         polygons, inverse = self.given.polygons, np.linalg.inv(self.given.stretch)
-        places = (self.given.mesh.vertices @ inverse.T)[polygons.triangles]
-        corners = polygons.triangle_corners.ravel()
-        phases = np.zeros((len(corners), 2), np.float32)
-        for number, phase in enumerate(result.pattern.on_faces(polygons)):
-            phases[:, number] = phase.corner_phase[corners]
-        return Picture(places.reshape(-1, 3).astype(np.float32), phases)
+        vertices = self.given.mesh.vertices @ inverse.T
+        places, phases = drawn_phases(result.pattern.on_faces(polygons), polygons, vertices)
+        return Picture(places, phases, self.command == "quads")
 
     def directed(self, progress=None, before=None, follower=None):
         """The :class:`DirectionField`, turned by its angle; from the one of the frame before, if there is one."""
@@ -249,10 +247,12 @@ class Picture:
     ----------
     places : (3 t, 3) float32 corners of the triangles one after the other, in the object's space
     phases : (3 t, 2) float32 radians there; of stripes the second is 0
+    of_quads : whether there are two
     """
 
     places: np.ndarray
     phases: np.ndarray
+    of_quads: bool
 
 
 @dataclass(frozen=True)
