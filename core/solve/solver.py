@@ -34,7 +34,7 @@ CALM_SHARE = 0.1
 # A rounded relaxation whose gap is at most this is taken for an exact recovery, which descent completes.
 NEARLY_TIGHT = 0.05
 # How many times as long as a first field a bound takes, about (measured in bench/README.md).
-PROOF_IN_FIRSTS = 4.0
+PROOF_IN_FIRSTS = 3.0
 
 
 def solve(
