@@ -62,7 +62,7 @@ OPERATORS = {
         "Einen laufenden oder wartenden Auftrag anhalten; alles bleibt, wie es war"
     ),
     "Place": "Platz",
-    "Which job of the row, from 0 on": "Welcher Auftrag der Reihe, von 0 an",
+    "Which job of the row, from 0 on; -1 for all of them": "Welcher Auftrag der Reihe, von 0 an; -1 für alle",
     "Memory Limit (MB)": "Speichergrenze (MB)",
     "Memory that a solve may take before it is stopped; 0 stands for four fifths of the machine's": (
         "Speicher, den ein Auftrag belegen darf, bevor er angehalten wird; 0 steht für vier Fünftel der Maschine"
