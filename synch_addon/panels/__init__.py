@@ -15,6 +15,7 @@ from . import (
     result,
     setting_presets,
     sidebar,
+    solid_view,
     variation_slider,
     vortices,
 )
@@ -30,6 +31,7 @@ _MODULES = (
     presets,
     constraints,
     overlay_view,
+    solid_view,
     early_view,
     bakes,
     vortices,

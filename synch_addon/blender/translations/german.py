@@ -64,6 +64,9 @@ OPERATORS = {
         "Speicher, den ein Auftrag belegen darf, bevor er angehalten wird; 0 steht für vier Fünftel der Maschine"
     ),
     "Subdivide for Spacing": "Für den Abstand unterteilen",
+    "Copy Settings to Selected": "Einstellungen auf Auswahl übertragen",
+    "Give the other selected objects the active one's settings, guides and constraints": "Den anderen ausgewählten "
+    "Objekten die Einstellungen, Führungen und Bedingungen des aktiven geben",
     "Subdivide the mesh without changing its shape, so that it carries the spacing. UV maps, groups and "
     "attributes go over; a pattern on it has to be solved again": (
         "Das Netz ohne Änderung der Form unterteilen, damit es den Abstand trägt. UV-Maps, Gruppen und Attribute "

@@ -37,6 +37,9 @@ PARTS = {
     "Coarse mesh: carries {spacing}": "Grobes Netz: trägt {spacing}",
     "Subdivide to {count:,} Faces": "In {count:,} Flächen unterteilen",
     "Select Defects": "Defekte auswählen",
+    "select other meshes too: they get the settings of the active one": "weitere Netze auswählen: sie erhalten die "
+    "Einstellungen des aktiven",
+    "settings of {name} given to {names}": "Einstellungen von {name} an {names} gegeben",
     "Vertices without a place: {count}": "Punkte ohne Ort: {count}",
     "Faces without area: {count}": "Flächen ohne Inhalt: {count}",
     "Doubled faces: {count}": "Doppelte Flächen: {count}",
@@ -45,7 +48,6 @@ PARTS = {
     "Faces wound the other way: {count}": "Andersherum gewickelte Flächen: {count}",
     "One-sided, cut along edges: {count}": "Einseitig, aufgeschnitten an Kanten: {count}",
     "Next Defect": "Nächster Defekt",
-    "To see the pattern:": "Um das Muster zu sehen:",
     "Preview": "Vorschau",
     "Rendered": "Gerendert",
     "in the .blend": "in der .blend-Datei",
