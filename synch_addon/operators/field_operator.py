@@ -283,6 +283,22 @@ class SYNCH_OT_cancel(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class SYNCH_OT_keep(bpy.types.Operator):
+    """Stop the solve and keep the pattern that it shows now"""
+
+    bl_idname = "synch.keep"
+    bl_label = "Good Enough"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context):
+        return queue.running is not None and queue.running.picture is not None
+
+    def execute(self, context):
+        queue.keep(queue.running)
+        return {"FINISHED"}
+
+
 def navigates(event):
     """Whether an event can only move the view: others could change the mesh while an operator waits."""
     return event.type in _NAVIGATION or event.type.startswith("NUMPAD_")

@@ -8,7 +8,7 @@ from ..settings.preferences import manual_address
 # Pages by names of operators, and by property groups, with single properties before the rest of theirs.
 _OPERATORS = {
     "patterns": "stripes quads directions",
-    "background": "cancel",
+    "background": "cancel keep",
     "result": "variation draw_variation place_defect keep_favourite show_favourite remove_favourite select_defects "
     "next_defect select_places copy_report",
     "quads": "quad_mesh trace_quads",

@@ -123,7 +123,10 @@ def draw_row(layout):
         box.progress(factor=work.fraction, text=work.line)
         if work.picture is not None and not work.is_seen and obj is not None and obj.visible_get():
             box.label(text="Turn the view to see a first result", icon="HIDE_OFF")
-        box.operator("synch.cancel", icon="EVENT_ESC").place = place
+        row = box.row(align=True)
+        if work.picture is not None:
+            row.operator("synch.keep", icon="CHECKMARK")
+        row.operator("synch.cancel", icon="EVENT_ESC").place = place
 
 
 class SidebarPanel:

@@ -54,6 +54,10 @@ OPERATORS = {
         "An jedem Punkt eine Richtung finden und markieren, wo sie nicht stetig sein kann"
     ),
     "Cancel": "Abbrechen",
+    "Good Enough": "Gut genug",
+    "Stop the solve and keep the pattern that it shows now": (
+        "Die Berechnung beenden und das Muster behalten, das sie gerade zeigt"
+    ),
     "Stop a solve that runs or waits; everything stays as it was": (
         "Einen laufenden oder wartenden Auftrag anhalten; alles bleibt, wie es war"
     ),

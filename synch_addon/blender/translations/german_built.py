@@ -6,6 +6,7 @@ PARTS = {
     "waiting": "wartet",
     "building": "Aufbau",
     "relaxation": "Relaxierung",
+    "first field": "erstes Feld",
     "spectral relaxation": "spektrale Relaxierung",
     "continuation": "Fortsetzung",
     "polish": "Feinschliff",
