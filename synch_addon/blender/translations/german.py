@@ -62,7 +62,7 @@ OPERATORS = {
         "Einen laufenden oder wartenden Auftrag anhalten; alles bleibt, wie es war"
     ),
     "Place": "Platz",
-    "Which job of the row, from 0 on": "Welcher Auftrag der Reihe, von 0 an",
+    "Which job of the row, from 0 on; -1 for all of them": "Welcher Auftrag der Reihe, von 0 an; -1 für alle",
     "Memory Limit (MB)": "Speichergrenze (MB)",
     "Manual": "Handbuch",
     "Folder or web address of the manual, which Online Manual in the menu of a button opens": (
