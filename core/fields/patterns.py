@@ -12,7 +12,7 @@ import numpy as np
 from ..defects import Defect, list_defects
 from ..errors import ContradictionError, SettingError
 from ..geometry import TriangleMesh
-from ..interpolate import EdgePhases, dislocation_numbers, face_phases
+from ..interpolate import EdgePhases, face_phases
 from ..problem import SynchronizationProblem, joined_targets
 from ..solve import Solution, solve
 from .calming import check_share
@@ -51,7 +51,11 @@ class Pattern:
     @property
     def energy(self) -> float | None:
         """Of the phases that are shown; None for given ones."""
-        return None if self.problem is None else self.problem.energy(self.phases)
+        if self.problem is None:
+            return None
+        if self.solution is not None and self.phases is self.solution.phases:
+            return self.solution.energy
+        return self.problem.energy(self.phases)
 
     def showing(self, phases: np.ndarray) -> "Pattern":
         """The pattern with other phases of the same problem: a variation, or with a defect at a chosen place."""
@@ -75,7 +79,7 @@ class Pattern:
     @property
     def dislocations(self) -> list[Defect]:
         """List of :class:`Defect` with integer index."""
-        numbers, _ = dislocation_numbers(self.edge_phases, self.mesh.triangles)
+        numbers, _ = self.edge_phases.dislocations
         return [
             defect
             for phase, column in enumerate(numbers.T)
@@ -154,7 +158,17 @@ def _posed(mesh, field, spacing, rows, mirrors, branching):
 
 
 def solve_pattern(
-    mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None, before=None, hold=0.0, branching=1.0
+    mesh,
+    field,
+    spacing,
+    rows=(),
+    mirrors=(),
+    options=None,
+    callback=None,
+    before=None,
+    hold=0.0,
+    branching=1.0,
+    show=None,
 ):
     """Solve for a :class:`Pattern`; arguments as :func:`pattern_problem` and :func:`core.solve.solve`.
 
@@ -163,15 +177,21 @@ def solve_pattern(
     before : Pattern on another shape of the mesh along a field in the same sheets, optional: the pattern is then the
         one that descent reaches from there (see :mod:`.frames`)
     hold : how strongly the phases are drawn to those before, per mass and in units of 1 / spacing^2
+    show : callable(Pattern), called with what there is before the end, for a pattern without one before
     """
     growth, problem, loops = _posed(mesh, field, spacing, rows, mirrors, branching)
+
+    def pattern(solution):
+        solution = snapped(problem, solution, loops)
+        return Pattern(growth, problem, solution, solution.phases)
+
     if before is None:
-        solution = solve(problem, options, callback)
+        shows = None if show is None else lambda solution: show(pattern(solution))
+        solution = solve(problem, options, callback, show=shows)
     else:
         weights = hold * growth.masses * (growth.rates.ravel() / (2 * np.pi)) ** 2
         solution = next_solution(problem, before.phases, options, callback, weights)
-    solution = snapped(problem, solution, loops)
-    return Pattern(growth, problem, solution, solution.phases)
+    return pattern(solution)
 
 
 def known_pattern(mesh, field, spacing, phases, rows=(), mirrors=(), branching=1.0):

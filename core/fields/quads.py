@@ -4,7 +4,7 @@
 The product of the phases' cosines does not depend on the sheet, and its grid lines are those of a quad mesh.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from numpy.typing import ArrayLike
 
@@ -35,10 +35,11 @@ def quad_pattern(
     before: Pattern | None = None,
     hold: float = 0.0,
     branching: float = 1.0,
+    show: Callable[[Pattern], object] | None = None,
 ) -> Pattern:
     """Quads along a cross field; arguments as :func:`solve_pattern`."""
     _check_symmetry(field)
-    return solve_pattern(mesh, field, spacing, rows, mirrors, options, callback, before, hold, branching)
+    return solve_pattern(mesh, field, spacing, rows, mirrors, options, callback, before, hold, branching, show)
 
 
 def _check_symmetry(field):

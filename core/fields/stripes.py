@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Stripe patterns: evenly spaced stripes along a direction field (paper, Section 3.3)."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from numpy.typing import ArrayLike
 
@@ -32,10 +32,11 @@ def stripe_pattern(
     before: Pattern | None = None,
     hold: float = 0.0,
     branching: float = 1.0,
+    show: Callable[[Pattern], object] | None = None,
 ) -> Pattern:
     """Stripes along a vector or line field; arguments as :func:`solve_pattern`."""
     _check_symmetry(field)
-    return solve_pattern(mesh, field, spacing, rows, mirrors, options, callback, before, hold, branching)
+    return solve_pattern(mesh, field, spacing, rows, mirrors, options, callback, before, hold, branching, show)
 
 
 def _check_symmetry(field):

@@ -104,10 +104,13 @@ class TriangleMesh:
         """(m, 3) +1 where the triangle runs along the edge's stored direction, else -1."""
         return np.where(self._half_edges.forward, 1, -1).reshape(-1, 3)
 
+    @cached_property
+    def _edge_keys(self):
+        return self.edges[:, 0] * self.vertex_count + self.edges[:, 1]
+
     def edges_between(self, tails, heads):
         """Indices of the edges that join pairs of vertices, whichever way; the pairs must be edges."""
-        keys = self.edges[:, 0] * self.vertex_count + self.edges[:, 1]
-        return np.searchsorted(keys, np.minimum(tails, heads) * self.vertex_count + np.maximum(tails, heads))
+        return np.searchsorted(self._edge_keys, np.minimum(tails, heads) * self.vertex_count + np.maximum(tails, heads))
 
     @cached_property
     def edge_face_counts(self) -> np.ndarray:

@@ -10,6 +10,7 @@ import numpy as np
 
 METHODS = ("sdp", "spectral", "diffusion")
 DESCENT = "descent"
+FIRST = "first"
 ROUNDINGS = ("continuation", "polish", "random", "svd")
 # The smallest target gap: it was reached on all meshes that were tried, 1e-8 on three of four problems.
 SMALLEST_GAP = 1e-6
@@ -66,7 +67,7 @@ class Options:
     ----------
     method : "sdp", the default, relaxes, certifies and rounds; "spectral" takes the smallest eigenvector and
         "diffusion" the best of some starts of threshold dynamics, both with the weaker bound of Eq. (23); "descent"
-        only goes on from a start, without a bound
+        only goes on from a start, and "first" gives the first field that is shown, both without a bound
     rounding : how the lifted field of "sdp" becomes phases: "svd"; "random", the best of ``samples``
         projections (Eq. 29); "polish", the best of those followed by descent; "continuation", the default,
         with rounds of a seeded continuation before

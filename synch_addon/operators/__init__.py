@@ -32,6 +32,7 @@ register, unregister = bpy.utils.register_classes_factory(
         quads.SYNCH_OT_quads,
         quads.SYNCH_OT_quad_mesh,
         field_operator.SYNCH_OT_cancel,
+        field_operator.SYNCH_OT_keep,
         *variations.CLASSES,
         *favourites.CLASSES,
         *defects.CLASSES,
