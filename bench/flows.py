@@ -25,7 +25,7 @@ SOLVERS = {"EIG": Options(method="spectral"), "SDP": Options()}
 # Radius of the filaments' cores in cells, passes of smoothing, and room around curves, as a share of their size.
 CORE, SMOOTHING, ROOM = 0.5, 5, 0.3
 # Filaments that are asked for through the plane of a periodic flow with most vorticity.
-COUNT = 6
+COUNTS = {"ABC": 6, "Taylor-Green": 16}
 COLUMNS = (
     Column("h", "quantum", ".3g"),
     Column("energy", "energy", ".1f"),
@@ -95,7 +95,7 @@ def main(sizes):
         for nodes in sizes:
             grid = Grid((nodes,) * 3, TURN / nodes, 0.0, True)
             integrals = edge_integrals(grid, np.column_stack(flow(*grid.places.T)))
-            rows += solved(label, grid, integrals, quantum_for(grid, integrals, COUNT))
+            rows += solved(label, grid, integrals, quantum_for(grid, integrals, COUNTS[label]))
     for label, link in curves().items():
         rows.append(told(f"{label}: truth", [Filament(curve, 1.0, True) for curve in link], np.zeros(3)))
         points = np.concatenate(link)
