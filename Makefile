@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-slow fuzz ui-test ui-pictures lint extension package install-test matrix library bench bench-solver pictures thumbnails environment clean
+.PHONY: help demo test test-slow fuzz ui-test ui-pictures lint extension package install-test matrix docs library bench bench-solver pictures thumbnails environment clean
 
 # The Pythons that a bpy wheel exists for, in order of preference.
 VERSIONS ?= 3.13 3.11
@@ -36,6 +36,7 @@ help:
 	@echo 'make package      all of a release in out/package: zips of all platforms, a repository of extensions, the wheel of core'
 	@echo 'make install-test the release into fresh Blenders: enable, use, disable, uninstall; SYNCH_BLENDER=command for a real one'
 	@echo 'make matrix       all tests on each Blender: $(BLENDERS); deprecation warnings are failures'
+	@echo 'make docs         the manual as a site in out/site, by MkDocs in an environment of its own; strict: a dead link is an error'
 	@echo 'make library      the library of assets that the extension ships; needs Blender 4.5: VENV=.venv-3.11'
 	@echo 'make bench        bounds and energies of three meshes beside other methods; MESHES=folder holds them'
 	@echo 'make bench-solver times, bounds and energies of six meshes beside other methods, and time against size'
@@ -94,6 +95,11 @@ matrix: $(BLENDERS:%=matrix-%)
 
 matrix-%:
 	$(MAKE) test test-slow VENV=.venv-blender-$* BPY=$* VERSIONS=$(call python_of,$*)
+
+docs:
+	@test -x .venv-docs/bin/python || $(MAKE) .venv-docs/bin/python VENV=.venv-docs
+	@.venv-docs/bin/python tools/environment.py --only docs
+	NO_MKDOCS_2_WARNING=1 .venv-docs/bin/python -m mkdocs build --strict
 
 library: environment
 	$(python) tools/assets.py

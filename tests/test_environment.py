@@ -57,6 +57,11 @@ def test_the_program_is_installed_where_there_is_none(tool, monkeypatch):
     assert tool.asked == [("install", "scipy>=1.17", "--editable", str(tool.ROOT))]
 
 
+def test_the_manual_needs_nothing_else(tool, monkeypatch):
+    has(monkeypatch, synch_fields=None, scipy=None, mkdocs=None, **{"mkdocs-material": "9.8.1"})
+    assert tool.main(["--only", "docs"]) == 0 and tool.asked == [("install", "mkdocs==1.6.1")]
+
+
 def test_another_blender_than_the_pinned_one_is_chosen_by_its_version(tool, monkeypatch):
     has(monkeypatch, synch_fields="0.0.1", bpy="4.5.15")
     for _ in range(2):

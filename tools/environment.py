@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """See that the environment which runs this has what the project needs; where it has, nothing in it is changed.
 
-    VENV/bin/python tools/environment.py [EXTRA ...] [NAME==VERSION ...]
+    VENV/bin/python tools/environment.py [--only] [EXTRA ...] [NAME==VERSION ...]
 
+With --only, the extras are all that is needed: neither the program nor what it depends on.
 What is missing is installed by pip. The program itself is installed only where there is none, as an editable one: an
 environment that was made for another checkout stays with that one. `make` runs this checkout's code in any of them, by
 the link out/tree/synch_fields, which this makes.
@@ -28,13 +29,14 @@ ENOUGH = {"bpy": SpecifierSet(">=4.5")}
 def main(arguments: list[str]) -> int:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     chosen = {Requirement(text).name: text for text in arguments if "=" in text}
-    wanted = [*project["dependencies"]]
+    is_alone = "--only" in arguments
+    wanted = [] if is_alone else [*project["dependencies"]]
     for extra in arguments:
         wanted += project["optional-dependencies"].get(extra, [])
     wanted = [text for text in wanted if Requirement(text).name not in chosen]
     link()
     lacking = [*missing(wanted, ENOUGH), *missing(chosen.values(), {})]
-    if not is_there(NAME):
+    if not is_alone and not is_there(NAME):
         lacking += ["--editable", str(ROOT)]
     return pip("install", *lacking) if lacking else 0
 

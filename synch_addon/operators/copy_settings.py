@@ -3,18 +3,11 @@
 
 import bpy
 
-from ..blender.meshes import refusal
 from ..blender.translations import said
-from ..panels.row_operators import can_set
+from ..panels.row_operators import can_set, others_selected
 
 # What an object was found to have, rather than what is asked of it.
 _OWN = {"rna_type", "result", "favourites"}
-
-
-def selected_meshes(context):
-    """The selected objects that can carry a field, the active one first where it is one of them."""
-    found = [obj for obj in context.selected_objects if refusal(obj) is None]
-    return sorted(found, key=lambda obj: obj != context.active_object)
 
 
 class SYNCH_OT_copy_settings(bpy.types.Operator):
@@ -28,22 +21,18 @@ class SYNCH_OT_copy_settings(bpy.types.Operator):
     def poll(cls, context):
         if not can_set(context.active_object):
             return False
-        if not _others(context):
+        if not others_selected(context):
             cls.poll_message_set(said("select other meshes too: they get the settings of the active one"))
             return False
         return True
 
     def execute(self, context):
-        others = _others(context)
+        others = others_selected(context)
         for obj in others:
             copy_properties(context.active_object.synch, obj.synch)
         names = ", ".join(obj.name for obj in others[:4]) + (" ..." if len(others) > 4 else "")
         self.report({"INFO"}, said("settings of {name} given to {names}", name=context.active_object.name, names=names))
         return {"FINISHED"}
-
-
-def _others(context):
-    return [obj for obj in selected_meshes(context) if obj != context.active_object and can_set(obj)]
 
 
 def copy_properties(given, taker):

@@ -9,6 +9,7 @@ from . import (
     guides,
     layer_outputs,
     layers,
+    manual,
     menus,
     overlay_view,
     presets,
@@ -38,6 +39,7 @@ _MODULES = (
     layers,
     frames,
     layer_outputs,
+    manual,
 )
 
 

@@ -9,8 +9,11 @@ from ..jobs.queue import queue
 from ..patterns.live import live
 from ..patterns.refine import draw_warning
 from .guides import draw_guidance
-from .row_operators import can_set
+from .row_operators import can_set, others_selected
 from .setting_presets import SYNCH_PT_presets
+
+# Jobs of the row that are shown, the others by their number.
+SHOWN_JOBS = 5
 
 
 def draw_directions(layout, settings, obj, of_quads=False):
@@ -109,9 +112,8 @@ def draw_unready(layout, obj):
 
 def draw_row(layout):
     """The job that runs with a bar, and those that wait for their turn."""
-    for place, work in enumerate(queue.works):
-        if work.is_quiet:
-            continue
+    shown = [(place, work) for place, work in enumerate(queue.works) if not work.is_quiet]
+    for place, work in shown[:SHOWN_JOBS]:
         link = work.job.link
         obj = None if link is None else link.present
         name = said(work.label) if obj is None else f"{said(work.label)}: {obj.name}"
@@ -130,6 +132,11 @@ def draw_row(layout):
         if work.picture is not None:
             row.operator("synch.keep", icon="CHECKMARK")
         row.operator("synch.cancel", icon="EVENT_ESC").place = place
+    if len(shown) > 1:
+        row = layout.row()
+        if len(shown) > SHOWN_JOBS:
+            row.label(text=said("{count} more are waiting", count=len(shown) - SHOWN_JOBS), translate=False)
+        row.operator("synch.cancel", text="Cancel All", icon="X").place = -1
 
 
 class SidebarPanel:
@@ -164,6 +171,10 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
         if live.error:
             self.layout.label(text=live.error, icon="ERROR", translate=False)
         draw_warning(self.layout, obj)
+        others = len(others_selected(context))
+        if others:
+            text = said("Copy Settings to {count} Others", count=others)
+            self.layout.operator("synch.copy_settings", text=text, icon="COPYDOWN")
 
 
 class SettingsPanel(SidebarPanel):

@@ -67,8 +67,12 @@ OPERATORS = {
         "Einen laufenden oder wartenden Auftrag anhalten; alles bleibt, wie es war"
     ),
     "Place": "Platz",
-    "Which job of the row, from 0 on": "Welcher Auftrag der Reihe, von 0 an",
+    "Which job of the row, from 0 on; -1 for all of them": "Welcher Auftrag der Reihe, von 0 an; -1 für alle",
     "Memory Limit (MB)": "Speichergrenze (MB)",
+    "Manual": "Handbuch",
+    "Folder or web address of the manual, which Online Manual in the menu of a button opens": (
+        "Ordner oder Netzadresse des Handbuchs, das Online-Handbuch im Menü eines Knopfs öffnet"
+    ),
     "Memory that a solve may take before it is stopped; 0 stands for four fifths of the machine's": (
         "Speicher, den ein Auftrag belegen darf, bevor er angehalten wird; 0 steht für vier Fünftel der Maschine"
     ),

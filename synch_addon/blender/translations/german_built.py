@@ -40,6 +40,9 @@ PARTS = {
     "Select Defects": "Defekte auswählen",
     "select other meshes too: they get the settings of the active one": "weitere Netze auswählen: sie erhalten die "
     "Einstellungen des aktiven",
+    "Copy Settings to {count} Others": "Einstellungen auf {count} andere übertragen",
+    "{count} more are waiting": "{count} weitere warten",
+    "Cancel All": "Alle abbrechen",
     "settings of {name} given to {names}": "Einstellungen von {name} an {names} gegeben",
     "Vertices without a place: {count}": "Punkte ohne Ort: {count}",
     "Faces without area: {count}": "Flächen ohne Inhalt: {count}",
