@@ -53,5 +53,6 @@ def test_stripes_follow_an_angle_that_is_dragged(panel, keep):
     panel.scroll_to("Live", up=True)
     panel.click("Live")
     assert not panel.value("bpy.context.window_manager.synch_live")
+    panel.scroll_to("Synch Fields", up=True)
     panel.click("Stripes")
     panel.until(f"{RUNNING} is None and {SHOWN}.plain['certificate'] == 'proved'")
