@@ -46,7 +46,7 @@ def followed(steps=1, seconds=20.0):
     written, before, end = 0, live._shown, time.monotonic() + seconds
     while written < steps and time.monotonic() < end:
         live.step(bpy.context)
-        if live._shown is not before:
+        if live._shown is not before and live._shown is not None:  # as it is after a rest
             written, before = written + 1, live._shown
         if live._work is None and not _asks():
             break
