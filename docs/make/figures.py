@@ -142,7 +142,8 @@ def add_glyphs(obj, length=0.055, width=0.011):
     bars = np.stack(corners, axis=1).reshape(-1, 3) + [0, 0, 0.004]
     copy = add_mesh("Line field", bars, np.arange(len(bars)).reshape(-1, 4))
     dark = bpy.data.materials.new("Dark")
-    dark.use_nodes = True
+    if dark.node_tree is None:
+        dark.use_nodes = True
     dark.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.02, 0.03, 0.06, 1)
     copy.data.materials.append(dark)
     return copy
