@@ -38,8 +38,8 @@ def test_stripes_follow_an_angle_that_is_dragged(panel, keep):
     panel.move((x + 130, y))
     panel.hold()
     seen = set()
-    for step in range(1, 25):
-        panel.move((x + 130 + 3 * step, y))
+    for step in range(1, 13):
+        panel.move((x + 130 + 6 * step, y))
         seen.add(panel.value(ANGLE))
         time.sleep(0.05)
     panel.release()
@@ -50,8 +50,9 @@ def test_stripes_follow_an_angle_that_is_dragged(panel, keep):
     assert panel.value(f"{LIVE}.error") == "" and panel.value(f"{SHOWN}.plain['certificate']") == "none"
     over_view(panel)
     panel.until(f"{LIVE}._changed is None")
+    panel.scroll_to("Live", up=True)
     panel.click("Live")
     assert not panel.value("bpy.context.window_manager.synch_live")
-    panel.scroll_to("Stripes", up=True)
+    panel.scroll_to("Synch Fields", up=True)
     panel.click("Stripes")
     panel.until(f"{RUNNING} is None and {SHOWN}.plain['certificate'] == 'proved'")
