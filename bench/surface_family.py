@@ -21,14 +21,18 @@ from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.check import check_mesh
 
 MEMBERS = 88
-# Share of the area of the smallest triangle beside a needle, and how many needles and spikes there are.
+# Share of the area of the smallest triangle beside a needle, by turns up to 1e5 times as much, and how many needles and
+# spikes there are.
 SMALLEST, NEEDLES, SPIKES = 1e-13, 40, 12
+STEPS = 6
 # Of needles, the largest share; a needle's point is lifted off its edge by so many of its lengths.
 LARGEST, LIFT = 1e-7, 0.5
 # Faces with needles are at least so many times as large as the needles.
 ROOM = 10
-# Spikes on the triangles that they stand on, smallest and largest, and their height over their width.
-SPIKE_SIZES, SPIKE_HEIGHT = (3e-3, 1e-1), 2.0
+# Sides of spikes over those of the triangles that they stand on: the smallest, by turns up to 16 times as much, and the
+# largest; their height over their side.
+SPIKE_SIZE, LARGEST_SPIKE, SPIKE_HEIGHT = 3e-3, 1e-1, 2.0
+SPIKE_STEPS = 5
 BUMPS = 14
 MOST_HANDLES, MOST_HOLES = 4, 3
 
@@ -53,10 +57,15 @@ def _made(number, handles, holes, spikes, needles):
     random = np.random.default_rng(number + 1000)
     mesh = bumpy(chain_of_rings(handles, random) if handles else egg(random), random)
     mesh = with_holes(mesh, holes, random)
-    mesh = with_spikes(mesh, spikes, random)
-    mesh = with_needles(mesh, needles, random)
+    mesh = with_spikes(mesh, spikes, SPIKE_SIZE * 2.0 ** (number // 4 % SPIKE_STEPS), random)
+    mesh = with_needles(mesh, needles, smallest(number), random)
     check_mesh(mesh)
     return TriangleMesh(mesh.vertices / np.sqrt(mesh.areas.sum()), mesh.triangles)
+
+
+def smallest(number):
+    """Share of the area that the smallest triangle beside a member's needles has."""
+    return SMALLEST * 10.0 ** (number // 2 % STEPS)
 
 
 def egg(random):
@@ -112,11 +121,12 @@ def with_holes(mesh, count, random):
     return _of(mesh.vertices, mesh.triangles[~removed])
 
 
-def with_spikes(mesh, count, random):
-    """The surface with thin pyramids on some faces: their tips are curved by one over the area around them."""
+def with_spikes(mesh, count, size, random):
+    """The surface with thin pyramids on some faces, from a size on: their tips are curved by about one over the area
+    around them."""
     chosen = random.choice(mesh.triangle_count, count, replace=False)
     corners = mesh.vertices[mesh.triangles[chosen]]
-    sizes = np.geomspace(*SPIKE_SIZES, count)[:, None]
+    sizes = np.geomspace(size, LARGEST_SPIKE, count)[:, None]
     centres = corners.mean(axis=1)
     heights = SPIKE_HEIGHT * sizes * np.sqrt(mesh.areas[chosen])[:, None]
     feet = centres[:, None] + sizes[:, None] * (corners - centres[:, None])
@@ -131,12 +141,12 @@ def with_spikes(mesh, count, random):
     )
 
 
-def with_needles(mesh, count, random):
-    """The surface with a point beside one end of some inner edges, so that the smallest face has a share of the area.
+def with_needles(mesh, count, least, random):
+    """The surface with a point beside one end of some inner edges, so that the least face has a share of the area.
 
     The faces' areas are proportional to the distance of the point from the end, which is thus known.
     """
-    shares = mesh.areas.sum() * np.geomspace(SMALLEST, LARGEST, count)
+    shares = mesh.areas.sum() * np.geomspace(least, LARGEST, count)
     vertices, triangles = mesh.vertices, mesh.triangles
     kept, added = np.ones(len(triangles), bool), []
     for share, half in zip(shares, _apart(mesh, count, random), strict=True):
@@ -145,9 +155,9 @@ def with_needles(mesh, count, random):
         way = vertices[b] - vertices[a]
         normal = mesh.face_normals[half // 3]
         lifted = way + LIFT * np.linalg.norm(way) * normal
-        least = min(np.linalg.norm(np.cross(lifted, vertices[other] - vertices[a])) / 2 for other in (c, d))
+        area = min(np.linalg.norm(np.cross(lifted, vertices[other] - vertices[a])) / 2 for other in (c, d))
         p = len(vertices)
-        vertices = np.vstack([vertices, vertices[a] + share / least * lifted])
+        vertices = np.vstack([vertices, vertices[a] + share / area * lifted])
         kept[[half // 3, mesh.twins[half] // 3]] = False
         added += [(a, p, c), (p, b, c), (b, p, d), (p, a, d)]
     return TriangleMesh(vertices, np.vstack([triangles[kept], np.reshape(added, (-1, 3)).astype(int)]))

@@ -1,33 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The paper's Figure 3 again: two solids cut open, the guiding function beside the layers of bench/solids.py.
+"""The paper's Figures 1 and 3 again: layers in solids, while they are printed, and cut open."""
 
-    python docs/make/figure3.py MESHES --folder docs
+from synch_fields.bench.solids import check_order, compared, shape_of
+from synch_fields.docs.make.solid_pictures import beside, picture_of_function, picture_of_layers, picture_of_print
 
-MESHES holds stanford-bunny.obj. Needs Blender as a module (bpy).
-"""
-
-import tempfile
-from pathlib import Path
-
-from synch_fields.bench.command import arguments
-from synch_fields.bench.solids import compared, shape_of
-from synch_fields.docs.make.solid_pictures import beside, picture_of_function, picture_of_layers
+# Shares of the layers that are printed.
+PRINTED = (0.3, 0.65, 1.0)
 
 
-def main():
+def figure1(place):
+    """The stuffed bunny with layers flush with its base and the tips of its ears, while it is printed."""
+    _, results = compared("bunny", shape_of("bunny", place.meshes))
+    row, pattern = results[-1]
+    pictures = [picture_of_print("bunny", pattern, share, place.folder / f"{share}.png") for share in PRINTED]
+    beside([[*pictures, picture_of_layers("bunny", pattern, True, place.folder / "open.png")]], place.picture)
+    return {"solids": [row]}
+
+
+def figure3(place):
     """The guiding function and the three patterns of the ring above those of the stuffed bunny."""
-    options = arguments(__doc__, "stanford-bunny.obj", "the picture goes").parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        rows = []
-        for name in ("ring", "bunny"):
-            shape = shape_of(name, options.meshes)
-            function, results = compared(name, shape)
-            pictures = [picture_of_function(name, shape.mesh, function, Path(folder) / f"{name}.png")]
-            for k, (_, pattern) in enumerate(results):
-                pictures.append(picture_of_layers(name, pattern, k > 0, Path(folder) / f"{name} {k}.png"))
-            rows.append(pictures)
-        beside(rows, options.folder / "figure3.png")
-
-
-if __name__ == "__main__":
-    main()
+    sheets, rows = [], []
+    for name in ("ring", "bunny"):
+        shape = shape_of(name, place.meshes)
+        function, results = compared(name, shape)
+        check_order([row for row, _ in results])
+        pictures = [picture_of_function(name, shape.mesh, function, place.folder / f"{name}.png")]
+        for k, (row, pattern) in enumerate(results):
+            pictures.append(picture_of_layers(name, pattern, k > 0, place.folder / f"{name} {k}.png"))
+            rows.append(row)
+        sheets.append(pictures)
+    beside(sheets, place.picture)
+    return {"solids": rows}
