@@ -2,11 +2,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-slow fuzz ui-test ui-pictures lint extension bench bench-solver pictures paper thumbnails environment clean
+.PHONY: help demo test test-slow fuzz ui-test ui-pictures lint extension package install-test matrix docs library bench bench-solver pictures paper thumbnails environment clean
 
 # The Pythons that a bpy wheel exists for, in order of preference.
 VERSIONS ?= 3.13 3.11
 VENV ?= .venv
+# The Blenders that are tested as modules, and the Python that each has a wheel for.
+BLENDERS ?= 4.5.15 5.0.1 5.2.3
+python_of = $(if $(filter 4.% 5.0.%,$(1)),3.11,3.13)
 # Where the real meshes lie (spot, fertility, stanford-bunny ... from public collections); tests do without.
 MESHES ?= ../shared/meshes
 
@@ -17,8 +20,9 @@ PYTHON ?= $(VERSIONS:%=python%) python3 $(pyenv_pythons)
 check_python = import ensurepip, sys, venv; "%d.%d" % sys.version_info[:2] in sys.argv or sys.exit(1); print(sys.executable)
 find_python = $(shell for p in $(PYTHON); do "$$p" -c '$(check_python)' $(VERSIONS) 2>/dev/null && break; done)
 
-environment = $(VENV)/.up-to-date
 python = $(VENV)/bin/python
+# The code that runs is this checkout's, whichever one the environment was made for: tools/environment.py makes the link.
+export PYTHONPATH := $(CURDIR)/out/tree
 
 help:
 	@echo 'make demo         stripes on a sample mesh: out/demo.blend, out/demo.png, out/demo.json'
@@ -29,6 +33,11 @@ help:
 	@echo 'make ui-pictures  the same, and its pictures into docs/'
 	@echo 'make lint         ruff (rules and format) and mypy'
 	@echo 'make extension    the zip for Blender in out/; WHEELS=1 bundles SciPy, one zip for each platform'
+	@echo 'make package      all of a release in out/package: zips of all platforms, a repository of extensions, the wheel of core'
+	@echo 'make install-test the release into fresh Blenders: enable, use, disable, uninstall; SYNCH_BLENDER=command for a real one'
+	@echo 'make matrix       all tests on each Blender: $(BLENDERS); deprecation warnings are failures'
+	@echo 'make docs         the manual as a site in out/site, by MkDocs in an environment of its own; strict: a dead link is an error'
+	@echo 'make library      the library of assets that the extension ships; needs Blender 4.5: VENV=.venv-3.11'
 	@echo 'make bench        bounds and energies of three meshes beside other methods; MESHES=folder holds them'
 	@echo 'make bench-solver times, bounds and energies of six meshes beside other methods, and time against size'
 	@echo 'make pictures     the pictures of the README and of docs/; MESHES=folder holds the meshes'
@@ -38,42 +47,70 @@ help:
 	@echo 'make clean        remove outputs and caches, keep the environment'
 	@echo 'Settings: PYTHON=path/to/python3.13, VENV=folder'
 
-demo: $(environment)
+demo: environment
 	mkdir -p out
 	$(python) -m synch_fields demo
 
-test: $(environment)
+test: environment
 	$(python) -m pytest -m 'not slow'
 
-test-slow: $(environment)
+test-slow: environment
 	$(python) -m pytest -m slow
 
 MINUTES ?= 10
 SEED ?= 0
 
-fuzz: $(environment)
+fuzz: environment
 	$(python) tools/fuzz.py $(MINUTES) $(SEED)
 
-ui-test: $(environment)
+ui-test: environment
 	$(python) -m pytest -rs tests/ui
 
 ui-pictures: ui-test
 	cp out/ui/panel.png out/ui/progress.png out/ui/click_2.png out/ui/click_4.png out/ui/click_5.png docs/
 
-lint: $(environment)
+lint: environment
 	$(python) -m ruff check
 	$(python) -m ruff format --check
 	$(python) -m mypy core
 
-extension: $(environment)
+extension: environment
 	$(python) tools/extension.py $(if $(WHEELS),--wheels)
 
-bench: $(environment)
+package: environment
+	$(python) tools/package.py
+	SYNCH_ARCHIVES=out/package/extensions $(python) -m pytest -q tests/addon/test_rules.py
+
+install-test: package $(BLENDERS:%=install-test-%)
+	$(if $(SYNCH_BLENDER),$(python) tools/install_test.py out/package/extensions $(SYNCH_BLENDER))
+
+# Nothing but Blender is in these environments.
+install-test-%:
+	rm -rf out/blender-$*
+	$(MAKE) out/blender-$*/bin/python VENV=out/blender-$* VERSIONS=$(call python_of,$*)
+	out/blender-$*/bin/python -m pip install --quiet --disable-pip-version-check bpy==$*
+	out/blender-$*/bin/python tools/install_test.py out/package/extensions
+	rm -rf out/blender-$*
+
+matrix: $(BLENDERS:%=matrix-%)
+
+matrix-%:
+	$(MAKE) test test-slow VENV=.venv-blender-$* BPY=$* VERSIONS=$(call python_of,$*)
+
+docs:
+	@test -x .venv-docs/bin/python || $(MAKE) .venv-docs/bin/python VENV=.venv-docs
+	@.venv-docs/bin/python tools/environment.py --only docs
+	NO_MKDOCS_2_WARNING=1 .venv-docs/bin/python -m mkdocs build --strict
+
+library: environment
+	$(python) tools/assets.py
+
+bench: environment
 	$(python) bench/bounds.py $(MESHES)/spot.obj $(MESHES)/fertility.obj $(MESHES)/stanford-bunny.obj
 
 bench_meshes = spot fandisk rocker-arm fertility stanford-bunny botijo
 
-bench-solver: $(environment)
+bench-solver: environment
 	$(python) bench/solver.py $(bench_meshes:%=$(MESHES)/%.obj)
 	$(python) bench/scaling.py $(MESHES)/stanford-bunny.obj=1,2,4,5 $(MESHES)/spot.obj=1,2,4,8,18 sphere=10,32,316 grid=32,48,64,96,128
 
@@ -88,20 +125,20 @@ pictures: demo
 	$(python) docs/make/vortices.py --folder docs
 	$(python) docs/make/animation.py --folder docs
 
-paper: $(environment)
+paper: environment
 	$(python) docs/make/paper.py $(MESHES)
 
-thumbnails: $(environment)
+thumbnails: environment
 	$(python) tools/thumbnails.py
 
-environment: $(environment)
+environment:
+	@test -x $(python) || $(MAKE) $(python)
+	@$(python) tools/environment.py blender test lint $(BPY:%=bpy==%)
 
-$(environment): pyproject.toml setup.py
+$(python):
 	$(eval found := $(find_python))
 	$(if $(found),,$(error no working Python $(subst $() , or ,$(strip $(VERSIONS))) found: install one or name it with PYTHON=path))
-	test -x $(python) || "$(found)" -m venv $(VENV)
-	$(python) -m pip install --quiet --disable-pip-version-check --editable '.[blender,test,lint]'
-	touch $@
+	"$(found)" -m venv $(VENV)
 
 clean:
 	rm -rf out build *.egg-info .pytest_cache .ruff_cache .mypy_cache

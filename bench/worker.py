@@ -6,8 +6,8 @@
 "cold ms": from starting the process until it has loaded all that it needs; it may be told meanwhile. "warm ms": from
 asking a process that waits until it has begun to solve, less what loading is; "MB there", "MB back": bytes of request
 and result; "own s", "here s": the whole solve of stripes on an icosphere, asked and read back, and in this process;
-"/ here" their ratio within a run, by turns. "first s": what a first picture takes, which is shown from 20,000 vertices
-on and which a script does not make; it is not part of "own s".
+"/ here" their ratio within a run, by turns. "first s": until the first picture is read, of those that a child shows
+and a script does not make; they are part of "own s".
 """
 
 import argparse
@@ -75,7 +75,7 @@ def _row(vertices, repeat):
     _asked(worker, request)  # loads what only a solve loads
     for _ in range(repeat):
         seconds, begun, early, result = _asked(worker, request)
-        own.append(seconds - early)
+        own.append(seconds)
         first.append(early)
         warm.append(begun)
         back = _size(packed(("done", result, 0.0), request.shared))
@@ -87,20 +87,20 @@ def _row(vertices, repeat):
     ratios = [one / other for one, other in zip(own, here, strict=True)]
     there = _size(packed(("solve", request)))
     figures = {"there": there, "back": back, "warm ms": 1000 * median(warm), "own s": median(own)}
-    figures["first s"] = median(first) or None
+    figures["first s"] = median(first)
     return {"label": f"{vertices}", "nodes": vertices, **figures, "here s": median(here), "ratio": median(ratios)}
 
 
 def _asked(worker, request):
-    """Seconds until the result is read, until the solve has begun and that a first picture took, and the result."""
+    """Seconds until the result is read, the solve has begun and a first picture is there; and the result."""
     start = time.perf_counter()
     worker.ask(request)
     begun, early = None, 0.0
     while True:
         for message in worker.exchange():
             begun = begun or time.perf_counter() - start
-            if message[0] == "early":
-                early = time.perf_counter() - start
+            if message[0] == "shown":
+                early = early or time.perf_counter() - start
             if message[0] == "done":
                 return time.perf_counter() - start, begun, early, message[1]
         time.sleep(_TICK if begun else 0.001)

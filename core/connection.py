@@ -9,6 +9,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from .geometry.triangle_mesh import TriangleMesh
 
 
 class Fibre(StrEnum):
@@ -57,7 +60,7 @@ class Connection:
         """Whether phases are given and returned as complex numbers."""
         return self.transports.ndim == 1 or self.block == 2
 
-    def energy(self, phases):
+    def energy(self, phases: np.ndarray) -> float:
         """sum of w_e |phi_j - g_e phi_i|^2 (Eq. 17) for (n,) complex, (n, d) or (n, d, d) real values."""
         i, j = self.edges.T
         if self.transports.ndim == 1:
@@ -85,7 +88,7 @@ def compose(first, second):
     return first * second if first.ndim == 1 else first @ second
 
 
-def circle_transports(angles, flips=None):
+def circle_transports(angles: ArrayLike, flips: ArrayLike | None = None) -> np.ndarray:
     """Transports on the circle: complex where nothing flips, otherwise 2 x 2 matrices.
 
     Parameters
@@ -109,7 +112,7 @@ def as_matrices(transports):
     return np.stack([np.stack([cosine, -sine], -1), np.stack([sine, cosine], -1)], -2)
 
 
-def levi_civita(mesh, symmetry):
+def levi_civita(mesh: TriangleMesh, symmetry: int) -> np.ndarray:
     """Transport of the symmetry-th power of tangent vectors along the edges (Knöppel et al. 2013).
 
     A vector at angle ``a`` in the plane of i points at ``a + theta_ij`` in the plane of j, where

@@ -21,6 +21,7 @@ so that their product is: sheets may differ by a turn (:mod:`core.sheets`), valu
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -59,6 +60,11 @@ class EdgePhases:
     @property
     def phase_count(self):
         return self.arguments.shape[1]
+
+    @cached_property
+    def dislocations(self):
+        """What :func:`dislocation_numbers` gives for the triangles of the mesh."""
+        return dislocation_numbers(self, self.mesh.triangles)
 
     def between(self, tails, heads):
         """(f, k) changes from tail to head for the phases of the tail, and the matching on the way."""
@@ -144,7 +150,8 @@ def face_phases(edge_phases, polygons):
     -------
     tuple of k :class:`FacePhases`, for the phases of each face's first corner
     """
-    numbers, torn = dislocation_numbers(edge_phases, polygons.triangles)
+    is_mesh = np.array_equal(polygons.triangles, edge_phases.mesh.triangles)
+    numbers, torn = edge_phases.dislocations if is_mesh else dislocation_numbers(edge_phases, polygons.triangles)
     singular = np.zeros(len(polygons.starts), bool)
     singular[polygons.triangle_faces[numbers.any(axis=1) | torn]] = True
     torn_count = np.bincount(polygons.triangle_faces[torn], minlength=len(singular))

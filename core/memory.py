@@ -4,6 +4,7 @@
 import math
 import os
 import sys
+from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
 
@@ -77,6 +78,24 @@ def check_memory(needed, what, reserved=RESERVED):
         raise SynchError(
             f"{what} takes about {needs} of {left.name} and {has} are left: use a coarser mesh, or {left.remedy}"
         )
+
+
+@contextmanager
+def at_most(size):
+    """Let this process take at most so many bytes of address space more inside, where the system holds it to that.
+
+    A library that a damaged file leads astray ends with an error then, not with the machine's memory.
+    """
+    if sys.platform != "linux":
+        yield
+        return
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    wanted = _pages(0) + int(size)
+    resource.setrlimit(resource.RLIMIT_AS, (wanted if soft < 0 else min(soft, wanted), hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 
 def _space_left():

@@ -1,13 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Progress, cancellation and time limit, asked at every iteration."""
 
-import threading
+import math
 import time
+from collections.abc import Callable
 from copy import copy
 
 from .errors import Cancelled
+from .threads import begun
 
 POLL_SECONDS = 0.05
+# Told a stage and a fraction of the work; a false answer other than None cancels.
+Callback = Callable[[str, float], bool | None]
 
 
 class OutOfTime(Exception):
@@ -22,14 +26,20 @@ class Monitor:
     callback : callable(stage: str, fraction: float) -> bool, optional
         Called often; a false answer other than None cancels.
     time_limit : seconds, optional
+
+    Attributes
+    ----------
+    stage, fraction : where the work is
+    on_found : called with the energy of each field that is found and with the field, or None
     """
 
     def __init__(self, callback=None, time_limit=None):
         self._callback = callback
         self._deadline = None if time_limit is None else time.perf_counter() + time_limit
         self.stage, self.fraction = "", 0.0
-        self.bound, self._note = None, ""
+        self._bound, self._expected, self._note = None, -math.inf, ""
         self._start, self._share = 0.0, 1.0
+        self.on_found = None
 
     def portion(self, start, share):
         """A monitor for one part of the work: its fractions are a part of the whole."""
@@ -42,15 +52,29 @@ class Monitor:
         self.stage, self.fraction = stage, float(self._start + fraction * self._share)
         self.check()
 
-    def found(self, energy):
-        """A field is there: from now on the stage says how far above the bound it is, where one is known."""
-        if self.bound is not None and energy > 0:
-            self._note = f", gap {max(1 - self.bound / energy, 0):.0%}"
+    def expect(self, seconds):
+        """A bound may be there in so many seconds: until then the stage says how many are left."""
+        self._expected = time.perf_counter() + seconds
+
+    def proved(self, bound):
+        """There is a bound: from now on the stage says how far above it fields are."""
+        self._bound, self._expected = bound, -math.inf
+
+    def found(self, energy, column):
+        """There is a field of an energy."""
+        if self._bound is not None and energy > 0:
+            self._note = f", gap {max(1 - self._bound / energy, 0):.0%}"
+        if self.on_found is not None:
+            self.on_found(energy, column)
+
+    def _said(self):
+        left = self._expected - time.perf_counter()
+        return f"{self.stage}, proof in {left:.0f} s" if left >= 1 else self.stage + self._note
 
     def check(self):
         """Raise :class:`Cancelled` or :class:`OutOfTime` where the computation has to stop."""
         if self._callback is not None:
-            answer = self._callback(self.stage + self._note, self.fraction)
+            answer = self._callback(self._said(), self.fraction)
             if answer is not None and not answer:
                 raise Cancelled("cancelled: nothing was changed")
         if self._deadline is not None and time.perf_counter() > self._deadline:
@@ -72,8 +96,7 @@ class Monitor:
             except BaseException as error:  # raised again where it was asked for
                 errors.append(error)
 
-        thread = threading.Thread(target=run, daemon=True)
-        thread.start()
+        thread = begun(run)
         while thread.is_alive():
             thread.join(POLL_SECONDS)
             self.check()

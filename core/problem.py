@@ -6,6 +6,7 @@ blocks and the matrix that is solved is P^H L P. Fixed phases merge into a *grou
 value is then turned to 1 (Eqs. 25-27); soft wishes are weighted edges to it.
 """
 
+from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -16,7 +17,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from .algebra.blocks import block_matrix, scaled
 from .algebra.frames import nearest
-from .connection import Fibre, as_matrices, circle_transports, compose, make_arrays
+from .connection import Connection, Fibre, as_matrices, circle_transports, compose, make_arrays
 from .errors import SettingError
 from .gauge import balance
 from .graphs import components
@@ -133,7 +134,16 @@ class SynchronizationProblem:
         not of unit length; when a node is constrained twice, or merged into a node that is itself constrained
     """
 
-    def __init__(self, connection, mass=None, merged=None, fixed=None, drawn=None, calmer=None, fibre=Fibre.VECTORS):
+    def __init__(
+        self,
+        connection: Connection,
+        mass: np.ndarray | None = None,
+        merged: Merged | None = None,
+        fixed: Targets | None = None,
+        drawn: Targets | None = None,
+        calmer: Callable[[], np.ndarray] | None = None,
+        fibre: str = Fibre.VECTORS,
+    ) -> None:
         self.fibre = check_problem(connection, mass, merged, fixed, drawn, fibre)
         if merged is not None and merged.transports.ndim != connection.transports.ndim:
             connection = replace(connection, transports=as_matrices(connection.transports))
@@ -369,7 +379,7 @@ class SynchronizationProblem:
             return np.tile(np.eye(self.block), (count, 1))
         return np.ones(count, complex) if self.is_complex else np.tile(np.eye(self.block)[0], count)
 
-    def energy(self, phases):
+    def energy(self, phases: np.ndarray) -> float:
         """Energy of phases as the user knows them: edges plus soft wishes."""
         difference = phases[self.drawn.nodes] - self.drawn.values
         squares = (difference * np.conj(difference)).real.sum(axis=tuple(range(1, difference.ndim)))

@@ -44,6 +44,8 @@ def after_turns(phases, turns):
     turns : (...,) int
     """
     count = phases.shape[-1]
+    if count == 1:
+        return np.where(np.asarray(turns)[..., None] % 2 == 1, -phases, phases)
     directions = (np.arange(count) + np.asarray(turns)[..., None]) % (2 * count)
     shape = np.broadcast_shapes(phases.shape, directions.shape)
     taken = np.take_along_axis(np.broadcast_to(phases, shape), np.broadcast_to(directions % count, shape), axis=-1)

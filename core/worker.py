@@ -4,29 +4,28 @@
 This process ends when the pipe from its parent is closed, whatever it is doing, so that none outlives Blender. Its
 threads are its own: none of them runs beside Blender.
 
-Messages are tuples that begin with a word. In: ("solve", request). Out: ("ready", versions), ("progress", stage,
-fraction), ("early", picture), ("done", result, peak in MB), ("failed", SynchError), ("broken", traceback).
+Messages are tuples that begin with a word. In: ("solve", request), ("keep",): what was shown last is the result. Out:
+("ready", versions), ("progress", stage, fraction), ("shown", picture), ("done", result, peak in MB), ("failed",
+SynchError), ("broken", traceback).
 """
 
 import os
 import queue
-import threading
 import time
 import traceback
 from functools import partial
 
 from .parcels import BrokenParcel, Unpacker, packed
+from .threads import begun
 
 # Exit status of a process that took more memory than it may, or could not get what it needed.
 TOO_MUCH_MEMORY = 77
 # And of one that was asked what it cannot read.
 UNREADABLE = 78
-# Seconds between two looks at the memory, and between two words on how far the work is.
-_LOOK, _WORD = 0.03, 0.05
+# Seconds between two looks at the memory, between two words on how far the work is, and between two pictures.
+_LOOK, _WORD, _PICTURE = 0.03, 0.05, 0.2
 # Steps by which the window, and all else, goes first.
 _NICE = 5
-# Share of the work that a first result takes.
-_EARLY = 0.25
 
 
 def serve(limit):
@@ -43,18 +42,20 @@ def serve(limit):
     # On Windows libraries that ask about standard input while they are loaded would wait for a thread that reads it.
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     chunks: queue.SimpleQueue = queue.SimpleQueue()
-    threading.Thread(target=_read, args=(into, chunks), daemon=True).start()
+    begun(_read, into, chunks)
     # Only now: reading has begun, so that the parent can write while all this is loaded.
     from . import tasks
 
     watch = _Watch(limit)
-    threading.Thread(target=watch.run, daemon=True).start()
+    begun(watch.run)
     tasks.load()
     send = partial(_send, out)
     send(("ready", tasks.versions()))
-    for request in _requests(chunks):
+    inbox = _Inbox(chunks)
+    while True:
+        request = inbox.request()
         watch.peak = 0
-        send(_answer(request, send, watch), request.shared)
+        send(_answer(request, send, watch, inbox), request.shared)
         request = None  # nothing is kept of it until the next
 
 
@@ -67,21 +68,38 @@ def _read(into, chunks):
         os._exit(0)
 
 
-def _requests(chunks):
-    """What is asked, as it comes; what cannot be read is the end of the process.
+class _Inbox:
+    """What the parent says, as it comes; what cannot be read is the end of the process.
 
-    Not for the thread that reads: a request imports modules, and two threads that do so may wait for one another.
+    It is not the thread that reads that unpacks: a request imports modules, and two threads that do so may wait for
+    one another.
     """
-    unpacker = Unpacker()
-    while True:
+
+    def __init__(self, chunks):
+        self._chunks, self._unpacker, self._messages = chunks, Unpacker(), []
+
+    def request(self):
+        """What is asked next; words about what is over are dropped."""
+        while True:
+            while self._messages:
+                word, *rest = self._messages.pop(0)
+                if word == "solve":
+                    return rest[0]
+            self._take()
+
+    def is_to_keep(self):
+        """Whether the parent has had enough of the present request."""
+        while not self._chunks.empty():
+            self._take()
+        return self._messages[:1] == [("keep",)]
+
+    def _take(self):
         try:
-            messages = unpacker.feed(chunks.get())
+            self._messages += self._unpacker.feed(self._chunks.get())
         except MemoryError:
             os._exit(TOO_MUCH_MEMORY)
         except BrokenParcel:
             os._exit(UNREADABLE)
-        while messages:
-            yield messages.pop(0)[1]
 
 
 class _Watch:
@@ -116,17 +134,23 @@ def _send(out, message, shared=()):
             rest = rest[os.write(out, rest) :]
 
 
-def _answer(request, send, watch):
+def _answer(request, send, watch, inbox):
     """The last message about a request."""
-    from .errors import SynchError
+    from .errors import Cancelled, SynchError
+
+    shown, progress = _Shown(request, send), _Progress(send)
+
+    def goes_on(stage, fraction):
+        shown.look()
+        progress(stage, fraction)
+        return shown.last is None or not inbox.is_to_keep()
 
     try:
-        progress = _Progress(send)
-        picture = _first(request, progress.part(0.0, _EARLY))
-        if picture is not None:
-            send(("early", picture))
-            progress = progress.part(_EARLY, 1 - _EARLY)
-        found = request.solve(progress)
+        try:
+            showing = getattr(request, "solve_showing", None)
+            found = request.solve(goes_on) if showing is None else showing(shown, goes_on)
+        except Cancelled:
+            found = shown.last
         watch.look()
         return "done", found, watch.peak / 2**20
     except SynchError as error:
@@ -137,31 +161,38 @@ def _answer(request, send, watch):
         return "broken", traceback.format_exc()
 
 
-def _first(request, progress):
-    """The picture of a first result, None where there is none: what is wrong is told by the solve itself."""
-    from .errors import SynchError
+class _Shown:
+    """Results on the way, whose pictures are sent, not too often.
 
-    if not hasattr(request, "solve_early"):
-        return None
-    try:
-        return request.solve_early(progress)
-    except SynchError:
-        return None
+    Attributes
+    ----------
+    last : result whose picture was sent last, None before
+    """
+
+    def __init__(self, request, send):
+        self._request, self._send = request, send
+        self.last, self._waiting, self._time = None, None, -_PICTURE
+
+    def __call__(self, result):
+        self._waiting = result
+        self.look()
+
+    def look(self):
+        """Send the picture of what waits, where it is time for one."""
+        if self._waiting is not None and time.monotonic() >= self._time + _PICTURE:
+            self.last, self._waiting = self._waiting, None
+            self._send(("shown", self._request.picture(self.last)))
+            self._time = time.monotonic()
 
 
 class _Progress:
     """Says how far the work is, not too often."""
 
-    def __init__(self, send, start=0.0, share=1.0):
-        self._send, self._start, self._share = send, start, share
-        self._stage, self._time = None, 0.0
-
-    def part(self, start, share):
-        return _Progress(self._send, start, share)
+    def __init__(self, send):
+        self._send, self._stage, self._time = send, None, 0.0
 
     def __call__(self, stage, fraction):
         now = time.monotonic()
         if stage != self._stage or now > self._time + _WORD:
             self._stage, self._time = stage, now
-            self._send(("progress", stage, self._start + self._share * fraction))
-        return True
+            self._send(("progress", stage, fraction))

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The wheel as a user of plain Python gets it: all of the program, nothing else, and it works where nothing else is."""
+"""The wheel as a user of plain Python gets it: core, nothing else, typed, and it works where nothing else is."""
 
-import importlib.util
+import re
 import shutil
 import subprocess
 import sys
@@ -42,23 +42,61 @@ assert "bpy" not in sys.modules
 """
 
 IMPORT_ALL = """
-import importlib, pkgutil
-import bpy
+import importlib, pkgutil, sys
 import synch_fields
+from importlib.metadata import requires, version
 
 for module in pkgutil.walk_packages(synch_fields.__path__, "synch_fields."):
-    if not module.name.endswith("__main__"):
-        importlib.import_module(module.name)
-synch_fields.register()
-bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4)
-assert bpy.ops.synch.stripes() == {"FINISHED"}
-assert bpy.utils.preset_paths("synch_fields"), "the shipped settings are missing"
-from synch_fields.synch_addon.jobs.report import VERSION
-from synch_fields.synch_addon.looks import assets
-assert (assets.THUMBNAILS / "zebra.png").exists()
-synch_fields.unregister()
-print(VERSION)
+    importlib.import_module(module.name)
+assert not {"bpy", "synch_fields.synch_addon", "synch_fields.__main__"} & sys.modules.keys()
+needed = {line.split(">")[0] for line in requires("synch_fields") if "extra" not in line}
+assert needed == {"numpy", "scipy", "threadpoolctl"}, needed
+print(version("synch_fields"))
 """
+
+TYPED = """
+import numpy as np
+from synch_fields.core.connection import Connection, circle_transports, levi_civita
+from synch_fields.core.extract.isolines import isolines
+from synch_fields.core.extract.quad_mesh import quad_mesh
+from synch_fields.core.fields import direction_field, given_directions, quad_pattern, stripe_pattern
+from synch_fields.core.geometry import TriangleMesh, check_mesh
+from synch_fields.core.problem import SynchronizationProblem
+from synch_fields.core.solve import Options, solve
+
+
+def stop(stage: str, fraction: float) -> bool:
+    return fraction < 0.5
+
+
+mesh = TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+field = direction_field(mesh, 4, options=Options(seed=1), callback=stop)
+pattern = quad_pattern(mesh, field, 0.1)
+connection = Connection(3, mesh.edges, mesh.weights, circle_transports(levi_civita(mesh, 4)))
+solution = solve(SynchronizationProblem(connection))
+reveal_type(mesh.areas)
+reveal_type(field.vectors)
+reveal_type(given_directions(mesh, 4, field.vectors))
+reveal_type(stripe_pattern(mesh, field, np.ones(3)))
+reveal_type(quad_mesh(pattern.edge_phases))
+reveal_type(isolines(pattern.edge_phases))
+reveal_type(pattern.dislocations)
+reveal_type(solution)
+reveal_type(solution.gap)
+reveal_type(check_mesh(mesh))
+"""
+REVEALED = [
+    "ndarray",
+    "ndarray",
+    "DirectionField",
+    "Pattern",
+    "QuadMesh",
+    "Isolines",
+    "Defect",
+    "Solution",
+    "float",
+    "None",
+]
 
 
 def run(*command, **settings):
@@ -95,22 +133,29 @@ def python(wheel, tmp_path_factory):
     return executable, "-I"
 
 
-def test_wheel_holds_the_program_and_nothing_else(wheel):
+def test_wheel_holds_core_and_nothing_else(wheel):
     with zipfile.ZipFile(wheel) as content:
         packed = {name for name in content.namelist() if ".dist-info/" not in name}
-    shipped = ["__init__.py", "__main__.py", "blender_manifest.toml", "core/**/*", "synch_addon/**/*"]
-    expected = {path.relative_to(ROOT) for pattern in shipped for path in ROOT.glob(pattern) if path.is_file()}
-    unwanted = {"__pycache__", "library"}
-    assert packed == {f"synch_fields/{path.as_posix()}" for path in expected if not unwanted & set(path.parts)}
+    expected = {path.relative_to(ROOT).as_posix() for path in (ROOT / "core").rglob("*.py")}
+    assert packed == {f"synch_fields/{name}" for name in expected | {"__init__.py", "py.typed"}}
 
 
 def test_core_of_the_wheel_solves_without_blender(python, tmp_path):
     run(*python, "-c", SOLVE, cwd=tmp_path)
 
 
-@pytest.mark.skipif(importlib.util.find_spec("bpy") is None, reason="bpy is not installed")
-def test_every_module_of_the_wheel_loads_in_blender(python, tmp_path):
-    version = run(*python, "-c", IMPORT_ALL, cwd=tmp_path).splitlines()[-1]
-    installed = "import importlib.metadata; print(importlib.metadata.version('synch_fields'))"
+def test_every_module_of_the_wheel_loads_without_blender(python, tmp_path):
     manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text(encoding="utf-8"))
-    assert version == run(*python, "-c", installed).strip() == manifest["version"]
+    assert run(*python, "-c", IMPORT_ALL, cwd=tmp_path).strip() == manifest["version"]
+
+
+def test_public_names_of_the_wheel_are_typed_for_others(python, tmp_path):
+    """With mypy as strict as it gets, in a project that has the wheel alone."""
+    pytest.importorskip("mypy")
+    (tmp_path / "theirs.py").write_text(TYPED)
+    settings = "--strict", "--cache-dir", tmp_path / "cache", "--python-executable", python[0]
+    printed = run(sys.executable, "-m", "mypy", *settings, "theirs.py", cwd=tmp_path)
+    revealed = re.findall(r'Revealed type is "(.*)"', printed)
+    assert len(revealed) == len(REVEALED)
+    for found, expected in zip(revealed, REVEALED, strict=True):
+        assert re.search(rf"\b{expected}\b", found) and not found == "Any", (found, expected)

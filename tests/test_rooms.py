@@ -55,14 +55,20 @@ def test_looks_bakes_solids_flows_and_frames_do_not_know_one_another(rooms, foun
         assert graph[room] & siblings <= ({"synch_addon.looks"} if room.endswith("bakes") else set()), room
 
 
-def test_no_thread_and_no_other_process_is_begun_beside_blender():
-    """Worker processes are children that a pipe leads to; threads are for core alone, which joins them."""
-    for path in (ROOT / "synch_addon").rglob("*.py"):
+_BESIDE = {"threading", "_thread", "concurrent", "multiprocessing", "asyncio"}
+
+
+def test_threads_are_begun_in_one_module_and_processes_through_pipes_alone(found):
+    """Where they run is told there."""
+    assert "beside Blender" in ast.get_docstring(ast.parse(found["core.threads"].read_text(encoding="utf-8")))
+    for path in found.values():
+        if path == found["core.threads"]:
+            continue
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             names = [alias.name for alias in node.names] if isinstance(node, ast.Import | ast.ImportFrom) else []
             names += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
             for name in names:
-                assert name.split(".")[0] not in ("threading", "multiprocessing", "concurrent", "_thread"), path
+                assert name.split(".")[0] not in _BESIDE, path
 
 
 _CHANGING = {

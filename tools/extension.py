@@ -1,14 +1,16 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Build the extension: stage it, make its assets, validate it strictly, pack it; prints the path of every zip.
+"""Build the extension: stage it, validate it strictly, pack it; prints the path of every zip.
 
     python tools/extension.py [--wheels] [--output-dir out]
 
 Without --wheels the manifest goes in without its wheels, for a Blender whose Python has SciPy already.
-With it, the wheels are downloaded once into wheels/ and one zip is built for each platform.
+With it, the wheels are downloaded once into wheels/, compared with tools/wheels.sha256, and one zip is built for each
+platform. Two builds of the same files are the same to the last byte, whenever and wherever these lie.
 """
 
 import argparse
+import hashlib
 import importlib.util
 import re
 import shutil
@@ -16,10 +18,14 @@ import subprocess
 import sys
 import tempfile
 import tomllib
+import zipfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 MANIFEST = "blender_manifest.toml"
+CHECKSUMS = ROOT / "tools" / "wheels.sha256"
+# Of every entry of a zip: the earliest time that zips know, a file that all may read, as of Unix.
+TIME, MODE, UNIX = (1980, 1, 1, 0, 0, 0), 0o100644 << 16, 3
 
 
 class BuildError(Exception):
@@ -47,12 +53,28 @@ def build(output_dir: Path, with_wheels: bool) -> list[Path]:
         packed.mkdir()
         stage_tree(stage, with_wheels)
         tags = blender_file("scripts/modules/_bpy_internal/extensions/tags.py")
-        run_tool(ROOT / "tools/assets.py", "--folder", stage / "synch_addon/looks/library")
         blender_ext("validate", "--valid-tags", tags, stage)
         split = ["--split-platforms"] if with_wheels else []
         blender_ext("build", "--valid-tags", tags, "--source-dir", stage, "--output-dir", packed, *split)
         output_dir.mkdir(parents=True, exist_ok=True)
-        return [Path(shutil.copy(archive, output_dir)) for archive in sorted(packed.glob("*.zip"))]
+        made = []
+        for archive in sorted(packed.glob("*.zip")):
+            made.append(output_dir / archive.name)
+            repack(archive, made[-1])
+            blender_ext("validate", "--valid-tags", tags, made[-1])
+        return made
+
+
+def repack(archive: Path, target: Path) -> None:
+    """Copy a zip, or a wheel, with its entries in order and without their times and modes.
+
+    Nothing is compressed: wheels and pictures are already, and libraries that compress differ in what they make of it.
+    """
+    with zipfile.ZipFile(archive) as source, zipfile.ZipFile(target, "w", zipfile.ZIP_STORED) as packed:
+        for name in sorted(source.namelist()):
+            entry = zipfile.ZipInfo(name, TIME)
+            entry.create_system, entry.external_attr = UNIX, MODE
+            packed.writestr(entry, source.read(name))
 
 
 def stage_tree(stage: Path, with_wheels: bool) -> None:
@@ -90,9 +112,20 @@ def without_wheels(text: str) -> str:
 
 
 def download_wheel(wheel: Path) -> None:
-    """Fetch a wheel with pip by the tags in its own name (name-version-python-abi-platforms.whl)."""
-    if wheel.exists():
-        return
+    """Fetch a wheel with pip by the tags in its own name (name-version-python-abi-platforms.whl); it must be the known.
+
+    The checksums are those of the files as their authors published them.
+    """
+    if not wheel.exists():
+        download(wheel)
+    known = dict(reversed(line.split()) for line in CHECKSUMS.read_text(encoding="utf-8").splitlines())
+    if wheel.name not in known:
+        raise BuildError(f"{CHECKSUMS.name} has no line for {wheel.name}: add what sha256sum says of it")
+    if hashlib.sha256(wheel.read_bytes()).hexdigest() != known[wheel.name]:
+        raise BuildError(f"{wheel.name} is not what {CHECKSUMS.name} says: remove it, so that it is fetched anew")
+
+
+def download(wheel: Path) -> None:
     package, version, python, abi, platforms = wheel.stem.split("-")
     command = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--only-binary=:all:"]
     command += ["--dest", str(wheel.parent)]

@@ -3,18 +3,17 @@
 
 import math
 import os
-import threading
-from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 
 from ..monitor import POLL_SECONDS, OutOfTime
-from .threads import one_blas_thread
+from ..threads import FIRST_EXCEPTION, Event, Lock, ThreadPoolExecutor, local, wait
+from .blas import one_blas_thread
 
 MOST_WORKERS = 8
 # Roundings differ with their number: a batch sets one that holds on all its machines.
 WORKERS = min(int(os.environ.get("SYNCH_THREADS") or os.cpu_count() or 1), MOST_WORKERS)
 
-_thread = threading.local()
+_thread = local()
 
 
 def idle_workers():
@@ -30,7 +29,7 @@ class _Pool:
 
     def forget(self):
         """Nobody is inside: a forked process has none of the threads."""
-        self._lock, self._inside, self._executor = threading.Lock(), 0, None
+        self._lock, self._inside, self._executor = Lock(), 0, None
 
     def __enter__(self):
         with self._lock:
@@ -71,7 +70,7 @@ class _Follower:
     """What stands for a monitor in the threads that work while it is asked elsewhere."""
 
     def __init__(self):
-        self._stopped = threading.Event()
+        self._stopped = Event()
 
     def stop(self):
         self._stopped.set()

@@ -8,10 +8,10 @@ one. Dask is imported where it is used: plain Python has it by the extra ``dask`
 import queue
 import secrets
 import sys
-import threading
 from collections import defaultdict
 
 from ..errors import SettingError
+from ..threads import Lock
 from .serving import Hand
 
 # Seconds in which a scheduler has to answer.
@@ -37,9 +37,7 @@ class Cluster:
         try:
             from distributed import Client
         except ImportError:
-            raise SettingError(
-                "Dask is not installed: pip install 'synch_fields[dask]', or leave --scheduler out"
-            ) from None
+            raise SettingError("Dask is not installed: pip install distributed, or leave --scheduler out") from None
         try:
             self._client = Client(address, timeout=_PATIENCE, set_as_default=False)
         except (OSError, ValueError) as error:
@@ -85,7 +83,7 @@ class _Hands:
     """The warm processes of a worker, those that have no task now, by the batch that they were started for."""
 
     def __init__(self):
-        self._lock, self._free, self._all = threading.Lock(), defaultdict(list), defaultdict(list)
+        self._lock, self._free, self._all = Lock(), defaultdict(list), defaultdict(list)
 
     def ask(self, crew, task):
         with self._lock:

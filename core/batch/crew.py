@@ -2,8 +2,8 @@
 """Warm processes on this machine: a thread waits for each of them."""
 
 import queue
-import threading
 
+from ..threads import begun
 from .serving import Hand
 
 
@@ -26,9 +26,7 @@ class Crew:
         self._tasks: queue.SimpleQueue = queue.SimpleQueue()
         self._answers: queue.SimpleQueue = queue.SimpleQueue()
         self._hands = [Hand(command, threads) for _ in range(count)]
-        self._threads = [threading.Thread(target=self._work, args=(hand,)) for hand in self._hands]
-        for thread in self._threads:
-            thread.start()
+        self._threads = [begun(self._work, hand, is_daemon=False) for hand in self._hands]
 
     def start(self, task):
         """Give a task."""

@@ -11,7 +11,8 @@ import queue
 import signal
 import subprocess
 import sys
-import threading
+
+from ..threads import Lock, begun
 
 _MARK = "synch-row "
 # Tasks after which a process is followed by a fresh one: Blender keeps some kilobytes of each file that it opens.
@@ -35,7 +36,7 @@ def serve(answer):
     os.dup2(2, 1)  # what Blender prints does not get among the answers
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     tasks: queue.SimpleQueue = queue.SimpleQueue()
-    threading.Thread(target=_read, args=(into, tasks), daemon=True).start()
+    begun(_read, into, tasks)
     while True:
         print(_MARK + json.dumps(answer(json.loads(tasks.get()))), file=out, flush=True)
 
@@ -59,7 +60,7 @@ class Hand:
 
     def __init__(self, command, threads):
         self._command, self._threads = command, threads
-        self._child, self._left, self._lock, self._is_ended = None, 0, threading.Lock(), False
+        self._child, self._left, self._lock, self._is_ended = None, 0, Lock(), False
 
     def ask(self, task):
         """The answer to a task; ``{"failed": reason}`` where the process ended over it."""

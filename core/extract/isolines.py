@@ -19,6 +19,7 @@ from scipy.sparse.csgraph import depth_first_order
 from ..errors import SettingError
 from ..geometry import TriangleMesh
 from ..graphs import components, ragged_arange
+from ..interpolate import EdgePhases
 from .chords import chord_ends, chords_of, crossings_of, on_rim, rims_of
 from .fans import moved_aside, split_at_disclinations
 from .levels import GRID, stripe_levels
@@ -157,7 +158,7 @@ class Isolines:
         return replace(self, triangles=self.triangles[keep], weights=self.weights[keep], sizes=sizes)
 
 
-def isolines(edge_phases, width=0.0):
+def isolines(edge_phases: EdgePhases, width: float = 0.0) -> Isolines:
     """The :class:`Isolines` of :class:`EdgePhases`: of stripes, or both families of a quad pattern's grid lines.
 
     Parameters

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..graphs import components
+from ..interpolate import EdgePhases
 from .centred import centred
 from .grid_lines import grid_lines
 from .line_graph import LineGraph
@@ -72,7 +73,7 @@ class QuadMesh:
         return len(self.vertices) - len(self.edges[0]) + len(self.sizes)
 
 
-def quad_mesh(edge_phases):
+def quad_mesh(edge_phases: EdgePhases) -> QuadMesh:
     """The :class:`QuadMesh` of the grid lines of :class:`EdgePhases` with two phases a vertex."""
     lines = grid_lines(centred(edge_phases))
     mesh = edge_phases.mesh

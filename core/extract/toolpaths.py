@@ -12,20 +12,21 @@ from .isolines import isolines
 MOST_POINTS = 3_000_000
 
 
-def toolpaths(layers, values, step):
+def toolpaths(mesh, layers, values, step):
     """Curves on layers where a function is a multiple of a step, ordered by layer.
 
     They are as far apart as the step where the function changes by one per unit length along the layer.
 
     Parameters
     ----------
-    layers : LayerSurfaces
-    values : (p,) at the layers' vertices, such as a coordinate or :func:`rim_distances`
+    mesh : TriangleMesh of all layers
+    layers : (t,) the layer of each triangle
+    values : (p,) at the vertices, such as a coordinate or :func:`rim_distances`
     step : positive, in the values' unit
 
     Returns
     -------
-    lines : Isolines over the layers' triangles
+    lines : Isolines over the mesh
     numbers : (l,) layer of each line
 
     Raises
@@ -35,7 +36,6 @@ def toolpaths(layers, values, step):
     """
     if not (np.isfinite(step) and step > 0):
         raise SettingError(f"the step between paths is {step:g}: give a positive number")
-    mesh = layers.mesh
     angles = TURN / step * np.asarray(values, float)
     i, j = mesh.edges.T
     changes = (angles[j] - angles[i])[:, None]
@@ -46,7 +46,7 @@ def toolpaths(layers, values, step):
             f"give a step of {1.05 * step * points / MOST_POINTS:.2g} or more"
         )
     lines = isolines(EdgePhases.of(mesh, np.exp(1j * angles)[:, None], changes, np.zeros(len(changes), int)))
-    numbers = layers.layers[lines.triangles[lines.starts]]
+    numbers = layers[lines.triangles[lines.starts]]
     order = np.argsort(numbers, kind="stable")
     points = np.argsort(np.argsort(order, kind="stable")[lines.numbers], kind="stable")
     sorted_lines = type(lines)(
@@ -55,17 +55,18 @@ def toolpaths(layers, values, step):
     return sorted_lines, numbers[order]
 
 
-def rim_distances(layers):
-    """(p,) way on its layer from each vertex to the nearest end of it: at the boundary, or at a dislocation curve.
+def rim_distances(mesh):
+    """(p,) way on its layer from each vertex to the nearest end of it: at the boundary, or at a dislocation curve."""
+    return front_distance(mesh, rim_vertices(mesh))
 
-    On layers without an end, which close in themselves, it is the way from their lowest vertex along z.
-    """
-    mesh = layers.mesh
+
+def rim_vertices(mesh):
+    """(p,) bool, vertices at the ends of layers; of layers that close in themselves the lowest vertex along z."""
     sources = mesh.boundary_vertices.copy()
     piece = mesh.pieces
     whole = np.setdiff1d(piece, piece[sources])
-    order = np.argsort(layers.vertices[:, 2], kind="stable")
+    order = np.argsort(mesh.vertices[:, 2], kind="stable")
     _, first = np.unique(piece[order], return_index=True)
     lowest = order[first]
     sources[lowest[np.isin(piece[lowest], whole)]] = True
-    return front_distance(mesh, sources)
+    return sources

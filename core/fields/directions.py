@@ -9,14 +9,16 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..connection import Connection, circle_transports, levi_civita
-from ..defects import disclination_numbers, list_defects
+from ..defects import Defect, disclination_numbers, list_defects
 from ..errors import SettingError
 from ..geometry import TriangleMesh
+from ..monitor import Callback
 from ..problem import SynchronizationProblem, Targets, joined_targets
 from ..sheets import matchings
-from ..solve import Solution, solve
+from ..solve import Options, Solution, solve
 from .calming import ROUGH, calming, check_share, known_turns, surface_circulation
 from .constraints.groups import contracted, joined_links, without_contradictions
 from .constraints.rows import Row, direction_targets
@@ -76,12 +78,12 @@ class DirectionField:
     scale: float | np.ndarray = 1.0
 
     @property
-    def vectors(self):
+    def vectors(self) -> np.ndarray:
         """(n, 3) unit representatives in space."""
         x, y = self.mesh.tangent_frames
         return np.cos(self.angles)[:, None] * x + np.sin(self.angles)[:, None] * y
 
-    def turned(self, angle):
+    def turned(self, angle: float | np.ndarray) -> "DirectionField":
         """The field with every direction turned counterclockwise by an angle in radians."""
         return replace(self, angles=self.angles + angle, turn=self.turn + angle)
 
@@ -114,18 +116,18 @@ class DirectionField:
         return replace(self, scale=scale)
 
     @property
-    def energy(self):
+    def energy(self) -> float | None:
         """Of the directions as they were before they were turned; None for given ones."""
         if self.problem is None:
             return None
         return self.problem.energy(np.exp(1j * self.symmetry * (self.angles - self.turn)))
 
-    def showing(self, phases):
+    def showing(self, phases: np.ndarray) -> "DirectionField":
         """The field with other phases of the same problem: a variation."""
         return replace(self, angles=np.angle(phases) / self.symmetry + self.turn)
 
     @property
-    def disclinations(self):
+    def disclinations(self) -> list[Defect]:
         """List of :class:`Defect`, index k / symmetry."""
         return list_defects(self.mesh, "disclination", self._numbers, self.symmetry)
 
@@ -141,7 +143,9 @@ class DirectionField:
         return matchings(self.mesh, self.angles, self.symmetry, self.correction)
 
 
-def direction_problem(mesh, symmetry, wishes=None):
+def direction_problem(
+    mesh: TriangleMesh, symmetry: int, wishes: DirectionWishes | None = None
+) -> SynchronizationProblem:
     """The synchronization problem of a direction field; arguments as :func:`direction_field`."""
     return _posed(mesh, symmetry, DirectionWishes() if wishes is None else wishes)[0]
 
@@ -194,7 +198,14 @@ def _calming(mesh, symmetry, numbers, known):
     return calming(circulation, holonomy, mesh.weights, known)
 
 
-def direction_field(mesh, symmetry, wishes=None, options=None, callback=None, before=None):
+def direction_field(
+    mesh: TriangleMesh,
+    symmetry: int,
+    wishes: DirectionWishes | None = None,
+    options: Options | None = None,
+    callback: Callback | None = None,
+    before: DirectionField | None = None,
+) -> DirectionField:
     """The smoothest direction field that follows the wishes.
 
     Parameters
@@ -234,7 +245,7 @@ def known_directions(mesh, symmetry, vectors, wishes):
     return replace(field, correction=correction).flattened(1 - wishes.singularities, known)
 
 
-def given_directions(mesh, symmetry, vectors):
+def given_directions(mesh: TriangleMesh, symmetry: int, vectors: ArrayLike) -> DirectionField:
     """A field from (n, 3) vectors, projected to the tangent planes.
 
     Raises

@@ -9,9 +9,10 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from ..defects import list_defects
+from ..defects import Defect, list_defects
 from ..errors import ContradictionError, SettingError
-from ..interpolate import dislocation_numbers, face_phases
+from ..geometry import TriangleMesh
+from ..interpolate import EdgePhases, face_phases
 from ..problem import SynchronizationProblem, joined_targets
 from ..solve import Solution, solve
 from .calming import check_share
@@ -20,7 +21,7 @@ from .constraints.groups import TOLERANCE, joined_links
 from .constraints.phase_rows import phase_constraints
 from .constraints.rows import GRID
 from .constraints.strips import widened
-from .evenness import evenness
+from .evenness import Evenness, evenness
 from .frames import next_solution
 from .growth import Growth
 from .mirror import LEAN, on_mirror, snapped, split_links, with_loops
@@ -44,37 +45,41 @@ class Pattern:
     phases: np.ndarray
 
     @property
-    def mesh(self):
+    def mesh(self) -> TriangleMesh:
         return self.growth.mesh
 
     @property
-    def energy(self):
+    def energy(self) -> float | None:
         """Of the phases that are shown; None for given ones."""
-        return None if self.problem is None else self.problem.energy(self.phases)
+        if self.problem is None:
+            return None
+        if self.solution is not None and self.phases is self.solution.phases:
+            return self.solution.energy
+        return self.problem.energy(self.phases)
 
-    def showing(self, phases):
+    def showing(self, phases: np.ndarray) -> "Pattern":
         """The pattern with other phases of the same problem: a variation, or with a defect at a chosen place."""
         return replace(self, phases=phases)
 
     @cached_property
-    def edge_phases(self):
+    def edge_phases(self) -> EdgePhases:
         """:class:`EdgePhases`, the phase changes along every edge."""
         return self.growth.edge_phases(self.phases)
 
     @cached_property
-    def evenness(self):
+    def evenness(self) -> Evenness:
         """:class:`Evenness` of the lines, against the spacing that was asked for."""
         return evenness(self.edge_phases, self.growth.asked_rates)
 
     @property
-    def vertex_phases(self):
+    def vertex_phases(self) -> np.ndarray:
         """(n, k) radians."""
         return self.edge_phases.arguments
 
     @property
-    def dislocations(self):
+    def dislocations(self) -> list[Defect]:
         """List of :class:`Defect` with integer index."""
-        numbers, _ = dislocation_numbers(self.edge_phases, self.mesh.triangles)
+        numbers, _ = self.edge_phases.dislocations
         return [
             defect
             for phase, column in enumerate(numbers.T)
@@ -153,7 +158,17 @@ def _posed(mesh, field, spacing, rows, mirrors, branching):
 
 
 def solve_pattern(
-    mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None, before=None, hold=0.0, branching=1.0
+    mesh,
+    field,
+    spacing,
+    rows=(),
+    mirrors=(),
+    options=None,
+    callback=None,
+    before=None,
+    hold=0.0,
+    branching=1.0,
+    show=None,
 ):
     """Solve for a :class:`Pattern`; arguments as :func:`pattern_problem` and :func:`core.solve.solve`.
 
@@ -162,15 +177,21 @@ def solve_pattern(
     before : Pattern on another shape of the mesh along a field in the same sheets, optional: the pattern is then the
         one that descent reaches from there (see :mod:`.frames`)
     hold : how strongly the phases are drawn to those before, per mass and in units of 1 / spacing^2
+    show : callable(Pattern), called with what there is before the end, for a pattern without one before
     """
     growth, problem, loops = _posed(mesh, field, spacing, rows, mirrors, branching)
+
+    def pattern(solution):
+        solution = snapped(problem, solution, loops)
+        return Pattern(growth, problem, solution, solution.phases)
+
     if before is None:
-        solution = solve(problem, options, callback)
+        shows = None if show is None else lambda solution: show(pattern(solution))
+        solution = solve(problem, options, callback, show=shows)
     else:
         weights = hold * growth.masses * (growth.rates.ravel() / (2 * np.pi)) ** 2
         solution = next_solution(problem, before.phases, options, callback, weights)
-    solution = snapped(problem, solution, loops)
-    return Pattern(growth, problem, solution, solution.phases)
+    return pattern(solution)
 
 
 def known_pattern(mesh, field, spacing, phases, rows=(), mirrors=(), branching=1.0):

@@ -4,8 +4,18 @@
 The product of the phases' cosines does not depend on the sheet, and its grid lines are those of a quad mesh.
 """
 
+from collections.abc import Callable, Sequence
+
+from numpy.typing import ArrayLike
+
 from ..errors import SettingError
-from .patterns import pattern_problem, solve_pattern
+from ..geometry.triangle_mesh import TriangleMesh
+from ..monitor import Callback
+from ..solve.solution import Options
+from .constraints.rows import Row
+from .directions import DirectionField
+from .mirror import Mirror
+from .patterns import Pattern, pattern_problem, solve_pattern
 
 
 def quad_problem(mesh, field, spacing, rows=(), mirrors=(), branching=1.0):
@@ -15,11 +25,21 @@ def quad_problem(mesh, field, spacing, rows=(), mirrors=(), branching=1.0):
 
 
 def quad_pattern(
-    mesh, field, spacing, rows=(), mirrors=(), options=None, callback=None, before=None, hold=0.0, branching=1.0
-):
+    mesh: TriangleMesh,
+    field: DirectionField,
+    spacing: ArrayLike,
+    rows: Sequence[Row] = (),
+    mirrors: Sequence[Mirror] = (),
+    options: Options | None = None,
+    callback: Callback | None = None,
+    before: Pattern | None = None,
+    hold: float = 0.0,
+    branching: float = 1.0,
+    show: Callable[[Pattern], object] | None = None,
+) -> Pattern:
     """Quads along a cross field; arguments as :func:`solve_pattern`."""
     _check_symmetry(field)
-    return solve_pattern(mesh, field, spacing, rows, mirrors, options, callback, before, hold, branching)
+    return solve_pattern(mesh, field, spacing, rows, mirrors, options, callback, before, hold, branching, show)
 
 
 def _check_symmetry(field):

@@ -17,7 +17,7 @@ from scipy.ndimage import map_coordinates
 from ..errors import SettingError
 from ..fields.clebsch import edge_integrals
 from ..geometry.grid import Grid, box_grid
-from ..memory import machine_bytes
+from ..memory import at_most, machine_bytes
 from .openvdb import openvdb_module
 
 SUFFIXES = (".vdb", ".npz")
@@ -26,6 +26,8 @@ VELOCITY = "velocity"
 _USUAL = (VELOCITY, "vel", "v")
 # Of a vector in single precision.
 _VOXEL_BYTES = 12
+# What reading a volume may take: so many bytes, and for each byte of its file, which is compressed, so many more.
+_SOUND_BYTES, _SOUND_RATIO = 2**31, 200
 # Volumes so thin, as a share of their width, are flat: their scale is rounded to about as much.
 _FLAT = 1e-6
 # Arrays that say where a file's nodes are: their names, kinds of values, and what those are.
@@ -224,10 +226,15 @@ class VolumeFile:
         if not path.is_file():
             raise SettingError(f"{path}: no such file")
         try:
-            chosen, warnings = _vector_grid(path, vdb.readAllGridMetadata(str(path)), self.attribute)
-            found = vdb.read(str(path), chosen.name)
+            with self._limited():
+                chosen, warnings = _vector_grid(path, vdb.readAllGridMetadata(str(path)), self.attribute)
+                found = vdb.read(str(path), chosen.name)
         except SettingError:
             raise
+        except MemoryError:
+            raise SettingError(
+                f"{path}: reading it takes more memory than a sound file of its size: export it again"
+            ) from None
         except Exception as error:  # the reader's library raises whatever it likes at damaged files
             raise SettingError(f"{path}: {error}: choose an OpenVDB file") from None
         low, high = found.evalActiveVoxelBoundingBox()
@@ -250,11 +257,16 @@ class VolumeFile:
             raise SettingError(f"the volume {self.name} is scaled to nothing along an axis: give it another scale")
         return VoxelFlow(values, np.array(low), to_world, self.matrix[:3, :3], warnings)
 
+    def _limited(self):
+        """Hold the reader to the memory that a sound file can take."""
+        return at_most(_SOUND_BYTES + _SOUND_RATIO * self.path.stat().st_size)
+
     def header(self):
         """Lowest and highest index of the file's grid, and the (4, 4) matrix that takes indices to the file's world,
         without reading any voxel; None where the header does not tell them."""
         try:
-            grids = openvdb_module(self.module).readAllGridMetadata(str(self.path))
+            with self._limited():
+                grids = openvdb_module(self.module).readAllGridMetadata(str(self.path))
             chosen, _ = _vector_grid(self.path, grids, self.attribute)
             low, high = (np.array(chosen[name]) for name in ("file_bbox_min", "file_bbox_max"))
         except Exception:  # as in read(), which says what is wrong

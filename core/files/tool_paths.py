@@ -7,24 +7,25 @@ Closed paths come back to their first point.
 import numpy as np
 
 
-def table_of(lines, layers, points, normals):
-    """Text of a .csv file: layer, path, place and normal of each point.
+def table_of(lines, layers, points, normals, heights, widths):
+    """Text of a .csv file: layer, path, place and normal of each point, the layer's height and the bead's width there.
 
     Parameters
     ----------
     lines : Isolines
     layers : (l,) the layer of each line
     points, normals : (n, 3) of the lines' points
+    heights, widths : (n,) there
     """
-    rows = ["layer,path,x,y,z,nx,ny,nz"]
+    rows = ["layer,path,x,y,z,nx,ny,nz,height,width"]
     for number, (layer, run) in enumerate(zip(layers, _runs(lines), strict=True)):
-        for values in np.hstack([points[run], normals[run]]):
+        for values in np.column_stack([points[run], normals[run], heights[run], widths[run]]):
             rows.append(f"{layer},{number}," + ",".join(f"{value:.9g}" for value in values))
     return "\n".join(rows) + "\n"
 
 
-def polylines_of(lines, layers, points, normals):
-    """Text of an .obj file, an object for each layer; parameters as :func:`table_of`, normals are left out."""
+def polylines_of(lines, layers, points, *_):
+    """Text of an .obj file, an object for each layer; parameters as :func:`table_of`, what has no place is left out."""
     rows, before = [], None
     rows += ["v " + " ".join(f"{value:.9g}" for value in point) for point in points]
     for layer, run in zip(layers, _runs(lines), strict=True):

@@ -5,12 +5,13 @@ import numpy as np
 
 from ..errors import MeshError, name_elements
 from ..gauge import balance
+from .triangle_mesh import TriangleMesh
 
 # A face whose area is below this share of its longest edge squared has no usable plane.
 FLAT_FACE = 1e-12
 
 
-def check_mesh(mesh, faces=None):
+def check_mesh(mesh: TriangleMesh, faces: np.ndarray | None = None) -> None:
     """Raise :class:`MeshError` with one line for the first defect found.
 
     Loose vertices are harmless: they carry no field (see :attr:`TriangleMesh.loose_vertices`).

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..errors import MeshError
 from ..graphs import components
@@ -58,7 +59,7 @@ class TriangleMesh:
         for arrays of another shape, or a triangle of a vertex that is not there
     """
 
-    def __init__(self, vertices, triangles):
+    def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
         self.vertices = _rows_of_three(vertices, np.float64, "vertices are points in space")
         self.triangles = _rows_of_three(triangles, np.int64, "split polygons into triangles")
         outside = ((self.triangles < 0) | (self.triangles >= len(self.vertices))).any(axis=1)
@@ -70,11 +71,11 @@ class TriangleMesh:
             )
 
     @property
-    def vertex_count(self):
+    def vertex_count(self) -> int:
         return len(self.vertices)
 
     @property
-    def triangle_count(self):
+    def triangle_count(self) -> int:
         return len(self.triangles)
 
     # Connectivity
@@ -89,44 +90,47 @@ class TriangleMesh:
         return _HalfEdges(edges, inverse.reshape(-1), tails == low)
 
     @property
-    def edges(self):
+    def edges(self) -> np.ndarray:
         """(e, 2) vertex indices, the lower one first, sorted."""
         return self._half_edges.edges
 
     @property
-    def triangle_edges(self):
+    def triangle_edges(self) -> np.ndarray:
         """(m, 3) edge from corner k to corner k + 1."""
         return self._half_edges.numbers.reshape(-1, 3)
 
     @property
-    def triangle_edge_signs(self):
+    def triangle_edge_signs(self) -> np.ndarray:
         """(m, 3) +1 where the triangle runs along the edge's stored direction, else -1."""
         return np.where(self._half_edges.forward, 1, -1).reshape(-1, 3)
 
+    @cached_property
+    def _edge_keys(self):
+        return self.edges[:, 0] * self.vertex_count + self.edges[:, 1]
+
     def edges_between(self, tails, heads):
         """Indices of the edges that join pairs of vertices, whichever way; the pairs must be edges."""
-        keys = self.edges[:, 0] * self.vertex_count + self.edges[:, 1]
-        return np.searchsorted(keys, np.minimum(tails, heads) * self.vertex_count + np.maximum(tails, heads))
+        return np.searchsorted(self._edge_keys, np.minimum(tails, heads) * self.vertex_count + np.maximum(tails, heads))
 
     @cached_property
-    def edge_face_counts(self):
+    def edge_face_counts(self) -> np.ndarray:
         """(e,) number of triangles at each edge: 1 on the boundary, 2 inside."""
         return np.bincount(self._half_edges.numbers, minlength=len(self.edges))
 
     @property
-    def boundary_edges(self):
+    def boundary_edges(self) -> np.ndarray:
         """Indices of the edges that have one triangle only."""
         return np.flatnonzero(self.edge_face_counts == 1)
 
     @cached_property
-    def boundary_vertices(self):
+    def boundary_vertices(self) -> np.ndarray:
         """(n,) bool."""
         mask = np.zeros(self.vertex_count, bool)
         mask[self.edges[self.boundary_edges]] = True
         return mask
 
     @cached_property
-    def twins(self):
+    def twins(self) -> np.ndarray:
         """(3 m,) the opposite half-edge, -1 on the boundary; needs a manifold mesh."""
         halves = np.argsort(self._half_edges.numbers, kind="stable")
         twins = np.full(3 * self.triangle_count, -1)
@@ -135,29 +139,29 @@ class TriangleMesh:
         return twins
 
     @cached_property
-    def pieces(self):
+    def pieces(self) -> np.ndarray:
         """(n,) label of the connected piece of each vertex."""
         return components(self.vertex_count, self.edges)
 
     @cached_property
-    def loose_vertices(self):
+    def loose_vertices(self) -> np.ndarray:
         """Indices of the vertices without a face; they carry no field."""
         return np.flatnonzero(np.bincount(self.triangles.ravel(), minlength=self.vertex_count) == 0)
 
     @property
-    def euler_characteristic(self):
+    def euler_characteristic(self) -> int:
         """V - E + F over all pieces, loose vertices left out."""
         return self.vertex_count - len(self.loose_vertices) - len(self.edges) + self.triangle_count
 
     # Lengths, angles and areas
 
     @cached_property
-    def edge_vectors(self):
+    def edge_vectors(self) -> np.ndarray:
         """(e, 3) from the lower to the higher vertex."""
         return self.vertices[self.edges[:, 1]] - self.vertices[self.edges[:, 0]]
 
     @cached_property
-    def edge_lengths(self):
+    def edge_lengths(self) -> np.ndarray:
         """(e,)"""
         return np.linalg.norm(self.edge_vectors, axis=1)
 
@@ -171,24 +175,24 @@ class TriangleMesh:
         return dots, np.linalg.norm(np.cross(forward[:, 0], backward[:, 0]), axis=1)[:, None]
 
     @cached_property
-    def corner_angles(self):
+    def corner_angles(self) -> np.ndarray:
         """(m, 3) interior angles, radians."""
         dots, double_areas = self._corner_products
         return np.arctan2(double_areas, dots)
 
     @cached_property
-    def areas(self):
+    def areas(self) -> np.ndarray:
         """(m,)"""
         return 0.5 * self._corner_products[1][:, 0]
 
     @cached_property
-    def face_normals(self):
+    def face_normals(self) -> np.ndarray:
         """(m, 3) unit normals; zero for a triangle without area."""
         a, b, c = np.moveaxis(self.vertices[self.triangles], 1, 0)
         return _normalized(np.cross(b - a, c - a))
 
     @cached_property
-    def dihedral_angles(self):
+    def dihedral_angles(self) -> np.ndarray:
         """(e,) radians between the normals of the two triangles at each edge, positive at ridges; 0 on the boundary."""
         return self.angles_between(self.face_normals)
 
@@ -204,19 +208,19 @@ class TriangleMesh:
         return angles
 
     @cached_property
-    def vertex_normals(self):
+    def vertex_normals(self) -> np.ndarray:
         """(n, 3) unit normals, averaged by corner angle."""
         weighted = (self.corner_angles[:, :, None] * self.face_normals[:, None]).reshape(-1, 3)
         return _normalized(self._sum_at_vertices(weighted))
 
     @cached_property
-    def vertex_masses(self):
+    def vertex_masses(self) -> np.ndarray:
         """(n,) a third of the area around each vertex, positive."""
         masses = self._sum_at_vertices(np.repeat(self.areas / 3, 3))
         return np.maximum(masses, 1e-9 * masses.mean())
 
     @cached_property
-    def weights(self):
+    def weights(self) -> np.ndarray:
         """(e,) cotangent weights (cot a + cot b) / 2, kept within ``WEIGHT_RANGE``."""
         dots, double_areas = self._corner_products
         with np.errstate(over="ignore"):  # of triangles without area within a polygon that has one
@@ -228,7 +232,7 @@ class TriangleMesh:
     # Rescaled tangent planes (Knöppel et al. 2013, Section 3.1)
 
     @cached_property
-    def angle_scales(self):
+    def angle_scales(self) -> np.ndarray:
         """(n,) factor that makes the angles around an interior vertex sum to 2 pi.
 
         Boundary vertices keep their angles, so that a flat domain stays flat up to its rim.
@@ -310,7 +314,7 @@ class TriangleMesh:
         return np.einsum("ij,ij->i", vectors, x) + 1j * np.einsum("ij,ij->i", vectors, y)
 
     @cached_property
-    def face_curvatures(self):
+    def face_curvatures(self) -> np.ndarray:
         """(m,) curvature that the rescaled tangent planes assign to each triangle; sums to 2 pi chi
         on a closed mesh."""
         return self.scaled_angles.sum(axis=1) - np.pi

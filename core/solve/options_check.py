@@ -4,7 +4,7 @@
 import numpy as np
 
 from ..errors import SettingError
-from .solution import DESCENT, METHODS, ROUNDINGS, SMALLEST_GAP, Options, Solution
+from .solution import DESCENT, FIRST, METHODS, ROUNDINGS, SMALLEST_GAP, Options, Solution
 
 
 def check_options(options, problem, start):
@@ -21,7 +21,7 @@ def check_options(options, problem, start):
             raise SettingError(f"{name} is {value!r}: give a number")
     if options.method == DESCENT and start is None:
         raise SettingError("the method 'descent' goes on from a start: give one")
-    if options.method not in (*METHODS, DESCENT):
+    if options.method not in (*METHODS, DESCENT, FIRST):
         raise SettingError(f"method {options.method!r} is unknown: use one of {', '.join(METHODS)}")
     if options.rounding not in ROUNDINGS:
         raise SettingError(f"rounding {options.rounding!r} is unknown: use one of {', '.join(ROUNDINGS)}")

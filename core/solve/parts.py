@@ -91,7 +91,8 @@ def combine(problem, results, options, times):
             field = result.fields[:, min(number, result.fields.shape[1] - 1)]
             coordinates[result.rows] = field.reshape(len(result.rows), *coordinates.shape[1:])
         variations.append(problem.expand(coordinates))
-    is_sdp = options.method == "sdp"
+    # Of what is shown before the end, a part may have no relaxation yet.
+    is_sdp = options.method == "sdp" and all(r.lifted is not None for r in results)
     largest = max(results, key=attrgetter("node_count"), default=None)
     bound, sdp_value = (sum(getattr(r, name) for r in results) for name in ("bound", "sdp_value"))
     return Solution(

@@ -135,7 +135,7 @@ def _best_of(stage, make, total, count, monitor):
     return making(np.argsort(values, kind="stable")[:count], lambda columns: columns)
 
 
-def _best(stage, columns, count):
+def lowest(stage, columns, count):
     """The ``count`` columns of least energy, one at least, best first."""
     order = np.argsort(energies(stage, columns), kind="stable")
     return np.take(columns, order[: max(count, 1)], axis=1)
@@ -158,7 +158,7 @@ def energies(stage, columns):
 
 def distinct_columns(stage, columns):
     """Columns sorted by energy, best first, without those that agree with a better one but for a turn of the whole."""
-    columns = _best(stage, columns, columns.shape[1])
+    columns = lowest(stage, columns, columns.shape[1])
     agreement = stage.candidates.agreements(columns) / stage.node_count
     kept: list[int] = []
     for number in range(columns.shape[1]):
@@ -171,7 +171,7 @@ def polish(stage, columns, metric, monitor, steps=LONG_STEPS):
     """Descend on the unrelaxed problem from each column; returns columns sorted by energy, best first."""
     columns = columns.astype(stage.matrix.dtype)
     if stage.flips is not None:
-        return _best(stage, stage.flips.descended(columns), columns.shape[1])
+        return lowest(stage, stage.flips.descended(columns), columns.shape[1])
     descent = descend(stage.matrix, stage.candidates, columns, metric, TOLERANCE, steps, monitor)
     return np.take(descent.point, np.argsort(descent.values, kind="stable"), axis=1)
 
@@ -226,7 +226,7 @@ def continuation(stage, lifted, samples, density, random, monitor, calmed=None, 
     except OutOfTime:
         if search.found.shape[1] == 0:
             raise
-        return _best(stage, search.found, search.found.shape[1]), True
+        return lowest(stage, search.found, search.found.shape[1]), True
     return distinct_columns(stage, found), False
 
 
@@ -244,7 +244,7 @@ class _Search:
         self._random, self._monitor = random, monitor
         self.found = np.empty((stage.matrix.shape[0] * stage.width, 0), stage.matrix.dtype)
         self.metric = monitor.during(partial(stage.candidate_metric, CANDIDATE_SHIFT * density))
-        self._diffusion = monitor.during(partial(list, _metrics(stage, TIMES, density)))
+        self._diffusion = monitor.during(partial(list, metrics(stage, TIMES, density)))
         self._smoothing = monitor.during(partial(stage.smoothing, density / CROSSING_TIME))
 
     def on(self, stage, lifted, tries, fractions):
@@ -263,7 +263,7 @@ class _Search:
         for round_number in range(1 + tries.rounds):
             self.found = distinct_columns(stage, np.hstack([self.found, carried]))[:, : tries.kept]
             value = energies(stage, self.found[:, :1])[0]
-            monitor.found(float(energies(self._asked, self.found[:, :1])[0]))
+            monitor.found(float(energies(self._asked, self.found[:, :1])[0]), self.found[:, :1])
             monitor.at("continuation", float(np.interp(1 + round_number, (0, 1 + tries.rounds), fractions)))
             settled = round_number >= FEWEST_ROUNDS and value > (1 - GAIN) * best
             if self.found.shape[1] == 1 or settled or round_number == tries.rounds:
@@ -288,7 +288,7 @@ class _Search:
         """Projections at random that have been through the slower fall."""
         drawn = directions[:, directions.shape[1] - tries.drawn :]
         fields = projections(stage, lifted, drawn, tries.drawn, self._monitor) if tries.drawn else self.found[:, :0]
-        return diffuse(stage, fields, _metrics(stage, LONG_TIMES, self._density), 1, self._monitor)
+        return diffuse(stage, fields, metrics(stage, LONG_TIMES, self._density), 1, self._monitor)
 
     def _carried(self, stage, seeds, diffusion=None):
         """The better part of the seeds after diffusion, carried on by some steps of descent."""
@@ -298,7 +298,7 @@ class _Search:
             return diffuse(stage, batch, diffusion, 1, batch_monitor)
 
         settled = _in_batches(stage, settle, seeds, self._monitor)
-        return self._descended(stage, _best(stage, settled, round(DESCENDING * seeds.shape[1])))
+        return self._descended(stage, lowest(stage, settled, round(DESCENDING * seeds.shape[1])))
 
     def _descended(self, stage, columns):
         """Columns after a short descent each."""
@@ -315,7 +315,7 @@ def _effort(size):
     return min(effort, max(LARGE_SIZE / size, 1.0))
 
 
-def _metrics(stage, times, density):
+def metrics(stage, times, density):
     """The stage's metrics for times in units of 1 / density, the first and those that reach past the next node.
 
     In shorter ones hardly anything moves: diffusion is pinned to the nodes.

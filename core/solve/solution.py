@@ -10,6 +10,7 @@ import numpy as np
 
 METHODS = ("sdp", "spectral", "diffusion")
 DESCENT = "descent"
+FIRST = "first"
 ROUNDINGS = ("continuation", "polish", "random", "svd")
 # The smallest target gap: it was reached on all meshes that were tried, 1e-8 on three of four problems.
 SMALLEST_GAP = 1e-6
@@ -66,7 +67,7 @@ class Options:
     ----------
     method : "sdp", the default, relaxes, certifies and rounds; "spectral" takes the smallest eigenvector and
         "diffusion" the best of some starts of threshold dynamics, both with the weaker bound of Eq. (23); "descent"
-        only goes on from a start, without a bound
+        only goes on from a start, and "first" gives the first field that is shown, both without a bound
     rounding : how the lifted field of "sdp" becomes phases: "svd"; "random", the best of ``samples``
         projections (Eq. 29); "polish", the best of those followed by descent; "continuation", the default,
         with rounds of a seeded continuation before
@@ -133,12 +134,12 @@ class Solution:
                 object.__setattr__(self, name, min(bound, self.energy))
 
     @property
-    def gap(self):
+    def gap(self) -> float:
         """(energy - lower bound) / energy: at most this share of the energy could be saved."""
         return relative_gap(self.energy, self.lower_bound, self.noise)
 
     @property
-    def sdp_gap(self):
+    def sdp_gap(self) -> float | None:
         """(sdp value - lower bound) / sdp value, None without a relaxation."""
         return None if self.sdp_value is None else relative_gap(self.sdp_value, self.lower_bound, self.noise)
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Solve a synchronization problem piece by piece: relax, certify, round, polish."""
 
+import time
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property, partial
 
@@ -9,17 +11,19 @@ import numpy as np
 from ..algebra.metric import SMALLEST_SHIFT
 from ..algebra.workers import solving
 from ..memory import check_memory
-from ..monitor import Monitor, OutOfTime
+from ..monitor import Callback, Monitor, OutOfTime
+from ..problem import SynchronizationProblem
 from . import rounding
 from .diffusion import diffuse
+from .first import first_field
 from .footprint import connection_bytes
 from .options_check import check_options
 from .parts import PartResult, Start, combine
-from .solution import DESCENT, Certificate, Clock, Options, Status, relative_gap
+from .solution import DESCENT, FIRST, Certificate, Clock, Options, Solution, Status, relative_gap
 from .spectral import smallest_eigenpair
 from .spheres import fields_of, random_columns
 from .stage import Workspace
-from .staircase import MAX_RANK, relax
+from .staircase import MAX_RANK, relax, start_rank
 from .together import solve_together
 
 DIFFUSION_STARTS = 8
@@ -29,9 +33,17 @@ DIFFUSION_STEPS = 30
 CALM_SHARE = 0.1
 # A rounded relaxation whose gap is at most this is taken for an exact recovery, which descent completes.
 NEARLY_TIGHT = 0.05
+# How many times as long as a first field a bound takes, about (measured in bench/README.md).
+PROOF_IN_FIRSTS = 4.0
 
 
-def solve(problem, options=None, callback=None, start=None):
+def solve(
+    problem: SynchronizationProblem,
+    options: Options | None = None,
+    callback: Callback | None = None,
+    start: Solution | None = None,
+    show: Callable[[Solution], object] | None = None,
+) -> Solution:
     """Find phases of low energy together with a lower bound.
 
     Parameters
@@ -44,6 +56,9 @@ def solve(problem, options=None, callback=None, start=None):
         The result is then the local optimum that descent reaches from them, so that it stays near: the next frame
         of an animation, a changed spacing, one more constraint. A Solution may be given as well, whose
         lifted field then starts the relaxation. With the rounding "svd" or "random" only that counts.
+    show : callable(Solution), optional
+        Called before the end with what there is: a first field after a small part of the time, the same when its bound
+        is known, and then each better one. What is returned is the same without it. For the method "sdp".
 
     Returns
     -------
@@ -59,10 +74,10 @@ def solve(problem, options=None, callback=None, start=None):
     options = Options() if options is None else options
     check_options(options, problem, start)
     with solving():
-        return _solve(problem, options, callback, start)
+        return _solve(problem, options, callback, start, show if options.method == "sdp" else None)
 
 
-def _solve(problem, options, callback, start):
+def _solve(problem, options, callback, start, show):
     clock = Clock()
     monitor = Monitor(callback, options.time_limit)
     if options.method == "sdp":
@@ -76,13 +91,67 @@ def _solve(problem, options, callback, start):
         results, left = solve_together(problem, options, monitor, clock, begin)
     done = 1 - pieces.sizes[left].sum() / work
     calmed = _Calmed(problem)
+    watches = {} if show is None else _watched(problem, options, monitor, clock, begin, results, left, show)
     for number in left:
         share = pieces.sizes[number] / work
         piece = pieces[number]
         calm = partial(calmed.matrix, number)
-        results.append(_solve_piece(piece, options, monitor.portion(done, share), clock, begin.on(piece), calm))
+        part = monitor.portion(done, share)
+        watch = watches.get(number)
+        results.append(_solve_piece(piece, options, part, clock, begin.on(piece), calm, watch))
         done += share
     return combine(problem, results, options, clock.seconds)
+
+
+def _watched(problem, options, monitor, clock, begin, results, left, show):
+    """Show a first field, and later each better one; returns the :class:`_Watch` of each piece that is left."""
+    done = tuple(results)
+    watches: dict[int, _Watch] = {}
+
+    def tell():
+        parts = [watch.part for watch in watches.values()]
+        show(combine(problem, [*done, *parts], options, clock.seconds.copy()))
+
+    for number in left:
+        piece, start = problem.pieces[number], time.perf_counter()
+        first = replace(options, method=FIRST)
+        part = _solve_piece(piece, first, monitor.portion(0.0, 0.0), clock, begin.on(piece), None, None)
+        watches[number] = _Watch(part, tell, PROOF_IN_FIRSTS * (time.perf_counter() - start))
+    if len(left):
+        tell()
+    return watches
+
+
+class _Watch:
+    """What is shown of a piece before its end.
+
+    Attributes
+    ----------
+    part : PartResult that is shown, at the piece's own scale
+    proof_in : seconds after which a bound may be expected
+    """
+
+    def __init__(self, part, tell, proof_in):
+        self.part, self.proof_in, self._tell = part, proof_in, tell
+        self._piece, self._weight, self._energy = None, 1.0, np.inf
+
+    def on(self, piece, weight):
+        """The solve begins, on the scaled piece."""
+        self._piece, self._weight = piece, weight
+        self._energy = float(piece.energy(self.part.fields)[0])
+
+    def proved(self, **quality):
+        """There is a bound."""
+        self.part = _rescaled(_finished(self._piece, self.part.fields, **quality), self._weight)
+        self._tell()
+
+    def found(self, energy, column):
+        """There is a field, (N * width, 1), of an energy."""
+        if energy < self._energy:
+            self._energy = energy
+            fields = _finished(self._piece, column).fields
+            self.part = replace(self.part, fields=fields)
+            self._tell()
 
 
 def _check_memory(problem):
@@ -112,16 +181,23 @@ class _Calmed:
         return None if self._pieces is None else self._pieces[number].matrix / weight
 
 
-def _solve_piece(piece, options, monitor, clock, start, calm):
+def _solve_piece(piece, options, monitor, clock, start, calm, watch):
     """Solve a piece scaled to a mean diagonal and a mean mass of 1, so that single precision holds all of it."""
     if piece.total_weight == 0:  # nothing is asked
         status = Status.CERTIFIED if options.method == "sdp" else Status.UNCERTIFIED
         return _without_search(piece, options, status, start)
     scaled, weight = piece.scaled()
+    if watch is not None:
+        watch.on(scaled, weight)
     try:
-        result = _solve_by_method(scaled, options, monitor, clock, start, partial(calm, weight))
+        by_weight = None if calm is None else partial(calm, weight)
+        result = _solve_by_method(scaled, options, monitor, clock, start, by_weight, watch)
     except OutOfTime:
         result = _without_search(scaled, options, Status.TIME_LIMIT, start)
+    return _rescaled(result, weight)
+
+
+def _rescaled(result, weight):
     return replace(
         result,
         bound=weight * result.bound,
@@ -147,7 +223,7 @@ def _without_search(piece, options, status, start):
     )
 
 
-def _solve_by_method(piece, options, monitor, clock, start, calm):
+def _solve_by_method(piece, options, monitor, clock, start, calm, watch):
     if options.method == "spectral":
         return _solve_spectral(piece, options, monitor, clock)
     with clock("relax"):
@@ -157,7 +233,9 @@ def _solve_by_method(piece, options, monitor, clock, start, calm):
         return _solve_diffusion(workspace, options, monitor, clock)
     if options.method == DESCENT:
         return _solve_descent(workspace, monitor, clock, start.column)
-    return _solve_sdp(workspace, options, monitor, clock, start, calm)
+    if options.method == FIRST:
+        return _solve_first(workspace, options, monitor, clock)
+    return _solve_sdp(workspace, options, monitor, clock, start, calm, watch)
 
 
 def _finished(piece, columns, **quality):
@@ -213,31 +291,42 @@ def _solve_descent(workspace, monitor, clock, start):
     return _finished(piece, column, certificate=Certificate.NONE, status=Status.UNCERTIFIED)
 
 
-def _solve_sdp(workspace, options, monitor, clock, start, calm):
+def _solve_first(workspace, options, monitor, clock):
+    """The first field that is shown."""
+    with clock("first"):
+        monitor.at("first field", 0.0)
+        rank = start_rank(workspace.piece, True, options.target_gap)
+        column = first_field(workspace, rank, options.seed, monitor)
+    return _finished(workspace.piece, column, certificate=Certificate.NONE, status=Status.UNCERTIFIED)
+
+
+def _solve_sdp(workspace, options, monitor, clock, start, calm, watch):
+    monitor.expect(0.0 if watch is None else watch.proof_in)
     monitor.at("relaxation", 0.0)
     piece = workspace.piece
     relaxation = relax(workspace, options.target_gap, options.seed, monitor, clock, start.lifted)
-    monitor.bound = relaxation.lower_bound
+    monitor.proved(relaxation.lower_bound)
+    if relaxation.reached:
+        status = Status.CERTIFIED if relaxation.certificate is Certificate.PROVED else Status.ESTIMATED
+    else:
+        status = Status.MAX_RANK if relaxation.lifted.shape[1] >= MAX_RANK else Status.TARGET_GAP_NOT_REACHED
+    quality = {
+        "bound": relaxation.lower_bound,
+        "sdp_value": relaxation.value,
+        "certificate": relaxation.certificate,
+        "lifted": relaxation.lifted,
+        "singular_values": relaxation.singular_values,
+        "iterations": relaxation.steps,
+        "products": relaxation.products,
+    }
+    if watch is not None:
+        watch.proved(status=status, **quality)
+        monitor.on_found = watch.found
     with clock("round"):
         columns, timed_out = _round(workspace, relaxation, options, monitor, start.column, calm)
     if relaxation.out_of_time or timed_out:
         status = Status.TIME_LIMIT
-    elif relaxation.reached:
-        status = Status.CERTIFIED if relaxation.certificate is Certificate.PROVED else Status.ESTIMATED
-    else:
-        status = Status.MAX_RANK if relaxation.lifted.shape[1] >= MAX_RANK else Status.TARGET_GAP_NOT_REACHED
-    result = _finished(
-        piece,
-        columns,
-        bound=relaxation.lower_bound,
-        sdp_value=relaxation.value,
-        certificate=relaxation.certificate,
-        status=status,
-        lifted=relaxation.lifted,
-        singular_values=relaxation.singular_values,
-        iterations=relaxation.steps,
-        products=relaxation.products,
-    )
+    result = _finished(piece, columns, status=status, **quality)
     # Phases of less energy, which a tight relaxation may round to, are a better point of it.
     return replace(result, sdp_value=min(relaxation.value, float(piece.energy(result.fields[:, :1])[0])))
 

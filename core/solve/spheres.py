@@ -188,6 +188,21 @@ class Circles(_Fields):
 
 
 @dataclass(frozen=True)
+class CirclesByFields(Circles):
+    """Circles that descend in the metric of fields: it fits less well than that of turns, but is there already."""
+
+    def precondition(self, vector, metric, point):
+        """The inverse metric applied to the fields' velocities, and their angles per unit of time."""
+        cosine, sine = self._pair(point)
+        if self.block == 1:
+            along = metric.precondition(1j * point * vector)
+        else:
+            along = metric.precondition(np.stack([-sine * vector, cosine * vector], axis=1).reshape(point.shape))
+        x, y = self._pair(along)
+        return cosine * y - sine * x
+
+
+@dataclass(frozen=True)
 class Columns(_Fields):
     """Fields of unit vectors in R^d, d = block, or of frames; tangent vectors are rows like the points."""
 

@@ -25,7 +25,7 @@ class Stage:
     ----------
     matrix : SharedRows, single precision
     row_mass : (N,)
-    block, is_complex, width : as in Piece
+    block, is_complex, is_circle, width : as in Piece
     lifted, candidates : the spheres of a lifted field, and of fields in columns
     stiffness : mean diagonal of the matrix per mass
     """
@@ -37,7 +37,7 @@ class Stage:
         self.matrix = SharedRows(self._level.matrix)
         self.row_mass = self._level.row_mass
         self.stiffness = float(self._level.matrix.diagonal().real.sum() / self.row_mass.sum())
-        self.block, self.is_complex, self._is_circle = piece.block, piece.is_complex, piece.is_circle
+        self.block, self.is_complex, self.is_circle = piece.block, piece.is_complex, piece.is_circle
         self.width = piece.width
         self.lifted = Lifted(piece.block, piece.width)
         self.candidates = fields_of(piece)
@@ -107,7 +107,7 @@ class Stage:
 
     def candidate_metric(self, shift):
         """The metric in which candidates descend: of turns on the circle, otherwise of vectors."""
-        if not self._is_circle:
+        if not self.is_circle:
             return self.metric(shift)
         return definite_metric(self._turning_hierarchy, max(shift, self._smallest_shift))
 

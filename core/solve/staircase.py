@@ -16,13 +16,14 @@ from ..algebra.metric import Metric
 from ..monitor import OutOfTime
 from .certificate import depth_for_bound, lower_bound, measure_slack, provable_width, prove
 from .descent import descend, rounding_noise
+from .first import coarse_field
 from .solution import Certificate
-from .spheres import principal, random_columns
-from .stage import LIFTED_SHIFT
+from .spheres import principal
 
 # What was measured of the numbers here: products L Y to gaps of 1e-2 and 1e-3 with one of them halved or doubled,
 # geometric means over n = 1, n = 4 and stripes on spot and cheburashka (3k and 7k vertices). With other values of
-# FIRST_SHIFT, FALL_WITH_SIZE, TIGHTENING, SMALLEST_START and COARSE_TOLERANCE they change by less than 5 %.
+# FALL_WITH_SIZE and TIGHTENING, and of FIRST_SHIFT, SMALLEST_START and COARSE_TOLERANCE in :mod:`.first`, they change
+# by less than 5 %.
 
 # Columns at the start: of complex rows (True), and of real ones, which hold half as much. With half of them 15 % fewer
 # products, but up to 4 times as many on one of the twelve, and more time for directions; with twice as many, 2 times.
@@ -33,8 +34,6 @@ MORE_COLUMNS, SMALL_GAP = 4 / 3, 5e-3
 MAX_RANK = 24
 # Descents, each asked for a bound where it ends, and steps of one at most.
 ATTEMPTS, DESCENT_STEPS = 12, 300
-# The shift of the metric that finds the first smooth point, as a share of the stiffness.
-FIRST_SHIFT = 1e-3
 # Predicted relative decrease at which the first descent ends, as a share of the target gap to the power 3/2:
 # the multipliers, and with them the bound, are off by the root of what the energy is off by. Where no factorization
 # proves (False), more digits at first are cheaper than a second search for negative directions. Halved, 22 % more
@@ -51,9 +50,6 @@ AIMED_AT = 0.95
 WEAKEST_GAP = 0.5
 # Lengths at which new columns are tried, whose largest entries are 1.
 CLIMBS = 2.0 ** -np.arange(10)
-# Nodes of the smallest stage that is solved on the way, and the tolerance of descents on coarser stages.
-SMALLEST_START = 300
-COARSE_TOLERANCE = 3e-3
 
 
 @dataclass(frozen=True)
@@ -270,37 +266,12 @@ def start_rank(piece, provable, target_gap):
 
 
 def _coarse_start(workspace, rank, random, monitor):
-    """A smooth lifted field, solved for on the coarser stages one after the other."""
-    piece = workspace.piece
-    stages = [workspace.stages[0]]
-    point = random_columns(piece, rank, random)
-    for stage in workspace.stages[1:]:
-        if stage.node_count < SMALLEST_START:
-            break
-        stages.append(stage)
-        point = stage.restrict(point)
-    stage = stages[-1]
-    point = _smooth(piece, stage, stage.lifted.normalize(point.astype(stage.matrix.dtype)))
-    for stage, finer in zip(stages[:0:-1], stages[-2::-1], strict=True):
-        metric = monitor.during(partial(stage.metric, stage.shift_at(point)))
-        point = descend(stage.matrix, stage.lifted, point, metric, COARSE_TOLERANCE, DESCENT_STEPS, monitor).point
-        point = finer.lifted.normalize(stage.prolong(point))
+    """(N, rank) smooth lifted field on the finest stage."""
+    stage, point = coarse_field(workspace, rank, random, monitor, DESCENT_STEPS)
+    finest = workspace.stages[0]
+    if stage is not finest:
+        point = finest.lifted.normalize(stage.prolong(point))
     return point.astype(workspace.matrix.dtype)
-
-
-def _smooth(piece, stage, point):
-    """A smooth field from a rough one.
-
-    The shift has to be small against the energy per mass, which only the smooth field tells: a first metric
-    with a guessed shift finds it.
-    """
-    density = FIRST_SHIFT * piece.stiffness / LIFTED_SHIFT
-    for _ in range(2):
-        metric = stage.metric(LIFTED_SHIFT * density)
-        for _ in range(2):
-            point = stage.lifted.normalize(metric.solve(point))
-        density = stage.density(point)
-    return point
 
 
 def _descents(workspace, point, metric, tolerance, precise, memory, monitor):

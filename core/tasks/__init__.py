@@ -8,7 +8,8 @@ Both can be pickled, so that a process of its own may do the work (:mod:`..worke
 ``progress`` is a callable(stage, fraction) or None; a false answer other than None cancels with
 :class:`..errors.Cancelled`. What the work should tell the user is in the result's ``warnings``, and how long its parts
 took, by their names, in its ``seconds``. ``request.shared`` are objects that the result holds, too: they need not
-travel back. A request that has ``solve_early(progress)`` gives a first, rough result of the same kind.
+travel back. A request that has ``solve_showing(show, progress)`` also gives results of the same kind on the way, by
+calls of ``show``, and the pictures of them that a window draws, by ``picture(result)``.
 """
 
 import importlib

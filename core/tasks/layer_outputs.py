@@ -2,25 +2,24 @@
 """What is made of solved layers: paths for a tool, and a grid of the pattern."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ..errors import SettingError, shown
 from ..extract.defect_curves import DefectCurve
-from ..extract.isolines import Isolines
 from ..extract.layer_surfaces import LayerSurfaces
-from ..extract.toolpaths import rim_distances, toolpaths
 from ..extract.voxels import points_inside
 from ..fields.layers import LayerPattern
 from ..geometry.tet_mesh import TetMesh
 from ..interpolate_solid import TetPhases, evaluate_in_tets
 from ..keywords import check_choice, taken
 from ..monitor import Monitor
+from ..printing.beads import contour_beads, plane_beads
+from ..printing.machine import Machine
+from ..printing.plan import PrintPlan, print_plan
 
 FILLS = ("contour", "across-x", "across-y", "across-z")
-# Points of a path closer than this are one, in steps.
-_SAME = 1e-4
 # A microsecond and four bytes each.
 MOST_VOXELS = 50_000_000
 # Outside of the solid; half way between layers inside.
@@ -34,12 +33,14 @@ class PathSettings:
     Attributes
     ----------
     step : distance between two, in scene units; None for the mean spacing of the layers
-    fill : "contour", one inside the other from the rim inwards, the first half a step from it; or in planes across
-        an axis of the object, a step apart, "across-x" ...
+    fill : "contour", one inside the other from the rim inwards, the first half a step from it, and along the middle
+        of what they leave; or in planes across an axis of the object, a step apart, "across-x" ...
+    machine : Machine that prints them
     """
 
     step: float | None = None
     fill: str = "contour"
+    machine: Machine = field(default_factory=Machine)
 
     def __post_init__(self):
         taken("fill", str, self.fill)
@@ -74,7 +75,8 @@ class Layering:
     def paths(self, settings):
         """The :class:`PathsRequest` of :class:`PathSettings`."""
         step = self.pattern.spacings.mean if settings.step is None else settings.step
-        return PathsRequest(self.surfaces, float(step), settings.fill)
+        spacing = float(self.pattern.spacings.mean)
+        return PathsRequest(self.surfaces, self.solid, self.matrix, float(step), spacing, settings)
 
     def voxels(self, resolution):
         """The :class:`VoxelsRequest` of so many voxels along the longest side; too many in all are refused."""
@@ -88,12 +90,19 @@ class PathsRequest:
     Attributes
     ----------
     surfaces : LayerSurfaces
-    step, fill : see :class:`PathSettings`
+    solid : TetMesh
+    matrix : (4, 4) from the solid's space to the world
+    step : between paths, in scene units
+    spacing : mean distance of the layers
+    settings : PathSettings
     """
 
     surfaces: LayerSurfaces
+    solid: TetMesh
+    matrix: np.ndarray
     step: float
-    fill: str
+    spacing: float
+    settings: PathSettings
 
     @property
     def shared(self):
@@ -101,7 +110,7 @@ class PathsRequest:
         return (self.surfaces.mesh,)
 
     def solve(self, progress=None):
-        """The :class:`Paths`.
+        """The :class:`PrintPlan`.
 
         Raises
         ------
@@ -112,33 +121,21 @@ class PathsRequest:
         """
         monitor = Monitor(progress)
         monitor.at("tool paths", 0.0)
-        lines, layers = monitor.during(lambda: toolpaths(self.surfaces, self._values, self.step))
-        if len(lines.sizes) == 0:
+        beads = monitor.during(self._beads)
+        if len(beads.lines.sizes) == 0:
             raise SettingError(f"no path of the step {self.step:g} fits on a layer: reduce it")
-        length = float(lines.lengths.sum())
-        return Paths(lines.without_repeats(_SAME * self.step), layers, length)
+        monitor.at("order and reach", 0.5)
+        return monitor.during(lambda: self._planned(beads))
 
-    @property
-    def _values(self):
-        if self.fill == "contour":
-            return rim_distances(self.surfaces) - self.step / 2
-        return self.surfaces.vertices[:, "xyz".index(self.fill[-1])]
+    def _beads(self):
+        fill = self.settings.fill
+        if fill == "contour":
+            return contour_beads(self.surfaces, self.step)
+        return plane_beads(self.surfaces, self.surfaces.vertices[:, "xyz".index(fill[-1])], self.step)
 
-
-@dataclass(frozen=True)
-class Paths:
-    """Paths of a tool.
-
-    Attributes
-    ----------
-    lines : Isolines over the triangles of the layers
-    layers : (l,) the layer of each line, ascending
-    length : of all
-    """
-
-    lines: Isolines
-    layers: np.ndarray
-    length: float
+    def _planned(self, beads) -> PrintPlan:
+        machine = self.settings.machine
+        return print_plan(self.surfaces, self.solid, beads, self.matrix, machine, self.step, self.spacing)
 
 
 @dataclass(frozen=True)

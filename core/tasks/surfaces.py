@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import ContradictionError, SettingError
+from ..extract.drawn_phases import drawn_phases
 from ..extract.quad_mesh import QuadMesh, quad_mesh
 from ..extract.quad_smoothing import smoothed
 from ..fields import (
@@ -29,13 +30,17 @@ from ..fields.patterns import known_pattern
 from ..geometry.mesh_input import MeshInput
 from ..monitor import Monitor, portion
 from ..solve import Options
-from ..solve.solution import Clock
+from ..solve.solution import FIRST, Clock
 from .quad_meshes import solved_mesh
 
 # What a command solves along its directions; "directions" stops before.
-PATTERNS = {"stripes": stripe_pattern, "quads": quad_pattern, "quad_mesh": quad_pattern}
-# Vertices from which on a first, spectral result is worth its time, a fifth to a third of all.
-EARLY_FROM = 20_000
+PATTERNS: dict[str, Callable[..., Pattern]] = {
+    "stripes": stripe_pattern,
+    "quads": quad_pattern,
+    "quad_mesh": quad_pattern,
+}
+# Of these there are pictures on the way.
+SHOWN = ("stripes", "quads")
 
 
 @dataclass(frozen=True)
@@ -132,21 +137,25 @@ class SurfaceRequest:
             return solved_mesh(self, progress)
         return self.along(self.directed(portion(progress, 0.0, 0.4)), portion(progress, 0.4, 0.55))
 
-    def solve_early(self, progress=None):
-        """The :class:`Picture` of a first pattern by one eigenvector each; errors as :meth:`solve`.
+    def solve_showing(self, show, progress=None):
+        """What :meth:`solve` gives, and what there is on the way; errors as there.
 
-        None where no pattern is shown, and for a mesh whose solve does not take long.
+        ``show(result)`` is called with a first :class:`SurfaceResult` after a small part of the time, and then with
+        each one that is better or whose bound is known; for stripes and quads by the default method.
         """
-        if self.command not in ("stripes", "quads") or self.given.mesh.vertex_count < EARLY_FROM:
-            return None
-        found = replace(self, options=replace(self.options, method="spectral")).solve(progress)
+        if self.command not in SHOWN or self.options.method != "sdp":
+            return self.solve(progress)
+        quick = replace(self, options=replace(self.options, method=FIRST))
+        show(quick.solve(portion(progress, 0.0, 0.05)))
+        directions = self.directed(portion(progress, 0.05, 0.35))
+        return self.along(directions, portion(progress, 0.4, 0.55), show=show)
+
+    def picture(self, result):
+        """The :class:`Picture` of a result with a pattern."""
         polygons, inverse = self.given.polygons, np.linalg.inv(self.given.stretch)
-        places = (self.given.mesh.vertices @ inverse.T)[polygons.triangles]
-        corners = polygons.triangle_corners.ravel()
-        phases = np.zeros((len(corners), 2), np.float32)
-        for number, phase in enumerate(found.pattern.on_faces(polygons)):
-            phases[:, number] = phase.corner_phase[corners]
-        return Picture(places.reshape(-1, 3).astype(np.float32), phases)
+        vertices = self.given.mesh.vertices @ inverse.T
+        places, phases = drawn_phases(result.pattern.on_faces(polygons), polygons, vertices)
+        return Picture(places, phases, self.command == "quads")
 
     def directed(self, progress=None, before=None):
         """The :class:`DirectionField`, turned by its angle; from the one of the frame before, if there is one."""
@@ -158,11 +167,19 @@ class SurfaceRequest:
             wishes = DirectionWishes(guides, self.rows, self.mirrors, self.singularities)
             return direction_field(mesh, symmetry, wishes, self.options, progress, before).turned(self.turn)
 
-    def along(self, directions, progress=None, before=None, hold=0.0):
-        """The :class:`SurfaceResult` of the pattern along a field; from that of the frame before, if there is one."""
+    def along(self, directions, progress=None, before=None, hold=0.0, show=None):
+        """The :class:`SurfaceResult` of the pattern along a field; from that of the frame before, if there is one.
+
+        ``show`` as of :meth:`solve_showing`.
+        """
         growth = Growth.of(self.given.mesh, directions, self.spacings)
         # What the map asks for is seen before the stripes are there.
         Monitor(progress).at(f"pattern, {growth.forced_dislocations:.0f} dislocations asked for", 0.0)
+        warnings = self._judged(growth.coarse_share)
+
+        def result(pattern):
+            return SurfaceResult(directions, pattern, None, growth.forced_dislocations, warnings)
+
         with self._own_vertices():
             pattern = PATTERNS[self.command](
                 self.given.mesh,
@@ -175,9 +192,9 @@ class SurfaceRequest:
                 before=before,
                 hold=hold,
                 branching=self.branching,
+                show=None if show is None else lambda pattern: show(result(pattern)),
             )
-        warnings = self._judged(growth.coarse_share)
-        return SurfaceResult(directions, pattern, None, growth.forced_dislocations, warnings)
+        return result(pattern)
 
     def known(self, vectors, phases):
         """The DirectionField and the Pattern of (n, 3) directions and (k n,) complex phases that were solved for."""
@@ -223,10 +240,12 @@ class Picture:
     ----------
     places : (3 t, 3) float32 corners of the triangles one after the other, in the object's space
     phases : (3 t, 2) float32 radians there; of stripes the second is 0
+    of_quads : whether there are two
     """
 
     places: np.ndarray
     phases: np.ndarray
+    of_quads: bool
 
 
 @dataclass(frozen=True)

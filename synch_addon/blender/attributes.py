@@ -5,8 +5,8 @@ import numpy as np
 
 from ...core.errors import SettingError
 from .groups import is_group, read_weights
-from .schema import PREFIX, TYPES, layout_of
-from .transaction import undone_by
+from .schema import FORMAT, PREFIX, STAMP, TYPES, layout_of
+from .transaction import store, undone_by
 
 # Attributes that mark edges.
 MARKS = {"seams": "uv_seam", "sharp": "sharp_edge", "creases": "crease_edge"}
@@ -115,6 +115,8 @@ def write_attribute(obj, name, domain, data_type, values):
     values = _fitting(name, domain, data_type, attributes.domain_size(domain), np.asarray(values))
     _keep(obj, name)
     _put(attributes, name, domain, data_type, values)
+    if name.startswith(PREFIX) and obj.data.get(STAMP) != FORMAT:
+        store(obj.data, STAMP, FORMAT)
 
 
 def _put(attributes, name, domain, data_type, values):

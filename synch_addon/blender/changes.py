@@ -1,21 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which state meshes are in, for what is computed from them at a redraw and kept until they change."""
+"""Which state meshes and objects are in, for what is computed from them at a redraw and kept until they change."""
 
 import bpy
 from bpy.app.handlers import depsgraph_update_post, load_post, persistent, redo_post, undo_post
 
 
 class _Changes:
-    """How often each mesh has changed, as far as Blender has told; undo and redo may change any."""
+    """How often each mesh, and the shape of each object as its modifiers leave it, has changed, as far as Blender has
+    told; undo and redo may change any."""
 
     def __init__(self):
         self._counts, self._steps = {}, 0
         self._handlers = [(depsgraph_update_post, self._count)]
         self._handlers += [(event, self._forget) for event in (load_post, undo_post, redo_post)]
 
-    def state(self, mesh):
-        """What is equal as long as a mesh is the same and has not changed."""
-        return mesh.session_uid, self._steps, self._counts.get(mesh.session_uid, 0)
+    def state(self, block):
+        """What is equal as long as a mesh or an object is the same and its shape has not changed."""
+        return block.session_uid, self._steps, self._counts.get(block.session_uid, 0)
 
     def register(self):
         for event, handler in self._handlers:
@@ -28,7 +29,7 @@ class _Changes:
     @persistent
     def _count(self, _scene, depsgraph):
         for update in depsgraph.updates:
-            if update.is_updated_geometry and isinstance(update.id, bpy.types.Mesh):
+            if update.is_updated_geometry and isinstance(update.id, (bpy.types.Mesh, bpy.types.Object)):
                 uid = update.id.original.session_uid
                 self._counts[uid] = self._counts.get(uid, 0) + 1
 

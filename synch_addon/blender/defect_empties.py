@@ -6,9 +6,10 @@ from fractions import Fraction
 from typing import NamedTuple
 
 import bpy
+import numpy as np
 from mathutils import Matrix, Vector
 
-from .transaction import assign, at_the_end, drop, leave
+from .transaction import assign, at_the_end, drop, leave, store
 
 KINDS = ("disclination", "dislocation", "vortex")
 COLLECTION_NAME = "Synch Defects"
@@ -40,18 +41,31 @@ class DefectEmpty(NamedTuple):
 
 
 def write_defects(obj, defects: Iterable[DefectEmpty], *, kinds=KINDS, length=1.0) -> list[bpy.types.Object]:
-    """Replace the empties of `obj` of these `kinds` by one for each of `defects`.
+    """Leave one empty of `obj` for each of `defects`, and no others of these `kinds`.
 
-    Positions and normals are in object space; an empty's Z axis is the normal. `length`, in scene
-    units, sets the display size: the distance between stripes is a good one. The empties lie in
-    "Synch Defects: <object>", a collection inside "Synch Defects" of the object's scene, which
-    keeps its visibility settings. Returns the new empties, in the order of `defects`.
+    An empty that is there goes to the next defect of its kind and index: to make one, or to take one away, costs
+    Blender more than to move it. Positions and normals are in object space; an empty's Z axis is the normal. `length`,
+    in scene units, sets the display size: the distance between stripes is a good one. New empties lie in
+    "Synch Defects: <object>", a collection inside "Synch Defects" of the object's scene, which keeps its visibility
+    settings. Returns the empties, in the order of `defects`.
     """
     collection = _collection_of(obj)
-    _remove_empties(obj, kinds)
-    scale = mean_scale(obj)
-    counts = {}
-    empties = [_new_empty(obj, defect, collection, length / scale, counts) for defect in defects]
+    free = {}
+    for empty in defect_empties(obj):
+        if empty[_KIND] in kinds:
+            free.setdefault(_label_of(empty), []).append(empty)
+    for of_label in free.values():
+        of_label.sort(key=lambda empty: empty.name, reverse=True)
+    counts, empties = {}, []
+    for defect in defects:
+        label = _label(defect.kind, defect.phase, defect.index)
+        counts[label] = counts.get(label, 0) + 1
+        made = free.get(label) or [_new_empty(obj, f"{label}.{counts[label]:03d}", collection)]
+        empties.append(made.pop())
+    _remove_empties([empty for of_label in free.values() for empty in of_label])
+    size = length / mean_scale(obj)
+    for empty, defect in zip(empties, defects, strict=True):
+        _place(empty, defect, size)
     at_the_end(lambda: _remove_if_empty(collection))
     return empties
 
@@ -61,31 +75,48 @@ def defect_empties(obj) -> list[bpy.types.Object]:
     return [child for child in obj.children if child.type == "EMPTY" and _KIND in child]
 
 
-def _remove_empties(obj, kinds):
+def _remove_empties(leaving):
     """Remove empties from the file; those that are leaving are no defects any more."""
-    leaving = [empty for empty in defect_empties(obj) if empty[_KIND] in kinds]
     for empty in leaving:
         drop(empty, _KIND)
     leave(leaving)
 
 
-def _new_empty(obj, defect, collection, size, counts):
-    label = f"{defect.kind} {defect.phase}{' ' if defect.phase else ''}{_fraction(defect.index)}"
-    counts[label] = counts.get(label, 0) + 1
-    empty = bpy.data.objects.new(f"{label}.{counts[label]:03d}", None)
+def _new_empty(obj, name, collection):
+    empty = bpy.data.objects.new(name, None)
     empty.parent = obj
-    empty.matrix_parent_inverse = Matrix.Identity(4)
-    empty.rotation_mode = "QUATERNION"
-    empty.rotation_quaternion = Vector(defect.normal).to_track_quat("Z", "Y")
-    empty.location = defect.position
-    empty.color = COLORS[defect.kind][0 if defect.index > 0 else 1]
-    empty.empty_display_type, part = _DISPLAY[defect.kind]
-    empty.empty_display_size = part * size
-    empty[_KIND], empty[_INDEX], empty[_FACE] = defect.kind, float(defect.index), int(defect.face)
-    if defect.phase:
-        empty[_PHASE] = defect.phase
     collection.objects.link(empty)
     return empty
+
+
+def _place(empty, defect, size):
+    """Make an empty show a defect, as far as it does not yet; undone where the work fails."""
+    shape, part = _DISPLAY[defect.kind]
+    wanted = {
+        "matrix_parent_inverse": Matrix.Identity(4),
+        "rotation_mode": "QUATERNION",
+        "rotation_quaternion": Vector(defect.normal).to_track_quat("Z", "Y"),
+        "location": Vector(defect.position),
+        "color": Vector(COLORS[defect.kind][0 if defect.index > 0 else 1]),
+        "empty_display_type": shape,
+        "empty_display_size": float(np.float32(part * size)),
+    }
+    for name, value in wanted.items():
+        now = getattr(empty, name)
+        if (tuple(now) if name == "color" else now) != (tuple(value) if name == "color" else value):
+            assign(empty, name, value)
+    properties = {_KIND: defect.kind, _INDEX: float(defect.index), _FACE: int(defect.face)}
+    for key, value in (properties | ({_PHASE: defect.phase} if defect.phase else {})).items():
+        if empty.get(key) != value:
+            store(empty, key, value)
+
+
+def _label_of(empty):
+    return _label(empty[_KIND], empty.get(_PHASE, ""), empty[_INDEX])
+
+
+def _label(kind, phase, index):
+    return f"{kind} {phase}{' ' if phase else ''}{_fraction(index)}"
 
 
 def _fraction(index):

@@ -132,15 +132,21 @@ def _drawn_triangles(polygons, surface):
 def read_polygons(obj):
     """The faces of the object's mesh and the triangles that Blender draws them with."""
     data = obj.data
-    data.calc_loop_triangles()
-    arrays = (
-        read_all(data.loops, "vertex_index"),
-        read_all(data.polygons, "loop_start"),
-        read_all(data.polygons, "loop_total"),
-        read_all(data.loop_triangles, "loops", 3),
-        read_all(data.loop_triangle_polygons, "value"),
-    )
-    return Polygons(*(a.astype(np.int64) for a in arrays))
+    starts = read_all(data.polygons, "loop_start").astype(np.int64)
+    sizes = np.diff(starts, append=len(data.loops))
+    if (sizes == 3).all():  # each draws itself
+        triangles, faces = starts[:, None] + np.arange(3), np.arange(len(starts))
+    else:
+        data.calc_loop_triangles()
+        triangles = read_all(data.loop_triangles, "loops", 3).astype(np.int64)
+        faces = read_all(data.loop_triangle_polygons, "value").astype(np.int64)
+    return Polygons(_corner_vertices(obj).astype(np.int64), starts, sizes, triangles, faces)
+
+
+def _corner_vertices(obj):
+    """(c,) vertex of each corner; as an attribute it is read two hundred times as fast as from the corners."""
+    values = read_values(obj, ".corner_vert", "CORNER")
+    return np.empty(0, np.int32) if values is None else values
 
 
 def _stretch(obj):
@@ -163,6 +169,8 @@ def can_be_split(obj, faces, surface):
     faces : (k,)
     surface : Polygons of the surface, whose faces may look like others: such a face stands for the triangle it is
     """
+    if len(faces) == 0:
+        return np.array([], int)
     polygons, names = read_polygons(obj), np.arange(len(surface.starts))
     shown = names if surface.alike is None else surface.corner_faces[surface.alike[surface.starts]]
     small = np.flatnonzero(polygons.sizes == 3)
@@ -243,12 +251,15 @@ def _edited(mesh):
 
 def faces_of_triangles(polygons, triangles):
     """(k,) face that draws each of (k, 3) triangles given by their vertices."""
-    wanted = np.asarray(triangles).reshape(-1, 3)
-    both = np.sort(np.concatenate([polygons.triangles, wanted]), axis=1)
+    wanted, drawn = np.asarray(triangles).reshape(-1, 3), polygons.triangles
+    is_near = np.zeros(max(drawn.max(initial=-1), wanted.max(initial=-1)) + 1, bool)
+    is_near[wanted] = True
+    near = np.flatnonzero(is_near[drawn].all(axis=1))  # mostly few are wanted
+    both = np.sort(np.concatenate([drawn[near], wanted]), axis=1)
     labels = np.unique(both, axis=0, return_inverse=True)[1].reshape(-1)
     face_of = np.empty(labels.max(initial=0) + 1, int)
-    face_of[labels[: len(polygons.triangle_faces)]] = polygons.triangle_faces
-    return face_of[labels[len(polygons.triangle_faces) :]]
+    face_of[labels[: len(near)]] = polygons.triangle_faces[near]
+    return face_of[labels[len(near) :]]
 
 
 def select_vertices(obj, vertices):

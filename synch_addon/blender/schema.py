@@ -19,6 +19,9 @@ TYPES = {
     "BYTE_COLOR": (np.float32, 4, "color"),
 }
 PREFIX = "synch_"
+# What all of these mean together, raised where that changes: a custom property of each mesh that has one of them, and
+# in what an object keeps of its last solve. What has no number is of the first.
+FORMAT, STAMP = 1, "synch_format"
 FAVOURITE = re.compile(rf"{PREFIX}favourite_(\d+)_")
 
 

@@ -84,8 +84,8 @@ class _Work:
         self.undone_by(block, give_back)
 
     def _remove_new(self):
-        if remove_all_but(self._before):
-            bpy.context.view_layer.update()  # forgets what has been removed
+        remove_all_but(self._before)
+        bpy.context.view_layer.update()  # forgets what has been removed, and puts back what was moved
 
     def _name_again(self):
         for thing, name in reversed(self._names):
@@ -99,9 +99,16 @@ undone_by, at_the_end = _work.undone_by, _work.at_the_end
 
 def assign(owner, name, value):
     """``owner.name = value``, undone where the work fails."""
-    before = getattr(owner, name)
+    before = _own(getattr(owner, name))
     undone_by(owner, lambda: setattr(owner, name, before))
     setattr(owner, name, value)
+
+
+def _own(value):
+    """A value that stays as it is: vectors, matrices and arrays of properties show what these are now."""
+    if hasattr(value, "freeze"):
+        return value.copy()
+    return tuple(value) if isinstance(value, bpy.types.bpy_prop_array) else value
 
 
 def store(block, key, value):

@@ -14,7 +14,6 @@ import bpy
 
 from ...core.algebra.workers import MOST_WORKERS, WORKERS
 from ...core.batch import serving
-from ...core.batch.cluster import Cluster
 from ...core.batch.crew import Crew
 from ...core.batch.records import Records
 from ...core.batch.rows import Row, read_rows, share_of
@@ -77,6 +76,15 @@ def run(options, way, shared, progress):
         return _run(options, way, shared, progress)
 
 
+def _cluster(*arguments):
+    """The workers of a Dask scheduler; the extension, which uses no network, is packed without them."""
+    try:
+        from ...core.batch.cluster import Cluster
+    except ImportError:
+        raise SettingError("the extension uses no network: run this from a checkout, or without --scheduler") from None
+    return Cluster(*arguments)
+
+
 def _run(options, way, shared, progress):
     for name, least in (("jobs", 1), ("threads", 1), ("retries", 0)):
         if getattr(options, name) < least:
@@ -89,7 +97,7 @@ def _run(options, way, shared, progress):
     records = Records(folder)
     records.make_folders()
     if options.scheduler:
-        crew = Cluster(options.scheduler, _SERVE, options.threads)
+        crew = _cluster(options.scheduler, _SERVE, options.threads)
     else:
         crew = Crew(_command(), options.jobs, options.threads)
     try:

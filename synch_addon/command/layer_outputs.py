@@ -4,7 +4,9 @@
 from ...core.tasks.layer_outputs import FILLS, PathSettings
 from .. import api
 from ..blender.files import MESH_SUFFIXES, check_output
-from ..solids.files import PATH_SUFFIXES
+from ..solids.files import PATH_SUFFIXES, PROGRAM
+from ..solids.outputs import machine_of
+from ..solids.report import print_line
 from ..solids.volume import check_volume
 from .flags import add_choice, add_number
 
@@ -19,6 +21,10 @@ def add_arguments(command):
     command.add_argument(
         "--export-paths", metavar="FILE.csv", help=f"write tool paths on all layers ({', '.join(PATH_SUFFIXES)})"
     )
+    command.add_argument("--export-gcode", metavar="FILE.gcode", help="write tool paths as a program for a printer")
+    command.add_argument(
+        "--machine", metavar="FILE.toml", help="what the printer is; default: three axes, a scene unit is a millimetre"
+    )
     command.add_argument("--path-step", type=float, metavar="LENGTH", help="between two paths; default: the spacing")
     add_choice(command, "--path-fill", FILLS, FILLS[0], "how paths fill a layer")
     command.add_argument("--export-volume", metavar="FILE.vdb", help="write the pattern as a volume")
@@ -27,23 +33,31 @@ def add_arguments(command):
 
 def check(options):
     """Refuse, before any work, outputs that cannot be written."""
-    PathSettings(options.path_step, options.path_fill)
+    PathSettings(options.path_step, options.path_fill, machine_of(options.machine))
     if options.export_layers:
         check_output(options.export_layers, MESH_SUFFIXES)
     if options.export_paths:
         check_output(options.export_paths, PATH_SUFFIXES)
+    if options.export_gcode:
+        check_output(options.export_gcode, (PROGRAM,))
     if options.export_volume:
         check_volume(options.export_volume, options.resolution)
 
 
 def write(options, obj):
-    """Write what is asked for of an object's layers; returns the paths, and warnings."""
-    reports = []
+    """Write what is asked for of an object's layers; returns the files, warnings, lines to print and what is told of
+    the paths."""
+    reports, lines, facts = [], [], None
     if options.export_layers:
         reports.append(api.layer_export(obj, options.export_layers))
-    if options.export_paths:
-        reports.append(api.layer_toolpaths(obj, options.path_step, options.path_fill, options.export_paths))
+    for path in filter(None, (options.export_paths, options.export_gcode)):
+        facts = api.layer_toolpaths(obj, options.path_step, options.path_fill, path, options.machine)
+        reports.append(facts)
+    if facts is not None:
+        lines.append(print_line(facts))
     if options.export_volume:
         reports.append(api.layer_volume(obj, options.export_volume, options.resolution))
-    files, warnings = ([line for report in reports for line in report.get(key, ())] for key in ("files", "warnings"))
-    return files, warnings
+    files, warnings = (
+        list(dict.fromkeys(line for report in reports for line in report.get(key, ()))) for key in ("files", "warnings")
+    )
+    return files, warnings, lines, facts

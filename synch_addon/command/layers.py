@@ -84,12 +84,14 @@ def run(options, open_object, progress):
     if options.export_mesh:
         files.export_mesh(layers, options.export_mesh, z_up=True)
         written.append(options.export_mesh)
-    paths, warned = layer_outputs.write(options, obj)
+    paths, warned, lines, facts = layer_outputs.write(options, obj)
     written += paths
     report["warnings"] += warned
-    if options.export_paths or options.export_volume:
+    if facts is not None:
+        report["print"] = facts
+    if facts is not None or options.export_volume:
         saved(options)
-    return Made(report, summary(report), written, layers)
+    return Made(report, [*summary(report), *lines], written, layers)
 
 
 def _open_solid(path):

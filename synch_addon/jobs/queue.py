@@ -26,7 +26,7 @@ class Work:
     job : see :mod:`.job`
     label : what it is called in the window
     stage, fraction : how far it is
-    picture : of a first result, None as long as there is none
+    picture : of the best result so far, None as long as there is none
     is_seen : whether a view has been drawn with it
     result : what was found
     peak : MB that the solve has taken at most, None where it was not told
@@ -75,7 +75,7 @@ class Work:
             stage, fraction = rest
             start = READING if hasattr(self.job, "advance") else 0.0
             self.stage, self.fraction = stage, start + (1 - start) * fraction
-        elif word == "early":
+        elif word == "shown":
             (self.picture,) = rest
         elif word == "done":
             self.result, self.peak = rest
@@ -167,6 +167,11 @@ class Queue:
         work.let_go()
         if work in self.works:
             self._next(work)
+
+    def keep(self, work):
+        """Take the result whose picture a job shows for the whole one."""
+        if self._asked is work and work.picture is not None:
+            self._worker.tell(("keep",))
 
     def stop(self):
         """End all jobs, and the worker: the file is being closed, or the add-on taken out."""

@@ -18,6 +18,7 @@ from ...core.errors import name_elements, plural
 from ...core.memory import peak_megabytes
 from ...core.solve.solution import Clock
 from ..blender.modifiers import changing_modifiers
+from ..blender.schema import FORMAT
 
 _MANIFEST = Path(__file__).parents[2] / "blender_manifest.toml"
 VERSION = tomllib.loads(_MANIFEST.read_text(encoding="utf-8"))["version"]
@@ -261,7 +262,7 @@ def result_line(report):
     names = ("command", "energy", "lower_bound", "gap", "certificate", "status", "nodes", "carrier")
     counts = {kind: len(report[kind]) for kind in ("disclinations", "dislocations")}
     kept = {"seconds": report["times"]["total"], "settings": report["settings"], "evenness": report.get("evenness")}
-    return json.dumps({name: report[name] for name in names} | counts | kept)
+    return json.dumps({"format": FORMAT} | {name: report[name] for name in names} | counts | kept)
 
 
 def json_text(report, indent=None):

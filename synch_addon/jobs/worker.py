@@ -87,7 +87,11 @@ class Worker:
     def ask(self, request):
         """Begin to tell it what to solve."""
         self._unpacker.shared = request.shared
-        self._outgoing.extend(memoryview(part).cast("B") for part in packed(("solve", request)))
+        self.tell(("solve", request))
+
+    def tell(self, message):
+        """Begin to tell it something, see :mod:`core.worker`."""
+        self._outgoing.extend(memoryview(part).cast("B") for part in packed(message))
 
     def exchange(self):
         """Go on telling, and hear what it says; returns its messages, see :mod:`core.worker`.

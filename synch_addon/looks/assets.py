@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The library of assets that ships with the extension: presets as materials, and the node groups.
 
-`tools/assets.py` makes it when the extension is packed, from the code that builds materials and groups in every file.
+`tools/assets.py` makes it from the code that builds materials and groups in every file.
 It is listed in the preferences only when the user asks for it.
 """
 
@@ -12,7 +12,6 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ...core.errors import SynchError
 from ..nodes.quads import quads_group
 from ..nodes.stripes import stripes_group
 from ..patterns.relief import relief_group
@@ -82,15 +81,7 @@ def is_registered(preferences):
 
 
 def register_library(preferences):
-    """List the library in the preferences; returns its entry.
-
-    Raises
-    ------
-    SynchError
-        where the extension was not packed, and has no library
-    """
-    if not (FOLDER / FILE).exists():
-        raise SynchError("this copy of Synch Fields has no asset library: make it with tools/assets.py")
+    """List the library in the preferences; returns its entry."""
     libraries = preferences.filepaths.asset_libraries
     for library in libraries:
         if Path(library.path) == FOLDER:

@@ -17,6 +17,7 @@ from ..jobs.job import run
 from ..jobs.queue import queue
 from ..jobs.report import counted
 from ..panels.early_view import view
+from ..panels.row_operators import others_selected
 from ..patterns import job as field_job
 from ..settings.fields import PROPERTY_NAMES, plain
 from ..settings.guide_list import stored_guidance
@@ -235,6 +236,23 @@ class FieldOperator(ObjectOperator):
         default="smooth",
     )
 
+    def invoke(self, context, event):
+        """From the window: the active object first, and then the other selected ones, each with its own settings."""
+        others = others_selected(context)
+        started = super().invoke(context, event)
+        for obj in others if started != {"CANCELLED"} else ():
+            with context.temp_override(active_object=obj, object=obj, selected_objects=[obj]):
+                self._begin_another(obj)
+        return started
+
+    def _begin_another(self, obj):
+        operator = getattr(bpy.ops.synch, self.bl_idname.split("_OT_")[-1])
+        try:
+            if operator.poll("INVOKE_DEFAULT"):
+                operator("INVOKE_DEFAULT")
+        except RuntimeError as error:  # its error, as Blender hands it on
+            self.report({"WARNING"}, f"{obj.name}: {str(error).removeprefix('Error: ').strip()}")
+
     def _take(self, context):
         stored = context.active_object.synch
         self.guidance = stored_guidance(stored)
@@ -272,14 +290,32 @@ class SYNCH_OT_cancel(bpy.types.Operator):
     bl_label = "Cancel"
     bl_options = {"INTERNAL"}
 
-    place: IntProperty(name="Place", description="Which job of the row, from 0 on", min=0)
+    place: IntProperty(name="Place", description="Which job of the row, from 0 on; -1 for all of them", min=-1)
 
     @classmethod
     def poll(cls, context):
         return queue.running is not None
 
     def execute(self, context):
-        queue.cancel(queue.works[min(self.place, len(queue.works) - 1)])
+        chosen = reversed(queue.works) if self.place < 0 else [queue.works[min(self.place, len(queue.works) - 1)]]
+        for work in list(chosen):
+            queue.cancel(work)
+        return {"FINISHED"}
+
+
+class SYNCH_OT_keep(bpy.types.Operator):
+    """Stop the solve and keep the pattern that it shows now"""
+
+    bl_idname = "synch.keep"
+    bl_label = "Good Enough"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context):
+        return queue.running is not None and queue.running.picture is not None
+
+    def execute(self, context):
+        queue.keep(queue.running)
         return {"FINISHED"}
 
 

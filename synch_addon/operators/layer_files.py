@@ -12,7 +12,8 @@ from ..jobs.queue import queue
 from ..jobs.report import counted
 from ..solids import memory
 from ..solids.links import solid_of
-from ..solids.outputs import PathsJob, VolumeJob
+from ..solids.outputs import PathsJob, VolumeJob, machine_of
+from ..solids.report import print_line
 from .field_operator import BackgroundOperator
 from .ready import PromptOperator
 
@@ -28,6 +29,13 @@ _FILL = EnumProperty(
 )
 _STEP = FloatProperty(
     name="Step", description="Between two paths; 0 for the spacing of the layers", min=0.0, subtype="DISTANCE"
+)
+
+
+_MACHINE = StringProperty(
+    name="Machine",
+    description="File that says what the printer is (.toml); none for three axes, a scene unit a millimetre",
+    subtype="FILE_PATH",
 )
 
 
@@ -96,32 +104,38 @@ class SYNCH_OT_layer_toolpaths(_LayerOperator, BackgroundOperator, bpy.types.Ope
 
     fill: _FILL
     step: _STEP
+    machine: _MACHINE
 
     def _job(self, context):
-        return PathsJob(context.active_object, PathSettings(self.step or None, self.fill))
+        return PathsJob(context.active_object, _asked(self))
 
     def _headline(self, report):
         return _told(report)
 
 
 class SYNCH_OT_layer_path_export(_FileOperator, bpy.types.Operator):
-    """Make the curves of the tool paths, and write their points to a file: a table (.csv) or polylines (.obj)"""
+    """Make the curves of the tool paths, and write a table (.csv), polylines (.obj) or a printer's program (.gcode)"""
 
     bl_idname = "synch.layer_path_export"
     bl_label = "Export Tool Paths"
     bl_options = {"REGISTER", "UNDO"}
 
     filename_ext = ".csv"
-    filter_glob: StringProperty(default="*.csv;*.obj", options={"HIDDEN"})
+    filter_glob: StringProperty(default="*.csv;*.obj;*.gcode", options={"HIDDEN"})
     fill: _FILL
     step: _STEP
+    machine: _MACHINE
 
     def check(self, context):
-        """Keep the suffix .obj, which the helper would replace."""
-        return not self.filepath.lower().endswith(".obj") and super().check(context)
+        """Keep the suffixes .obj and .gcode, which the helper would replace."""
+        return not self.filepath.lower().endswith((".obj", ".gcode")) and super().check(context)
 
     def _job(self, context):
-        return PathsJob(context.active_object, PathSettings(self.step or None, self.fill), self.filepath)
+        return PathsJob(
+            context.active_object,
+            _asked(self),
+            self.filepath,
+        )
 
     def _headline(self, report):
         return _told(report)
@@ -147,8 +161,13 @@ class SYNCH_OT_layer_volume(_FileOperator, bpy.types.Operator):
         return f"{report['volume_object']}: {counted(report['voxels'], 'voxel')}"
 
 
+def _asked(operator):
+    """The :class:`PathSettings` of an operator."""
+    return PathSettings(operator.step or None, operator.fill, machine_of(operator.machine or None))
+
+
 def _told(report):
-    paths = f"{report['collection']}: {counted(report['paths'], 'path')}, {report['length']:.4g} long in all"
+    paths = f"{report['collection']}: {print_line(report)}"
     return ", wrote ".join([paths, *report["files"]])
 
 

@@ -9,12 +9,14 @@ from . import (
     guides,
     layer_outputs,
     layers,
+    manual,
     menus,
     overlay_view,
     presets,
     result,
     setting_presets,
     sidebar,
+    solid_view,
     variation_slider,
     vortices,
 )
@@ -30,12 +32,14 @@ _MODULES = (
     presets,
     constraints,
     overlay_view,
+    solid_view,
     early_view,
     bakes,
     vortices,
     layers,
     frames,
     layer_outputs,
+    manual,
 )
 
 

@@ -4,34 +4,11 @@
 import time
 
 import bpy
-import gpu
-from gpu_extras.batch import batch_for_shader
 
 from ..jobs.queue import queue
 from .overlay_view import nearer
+from .pattern_shader import DrawnPattern
 
-_VERTEX = """
-void main()
-{
-  vec4 place = view * vec4(pos, 1.0);
-  at = place.xyz;
-  phases = phase;
-  gl_Position = projection * place;
-}
-"""
-# Lit from the eye; the lines have soft edges one pixel wide.
-_FRAGMENT = """
-const vec3 ink = vec3(0.05, 0.09, 0.2), paper = vec3(0.87, 0.79, 0.66);
-
-void main()
-{
-  float height = cos(phases.x) * cos(phases.y);
-  float line = smoothstep(-0.5, 0.5, height / max(fwidth(height), 1e-4));
-  vec3 normal = normalize(cross(dFdx(at), dFdy(at)));
-  float light = 0.35 + 0.65 * abs(normal.z);
-  color = vec4(mix(ink, paper, line) * light, 1.0);
-}
-"""
 # Seconds that drawing a view may take for a picture to be shown there at once.
 _QUICK = 0.025
 
@@ -40,8 +17,7 @@ class _View:
     """Draws the picture of the running job, whose triangles go to the graphics card once."""
 
     def __init__(self):
-        self._handlers, self._shader = [], None
-        self._picture, self._batch = None, None
+        self._handlers, self._picture, self._drawn = [], None, None
         self._start = self._seconds = 0.0
 
     def register(self):
@@ -54,7 +30,7 @@ class _View:
         """Draw no longer."""
         for handler in self._handlers:
             bpy.types.SpaceView3D.draw_handler_remove(handler, "WINDOW")
-        self._shader = self._picture = self._batch = None
+        self._picture = self._drawn = None
 
     @property
     def is_quick(self):
@@ -75,7 +51,7 @@ class _View:
         work, context = queue.running, bpy.context
         picture = None if work is None else work.picture
         if picture is None:
-            self._picture = self._batch = None
+            self._picture = self._drawn = None
             return
         obj = work.job.link.present
         if obj is not None and obj.visible_get(view_layer=context.view_layer, viewport=context.space_data):
@@ -85,31 +61,10 @@ class _View:
 
     def draw_picture(self, picture, view, projection):
         """Draw a picture into the active framebuffer, hidden by what is nearer."""
-        shader = self._shader = self._shader or _shader()
         if picture is not self._picture:
-            self._batch = batch_for_shader(shader, "TRIS", {"pos": picture.places, "phase": picture.phases})
+            self._drawn = DrawnPattern(picture.places, picture.phases, of_quads=picture.of_quads, covers=True)
             self._picture = picture
-        gpu.state.depth_test_set("LESS_EQUAL")
-        shader.uniform_float("view", view)
-        shader.uniform_float("projection", projection)
-        self._batch.draw(shader)
-        gpu.state.depth_test_set("NONE")
-
-
-def _shader():
-    between = gpu.types.GPUStageInterfaceInfo("synch_early")
-    between.smooth("VEC3", "at")
-    between.smooth("VEC2", "phases")
-    info = gpu.types.GPUShaderCreateInfo()
-    info.push_constant("MAT4", "view")
-    info.push_constant("MAT4", "projection")
-    info.vertex_in(0, "VEC3", "pos")
-    info.vertex_in(1, "VEC2", "phase")
-    info.vertex_out(between)
-    info.fragment_out(0, "VEC4", "color")
-    info.vertex_source(_VERTEX)
-    info.fragment_source(_FRAGMENT)
-    return gpu.shader.create_from_info(info)
+        self._drawn.draw(view, projection)
 
 
 view = _View()

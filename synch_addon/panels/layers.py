@@ -55,6 +55,8 @@ def draw_layers(layout, stored):
         line = layout.row(align=True)
         line.prop(row, "group", text="")
         line.prop(row, "wish", text="")
+        if row.wish == "LAYER":
+            line.prop(row, "offset", text="")
         line.operator("synch.layer_group_remove", text="", icon="X").number = number
     layout.operator("synch.layer_group_add", icon="ADD")
     column = property_column(layout)

@@ -16,7 +16,10 @@ _ENTRIES = (
         ("synch.directions", "Direction Field", "ORIENTATION_NORMAL"),
     ),
     (("synch.layers", "Layers in the Solid", "ALIGN_JUSTIFY"),),
-    (("synch.refine", "Subdivide for Spacing", "MOD_SUBSURF"),),
+    (
+        ("synch.refine", "Subdivide for Spacing", "MOD_SUBSURF"),
+        ("synch.copy_settings", "Copy Settings to Selected", "COPYDOWN"),
+    ),
     (
         ("synch.draw_variation", "Another Variation", "FILE_REFRESH"),
         ("synch.place_defect", "Place Defects", "PIVOT_CURSOR"),

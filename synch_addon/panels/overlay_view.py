@@ -44,6 +44,9 @@ class SynchOverlay(bpy.types.PropertyGroup):
     """What is shown in a scene."""
 
     show: BoolProperty(name="Overlay", description="Draw the field of the active object over it")
+    pattern: BoolProperty(
+        name="Solid", description="Draw patterns in Solid view too, which shows no materials by itself", default=True
+    )
     directions: EnumProperty(
         name="Directions",
         description="How directions are drawn",

@@ -34,7 +34,7 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
         synch = context.active_object.synch
         result = json.loads(synch.result)
         if result["command"] != "directions":
-            draw_shading(self.layout, context.space_data.shading)
+            draw_shading(self.layout, context)
         held = memory.holds(context.active_object)
         draw_figures(self.layout, result, held)
         draw_findings(self.layout, result.get("carrier", {}))
@@ -65,13 +65,14 @@ def draw_findings(layout, findings):
         column.operator("synch.select_places", text=text, icon="RESTRICT_SELECT_OFF").finding = name
 
 
-def draw_shading(layout, shading):
-    """Buttons that show the pattern in a view which does not draw materials; ``shading`` is the view's."""
+def draw_shading(layout, context):
+    """Buttons that show the pattern in a view which does not draw materials."""
+    shading = context.space_data.shading
     if shading.type in {"MATERIAL", "RENDERED"}:
         return
-    layout.label(text="To see the pattern:", icon="HIDE_OFF")
     row = layout.row(align=True)
     row.scale_y = 1.3
+    row.prop(context.scene.synch_overlay, "pattern", toggle=True, icon="SHADING_SOLID")
     row.prop_enum(shading, "type", "MATERIAL", text="Preview")
     row.prop_enum(shading, "type", "RENDERED", text="Rendered")
 

@@ -12,6 +12,11 @@ def can_set(obj):
     return refusal(obj) is None and not queue.holds(obj) and not queue.holds_window
 
 
+def others_selected(context):
+    """The selected objects beside the active one that can be worked on now."""
+    return [obj for obj in context.selected_objects if obj != context.active_object and can_set(obj)]
+
+
 class RowOperator:
     """Mixed into operators that change a list of the active object, or of the one that ``owner`` finds."""
 

@@ -8,8 +8,11 @@ from ..blender.translations import said
 from ..jobs.queue import queue
 from ..patterns.refine import draw_warning
 from .guides import draw_guidance
-from .row_operators import can_set
+from .row_operators import can_set, others_selected
 from .setting_presets import SYNCH_PT_presets
+
+# Jobs of the row that are shown, the others by their number.
+SHOWN_JOBS = 5
 
 
 def draw_directions(layout, settings, obj, of_quads=False):
@@ -108,7 +111,7 @@ def draw_unready(layout, obj):
 
 def draw_row(layout):
     """The job that runs with a bar, and those that wait for their turn."""
-    for place, work in enumerate(queue.works):
+    for place, work in enumerate(queue.works[:SHOWN_JOBS]):
         link = work.job.link
         obj = None if link is None else link.present
         name = said(work.label) if obj is None else f"{said(work.label)}: {obj.name}"
@@ -123,7 +126,16 @@ def draw_row(layout):
         box.progress(factor=work.fraction, text=work.line)
         if work.picture is not None and not work.is_seen and obj is not None and obj.visible_get():
             box.label(text="Turn the view to see a first result", icon="HIDE_OFF")
-        box.operator("synch.cancel", icon="EVENT_ESC").place = place
+        row = box.row(align=True)
+        if work.picture is not None:
+            row.operator("synch.keep", icon="CHECKMARK")
+        row.operator("synch.cancel", icon="EVENT_ESC").place = place
+    count = len(queue.works)
+    if count > 1:
+        row = layout.row()
+        if count > SHOWN_JOBS:
+            row.label(text=said("{count} more are waiting", count=count - SHOWN_JOBS), translate=False)
+        row.operator("synch.cancel", text="Cancel All", icon="X").place = -1
 
 
 class SidebarPanel:
@@ -155,6 +167,10 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
         row.operator("synch.directions", icon="ORIENTATION_NORMAL")
         row.operator("synch.quad_mesh", icon="MOD_REMESH")
         draw_warning(self.layout, obj)
+        others = len(others_selected(context))
+        if others:
+            text = said("Copy Settings to {count} Others", count=others)
+            self.layout.operator("synch.copy_settings", text=text, icon="COPYDOWN")
 
 
 class SettingsPanel(SidebarPanel):

@@ -53,9 +53,16 @@ def read_back(obj, result, favourite=None):
     Raises
     ------
     SynchError
-        where an attribute is missing, or the surface is apart, so that second sides have phases of their own
+        where an attribute is missing or of a newer version, or the surface is apart, so that second sides have phases
+        of their own
     """
     kept = json.loads(result) if result else {}
+    found = max(kept.get("format", 1), obj.data.get(schema.STAMP, 1))
+    if found > schema.FORMAT:
+        raise SynchError(
+            f"the pattern of {obj.name} is of a newer Synch Fields (format {found}, this one reads up to "
+            f"{schema.FORMAT}): update the extension, or solve it again"
+        )
     command = kept.get("command")
     if command not in schema.KEPT or "settings" not in kept:
         raise SynchError(f"{obj.name} has no pattern whose settings are known: solve stripes or quads on it first")

@@ -173,4 +173,5 @@ def _at_faces(given, polygons, values):
 
 def has_one_material(obj):
     """Whether showing the pattern on all faces loses no assignment of the user's."""
-    return len(np.unique(attributes.read_all(obj.data.polygons, "material_index"))) <= 1
+    slots = attributes.read_values(obj, "material_index", "FACE")
+    return slots is None or (slots == slots[:1]).all()

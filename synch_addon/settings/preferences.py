@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is set once for all files, in Preferences > Add-ons."""
 
+from pathlib import Path
+
 import bpy
-from bpy.props import IntProperty
+from bpy.props import IntProperty, StringProperty
 
 from ...core.memory import machine_bytes
 
@@ -23,16 +25,35 @@ class SynchPreferences(bpy.types.AddonPreferences):
         min=0,
     )
 
+    manual: StringProperty(
+        name="Manual",
+        description="Folder or web address of the manual, which Online Manual in the menu of a button opens",
+    )
+
     def draw(self, context):
         column = self.layout.column()
         column.use_property_split = True
         column.prop(self, "memory_limit")
+        column.prop(self, "manual")
+
+
+def _preferences():
+    """None where the package was registered without Blender's preferences, as by the command line."""
+    addon = bpy.context.preferences.addons.get(_PACKAGE)
+    return addon.preferences if addon is not None else None
+
+
+def manual_address():
+    """Address of the folder with the manual's pages, with a slash at its end; "" where none is given."""
+    given = _preferences().manual.strip() if _preferences() is not None else ""
+    if given and "://" not in given:
+        given = Path(given).expanduser().absolute().as_uri()
+    return given.rstrip("/") + "/" if given else ""
 
 
 def memory_limit():
     """Bytes that a solve may take."""
-    addon = bpy.context.preferences.addons.get(_PACKAGE)
-    megabytes = addon.preferences.memory_limit if addon is not None and addon.preferences is not None else 0
+    megabytes = _preferences().memory_limit if _preferences() is not None else 0
     return megabytes * 2**20 or int(_MEMORY_SHARE * machine_bytes())
 
 

@@ -11,14 +11,18 @@ from mathutils import Matrix
 
 from ...core.files.tool_paths import WRITERS
 from ...core.files.whole import written_whole
+from ...core.printing.gcode import gcode
 from ..blender.files import MESH_SUFFIXES, check_output, export_mesh
 from ..blender.transaction import at_the_end, leave, only_for_now, set_aside, store, undone_by
 from ..patterns.lines import add_splines
 from .links import SOLID
 
-PATH_SUFFIXES = tuple(WRITERS)
+PROGRAM = ".gcode"
+PATH_SUFFIXES = (*WRITERS, PROGRAM)
 # Custom property of the collection of paths: the curve object of each layer.
 _CURVES = "synch_path_objects"
+# What is wrong with paths: the name of its curves, which points of a plan it is, and its colour in the view.
+_FLAWS = {"Collisions": ("collided", (0.9, 0.1, 0.1, 1)), "Overhangs": ("overhangs", (0.95, 0.6, 0.1, 1))}
 
 
 def export_layers(layering, path, together=False):
@@ -72,7 +76,8 @@ def _sheet(layering, triangles):
 
 
 def write_paths(obj, layering, paths):
-    """A curve object for each layer, numbered upwards, in a collection of their own; returns the collection.
+    """A curve object for each layer, numbered upwards, in a collection of their own, and tubes around the places where
+    the tool meets what is printed or prints on air; returns the collection.
 
     An earlier run's curves are replaced.
     """
@@ -82,7 +87,16 @@ def write_paths(obj, layering, paths):
     for number, data in curves.items():
         data.name = f"{obj.name} Paths {number:0{digits}d}"
         made = objects[str(number)] = bpy.data.objects.new(data.name, data)
-        made[SOLID], made["synch_layer"] = obj, number
+        made["synch_layer"] = number
+    for name, (chosen, colour) in _FLAWS.items():
+        runs = paths.runs_of(getattr(paths, chosen))
+        if runs:
+            data = _flaws(paths, runs)
+            data.name = f"{obj.name} {name}"
+            made = objects[chosen] = bpy.data.objects.new(data.name, data)
+            made.color = colour
+    for made in objects.values():
+        made[SOLID] = obj
         made.matrix_world = Matrix(layering.matrix)
         collection.objects.link(made)
     store(collection, _CURVES, objects)
@@ -93,6 +107,19 @@ def _curve(paths, number):
     data = bpy.data.curves.new("Paths", "CURVE")
     data.dimensions, data.twist_mode = "3D", "Z_UP"
     add_splines(data, paths.lines.chosen(paths.layers == number), "poly")
+    return data
+
+
+def _flaws(paths, runs):
+    """Tubes of half a step around pieces of paths; a single point gets the way to the next one."""
+    data = bpy.data.curves.new("Flaws", "CURVE")
+    data.dimensions, data.bevel_depth = "3D", paths.step / 4
+    points, following = paths.lines.points, paths.lines.next
+    for run in runs:
+        run = run if len(run) > 1 else np.append(run, following[run])
+        spline = data.splines.new("POLY")
+        spline.points.add(len(run) - 1)
+        spline.points.foreach_set("co", np.column_stack([points[run], np.ones(len(run))]).astype(np.float32).ravel())
     return data
 
 
@@ -119,7 +146,7 @@ def _collection(obj):
 @contextmanager
 def paths_file(layering, paths, path):
     """Write paths to a file, in the world, which takes its place at the end: .csv with one row a point, or .obj with
-    one polyline a path. Yields the report's `files`.
+    one polyline a path, or .gcode for the plan's machine. Yields the report's `files`.
 
     Closed paths come back to their first point. Normals point in the direction in which layers follow one another.
     """
@@ -127,7 +154,11 @@ def paths_file(layering, paths, path):
     points = paths.lines.points @ matrix[:3, :3].T + matrix[:3, 3]
     # Turned and mirrored like the layers; there is no scale in the matrix.
     normals = paths.lines.normals @ matrix[:3, :3].T
-    write = WRITERS[Path(path).suffix.lower()]
+    suffix = Path(path).suffix.lower()
+    if suffix == PROGRAM:
+        text = gcode(paths.course, paths.machine)
+    else:
+        text = WRITERS[suffix](paths.lines, paths.layers, points, normals, paths.heights, paths.widths)
     with written_whole(path) as made:
-        made.write_text(write(paths.lines, paths.layers, points, normals), encoding="utf-8")
+        made.write_text(text, encoding="utf-8")
         yield {"files": [str(path)]}

@@ -17,7 +17,6 @@ from ..jobs.report import Report
 from . import memory, objects
 from .guides import read_guide
 from .report import layer_facts
-from .settings import HELD
 from .surface import fitted, read_area, read_surface
 
 
@@ -70,7 +69,7 @@ def _read(obj, settings, solid):
     given, distance, factors, lowest = surface.given, surface.distance, None, 1.0
     solid = None if solid is None else fitted(obj, surface, solid)
     guide = SolidGuide(settings.guidance, read_guide(obj, given, settings.guide))
-    asked = [AskedArea(read_area(obj, given, row.group), 0.0 if row.wish == HELD else None) for row in settings.flush]
+    asked = [AskedArea(read_area(obj, given, row.group), row.phase) for row in settings.flush]
     if settings.spacing_map:
         factors = read_factors(obj, given, settings.spacing_map, settings.spacing_range)
         lowest = float(factors.min())

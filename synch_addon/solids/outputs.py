@@ -7,6 +7,7 @@ import bpy
 
 from ...core.errors import SettingError, SynchError
 from ...core.keywords import check_path, taken
+from ...core.printing.machine import Machine, read_machine
 from ...core.tasks.layer_outputs import PathSettings
 from ..blender import meshes
 from ..blender.files import check_output
@@ -15,6 +16,7 @@ from ..blender.transaction import keep_file, whole_or_nothing
 from ..jobs.job import run
 from . import files, memory
 from .links import solid_of
+from .report import print_facts
 from .volume import check_volume, grid_file, make_volume
 
 
@@ -53,25 +55,26 @@ def layer_export(obj, path, together=False):
     }
 
 
-def layer_toolpaths(obj, step=None, fill="contour", path=None):
+def layer_toolpaths(obj, step=None, fill="contour", path=None, machine=None):
     """Make a curve object of paths for a tool on each of the last layers of an object, in a collection of their own.
 
     Parameters
     ----------
     obj : as for :func:`layer_export`
     step, fill : see :class:`PathSettings`
-    path : write them to this file (.csv, .obj) as well
+    path : write them to this file (.csv, .obj, .gcode) as well
+    machine : .toml file of the printer, see :class:`Machine`; None for one with three axes
 
     Returns
     -------
-    dict with `collection`, `paths` (their number), `length` and `files`
+    dict with `collection`, `paths` (their number), `length`, `files`, `warnings`, and what :func:`print_facts` tells
 
     Raises
     ------
     SynchError
         with one line that names the element and the remedy; nothing is made
     """
-    return run(PathsJob(obj, PathSettings(step, fill), path))
+    return run(PathsJob(obj, PathSettings(step, fill, machine_of(machine)), path))
 
 
 def layer_volume(obj, path, resolution=128):
@@ -118,6 +121,11 @@ class _OutputJob:
                 return {"status": "made", "command": self.command, "object": obj.name, **facts}
 
 
+def machine_of(path):
+    """The :class:`Machine` of a file whose name may begin with //, the usual one for None."""
+    return Machine() if path is None else read_machine(_absolute(path))
+
+
 class PathsJob(_OutputJob):
     """Paths for a tool, as curves and, with a path, in a file."""
 
@@ -137,9 +145,10 @@ class PathsJob(_OutputJob):
         return {
             "collection": files.write_paths(obj, layering, paths).name,
             "paths": len(paths.layers),
-            "length": paths.length,
+            "length": float(paths.lines.lengths.sum()),
             "step": self.request.step,
-            "fill": self.request.fill,
+            "fill": self.request.settings.fill,
+            **print_facts(paths),
         }
 
 

@@ -83,6 +83,13 @@ class SynchFlush(bpy.types.PropertyGroup):
             ("CONSTANT", "Parallel", "Layers run along each piece of these faces, at whichever distance"),
         ],
     )
+    offset: FloatProperty(
+        name="Offset",
+        description="How far the faces lie above the last layer, in layers: a half for beads that end at them",
+        min=0.0,
+        max=0.99,
+        step=10,
+    )
 
 
 class SynchLayering(LayerProperties, bpy.types.PropertyGroup):
@@ -134,7 +141,9 @@ def stored_guidance(stored):
 
 def stored_groups(stored):
     """The groups as text, from an object's settings."""
-    return text_of_groups([Flush(row.group, row.wish.lower()) for row in stored.groups if row.group])
+    return text_of_groups(
+        [Flush(row.group, row.wish.lower(), row.offset * (row.wish == "LAYER")) for row in stored.groups if row.group]
+    )
 
 
 register, unregister = keeping((SynchFlush, SynchLayering), (bpy.types.Object, "synch_layering", SynchLayering))

@@ -1,9 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The report of layers in a solid, and the lines that a person wants to read of it."""
 
+import dataclasses
+import math
+
 import numpy as np
 
+from ...core.fields.evenness import quantiles
 from ..jobs.report import counted
+
+# Shares of the paths' length, and of the layers' area, from which on and below which there is a warning; places that a
+# report lists.
+TOLD, COVERED, MOST_PLACES = 0.001, 0.99, 20
 
 
 def layer_facts(layering):
@@ -30,6 +38,95 @@ def layer_facts(layering):
 def _length(curve):
     points = np.vstack([curve.points, curve.points[:1]]) if curve.is_closed else curve.points
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+
+
+def print_facts(plan):
+    """What is told of a :class:`PrintPlan`, ready for JSON; shares are of the length of all paths."""
+    machine = plan.machine
+    heights, worst = plan.heights * machine.scale, int(plan.covered.argmin())
+    thin, thick = heights < machine.smallest_height, heights > machine.largest_height
+    steep = plan.tilts > machine.largest_tilt
+    facts = {
+        "covered": plan.covered_share,
+        "least_covered": {"layer": worst, "share": float(plan.covered[worst])},
+        "heights": _spread_of(plan.heights, plan.shares),
+        "tilts": _spread_of(plan.tilts, plan.shares),
+        "too_thin": float(plan.shares[thin].sum()),
+        "too_thick": float(plan.shares[thick].sum()),
+        "too_steep": float(plan.shares[steep].sum()),
+        "overhangs": _places(plan, plan.overhangs),
+        "collisions": _places(plan, plan.collided),
+        "machine": {name: value for name, value in dataclasses.asdict(machine).items() if value != math.inf},
+    }
+    return facts | {"warnings": list(_about_print(facts))}
+
+
+def _spread_of(values, shares):
+    """Median, and what 1 % of the length is below and above."""
+    low, middle, high = quantiles(values, shares, [0.01, 0.5, 0.99])
+    return {"low": float(low), "median": float(middle), "high": float(high)}
+
+
+def _places(plan, chosen):
+    """Share of the length, and where: the layer, the path and the middle of each piece, the longest ones first."""
+    runs, numbers = plan.runs_of(chosen), plan.lines.numbers
+    points = plan.lines.points @ plan.matrix[:3, :3].T + plan.matrix[:3, 3]
+    lengths = [float(plan.shares[run].sum()) for run in runs]
+    order = np.argsort(-np.array(lengths), kind="stable")[:MOST_PLACES]
+    places = [
+        {
+            "layer": int(plan.layers[numbers[runs[k][0]]]),
+            "path": int(numbers[runs[k][0]]),
+            "place": points[runs[k][len(runs[k]) // 2]].tolist(),
+            "share": lengths[k],
+        }
+        for k in order
+    ]
+    return {"share": float(plan.shares[chosen].sum()), "pieces": len(runs), "places": places}
+
+
+def _about_print(facts):
+    if facts["covered"] < COVERED:
+        least = facts["least_covered"]
+        yield (
+            f"the paths cover {facts['covered']:.1%} of the layers, {least['share']:.0%} of layer {least['layer']}: "
+            "reduce the step, or take contours"
+        )
+    machine = facts["machine"]
+    largest = machine.get("largest_height", math.inf)
+    for kind, words, remedy in (
+        ("too_thin", f"lower than the nozzle's {machine['smallest_height']:g} mm", "take a larger spacing"),
+        (
+            "too_thick",
+            f"higher than the nozzle's {largest:g} mm",
+            "take a smaller spacing",
+        ),
+        ("too_steep", f"steeper than {machine['largest_tilt']:g} degrees", "turn the object or the guidance"),
+    ):
+        if facts[kind] >= TOLD:
+            yield f"{facts[kind]:.1%} of the paths lie {words}: {remedy}"
+    for kind, words, remedy in (
+        ("overhangs", "on air", "turn the object, or support it"),
+        ("collisions", "where the tool meets what is printed", "take a slimmer nozzle or flatter layers"),
+    ):
+        if facts[kind]["share"] >= TOLD:
+            first = facts[kind]["places"][0]
+            place = ", ".join(f"{value:.3g}" for value in first["place"])
+            pieces = counted(facts[kind]["pieces"], "piece")
+            yield (
+                f"{facts[kind]['share']:.1%} of the paths, {pieces}, lie {words}, the longest at ({place}) on layer "
+                f"{first['layer']}: {remedy}"
+            )
+
+
+def print_line(report):
+    """What a person wants to read of printed paths."""
+    heights, tilts = report["heights"], report["tilts"]
+    return (
+        f"{counted(report['paths'], 'path')}, {report['length']:.4g} long in all, cover {report['covered']:.1%} of the "
+        f"layers; heights {heights['low']:.3g} to {heights['high']:.3g}, tilt up to {tilts['high']:.0f} degrees, "
+        f"{report['overhangs']['share']:.1%} on air, {report['collisions']['share']:.1%} in the tool's way"
+    )
 
 
 def headline(report):

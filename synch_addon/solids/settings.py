@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from ...core.errors import SettingError
 from ...core.fields.calming import check_share
+from ...core.interpolate import TURN
 from ...core.keywords import check_positive
 from ...core.tasks.settings import SolverSettings
 from ...core.texts import items, quoted
@@ -65,30 +66,47 @@ class Flush:
     ----------
     group : name of the vertex group, or "boundary"
     wish : "layer" (one lies exactly on it) or "constant" (the same phase on each piece of it, whichever)
+    offset : from 0 to below 1, of a layer: how far the group lies above the last layer, 0 for on it
     """
 
     group: str
     wish: str
+    offset: float = 0.0
 
     def __post_init__(self):
+        if not 0 <= self.offset < 1 or (self.offset and self.wish != HELD):
+            raise SettingError(
+                f"the offset {self.offset:g} of the group {self.group!r} is none: write {HELD}:0 to {HELD}:0.99"
+            )
         if self.wish not in WISHES:
             raise SettingError(
                 f"the wish {self.wish!r} of the group {self.group!r} is unknown: use {' or '.join(WISHES)}"
             )
 
     def __str__(self):
-        return f"{quoted(self.group)}={self.wish}"
+        return f"{quoted(self.group)}={self.wish}" + (f":{self.offset:g}" if self.offset else "")
+
+    @property
+    def phase(self):
+        """Radians, None for one that is left to the solver."""
+        return TURN * self.offset if self.wish == HELD else None
 
 
 def groups_of_text(text):
-    """Tuple of :class:`Flush` from text such as ``Top=layer,Bottom=constant``, empty for none."""
+    """Tuple of :class:`Flush` from text such as ``Top=layer:0.5,Bottom=constant``, empty for none."""
     rows = []
     found = items(text, "groups", "NAME=WISH")
     for group, wish in found if found != [("", None)] else ():
         if not group or wish is None:
             named = group or f"={wish}"
             raise SettingError(f"the group {named!r} lacks its name or its wish: write NAME=layer or NAME=constant")
-        rows.append(Flush(group, wish))
+        wish, _, offset = wish.partition(":")
+        try:
+            rows.append(Flush(group, wish.strip(), float(offset or 0)))
+        except ValueError:
+            raise SettingError(
+                f"the offset {offset!r} of the group {group!r} is no number: write {HELD}:0.5 for half a layer"
+            ) from None
     return tuple(rows)
 
 

@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the README shows runs: its Python code, its command lines on small meshes, its make targets and links."""
+"""What README and manual show runs: Python code, rows, command lines on small meshes, make targets and links."""
 
+import json
 import re
 import shlex
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
@@ -12,20 +14,26 @@ import pytest
 
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.geometry import TriangleMesh
+from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import meshes
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.looks import render
+from synch_fields.synch_addon.settings.constraints import from_plain
 
 from . import vortex_scenes
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-FENCED = [block for block in re.findall(r"^```(\w*)\n(.*?)^```", README, re.MULTILINE | re.DOTALL)]
-PYTHON = [text for language, text in FENCED if language == "python"]
-SHELL = [line for language, text in FENCED if not language for line in text.splitlines()]
-COMMANDS = [line for line in SHELL if "synch_fields " in line or "--command synch " in line]
-# Baking takes its time however small the mesh is; such command lines are only parsed.
-LONG = ("bake",)
+MANUAL = ROOT / "docs"
+PAGES = {"README": README} | {path.stem: path.read_text(encoding="utf-8") for path in sorted(MANUAL.glob("*.md"))}
+_BLOCK = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+FENCED = [(name, *block) for name, page in PAGES.items() for block in _BLOCK.findall(page)]
+PYTHON = [pytest.param(text, id=name) for name, language, text in FENCED if language == "python"]
+JSON = [pytest.param(text, id=name) for name, language, text in FENCED if language == "json"]
+SHELL = [line for _, language, text in FENCED if not language for line in text.splitlines()]
+COMMANDS = dict.fromkeys(line for line in SHELL if "synch_fields " in line or "--command synch " in line)
+# Baking takes its time however small the mesh is, and batches need their rows; such command lines are only parsed.
+LONG = ("bake", "batch")
 # Small enough that the README's spacings of 0.05 and 0.1 give some ten stripes and quads.
 RADIUS = 0.35
 FRAMES = 3
@@ -52,27 +60,45 @@ def ball(radius=RADIUS):
     return obj
 
 
-def names_in(block):
-    """The names that a block may rely on: an object in the scene, and arrays."""
-    mesh = meshes.read_mesh(ball()).mesh
+@pytest.fixture
+def names(folder, monkeypatch):
+    """The names that a block may rely on: an object in the scene, and arrays; images are small there."""
+    obj = ball()
+    mesh = meshes.read_mesh(obj).mesh
     longer = TriangleMesh(mesh.vertices * [1, 1, 1.1], mesh.triangles)
-    moved_problem = direction_problem(longer, symmetry=4)
-    return {"bpy": bpy, "vertices": mesh.vertices, "triangles": mesh.triangles, "moved_problem": moved_problem}
+    monkeypatch.setattr(api, "bake", partial(api.bake, size=32, unwrap=True))
+    found = {"bpy": bpy, "api": api, "obj": obj, "vertices": mesh.vertices, "triangles": mesh.triangles}
+    return found | {"moved_problem": direction_problem(longer, symmetry=4)}
 
 
-@pytest.mark.parametrize("number", range(len(PYTHON)))
-def test_python_runs(number, folder):
+@pytest.mark.parametrize("text", PYTHON)
+def test_python_runs(text, folder, names):
     vortex_scenes.write_vdb(folder / "smoke.vdb")
-    names = names_in(PYTHON[number])
-    exec(PYTHON[number], names)
+    if "api.bake" in text:
+        api.stripes(names["obj"], spacing=0.1)
+        (folder / "out").mkdir()
+    exec(text.replace("range(1, 25)", "range(1, 3)"), names)
     if "cut" in names:
         assert names["solve"](names["cut"]).energy == pytest.approx(4)
         assert names["solve"](names["circle"]).phases.shape == (5,)
 
 
+@pytest.mark.parametrize("text", JSON)
+def test_rows_are_understood(text):
+    if text.startswith("["):
+        assert all(row.where for row in from_plain(json.loads(text)))
+        return
+    for row in map(json.loads, text.splitlines()):
+        words = [row.pop("command"), row.pop("input")]
+        for name, value in row.items():
+            values = value if isinstance(value, list) else [value]
+            words += [f"--{name.replace('_', '-')}", *map(str, values)] if name != "chunk" else []
+        assert main._parser(loaded=False).parse_args(words).command == words[0]
+
+
 def arguments_of(line):
     """The words of a command line that come after the program, and whether they are for a loaded file."""
-    words = shlex.split(line)
+    words = shlex.split(line, comments=True)
     start = words.index("synch" if "--command" in words else "synch_fields") + 1
     return words[start:], "--command" in words
 
@@ -80,6 +106,11 @@ def arguments_of(line):
 @pytest.mark.parametrize("line", COMMANDS)
 def test_command_line_is_understood(line):
     arguments, loaded = arguments_of(line)
+    if "--" in arguments:  # what follows is one for each file of a batch
+        place = arguments.index("--")
+        shared = main._parser(loaded).parse_args([arguments[place + 1], "mesh.obj", *arguments[place + 2 :]])
+        assert shared.command == arguments[place + 1]
+        arguments = arguments[:place]
     assert main._parser(loaded).parse_args(arguments).command == arguments[0]
 
 
@@ -120,7 +151,40 @@ def test_make_targets_are_there():
     assert asked_for and asked_for <= set(targets)
 
 
-def test_links_lead_to_files():
-    links = re.findall(r"\]\(([^)#]+)\)", README) + re.findall(r"`((?:docs|bench|core|tools|\.ci)/[\w./-]*)`", README)
-    missing = [link for link in links if not (ROOT / link).exists()]
-    assert len(links) > 10 and not missing
+@pytest.mark.parametrize("name", PAGES)
+def test_links_lead_to_files_and_headings(name):
+    page, here = PAGES[name], ROOT if name == "README" else MANUAL
+    named = re.findall(r"`((?:docs|bench|core|tools|tests|\.ci)/[\w./-]*)`", page)
+    assert not [place for place in named if not (ROOT / place).exists()]
+    for link in re.findall(r"\]\(([^)]+)\)", page):
+        target, _, heading = link.partition("#")
+        path = (here / target).resolve() if target else here / f"{name}.md"
+        assert path.exists(), link
+        if heading:
+            titles = re.findall(r"^#+ (.*)", path.read_text(encoding="utf-8"), re.MULTILINE)
+            anchors = [re.sub(r"[^\w -]", "", title).lower().replace(" ", "-") for title in titles]
+            assert heading in anchors, link
+
+
+def test_every_operator_has_its_row_and_its_page():
+    rows = [line for line in PAGES["operators"].splitlines() if line.startswith("| **")]
+    listed = {name: re.search(r"\((\w+\.md)\)", row)[1] for row in rows for name in re.findall(r"`(synch\.\w+)`", row)}
+    registered = {f"synch.{name}" for name in dir(bpy.ops.synch)}
+    assert listed.keys() == registered
+    functions = {name for row in rows for name in re.findall(r"`api\.(\w+)`", row)}
+    assert all(callable(getattr(api, name)) for name in functions)
+
+
+def test_every_message_of_the_page_is_one_that_the_program_says():
+    code = "".join(
+        path.read_text(encoding="utf-8") for part in ("core", "synch_addon") for path in (ROOT / part).rglob("*.py")
+    )
+    code = re.sub(r'"\s*\n\s*f?"', "", code)
+    messages = re.findall(r"^\| `([^`]+)` \|", PAGES["messages"], re.MULTILINE)
+    assert len(messages) > 30
+    assert not [message for message in messages if message not in code]
+
+
+def test_the_manual_lists_every_page():
+    listed = set(re.findall(r"- (\w+\.md)", (ROOT / "mkdocs.yml").read_text(encoding="utf-8")))
+    assert listed == {f"{name}.md" for name in PAGES if name != "README"} | {"benchmarks.md", "changelog.md"}

@@ -54,16 +54,27 @@ OPERATORS = {
         "An jedem Punkt eine Richtung finden und markieren, wo sie nicht stetig sein kann"
     ),
     "Cancel": "Abbrechen",
+    "Good Enough": "Gut genug",
+    "Stop the solve and keep the pattern that it shows now": (
+        "Die Berechnung beenden und das Muster behalten, das sie gerade zeigt"
+    ),
     "Stop a solve that runs or waits; everything stays as it was": (
         "Einen laufenden oder wartenden Auftrag anhalten; alles bleibt, wie es war"
     ),
     "Place": "Platz",
-    "Which job of the row, from 0 on": "Welcher Auftrag der Reihe, von 0 an",
+    "Which job of the row, from 0 on; -1 for all of them": "Welcher Auftrag der Reihe, von 0 an; -1 für alle",
     "Memory Limit (MB)": "Speichergrenze (MB)",
+    "Manual": "Handbuch",
+    "Folder or web address of the manual, which Online Manual in the menu of a button opens": (
+        "Ordner oder Netzadresse des Handbuchs, das Online-Handbuch im Menü eines Knopfs öffnet"
+    ),
     "Memory that a solve may take before it is stopped; 0 stands for four fifths of the machine's": (
         "Speicher, den ein Auftrag belegen darf, bevor er angehalten wird; 0 steht für vier Fünftel der Maschine"
     ),
     "Subdivide for Spacing": "Für den Abstand unterteilen",
+    "Copy Settings to Selected": "Einstellungen auf Auswahl übertragen",
+    "Give the other selected objects the active one's settings, guides and constraints": "Den anderen ausgewählten "
+    "Objekten die Einstellungen, Führungen und Bedingungen des aktiven geben",
     "Subdivide the mesh without changing its shape, so that it carries the spacing. UV maps, groups and "
     "attributes go over; a pattern on it has to be solved again": (
         "Das Netz ohne Änderung der Form unterteilen, damit es den Abstand trägt. UV-Maps, Gruppen und Attribute "

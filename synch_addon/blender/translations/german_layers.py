@@ -89,8 +89,17 @@ LAYERS = {
         "Auf jeder Schicht Kurven machen, denen ein Werkzeug folgt, je ein Objekt in einer eigenen Sammlung"
     ),
     "Export Tool Paths": "Werkzeugwege exportieren",
-    "Make the curves of the tool paths, and write their points to a file: a table (.csv) or polylines (.obj)": (
-        "Die Kurven der Werkzeugwege machen und ihre Punkte schreiben: Tabelle (.csv) oder Linienzüge (.obj)"
+    "Make the curves of the tool paths, and write a table (.csv), polylines (.obj) or a printer's program (.gcode)": (
+        "Die Kurven der Werkzeugwege machen und eine Tabelle (.csv), Linienzüge (.obj) oder ein Druckprogramm (.gcode) "
+        "schreiben"
+    ),
+    "Machine": "Maschine",
+    "File that says what the printer is (.toml); none for three axes, a scene unit a millimetre": (
+        "Datei, die den Drucker beschreibt (.toml); ohne sie drei Achsen, eine Einheit der Szene ein Millimeter"
+    ),
+    "Offset": "Versatz",
+    "How far the faces lie above the last layer, in layers: a half for beads that end at them": (
+        "Wie weit die Flächen über der letzten Schicht liegen, in Schichten: ein Halb für Raupen, die an ihnen enden"
     ),
     "Fill": "Füllung",
     "How paths fill a layer": "Wie Wege eine Schicht füllen",

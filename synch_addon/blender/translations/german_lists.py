@@ -128,6 +128,9 @@ CONSTRAINTS = {
 
 OVERLAY = {
     "Draw the field of the active object over it": "Das Feld des aktiven Objekts darüberzeichnen",
+    "Solid": "Solide",
+    "Draw patterns in Solid view too, which shows no materials by itself": "Muster auch in der soliden Ansicht "
+    "zeichnen, die von sich aus keine Materialien zeigt",
     "How directions are drawn": "Wie Richtungen gezeichnet werden",
     "None": "Keine",
     "Do not draw directions": "Keine Richtungen zeichnen",

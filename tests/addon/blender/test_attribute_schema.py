@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The table of attributes: everything that is written is in it, the guide says the same, and nothing else is taken."""
+"""The table of attributes: everything that is written is in it, the manual says the same, and nothing else is taken."""
 
 import re
 from pathlib import Path
@@ -17,8 +17,8 @@ from ..moving import swaying
 from ..scenes import attribute, hexagon_sphere, places, quad_sphere, set_vectors, snapshot, sphere, torus, tube, written
 from ..solid_objects import block
 
-GUIDE = Path(__file__).parents[3] / "docs" / "guide.md"
-# What the guide calls domains and types.
+PAGE = Path(__file__).parents[3] / "docs" / "attributes.md"
+# What the manual calls domains and types.
 DOMAINS = {"POINT": "point", "FACE": "face", "CORNER": "corner"}
 TYPES = {"FLOAT": "float", "INT": "int", "FLOAT_VECTOR": "vector", "FLOAT2": "two floats", "FLOAT_COLOR": "colour"}
 LAYOUTS = {a.name: (a.domain, a.data_type) for a in schema.ATTRIBUTES}
@@ -179,8 +179,8 @@ def test_what_is_written_is_read():
     assert written(obj) == LAYOUTS
 
 
-def test_the_guide_has_the_table():
-    text = GUIDE.read_text(encoding="utf-8")
+def test_the_manual_has_the_table():
+    text = PAGE.read_text(encoding="utf-8")
     rows = [
         f"| `{a.name}` | {DOMAINS[a.domain]}, {TYPES[a.data_type]} | {a.meaning} |"
         for a in schema.ATTRIBUTES

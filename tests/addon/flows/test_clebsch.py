@@ -3,6 +3,7 @@
 """Vortices of flows in Blender: files, volumes and curves go in, curves and meshes come out."""
 
 import json
+import sys
 from types import SimpleNamespace
 
 import bpy
@@ -11,7 +12,9 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields.biot_savart import filament_velocity
+from synch_fields.core.files import flows
 from synch_fields.core.geometry.grid import Grid
+from synch_fields.core.memory import used_bytes
 from synch_fields.core.tasks.flows import showing
 from synch_fields.synch_addon.blender import openvdb
 from synch_fields.synch_addon.command.main import main
@@ -143,6 +146,20 @@ def test_the_command_line(tmp_path, capfd):
     assert main(["clebsch", str(tmp_path / "curves.blend"), "--quantum", "1", "--resolution", "20", "--quiet"]) == 0
     assert main(["clebsch", str(tmp_path / "none.npz"), "--quiet"]) == 1
     assert "no such file" in capfd.readouterr().err
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="address space is limited on Linux alone")
+def test_a_damaged_volume_cannot_take_the_machines_memory(tmp_path, monkeypatch):
+    path = tmp_path / "flow.vdb"
+    write_vdb(path)
+    content = path.read_bytes()
+    place = content.index(b"_count") + len("_count") + 3  # the length of the next name, of two bytes more now
+    path.write_bytes(content[:place] + b"-1" + content[place:])
+    monkeypatch.setattr(flows, "_SOUND_BYTES", 2**28)
+    before = used_bytes()
+    with pytest.raises(SettingError, match="more memory than a sound file of its size"):
+        flows.flow_file(path, module=openvdb.module_file()).read()
+    assert used_bytes() < before + 2**29
 
 
 def refuse_files(tmp_path):

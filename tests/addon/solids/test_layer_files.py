@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What leaves Blender of layers: files that hold them as they are, paths that lie on them, a volume of the pattern."""
 
+import re
 from pathlib import Path
 
 import bpy
@@ -153,7 +154,7 @@ def test_paths_lie_on_their_layers_evenly_spaced(layered, tmp_path, fill):
         inner = away[rows[:, 1] == rows[0, 1]]
         assert inner.mean() == pytest.approx(step / 2, rel=0.15)
     collection = bpy.data.collections[report["collection"]]
-    made = sorted(collection.objects, key=lambda curve: curve.name)
+    made = sorted((one for one in collection.objects if "synch_layer" in one), key=lambda curve: curve.name)
     assert [curve["synch_layer"] for curve in made] == list(range(layering.surfaces.count))
     assert sum(len(curve.data.splines) for curve in made) == report["paths"]
     shown = np.array([point.co[:3] for spline in made[0].data.splines for point in spline.points])
@@ -170,7 +171,7 @@ def test_paths_again_take_the_place_of_those_before(layered):
 
 def test_copies_of_paths_stay_and_a_collection_that_was_unlinked_comes_back(layered):
     collection = bpy.data.collections[api.layer_toolpaths(layered, 0.4)["collection"]]
-    first = sorted(collection.objects, key=lambda curve: curve.name)[0]
+    first = collection.objects["Block Paths 000"]
     linked, whole = first.copy(), first.copy()
     whole.data = first.data.copy()
     for copy in (linked, whole):
@@ -182,10 +183,11 @@ def test_copies_of_paths_stay_and_a_collection_that_was_unlinked_comes_back(laye
     assert again["collection"] == collection.name
     assert collection in bpy.context.scene.collection.children_recursive
     assert {name: len(bpy.data.objects[name].data.splines) for name in kept} == kept
-    made = [curve for curve in collection.objects if curve.name not in kept]
+    made = [curve for curve in collection.objects if curve.name not in kept and "synch_layer" in curve]
     assert sorted(curve["synch_layer"] for curve in made) == [0, 1, 2]
     assert sum(len(curve.data.splines) for curve in made) == again["paths"]
-    assert len(bpy.data.curves) == 5  # theirs, the linked copy's old one and the whole copy's
+    # Theirs, the linked copy's old one and the whole copy's.
+    assert len([data for data in bpy.data.curves if "Paths" in data.name]) == 5
 
 
 def test_polylines_are_those_of_the_table(layered, tmp_path):
@@ -279,7 +281,8 @@ def test_what_cannot_be_written_is_refused_and_changes_nothing(layered, tmp_path
         (lambda: api.layer_toolpaths(layered, -1), "positive"),
         (lambda: api.layer_toolpaths(layered, fill="spiral"), "contour"),
         (lambda: api.layer_toolpaths(layered, 50.0), "reduce it"),
-        (lambda: api.layer_toolpaths(layered, path=tmp_path / "paths.txt"), r"\.csv or \.obj"),
+        (lambda: api.layer_toolpaths(layered, path=tmp_path / "paths.txt"), r"\.csv or \.obj or \.gcode"),
+        (lambda: api.layer_toolpaths(layered, machine=tmp_path / "none.toml"), r"none\.toml: cannot be read"),
         (lambda: api.layer_volume(layered, tmp_path / "pattern.npz"), r"\.vdb"),
         (lambda: api.layer_volume(layered, tmp_path / "pattern.vdb", 1), "2 or more"),
         (lambda: api.layer_volume(layered, tmp_path / "pattern.vdb", 10_000), r"6.3e.11 voxels.*reduce it to 4[0-3]\d"),
@@ -355,6 +358,7 @@ def test_the_command_writes_them_all(tmp_path, capfd):
     status = main.main(
         ["layers", str(tmp_path / "block.obj"), "--spacing", "0.4", "--size", "0.19", "--quiet"]
         + ["--export-layers", str(tmp_path / "part.stl"), "--export-paths", str(tmp_path / "paths.csv")]
+        + ["--export-gcode", str(tmp_path / "part.gcode")]
         + ["--export-volume", str(tmp_path / "pattern.vdb"), "--resolution", "16", "--path-step", "0.2"]
     )
     printed = capfd.readouterr()
@@ -362,7 +366,8 @@ def test_the_command_writes_them_all(tmp_path, capfd):
     names = {path.name for path in tmp_path.iterdir()}
     assert "warning: part_007.stl: of an earlier run" in printed.out
     assert {"part_000.stl", "part_001.stl", "paths.csv", "pattern.vdb"} <= names
-    for name in ("part_000.stl", "paths.csv", "pattern.vdb"):
+    assert re.search(r"cover (99|100)\.\d% of the layers; heights", printed.out)
+    for name in ("part_000.stl", "paths.csv", "pattern.vdb", "part.gcode"):
         assert f"wrote {tmp_path / name}" in printed.out
 
 
@@ -387,3 +392,55 @@ def test_the_command_saves_the_solve_before_an_export_can_fail(tmp_path, capfd):
     assert main.main([*run, "0.2"]) == 0 and capfd.readouterr().out.count("wrote") == 2
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
     assert len(bpy.data.curves) >= 2
+
+
+def test_a_program_leads_to_the_paths_of_its_machine(layered, tmp_path):
+    """The middle of the part stands where the machine says, its lowest place on the bed, in its millimetres."""
+    (tmp_path / "printer.toml").write_text("scale = 100\nbed_x = 50\nbed_y = 60\nstart = ''\nretraction = 0\n")
+    report = api.layer_toolpaths(layered, 0.2, path=tmp_path / "part.gcode", machine=tmp_path / "printer.toml")
+    moves = [line for line in (tmp_path / "part.gcode").read_text().splitlines() if line.startswith("G1")]
+    at = np.array([[float(word[1:]) for word in line.split()[1:4]] for line in moves])
+    extruded = sum(float(line.split("E")[1].split()[0]) for line in moves)
+    world = in_world(layered, memory.recall_layers(layered).solid.vertices)
+    low, high = world.min(axis=0), world.max(axis=0)
+    middle = np.append((low + high)[:2] / 2, low[2])
+    assert (at >= 100 * (low - middle) + [50, 60, 0] - 1e-2).all()
+    assert (at <= 100 * (high - middle) + [50, 60, 0] + 1e-2).all()
+    # Beads as wide as the step and as high as the layers fill them.
+    rows = np.loadtxt(path_table(layered, tmp_path), delimiter=",", skiprows=1)
+    steps = np.linalg.norm(np.diff(rows[:, 2:5], axis=0), axis=1) * (np.diff(rows[:, 1]) == 0)
+    sections = rows[:, 8] * rows[:, 9]
+    volume = (steps * (sections[1:] + sections[:-1]) / 2).sum()
+    assert extruded * np.pi * 1.75**2 / 4 == pytest.approx(100**3 * volume, rel=0.01)
+    assert report["covered"] > 0.99 and report["machine"]["scale"] == 100
+    assert report["heights"]["high"] == pytest.approx(SPACING, rel=1e-3)
+    assert report["tilts"]["high"] == pytest.approx(np.degrees(np.arccos(np.cos(0.3) * np.cos(0.2))), abs=0.1)
+
+
+def path_table(obj, folder):
+    api.layer_toolpaths(obj, 0.2, path=folder / "paths.csv")
+    return folder / "paths.csv"
+
+
+def test_what_lies_on_air_is_listed_and_drawn(layered):
+    """A tilted block stands on a corner: its lowest layer is on air but there."""
+    report = api.layer_toolpaths(layered, 0.2)
+    flaws = bpy.data.collections[report["collection"]].objects["Block Overhangs"]
+    points = np.array([point.co[:3] for spline in flaws.data.splines for point in spline.points])
+    low = in_world(layered, memory.recall_layers(layered).solid.vertices)[:, 2].min()
+    assert report["overhangs"]["pieces"] == len(flaws.data.splines) > 0
+    assert in_world(layered, points)[:, 2].max() > low + SPACING / 2
+    assert any("lie on air" in line for line in report["warnings"])
+    first = report["overhangs"]["places"][0]
+    assert first["layer"] == 0 and first["share"] <= report["overhangs"]["share"] < 0.6
+
+
+def test_a_group_may_lie_half_a_layer_above_the_last_bead():
+    obj = block()
+    for text, gap in (("Top=layer", 0.0), ("Top=layer:0.5", SPACING / 2), ("Top=layer:0.25", SPACING / 4)):
+        api.layers(obj, guidance="axis:Z", groups=text, spacing=SPACING, size=0.15)
+        surfaces = memory.recall_layers(obj).surfaces
+        assert 0.5 - surfaces.vertices[:, 2].max() == pytest.approx(gap, abs=1e-6)
+    for text in ("Top=layer:1", "Top=layer:-0.5", "Top=layer:half", "Top=constant:0.5", "Top=layer:nan"):
+        with pytest.raises(SettingError, match=r"offset .* of the group 'Top'"):
+            api.layers(obj, groups=text)

@@ -76,5 +76,5 @@ def test_no_scheduler_and_no_dask_are_one_line(monkeypatch):
     with pytest.raises(SettingError, match="no Dask scheduler answers at nowhere"):
         Cluster("nowhere", ARGUMENTS, 1)
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(SettingError, match=r"synch_fields\[dask\]"):
+    with pytest.raises(SettingError, match=r"pip install distributed"):
         Cluster("nowhere", ARGUMENTS, 1)

@@ -19,7 +19,7 @@ def test_on_planes_paths_are_straight_and_evenly_spaced():
     floor = LayerGroup.of_vertices(mesh, mesh.vertices[:, 2] == 0, 0.0)
     pattern = solve_layers(mesh, axis_directions(mesh, (0, 0, 1)), 0.23, [floor])
     layers = layer_surfaces(pattern.edge_phases, pattern.heights)
-    lines, numbers = toolpaths(layers, layers.vertices[:, 0] - 0.05, 0.1)
+    lines, numbers = toolpaths(layers.mesh, layers.layers, layers.vertices[:, 0] - 0.05, 0.1)
     np.testing.assert_array_equal(numbers, np.repeat(np.arange(5), 10))
     np.testing.assert_allclose(lines.lengths, 1, rtol=1e-6)
     points = lines.points
@@ -36,7 +36,7 @@ def test_on_spheres_paths_close():
     group = LayerGroup.of_vertices(mesh, mesh.boundary_vertices, 0.0)
     pattern = solve_layers(mesh, mesh.vertices / radius[:, None], 0.3, [group])
     layers = layer_surfaces(pattern.edge_phases, pattern.heights)
-    lines, numbers = toolpaths(layers, layers.vertices[:, 2] + 0.11, 0.25)
+    lines, numbers = toolpaths(layers.mesh, layers.layers, layers.vertices[:, 2] + 0.11, 0.25)
     assert lines.closed.all() and layers.count == 3
     heights = 0.25 * np.arange(-9, 10) - 0.11
     expected = [np.count_nonzero(np.abs(heights) < radius) for radius in (1, 1.3, 1.6)]
@@ -50,7 +50,7 @@ def test_on_spheres_paths_close():
 @pytest.mark.parametrize("step", [0, -1, np.nan])
 def test_steps_are_positive(step):
     with pytest.raises(SettingError, match="positive"):
-        toolpaths(None, np.zeros(3), step)
+        toolpaths(None, None, np.zeros(3), step)
 
 
 def test_steps_that_make_too_many_points_are_refused_with_one_that_does(monkeypatch):
@@ -58,13 +58,13 @@ def test_steps_that_make_too_many_points_are_refused_with_one_that_does(monkeypa
     floor = LayerGroup.of_vertices(mesh, mesh.vertices[:, 2] == 0, 0.0)
     pattern = solve_layers(mesh, axis_directions(mesh, (0, 0, 1)), 0.23, [floor])
     layers = layer_surfaces(pattern.edge_phases, pattern.heights)
-    most = len(toolpaths(layers, layers.vertices[:, 0], 0.02)[0].triangles)
+    most = len(toolpaths(layers.mesh, layers.layers, layers.vertices[:, 0], 0.02)[0].triangles)
     monkeypatch.setattr("synch_fields.core.extract.toolpaths.MOST_POINTS", most)
-    assert len(toolpaths(layers, layers.vertices[:, 0], 0.03)[0].triangles) < most
+    assert len(toolpaths(layers.mesh, layers.layers, layers.vertices[:, 0], 0.03)[0].triangles) < most
     with pytest.raises(SettingError, match=r"give a step of .* or more") as caught:
-        toolpaths(layers, layers.vertices[:, 0], 1e-7)
+        toolpaths(layers.mesh, layers.layers, layers.vertices[:, 0], 1e-7)
     remedy = float(str(caught.value).split("step of ")[1].split()[0])
-    assert 0.8 * most < len(toolpaths(layers, layers.vertices[:, 0], remedy)[0].triangles) <= most
+    assert 0.8 * most < len(toolpaths(layers.mesh, layers.layers, layers.vertices[:, 0], remedy)[0].triangles) <= most
 
 
 def test_contours_run_along_the_rim_one_step_after_the_other():
@@ -74,7 +74,7 @@ def test_contours_run_along_the_rim_one_step_after_the_other():
     pattern = solve_layers(mesh, axis_directions(mesh, (0, 0, 1)), 0.3, [floor])
     layers = layer_surfaces(pattern.edge_phases, pattern.heights)
     step = 0.12
-    lines, numbers = toolpaths(layers, rim_distances(layers) - step / 2, step)
+    lines, numbers = toolpaths(layers.mesh, layers.layers, rim_distances(layers.mesh) - step / 2, step)
     np.testing.assert_array_equal(np.bincount(numbers), [4] * 4)
     assert lines.closed.all()
     inward = 0.5 - np.abs(lines.points[:, :2] - 0.5).max(axis=1)
@@ -93,7 +93,7 @@ def test_on_layers_without_a_rim_contours_start_at_the_lowest_place():
     radius = np.linalg.norm(mesh.vertices, axis=1)
     pattern = solve_layers(mesh, mesh.vertices / radius[:, None], 0.3, [group])
     layers = layer_surfaces(pattern.edge_phases, pattern.heights)
-    distances = rim_distances(layers)
+    distances = rim_distances(layers.mesh)
     radius = np.linalg.norm(layers.vertices, axis=1)
     angles = np.arccos(np.clip(-layers.vertices[:, 2] / radius, -1, 1))
     assert np.isfinite(distances).all() and (distances == 0).sum() == layers.count == 3

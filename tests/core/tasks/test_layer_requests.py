@@ -201,7 +201,7 @@ def test_paths_are_a_step_apart_and_as_long_as_the_layers_are_large(layering):
     paths = pickle.loads(pickle.dumps(layering.paths(PathSettings(0.1, "across-x")))).solve()
     steps = paths.lines.points[:, 0] / 0.1
     np.testing.assert_allclose(steps, np.rint(steps), atol=1e-6)
-    assert paths.length == pytest.approx(layering.surfaces.areas.sum() / 0.1, rel=0.15)
+    assert paths.lines.lengths.sum() == pytest.approx(layering.surfaces.areas.sum() / 0.1, rel=0.15)
     assert layering.paths(PathSettings()).step == pytest.approx(0.3, rel=1e-6)
     with pytest.raises(SettingError, match="no path of the step 50 fits on a layer: reduce it"):
         layering.paths(PathSettings(50.0)).solve()
@@ -213,7 +213,11 @@ def test_paths_are_a_step_apart_and_as_long_as_the_layers_are_large(layering):
 def test_texts_of_paths_hold_their_points(layering):
     paths = layering.paths(PathSettings(0.2)).solve()
     lines, points, normals = paths.lines, paths.lines.points, paths.lines.normals
-    table = np.loadtxt(table_of(lines, paths.layers, points, normals).splitlines(), delimiter=",", skiprows=1)
+    table = np.loadtxt(
+        table_of(lines, paths.layers, points, normals, paths.heights, paths.widths).splitlines(),
+        delimiter=",",
+        skiprows=1,
+    )
     assert len(table) == len(points) + lines.closed.sum() and lines.closed.any()
     first = table[table[:, 1] == 0]
     np.testing.assert_array_equal(first[0], first[-1])  # it closes

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from synch_fields.core.algebra import threads
+from synch_fields.core.algebra import blas
 
 # Limits are those of a process: each case has one of its own, in which BLAS has two threads.
 SKIP = 77
@@ -19,7 +19,7 @@ SCRIPT = """
 import os, sys, threading
 import numpy, scipy.linalg
 from threadpoolctl import threadpool_info
-from synch_fields.core.algebra.threads import one_blas_thread
+from synch_fields.core.algebra.blas import one_blas_thread
 
 def counts():
     return [pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"]
@@ -125,8 +125,8 @@ def test_a_pool_of_the_calling_thread_is_limited_once_as_well(monkeypatch):
         assert (count, user_api) == (1, "blas")
         yield
 
-    monkeypatch.setattr(threads, "threadpool_limits", threadpool_limits)
-    with threads.one_blas_thread(), threads.one_blas_thread():
+    monkeypatch.setattr(blas, "threadpool_limits", threadpool_limits)
+    with blas.one_blas_thread(), blas.one_blas_thread():
         assert len(asked) == 2 and asked[1] is threading.current_thread() is not asked[0]
         assert asked[0].is_alive()
     assert not asked[0].is_alive()

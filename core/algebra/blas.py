@@ -6,15 +6,16 @@ made solves up to ten times slower on a busy machine, and never faster.
 """
 
 import os
-import threading
 from contextlib import contextmanager
+
+from ..threads import Event, Lock, Thread, begun, local
 
 try:
     from threadpoolctl import threadpool_limits
 except ImportError:  # an extension built without its wheels, in a Blender that has SciPy only
     threadpool_limits = None
 
-_here = threading.local()
+_here = local()
 
 
 class _Everywhere:
@@ -29,8 +30,8 @@ class _Everywhere:
 
     def forget(self):
         """Nobody is inside: a forked process has none of the threads."""
-        self._lock, self._inside = threading.Lock(), 0
-        self._ended, self._keeper = threading.Event(), threading.Thread()
+        self._lock, self._inside = Lock(), 0
+        self._ended, self._keeper = Event(), Thread()
 
     def __enter__(self):
         with self._lock:
@@ -46,9 +47,8 @@ class _Everywhere:
                 self._keeper.join()
 
     def _begin(self):
-        ended, limited = threading.Event(), threading.Event()
-        keeper = threading.Thread(target=_keep, args=(limited, ended), daemon=True)
-        keeper.start()
+        ended, limited = Event(), Event()
+        keeper = begun(_keep, limited, ended)
         try:
             limited.wait()
         except BaseException:  # Ctrl-C

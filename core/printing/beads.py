@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Beads that cover layers: contours or planes a step apart, and beads where contours leave a gap."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..extract.isolines import End, Isolines
+from ..extract.toolpaths import rim_distances, toolpaths
+from ..geometry.barycentric import barycentric
+from ..geometry.nearest import NearestTriangles
+from ..graphs import components, ragged_arange
+from .coverage import REACH, BeadDistances, covered_share
+from .fine import refined
+from .middle import beads_through, medial_beads
+
+# Longest edge of the triangles that contours are found on, in steps, and the most triangles.
+_SIZE, _MOST_TRIANGLES = 0.4, 1_500_000
+# Points of contours nearer than this are one, in steps.
+_SAME = 0.1
+# Contours that are shorter, or whose sides are closer, go around what one bead covers, in steps.
+_SHORT, _FLAT = 1.5, 0.1
+# How often what is left is looked for; pieces of it that are smaller, in squares of a step, are tips of corners.
+_ROUNDS, _TIP = 3, 0.12
+# Width of the narrowest bead, in steps.
+NARROWEST = 0.25
+
+
+@dataclass(frozen=True)
+class Beads:
+    """Beads on layers.
+
+    Attributes
+    ----------
+    lines : Isolines over the triangles of the layers
+    layers : (l,) the layer of each line, ascending
+    widths : (n,) at the lines' points: the step, less where a bead fills a narrower gap
+    covered : (c,) share of each layer's area that is covered, see :mod:`.coverage`
+    covered_share : of all layers
+    """
+
+    lines: Isolines
+    layers: np.ndarray
+    widths: np.ndarray
+    covered: np.ndarray
+    covered_share: float
+
+
+def contour_beads(surfaces, step):
+    """:class:`Beads` one inside the other from the rim of each layer inwards, the first half a step from it.
+
+    Where two contours leave a gap, and where a layer is narrower than a step, a bead lies along the middle.
+    """
+    mesh, parents = refined(surfaces.mesh, _SIZE * step, _MOST_TRIANGLES)
+    numbers = surfaces.layers[parents]
+    distances = rim_distances(mesh)
+    lines, layers = toolpaths(mesh, numbers, distances - step / 2, step)
+    wide = (lines.lengths > _SHORT * step) & ~(lines.closed & (_widths(lines) < _FLAT * step))
+    lines, layers = lines.chosen(wide).without_repeats(_SAME * step), layers[wide]
+    lines = _on_parents(lines, surfaces.mesh, parents)
+    found = lines, layers, np.full(len(lines.triangles), float(step))
+    rim = _rim(surfaces, step)
+    found = _joined(found, medial_beads(mesh, numbers, distances, _away(lines, layers, step), step), rim, step)
+    at = np.zeros(mesh.vertex_count, int)
+    at[mesh.triangles] = numbers[:, None]
+    for _ in range(_ROUNDS):
+        gaps = _away(found[0], found[1], step)(mesh.vertices, at)
+        far = (gaps > REACH * step) & _is_large(mesh, gaps > REACH * step, np.isinf(gaps), _TIP * step**2)
+        more = beads_through(mesh, numbers, far, step)
+        if not more:
+            break
+        found = _joined(found, more, rim, step)
+    return Beads(*found, *covered_share(mesh, numbers, _away(found[0], found[1], step), step))
+
+
+def plane_beads(surfaces, values, step):
+    """:class:`Beads` where (p,) values at the vertices of layers are multiples of a step."""
+    lines, layers = toolpaths(surfaces.mesh, surfaces.layers, values, step)
+    lines = lines.without_repeats(_SAME * step)
+    mesh, parents = refined(surfaces.mesh, _SIZE * step, _MOST_TRIANGLES)
+    shares = covered_share(mesh, surfaces.layers[parents], _away(lines, layers, step), step)
+    return Beads(lines, layers, np.full(len(lines.triangles), float(step)), *shares)
+
+
+def _away(lines, layers, step):
+    """:class:`BeadDistances` of lines."""
+    points = lines.points
+    return BeadDistances(points, points[lines.next], layers[lines.numbers], step)
+
+
+def _widths(lines):
+    """(l,) mean widths of what closed lines go around."""
+    points = lines.points
+    crosses = np.cross(points - points[lines.starts][lines.numbers], points[lines.next] - points)
+    doubled = np.stack([np.bincount(lines.numbers, column, len(lines.sizes)) for column in crosses.T], axis=1)
+    return np.linalg.norm(doubled, axis=1) / np.maximum(lines.lengths, np.finfo(float).tiny)
+
+
+def _is_large(mesh, far, bare, area):
+    """(n,) bool: vertices in pieces of those that are far with at least an area, or on layers that are bare."""
+    inside = far[mesh.edges].all(axis=1)
+    piece = components(mesh.vertex_count, mesh.edges[inside])
+    return bare | (np.bincount(piece, mesh.vertex_masses)[piece] >= area)
+
+
+def _on_parents(lines, mesh, parents):
+    """Lines on parts of triangles as lines on these."""
+    triangles = parents[lines.triangles]
+    return replace(lines, mesh=mesh, triangles=triangles, weights=barycentric(mesh, triangles, lines.points))
+
+
+def _rim(surfaces, step):
+    """:class:`BeadDistances` of the layers' rims."""
+    mesh = surfaces.mesh
+    half = np.flatnonzero(mesh.twins < 0)
+    begins, ends = (mesh.vertices[np.roll(mesh.triangles, turn, axis=1).ravel()[half]] for turn in (0, -1))
+    return BeadDistances(begins, ends, surfaces.layers[half // 3], step)
+
+
+def _joined(found, more, rim, step):
+    """Lines, layers and widths with those of more beads, put onto the layers, ordered by layer."""
+    lines, layers, widths = found
+    if not more:
+        return found
+    mesh = lines.mesh
+    points = np.concatenate([bead.points for bead in more])
+    sizes, of = np.array([len(bead.points) for bead in more]), np.array([bead.layer for bead in more])
+    at = np.repeat(of, sizes)
+    free = np.minimum(_away(lines, layers, step)(points, at) - step / 2, rim(points, at))
+    places, triangles = NearestTriangles(mesh.vertices, mesh.triangles).nearest(points)
+    ends = np.array([[End.CLOSED if bead.closed else End.BOUNDARY] * 2 for bead in more])
+    sizes, of = np.append(lines.sizes, sizes), np.append(layers, of)
+    order = np.argsort(of, kind="stable")
+    run, place = ragged_arange(sizes[order])
+    points = (np.cumsum(sizes) - sizes)[order][run] + place
+    joined = Isolines(
+        mesh,
+        np.append(lines.triangles, triangles)[points],
+        np.concatenate([lines.weights, barycentric(mesh, triangles, places)])[points],
+        sizes[order],
+        np.concatenate([lines.ends, ends])[order],
+    )
+    narrow = np.clip(2 * free, NARROWEST * step, step)
+    return joined, of[order], np.append(widths, narrow)[points]

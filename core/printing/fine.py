@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Triangles cut into smaller ones on the same surface."""
+
+import numpy as np
+
+from ..geometry import TriangleMesh
+
+# Rounds of cutting: an edge gets a power of this many halves at most.
+_ROUNDS = 12
+
+
+def refined(mesh, size, most):
+    """The same surface with edges no longer than a size, as far as a number of triangles allows.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+    size : longest edge, scene units
+    most : triangles
+
+    Returns
+    -------
+    fine : TriangleMesh, whose first vertices are the mesh's
+    parents : (t,) triangle of the mesh that each triangle is a part of
+    """
+    parents = np.arange(mesh.triangle_count)
+    for _ in range(_ROUNDS):
+        is_long = mesh.edge_lengths > size
+        if not is_long.any() or mesh.triangle_count + 2 * np.count_nonzero(is_long) > most:
+            break
+        triangles, of = _halved(mesh, is_long)
+        i, j = mesh.edges[is_long].T
+        middles = (mesh.vertices[i] + mesh.vertices[j]) / 2
+        mesh, parents = TriangleMesh(np.vstack([mesh.vertices, middles]), triangles), parents[of]
+    return mesh, parents
+
+
+def _halved(mesh, is_long):
+    """(t, 3) triangles with a vertex in the middle of each long edge, and (t,) the triangle that each is a part of."""
+    middle = np.where(is_long, mesh.vertex_count + np.cumsum(is_long) - 1, -1)
+    corners, at = mesh.triangles, middle[mesh.triangle_edges]
+    count = (at >= 0).sum(axis=1)
+    # Turned so that of one the long side comes first, and of two the short one comes last.
+    turn = np.where(count == 1, (at >= 0).argmax(axis=1), np.where(count == 2, ((at < 0).argmax(axis=1) + 1) % 3, 0))
+    order = (turn[:, None] + np.arange(3)) % 3
+    a, b, c = np.take_along_axis(corners, order, axis=1).T
+    ab, bc, ca = np.take_along_axis(at, order, axis=1).T
+    # The quad that two cuts leave is cut along its shorter diagonal.
+    places = np.vstack([mesh.vertices, (mesh.vertices[mesh.edges[is_long]]).mean(axis=1)])
+    is_turned = np.linalg.norm(places[ab] - places[c], axis=1) > np.linalg.norm(places[a] - places[bc], axis=1)
+    two, turned = (count == 2) & ~is_turned, (count == 2) & is_turned
+    pieces = [
+        (count == 0, [(a, b, c)]),
+        (count == 1, [(a, ab, c), (ab, b, c)]),
+        (two, [(ab, b, bc), (a, ab, c), (ab, bc, c)]),
+        (turned, [(ab, b, bc), (a, ab, bc), (a, bc, c)]),
+        (count == 3, [(a, ab, ca), (ab, b, bc), (bc, c, ca), (ab, bc, ca)]),
+    ]
+    made, of = [], []
+    for chosen, parts in pieces:
+        for part in parts:
+            made.append(np.column_stack(part)[chosen])
+            of.append(np.flatnonzero(chosen))
+    return np.concatenate(made), np.concatenate(of)

@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The order in which beads are laid: what carries others first, and then the nearest one."""
+
+import heapq
+from dataclasses import replace
+
+import numpy as np
+
+from ..graphs import ragged_arange
+
+
+def layer_order(count, carried, carrying):
+    """Layers in an order in which what carries comes before what it carries, the lowest number first where it is free.
+
+    Parameters
+    ----------
+    count : of layers
+    carried, carrying : (k,) layers that lie upon others, and these; where they go round in a circle, the lowest number
+        of it comes first
+
+    Returns
+    -------
+    (count,) layers
+    """
+    pairs = np.unique(np.array([carrying, carried], int).T.reshape(-1, 2), axis=0)
+    pairs = pairs[pairs[:, 0] != pairs[:, 1]]
+    above: list[list[int]] = [[] for _ in range(count)]
+    for one, other in pairs.tolist():
+        above[one].append(other)
+    waiting = np.bincount(pairs[:, 1], minlength=count)
+    free = [layer for layer in range(count) if not waiting[layer]]
+    order, left = [], set(range(count))
+    while left:
+        layer = heapq.heappop(free) if free else min(left)
+        if layer not in left:
+            continue
+        left.remove(layer)
+        order.append(layer)
+        for other in above[layer]:
+            waiting[other] -= 1
+            if waiting[other] == 0:
+                heapq.heappush(free, other)
+    return np.array(order, int)
+
+
+def arranged(lines, layers, order):
+    """Lines in the order of their layers, each time the nearest next; closed ones begin, open ones end where it suits.
+
+    Parameters
+    ----------
+    lines : Isolines
+    layers : (l,) the layer of each line
+    order : (c,) layers
+
+    Returns
+    -------
+    lines : Isolines
+    taken : (l,) the given lines that they were
+    points : (n,) the given points that they have
+    """
+    starts, closed, places = lines.starts, lines.closed, lines.points
+    here = None
+    chosen, runs = [], []
+    for layer in order:
+        left = np.flatnonzero(layers == layer)
+        rows = [np.arange(starts[line], starts[line] + lines.sizes[line]) for line in left]
+        # Places where each may begin: all of a closed line, both ends of others.
+        may = [row if closed[line] else row[[0, -1]] for line, row in zip(left, rows, strict=True)]
+        of = ragged_arange(np.array([len(one) for one in may], int))[0]
+        doors = np.concatenate([*may, np.zeros(0, int)]).astype(int)
+        free = np.ones(len(doors), bool)
+        for _ in left:
+            distances = np.where(free, 0.0 if here is None else np.linalg.norm(places[doors] - here, axis=1), np.inf)
+            door = int(distances.argmin())
+            number = of[door]
+            free[of == number] = False
+            row = rows[number]
+            if closed[left[number]]:
+                row = np.roll(row, -int(doors[door] - row[0]))
+            elif doors[door] != row[0]:
+                row = row[::-1]
+            here = places[row[0] if closed[left[number]] else row[-1]]
+            chosen.append(left[number])
+            runs.append(row)
+    taken = np.array(chosen, int)
+    points = np.concatenate([*runs, np.zeros(0, int)]).astype(int)
+    made = replace(
+        lines,
+        triangles=lines.triangles[points],
+        weights=lines.weights[points],
+        sizes=lines.sizes[taken],
+        ends=lines.ends[taken],
+    )
+    return made, taken, points

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which way the tool stands, and whether it meets what has been printed before."""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..graphs import ragged_arange
+
+# Places that are looked at together.
+_BATCH = 1024
+# Of what is farther than this many steps, places that are a step apart will do.
+_NEAR, _COARSE = 4.0, 1.0
+
+
+def tilts(normals):
+    """(n,) degrees between unit normals and upright."""
+    return np.degrees(np.arccos(np.clip(normals[:, 2], -1, 1)))
+
+
+def tool_axes(normals, machine):
+    """(n, 3) unit vectors from the tip into the tool: upright, or along normals as far as the machine tilts."""
+    upright = np.tile([0.0, 0.0, 1.0], (len(normals), 1))
+    if not machine.turns:
+        return upright
+    level = normals * [1, 1, 0]
+    lengths = np.linalg.norm(level, axis=1, keepdims=True)
+    level = np.divide(level, lengths, out=np.zeros_like(level), where=lengths > 0)
+    angles = np.radians(np.minimum(tilts(normals), machine.largest_tilt))[:, None]
+    return np.cos(angles) * upright + np.sin(angles) * level
+
+
+def collisions(points, axes, machine, step, slack):
+    """Where a tool meets what it has printed before: inside the cone that widens from its tip upwards.
+
+    Parameters
+    ----------
+    points, axes : (n, 3) of the tip, in the order in which they are printed, and of the tool
+    machine : Machine, with lengths in the points' unit
+    step : between beads; of what is farther than four of them, places that are one apart are looked at
+    slack : height above the tip up to which material is none that it meets
+
+    Returns
+    -------
+    (n,) the first place that it meets, -1 for none
+    """
+    met = np.full(len(points), -1)
+    # The cone looks upwards from everywhere: below the highest place so far it may meet something.
+    highest = np.maximum.accumulate(points[:, 2])
+    upwards = machine.nozzle_angle + (machine.largest_tilt if machine.turns else 0) < 90
+    waiting = np.flatnonzero(points[:, 2] < highest) if upwards else np.arange(len(points))
+    near, length = min(_NEAR * step, machine.nozzle_length), machine.nozzle_length
+    everything = np.arange(len(points))
+    for obstacles, reach in ((everything, near), (_thinned(points, _COARSE * step), length)):
+        tree = cKDTree(points[obstacles])
+        for part in np.array_split(waiting, max(1, len(waiting) // _BATCH)):
+            lists = tree.query_ball_point(points[part], reach, return_sorted=False)
+            which = ragged_arange(np.array([len(found) for found in lists], int))[0]
+            other = obstacles[np.fromiter((k for one in lists for k in one), int, len(which))]
+            earlier = other < part[which]
+            which, other = which[earlier], other[earlier]
+            offsets = points[other] - points[part[which]]
+            above = np.einsum("kx,kx->k", offsets, axes[part[which]])
+            aside = np.linalg.norm(offsets - above[:, None] * axes[part[which]], axis=1)
+            wide = machine.nozzle_radius + above * np.tan(np.radians(machine.nozzle_angle))
+            hit = (above > slack) & (above <= length) & (aside < wide)
+            # Of several assignments the last one stays: the one that was printed first.
+            order = np.argsort(-other[hit], kind="stable")
+            met[part[which[hit]][order]] = other[hit][order]
+        waiting = waiting[met[waiting] < 0]
+        if reach >= length:
+            break
+    return met
+
+
+def _thinned(points, size):
+    """The first of the points in each cube of a size."""
+    cubes = np.floor((points - points.min(axis=0)) / size).astype(int) if len(points) else np.zeros((0, 3), int)
+    return np.unique(cubes, axis=0, return_index=True)[1]

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Patterns drawn by the graphics card from phases at the corners of triangles, in the colours of their materials."""
+
+import gpu
+from gpu_extras.batch import batch_for_shader
+
+from ..nodes.stripes import INK_BLUE, WARM_IVORY
+
+_VERTEX = """
+void main()
+{
+  vec4 place = view * vec4(pos, 1.0);
+  at = place.xyz;
+  phases = phase;
+  gl_Position = projection * place;
+}
+"""
+# Edges are soft over one pixel; what is finer than pixels is even. Lines of quads fill half of the area.
+_FRAGMENT = """
+float soft(float inside)
+{
+  return smoothstep(-0.5, 0.5, inside / max(fwidth(inside), 1e-4));
+}
+
+void main()
+{
+#ifdef QUADS
+  vec2 away = abs(sin(phases));
+  float line = soft(0.4444 - min(away.x, away.y));
+  float finest = 0.5;
+#else
+  float line = soft(cos(phases.x));
+  float finest = 1.0;
+#endif
+  vec2 change = fwidth(phases) / (3.14159 * finest);
+  line = mix(line, 0.5, clamp(max(change.x, change.y) - 0.5, 0.0, 1.0));
+#ifdef COVERS
+  vec3 normal = normalize(cross(dFdx(at), dFdy(at)));
+  color = vec4(mix(PAPER, INK, line) * (0.35 + 0.65 * abs(normal.z)), 1.0);
+#else
+  color = vec4(INK, 0.9 * line);
+#endif
+}
+"""
+
+
+class _Shaders:
+    """The shaders, each made when it is first used."""
+
+    def __init__(self):
+        self._made = {}
+
+    def of(self, of_quads, covers):
+        """The shader of a :class:`DrawnPattern`."""
+        key = of_quads, covers
+        if key not in self._made:
+            self._made[key] = _shader(of_quads, covers)
+        return self._made[key]
+
+    def forget(self):
+        """Give all back to the graphics card."""
+        self._made.clear()
+
+
+shaders = _Shaders()
+
+
+class DrawnPattern:
+    """Triangles of a pattern on the graphics card.
+
+    Parameters
+    ----------
+    places : (3 t, 3) float32 corners of the triangles
+    phases : (3 t, 2) float32 radians there
+    of_quads : whether there are two phases
+    covers : whether what is below is hidden, rather than inked
+    """
+
+    def __init__(self, places, phases, *, of_quads, covers):
+        self._shader = shaders.of(of_quads, covers)
+        self._batch = batch_for_shader(self._shader, "TRIS", {"pos": places, "phase": phases})
+
+    def draw(self, view, projection):
+        """Draw into the active framebuffer, hidden by what is nearer.
+
+        Parameters
+        ----------
+        view, projection : matrices from the object's space to that of the view, and from there to the screen
+        """
+        gpu.state.blend_set("ALPHA")
+        gpu.state.depth_test_set("LESS_EQUAL")
+        self._shader.uniform_float("view", view)
+        self._shader.uniform_float("projection", projection)
+        self._batch.draw(self._shader)
+        gpu.state.depth_test_set("NONE")
+        gpu.state.blend_set("NONE")
+
+
+def _shader(of_quads, covers):
+    between = gpu.types.GPUStageInterfaceInfo("synch_pattern")
+    between.smooth("VEC3", "at")
+    between.smooth("VEC2", "phases")
+    info = gpu.types.GPUShaderCreateInfo()
+    for name, color in (("INK", INK_BLUE), ("PAPER", WARM_IVORY)):
+        info.define(name, "vec3({}, {}, {})".format(*color))
+    for name, chosen in (("QUADS", of_quads), ("COVERS", covers)):
+        if chosen:
+            info.define(name)
+    info.push_constant("MAT4", "view")
+    info.push_constant("MAT4", "projection")
+    info.vertex_in(0, "VEC3", "pos")
+    info.vertex_in(1, "VEC2", "phase")
+    info.vertex_out(between)
+    info.fragment_out(0, "VEC4", "color")
+    info.vertex_source(_VERTEX)
+    info.fragment_source(_FRAGMENT)
+    return gpu.shader.create_from_info(info)

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Patterns in views that draw no materials: in Solid view, inked over what Blender draws there.
+
+Nothing of the scene is changed for it, and it goes as soon as a view draws materials by itself.
+"""
+
+import bpy
+
+from ...core.extract.drawn_phases import drawn_phases
+from ..blender import attributes, meshes
+from ..blender.changes import changes
+from ..blender.phases import pattern_kind, read_phases
+from ..jobs.queue import queue
+from ..jobs.shelf import Shelf
+from .overlay_view import nearer
+from .pattern_shader import DrawnPattern, shaders
+
+# What is kept on the graphics card, of the objects that were drawn last.
+_drawn = Shelf(64)
+
+
+def corners_of(obj):
+    """What :func:`core.extract.drawn_phases.drawn_phases` gives of what a mesh object shows, in its space, and whether
+    it is quads; None where it shows no pattern.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object, also an evaluated one, as modifiers leave it
+    """
+    kind = pattern_kind(obj)
+    if kind is None or not len(obj.data.polygons):
+        return None
+    positions = attributes.read_values(obj, "position", "POINT").astype(float)
+    return *drawn_phases(read_phases(obj, kind), meshes.read_polygons(obj), positions), kind == "quads"
+
+
+def shows(context):
+    """Whether patterns are drawn in the view of a context."""
+    space = context.space_data
+    solid = space.shading.type == "SOLID" and not space.shading.show_xray
+    return solid and space.overlay.show_overlays and context.scene.synch_overlay.pattern
+
+
+def shown_objects(context):
+    """The objects whose patterns are drawn in the view of a context."""
+    running = queue.running
+    for obj in context.visible_objects:
+        if obj.type != "MESH" or obj.mode == "EDIT" or obj.display_type not in {"SOLID", "TEXTURED"}:
+            continue
+        hidden = running is not None and running.picture is not None and running.job.link.present == obj
+        if not hidden and pattern_kind(obj) is not None:
+            yield obj
+
+
+def drawn(obj, depsgraph):
+    """The :class:`DrawnPattern` of an object as its modifiers leave it, kept until it changes; None without one."""
+
+    def make():
+        found = corners_of(obj.evaluated_get(depsgraph))
+        return None if found is None else DrawnPattern(*found[:2], of_quads=found[2], covers=False)
+
+    return _drawn.renewed(obj.session_uid, (changes.state(obj.data), changes.state(obj)), make)
+
+
+class _View:
+    """Draws the patterns in all 3D views."""
+
+    def __init__(self):
+        self._handler = None
+
+    def register(self):
+        """Begin to draw."""
+        self._handler = bpy.types.SpaceView3D.draw_handler_add(self._draw, (), "WINDOW", "POST_VIEW")
+
+    def unregister(self):
+        """Draw no longer."""
+        bpy.types.SpaceView3D.draw_handler_remove(self._handler, "WINDOW")
+        shaders.forget()
+
+    def _draw(self):
+        context = bpy.context
+        if not shows(context):
+            return
+        region, depsgraph = context.region_data, context.evaluated_depsgraph_get()
+        for obj in shown_objects(context):
+            pattern = drawn(obj, depsgraph)
+            if pattern is not None:
+                view = nearer(region) @ region.view_matrix @ obj.evaluated_get(depsgraph).matrix_world
+                pattern.draw(view, region.window_matrix)
+
+
+view = _View()
+register, unregister = view.register, view.unregister

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Several selected objects: one click solves them one after the other, each with its own settings."""
+
+import json
+
+
+def test_one_click_solves_all_selected_objects_and_one_cancels_them(panel, keep):
+    for number in range(3):
+        place = f"location=({3 * number - 3}, 0, 0)"
+        panel.run(f"bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4, radius=1, {place})")
+    panel.run("bpy.ops.object.select_all(action='DESELECT')")
+    panel.run("[obj.select_set(obj.type == 'MESH') for obj in bpy.data.objects]")
+    panel.run("active().synch.symmetry, active().synch.angle = 'VECTOR', 0.5")
+    panel.wait_for("Copy Settings to 2 Others")
+    panel.click("Copy Settings to 2 Others")
+    panel.until("[obj.synch.symmetry for obj in bpy.data.objects if obj.type == 'MESH'] == ['VECTOR'] * 3")
+    panel.click("Stripes")
+    panel.until("len(part('jobs.queue').queue.works) == 3")
+    panel.wait_for("Cancel All")
+    keep("several", panel.picture("UI"))
+    panel.click("Cancel All")
+    panel.until("not part('jobs.queue').queue.works")
+    assert not any(panel.value("[obj.synch.result for obj in bpy.data.objects]"))
+    panel.run("bpy.data.objects['Icosphere'].synch.angle = 0.0")
+    panel.wait_for("Stripes")
+    panel.click("Stripes")
+    panel.until("all(obj.synch.result for obj in bpy.data.objects if obj.type == 'MESH')")
+    results = panel.value("[obj.synch.result for obj in bpy.data.objects if obj.type == 'MESH']")
+    angles = sorted(json.loads(result)["settings"].get("angle", 0.0) for result in results)
+    assert [round(angle, 3) for angle in angles] == [0.0, 0.5, 0.5]
+    keep("several_done", panel.picture())

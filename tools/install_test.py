@@ -1,0 +1,167 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Install a release into a Blender as a user would, use it, and take it out again; prints a line for each step.
+
+    python tools/install_test.py out/package/extensions [BLENDER ...]
+
+Without more words, Blender is the module bpy of the Python that runs this; with them, they are the command that starts
+one. That Python has no SciPy of its own where the zip has wheels for it: each step is a process of its own, since
+Blender looks for wheels that it has just installed last. Where no wheel is for its Python, as in Blenders that Linux
+distributions build with a Python of theirs, the zip without wheels is built and SciPy is that Python's.
+
+Steps: install the zip; enable, make stripes, disable, enable, make stripes; uninstall; nothing is left; the same from
+the repository of extensions, by the address of its index.json.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+NAME, REPOSITORY = "synch_fields", "Release"
+PLATFORMS = {"linux": "linux_x64", "darwin": "macos_arm64", "win32": "windows_x64"}
+MARK = "install-test: "
+
+
+def main(arguments):
+    folder, blender = Path(arguments[0]).resolve(), arguments[1:]
+    facts = step(blender, None, "about")
+    listed = json.loads((folder / "index.json").read_text(encoding="utf-8"))["data"]
+    (archive,) = folder.glob(f"*-{PLATFORMS[sys.platform]}.zip")
+    (fit,) = [entry for entry in listed if entry["archive_url"].endswith(archive.name)]
+    has_wheels = facts["python"] in fit["python_versions"]
+    if has_wheels and facts["scipy"]:
+        sys.exit(f"install-test: this Python has SciPy {facts['scipy']} already: use an environment with bpy alone")
+    with tempfile.TemporaryDirectory() as home:
+        if not has_wheels:
+            build = [sys.executable, Path(__file__).with_name("extension.py"), "--output-dir", home]
+            archive = Path(subprocess.run(build, check=True, capture_output=True, text=True).stdout.strip())
+        print(f"Blender {facts['blender']}, Python {facts['python']}: {archive.name}", flush=True)
+        ways = {"zip": str(archive)} | ({"repository": (folder / "index.json").as_uri()} if has_wheels else {})
+        for way, source in ways.items():
+            resources = Path(home, way)
+            step(blender, resources, "install", source)
+            found = step(blender, resources, "use", source, "wheels" if has_wheels else "own")
+            print(f"  from {way}: stripes, disabled, enabled, stripes; SciPy {found['scipy']}", flush=True)
+            step(blender, resources, "uninstall", source)
+            step(blender, resources, "look for what is left", source)
+            left = [path for path in resources.rglob("*") if NAME in path.name or "scipy" in path.name]
+            if left:
+                sys.exit(f"install-test: left behind: {left[0]}")
+            print("  uninstalled, nothing is left", flush=True)
+            shutil.rmtree(resources)
+
+
+def step(blender, resources, *words):
+    """What a step in a process of its own tells; it must succeed."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+    here = str(Path(__file__).resolve())
+    if blender:
+        command = [*blender, "--background", "--python-exit-code", "1", "--python", here, "--", "--step", *words]
+    else:
+        command = [sys.executable, here, "--step", *words]
+    variables = {"BLENDER_USER_RESOURCES": str(resources)} if resources else {}
+    if resources:
+        resources.mkdir(exist_ok=True)
+    result = subprocess.run(command, capture_output=True, text=True, env=kept | variables)
+    told = [line for line in result.stdout.splitlines() if line.startswith(MARK)]
+    if result.returncode or not told:
+        sys.exit(f"install-test: {words[0]}: {result.stdout}{result.stderr}")
+    return json.loads(told[-1].removeprefix(MARK))
+
+
+def inside(words):
+    """Do a step in Blender; a dict that it tells."""
+    import bpy
+
+    if len(words) > 1 and not words[1].endswith(".zip"):
+        add_repository(bpy, words[1])  # a module does not save preferences
+    STEPS[words[0]](bpy, *words[1:])
+    scipy = sys.modules.get("scipy")
+    python = f"{sys.version_info.major}.{sys.version_info.minor}"
+    return {"blender": bpy.app.version_string, "python": python, "scipy": scipy and scipy.__version__}
+
+
+def about(_bpy):
+    try:
+        import scipy  # noqa: F401
+    except ImportError:
+        pass
+
+
+def add_repository(bpy, address):
+    """Add a repository to the preferences where it is not there."""
+    bpy.context.preferences.system.use_online_access = True
+    if not any(repository.remote_url == address for repository in bpy.context.preferences.extensions.repos):
+        bpy.ops.preferences.extension_repo_add(name=REPOSITORY, remote_url=address, type="REMOTE")
+
+
+def install(bpy, source):
+    if source.endswith(".zip"):
+        done = bpy.ops.extensions.package_install_files(filepath=source, repo="user_default", enable_on_install=True)
+    else:
+        number = number_of(bpy, lambda repository: repository.remote_url == source)
+        assert bpy.ops.extensions.repo_sync(repo_index=number) == {"FINISHED"}
+        done = bpy.ops.extensions.package_install(repo_index=number, pkg_id=NAME, enable_on_install=True)
+    assert done == {"FINISHED"}, done
+    assert module_name(bpy)
+    bpy.ops.wm.save_userpref()
+
+
+def number_of(bpy, is_it):
+    """Of a repository."""
+    return next(k for k, found in enumerate(bpy.context.preferences.extensions.repos) if is_it(found))
+
+
+def use(bpy, _source, scipy_of):
+    import addon_utils  # on the path once bpy is loaded
+
+    name = module_name(bpy)
+    for _ in range(2):
+        module = addon_utils.enable(name, default_set=False)
+        assert module is not None, "the extension cannot be enabled"
+        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4)
+        assert bpy.ops.synch.stripes() == {"FINISHED"}
+        values = [element.value for element in bpy.context.object.data.attributes["synch_phase"].data]
+        assert max(values) - min(values) > 1, "the phase is constant"
+        addon_utils.disable(name, default_set=False)
+        assert not hasattr(bpy.types, "SYNCH_OT_stripes") and not hasattr(bpy.types.Object, "synch")
+    import scipy
+
+    own = Path(bpy.utils.user_resource("EXTENSIONS")).resolve()
+    assert Path(scipy.__file__).resolve().is_relative_to(own) == (scipy_of == "wheels"), scipy.__file__
+
+
+def uninstall(bpy, _source):
+    name = module_name(bpy).split(".")[1]
+    number = number_of(bpy, lambda repository: repository.module == name)
+    assert bpy.ops.extensions.package_uninstall(repo_index=number, pkg_id=NAME) == {"FINISHED"}
+
+
+def look(bpy, _source):
+    import addon_utils
+
+    names = [module.__name__ for module in addon_utils.modules(refresh=True)]
+    assert not [name for name in names if NAME in name] and not hasattr(bpy.types, "SYNCH_OT_stripes")
+
+
+def module_name(bpy):
+    """Of the extension, with its repository; the one that is installed."""
+    import addon_utils
+
+    names = [module.__name__ for module in addon_utils.modules(refresh=True)]
+    (found,) = [name for name in names if name.startswith("bl_ext.") and name.endswith(f".{NAME}")]
+    return found
+
+
+STEPS = {"about": about, "install": install, "use": use, "uninstall": uninstall, "look for what is left": look}
+
+
+if __name__ == "__main__":
+    if "--step" in sys.argv:
+        print(MARK + json.dumps(inside(sys.argv[sys.argv.index("--step") + 1 :])), flush=True)
+    else:
+        main(sys.argv[1:])

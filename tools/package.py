@@ -1,0 +1,119 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Everything of a release, from the files as they are; prints the paths of what it makes.
+
+    python tools/package.py [--output-dir out/package]
+
+extensions/            a static repository of extensions: a zip for each platform, index.json, index.html. A web server
+                       or a folder can serve it; Blender takes the address of index.json, http: or file:
+synch_fields-*.whl     the package of plain Python: core alone
+SHA256SUMS             of all of them
+
+Two runs on the same files give the same bytes.
+"""
+
+import argparse
+import hashlib
+import html
+import json
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from urllib.parse import urlencode
+
+from extension import ROOT, BuildError, blender_ext, build, first_error, repack
+
+SOURCES = ("pyproject.toml", "setup.py", "blender_manifest.toml", "LICENSE", "py.typed", "__init__.py", "core")
+PAGE = """<!DOCTYPE html>
+<html lang="en">
+<meta charset="utf-8">
+<title>Synch Fields {version}</title>
+<h1>Synch Fields {version}</h1>
+<p>Drag the link of your system into Blender {oldest} or later. To be told of updates, add the address of
+<a href="index.json">index.json</a> in Preferences &gt; Get Extensions &gt; Repositories &gt; Add Remote Repository.</p>
+<ul>
+{rows}
+</ul>
+</html>
+"""
+ROW = '<li><a href="{link}">{platforms}</a> (Python {pythons}, {size:.0f} MB, sha256 {checksum})</li>'
+
+
+def main(arguments: list[str]) -> int:
+    parser = argparse.ArgumentParser(description="Make all packages of a release.")
+    parser.add_argument("--output-dir", type=Path, default=ROOT / "out" / "package", metavar="DIR")
+    folder = parser.parse_args(arguments).output_dir
+    try:
+        shutil.rmtree(folder, ignore_errors=True)  # an older version would be listed, too
+        made = [*repository(folder / "extensions"), wheel(folder)]
+    except BuildError as error:
+        print(f"package: {error}", file=sys.stderr)
+        return 1
+    made.append(checksums(folder, made))
+    print(*made, sep="\n")
+    return 0
+
+
+def repository(folder: Path) -> list[Path]:
+    """The zips of all platforms, and what makes their folder a repository of extensions."""
+    archives = build(folder, with_wheels=True)
+    blender_ext("server-generate", "--repo-dir", folder)
+    index = folder / "index.json"
+    listed = json.loads(index.read_text(encoding="utf-8"))
+    listed["data"].sort(key=lambda entry: entry["archive_url"])  # in the order of the disk before
+    index.write_text(json.dumps(listed, indent=2) + "\n", encoding="utf-8")
+    page = folder / "index.html"
+    page.write_text(page_of(listed["data"]), encoding="utf-8")
+    return [*archives, index, page]
+
+
+def page_of(entries: list[dict]) -> str:
+    """A page whose links Blender takes when they are dragged into it: they say what it is to look for."""
+    rows = []
+    for entry in entries:
+        asked = {"repository": "./index.json", "blender_version_min": entry["blender_version_min"]}
+        asked |= {name: ",".join(entry[name]) for name in ("platforms", "python_versions")}
+        row = ROW.format(
+            link=html.escape(f"{entry['archive_url']}?{urlencode(asked)}"),
+            platforms=" ".join(entry["platforms"]),
+            pythons=" and ".join(version for version in entry["python_versions"] if "." in version),
+            size=entry["archive_size"] / 1e6,
+            checksum=entry["archive_hash"].removeprefix("sha256:"),
+        )
+        rows.append(row)
+    first = entries[0]
+    return PAGE.format(version=first["version"], oldest=first["blender_version_min"], rows="\n".join(rows))
+
+
+def wheel(folder: Path) -> Path:
+    """The wheel of core, made of a copy: what earlier builds left in the tree does not get in."""
+    with tempfile.TemporaryDirectory() as place:
+        source = Path(place, "source")
+        source.mkdir()
+        for name in SOURCES:
+            if (ROOT / name).is_dir():
+                shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
+            else:
+                shutil.copy(ROOT / name, source)
+        command = [sys.executable, "-m", "pip", "--disable-pip-version-check", "wheel", "--quiet", "--no-deps"]
+        command += ["--no-build-isolation", "--wheel-dir", place, str(source)]
+        result = subprocess.run(command, capture_output=True, text=True)
+        if result.returncode:
+            raise BuildError(f"pip could not make the wheel: {first_error(result.stdout + result.stderr)}")
+        (made,) = Path(place).glob("*.whl")
+        repack(made, folder / made.name)
+        return folder / made.name
+
+
+def checksums(folder: Path, files: list[Path]) -> Path:
+    """A file that `sha256sum --check` reads, with all others in it."""
+    path = folder / "SHA256SUMS"
+    found = {file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest() for file in files}
+    path.write_text("".join(f"{found[name]}  {name}\n" for name in sorted(found)), encoding="utf-8")
+    return path
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
