@@ -4,9 +4,9 @@
 This process ends when the pipe from its parent is closed, whatever it is doing, so that none outlives Blender. Its
 threads are its own: none of them runs beside Blender.
 
-Messages are tuples that begin with a word. In: ("solve", request), ("keep",): what was shown last is the result. Out:
-("ready", versions), ("progress", stage, fraction), ("shown", picture), ("done", result, peak in MB), ("failed",
-SynchError), ("broken", traceback).
+Messages are tuples that begin with a word. In: ("solve", request), ("keep",): what was shown last is the result,
+("end",): the present request is of no use any more. Out: ("ready", versions), ("progress", stage, fraction), ("shown",
+picture), ("done", result, peak in MB), ("failed", SynchError), ("broken", traceback).
 """
 
 import os
@@ -87,15 +87,19 @@ class _Inbox:
                     return rest[0]
             self._take()
 
-    def is_to_keep(self):
-        """Whether the parent has had enough of the present request."""
+    def word(self):
+        """What the parent has said of the present request: "keep", "end", or "" for nothing."""
         while not self._chunks.empty():
             self._take()
-        return self._messages[:1] == [("keep",)]
+        word = self._messages[0][0] if self._messages else ""
+        return "" if word == "solve" else word
 
     def _take(self):
         try:
-            self._messages += self._unpacker.feed(self._chunks.get())
+            for message in self._unpacker.feed(self._chunks.get()):
+                self._messages.append(message)
+                if message[0] == "solve":
+                    self._unpacker.shared = getattr(message[1], "kept", ())
         except MemoryError:
             os._exit(TOO_MUCH_MEMORY)
         except BrokenParcel:
@@ -143,13 +147,16 @@ def _answer(request, send, watch, inbox):
     def goes_on(stage, fraction):
         shown.look()
         progress(stage, fraction)
-        return shown.last is None or not inbox.is_to_keep()
+        word = inbox.word()
+        return not (word == "end" or (word == "keep" and shown.last is not None))
 
     try:
         try:
             showing = getattr(request, "solve_showing", None)
             found = request.solve(goes_on) if showing is None else showing(shown, goes_on)
-        except Cancelled:
+        except Cancelled as stop:
+            if inbox.word() != "keep":
+                return "failed", stop
             found = shown.last
         watch.look()
         return "done", found, watch.peak / 2**20

@@ -9,6 +9,7 @@ from .blender import changes, translations
 from .command import main
 from .flows import properties as flow_properties
 from .jobs import queue, shelf
+from .patterns import live
 from .settings import constraint_list, favourite_list, fields, guide_list, preferences
 from .solids import properties as layer_properties
 
@@ -24,6 +25,7 @@ _MODULES = (
     changes,
     flow_properties,
     queue,
+    live,
     operators,
     panels,
     main,

@@ -19,6 +19,7 @@ from .blender import field_files, meshes
 from .blender.objects import Selection
 from .blender.transaction import whole_or_nothing
 from .flows.choice import choose_point as choose_point
+from .flows.files import filament_export as filament_export
 from .flows.job import clebsch as clebsch
 from .frames.job import animate as animate
 from .jobs import job

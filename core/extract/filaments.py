@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Vortex filaments of a Clebsch map on a grid: where its phase has no value (paper, Section 3.6.1, Eq. 9)."""
 
+import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,26 +21,55 @@ class Filament:
 
     Attributes
     ----------
-    points : (p, 3); a closed one goes on from the last to the first
+    points : (p, 3), in one piece also where they leave a periodic box; a closed one goes on from the last to the first,
+        moved by ``shift``
     strength : circulation around it, counterclockwise seen from its head
     is_closed : bool
+    winding : how often it goes around the box along each axis until it closes, zeros where it comes back to itself
+    shift : (3,) that often the box
+    cuts : first point of each part that lies in the box by itself, 0 the first one
+    moves : (k, 3) that take the parts into the box
     """
 
     points: np.ndarray
     strength: float
     is_closed: bool
+    winding: tuple[int, int, int] = (0, 0, 0)
+    shift: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(3))
+    cuts: tuple[int, ...] = (0,)
+    moves: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros((1, 3)))
+
+    @property
+    def is_loop(self):
+        """Whether it comes back to itself, without a way around the box."""
+        return self.is_closed and not any(self.winding)
 
     @property
     def length(self):
         """Along it, once around a closed one."""
-        ends = self.points[:1] if self.is_closed else self.points[-1:]
+        ends = self.points[:1] + self.shift if self.is_closed else self.points[-1:]
         return float(np.linalg.norm(np.diff(self.points, axis=0, append=ends), axis=1).sum())
+
+    @property
+    def course(self):
+        """(k, 3) points in one piece, with the first again at the end of one that goes around the box."""
+        return np.vstack([self.points, self.points[:1] + self.shift]) if any(self.winding) else self.points
+
+    @property
+    def parts(self):
+        """List of (k, 3) points of its parts in the box, each with the first point of the next; whole if it stays in
+        it, a closed one then without its first point again."""
+        if len(self.cuts) == 1 and not any(self.winding):
+            return [self.points + self.moves[0]]
+        whole = np.vstack([self.points, self.points[:1] + self.shift]) if self.is_closed else self.points
+        ends = [*(cut + 1 for cut in self.cuts[1:]), len(whole)]
+        return [whole[cut:end] + move for cut, end, move in zip(self.cuts, ends, self.moves, strict=True)]
 
 
 def filaments(found, smoothing=0):
     """Filaments of a :class:`ClebschMap` in three dimensions, through the points where they pass the grid's faces.
 
-    A filament that leaves through a periodic side comes in on the other one, and is given in pieces that end there.
+    A filament that leaves through a periodic side goes on from the other one.
 
     Parameters
     ----------
@@ -50,13 +80,8 @@ def filaments(found, smoothing=0):
     places = np.empty((len(numbers), 3))
     passed = np.flatnonzero(numbers)
     places[passed] = puncture_places(found, passed)
-    result = []
-    for strand in joined_strands(numbers, grid.cell_faces, grid.outward):
-        pieces, is_closed = _pieces(grid, strand, places)
-        for piece in pieces:
-            piece = evened_line(piece, is_closed, smoothing, _STEPS)
-            result.append(Filament(piece, strand.index * found.quantum, is_closed))
-    return result
+    strands = joined_strands(numbers, grid.cell_faces, grid.outward)
+    return [_filament(found, strand, places, smoothing) for strand in strands if len(strand.cells)]
 
 
 def vortices(found):
@@ -72,26 +97,40 @@ def vortices(found):
     return faces, puncture_places(found, faces), found.quantum * found.face_numbers[faces]
 
 
-def _pieces(grid, strand, places):
-    """(p, 3) points of the parts of a strand between the periodic sides, and whether it is one that is closed.
+def _filament(found, strand, places, smoothing):
+    """The :class:`Filament` of a strand.
 
     Each step from face to face lies in a cell; points on a periodic side are taken where they are beside it.
     """
-    faces, count = strand.faces, len(strand.cells)
-    if count == 0:
-        return [], False
+    grid, faces, count = found.grid, strand.faces, len(strand.cells)
     middles = grid.places[grid.faces[grid.cell_faces[strand.cells, 0], 0]] + grid.spacing / 2
     box = grid.spacing * grid.shape
     starts, ends = places[faces[:count]], places[np.roll(faces, -1)[:count]]
     starts, ends = (p + box * np.rint((middles - p) / box * grid.periodic) for p in (starts, ends))
-    leaves = (np.abs(np.roll(starts, -1, axis=0) - ends) > box / 2).any(axis=1)
+    # Boxes between the end of each step and the start of the next, around a closed one.
+    leaps = np.rint((ends - np.roll(starts, -1, axis=0)) / box)
+    if strand.is_closed and leaps.any():
+        first = np.flatnonzero(leaps.any(axis=1))[0] + 1
+        starts, ends, leaps = (np.roll(values, -first, axis=0) for values in (starts, ends, leaps))
+    passed = np.vstack([np.zeros(3), np.cumsum(leaps[:-1], axis=0)])
+    points, winding = starts + box * passed, np.zeros(3, int)
     if strand.is_closed:
-        if not leaves.any():
-            return [starts], True
-        first = np.flatnonzero(leaves)[0] + 1
-        starts, ends, leaves = (np.roll(values, -first, axis=0) for values in (starts, ends, leaves))
-    runs = np.split(np.arange(count), np.flatnonzero(leaves[:-1]) + 1)
-    return [np.concatenate([starts[run], ends[run[-1:]]]) for run in runs], False
+        winding = leaps.sum(axis=0).astype(int)
+    else:
+        points = np.vstack([points, ends[-1:] + box * passed[-1:]])
+    # What goes around the box evenly stays as it is.
+    ramp = np.linspace(0, 1, len(points), endpoint=False)[:, None] * (box * winding)
+    points = ramp + evened_line(points - ramp, strand.is_closed, smoothing, _STEPS)
+    cuts = (0, *(np.flatnonzero(leaps[:-1].any(axis=1)) + 1).tolist())
+    return Filament(
+        points,
+        strand.index * found.quantum,
+        strand.is_closed,
+        tuple(winding.tolist()),
+        box * winding,
+        cuts,
+        -box * passed[list(cuts)],
+    )
 
 
 def puncture_places(found, faces):

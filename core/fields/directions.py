@@ -19,6 +19,7 @@ from ..monitor import Callback
 from ..problem import SynchronizationProblem, Targets, joined_targets
 from ..sheets import matchings
 from ..solve import Options, Solution, solve
+from ..solve.following import Follower
 from .calming import ROUGH, calming, check_share, known_turns, surface_circulation
 from .constraints.groups import contracted, joined_links, without_contradictions
 from .constraints.rows import Row, direction_targets
@@ -205,6 +206,8 @@ def direction_field(
     options: Options | None = None,
     callback: Callback | None = None,
     before: DirectionField | None = None,
+    follower: Follower | None = None,
+    start: np.ndarray | None = None,
 ) -> DirectionField:
     """The smoothest direction field that follows the wishes.
 
@@ -216,18 +219,21 @@ def direction_field(
     options, callback : see :func:`core.solve.solve`
     before : DirectionField on another shape of the mesh, optional: the field is then the one that descent reaches
         from there, in its sheets (see :mod:`.frames`)
+    follower : Follower that goes some steps from there only, optional
+    start : (n,) radians, optional: without a field before, the whole solve starts from these directions
     """
     wishes = DirectionWishes() if wishes is None else wishes
     problem, known, correction = _posed(mesh, symmetry, wishes)
+    carried = start
     if before is None:
-        solution = solve(problem, options, callback)
+        solution = solve(problem, options, callback, None if start is None else np.exp(1j * symmetry * start))
     else:
         carried = carried_angles(before.angles - before.turn, before.mesh, mesh)
-        solution = next_solution(problem, np.exp(1j * symmetry * carried), options, callback)
+        solution = next_solution(problem, np.exp(1j * symmetry * carried), options, callback, follower=follower)
     _, loops = split_links(mesh.vertex_count, [mirror.direction_links(symmetry) for mirror in wishes.mirrors])
     solution = snapped(problem, solution, loops)
     angles = np.angle(solution.phases) / symmetry
-    if before is not None:
+    if carried is not None:
         angles = in_sheets_of(angles, carried, symmetry)
     field = DirectionField(mesh, symmetry, angles, solution, problem, correction=correction)
     return field.flattened(1 - wishes.singularities, known)

@@ -52,7 +52,7 @@ def in_sheets_of(angles, wanted, symmetry):
     return angles + turn * np.rint((wanted - angles) / turn)
 
 
-def next_solution(problem, phases, options=None, callback=None, hold=None):
+def next_solution(problem, phases, options=None, callback=None, hold=None, follower=None):
     """The local optimum that descent reaches from the frame before, without a bound.
 
     Parameters
@@ -61,7 +61,11 @@ def next_solution(problem, phases, options=None, callback=None, hold=None):
     phases : (n,) complex, of the frame before
     options, callback : see :func:`core.solve.solve`; the method and the time limit do not count
     hold : (n,) weights that draw the nodes to these phases, optional
+    follower : Follower that goes some steps only, optional
     """
+    if follower is not None and follower.suits(problem):
+        solution = follower.solve(problem, phases, callback)
+        return _turned_back(problem, solution, phases) if problem.is_complex else solution
     options = replace(Options() if options is None else options, method=DESCENT, time_limit=None)
     if hold is not None and np.any(hold):
         solution = solve(_drawn_to(problem, phases, hold), options, callback, phases)

@@ -169,14 +169,18 @@ def solve_pattern(
     hold=0.0,
     branching=1.0,
     show=None,
+    follower=None,
+    start=None,
 ):
     """Solve for a :class:`Pattern`; arguments as :func:`pattern_problem` and :func:`core.solve.solve`.
 
     Parameters
     ----------
-    before : Pattern on another shape of the mesh along a field in the same sheets, optional: the pattern is then the
-        one that descent reaches from there (see :mod:`.frames`)
+    before : Pattern on another shape of the mesh along a field in the same sheets, or anything else with its phases,
+        optional: the pattern is then the one that descent reaches from there (see :mod:`.frames`)
     hold : how strongly the phases are drawn to those before, per mass and in units of 1 / spacing^2
+    follower : Follower that goes some steps from the pattern before only, optional
+    start : (k n,) complex phases, optional: without a pattern before, the whole solve starts from these
     show : callable(Pattern), called with what there is before the end, for a pattern without one before
     """
     growth, problem, loops = _posed(mesh, field, spacing, rows, mirrors, branching)
@@ -187,10 +191,10 @@ def solve_pattern(
 
     if before is None:
         shows = None if show is None else lambda solution: show(pattern(solution))
-        solution = solve(problem, options, callback, show=shows)
+        solution = solve(problem, options, callback, start, shows)
     else:
         weights = hold * growth.masses * (growth.rates.ravel() / (2 * np.pi)) ** 2
-        solution = next_solution(problem, before.phases, options, callback, weights)
+        solution = next_solution(problem, before.phases, options, callback, weights, follower)
     return pattern(solution)
 
 

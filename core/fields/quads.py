@@ -6,11 +6,13 @@ The product of the phases' cosines does not depend on the sheet, and its grid li
 
 from collections.abc import Callable, Sequence
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import SettingError
 from ..geometry.triangle_mesh import TriangleMesh
 from ..monitor import Callback
+from ..solve.following import Follower
 from ..solve.solution import Options
 from .constraints.rows import Row
 from .directions import DirectionField
@@ -36,10 +38,14 @@ def quad_pattern(
     hold: float = 0.0,
     branching: float = 1.0,
     show: Callable[[Pattern], object] | None = None,
+    follower: Follower | None = None,
+    start: np.ndarray | None = None,
 ) -> Pattern:
     """Quads along a cross field; arguments as :func:`solve_pattern`."""
     _check_symmetry(field)
-    return solve_pattern(mesh, field, spacing, rows, mirrors, options, callback, before, hold, branching, show)
+    return solve_pattern(
+        mesh, field, spacing, rows, mirrors, options, callback, before, hold, branching, show, follower, start
+    )
 
 
 def _check_symmetry(field):

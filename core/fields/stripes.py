@@ -3,11 +3,13 @@
 
 from collections.abc import Callable, Sequence
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import SettingError
 from ..geometry.triangle_mesh import TriangleMesh
 from ..monitor import Callback
+from ..solve.following import Follower
 from ..solve.solution import Options
 from .constraints.rows import Row
 from .directions import DirectionField
@@ -33,10 +35,14 @@ def stripe_pattern(
     hold: float = 0.0,
     branching: float = 1.0,
     show: Callable[[Pattern], object] | None = None,
+    follower: Follower | None = None,
+    start: np.ndarray | None = None,
 ) -> Pattern:
     """Stripes along a vector or line field; arguments as :func:`solve_pattern`."""
     _check_symmetry(field)
-    return solve_pattern(mesh, field, spacing, rows, mirrors, options, callback, before, hold, branching, show)
+    return solve_pattern(
+        mesh, field, spacing, rows, mirrors, options, callback, before, hold, branching, show, follower, start
+    )
 
 
 def _check_symmetry(field):

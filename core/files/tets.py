@@ -46,6 +46,18 @@ def read_tets(path):
     MeshError
         likewise, where the file is sound and its tetrahedra are not
     """
+    return read_marked_tets(path)[0]
+
+
+def read_marked_tets(path):
+    """The solid as :func:`read_tets` reads it, and what its triangles are marked with.
+
+    Returns
+    -------
+    solid : TetMesh
+    marks : dict of (k, 3) vertices of triangles, by ``ref_NUMBER`` of the references of a ``.mesh``, or by
+        ``NAME_NUMBER`` of whole numbers on the cells of a ``.vtu``
+    """
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
@@ -54,7 +66,7 @@ def read_tets(path):
         content = path.read_bytes()
     except OSError as error:
         raise SettingError(f"{path} cannot be read ({error.strerror}): check the path") from error
-    vertices, tets, triangles = (_read_medit if suffix == ".mesh" else _read_vtu)(path, content)
+    vertices, tets, triangles, numbers = (_read_medit if suffix == ".mesh" else _read_vtu)(path, content)
     if not len(tets):
         raise SettingError(f"{path} has no tetrahedra: export the solid, not its surface")
     outside = np.flatnonzero(((tets < 0) | (tets >= len(vertices))).any(axis=1))
@@ -64,9 +76,19 @@ def read_tets(path):
         )
     try:
         mesh = TetMesh(vertices, positive(vertices, tets))
-        return _enclosed(mesh, triangles)
+        return _enclosed(mesh, triangles), _marked(triangles, numbers, len(vertices))
     except MeshError as error:
         raise MeshError(f"{path}: {error}") from error
+
+
+def _marked(triangles, numbers, count):
+    """Triangles of known vertices by name and number."""
+    known = ((triangles >= 0) & (triangles < count)).all(axis=1)
+    return {
+        f"{name}_{number}": triangles[known & (values == number)]
+        for name, values in numbers.items()
+        for number in np.unique(values[known]).tolist()
+    }
 
 
 def _enclosed(mesh, triangles):
@@ -99,14 +121,14 @@ def _read_medit(path, content):
     for name in MEDIT_SOLIDS:
         if len(sections.get(name, [])) > 1:
             raise SettingError(f"{path} has {name}: split all cells into straight tetrahedra")
-    vertices = _medit_rows(path, "Vertices", sections["Vertices"], 3)
-    tets = _medit_rows(path, "Tetrahedra", sections.get("Tetrahedra", ["0"]), 4)
-    triangles = _medit_rows(path, "Triangles", sections.get("Triangles", ["0"]), 3)
-    return vertices, tets.astype(np.int64) - 1, triangles.astype(np.int64) - 1
+    vertices = _medit_rows(path, "Vertices", sections["Vertices"], 3)[:, :3]
+    tets = _medit_rows(path, "Tetrahedra", sections.get("Tetrahedra", ["0"]), 4)[:, :4]
+    rows = _medit_rows(path, "Triangles", sections.get("Triangles", ["0"]), 3).astype(np.int64)
+    return vertices, tets.astype(np.int64) - 1, rows[:, :3] - 1, {"ref": rows[:, 3]}
 
 
 def _medit_rows(path, name, words, width):
-    """(count, width) numbers of a section without the references that end its rows."""
+    """(count, width + 1) numbers of a section, the last ones the references that end its rows."""
     try:
         count = int(words[0])
         numbers = np.array(words[1:], float)
@@ -117,7 +139,7 @@ def _medit_rows(path, name, words, width):
             f"{path} promises {count} {name} of {width + 1} numbers and has {len(numbers)} numbers: "
             "it was cut short, export it again"
         )
-    return numbers.reshape(count, width + 1)[:, :width]
+    return numbers.reshape(count, width + 1)
 
 
 def _read_vtu(path, content):
@@ -129,13 +151,18 @@ def _read_vtu(path, content):
     if root.tag != "VTKFile" or root.get("type") != "UnstructuredGrid":
         raise SettingError(f"{path} is no unstructured grid of VTK: export it as .vtu")
     points, tets, triangles = [np.zeros((0, 3))], [np.zeros((0, 4), np.int64)], [np.zeros((0, 3), np.int64)]
-    count = 0
+    count, marks = 0, []
     for piece in root.iter("Piece"):
         try:
             here = _vtu_array(root, appended, piece.find("Points/DataArray")).reshape(-1, 3)
             arrays = {a.get("Name"): a for a in piece.iterfind("Cells/DataArray")}
             names = ("connectivity", "offsets", "types")
             corners, ends, types = (_vtu_array(root, appended, arrays[name]).astype(np.int64) for name in names)
+            values = {
+                str(a.get("Name")): _vtu_array(root, appended, a)
+                for a in piece.iterfind("CellData/DataArray")
+                if "Int" in a.get("type", "") and a.get("NumberOfComponents", "1") == "1"
+            }
         except _UNREADABLE as error:
             raise SettingError(f"{path} has an array that cannot be read ({error}): export it again") from error
         for kind in VTK_SOLIDS.keys() & set(types.tolist()):
@@ -148,8 +175,12 @@ def _read_vtu(path, content):
         points.append(here)
         tets.append(corners[ends[types == VTK_TET][:, None] + np.arange(-4, 0)] + count)
         triangles.append(corners[ends[types == VTK_TRIANGLE][:, None] + np.arange(-3, 0)] + count)
+        marks.append({name: found[types == VTK_TRIANGLE] for name, found in values.items() if len(found) == len(types)})
         count += len(here)
-    return np.concatenate(points), np.concatenate(tets), np.concatenate(triangles)
+    # What all pieces have.
+    names = set.intersection(*map(set, marks)) if marks else set()
+    numbers = {name: np.concatenate([mark[name] for mark in marks]) for name in sorted(names)}
+    return np.concatenate(points), np.concatenate(tets), np.concatenate(triangles), numbers
 
 
 def _without_raw_data(content):

@@ -37,7 +37,7 @@ def check_options(options, problem, start):
 
 
 def _check_start(problem, start, options):
-    if options.method not in ("sdp", DESCENT):
+    if options.method not in ("sdp", DESCENT, FIRST):
         raise SettingError(f"a start is given to method {options.method!r}, which has no use for it: take 'sdp'")
     phases = np.asarray(start.phases if isinstance(start, Solution) else start)
     count = problem.connection.node_count

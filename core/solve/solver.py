@@ -34,14 +34,14 @@ CALM_SHARE = 0.1
 # A rounded relaxation whose gap is at most this is taken for an exact recovery, which descent completes.
 NEARLY_TIGHT = 0.05
 # How many times as long as a first field a bound takes, about (measured in bench/README.md).
-PROOF_IN_FIRSTS = 4.0
+PROOF_IN_FIRSTS = 3.0
 
 
 def solve(
     problem: SynchronizationProblem,
     options: Options | None = None,
     callback: Callback | None = None,
-    start: Solution | None = None,
+    start: Solution | np.ndarray | None = None,
     show: Callable[[Solution], object] | None = None,
 ) -> Solution:
     """Find phases of low energy together with a lower bound.
@@ -234,7 +234,7 @@ def _solve_by_method(piece, options, monitor, clock, start, calm, watch):
     if options.method == DESCENT:
         return _solve_descent(workspace, monitor, clock, start.column)
     if options.method == FIRST:
-        return _solve_first(workspace, options, monitor, clock)
+        return _solve_first(workspace, options, monitor, clock, start.column)
     return _solve_sdp(workspace, options, monitor, clock, start, calm, watch)
 
 
@@ -291,12 +291,12 @@ def _solve_descent(workspace, monitor, clock, start):
     return _finished(piece, column, certificate=Certificate.NONE, status=Status.UNCERTIFIED)
 
 
-def _solve_first(workspace, options, monitor, clock):
-    """The first field that is shown."""
+def _solve_first(workspace, options, monitor, clock, start):
+    """The first field that is shown: where there is a start, that one."""
     with clock("first"):
         monitor.at("first field", 0.0)
         rank = start_rank(workspace.piece, True, options.target_gap)
-        column = first_field(workspace, rank, options.seed, monitor)
+        column = first_field(workspace, rank, options.seed, monitor) if start is None else start
     return _finished(workspace.piece, column, certificate=Certificate.NONE, status=Status.UNCERTIFIED)
 
 

@@ -9,7 +9,9 @@ Both can be pickled, so that a process of its own may do the work (:mod:`..worke
 :class:`..errors.Cancelled`. What the work should tell the user is in the result's ``warnings``, and how long its parts
 took, by their names, in its ``seconds``. ``request.shared`` are objects that the result holds, too: they need not
 travel back. A request that has ``solve_showing(show, progress)`` also gives results of the same kind on the way, by
-calls of ``show``, and the pictures of them that a window draws, by ``picture(result)``.
+calls of ``show``, and the pictures of them that a window draws, by ``picture(result)``. ``request.kept``,
+where there is such a thing, are objects that the next request is likely to hold as well: a process that solves keeps
+them until then.
 """
 
 import importlib

@@ -34,6 +34,7 @@ class ClebschSettings(SolverSettings):
         None shows the best map, a point the projection along it
     opening : degrees around the antipode that are inside a tube
     smoothing : how often points of filaments, and vertices of tubes, move to the middle of their neighbours
+    unwrapped : draw filaments in one piece where they leave a periodic box, instead of in parts that lie in it
     frames : first and last frame of a sequence, None for what the source is now
     strict : refuse a mesh that is no surface as it is, instead of solving on the surface nearest to it
     """
@@ -47,6 +48,7 @@ class ClebschSettings(SolverSettings):
     point: tuple[float, float, float] | None = None
     opening: float = 60.0
     smoothing: int = 5
+    unwrapped: bool = False
     frames: tuple[int, int] | None = None
     strict: bool = False
 

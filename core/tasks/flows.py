@@ -9,17 +9,32 @@ import numpy as np
 
 from ..errors import SettingError
 from ..extract.filaments import Filament, filaments
+from ..extract.knots import Linked, linked
 from ..extract.tubes import Tubes, vortex_tubes
 from ..fields.biot_savart import FilamentCurves
-from ..fields.clebsch import ClebschMap, SphericalMap, clebsch_map, edge_integrals, quantum_for, spherical_map
+from ..fields.clebsch import (
+    MOST_QUANTA,
+    ClebschMap,
+    SphericalMap,
+    circulations,
+    clebsch_map,
+    edge_integrals,
+    quantum_for,
+    spherical_map,
+)
 from ..files.flows import ArrayFile, VolumeFile
 from ..geometry.mesh_input import MeshInput
 from ..geometry.surface import Surface
 from ..monitor import Monitor, portion
+from ..solve import Options
 from .flow_settings import ClebschSettings
 
-# Radius of a filament's tube in cells of the grid.
-_THICKNESS = 0.25
+# Radius of a filament's tube, and of the cores of curves that tubes can be around, in cells of the grid.
+_THICKNESS, _CORE_OF_TUBES = 0.25, 2.0
+# How often a circulation is halved to find one that gives filaments.
+_HALVINGS = 6
+# Filaments that pass a face on average, from which on there is a warning.
+_MANY_QUANTA = 0.25
 # Bytes that a solve takes for each node with a proved bound, which is tried up to so many nodes, and without; and the
 # most nodes, 47 GB.
 _PROVED, _PROVED_NODES, _ESTIMATED, _MOST_NODES = 22_000, 36_000, 5_000, 10_000_000
@@ -57,12 +72,14 @@ class Shown:
     tubes : Tubes, or None
     quantum : circulation of one filament
     thickness : radius of one, in scene units
+    unwrapped : whether filaments are drawn on beyond the sides of a periodic box
     """
 
     lines: list[Filament] | None
     tubes: Tubes | None
     quantum: float
     thickness: float
+    unwrapped: bool = False
 
     @property
     def missing(self):
@@ -81,7 +98,8 @@ def showing(found, sphere, settings):
     tubes = None
     if settings.show != "filaments":
         tubes = vortex_tubes(sphere, settings.point, settings.opening, settings.smoothing)
-    return Shown(lines, tubes, found.quantum, _THICKNESS * float(found.grid.spacing.min()))
+    thickness = _THICKNESS * float(found.grid.spacing.min())
+    return Shown(lines, tubes, found.quantum, thickness, settings.unwrapped)
 
 
 @dataclass(frozen=True)
@@ -94,6 +112,7 @@ class FlowResult:
     sphere : SphericalMap, None for methods without a relaxation
     seen : ClebschMap whose vortices are shown
     shown : Shown, None on surfaces, which show the map itself
+    linked : Linked, how the filaments of the solve wind; None where they are not shown, or too many
     warnings : lines that the user should read
     seconds : that the map to the sphere took
     """
@@ -102,6 +121,7 @@ class FlowResult:
     sphere: SphericalMap | None
     seen: ClebschMap
     shown: Shown | None
+    linked: Linked | None = None
     warnings: tuple[str, ...] = ()
     seconds: dict[str, float] = dataclasses.field(default_factory=dict)
 
@@ -113,7 +133,7 @@ class FlowResult:
             quantum = quantum_for(grid, integrals, settings.count)
         found = clebsch_map(grid, integrals, quantum, settings.options, portion(progress, 0.0, 0.8))
         sphere = spherical_map(found, portion(progress, 0.8, 0.2)) if settings.method == "sdp" else None
-        return cls(found, sphere, found, None, (), {"sphere": sphere.seconds} if sphere else {}).seeing(settings)
+        return cls(found, sphere, found, None, None, (), {"sphere": sphere.seconds} if sphere else {}).seeing(settings)
 
     def seeing(self, settings):
         """The map that the settings' point of the sphere gives, the best one for None."""
@@ -124,7 +144,9 @@ class FlowResult:
     def again(self, settings):
         """What another point, width or smoothing shows of the same solve."""
         other = self.seeing(settings)
-        return other if self.shown is None else replace(other, shown=showing(other.seen, self.sphere, settings))
+        if self.shown is None:
+            return other
+        return replace(other, shown=showing(other.seen, self.sphere, settings), linked=None)
 
 
 @dataclass(frozen=True)
@@ -167,13 +189,56 @@ class FlowRequest:
         grid, integrals, warnings = _interruptible(self._read, "flow", progress)
         result = FlowResult.of(grid, integrals, settings, portion(progress, 0.1, 0.85))
         shown = _interruptible(lambda: showing(result.seen, result.sphere, settings), "vortices", progress, 0.95)
-        return replace(result, shown=shown, warnings=(*warnings, *shown.missing))
+        winding = None
+        if shown.lines is not None:
+            box = np.where(grid.periodic, grid.spacing * grid.shape, 0)
+            winding = _interruptible(lambda: linked(shown.lines, box), "vortices", progress, 0.98)
+            if not shown.lines:
+                warnings += _interruptible(lambda: _about_nothing(result.found), "vortices", progress, 0.99)
+        warnings = (*warnings, *self._about_core(), *_about_quantum(result.found), *shown.missing)
+        return replace(result, shown=shown, linked=winding, warnings=warnings)
+
+    def _about_core(self):
+        cells = self.settings.core_cells
+        if isinstance(self.source, FilamentCurves) and self.settings.show != "filaments" and cells < _CORE_OF_TUBES:
+            yield (
+                f"tubes have an inside from a core of {_CORE_OF_TUBES:g} cells on, and it is {cells:g}: increase the "
+                "core, or show filaments, whose tubes have one thickness"
+            )
 
     def _read(self):
         flow = self.source.read()
         grid = flow.grid(self.settings.resolution)
         check_grid(grid, self.source.name)
         return grid, flow.integrals(grid), flow.warnings
+
+
+def _about_nothing(found):
+    """Lines that say why there is no filament, and which circulation gives some: the largest half, quarter ... of which
+    the quickest solve finds any."""
+    most = quantum_for(found.grid, found.integrals, 1)
+    line = (
+        f"a filament of {found.quantum:.3g} has {found.quantum / most:.0%} of what passes the plane with most vorticity"
+    )
+    for halving in range(1, _HALVINGS + 1):
+        quantum = found.quantum / 2**halving
+        try:
+            other = clebsch_map(found.grid, found.integrals, quantum, Options(method="spectral"))
+        except SettingError:  # too many for the grid
+            break
+        if other.face_numbers.any():
+            return (f"{line}: with a circulation of {quantum:.3g} there are some",)
+    return (line,)
+
+
+def _about_quantum(found):
+    """A line where so many filaments pass the faces that the phase can hardly tell them apart."""
+    mean = float(np.abs(circulations(found.grid, found.integrals)).mean()) / found.quantum
+    if mean > _MANY_QUANTA:
+        yield (
+            f"{mean:.2g} filaments pass a face of the grid on average, and from {MOST_QUANTA:g} on they cannot be told "
+            f"apart: give a circulation from {mean * found.quantum / _MANY_QUANTA:.3g} on, or a finer grid"
+        )
 
 
 def _interruptible(work, stage, progress, fraction=0.0):

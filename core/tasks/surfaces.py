@@ -96,6 +96,8 @@ class SurfaceRequest:
     branching : share of the dislocations that even spacing asks for; None for directions alone
     faces : of quad meshes, how many there should be, whatever the spacing; None for as many as it gives
     straighten : of quad meshes, whether shorter loops are looked for
+    start : (n,) radians of directions before they are turned, and (k n,) complex phases along them, from which the
+        whole solve starts and near which it stays; None for a search
     """
 
     command: str
@@ -115,6 +117,7 @@ class SurfaceRequest:
     branching: float | None = 1.0
     faces: int | None = None
     straighten: bool = False
+    start: tuple[np.ndarray, np.ndarray] | None = None
 
     @property
     def shared(self):
@@ -157,17 +160,19 @@ class SurfaceRequest:
         places, phases = drawn_phases(result.pattern.on_faces(polygons), polygons, vertices)
         return Picture(places, phases, self.command == "quads")
 
-    def directed(self, progress=None, before=None):
+    def directed(self, progress=None, before=None, follower=None):
         """The :class:`DirectionField`, turned by its angle; from the one of the frame before, if there is one."""
         mesh, symmetry = self.given.mesh, SYMMETRIES[self.symmetry]
         if self.directions is not None:
             return given_directions(mesh, symmetry, self.directions).turned(self.turn)
+        start = None if self.start is None else self.start[0]
         with self._own_vertices():
             guides = tuple(guide.weighted for guide in self.guides)
             wishes = DirectionWishes(guides, self.rows, self.mirrors, self.singularities)
-            return direction_field(mesh, symmetry, wishes, self.options, progress, before).turned(self.turn)
+            field = direction_field(mesh, symmetry, wishes, self.options, progress, before, follower, start)
+            return field.turned(self.turn)
 
-    def along(self, directions, progress=None, before=None, hold=0.0, show=None):
+    def along(self, directions, progress=None, before=None, hold=0.0, show=None, follower=None):
         """The :class:`SurfaceResult` of the pattern along a field; from that of the frame before, if there is one.
 
         ``show`` as of :meth:`solve_showing`.
@@ -193,6 +198,8 @@ class SurfaceRequest:
                 hold=hold,
                 branching=self.branching,
                 show=None if show is None else lambda pattern: show(result(pattern)),
+                follower=follower,
+                start=None if self.start is None else self.start[1],
             )
         return result(pattern)
 

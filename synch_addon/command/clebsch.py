@@ -5,8 +5,10 @@ import bpy
 
 from ...core.errors import SettingError
 from ...core.tasks.flow_settings import SHOWN, ClebschSettings
+from .. import api
 from ..blender import files
 from ..blender.modifiers import is_of_filaments
+from ..flows.files import SUFFIXES
 from ..flows.job import clebsch
 from ..flows.report import summary
 from .flags import Made, add_choice, add_number, add_outputs, add_solver, add_strict, saved
@@ -41,11 +43,17 @@ def add_parser(commands):
     add_number(command, "--opening", default.opening, "width of tubes", "DEG")
     add_number(command, "--smoothing", default.smoothing, "of what is shown", "N")
     command.add_argument(
+        "--unwrapped", action="store_true", help="draw filaments on beyond the sides of a periodic box"
+    )
+    command.add_argument(
         "--frames",
         nargs=2,
         type=int,
         metavar=("FIRST", "LAST"),
         help="a range of a sequence: files with # for each digit of the number, smoke_####.vdb, or a volume's",
+    )
+    command.add_argument(
+        "--export-filaments", metavar="FILE.vtp", help=f"write filaments in one piece each ({', '.join(SUFFIXES)})"
     )
     add_strict(command)
     add_solver(command)
@@ -77,6 +85,10 @@ def _only(attribute):
 def run(options, _open_object, progress):
     """Run the command."""
     files.check_outputs(options.output, report=options.report)
+    if options.export_filaments:
+        files.check_output(options.export_filaments, SUFFIXES)
+        if options.show == "tubes" or options.frames:
+            raise SettingError("--export-filaments writes the filaments of one frame: give --show filaments or both")
     settings = {name: getattr(options, name) for name in ClebschSettings.__dataclass_fields__}
     source = options.input
     if str(options.input).lower().endswith(".blend"):
@@ -87,4 +99,7 @@ def run(options, _open_object, progress):
         bpy.ops.wm.read_homefile(use_empty=True)
     settings["frames"] = tuple(options.frames) if options.frames else None
     report = clebsch(source, progress, **settings)
-    return Made(report, summary(report), saved(options))
+    written = saved(options)
+    if options.export_filaments:
+        written += api.filament_export(bpy.data.objects[report["object"]], options.export_filaments)["files"]
+    return Made(report, summary(report), written)

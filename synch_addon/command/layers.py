@@ -4,8 +4,9 @@
 from pathlib import Path
 
 import bpy
+import numpy as np
 
-from ...core.files.tets import SUFFIXES, read_tets
+from ...core.files.tets import SUFFIXES, read_marked_tets
 from .. import api
 from ..blender import files
 from ..jobs.job import run as run_job
@@ -95,10 +96,11 @@ def run(options, open_object, progress):
 
 
 def _open_solid(path):
-    """An object of the boundary of the tetrahedra in a file, in an empty scene, and these."""
-    solid = read_tets(path)
+    """An object of the boundary of the tetrahedra in a file, in an empty scene, and these; its vertex groups are what
+    the file's triangles are marked with."""
+    solid, marks = read_marked_tets(path)
     bpy.ops.wm.read_homefile(use_empty=True)
-    boundary, _ = solid.boundary_surface
+    boundary, source = solid.boundary_surface
     name = Path(path).stem
     data = bpy.data.meshes.new(name)
     data.from_pydata(boundary.vertices.tolist(), [], boundary.triangles.tolist())
@@ -106,4 +108,8 @@ def _open_solid(path):
     obj = bpy.data.objects.new(name, data)
     bpy.context.scene.collection.objects.link(obj)
     bpy.context.view_layer.objects.active = obj
+    for mark, triangles in marks.items():
+        chosen = np.flatnonzero(np.isin(source, triangles))
+        if 0 < len(chosen) < len(source):
+            obj.vertex_groups.new(name=mark).add(chosen.tolist(), 1.0, "REPLACE")
     return obj, solid

@@ -30,6 +30,10 @@ def finish(solved, filled, objects, start):
     report = report_of(solved, filled, objects, start)
     if solved.result.sphere is not None:
         at_the_end(lambda: [memory.flows.put(obj, solved) for obj in objects])
+    shown = solved.result.shown
+    if shown is not None and shown.lines is not None:
+        kept = shown.lines, solved.result.linked
+        at_the_end(lambda: [memory.shown_filaments.put(obj, kept) for obj in objects])
     if hasattr(bpy.types.Object, "synch_vortices"):  # as long as the extension is registered
         for obj in objects:
             assign(obj.synch_vortices, "sources", json.dumps(solved.sources))

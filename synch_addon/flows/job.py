@@ -13,7 +13,7 @@ from ..blender.transaction import whole_or_nothing
 from ..jobs.job import run
 from .choice import finish
 from .memory import Filled, SolvedFlow
-from .objects import facts, fill, make_filaments, make_tubes, present
+from .objects import facts, fill, linking_facts, make_filaments, make_tubes, present
 from .sequence_job import SequenceJob
 from .sources import flow_source, objects_of
 from .surface_job import SurfaceJob
@@ -45,7 +45,8 @@ class ClebschJob:
             # How far the number of filaments through a loop is from the flow's circulation along it, in quanta and root
             # mean square over all square loops a quarter of the grid's longest side wide; None where there are none.
             off = {"circulation_error": loop_error(result.seen, max(result.seen.grid.shape) // 4)}
-            return finish(solved, Filled(facts(shown) | off, fill), made, self._start)
+            told = facts(shown) | off | linking_facts(result.linked)
+            return finish(solved, Filled(told, fill), made, self._start)
 
 
 def clebsch(source, callback=None, **settings):

@@ -49,3 +49,5 @@ class Filled:
 
 # Of the objects that show the vortices of a flow, the latest ones: a kilobyte a node each.
 flows = ObjectShelf(4)
+# Of the same objects, whatever the method: the list of Filament that they show, and the Linked of these or None.
+shown_filaments = ObjectShelf(4)

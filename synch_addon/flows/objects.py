@@ -31,14 +31,16 @@ def fill_filaments(obj, shown):
     store(obj, STRENGTH, shown.quantum)
     data.splines.clear()
     for line in shown.lines:
-        spline = data.splines.new("POLY")
-        spline.points.add(len(line.points) - 1)
-        points = np.column_stack([line.points, np.ones(len(line.points))]).astype(np.float32)
-        spline.points.foreach_set("co", points.ravel())
-        spline.use_cyclic_u = line.is_closed
-        # Thicker where several lie on each other.
-        thickness = math.sqrt(line.strength / shown.quantum)
-        spline.points.foreach_set("radius", np.full(len(points), thickness, np.float32))
+        parts = [line.course] if shown.unwrapped else line.parts
+        for part in parts:
+            spline = data.splines.new("POLY")
+            spline.use_cyclic_u = len(parts) == 1 and line.is_loop
+            points = np.column_stack([part, np.ones(len(part))]).astype(np.float32)
+            spline.points.add(len(points) - 1)
+            spline.points.foreach_set("co", points.ravel())
+            # Thicker where several lie on each other.
+            thickness = math.sqrt(line.strength / shown.quantum)
+            spline.points.foreach_set("radius", np.full(len(points), thickness, np.float32))
 
 
 def make_tubes(name, shown):
@@ -105,11 +107,25 @@ def facts(shown):
             {
                 "strength": line.strength,
                 "closed": line.is_closed,
+                "winding": list(line.winding),
                 "points": len(line.points),
                 "length": line.length,
             }
             for line in shown.lines
         ]
+        result["windings"] = sum(any(line.winding) for line in shown.lines)
     if shown.tubes is not None:
         result["tubes"] = {"faces": len(shown.tubes.triangles), "pieces": shown.tubes.pieces}
     return result
+
+
+def linking_facts(winding):
+    """What a report says of a :class:`Linked`, or of none."""
+    if winding is None:
+        return {}
+    return {
+        "loops": list(winding.loops),
+        "linking": winding.numbers.tolist(),
+        "writhe": winding.writhes.tolist(),
+        "helicity": winding.helicity,
+    }

@@ -99,6 +99,10 @@ class VortexProperties:
     )
     opening: FloatProperty(**_OPENING)
     smoothing: IntProperty(**_SMOOTHING)
+    unwrapped: BoolProperty(
+        name="Unwrapped",
+        description="Draw filaments in one piece where they leave a periodic box, instead of in parts that lie in it",
+    )
     method: METHOD
     rounding: ROUNDING
     seed: SEED

@@ -4,6 +4,8 @@
 import json
 from dataclasses import asdict, replace
 
+import numpy as np
+
 from ..jobs.report import counted, ending, quality
 
 
@@ -78,7 +80,11 @@ def summary(report):
         lines.append(f"{last}: {counted(len(report['vortices']), 'vortex')}{covered}")
     if "filaments" in report:
         closed = sum(line["closed"] for line in report["filaments"])
-        lines.append(f"{last}: {counted(len(report['filaments']), 'filament')}, {closed} of them closed")
+        around = f", {report['windings']} around the box" if report["windings"] else ""
+        lines.append(f"{last}: {counted(len(report['filaments']), 'filament')}, {closed} of them closed{around}")
+    if report.get("loops"):
+        links = int(np.abs(np.triu(report["linking"])).sum())
+        lines.append(f"linked {links} times, writhe {sum(report['writhe']):.3g}, helicity {report['helicity']:.4g}")
     if "tubes" in report:
         name = others[0] if others else last
         lines.append(f"{name}: {counted(report['tubes']['pieces'], 'tube')}, {report['tubes']['faces']} faces")

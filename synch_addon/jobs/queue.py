@@ -32,12 +32,13 @@ class Work:
     peak : MB that the solve has taken at most, None where it was not told
     error : what stopped it, or None
     waited : seconds before its turn came
+    is_quiet : whether nothing of it is said in the window
     is_over : whether it has come to its end, good or bad
     let_go : callable that gives back what was taken of the window for it, once or more often
     """
 
-    def __init__(self, job, label):
-        self.job, self.label = job, label
+    def __init__(self, job, label, is_quiet=False):
+        self.job, self.label, self.is_quiet = job, label, is_quiet
         self.stage, self.fraction, self.picture, self.error, self.result, self.peak = "", 0.0, None, None, None, None
         self.is_over = self.has_begun = self.is_seen = False
         self.let_go = lambda: None
@@ -63,6 +64,11 @@ class Work:
             return
         self.holds_window = False
         self.is_over = not self.solves
+
+    @property
+    def age(self):
+        """Seconds since its turn came."""
+        return time.monotonic() - self._start if self.has_begun else 0.0
 
     @property
     def solves(self):
@@ -117,8 +123,10 @@ class Queue:
         """The work whose turn it is, None where there is none."""
         return self.works[0] if self.works else None
 
-    def add(self, job, label):
+    def add(self, job, label, is_quiet=False):
         """Put a job at the end of the row; returns its :class:`Work`.
+
+        A quiet one is over soon: nothing is said of it, and others of its object wait for it like for any other.
 
         Raises
         ------
@@ -127,7 +135,7 @@ class Queue:
         """
         if job.link is not None and self.holds(job.link):
             raise SynchError(f"{job.link.name} is being solved: wait for it, or cancel it")
-        work = Work(job, label)
+        work = Work(job, label, is_quiet)
         self.works.append(work)
         if not work.holds_window:
             self.advance()
@@ -136,7 +144,8 @@ class Queue:
     def holds(self, obj):
         """Whether a job for an object, or what a link leads to, runs or waits; for None, one for no object."""
         number = None if obj is None else obj.number if isinstance(obj, ObjectLink) else obj.session_uid
-        return number in [None if work.job.link is None else work.job.link.number for work in self.works]
+        heard = [work for work in self.works if not work.is_quiet]
+        return number in [None if work.job.link is None else work.job.link.number for work in heard]
 
     @property
     def holds_window(self):
@@ -172,6 +181,11 @@ class Queue:
         """Take the result whose picture a job shows for the whole one."""
         if self._asked is work and work.picture is not None:
             self._worker.tell(("keep",))
+
+    def end(self, work):
+        """End what a job has begun; unlike :meth:`cancel` this keeps the worker, and takes until it hears of it."""
+        if self._asked is work:
+            self._worker.tell(("end",))
 
     def stop(self):
         """End all jobs, and the worker: the file is being closed, or the add-on taken out."""

@@ -68,6 +68,7 @@ class Worker:
         self.limit = limit
         self.is_ready, self._noise, self._unpacker, self._gone = False, b"", Unpacker(), None
         self._outgoing: deque = deque()
+        self._kept = ()
         command = [*_python(), _PACKAGE, str(_FOLDER), str(limit)]
         pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "bufsize": 0}
         try:
@@ -87,11 +88,12 @@ class Worker:
     def ask(self, request):
         """Begin to tell it what to solve."""
         self._unpacker.shared = request.shared
-        self.tell(("solve", request))
+        self.tell(("solve", request), self._kept)
+        self._kept = getattr(request, "kept", ())
 
-    def tell(self, message):
+    def tell(self, message, shared=()):
         """Begin to tell it something, see :mod:`core.worker`."""
-        self._outgoing.extend(memoryview(part).cast("B") for part in packed(message))
+        self._outgoing.extend(memoryview(part).cast("B") for part in packed(message, shared))
 
     def exchange(self):
         """Go on telling, and hear what it says; returns its messages, see :mod:`core.worker`.

@@ -2,10 +2,13 @@
 """Operators: vortices of a volume, of files, or of curves that stand for filaments, and those of least energy."""
 
 import bpy
+from bpy.props import StringProperty
+from bpy_extras.io_utils import ExportHelper
 
 from ..flows import memory
 from ..flows.choice import choose_point
 from ..flows.chosen import flow_of
+from ..flows.files import filament_export
 from ..flows.job import job_for
 from ..flows.properties import VortexProperties, plain
 from ..jobs.queue import queue
@@ -71,4 +74,26 @@ class SYNCH_OT_best_vortices(PromptOperator, bpy.types.Operator):
         return f"energy {report['energy']:.4g}, {_found(report)}"
 
 
-CLASSES = (SYNCH_OT_clebsch, SYNCH_OT_best_vortices)
+class SYNCH_OT_filament_export(PromptOperator, ExportHelper, bpy.types.Operator):
+    """Write the filaments to a file for other programs: a table (.csv) or polylines (.vtp, .vtk)"""
+
+    bl_idname = "synch.filament_export"
+    bl_label = "Export Filaments"
+
+    filename_ext = ".vtp"
+    filter_glob: StringProperty(default="*.vtp;*.vtk;*.csv", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context):
+        return memory.shown_filaments.holds(context.active_object)
+
+    def check(self, context):
+        """Keep the suffixes .vtk and .csv, which the helper would replace."""
+        return not self.filepath.lower().endswith((".vtk", ".csv")) and super().check(context)
+
+    def make(self, context):
+        report = filament_export(context.active_object, self.filepath)
+        return f"wrote {counted(report['filaments'], 'filament')} to {report['files'][0]}"
+
+
+CLASSES = (SYNCH_OT_clebsch, SYNCH_OT_best_vortices, SYNCH_OT_filament_export)

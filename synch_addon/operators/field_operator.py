@@ -19,6 +19,7 @@ from ..jobs.report import counted
 from ..panels.early_view import view
 from ..panels.row_operators import others_selected
 from ..patterns import job as field_job
+from ..patterns.live import from_shown
 from ..settings.fields import PROPERTY_NAMES, plain
 from ..settings.guide_list import stored_guidance
 from .ready import ReadyOperator
@@ -266,7 +267,9 @@ class FieldOperator(ObjectOperator):
         return plain(self, self.spacing if self.properties.is_property_set("spacing") else None)
 
     def _job(self, context):
-        return field_job.FieldJob(self.command, context.active_object, self._settings())
+        job = field_job.FieldJob(self.command, context.active_object, self._settings())
+        job.request = from_shown(context.active_object, job.request)
+        return job
 
     def _announce(self, report):
         self.spacing = report["settings"]["spacing"]

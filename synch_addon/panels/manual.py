@@ -18,7 +18,7 @@ _OPERATORS = {
     "bake": "bake",
     "layers": "layers layer_group_add layer_group_remove",
     "printing": "layer_export layer_toolpaths layer_path_export layer_volume",
-    "vortices": "clebsch best_vortices",
+    "vortices": "clebsch best_vortices filament_export",
     "animation": "animate",
     "constraints": "constraint_add constraint_remove constraint_move",
     "guides": "guide_add guide_remove import_field export_field",

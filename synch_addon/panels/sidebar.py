@@ -6,6 +6,7 @@ import bpy
 from ..blender.meshes import refusal
 from ..blender.translations import said
 from ..jobs.queue import queue
+from ..patterns.live import live
 from ..patterns.refine import draw_warning
 from .guides import draw_guidance
 from .row_operators import can_set, others_selected
@@ -111,7 +112,8 @@ def draw_unready(layout, obj):
 
 def draw_row(layout):
     """The job that runs with a bar, and those that wait for their turn."""
-    for place, work in enumerate(queue.works[:SHOWN_JOBS]):
+    shown = [(place, work) for place, work in enumerate(queue.works) if not work.is_quiet]
+    for place, work in shown[:SHOWN_JOBS]:
         link = work.job.link
         obj = None if link is None else link.present
         name = said(work.label) if obj is None else f"{said(work.label)}: {obj.name}"
@@ -130,11 +132,10 @@ def draw_row(layout):
         if work.picture is not None:
             row.operator("synch.keep", icon="CHECKMARK")
         row.operator("synch.cancel", icon="EVENT_ESC").place = place
-    count = len(queue.works)
-    if count > 1:
+    if len(shown) > 1:
         row = layout.row()
-        if count > SHOWN_JOBS:
-            row.label(text=said("{count} more are waiting", count=count - SHOWN_JOBS), translate=False)
+        if len(shown) > SHOWN_JOBS:
+            row.label(text=said("{count} more are waiting", count=len(shown) - SHOWN_JOBS), translate=False)
         row.operator("synch.cancel", text="Cancel All", icon="X").place = -1
 
 
@@ -166,6 +167,9 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
         row = column.row(align=True)
         row.operator("synch.directions", icon="ORIENTATION_NORMAL")
         row.operator("synch.quad_mesh", icon="MOD_REMESH")
+        self.layout.prop(context.window_manager, "synch_live", toggle=True, icon="PLAY")
+        if live.error:
+            self.layout.label(text=live.error, icon="ERROR", translate=False)
         draw_warning(self.layout, obj)
         others = len(others_selected(context))
         if others:

@@ -44,6 +44,8 @@ class SYNCH_PT_vortex_result(SidebarPanel, bpy.types.Panel):
         draw_figures(self.layout, obj.synch_vortices.figures)
         if memory.flows.holds(obj):
             draw_choice(self.layout, obj.synch_vortices)
+        if memory.shown_filaments.holds(obj):
+            self.layout.operator("synch.filament_export", icon="EXPORT")
 
 
 def draw_vortices(layout, settings):
@@ -60,6 +62,7 @@ def draw_vortices(layout, settings):
     if settings.show != "FILAMENTS":
         column.prop(settings, "opening")
     column.prop(settings, "smoothing")
+    column.prop(settings, "unwrapped")
     column.prop(settings, "use_frames")
     if settings.use_frames:
         row = column.row(align=True)

@@ -39,15 +39,16 @@ class FieldJob:
             return write_quads(obj, request, result, self._report, self._selection)
 
 
-def write_result(obj, request, field, pattern, report, number=0, change=None, renumber=True):
+def write_result(obj, request, field, pattern, report, number=0, change=None, renumber=True, instead=False):
     """Write a field and remember it as variation ``number`` of its solve, made by ``change``; returns the report.
 
-    Numbers of stripes stay as they are where they are not to be renewed, for :func:`numbers.renew_shown`.
+    Numbers of stripes stay as they are where they are not to be renewed, for :func:`numbers.renew_shown`. It is kept
+    ``instead`` of what was kept last, or beside it.
     """
     with report.clock("write"):
         defects, request = show(obj, request, field, pattern, report, renumber)
     plain = report.finish(field, pattern, defects)
-    _remember(obj, memory.Solved(request, field, pattern, report, plain, number, change))
+    _remember(obj, memory.Solved(request, field, pattern, report, plain, number, change), instead)
     return plain
 
 
@@ -70,10 +71,10 @@ def show(obj, request, field, pattern, report, renumber=True):
     return defects, request
 
 
-def _remember(obj, solved):
+def _remember(obj, solved, instead=False):
     line = result_line(solved.plain)
     memory.show_line(obj, line, solved.number)
-    memory.remember(obj, line, solved)
+    memory.remember(obj, line, solved, instead)
 
 
 def write_quads(obj, request, result, report, selection):

@@ -81,7 +81,9 @@ class _States:
     def __init__(self):
         self._unmade, self._line, self._present = {}, None, None
 
-    def put(self, line, solved):
+    def put(self, line, solved, instead):
+        if instead:
+            self._unmade.pop(self._line, None)
         self._line, self._present = line, solved
         self._unmade[line] = solved.unmade()
         meshes = {id(state.request.given.mesh): None for state in reversed(self._unmade.values())}
@@ -120,10 +122,10 @@ def _line(obj):
     return obj.synch.result if hasattr(obj, "synch") else None
 
 
-def remember(obj, line, solved):
-    """Keep the state that an object shows now."""
+def remember(obj, line, solved, instead=False):
+    """Keep the state that an object shows now, instead of the last one or beside it."""
     states = _fields.get(obj) if _fields.holds(obj) else _States()
-    states.put(line, solved)
+    states.put(line, solved, instead)
     _fields.put(obj, states)
 
 

@@ -40,12 +40,14 @@ def settings_for(command, obj, settings):
     return settings
 
 
-def gather(command, obj, settings, base=None):
+def gather(command, obj, settings, base=None, given=None):
     """The :class:`SurfaceRequest` of what settings ask for on an object in object mode; refuses what cannot be.
 
-    Its surface is made of the same faces as a base, a MeshInput, where there is one.
+    Its surface is made of the same faces as a base, a MeshInput, where there is one; ``given`` is the MeshInput of the
+    object as it is, where that has been read before, with the same cuts.
     """
-    given = constraints.cut_mesh(obj, meshes.read_mesh(obj, base, settings.strict), settings.constraints)
+    if given is None:
+        given = constraints.cut_mesh(obj, meshes.read_mesh(obj, base, settings.strict), settings.constraints)
     spacing = automatic_spacing(command, given.mesh) if settings.spacing is None else settings.spacing
     spacings, turn, directions, guides = spacing, settings.angle, None, ()
     if settings.spacing_map:

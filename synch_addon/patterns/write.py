@@ -12,6 +12,8 @@ from ..nodes.materials import pattern_material
 
 # How far attributes may be off what was solved to be the same: single precision.
 SAME = 1e-4
+# Blender's time for making and removing objects grows with the square of their number.
+MOST_EMPTIES = 10_000
 
 
 def results(obj, request, field, pattern, report):
@@ -27,7 +29,12 @@ def results(obj, request, field, pattern, report):
     defects = _defects(given, field, pattern, polygons)
     _write_field(obj, given, field, polygons, [d for d in defects if d.kind == "disclination"])
     kinds = ("disclination",) if pattern is None else KINDS
-    write_defects(obj, defects, kinds=kinds, length=spacing)
+    if len(defects) > MOST_EMPTIES:
+        report.warn(
+            f"{len(defects)} defects, and an empty for none of them (from {MOST_EMPTIES} on Blender takes long for "
+            "each): the overlay draws them, the report lists them"
+        )
+    write_defects(obj, defects if len(defects) <= MOST_EMPTIES else [], kinds=kinds, length=spacing)
     if pattern is not None:
         all_faces = report.settings.assign_material or has_one_material(obj)
         pattern_material(obj, request.command, spacing=spacing, assign_faces=all_faces)

@@ -26,7 +26,7 @@ from .constraint_list import SynchConstraint
 from .constraints import Constraint, from_plain
 from .favourite_list import SynchFavourite
 from .guidance import parse
-from .guide_list import GUIDE_ITEMS, SynchGuide, suggest_numbers
+from .guide_list import GUIDE_ITEMS, SynchGuide, stored_guidance, suggest_numbers
 from .solver import (
     ANGLE,
     BRANCHING,
@@ -294,10 +294,18 @@ PROPERTY_NAMES = tuple(SettingProperties.__annotations__)
 STORED_NAMES = (*PROPERTY_NAMES, "automatic_spacing", "mesh_branching")
 
 
-def plain(properties, spacing):
-    """:class:`Settings` from an operator's properties, with the spacing given apart (None: automatic)."""
+def stored_settings(obj):
+    """The :class:`Settings` that the panel keeps for an object; errors as :func:`stored_guidance`."""
+    stored = obj.synch
+    return plain(stored, None if stored.automatic_spacing else stored.spacing, stored_guidance(stored))
+
+
+def plain(properties, spacing, guidance=None):
+    """:class:`Settings` from an operator's properties, with the spacing given apart (None: automatic), or from an
+    object's, whose guidance is given as text."""
     mirror = "".join(axis for axis, chosen in zip("XYZ", properties.mirror, strict=True) if chosen)
-    apart = {"guidance": properties.guidance, "spacing": spacing, "mirror": mirror}
+    guidance = properties.guidance if guidance is None else guidance
+    apart = {"guidance": guidance, "spacing": spacing, "mirror": mirror}
     return settings_of(Settings, properties, SettingProperties, **apart)
 
 

@@ -56,6 +56,7 @@ NEEDED = {
     "export_field": {"path": "/nowhere/field.rosy"},
     "layer_export": {"path": "/nowhere/part.stl"},
     "layer_volume": {"path": "/nowhere/part.vdb"},
+    "filament_export": {"path": "/nowhere/lines.vtp"},
     "select": {"vertices": [0]},
     # Refused after everything that is given has been looked at, so that nothing is solved or baked.
     "bake": {"folder": "/nowhere"},
@@ -64,12 +65,12 @@ NEEDED = {
 }
 RE_EXPORTED = (
     *("animate", "number_stripes", "refine", "layer_export", "layer_toolpaths", "layer_volume", "choose_point"),
-    "clebsch",
+    *("clebsch", "filament_export"),
 )
 NAMES = (
     *("directions", "stripes", "quads", "quad_mesh", "layers", "vary", "place_defects", "trace_quads", "isolines"),
     *("relief", "preset", "bake", "import_field", "export_field", "select", "animate", "number_stripes", "refine"),
-    *("layer_export", "layer_toolpaths", "layer_volume", "choose_point", "clebsch"),
+    *("layer_export", "layer_toolpaths", "layer_volume", "choose_point", "clebsch", "filament_export"),
 )
 
 

@@ -55,6 +55,11 @@ OPERATORS = {
     ),
     "Cancel": "Abbrechen",
     "Good Enough": "Gut genug",
+    "Live": "Live",
+    "Let stripes and quads follow their settings while these are dragged; click on Stripes or Quads for a full solve": (
+        "Streifen und Vierecke folgen ihren Einstellungen, während man sie zieht; "
+        "ein Klick auf Streifen oder Vierecke rechnet ganz"
+    ),
     "Stop the solve and keep the pattern that it shows now": (
         "Die Berechnung beenden und das Muster behalten, das sie gerade zeigt"
     ),

@@ -257,6 +257,14 @@ VORTICES = {
         "Die Wirbel einer Datei, des aktiven Volumens oder Netzes oder der Strömung ausgewählter Kurven zeigen"
     ),
     "Least Energy": "Kleinste Energie",
+    "Export Filaments": "Filamente exportieren",
+    "Write the filaments to a file for other programs: a table (.csv) or polylines (.vtp, .vtk)": (
+        "Die Filamente für andere Programme schreiben: Tabelle (.csv) oder Linienzüge (.vtp, .vtk)"
+    ),
+    "Unwrapped": "Ausgerollt",
+    "Draw filaments in one piece where they leave a periodic box, instead of in parts that lie in it": (
+        "Filamente, die einen periodischen Kasten verlassen, in einem Stück zeichnen statt in Teilen in ihm"
+    ),
     "Show the filaments of least energy again, and the tubes seen from the north": (
         "Die Fäden kleinster Energie wieder zeigen, und die Röhren von Norden gesehen"
     ),

@@ -38,7 +38,7 @@ OPERATORS = (
     "select_places show_loop preset number_stripes asset_library "
     "import_field export_field add_preset constraint_add constraint_remove constraint_move guide_add guide_remove "
     "layers layer_group_add layer_group_remove layer_export layer_toolpaths layer_path_export layer_volume "
-    "clebsch best_vortices"
+    "clebsch best_vortices filament_export"
 ).split()
 
 

@@ -10,12 +10,13 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.core.errors import SettingError
+from synch_fields.core.errors import SettingError, SynchError
 from synch_fields.core.fields.biot_savart import filament_velocity
 from synch_fields.core.files import flows
 from synch_fields.core.geometry.grid import Grid
 from synch_fields.core.memory import used_bytes
 from synch_fields.core.tasks.flows import showing
+from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import openvdb
 from synch_fields.synch_addon.command.main import main
 from synch_fields.synch_addon.flows import sources
@@ -124,7 +125,7 @@ def test_tubes_have_no_faces_that_fold(radius):
     turn = np.arctan2(grid.places[:, 1], grid.places[:, 0])
     sphere = np.column_stack([np.sin(distance) * np.cos(turn), np.sin(distance) * np.sin(turn), -np.cos(distance)])
     found = SimpleNamespace(grid=grid, quantum=1.0)
-    settings = SimpleNamespace(show="tubes", point=None, opening=np.degrees(radius), smoothing=4)
+    settings = SimpleNamespace(show="tubes", point=None, opening=np.degrees(radius), smoothing=4, unwrapped=False)
     tubes = showing(found, SimpleNamespace(found=found, sphere=sphere), settings).tubes
     corners = tubes.vertices[tubes.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -344,7 +345,8 @@ def test_a_map_that_shows_nothing_says_what_to_do(tmp_path, capfd):
     np.savez(tmp_path / "ring.npz", velocity=velocity.reshape(*grid.shape, 3), spacing=0.1, origin=grid.origin)
     assert main(["clebsch", str(tmp_path / "ring.npz"), "--quantum", "50", "--show", "both", "--quiet"]) == 0
     out = capfd.readouterr().out
-    assert "no filaments: ask for more" in out and "make the tubes wider" in out and "0 filaments" in out
+    for words in ("has no filaments: ", "there are some", "make the tubes wider", "0 filaments"):
+        assert words in out
 
 
 def test_curves_have_a_core_that_tubes_can_be_seen_in():
@@ -359,3 +361,72 @@ def test_curves_have_a_core_that_tubes_can_be_seen_in():
     thin = clebsch(obj, show="tubes", quantum=0.34, opening=100, resolution=24, target_gap=0.05, core=0.5)
     area = lambda made: sum(face.area for face in bpy.data.objects[made].data.polygons)  # noqa: E731
     assert area(thin["object"]) < area(report["objects"][0])
+
+
+def test_filaments_go_out_with_what_they_are(tmp_path, capfd):
+    """Two linked rings: files, linking, helicity; and what is no such file or object is refused."""
+    rings = [circle(1.0), circle(1.0, (1, 0, 0), strength=1.0)]
+    rings[1].rotation_euler = (np.pi / 2, 0, 0)
+    bpy.context.view_layer.update()
+    report = clebsch(rings, quantum=1.0, resolution=22, target_gap=0.1)
+    assert report["loops"] == [0, 1] and abs(report["linking"][0][1]) == 1 and report["windings"] == 0
+    expected = 2 * report["linking"][0][1] + sum(report["writhe"])
+    assert report["helicity"] == pytest.approx(expected)
+    obj = bpy.data.objects[report["object"]]
+    for suffix, words in ((".csv", "filament,x,y,z"), (".vtp", "PolyData"), (".vtk", "DATASET POLYDATA")):
+        told = api.filament_export(obj, tmp_path / f"rings{suffix}")
+        assert told["filaments"] == 2 and words in (tmp_path / f"rings{suffix}").read_text()
+    assert bpy.ops.synch.filament_export(filepath=str(tmp_path / "again.vtp")) == {"FINISHED"}
+    assert (tmp_path / "again.vtp").read_text() == (tmp_path / "rings.vtp").read_text()
+    with pytest.raises(SettingError, match=r"\.csv or \.vtp or \.vtk"):
+        api.filament_export(obj, tmp_path / "rings.txt")
+    with pytest.raises(SynchError, match="has no solve in memory"):
+        api.filament_export(rings[0], tmp_path / "rings.csv")
+
+
+def test_thin_cores_and_many_quanta_are_warned_of():
+    obj = circle()
+    thin = clebsch(obj, show="tubes", quantum=0.5, resolution=16, target_gap=0.1, core=1.0)
+    assert any("from a core of 2 cells on, and it is 1: increase" in line for line in thin["warnings"])
+    thick = clebsch(obj, show="tubes", quantum=0.5, resolution=16, target_gap=0.1)
+    assert not any("core of" in line for line in thick["warnings"])
+
+
+def test_the_command_writes_filaments(tmp_path, capfd):
+    grid, velocity = ring_grid()
+    np.savez(tmp_path / "ring.npz", velocity=velocity.reshape(*grid.shape, 3), spacing=0.1, origin=grid.origin)
+    run = ["clebsch", str(tmp_path / "ring.npz"), "--quiet", "--method", "spectral", "--export-filaments"]
+    assert main([*run, str(tmp_path / "ring.vtp")]) == 0
+    assert "wrote" in capfd.readouterr().out and "<Piece" in (tmp_path / "ring.vtp").read_text()
+    assert main([*run, str(tmp_path / "ring.stl")]) == 1 and ".vtp" in capfd.readouterr().err
+
+
+def test_where_there_is_no_filament_a_circulation_is_named_that_gives_one(tmp_path):
+    grid, velocity = ring_grid()
+    np.savez(tmp_path / "ring.npz", velocity=velocity.reshape(*grid.shape, 3), spacing=0.1, origin=grid.origin)
+    report = clebsch(tmp_path / "ring.npz", quantum=50.0)
+    assert any("has no filaments" in line for line in report["warnings"])
+    (line,) = [line for line in report["warnings"] if "there are some" in line]
+    remedy = float(line.split("a circulation of ")[1].split()[0])
+    assert len(clebsch(tmp_path / "ring.npz", quantum=remedy)["filaments"]) >= 1
+
+
+def test_filaments_around_a_periodic_box_close(tmp_path):
+    """A shear flow, sin(z) along x: its vorticity runs along y, both ways, around the box."""
+    count = 12
+    z = 2 * np.pi * np.arange(count) / count
+    velocity = np.zeros((count, count, count, 3))
+    velocity[..., 0] = np.sin(z)
+    np.savez(tmp_path / "shear.npz", velocity=velocity, spacing=2 * np.pi / count, periodic=True)
+    report = clebsch(tmp_path / "shear.npz", count=4, target_gap=0.1)
+    around = [line for line in report["filaments"] if any(line["winding"])]
+    assert report["windings"] == len(around) > 0 and all(line["closed"] for line in report["filaments"])
+    assert all(line["winding"][2] == 0 for line in around)
+    obj = bpy.data.objects[report["object"]]
+    inside = np.array([point.co[:3] for spline in obj.data.splines for point in spline.points])
+    assert inside.max() < 2 * np.pi + 0.6
+    unwrapped = clebsch(tmp_path / "shear.npz", count=4, target_gap=0.1, unwrapped=True)
+    splines = bpy.data.objects[unwrapped["object"]].data.splines
+    assert len(splines) == len(unwrapped["filaments"])
+    longest = max(np.ptp([point.co[1] for point in spline.points]) for spline in splines)
+    assert longest == pytest.approx(2 * np.pi, rel=0.2)

@@ -23,7 +23,10 @@ def lookup(name):
     """Where Blender's own operator goes for a name as its menu has it; None where no map has it."""
     from bl_operators.wm import WM_OT_doc_view_manual, _wm_doc_get_id
 
-    return WM_OT_doc_view_manual._lookup_rna_url(_wm_doc_get_id(name, do_url=False), verbose=False)
+    identifier = _wm_doc_get_id(name, do_url=False)
+    if identifier is None and name.startswith("SynchPreferences."):  # older Blenders know none of add-ons' preferences
+        identifier = f"bpy.types.{name}"
+    return WM_OT_doc_view_manual._lookup_rna_url(identifier, verbose=False)
 
 
 def settings():

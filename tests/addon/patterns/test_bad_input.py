@@ -11,9 +11,10 @@ import pytest
 from synch_fields.core.errors import SynchError
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
-from synch_fields.synch_addon.patterns import memory
+from synch_fields.synch_addon.panels import overlay
+from synch_fields.synch_addon.patterns import memory, write
 
-from ..scenes import add_group, add_object, grid, set_vectors, snapshot, sphere, tube
+from ..scenes import add_group, add_object, grid, quad_sphere, set_vectors, snapshot, sphere, tube
 
 SQUARE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
 
@@ -212,3 +213,12 @@ def test_an_object_whose_solve_had_to_go_is_told_why():
     with pytest.raises(SynchError, match=r"no solve in memory \(kept for the last 8 objects .*\): solve it first"):
         api.vary(objects[0], 1)
     memory.recall(objects[1])
+
+
+def test_more_defects_than_blender_takes_objects_are_told_and_drawn_without_them(monkeypatch):
+    monkeypatch.setattr(write, "MOST_EMPTIES", 3)
+    obj = quad_sphere(5)
+    report = api.stripes(obj, spacing=0.5)
+    assert any("an empty for none of them" in warning for warning in report["warnings"])
+    assert len(report["disclinations"]) > 3 and not obj.children
+    assert sum(map(len, (points for points, _ in overlay.defect_points(obj)))) > 3

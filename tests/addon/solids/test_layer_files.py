@@ -17,6 +17,7 @@ from synch_fields.synch_addon.blender.openvdb import openvdb_module
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.solids import memory
 
+from ...core.layered_solids import block as solid_block
 from ..scenes import attribute, make_active, snapshot
 from ..solid_objects import bent_bar, block, triangles_of
 
@@ -444,3 +445,22 @@ def test_a_group_may_lie_half_a_layer_above_the_last_bead():
     for text in ("Top=layer:1", "Top=layer:-0.5", "Top=layer:half", "Top=constant:0.5", "Top=layer:nan"):
         with pytest.raises(SettingError, match=r"offset .* of the group 'Top'"):
             api.layers(obj, groups=text)
+
+
+def test_references_of_a_file_are_groups_of_the_command(tmp_path, capfd):
+    """A bar of tetrahedra whose ends have the references 1 and 2: layers from one to the other, flush with both."""
+    mesh = solid_block((4, 4, 8), (0.5, 0.5, 1.0))
+    triangles = mesh.boundary_triangles
+    heights = mesh.vertices[triangles][:, :, 2]
+    marks = np.where((heights == 0).all(axis=1), 1, np.where((heights == 1).all(axis=1), 2, 0))
+    lines = ["MeshVersionFormatted 2", "Dimension 3", "Vertices", str(mesh.vertex_count)]
+    lines += [" ".join(map(repr, place)) + " 0" for place in mesh.vertices.tolist()]
+    lines += ["Triangles", str(len(triangles))]
+    lines += [f"{a} {b} {c} {mark}" for (a, b, c), mark in zip((triangles + 1).tolist(), marks, strict=True)]
+    lines += ["Tetrahedra", str(mesh.tet_count)]
+    lines += [" ".join(map(str, tet)) + " 0" for tet in (mesh.tets + 1).tolist()]
+    (tmp_path / "bar.mesh").write_text("\n".join([*lines, "End", ""]))
+    run = ["layers", str(tmp_path / "bar.mesh"), "--guidance", "harmonic:ref_1:ref_2", "--spacing", "0.25", "--quiet"]
+    assert main.main([*run, "--groups", "ref_1=layer,ref_2=layer"]) == 0, capfd.readouterr().err
+    assert "5 layers, 0.25 apart on average" in capfd.readouterr().out
+    assert main.main([*run, "--groups", "ref_7=layer"]) == 1 and "no vertex group 'ref_7'" in capfd.readouterr().err

@@ -51,11 +51,14 @@ def test_a_straight_filament_on_a_grid_that_is_periodic_along_it():
     grid = Grid((17, 17, 8), spacing=1 / 16, origin=(-0.5, -0.5, 0), periodic=(False, False, True))
     found = clebsch_map(grid, line_integrals(grid, [0.03, -0.01]), 1.0)
     (line,) = filaments(found)
-    points = line.points
+    (points,) = line.parts
     np.testing.assert_allclose(points[:, 2], np.arange(9) / 16, atol=1e-12)  # from one side of the period to the other
+    assert line.is_closed and line.winding == (0, 0, 1) and not line.is_loop
+    assert line.length == pytest.approx(0.5) and len(line.points) == 8
     assert np.abs(points[:, :2] - [0.03, -0.01]).max() < 0.5 / 16 and line.strength == 1.0
     (down,) = filaments(clebsch_map(grid, line_integrals(grid, [0.03, -0.01], -1.0), 1.0))
-    np.testing.assert_allclose(down.points[:, 2], np.arange(8, -1, -1) / 16, atol=1e-12)
+    np.testing.assert_allclose(down.parts[0][:, 2], np.arange(8, -1, -1) / 16, atol=1e-12)
+    assert down.winding == (0, 0, -1)
     assert np.abs(found.face_numbers).sum() == 8
 
 
@@ -76,16 +79,44 @@ def test_a_ring_across_the_sides_of_a_periodic_grid():
     assert set(np.unique(found.face_numbers)) == {-1, 0, 1}
     around = found.face_numbers[grid.cell_faces] * grid.outward
     assert not around.sum(axis=1).any()
-    lines = filaments(found)
-    assert len(lines) == 2 and not any(line.is_closed for line in lines)  # cut where it leaves the box
-    for line in lines:
-        on_side = np.isclose(line.points[[0, -1], 0][:, None], [0, box[0]], atol=1e-12)
-        assert on_side.any(axis=1).all() and (line.points >= -1e-12).all() and (line.points <= box + 1e-12).all()
-    away = np.concatenate([line.points for line in lines]) - centre
-    away -= box * np.round(away / box)
+    (line,) = filaments(found)
+    assert line.is_loop and line.winding == (0, 0, 0) and len(line.parts) == 2  # cut where it leaves the box
+    for part in line.parts:
+        on_side = np.isclose(part[[0, -1], 0][:, None], [0, box[0]], atol=1e-12)
+        assert on_side.any(axis=1).all() and (part >= -1e-12).all() and (part <= box + 1e-12).all()
+    move = centre - line.points.mean(axis=0)
+    assert (np.abs(move - box * np.rint(move / box)) < 0.5 / 12).all()
+    away = line.points - line.points.mean(axis=0)  # in one piece
     assert np.abs(np.hypot(away[:, 0], away[:, 1]) - 0.27).max() < 0.5 / 12 and np.abs(away[:, 2]).max() < 0.5 / 12
-    lengths = sum(np.linalg.norm(np.diff(line.points, axis=0), axis=1).sum() for line in lines)
-    assert lengths == pytest.approx(2 * np.pi * 0.27, rel=0.15)
+    assert line.length == pytest.approx(2 * np.pi * 0.27, rel=0.15)
+    lengths = sum(np.linalg.norm(np.diff(part, axis=0), axis=1).sum() for part in line.parts)
+    assert lengths == pytest.approx(line.length, rel=1e-9)
+    (even,) = filaments(found, 5)
+    assert even.is_loop and 0.88 * line.length < even.length < line.length
+
+
+@pytest.mark.parametrize("smoothing", [0, 5])
+def test_filaments_that_go_around_a_periodic_box_say_how_often(smoothing):
+    """Phases cos-like products of plane waves: their zeros are straight lines whose directions are known."""
+    grid = Grid((12, 12, 12), spacing=1 / 12, periodic=True)
+    x, y, z = (2 * np.pi * grid.places.T).tolist()
+    x, y, z = np.array(x), np.array(y), np.array(z)
+    quiet = clebsch_map(grid, np.zeros(len(grid.edges)), 1.0)
+    # Zeros where sin(y - x) = 0 and sin(z + 0.3) = 0: four lines along (1, 1, 0), two of them back.
+    shown = quiet.showing(_unit(np.sin(y - x - 0.2) + 1j * np.sin(z + 0.3)))
+    lines = filaments(shown, smoothing)
+    assert all(line.is_closed for line in lines)
+    assert sorted(line.winding for line in lines) == [(-1, -1, 0)] * 2 + [(1, 1, 0)] * 2
+    for line in lines:
+        np.testing.assert_allclose(line.shift, line.winding)
+        assert line.length == pytest.approx(np.sqrt(2), rel=0.02 if smoothing else 0.12)
+        assert (np.concatenate(line.parts) > -0.03).all() and (np.concatenate(line.parts) < 1.03).all()
+        ends = line.course[-1] - line.course[0]
+        np.testing.assert_allclose(ends, line.shift, atol=1e-12)
+
+
+def _unit(values):
+    return values / np.abs(values)
 
 
 @pytest.mark.parametrize("core", [0.1, 0.5, 1.0])

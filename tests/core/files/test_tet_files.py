@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import MeshError, SettingError
-from synch_fields.core.files.tets import read_tets
+from synch_fields.core.files.tets import read_marked_tets, read_tets
 from synch_fields.core.geometry.tet_mesh import TetMesh
 
 from ..meshes import SHARED
@@ -284,3 +284,23 @@ def test_what_meshio_writes_is_read(tmp_path, suffix):
     read = read_tets(path)
     np.testing.assert_allclose(read.vertices, mesh.vertices, rtol=1e-14)
     np.testing.assert_array_equal(read.tets, mesh.tets)
+
+
+def test_references_of_triangles_are_marks(tmp_path):
+    triangles = "Triangles\n4\n1 2 3 9\n2 3 4 9\n1 2 4 3\n1 2 99 3\n"
+    solid, marks = read_marked_tets(written(tmp_path, medit(between=triangles)))
+    assert solid.tet_count == 2 and sorted(marks) == ["ref_3", "ref_9"]
+    np.testing.assert_array_equal(marks["ref_9"], [[0, 1, 2], [1, 2, 3]])
+    np.testing.assert_array_equal(marks["ref_3"], [[0, 1, 3]])  # of vertices that there are
+
+
+@pytest.mark.parametrize("way", ["ascii", "raw-zlib"])
+def test_whole_numbers_on_cells_of_vtu_are_marks(tmp_path, way):
+    mesh, writer = bent_bar(), Vtu(way)
+    numbers = np.append(np.zeros(mesh.tet_count, np.int32), np.int32(4))
+    heat = np.zeros(len(numbers))
+    data = f"<CellData>{writer.array('side', numbers)}{writer.array('heat', heat)}</CellData>"
+    text = writer.text(mesh).replace(b"<Points>", data.encode() + b"<Points>", 1)
+    solid, marks = read_marked_tets(written(tmp_path, text, "solid.vtu"))
+    assert list(marks) == ["side_4"]
+    np.testing.assert_array_equal(marks["side_4"], [solid.tets[0, :3]])

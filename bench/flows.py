@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Filaments of flows whose vortices are known: how many close, and how they wind.
+
+    python bench/flows.py [NODES ...]
+
+ABC flow and Taylor-Green vortices in a periodic box; two linked rings, Borromean rings and a trefoil of circulation 1
+each, whose linking numbers, writhe and helicity stand in the rows "truth". Each by the spectral relaxation (EIG) and by
+the semidefinite one (SDP), the two solvers of the paper's Figure 5, on grids of so many nodes along the longest side
+(24 and 32 by default).
+"""
+
+import numpy as np
+
+from synch_fields.bench.command import arguments
+from synch_fields.bench.tables import Column, print_table
+from synch_fields.core.extract.filaments import Filament, filaments
+from synch_fields.core.extract.knots import linked
+from synch_fields.core.fields.biot_savart import filament_integrals
+from synch_fields.core.fields.clebsch import clebsch_map, edge_integrals, quantum_for
+from synch_fields.core.geometry.grid import Grid, box_grid
+from synch_fields.core.interpolate import TURN
+from synch_fields.core.solve import Options
+
+SOLVERS = {"EIG": Options(method="spectral"), "SDP": Options()}
+# Radius of the filaments' cores in cells, passes of smoothing, and room around curves, as a share of their size.
+CORE, SMOOTHING, ROOM = 0.5, 5, 0.3
+# Filaments that are asked for through the plane of a periodic flow with most vorticity.
+COUNTS = {"ABC": 6, "Taylor-Green": 16}
+COLUMNS = (
+    Column("h", "quantum", ".3g"),
+    Column("energy", "energy", ".1f"),
+    Column("filaments", "filaments", "d"),
+    Column("closed", "closed", "d"),
+    Column("around the box", "around", "d"),
+    Column("windings", "windings", ""),
+    Column("links", "links", "d"),
+    Column("writhe", "writhe", ".2f"),
+    Column("helicity", "helicity", ".2f"),
+)
+
+
+def abc(x, y, z):
+    """Arnold, Beltrami and Childress's flow."""
+    return np.sin(z) + np.cos(y), np.sin(x) + np.cos(z), np.sin(y) + np.cos(x)
+
+
+def taylor_green(x, y, z):
+    """Taylor and Green's vortices."""
+    return np.sin(x) * np.cos(y) * np.cos(z), -np.cos(x) * np.sin(y) * np.cos(z), 0 * x
+
+
+def curves():
+    """Closed polygons of each link."""
+    turn = np.linspace(0, TURN, 120, endpoint=False)
+    circle = np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])
+    flat = circle * [2, 1, 0]
+    trefoil = [np.sin(turn) + 2 * np.sin(2 * turn), np.cos(turn) - 2 * np.cos(2 * turn), -np.sin(3 * turn)]
+    return {
+        "linked rings": [circle, circle[:, [0, 2, 1]] + [1, 0, 0]],
+        "Borromean rings": [np.roll(flat, k, axis=1) for k in range(3)],
+        "trefoil": [np.column_stack(trefoil)],
+    }
+
+
+def told(label, lines, box, **more):
+    """The row of filaments."""
+    found = linked(lines, box)
+    windings = sorted({tuple(abs(turns) for turns in line.winding) for line in lines if any(line.winding)})
+    return {
+        "label": label,
+        "filaments": len(lines),
+        "closed": sum(line.is_closed for line in lines),
+        "around": sum(any(line.winding) for line in lines),
+        "windings": " ".join("(" + " ".join(map(str, one)) + ")" for one in windings) or "–",
+        "links": None if found is None else int(np.abs(np.triu(found.numbers, 1)).sum()),
+        "writhe": None if found is None else float(found.writhes.sum()),
+        "helicity": None if found is None else found.helicity,
+        **more,
+    }
+
+
+def solved(label, grid, integrals, quantum):
+    """The rows of both solvers."""
+    box = np.where(grid.periodic, grid.spacing * grid.shape, 0)
+    for name, options in SOLVERS.items():
+        found = clebsch_map(grid, integrals, quantum, options)
+        lines = filaments(found, SMOOTHING)
+        yield told(f"{label}, {max(grid.shape)}: {name}", lines, box, quantum=quantum, energy=found.energy)
+
+
+def main(sizes):
+    """Print the table."""
+    rows = []
+    for label, flow in (("ABC", abc), ("Taylor-Green", taylor_green)):
+        for nodes in sizes:
+            grid = Grid((nodes,) * 3, TURN / nodes, 0.0, True)
+            integrals = edge_integrals(grid, np.column_stack(flow(*grid.places.T)))
+            rows += solved(label, grid, integrals, quantum_for(grid, integrals, COUNTS[label]))
+    for label, link in curves().items():
+        rows.append(told(f"{label}: truth", [Filament(curve, 1.0, True) for curve in link], np.zeros(3)))
+        points = np.concatenate(link)
+        low, high = points.min(axis=0), points.max(axis=0)
+        room = ROOM * float((high - low).max())
+        for nodes in sizes:
+            grid = box_grid(low - room, high + room, nodes)
+            closed = [(np.vstack([curve, curve[:1]]), 1.0) for curve in link]
+            integrals = filament_integrals(grid, closed, CORE * float(grid.spacing.min()))
+            rows += solved(label, grid, integrals, 1.0)
+    print_table("Filaments of known flows", COLUMNS, rows)
+
+
+if __name__ == "__main__":
+    parser = arguments(__doc__)
+    parser.add_argument("nodes", type=int, nargs="*", default=[24, 32])
+    main(parser.parse_args().nodes)

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How soon there is something to see, and how fast a pattern follows its settings.
+
+    python bench/live.py MESH.obj [MESH.obj ...] [--repeat 3] [--steps 20]
+
+First: "first s" and "/ eigsh", CPU seconds of a first field and over those of eigsh on the same matrix (as in
+bench/solver.py), medians; "energy", that of the first field over that of the default solve; "bound", when it is there,
+in times of the first field, which are what the progress bar tells; "showing", CPU seconds of the default solve that
+shows fields over those of one that does not.
+
+Live: stripes, forty along the longest side, whose spacing grows by 1 % a step: CPU milliseconds of a step and steps a
+second; "change", of cos theta in a step, the mean and the largest mean; "defects", how many more or fewer there are
+after a step at most, and in all; "energy", after the last step over that of a full solve from there.
+"""
+
+import argparse
+import sys
+from dataclasses import replace
+from pathlib import Path
+from statistics import mean, median
+from time import process_time
+
+import numpy as np
+
+from synch_fields.bench import peers, problems
+from synch_fields.bench.measure import with_matrices
+from synch_fields.bench.meshes import read_obj
+from synch_fields.bench.tables import Column, print_table
+from synch_fields.core.algebra.workers import solving
+from synch_fields.core.geometry.mesh_input import MeshInput
+from synch_fields.core.geometry.polygons import Polygons
+from synch_fields.core.solve import Options, solve
+from synch_fields.core.solve.following import Follower
+from synch_fields.core.solve.solution import FIRST
+from synch_fields.core.tasks.live import LiveRequest
+from synch_fields.core.tasks.surfaces import SurfaceRequest
+
+NAMES = ("n = 1", "n = 4", "stripes 40")
+COLUMNS = (
+    Column("nodes", "nodes", "d"),
+    Column("eigsh s", "eigsh", ".3f"),
+    Column("first s", "first", ".3f"),
+    Column("/ eigsh", "ratio", ".2f"),
+    Column("energy", "energy", ".3f"),
+    Column("bound", "bound", ".1f"),
+    Column("showing", "showing", ".2f"),
+)
+LIVE = (
+    Column("vertices", "vertices", "d"),
+    Column("ms a step", "ms", ".0f"),
+    Column("steps a second", "rate", ".1f"),
+    Column("change", "change", ".3f"),
+    Column("largest", "largest", ".3f"),
+    Column("defects a step", "defects", "d"),
+    Column("in all", "all", "d"),
+    Column("energy", "energy", ".3f"),
+)
+
+
+def main():
+    """Print both tables."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("meshes", nargs="+")
+    parser.add_argument("--repeat", type=int, default=3)
+    parser.add_argument("--steps", type=int, default=20)
+    options = parser.parse_args()
+    firsts, lives = [], []
+    for path in options.meshes:
+        mesh, stem = read_obj(path), Path(path).stem
+        for name, problem in problems.problems(mesh, NAMES):
+            print(f"{stem} {name}", file=sys.stderr, flush=True)
+            firsts.append({"label": f"{stem} {name}"} | first_row(problem, options.repeat))
+        print(f"{stem} live", file=sys.stderr, flush=True)
+        lives.append({"label": stem} | live_row(mesh, options.steps))
+    print_table("First fields", COLUMNS, firsts)
+    print_table("Live spacing", LIVE, lives)
+
+
+def timed(work, *arguments, **named):
+    """Result and CPU seconds."""
+    start = process_time()
+    result = work(*arguments, **named)
+    return result, process_time() - start
+
+
+def first_row(problem, repeat):
+    """One problem's figures."""
+    piece = max(with_matrices(problem).pieces, key=lambda piece: piece.node_count)
+    rows = []
+    for _ in range(repeat):
+        with solving():
+            _, eigsh = timed(peers.plain_spectral, piece)
+        found, first = timed(solve, problem, Options(method=FIRST))
+        whole, alone = timed(solve, problem)
+        times, start = [], process_time()
+        _, showing = timed(
+            solve, problem, show=lambda _, start=start, times=times: times.append(process_time() - start)
+        )
+        rows.append((eigsh, first, first / eigsh, (times[1] - times[0]) / first, showing / alone))
+    figures = dict(
+        zip(("eigsh", "first", "ratio", "bound", "showing"), map(median, zip(*rows, strict=True)), strict=True)
+    )
+    return {"nodes": piece.node_count, "energy": found.energy / whole.energy} | figures
+
+
+def live_row(mesh, steps):
+    """Figures of stripes on a mesh whose spacing grows."""
+    size = np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max()
+    given = MeshInput(mesh, Polygons.of_triangles(mesh), np.eye(3), mesh, np.arange(mesh.vertex_count))
+    spacing = size / problems.STRIPES["stripes 40"]
+    asked = SurfaceRequest("stripes", given, "line", Options(), None, (), 0.0, (), (), spacing, spacing)
+    shown, followers = asked.solve(), (Follower(), Follower())
+    seconds, changes, counts = [], [], [len(shown.pattern.dislocations)]
+    for _ in range(steps):
+        spacing *= 1.01
+        asked = replace(asked, spacing=spacing, spacings=spacing)
+        slim = replace(shown.field, solution=None, problem=None)
+        found, spent = timed(LiveRequest(asked, slim, shown.pattern.phases, True, followers).solve)
+        seconds.append(spent)
+        changes.append(np.abs(found.pattern.phases.real - shown.pattern.phases.real).mean())
+        counts.append(len(found.pattern.dislocations))
+        shown = found
+    whole = asked.along(found.field)
+    return {
+        "vertices": mesh.vertex_count,
+        "ms": 1000 * median(seconds),
+        "rate": 1 / median(seconds),
+        "change": mean(changes),
+        "largest": max(changes),
+        "defects": int(np.abs(np.diff(counts)).max()),
+        "all": abs(counts[-1] - counts[0]),
+        "energy": found.pattern.energy / whole.pattern.energy,
+    }
+
+
+if __name__ == "__main__":
+    main()

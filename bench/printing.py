@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Five solids from a mesh to G-code, by one command each: layers, what their beads cover, heights, tilt, collisions.
+
+    python bench/printing.py MESHES
+
+A curved shell and a bent bar, which this program makes, MESHES/bunny.mesh on its base, fandisk and rocker-arm. Each is
+100 mm long and printed in layers of 5 mm with beads as wide: the first two along their normals on a table that turns
+around X and Z, the others upright. Needs Blender as a module (bpy).
+"""
+
+import json
+import tempfile
+from pathlib import Path
+from time import process_time
+
+import bpy
+import numpy as np
+
+from synch_fields.bench.command import arguments
+from synch_fields.bench.meshes import read_obj
+from synch_fields.bench.solid_shapes import solid_bunny
+from synch_fields.bench.tables import Column, print_table
+from synch_fields.synch_addon.command.main import main as run
+
+# Layers in the longest side, which is 100 mm.
+LAYERS = 20
+COLUMNS = (
+    Column("layers", "layers", "d"),
+    Column("paths", "paths", "d"),
+    Column("covered", "covered", ".2%"),
+    Column("least of a layer", "least", ".1%"),
+    Column("heights 1 %, mm", "low", ".2f"),
+    Column("50 %", "middle", ".2f"),
+    Column("99 %", "high", ".2f"),
+    Column("tilt 99 %", "tilt", ".0f"),
+    Column("on air", "air", ".1%"),
+    Column("collisions", "met", ".1%"),
+    Column("G-code, lines", "lines", "d"),
+    Column("s CPU", "seconds", ".0f"),
+)
+
+
+def box(counts):
+    """Vertices of the surface of a unit cube cut into cells, and its quads."""
+    numbers, quads = {}, []
+    for axis in range(3):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        for side in (0, counts[axis]):
+            for i, j in np.ndindex(counts[u], counts[v]):
+                corners = []
+                for a, b in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)):
+                    place = [0, 0, 0]
+                    place[axis], place[u], place[v] = side, a, b
+                    corners.append(numbers.setdefault(tuple(place), len(numbers)))
+                quads.append(corners if side else corners[::-1])
+    return np.array(list(numbers)) / counts, quads
+
+
+def curved_shell():
+    """A dome, a quarter as thick as its inner radius: layers from its inner side outwards."""
+    places, quads = box((24, 24, 3))
+    across = np.tan(1.4 * (places[:, :2] - 0.5))
+    rays = np.column_stack([across, np.ones(len(places))])
+    rays *= ((1 + 0.25 * places[:, 2]) / np.linalg.norm(rays, axis=1))[:, None]
+    return rays, quads, {"Inner": places[:, 2] == 0}, "distance:Inner", "Inner=layer:0.5"
+
+
+def bent_bar():
+    """A bar that stands on one end and bends by 75 degrees: layers from end to end."""
+    places, quads = box((24, 6, 6))
+    turn, radius = np.radians(75) * places[:, 0], 1 + 0.6 * places[:, 2]
+    bent = np.column_stack([-radius * np.cos(turn), 0.6 * places[:, 1], radius * np.sin(turn)])
+    groups = {"Low": places[:, 0] == 0, "High": places[:, 0] == 1}
+    return bent, quads, groups, "harmonic:Low:High", "Low=layer:0.5,High=layer:0.5"
+
+
+def bunny(meshes):
+    """The boundary of the bunny's tetrahedra, on its base."""
+    surface, _ = solid_bunny(meshes).mesh.boundary_surface
+    return surface.vertices, surface.triangles.tolist(), {}, "axis:Z", ""
+
+
+def upright(meshes, name):
+    """A mesh whose Y is up."""
+    mesh = read_obj(meshes / f"{name}.obj")
+    turned = mesh.vertices[:, [0, 2, 1]] * [1, -1, 1]
+    return turned, mesh.triangles.tolist(), {}, "axis:Z", ""
+
+
+def printed(label, shape, axes, folder):
+    """The row of a shape that goes through the command line."""
+    vertices, faces, groups, guidance, asked = shape
+    bpy.ops.wm.read_homefile(use_empty=True)
+    data = bpy.data.meshes.new(label)
+    data.from_pydata((np.asarray(vertices) - vertices.min(axis=0)).tolist(), [], faces)
+    obj = bpy.data.objects.new(label, data)
+    bpy.context.scene.collection.objects.link(obj)
+    for name, chosen in groups.items():
+        obj.vertex_groups.new(name=name).add(np.flatnonzero(chosen).tolist(), 1.0, "REPLACE")
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "solid.blend"))
+    longest = float(np.ptp(vertices, axis=0).max())
+    scale = 100 / longest
+    machine = f'axes = "{axes}"\nscale = {scale!r}\nnozzle_radius = 1\nnozzle_angle = 20\nnozzle_length = 40\n'
+    (folder / "printer.toml").write_text(machine + "largest_tilt = 80\n")
+    report, program, start = folder / "report.json", folder / f"{label.replace(' ', '_')}.gcode", process_time()
+    command = ["layers", folder / "solid.blend", "--guidance", guidance, "--groups", asked, "--export-gcode", program]
+    command += ["--spacing", longest / LAYERS, "--machine", folder / "printer.toml", "--report", report, "--quiet"]
+    if run([str(word) for word in command]):
+        raise SystemExit(f"{label}: the command failed")
+    told = json.loads(report.read_text())
+    paths = told["print"]
+    return {
+        "label": label,
+        "layers": told["layers"],
+        "paths": paths["paths"],
+        "covered": paths["covered"],
+        "least": paths["least_covered"]["share"],
+        "low": scale * paths["heights"]["low"],
+        "middle": scale * paths["heights"]["median"],
+        "high": scale * paths["heights"]["high"],
+        "tilt": paths["tilts"]["high"],
+        "air": paths["overhangs"]["share"],
+        "met": paths["collisions"]["share"],
+        "lines": len(program.read_text().splitlines()),
+        "seconds": process_time() - start,
+    }
+
+
+def main():
+    """Print the table."""
+    meshes = arguments(__doc__, "bunny.mesh, fandisk.obj and rocker-arm.obj").parse_args().meshes
+    shapes = {
+        "curved shell": (curved_shell(), "ac"),
+        "bent bar": (bent_bar(), "ac"),
+        "bunny": (bunny(meshes), "xyz"),
+        "fandisk": (upright(meshes, "fandisk"), "xyz"),
+        "rocker-arm": (upright(meshes, "rocker-arm"), "xyz"),
+    }
+    with tempfile.TemporaryDirectory() as folder:
+        rows = [printed(label, shape, axes, Path(folder)) for label, (shape, axes) in shapes.items()]
+    print_table("From a mesh to G-code", COLUMNS, rows)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,223 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Live: what an object shows follows its settings, while they are dragged.
+
+A timer looks whether the settings of the active object ask for something else than it shows. The newest of them are
+solved for, from what is shown; until that is written, others wait, and what takes long is ended for them.
+"""
+
+import time
+from dataclasses import replace
+
+import bpy
+import numpy as np
+from bpy.props import BoolProperty
+
+from ...core.errors import Cancelled, SynchError
+from ...core.solve.following import Follower
+from ...core.tasks.live import LiveRequest
+from ...core.tasks.surfaces import SHOWN
+from ..blender import meshes
+from ..blender.objects import ObjectLink
+from ..blender.transaction import whole_or_nothing
+from ..jobs.queue import queue
+from ..jobs.report import Report
+from ..settings.fields import stored_settings
+from . import memory
+from .job import write_result
+from .reading import gather, settings_for
+
+# Seconds between two looks; after which a solve is ended if something else is asked for; of rest that end a change.
+_TICK, _PATIENCE, _REST = 0.03, 0.7, 0.6
+# What a pattern does not depend on, but its search, its faces and quad meshes do.
+_OF_OTHERS = ("method", "rounding", "target_gap", "seed", "features", "smoothing", "faces", "straighten", "strict")
+# What directions do not depend on, but for their turn.
+_OF_PATTERNS = ("spacing", "spacing_map", "spacing_range", "aspect", "branching", "angle", "angle_attribute")
+
+
+class LiveJob:
+    """The pattern of an object for other settings, from what it shows; see :mod:`..jobs.job`.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object in object mode
+    settings : as of :func:`settings_for`
+    shown : :class:`memory.Solved` that it shows
+    followers : of the directions and of the pattern
+    instead : whether the result is kept instead of what is shown
+    """
+
+    def __init__(self, obj, settings, shown, followers, instead):
+        self.link, self._shown, self._instead = ObjectLink.to(obj), shown, instead
+        self._report = Report(shown.request.command, obj, settings)
+        before, given = shown.report.settings, shown.request.given
+        if _cuts(settings) != _cuts(before) or settings.symmetry != before.symmetry:
+            raise SynchError("live settings cut no edges and change no symmetry: solve again")
+        with self._report.clock("read"):
+            self._asked = gather(shown.request.command, obj, settings, given=given)
+            self._report.warn_about(obj, self._asked)
+        field, pattern = shown.field, shown.pattern
+        same = {name: getattr(before, name) for name in _OF_PATTERNS}
+        slim = replace(field, solution=None, problem=None)
+        turns_only = replace(settings, **same) == before
+        self.request = LiveRequest(self._asked, slim, pattern.phases, turns_only, followers)
+
+    def write(self, result):
+        """Write the result to the object at once; returns the report."""
+        obj, shown = self.link.found, self._shown
+        if self.request.turns_only:
+            field = replace(result.field, solution=shown.field.solution, problem=shown.field.problem)
+            result = replace(result, field=field)
+        self._report.take(result)
+        with whole_or_nothing():
+            if not meshes.is_unchanged(obj, self._asked.given):
+                raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
+            pair = result.field, result.pattern
+            return write_result(obj, self._asked, *pair, self._report, instead=self._instead)
+
+
+def _cuts(settings):
+    return [(row.where, row.name) for row in settings.constraints if row.what == "cut"]
+
+
+def from_shown(obj, request):
+    """A request for a whole solve, which starts from what its object shows where Live is on and that is of its kind."""
+    if not bpy.context.window_manager.synch_live or not memory.holds(obj):
+        return request
+    shown = memory.state(obj)
+    before = shown.request
+    of_kind = (before.command, before.symmetry) == (request.command, request.symmetry) and request.command in SHOWN
+    if not of_kind or not np.array_equal(before.given.mesh.triangles, request.given.mesh.triangles):
+        return request
+    return replace(request, start=(shown.field.angles - shown.field.turn, shown.pattern.phases))
+
+
+class _Live:
+    """Follows the settings of the active object while it is on.
+
+    Attributes
+    ----------
+    error : why nothing can follow, in one line, or ""
+    """
+
+    def __init__(self):
+        self.clear()
+
+    def clear(self):
+        """Follow nothing, and keep nothing."""
+        self.error = ""
+        self._work = self._asked_last = self._shown = self._changed = None
+        self._mesh, self._followers = None, (Follower(), Follower())
+
+    def step(self, context):
+        """Do what can be done now: hear of the solve, write its result, begin the next one."""
+        if self._work is not None:
+            queue.advance()
+            if not self._work.is_over:
+                self._end_what_is_late()
+                return
+            self._finish(self._work)
+        obj = context.active_object
+        if self._may_follow(obj):
+            self._follow(obj)
+
+    def _may_follow(self, obj):
+        """Whether an object shows a pattern that other settings may change now."""
+        if obj is None or obj.mode != "OBJECT" or queue.works or not memory.holds(obj):
+            return False
+        return memory.solve_of(obj).request.command in SHOWN
+
+    def _follow(self, obj):
+        shown = memory.state(obj)
+        asked = self._asked(obj, shown)
+        if asked is None or asked in (shown.report.settings, self._asked_last):
+            self._settle()
+            return
+        if self._mesh is not shown.request.given.mesh:
+            self._mesh, self._followers = shown.request.given.mesh, (Follower(), Follower())
+        self._asked_last = asked
+        instead = self._shown is shown  # a step on the way to the next one
+        try:
+            self._work = queue.add(LiveJob(obj, asked, shown, self._followers, instead), "Live", is_quiet=True)
+        except SynchError as error:
+            self._say(str(error))
+
+    def _asked(self, obj, shown):
+        """The settings that count now; None where they cannot be."""
+        before = shown.report.settings
+        try:
+            settings = settings_for(shown.request.command, obj, stored_settings(obj))
+        except SynchError as error:
+            self._say(str(error))
+            return None
+        return replace(settings, **{name: getattr(before, name) for name in _OF_OTHERS})
+
+    def _end_what_is_late(self):
+        obj, work = self._work.job.link.present, self._work
+        if obj is None:
+            queue.cancel(work)
+        elif work.age > _PATIENCE and memory.holds(obj):
+            if self._asked(obj, memory.state(obj)) != self._asked_last:
+                queue.end(work)
+
+    def _finish(self, work):
+        self._work = None
+        try:
+            if work.error is not None:
+                raise work.error
+            work.job.write(work.result)
+        except Cancelled:
+            self._asked_last = None
+            return
+        except SynchError as error:
+            self._say(str(error))
+            return
+        self._shown, self._changed = memory.state(work.job.link.found), time.monotonic()
+        self._say("")
+
+    def _settle(self):
+        """After a rest, undo leads back here, and what is shown is kept for it."""
+        if self._changed is not None and time.monotonic() > self._changed + _REST:
+            self._changed = self._shown = None
+            if not bpy.app.background:
+                with bpy.context.temp_override(window=bpy.context.window_manager.windows[0]):
+                    bpy.ops.ed.undo_push(message="Live")
+
+    def _say(self, line):
+        if line != self.error:
+            self.error = line
+            for window in bpy.context.window_manager.windows:
+                for area in window.screen.areas:
+                    area.tag_redraw()
+
+
+live = _Live()
+
+
+def _look():
+    if not bpy.context.window_manager.synch_live:
+        live.clear()
+        return None
+    live.step(bpy.context)
+    return _TICK
+
+
+def _toggled(manager, _context):
+    if manager.synch_live and not bpy.app.timers.is_registered(_look):
+        bpy.app.timers.register(_look, persistent=True)
+
+
+def register():
+    bpy.types.WindowManager.synch_live = BoolProperty(
+        name="Live",
+        description="Let stripes and quads follow their settings while these are dragged; click on Stripes or Quads "
+        "for a full solve",
+        update=_toggled,
+        options={"SKIP_SAVE"},
+    )
+
+
+def unregister():
+    if bpy.app.timers.is_registered(_look):
+        bpy.app.timers.unregister(_look)
+    live.clear()
+    del bpy.types.WindowManager.synch_live

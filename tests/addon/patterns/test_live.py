@@ -1,0 +1,238 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Live: what an object shows follows its settings."""
+
+import time
+
+import bpy
+import numpy as np
+import pytest
+
+from synch_fields.core.parcels import packed
+from synch_fields.synch_addon.jobs.job import run
+from synch_fields.synch_addon.jobs.queue import queue
+from synch_fields.synch_addon.patterns import live as live_module
+from synch_fields.synch_addon.patterns import memory
+from synch_fields.synch_addon.patterns.job import FieldJob
+from synch_fields.synch_addon.patterns.live import from_shown, live
+from synch_fields.synch_addon.settings.fields import stored_settings
+
+from ..scenes import attribute, empties, snapshot, sphere, tube
+
+
+@pytest.fixture(autouse=True)
+def _ends():
+    live.clear()
+    yield
+    live.clear()
+    queue.stop()
+
+
+def striped(make=sphere, command="stripes", spacing=0.4):
+    """The active object with a pattern of the panel's settings."""
+    obj = make()
+    obj.synch.automatic_spacing, obj.synch.spacing = False, spacing
+    solve(obj, command)
+    return obj
+
+
+def solve(obj, command="stripes"):
+    """What a click does, here and now; returns the report."""
+    return run(FieldJob(command, obj, stored_settings(obj)))
+
+
+def followed(steps=1, seconds=20.0):
+    """Look until so many results have been written, or nothing is asked for any more; how many were."""
+    written, before, end = 0, live._shown, time.monotonic() + seconds
+    while written < steps and time.monotonic() < end:
+        live.step(bpy.context)
+        if live._shown is not before:
+            written, before = written + 1, live._shown
+        if live._work is None and not _asks():
+            break
+        time.sleep(0.005)
+    return written
+
+
+def _asks():
+    obj = bpy.context.active_object
+    shown = memory.state(obj)
+    return live._asked(obj, shown) not in (None, shown.report.settings, live._asked_last)
+
+
+def add_row(obj, **values):
+    row = obj.synch.constraints.add()
+    for name, value in values.items():
+        setattr(row, name, value)
+    return row
+
+
+def test_nothing_is_done_while_nothing_changes():
+    obj = striped()
+    before, shown = snapshot(), memory.state(obj)
+    assert followed() == 0 and snapshot() == before and memory.state(obj) is shown
+
+
+CHANGES = {
+    "spacing": 0.404,
+    "angle": np.radians(2),
+    "branching": 90.0,
+    "singularities": 80.0,
+}
+
+
+def uneven():
+    """A sphere drawn out to an egg: on a round one there is no unevenness that singularities answer."""
+    obj = sphere()
+    for vertex in obj.data.vertices:
+        vertex.co.z *= 1.6 if vertex.co.z > 0 else 0.8
+    return obj
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_a_changed_setting_is_followed_from_what_is_shown(name):
+    obj = striped(uneven)
+    before = attribute(obj, "synch_phase")
+    setattr(obj.synch, name, CHANGES[name])
+    assert followed() == 1 and live.error == ""
+    after = attribute(obj, "synch_phase")
+    change = np.abs(np.cos(after) - np.cos(before))
+    assert change.max() > 1e-3 and change.mean() < 0.25
+    solved = memory.recall(obj)
+    wanted = CHANGES[name] / 100 if name in ("branching", "singularities") else CHANGES[name]
+    assert getattr(solved.report.settings, name) == pytest.approx(wanted)
+    assert followed() == 0
+
+
+def test_the_strength_of_guidance_is_followed():
+    obj = sphere()
+    obj.synch.guidance = "BLEND"
+    guide = obj.synch.guides.add()
+    guide.kind, guide.axis, guide.strength = "AXIS", "Z", 0.1
+    obj.synch.automatic_spacing, obj.synch.spacing = False, 0.4
+    solve(obj)
+    assert followed() == 0
+    before = attribute(obj, "synch_direction")
+    guide.strength = 10.0
+    assert followed() == 1
+    after, z = attribute(obj, "synch_direction"), np.array([0, 0, 1])
+    assert np.abs(after @ z).mean() > np.abs(before @ z).mean() + 1e-3
+
+
+def test_the_weight_of_a_constraint_is_followed():
+    obj = tube()
+    obj.synch.guidance, obj.synch.guide.axis = "AXIS", "Z"
+    row = add_row(obj, where="BOUNDARY", what="ALONG", soft=True, weight=0.01)
+    obj.synch.automatic_spacing, obj.synch.spacing = False, 0.4
+    solve(obj)
+    assert followed() == 0
+    before = attribute(obj, "synch_direction")
+    row.weight = 100.0
+    assert followed() == 1
+    assert np.abs(attribute(obj, "synch_direction") - before).max() > 0.05
+
+
+def test_the_newest_value_wins_and_the_steps_between_are_not_kept(monkeypatch):
+    obj, asked, add = striped(lambda: sphere(5)), [], queue.add
+    monkeypatch.setattr(queue, "add", lambda job, *rest, **more: (asked.append(job), add(job, *rest, **more))[1])
+    for step in range(1, 5):
+        obj.synch.spacing = 0.4 * 1.01**step
+        live.step(bpy.context)  # the first begins, and the others wait
+    while followed():
+        pass
+    assert len(asked) == 2 and memory.state(obj).report.settings.spacing == pytest.approx(0.4 * 1.01**4)
+    assert len(memory._fields.get(obj)._unmade) == 2
+    # Of what both have, nothing was told twice.
+    assert len(b"".join(packed(("solve", asked[1].request), asked[0].request.kept))) < 0.5 * len(
+        b"".join(packed(("solve", asked[1].request)))
+    )
+
+
+def test_what_takes_long_is_ended_for_what_is_asked_since(monkeypatch):
+    monkeypatch.setattr(live_module, "_PATIENCE", 0.0)
+    obj = striped(lambda: sphere(5))
+    obj.synch.singularities = 60.0
+    live.step(bpy.context)
+    work, child = live._work, queue._worker.number
+    obj.synch.singularities = 50.0
+    assert followed() == 1
+    assert work.result is None and str(work.error).startswith("cancelled") and queue._worker.number == child
+    assert memory.state(obj).report.settings.singularities == 0.5
+
+
+def test_quads_are_followed_too():
+    obj = striped(command="quads")
+    obj.synch.spacing = 0.405
+    assert followed() == 1 and memory.state(obj).request.command == "quads"
+    assert memory.state(obj).request.spacing == pytest.approx(0.405)
+
+
+def test_what_cannot_be_is_said_once_and_changes_nothing():
+    obj = striped()
+    before = snapshot()
+    obj.synch.spacing = 100.0
+    assert followed() == 0 and "larger than the object" in live.error and snapshot() == before
+    obj.synch.spacing = 0.41
+    assert followed() == 1 and live.error == ""
+
+
+def test_a_changed_mesh_is_refused_and_a_changed_symmetry_too():
+    obj = striped()
+    obj.synch.symmetry = "VECTOR"
+    assert followed() == 0 and "symmetry" in live.error
+    obj.synch.symmetry, obj.synch.spacing = "LINE", 0.41
+    obj.data.vertices[0].co.x += 0.1
+    assert followed() == 0 and "changed" in live.error
+
+
+def test_small_steps_change_little_and_each_begins_where_the_last_one_ended():
+    obj = striped(lambda: sphere(5), spacing=0.2)
+    counts, changes = [len(empties(obj, "dislocation"))], []
+    for step in range(1, 6):
+        before = attribute(obj, "synch_phase")
+        obj.synch.spacing = 0.2 * 1.01**step
+        assert followed() == 1
+        changes.append(np.abs(np.cos(attribute(obj, "synch_phase")) - np.cos(before)).mean())
+        counts.append(len(empties(obj, "dislocation")))
+    assert max(changes) < 0.15 and np.abs(np.diff(counts)).max() <= 2
+
+
+def test_a_full_solve_afterwards_is_proved():
+    obj = striped()
+    obj.synch.spacing = 0.41
+    assert followed() == 1 and memory.state(obj).plain["certificate"] == "none"
+    assert solve(obj)["certificate"] == "proved" and followed() == 0
+
+
+def test_a_click_while_it_is_on_starts_from_what_is_shown_and_proves():
+    obj = striped(uneven)
+    obj.synch.spacing = 0.44
+    assert followed() == 1
+    shown = memory.state(obj)
+    anew = FieldJob("stripes", obj, stored_settings(obj)).request.solve()
+    manager = bpy.context.window_manager
+    manager.synch_live = True
+    try:
+        bpy.ops.synch.stripes("EXEC_DEFAULT", spacing=obj.synch.spacing)
+        request = from_shown(obj, FieldJob("stripes", obj, stored_settings(obj)).request)
+    finally:
+        manager.synch_live = False
+        bpy.app.timers.unregister(live_module._look)
+    near = memory.state(obj)
+    assert near.plain["certificate"] == "proved" and near.plain["energy"] <= shown.plain["energy"]
+    products = [np.vdot(shown.pattern.phases, other.pattern.phases) for other in (near, anew)]
+    shares = np.abs(products) / len(shown.pattern.phases)
+    assert shares[0] > 0.8 and shares[0] > shares[1]
+    results = []
+    request.solve_showing(results.append)
+    np.testing.assert_allclose(results[0].pattern.phases, near.pattern.phases, atol=1e-9)  # shown first as it is
+    assert from_shown(obj, request) is request  # it is off again
+
+
+def test_the_toggle_begins_to_look_and_ends_it():
+    manager = bpy.context.window_manager
+    manager.synch_live = True
+    assert bpy.app.timers.is_registered(live_module._look) and live_module._look() > 0
+    manager.synch_live = False
+    assert live_module._look() is None
+    bpy.app.timers.unregister(live_module._look)
