@@ -94,6 +94,7 @@ install-test-%:
 
 matrix: $(BLENDERS:%=matrix-%)
 
+matrix-%: export PYTEST_ADDOPTS := -W error::DeprecationWarning -W error::PendingDeprecationWarning
 matrix-%:
 	$(MAKE) test test-slow VENV=.venv-blender-$* BPY=$* VERSIONS=$(call python_of,$*)
 
