@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-slow fuzz ui-test ui-pictures lint extension package install-test matrix docs library bench bench-solver pictures thumbnails environment clean
+.PHONY: help demo test test-slow fuzz ui-test ui-pictures lint extension package install-test matrix docs library bench bench-solver pictures paper thumbnails environment clean
 
 # The Pythons that a bpy wheel exists for, in order of preference.
 VERSIONS ?= 3.13 3.11
@@ -41,6 +41,7 @@ help:
 	@echo 'make bench        bounds and energies of three meshes beside other methods; MESHES=folder holds them'
 	@echo 'make bench-solver times, bounds and energies of six meshes beside other methods, and time against size'
 	@echo 'make pictures     the pictures of the README and of docs/; MESHES=folder holds the meshes'
+	@echo 'make paper        what is missing of the paper reproduced, docs/paper, in about an hour; MESHES=folder holds the meshes'
 	@echo 'make thumbnails   those that the extension ships'
 	@echo 'make environment  $(VENV) with Blender as a Python module; the other targets make it on demand'
 	@echo 'make clean        remove outputs and caches, keep the environment'
@@ -93,6 +94,7 @@ install-test-%:
 
 matrix: $(BLENDERS:%=matrix-%)
 
+matrix-%: export PYTEST_ADDOPTS := -W error::DeprecationWarning -W error::PendingDeprecationWarning
 matrix-%:
 	$(MAKE) test test-slow VENV=.venv-blender-$* BPY=$* VERSIONS=$(call python_of,$*)
 
@@ -120,11 +122,12 @@ pictures: demo
 	$(python) docs/make/gallery.py $(MESHES) --folder docs
 	$(python) docs/make/quads.py $(MESHES) --folder docs
 	$(python) docs/make/bake.py $(MESHES) --folder docs
-	$(python) docs/make/figures.py $(MESHES) --folder docs
-	$(python) docs/make/figure3.py $(MESHES) --folder docs
 	$(python) docs/make/constraints.py $(MESHES) --folder docs
 	$(python) docs/make/vortices.py --folder docs
 	$(python) docs/make/animation.py --folder docs
+
+paper: environment
+	$(python) docs/make/paper.py $(MESHES)
 
 thumbnails: environment
 	$(python) tools/thumbnails.py

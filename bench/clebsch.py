@@ -50,24 +50,41 @@ COUNTS = (Column("h / 2π", "h", ".3f"), Column("energy", "energy", ".2f"), Colu
 
 def main(nodes):
     """Print both tables."""
-    shape = (nodes, nodes, nodes // 2)
-    grid = trefoil_grid(shape)
-    integrals = edge_integrals(grid, trefoil_velocity(grid.places))
-    rows = []
-    for cut in CUTS:
-        maps = {name: clebsch_map(grid, integrals, TURN * QUANTA / cut, way) for name, way in WAYS.items()}
-        energies = {name: found.energy for name, found in maps.items()}
-        rows.append({"label": f"{cut} quanta"} | energies | row(maps["polished"]))
+    rows = cut_rows(nodes)
+    shape, grid, integrals = _flow(nodes)
     print_table(f"Trefoil on {shape[0]} x {shape[1]} x {shape[2]} nodes", ENERGIES, rows)
-    for energies in rows:
-        ordered = [energies[name] for name in ("bound", "polished", "random", "svd", "eig")]
-        if (np.diff(ordered) < -1e-6 * ordered[0]).any():
-            print(f"out of order at {energies['label']}: {ordered}")
     rows = []
     for count in WISHED:
         found = clebsch_map(grid, integrals, quantum_for(grid, integrals, count))
         rows.append({"label": f"{count} wished", "h": found.quantum / TURN, "energy": found.energy} | row(found))
     print_table("Filaments wished through the plane with most vorticity", COUNTS, rows)
+
+
+def cut_rows(nodes):
+    """Rows of the first table, whose energies have to be in order.
+
+    Raises
+    ------
+    SystemExit
+        where they are not
+    """
+    _, grid, integrals = _flow(nodes)
+    rows = []
+    for cut in CUTS:
+        maps = {name: clebsch_map(grid, integrals, TURN * QUANTA / cut, way) for name, way in WAYS.items()}
+        energies = {name: found.energy for name, found in maps.items()}
+        rows.append({"label": f"{cut} quanta"} | energies | row(maps["polished"]))
+        ordered = [rows[-1][name] for name in ("bound", "polished", "random", "svd", "eig")]
+        if (np.diff(ordered) < -1e-6 * ordered[0]).any():
+            raise SystemExit(f"out of order at {cut} quanta: {ordered}")
+    return rows
+
+
+def _flow(nodes):
+    """Shape and grid of the box, and the flow's integrals along its edges."""
+    shape = (nodes, nodes, nodes // 2)
+    grid = trefoil_grid(shape)
+    return shape, grid, edge_integrals(grid, trefoil_velocity(grid.places))
 
 
 def row(found):

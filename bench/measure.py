@@ -28,6 +28,13 @@ def timed(work, *arguments):
     return result, perf_counter() - start
 
 
+def spent(work, *arguments):
+    """Result and CPU seconds, which do not count what else the machine does."""
+    start = process_time()
+    result = work(*arguments)
+    return result, process_time() - start
+
+
 def with_matrices(problem):
     """The problem, its matrices made."""
     list(problem.pieces)

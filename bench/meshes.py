@@ -6,16 +6,37 @@ from pathlib import Path
 
 import numpy as np
 
+from synch_fields.core.errors import MeshError
 from synch_fields.core.geometry import TriangleMesh
+from synch_fields.core.geometry.carrier import carrier
 from synch_fields.core.geometry.check import check_mesh
+from synch_fields.core.geometry.polygons import Polygons
 
 
 def read_obj(path):
     """A checked :class:`TriangleMesh` of unit area from the v and f lines of a file; polygons as fans."""
+    mesh = _fans_of(path)
+    check_mesh(mesh)
+    return _of_unit_area(mesh)
+
+
+def read_carrier(path):
+    """The surface of unit area nearest to what a file holds, where that is none itself."""
+    mesh = _fans_of(path)
+    try:
+        check_mesh(mesh)
+    except MeshError:
+        mesh = carrier(mesh, Polygons.of_triangles(mesh)).mesh
+    return _of_unit_area(mesh)
+
+
+def _fans_of(path):
     vertices, faces = read_faces(path)
     triangles = [(corners[0], b, c) for corners in faces for b, c in pairwise(corners[1:])]
-    mesh = TriangleMesh(vertices, np.array(triangles))
-    check_mesh(mesh)
+    return TriangleMesh(vertices, np.array(triangles))
+
+
+def _of_unit_area(mesh):
     return TriangleMesh(mesh.vertices / np.sqrt(mesh.areas.sum()), mesh.triangles)
 
 

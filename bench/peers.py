@@ -5,7 +5,8 @@ Nothing here is taken from the project's solver, so that the peers stay what the
 Every factorization but that of :func:`plain_spectral` is SciPy's fastest: ordered for symmetric matrices,
 without row exchanges, in single precision. All columns of a set of fields are carried at once.
 
-The functions know pieces without constraints whose nodes are complex numbers or pairs of real rows.
+The functions know pieces whose nodes are complex numbers or pairs of real rows; :func:`linear_field` and
+:func:`fixed_diffusion` also those with nodes that are fixed, which are one node of the piece, its ground.
 """
 
 import numpy as np
@@ -41,8 +42,19 @@ def falling_diffusion(piece, starts, seed):
     return polish(piece, columns[:, [best]], *FINE)
 
 
+def linear_field(piece):
+    """(N, 1) the harmonic field with the values of the fixed nodes, normalized: L x = 0 at all others."""
+    free, pull = _free(piece)
+    columns = np.ones((piece.matrix.shape[0], 1), piece.matrix.dtype)
+    columns[free] = splu(piece.matrix[free][:, free].tocsc()).solve(-pull)[:, None]
+    return normalize(piece, columns)
+
+
 def fixed_diffusion(piece, time=None, polished=True):
-    """(N, 1) MBO from the spectral field at one time (by default 1 / lambda_1) until stationary."""
+    """(N, 1) MBO at one time (by default 1 / lambda_1) until stationary, from the spectral field, or the linear one
+    where nodes are fixed; these cannot be polished."""
+    if piece.ground is not None:
+        return diffuse(piece, linear_field(piece), [time], FIXED_STEPS, FIXED_TOLERANCE)
     rate, vector = lowest_mode(piece)
     columns = diffuse(piece, vector[:, None], [1 / rate if time is None else time], FIXED_STEPS, FIXED_TOLERANCE)
     return polish(piece, columns, *FINE) if polished else columns
@@ -78,7 +90,8 @@ class Inverse:
 
 
 def diffuse(piece, columns, times, steps, tolerance):
-    """MBO: solve (M + tau L) x' = M x and normalize, over and over (Viertel and Osting 2019).
+    """MBO: solve (M + tau L) x' = M x for the nodes that are not fixed and normalize, over and over (Viertel and
+    Osting 2019).
 
     Parameters
     ----------
@@ -88,17 +101,31 @@ def diffuse(piece, columns, times, steps, tolerance):
     steps : most steps at each time
     tolerance : largest move of a unit vector below which a time is finished early
     """
-    mass = piece.row_mass.astype(np.float32)[:, None]
-    columns = normalize(piece, columns).astype(np.complex64 if piece.is_complex else np.float32, order="F")
+    free, pull = _free(piece)
+    matrix = piece.matrix if piece.ground is None else piece.matrix[free][:, free]
+    mass = piece.row_mass[free].astype(np.float32)[:, None]
+    whole = normalize(piece, columns).astype(np.complex64 if piece.is_complex else np.float32, order="F")
+    columns = whole[free]
     for time in np.minimum(times, 1 / (SMALLEST_SHIFT * piece.stiffness)):
-        inverse = Inverse(diags_array(piece.row_mass) + time * piece.matrix)
+        inverse = Inverse(diags_array(piece.row_mass[free]) + time * matrix)
+        drift = (time * pull).astype(columns.dtype)[:, None]
         for _ in range(steps):
-            moved = normalize(piece, inverse(mass * columns))
+            moved = normalize(piece, inverse(mass * columns - drift))
             change = np.abs(moved - columns).max()
             columns = moved
             if change <= tolerance:
                 break
-    return columns
+    whole[free] = columns
+    return whole
+
+
+def _free(piece):
+    """Rows that are not the ground's, and what L makes of the ground's value 1 there."""
+    if piece.ground is None:
+        return slice(None), np.zeros(piece.matrix.shape[0], piece.matrix.dtype)
+    held = np.arange(piece.block) + piece.block * piece.ground
+    free = np.delete(np.arange(piece.matrix.shape[0]), held)
+    return free, piece.matrix[free][:, held[:1]].toarray().ravel()
 
 
 def normalize(piece, columns):

@@ -87,9 +87,9 @@ def upright(meshes, name):
     return turned, mesh.triangles.tolist(), {}, "axis:Z", ""
 
 
-def printed(label, shape, axes, folder):
-    """The row of a shape that goes through the command line."""
-    vertices, faces, groups, guidance, asked = shape
+def placed(label, shape):
+    """The object of a shape, in an empty file."""
+    vertices, faces, groups, _, _ = shape
     bpy.ops.wm.read_homefile(use_empty=True)
     data = bpy.data.meshes.new(label)
     data.from_pydata((np.asarray(vertices) - vertices.min(axis=0)).tolist(), [], faces)
@@ -97,6 +97,13 @@ def printed(label, shape, axes, folder):
     bpy.context.scene.collection.objects.link(obj)
     for name, chosen in groups.items():
         obj.vertex_groups.new(name=name).add(np.flatnonzero(chosen).tolist(), 1.0, "REPLACE")
+    return obj
+
+
+def printed(label, shape, axes, folder):
+    """The row of a shape that goes through the command line."""
+    vertices, _, _, guidance, asked = shape
+    placed(label, shape)
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "solid.blend"))
     longest = float(np.ptp(vertices, axis=0).max())
     scale = 100 / longest

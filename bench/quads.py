@@ -21,6 +21,7 @@ from time import perf_counter
 from synch_fields.bench.command import arguments
 from synch_fields.bench.measure import in_child
 from synch_fields.bench.meshes import write_obj
+from synch_fields.bench.rows import KeptRows
 from synch_fields.bench.surface_shapes import SHAPES
 from synch_fields.bench.tables import Column, print_table
 
@@ -109,13 +110,9 @@ class Table:
 
     def __init__(self, options):
         self._options = options
-        self._rows, self._meshes = {}, []
+        self._rows, self._meshes = KeptRows(options.rows, "mesh", "method"), []
         self._commands = dict(peer.split("=", 1) for peer in options.peer)
         self._settings = [read_setting(setting) for setting in options.set]
-        if options.rows and options.rows.exists():
-            for line in options.rows.read_text().splitlines():
-                row = json.loads(line)
-                self._rows[row["mesh"], row["method"]] = row
 
     def add(self, name, path, field):
         """Make the rows of a mesh that are missing, or of another number of faces than ours."""
@@ -141,10 +138,8 @@ class Table:
             row = None
         if is_wanted and (row is None or method in self._options.again):
             row = {"mesh": name, "method": method} | self._made(name, method, maker, path, *rest)
-            if self._options.rows:
-                with self._options.rows.open("a") as file:
-                    file.write(json.dumps(row) + "\n")
-        if row is not None:
+            self._rows.keep(row)
+        elif row is not None:
             self._rows[name, method] = row
         return row
 

@@ -18,6 +18,8 @@ from synch_fields.core.geometry.tet_mesh import TetMesh, positive
 PRISM = ((0, 1, 2, 5), (0, 1, 4, 5), (0, 3, 4, 5))
 # Share of a bunny's height that counts as its base, and of that above which lie the tips of the ears.
 BASE, TIPS = 0.03, 0.94
+# How much of the wedge's growth is across.
+SLANT = 0.8
 
 
 @dataclass(frozen=True)
@@ -119,11 +121,29 @@ def ring(around=96, across=20, layers=20):
     top = 0.42 + 0.16 * np.cos(2 * turn) + 0.1 * np.sin(3 * turn + 0.6) * share + 0.08 * np.cos(np.pi * share)
     places = np.stack([radius * np.cos(turn), radius * np.sin(turn), height * top], axis=-1).reshape(-1, 3)
     number = np.arange(around * (across + 1) * (layers + 1)).reshape(around, across + 1, layers + 1)
-    a, b = number[:, :-1, :-1], np.roll(number, -1, axis=0)[:, :-1, :-1]
-    c, d = b + layers + 1, a + layers + 1
+    mesh = _of_columns(places, np.concatenate([number, number[:1]]))
+    height = height.ravel()
+    return Shape("ring with a wavy top", mesh, height == 0, height == 1)
+
+
+def wedge(along=40, across=12, layers=16):
+    """A block of a thickness of 1 in its middle, which grows along a slanted direction from 0.6 at one corner to 1.4 at
+    the other, with its bottom and top marked."""
+    x, y, height = np.meshgrid(*(np.linspace(0, 1, n + 1) for n in (along, across, layers)), indexing="ij")
+    x, y = 2.5 * (x - 0.5), y - 0.5
+    thickness = 1 + 0.4 * (x + SLANT * y) / (1.25 + SLANT / 2)
+    places = np.stack([x, y, (height - 0.5) * thickness], axis=-1).reshape(-1, 3)
+    height = height.ravel()
+    mesh = _of_columns(places, np.arange(height.size).reshape(along + 1, across + 1, layers + 1))
+    return Shape("wedge", mesh, height == 0, height == 1)
+
+
+def _of_columns(places, number):
+    """The tetrahedra between vertices at places whose numbers are an array of three axes, the last of them upwards."""
+    layers = number.shape[2]
+    a, b, c, d = number[:-1, :-1, :-1], number[1:, :-1, :-1], number[1:, 1:, :-1], number[:-1, 1:, :-1]
+    assert (number[..., 1:] == number[..., :1] + np.arange(1, layers)).all()
     sides = np.concatenate([np.stack(t, axis=-1).reshape(-1, 3) for t in ((a, b, c), (a, c, d))])
     lower = np.sort(sides, axis=1)
     prism = np.column_stack([lower, lower + 1])
-    tets = np.concatenate([prism[:, corners] for corners in PRISM])
-    height = height.ravel()
-    return Shape("ring with a wavy top", TetMesh(places, positive(places, tets)), height == 0, height == 1)
+    return TetMesh(places, positive(places, np.concatenate([prism[:, corners] for corners in PRISM])))

@@ -6,7 +6,7 @@
 A ring with a wavy top, MESHES/bunny.mesh, and MESHES/stanford-bunny.obj with its holes closed and stuffed with
 tetrahedra. Layers follow the gradient of the harmonic function between two chosen surfaces: bottom and top of the
 ring, base and tips of the ears. Prints energies, bounds, dislocation curves and how far the layers are from the chosen
-surfaces, and checks that the energies are in the order of Eq. (23). docs/make/figure3.py draws them.
+surfaces, and checks that the energies are in the order of Eq. (23). docs/make/layers.py draws them.
 """
 
 from time import process_time

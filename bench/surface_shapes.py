@@ -176,19 +176,19 @@ def bumpy_sphere():
 
 def double_torus():
     """Two rings that have grown together."""
-    return _implicit(lambda p: _union([_ring(p, (x, 0), 0.3, 0.13) for x in (-0.38, 0.38)], 0.2), 40)
+    return implicit_surface(lambda p: union_of([ring_distance(p, (x, 0), 0.3, 0.13) for x in (-0.38, 0.38)], 0.2), 40)
 
 
 def triple_torus():
     """Three rings around a middle."""
     turns = np.pi / 2 + 2 * np.pi * np.arange(3) / 3
     centres = 0.43 * np.column_stack([np.cos(turns), np.sin(turns)])
-    return _implicit(lambda p: _union([_ring(p, centre, 0.29, 0.12) for centre in centres], 0.2), 42)
+    return implicit_surface(lambda p: union_of([ring_distance(p, centre, 0.29, 0.12) for centre in centres], 0.2), 42)
 
 
 def cup():
     """A thin-walled cup with a handle."""
-    return _implicit(_cup, 31)
+    return implicit_surface(_cup, 31)
 
 
 def _cup(points):
@@ -198,18 +198,18 @@ def _cup(points):
     around = np.hypot(x, y)
     side = np.hypot(around - radius, np.maximum(np.abs(z) - height, 0))
     floor = np.hypot(np.maximum(around - radius, 0), z + height)
-    shell = _union([side - wall, floor - wall], 0.05)
+    shell = union_of([side - wall, floor - wall], 0.05)
     handle = np.hypot(np.hypot(x - radius, z) - 0.3, y) - 0.07
-    return _union([shell, np.maximum(handle, radius - around)], 0.12)
+    return union_of([shell, np.maximum(handle, radius - around)], 0.12)
 
 
-def _ring(points, centre, large, small):
+def ring_distance(points, centre, large, small):
     """Signed distance to a torus around a vertical axis."""
     x, y, z = points.T
     return np.hypot(np.hypot(x - centre[0], y - centre[1]) - large, z) - small
 
 
-def _union(distances, blend):
+def union_of(distances, blend):
     """The least of several distances, rounded where two differ by less than a length."""
     whole = distances[0]
     for other in distances[1:]:
@@ -218,7 +218,7 @@ def _union(distances, blend):
     return whole
 
 
-def _implicit(distance, resolution):
+def implicit_surface(distance, resolution):
     """The surface on which a function of (n, 3) points that grows outwards is 0, between -1.2 and 1.2."""
     corner = np.full(3, 1.2)
     coarse = box_grid(-corner, corner, 24)

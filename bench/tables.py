@@ -37,13 +37,19 @@ class Criterion:
         return (min if self.at_least else max)(rows, key=lambda row: row[self.key])
 
 
-def print_table(title, columns, rows):
-    """One line per row, whose name is its label."""
+def print_table(title, columns, rows, first="problem"):
+    """One line per row, whose name is its label; over these stands ``first``."""
     print(f"\n{title}\n")
-    print("| problem | " + " | ".join(column.heading for column in columns) + " |")
-    print("|---" * (len(columns) + 1) + "|")
+    for line in table_lines(columns, rows, first):
+        print(line, flush=True)
+
+
+def table_lines(columns, rows, first="problem"):
+    """The lines of a table."""
+    yield f"| {first} | " + " | ".join(column.heading for column in columns) + " |"
+    yield "|---" * (len(columns) + 1) + "|"
     for row in rows:
-        print(f"| {row['label']} | " + " | ".join(column.cell(row) for column in columns) + " |", flush=True)
+        yield f"| {row['label']} | " + " | ".join(column.cell(row) for column in columns) + " |"
 
 
 def print_summary(criteria, rows):

@@ -178,8 +178,8 @@ def _read_vtu(path, content):
         marks.append({name: found[types == VTK_TRIANGLE] for name, found in values.items() if len(found) == len(types)})
         count += len(here)
     # What all pieces have.
-    names = set.intersection(*map(set, marks)) if marks else set()
-    numbers = {name: np.concatenate([mark[name] for mark in marks]) for name in sorted(names)}
+    shared = set.intersection(*map(set, marks)) if marks else set()
+    numbers = {name: np.concatenate([mark[name] for mark in marks]) for name in sorted(shared)}
     return np.concatenate(points), np.concatenate(tets), np.concatenate(triangles), numbers
 
 

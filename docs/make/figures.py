@@ -1,22 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The paper's Figures 6 and 8 again: pictures side by side, and a table of energies.
-
-    python docs/make/figures.py MESHES --folder docs
+"""The paper's Figures 6 and 8 again: stripes on a plane domain and on the bunny, side by side.
 
 Figure 6: a line field on a planar domain, and stripes along it by the spectral relaxation, by the semidefinite one,
 and by the semidefinite one with a stripe on the boundary. Figure 8: stripes along the principal curvature of
-MESHES/stanford-bunny.obj, spectral and semidefinite. Needs Blender as a module (bpy).
+stanford-bunny.obj, spectral and semidefinite. Needs Blender as a module (bpy).
 """
-
-import tempfile
-from pathlib import Path
 
 import bpy
 import numpy as np
 from scipy.spatial import Delaunay
 
-from synch_fields.bench.command import arguments
-from synch_fields.bench.tables import Column, print_table
+from synch_fields.bench.tables import Column
 from synch_fields.docs.make.sheets import beside
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import attributes, files
@@ -36,54 +30,42 @@ COLUMNS = (
 )
 
 
-def main():
-    """Make both pictures and print the table."""
-    options = arguments(__doc__, "stanford-bunny.obj", "the pictures go").parse_args()
-    rows = planar(options.folder / "figure6.png") + bunny(options.meshes, options.folder / "figure8.png")
-    print_table("Figures 6 and 8", COLUMNS, rows)
-
-
-def planar(path):
-    """Figure 6; returns the rows of the table."""
+def figure6(place):
+    """The line field and three patterns along it."""
     bpy.ops.wm.read_homefile(use_empty=True)
     obj = add_domain()
     field = api.directions(obj, boundary="along")
     view = dict(view=(0, 90), resolution=(560, 440), markers=False)
     runs = (("spectral", dict(method="spectral")), ("SDP", {}), ("SDP, stripe on the boundary", dict(boundary="phase")))
-    with tempfile.TemporaryDirectory() as folder:
-        pictures = [render_picture(add_glyphs(obj), Path(folder) / "field.png", **view)]
-        rows = [row("planar: line field along the boundary", field)]
-        for name, settings in runs:
-            report = api.stripes(
-                obj, guidance="attribute:synch_direction", spacing=SPACING, assign_material=True, **settings
-            )
-            rows.append(row(f"planar: {name}", report))
-            pictures.append(render_picture(obj, Path(folder) / f"{name}.png", **view))
-        beside(pictures, path)
-    return rows
+    pictures = [render_picture(add_glyphs(obj), place.folder / "field.png", **view)]
+    rows = [row("planar: line field along the boundary", field)]
+    for name, settings in runs:
+        report = api.stripes(
+            obj, guidance="attribute:synch_direction", spacing=SPACING, assign_material=True, **settings
+        )
+        rows.append(row(f"planar: {name}", report))
+        pictures.append(render_picture(obj, place.folder / f"{name}.png", **view))
+    beside(pictures, place.picture)
+    return {"energies": rows}
 
 
-def bunny(meshes, path):
-    """Figure 8; returns the rows of the table."""
-    rows = []
-    with tempfile.TemporaryDirectory() as folder:
-        pictures = []
-        for name, method in (("spectral", "spectral"), ("SDP", "sdp")):
-            obj = files.opened(meshes / "stanford-bunny.obj")
-            if method == "spectral":
-                field = api.directions(obj, guidance="curvature-min")
-                rows.append(row("bunny: line of least curvature", field))
-                directions = read_directions(obj)
-            else:
-                write_directions(obj, directions)
-            report = api.stripes(obj, guidance="attribute:synch_direction", method=method, assign_material=True)
-            rows.append(row(f"bunny: {name}", report))
-            picture = Path(folder) / f"{name}.png"
-            pictures.append(
-                render_picture(obj, picture, view=(-20, 12), resolution=(900, 800), samples=16, markers=False)
-            )
-        beside(pictures, path)
-    return rows
+def figure8(place):
+    """Two patterns along one line field."""
+    rows, pictures = [], []
+    for name, method in (("spectral", "spectral"), ("SDP", "sdp")):
+        obj = files.opened(place.meshes / "stanford-bunny.obj")
+        if method == "spectral":
+            field = api.directions(obj, guidance="curvature-min")
+            rows.append(row("bunny: line of least curvature", field))
+            directions = read_directions(obj)
+        else:
+            write_directions(obj, directions)
+        report = api.stripes(obj, guidance="attribute:synch_direction", method=method, assign_material=True)
+        rows.append(row(f"bunny: {name}", report))
+        picture = place.folder / f"{name}.png"
+        pictures.append(render_picture(obj, picture, view=(-20, 12), resolution=(900, 800), samples=16, markers=False))
+    beside(pictures, place.picture)
+    return {"energies": rows}
 
 
 def row(label, report):
@@ -142,7 +124,8 @@ def add_glyphs(obj, length=0.055, width=0.011):
     bars = np.stack(corners, axis=1).reshape(-1, 3) + [0, 0, 0.004]
     copy = add_mesh("Line field", bars, np.arange(len(bars)).reshape(-1, 4))
     dark = bpy.data.materials.new("Dark")
-    dark.use_nodes = True
+    if dark.node_tree is None:
+        dark.use_nodes = True
     dark.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.02, 0.03, 0.06, 1)
     copy.data.materials.append(dark)
     return copy
@@ -165,7 +148,3 @@ def read_directions(obj):
 
 def write_directions(obj, values):
     obj.data.attributes.new("synch_direction", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", values)
-
-
-if __name__ == "__main__":
-    main()

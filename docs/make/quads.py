@@ -1,19 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of quads: the paper's Figure 4 again, quad meshes, the two sliders, and the profiles of the node group.
+"""Pictures of quads: quad meshes, the two sliders, the profiles of the node group, and the paper's Figure 4 again.
 
-    python docs/make/quads.py MESHES --folder docs [--only figure4 | quad_mesh | sliders | quads]
+    python docs/make/quads.py MESHES --folder docs [--only quad_mesh | sliders | quads]
 
-Figure 4: cos x cos y along one cross field, the spectral relaxation on the left and the semidefinite one on the right;
-its energies are printed. MESHES holds spot.obj, fertility.obj, rocker-arm.obj and stanford-bunny.obj. Needs Blender as
-a module (bpy).
+Figure 4, which paper.py makes: cos x cos y along one cross field, the spectral relaxation on the left and the
+semidefinite one on the right. MESHES holds spot.obj, fertility.obj, rocker-arm.obj and stanford-bunny.obj. Needs
+Blender as a module (bpy).
 """
 
 import bpy
 import numpy as np
 
 from synch_fields.bench.command import arguments
-from synch_fields.bench.tables import print_table
-from synch_fields.docs.make.figures import COLUMNS, read_directions, row, write_directions
+from synch_fields.docs.make.figures import read_directions, row, write_directions
 from synch_fields.docs.make.sheets import beside, make_pictures
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import files
@@ -34,7 +33,7 @@ CONTRAST, GAMMA = 0.7, 2.2
 
 
 def main():
-    """Make the pictures, and print the table of Figure 4."""
+    """Make the pictures."""
     make_pictures(arguments(__doc__, "the meshes", "the pictures go"), PICTURES)
 
 
@@ -44,13 +43,13 @@ def opened(meshes, name):
     return obj, max(obj.dimensions)
 
 
-def figure4(options, folder, path):
+def figure4(place):
     """The oscillatory fields, one shape below the other."""
     rows, sheets = [], []
     for name, view, count in WAVES:
         pictures = []
         for method in ("spectral", "sdp"):
-            obj, size = opened(options.meshes, name)
+            obj, size = opened(place.meshes, name)
             if method == "spectral":
                 api.directions(obj, symmetry="cross")
                 directions = read_directions(obj)
@@ -60,12 +59,12 @@ def figure4(options, folder, path):
             rows.append(row(f"{name} {count}: {'SDP' if method == 'sdp' else method}", report))
             obj.data.materials.clear()
             obj.data.materials.append(wave_material())
-            picture = folder / f"{name} {method}.png"
+            picture = place.folder / f"{name} {method}.png"
             pictures.append(render_picture(obj, picture, view=view, resolution=(640, 520), samples=24, markers=False))
-        sheets.append(folder / f"{name}.png")
+        sheets.append(place.folder / f"{name}.png")
         beside(pictures, sheets[-1])
-    beside(sheets, path, vertical=True)
-    print_table("Figure 4", COLUMNS, rows)
+    beside(sheets, place.picture, vertical=True)
+    return {"energies": rows}
 
 
 def wave_material():
@@ -150,7 +149,7 @@ def quads(options, folder, path):
     beside(pictures, path)
 
 
-PICTURES = {"figure4": figure4, "quad_mesh": quad_mesh, "sliders": sliders, "quads": quads}
+PICTURES = {"quad_mesh": quad_mesh, "sliders": sliders, "quads": quads}
 
 
 if __name__ == "__main__":

@@ -5,17 +5,20 @@ import bpy
 import numpy as np
 
 from synch_fields.core.extract.defect_curves import defect_curves
+from synch_fields.core.extract.layer_surfaces import layer_surfaces
 from synch_fields.docs.make.sheets import beside as side_by_side
-from synch_fields.docs.make.solid_cuts import cut_away
+from synch_fields.docs.make.solid_cuts import boundary, cut_away
 from synch_fields.synch_addon.looks.render import render_picture
 from synch_fields.synch_addon.nodes.stripes import WARM_IVORY
 
-# For each shape: azimuths of the two planes' normals between which a wedge is cut off, where their common line is (as
-# shares of the box, seen from above), where the solid is looked at from, and the power of the function that is shown:
-# between surfaces of different size it is near 0 nearly all over.
+# For each shape: azimuths of the two planes' normals between which a wedge is cut off (None: it stays whole), where
+# their common line is (as shares of the box, seen from above), where the solid is looked at from, and the power of the
+# function that is shown: between surfaces of different size it is near 0 nearly all over.
 VIEWS = {
     "ring": ((-62, 28), (0.5, 0.5), (-32, 33), 1),
     "bunny": ((-60, 30), (0.52, 0.5), (-24, 12), 1 / 3),
+    "wedge": ((0, 90), (0.45, 0.45), (25, 24), 1),
+    "tetrahedron": (None, None, (-22, 16), 1),
 }
 RESOLUTION, SAMPLES = (560, 464), 16
 BLUE, ROSE = (0.035, 0.16, 0.52, 1), (0.62, 0.06, 0.17, 1)
@@ -23,15 +26,35 @@ DARK = (0.012, 0.014, 0.02, 1)
 GRADIENT = [(0.0, (0.012, 0.045, 0.16, 1)), (0.45, (0.03, 0.27, 0.32, 1)), (1.0, (0.88, 0.66, 0.3, 1))]
 # Radius of the tubes around curves, in diagonals of the box.
 TUBE = 0.004
+# Of printed sheets, over the distance between two.
+THICKNESS = 0.8
 
 
 def picture_of_layers(name, pattern, is_sdp, path):
     """Layers, dark where the phase is near a multiple of 2 pi, and dislocation curves where the wedge was."""
     _start()
     mesh = pattern.mesh
-    surface = cut_away(mesh, _wedge(name, mesh)).refined(pattern.tet_phases)
+    surface = (cut_away(mesh, _wedge(name, mesh)) if VIEWS[name][0] else boundary(mesh)).refined(pattern.tet_phases)
     obj = _add_surface(surface, surface.values(pattern.tet_phases), _stripes(ROSE if is_sdp else BLUE))
     _add_tubes(obj, defect_curves(mesh, pattern.face_numbers), TUBE * np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
+    return _render(name, obj, path)
+
+
+def picture_of_print(name, pattern, share, path):
+    """The lowest of the layers, a share of all, as sheets of material by turns light and coloured."""
+    _start()
+    surfaces = layer_surfaces(pattern.edge_phases, pattern.heights, np.pi)
+    kept = surfaces.layers < round(share * surfaces.count)
+    mesh = bpy.data.meshes.new("Print")
+    mesh.from_pydata(surfaces.vertices.tolist(), [], surfaces.triangles[kept].tolist())
+    mesh.polygons.foreach_set("material_index", surfaces.layers[kept].astype(np.int32) % 2)
+    for color in (WARM_IVORY, ROSE):
+        mesh.materials.append(_plain("Sheets", color))
+    mesh.shade_smooth()
+    obj = bpy.data.objects.new("Print", mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    sheets = obj.modifiers.new("Thickness", "SOLIDIFY")
+    sheets.thickness, sheets.offset = THICKNESS * pattern.spacings.mean, 0
     return _render(name, obj, path)
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of vortices: the paper's Figures 5 and 7 again, and a knot of tubes.
+"""Pictures of vortices: a knot of tubes, and the paper's Figures 5 and 7 again, which paper.py makes.
 
-    python docs/make/vortices.py [--folder docs] [--only figure5 | figure7 | vortices]
+    python docs/make/vortices.py [--folder docs]
 
 Figure 5: a trefoil knot on 40 x 40 x 20 nodes at five circulations of a filament, filaments above, tubes below.
 Figure 7: a flow in the plane whose curl is constant in the unit disk. The map to the sphere, drawn as a globe; and four
@@ -13,8 +13,11 @@ import bpy
 import numpy as np
 from mathutils import Euler, Matrix
 
+from synch_fields.bench.clebsch import CUTS, cut_rows
 from synch_fields.bench.command import arguments
 from synch_fields.bench.grids import QUANTA, trefoil_grid, trefoil_velocity
+from synch_fields.bench.tables import Column
+from synch_fields.docs.make.flat import flat_scene, glowing
 from synch_fields.docs.make.sheets import beside, make_pictures
 from synch_fields.synch_addon.blender.transaction import only_for_now
 from synch_fields.synch_addon.flows.job import clebsch
@@ -22,14 +25,20 @@ from synch_fields.synch_addon.looks.render import render_picture
 from synch_fields.synch_addon.nodes.globe import SPHERE, globe_group
 from synch_fields.synch_addon.nodes.stripes import STRIPES_NAME
 
-# Filaments that the knot is cut into.
-CUTS = (6, 4, 3, 2, 1)
+NODES_OF_KNOT = 40
 VIEW = (-20, 38)
 SMALL, SAMPLES = (330, 290), 16
 # Figure 7: quanta of the disk, nodes and half the side of the plane, colours of the points on the globe.
 DISK_QUANTA, NODES, HALF = 5, 120, 1.6
 COLORS = ((1.0, 0.25, 0.05, 1), (1.0, 0.75, 0.05, 1), (0.75, 0.1, 0.75, 1), (0.05, 0.75, 0.75, 1))
-FLAT = 440
+WORDS = ("orange", "yellow", "violet", "cyan")
+FLAT = (440, 440)
+MAPS = (
+    Column("energy", "energy", ".2f"),
+    Column("bound", "bound", ".2f"),
+    Column("times that the sphere is covered", "coverage", ".2f"),
+    Column("vortices", "vortices", "d"),
+)
 # Outside the disk the map stays near one point: the globe is turned so that it is in a sea, and seen from behind it.
 TURN, SEEN = (np.array(Euler(angles).to_matrix()) for angles in ((0.0, 1.75, 0.9), (-1.1, 0.0, 0.3)))
 
@@ -42,10 +51,10 @@ def main():
 # The trefoil
 
 
-def figure5(_options, folder, path):
-    """Filaments and tubes of the knot at five circulations."""
+def figure5(place):
+    """Filaments and tubes of the knot at five circulations, and the energies of the roundings."""
     bpy.ops.wm.read_homefile(use_empty=True)
-    source = save_trefoil(folder, 40)
+    source = save_trefoil(place.folder, NODES_OF_KNOT)
     sheets = []
     for show in ("filaments", "tubes"):
         pictures = []
@@ -53,12 +62,12 @@ def figure5(_options, folder, path):
             report = clebsch(source, quantum=2 * np.pi * QUANTA / cut, show=show, opening=95, smoothing=4)
             obj = bpy.data.objects[report["object"]]
             obj = in_hues(obj) if show == "tubes" else obj
-            picture = folder / f"{show}{cut}.png"
+            picture = place.folder / f"{show}{cut}.png"
             pictures.append(render_picture(obj, picture, resolution=SMALL, samples=SAMPLES, view=VIEW))
-            print(f"{show}, knot of {cut} quanta: energy {report['energy']:.2f}, {report['vorticity_share']:.0%}")
-        sheets.append(folder / f"{show}.png")
+        sheets.append(place.folder / f"{show}.png")
         beside(pictures, sheets[-1])
-    beside(sheets, path, vertical=True)
+    beside(sheets, place.picture, vertical=True)
+    return {"energies": cut_rows(NODES_OF_KNOT)}
 
 
 def knot(_options, folder, path):
@@ -88,30 +97,32 @@ def in_hues(obj):
 # The disk
 
 
-def figure7(_options, folder, path):
+def figure7(place):
     """The globe and the map to it on the left, four singular maps on the right."""
     bpy.ops.wm.read_homefile(use_empty=True)
     quantum = np.pi / DISK_QUANTA
-    report = clebsch(save_disk(folder), quantum=quantum, show="tubes")
+    report = clebsch(save_disk(place.folder), quantum=quantum, show="tubes")
     plane = bpy.data.objects[report["object"]]
-    print(f"the sphere is covered {report['coverage']:.2f} times, energy {report['sphere_energy']:.2f}")
-    maps, marks = [], []
-    for place, color in zip(places_on_globe(), COLORS, strict=True):
-        point = tuple((-place @ SEEN @ TURN).tolist())
+    whole = {"label": "to the sphere", "energy": report["sphere_energy"], "coverage": report["coverage"]}
+    told, maps, marks = [whole], [], []
+    for word, spot, color in zip(WORDS, places_on_globe(), COLORS, strict=True):
+        point = tuple((-spot @ SEEN @ TURN).tolist())
         seen = clebsch(plane, quantum=quantum, point=point)
         found = [(vortex["position"], color) for vortex in seen["vortices"]]
-        print(f"from {np.round(point, 2)}: {len(found)} vortices, energy {seen['energy']:.2f}")
-        maps.append(render_flat(plane, bpy.data.node_groups[STRIPES_NAME], found, folder / f"map{len(maps)}.png"))
+        figures = {"vortices": len(found), "energy": seen["energy"], "bound": seen["lower_bound"]}
+        told.append({"label": f"to the circle, {word}"} | figures)
+        maps.append(render_flat(plane, bpy.data.node_groups[STRIPES_NAME], found, place.folder / f"map{len(maps)}.png"))
         marks += found
     sphere = plane.data.attributes[SPHERE]
     values = np.empty(3 * len(sphere.data), np.float32)
     sphere.data.foreach_get("vector", values)
     sphere.data.foreach_set("vector", (values.reshape(-1, 3) @ TURN.T).astype(np.float32).ravel())
-    drawn = render_flat(plane, globe_group(), marks, folder / "plane.png")
-    rows = [folder / "below.png", folder / "above.png"]
+    drawn = render_flat(plane, globe_group(), marks, place.folder / "plane.png")
+    rows = [place.folder / "below.png", place.folder / "above.png"]
     beside([drawn, *maps[2:]], rows[0])
-    beside([render_globe(folder / "globe.png"), *maps[:2]], rows[1])
-    beside(rows[::-1], path, vertical=True)
+    beside([render_globe(place.folder / "globe.png"), *maps[:2]], rows[1])
+    beside(rows[::-1], place.picture, vertical=True)
+    return {"maps": told}
 
 
 def save_disk(folder):
@@ -127,7 +138,7 @@ def save_disk(folder):
 def render_flat(obj, group, marks, path):
     """A mesh in the plane from above, in the colours of a node group without light, with marks at places."""
     with only_for_now():
-        scene = flat_scene(path, 1.06 * max(obj.dimensions))
+        scene = flat_scene(path, 1.06 * max(obj.dimensions), FLAT)
         copy = obj.copy()
         copy.data = obj.data.copy()
         scene.collection.objects.link(copy)
@@ -142,7 +153,7 @@ def render_flat(obj, group, marks, path):
 def render_globe(path):
     """The globe, with the points that vortices lie at."""
     with only_for_now():
-        scene = flat_scene(path, 2.3)
+        scene = flat_scene(path, 2.3, FLAT)
         globe = add_ball(scene, (0, 0, 0), 1, 1, glowing(globe_group()))
         places = np.array([vertex.co for vertex in globe.data.vertices], np.float32)
         globe.data.attributes.new(SPHERE, "FLOAT_VECTOR", "POINT").data.foreach_set("vector", places.ravel())
@@ -165,22 +176,6 @@ def add_mark(scene, place, size, color, height):
         add_ball(scene, (*place[:2], (2 - share) * height), share * size, 0.01, glowing(shade))
 
 
-def flat_scene(path, width):
-    """A scene without light, seen straight from above."""
-    scene = bpy.data.scenes.new("Flat")
-    scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    scene.camera.data.type, scene.camera.data.ortho_scale, scene.camera.location.z = "ORTHO", width, 10
-    scene.collection.objects.link(scene.camera)
-    scene.world = bpy.data.worlds.new("White")
-    if scene.world.node_tree is None:
-        scene.world.use_nodes = True
-    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (1, 1, 1, 1)
-    scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", SAMPLES, False
-    scene.render.resolution_x = scene.render.resolution_y = FLAT
-    scene.render.filepath, scene.view_settings.view_transform = str(path), "Standard"
-    return scene
-
-
 def add_ball(scene, place, radius, height, material):
     bpy.ops.mesh.primitive_uv_sphere_add(segments=128, ring_count=64)
     obj = bpy.context.active_object
@@ -192,24 +187,7 @@ def add_ball(scene, place, radius, height, material):
     return obj
 
 
-def glowing(color):
-    """A material that shows the colours of a node group, or a colour, without light."""
-    material = bpy.data.materials.new("Glowing")
-    if material.node_tree is None:
-        material.use_nodes = True
-    tree = material.node_tree
-    light = tree.nodes.new("ShaderNodeEmission")
-    if isinstance(color, bpy.types.NodeTree):
-        node = tree.nodes.new("ShaderNodeGroup")
-        node.node_tree = color
-        tree.links.new(node.outputs["Color"], light.inputs["Color"])
-    else:
-        light.inputs["Color"].default_value = color
-    tree.links.new(light.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
-    return material
-
-
-PICTURES = {"figure5": figure5, "figure7": figure7, "vortices": knot}
+PICTURES = {"vortices": knot}
 
 if __name__ == "__main__":
     main()

@@ -20,6 +20,9 @@ FINDINGS = {
     "one_sided_edges": "One-sided, cut along edges: {count}",
 }
 
+# Energy for each vertex that is as good as none: what rounding leaves.
+PERFECT = 1e-12
+
 
 class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
     """What the last solve found"""
@@ -106,7 +109,9 @@ def draw_figures(layout, result, held):
             row.label(text=text, icon=icon)
 
     if result["energy"] is not None:
-        line(said("Energy {energy:.4g}", energy=result["energy"]), "SORTTIME", "energy")
+        perfect = result["energy"] <= PERFECT * result["nodes"]
+        text = said("Energy 0: as even as can be") if perfect else said("Energy {energy:.4g}", energy=result["energy"])
+        line(text, "SORTTIME", "energy")
         if result["certificate"] == "proved":
             line(said("Proved: no field saves more than {gap:.0%}", gap=result["gap"]), "CHECKMARK", "proved")
         elif result["certificate"] == "estimated":

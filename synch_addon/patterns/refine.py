@@ -157,7 +157,9 @@ def draw_warning(layout, obj):
     column = layout.box().column(align=True)
     if obj.synch.automatic_spacing:
         across = max(round(found.size / found.spacing), 1)
-        column.label(text=said("Coarse mesh: about {count} lines across", count=across), icon="ERROR")
+        one = said("Coarse mesh: about one line across")
+        text = one if across == 1 else said("Coarse mesh: about {count} lines across", count=across)
+        column.label(text=text, icon="ERROR")
     else:
         carries = bpy.utils.units.to_string(
             bpy.context.scene.unit_settings.system, "LENGTH", found.spacing, precision=3

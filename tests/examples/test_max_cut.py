@@ -7,6 +7,8 @@ from itertools import product
 import numpy as np
 import pytest
 
+from synch_fields.bench import max_cut as bench
+from synch_fields.bench.max_cut import best_cut, cut_of, cylinder
 from synch_fields.core.errors import SynchError
 from synch_fields.core.problem import SynchronizationProblem, Targets
 from synch_fields.core.solve import Certificate, Options, solve
@@ -17,40 +19,6 @@ from ..core.graphs import only_piece
 
 RING = range(5)
 PETERSEN = [*((k, (k + 1) % 5) for k in RING), *((k, k + 5) for k in RING), *((5 + k, 5 + (k + 2) % 5) for k in RING)]
-
-
-def cylinder(around, length, seed, closed=False):
-    """Nodes of a square grid that is closed around, and along if ``closed``; edges, and weights 1 or -1 at random."""
-    number = np.arange(around * length).reshape(length, around)
-    along = np.column_stack([number.ravel(), np.roll(number, -1, 0).ravel()])
-    edges = np.concatenate([np.column_stack([number.ravel(), np.roll(number, -1, 1).ravel()]), along])
-    edges = edges if closed else edges[:-around]
-    return number.size, edges, np.random.default_rng(seed).choice([-1.0, 1.0], len(edges))
-
-
-def best_cut(around, length, weights):
-    """The largest cut of a :func:`cylinder`, by dynamic programming over the signs of one ring."""
-    signs = np.array(list(product((-1.0, 1.0), repeat=around))).T
-    of_rings, between = (
-        weights[: around * length].reshape(length, -1),
-        weights[around * length :].reshape(length - 1, -1),
-    )
-
-    def within(ring):
-        return (of_rings[ring][:, None] * (1 - signs * np.roll(signs, -1, 0)) / 2).sum(axis=0)
-
-    best = within(0)
-    for ring in range(1, length):
-        for place, weight in enumerate(between[ring - 1]):  # one sign after the other crosses to the next ring
-            cells = best.reshape(2**place, 2, -1)
-            best = np.maximum(cells, cells[:, ::-1] + weight).ravel()  # kept, or changed and the edge cut
-        best = best + within(ring)
-    return best.max()
-
-
-def cut_of(solution, edges, weights):
-    signs = solution.phases[:, 0]
-    return weights[signs[edges[:, 0]] != signs[edges[:, 1]]].sum()
 
 
 def write(path, count, edges, weights=None):
@@ -80,6 +48,20 @@ def test_the_program_of_exact_cuts_is_right():
     signs = np.array(list(product((-1, 1), repeat=count)))
     cuts = ((signs[:, edges[:, 0]] != signs[:, edges[:, 1]]) * weights).sum(axis=1)
     assert best_cut(3, 4, weights) == cuts.max()
+
+
+def test_the_bench_reads_files_and_makes_graphs_whose_best_cuts_it_knows(tmp_path, monkeypatch):
+    path = write(tmp_path / "petersen.txt", 10, PETERSEN)
+    ((label, graph, best),) = bench.subjects([path])
+    found = bench.row(label, graph, best, 1e-3)
+    assert (found["label"], found["nodes"], found["edges"], found["cut"]) == ("petersen", 10, 15, 12)
+    assert found["short"] is None and found["bound"] == pytest.approx(12.5, rel=1e-3)
+    monkeypatch.setattr(bench, "GRIDS", ((4, 6),))
+    monkeypatch.setattr(bench, "TORI", ((4, 6),))
+    small, torus = (bench.row(*subject, 1e-2) for subject in bench.subjects([]))
+    _, edges, weights = cylinder(4, 6, 0)
+    assert small["best"] == best_cut(4, 6, weights) and 0 <= small["short"] <= 0.1 and small["edges"] == len(edges)
+    assert torus["cut"] == torus["best"] == torus["edges"] == 48 and torus["bound"] == pytest.approx(48)
 
 
 @pytest.mark.parametrize(("around", "length", "seed"), [(8, 60, 0), (10, 60, 1)])

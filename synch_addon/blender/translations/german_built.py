@@ -35,6 +35,8 @@ PARTS = {
     "vertex": "Punkt",
     "vertices": "Punkte",
     "Coarse mesh: about {count} lines across": "Grobes Netz: etwa {count} Linien",
+    "Coarse mesh: about one line across": "Grobes Netz: etwa eine Linie",
+    "Energy 0: as even as can be": "Energie 0: so gleichmäßig wie möglich",
     "Coarse mesh: carries {spacing}": "Grobes Netz: trägt {spacing}",
     "Subdivide to {count:,} Faces": "In {count:,} Flächen unterteilen",
     "Select Defects": "Defekte auswählen",

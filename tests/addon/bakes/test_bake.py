@@ -191,7 +191,8 @@ def test_margin_goes_on_beyond_the_islands(tmp_path):
 def test_mask_is_on_all_faces_and_colour_is_that_of_each_material(tmp_path):
     obj = patterned()
     red = bpy.data.materials.new("Red")
-    red.use_nodes = True
+    if red.node_tree is None:
+        red.use_nodes = True
     red.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (1, 0, 0, 1)
     obj.data.materials.append(red)
     half = np.arange(len(obj.data.polygons)) % 2

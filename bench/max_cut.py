@@ -1,0 +1,115 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""MAX-CUT of sparse graphs: cuts, bounds and seconds, beside the best cuts where these are known.
+
+    python bench/max_cut.py [GRAPH.txt ...] [--target-gap 1e-2]
+
+Without files: square grids closed around with weights 1 and -1 at random, as in Gset's toroidal graphs but open along,
+so that dynamic programming gives the best cut; and bipartite tori, whose edges can all be cut, which is proved. With
+files, in the format of the Gset graphs: those. Seconds are of the processor, for the whole solve.
+"""
+
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+
+from synch_fields.bench.command import arguments
+from synch_fields.bench.measure import spent
+from synch_fields.bench.tables import Column, print_table
+from synch_fields.core.solve import Options, solve
+from synch_fields.examples.max_cut import cut_problem, read_graph
+
+# Nodes around and along of the grids, and of the bipartite tori.
+GRIDS = ((10, 500), (12, 830), (14, 1430))
+TORI = ((60, 50), (100, 100), (200, 100))
+COLUMNS = (
+    Column("nodes", "nodes", "d"),
+    Column("edges", "edges", "d"),
+    Column("best cut", "best", ".0f"),
+    Column("ours", "cut", ".0f"),
+    Column("short", "short", ".2%"),
+    Column("bound", "bound", ".1f"),
+    Column("certificate", "certificate", ""),
+    Column("s CPU", "seconds", ".2f"),
+)
+
+
+def main():
+    """Print the table."""
+    parser = arguments(__doc__)
+    parser.add_argument("graphs", type=Path, nargs="*", metavar="GRAPH.txt")
+    parser.add_argument("--target-gap", type=float, default=1e-2, help="of the relaxation (%(default)s)")
+    options = parser.parse_args()
+    rows = [row(label, graph, best, options.target_gap) for label, graph, best in subjects(options.graphs)]
+    print_table("MAX-CUT", COLUMNS, rows, "graph")
+
+
+def subjects(paths):
+    """Name, graph and best cut, where that is known, of each graph: of the files, or of those that are made here."""
+    for path in paths:
+        yield path.stem, read_graph(path), None
+    if paths:
+        return
+    for number, (around, along) in enumerate(GRIDS):
+        graph = cylinder(around, along, number)
+        yield f"{around} x {along}, ±1", graph, best_cut(around, along, graph[2])
+    for around, along in TORI:
+        count, edges, weights = cylinder(around, along, 0, closed=True)
+        yield f"{around} x {along}, bipartite torus", (count, edges, np.ones(len(weights))), len(weights)
+
+
+def row(label, graph, best, target_gap):
+    """What is measured of a graph: number of nodes, edges and weights."""
+    count, edges, weights = graph
+    solution, seconds = spent(solve, cut_problem(*graph), Options(target_gap=target_gap))
+    cut = cut_of(solution, edges, weights)
+    return {
+        "label": label,
+        "nodes": count,
+        "edges": len(edges),
+        "best": best,
+        "cut": cut,
+        "short": None if best is None else 1 - cut / best,
+        "bound": np.maximum(weights, 0).sum() - solution.lower_bound / 4,
+        "certificate": solution.certificate,
+        "seconds": seconds,
+    }
+
+
+def cut_of(solution, edges, weights):
+    """Weight of the edges between nodes of different signs."""
+    signs = solution.phases[:, 0]
+    return weights[signs[edges[:, 0]] != signs[edges[:, 1]]].sum()
+
+
+def cylinder(around, along, seed, closed=False):
+    """Number of nodes of a square grid that is closed around, and along if ``closed``; its edges, those around first;
+    weights 1 or -1 at random."""
+    number = np.arange(around * along).reshape(along, around)
+    between = np.column_stack([number.ravel(), np.roll(number, -1, 0).ravel()])
+    edges = np.concatenate([np.column_stack([number.ravel(), np.roll(number, -1, 1).ravel()]), between])
+    edges = edges if closed else edges[:-around]
+    return number.size, edges, np.random.default_rng(seed).choice([-1.0, 1.0], len(edges))
+
+
+def best_cut(around, along, weights):
+    """The largest cut of a :func:`cylinder`, by dynamic programming over the signs of one ring."""
+    signs = np.array(list(product((-1.0, 1.0), repeat=around))).T
+    of_rings = weights[: around * along].reshape(along, -1)
+    between = weights[around * along :].reshape(along - 1, -1)
+
+    def within(ring):
+        return (of_rings[ring][:, None] * (1 - signs * np.roll(signs, -1, 0)) / 2).sum(axis=0)
+
+    best = within(0)
+    for ring in range(1, along):
+        for place, weight in enumerate(between[ring - 1]):  # one sign after the other crosses to the next ring
+            cells = best.reshape(2**place, 2, -1)
+            best = np.maximum(cells, cells[:, ::-1] + weight).ravel()  # kept, or changed and the edge cut
+        best = best + within(ring)
+    return best.max()
+
+
+if __name__ == "__main__":
+    main()
