@@ -99,7 +99,7 @@ def test_warning_appears_where_the_spacing_is_too_fine_and_goes_after_subdividin
 def test_automatic_spacing_warns_of_few_lines():
     bpy.ops.mesh.primitive_cube_add()
     obj = bpy.context.active_object
-    assert "about 1 lines" in warning(obj)[0][0]
+    assert "about one line" in warning(obj)[0][0]
     report = api.refine(obj)
     bpy.context.view_layer.update()
     assert report["faces"] == len(obj.data.polygons) == 24 * 4 ** (report["levels"] - 1)

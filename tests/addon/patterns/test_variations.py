@@ -88,6 +88,7 @@ def test_what_was_not_solved_has_no_variations():
         with pytest.raises(SynchError, match="solve it first"):
             ask()
     SOLVES["stripes"](obj)
+    bpy.context.view_layer.update()  # empties are where they were put
     before = snapshot()
     with pytest.raises(SettingError, match="whole number"):
         api.vary(obj, -1)
