@@ -267,7 +267,7 @@ def test_five_clicks_from_suzanne_to_a_striped_render(blender, keep):
     blender.click("Subdivide to")  # 3
     blender.until("len(active().data.polygons) > 5000")
     blender.click("Stripes")  # 4
-    blender.wait_for("To see the pattern:")
+    blender.wait_for("Rendered")
     keep("click_4", blender.picture("UI")[:340])
     blender.click("Rendered")  # 5
     picture = blender.wait_to_see(stripes_are_seen, "WINDOW")
