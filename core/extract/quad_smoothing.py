@@ -12,6 +12,7 @@ from .feature_chains import on_features
 from .feature_lines import FeatureLines
 from .quad_fitting import fitted
 from .quad_mirror import ON_PLANE, averaged, mirrored, partners
+from .tips import climbed
 from .turned_edges import turned_edges
 from .worst_corners import levelled
 
@@ -67,6 +68,7 @@ def smoothed(quads, mesh, rows, planes, rounds, only_quads=False):
     held = list(zip(planes, on_planes, strict=True))
     quads = fitted(quads, mesh, loose, held, rounds, chains)
     quads = levelled(quads, mesh, free, held, chains)
+    quads = levelled(climbed(quads, mesh, free, held, chains), mesh, free, held, chains)
     if not planes:  # halves that mirror each other would be turned in other ways
         turned = turned_edges(quads, mesh.face_normals[quads.triangles], _held_edges(quads, free, chains))
         quads = levelled(turned, mesh, free, held, chains) if turned is not quads else quads
