@@ -5,12 +5,13 @@ Where odd faces were paired, vertices with three and with five edges lie beside 
 3, 5, 3 and 5 edges closes to nothing but regular ones (Daniels et al. 2008 call that a quad collapse).
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..geometry.barycentric import barycentric
 from ..geometry.nearest import NearestTriangles
 from .feature_chains import placed
-from .quad_mesh import QuadMesh
 
 # Edges at a vertex at least, inside and on the boundary.
 FEWEST, FEWEST_ON_RIM = 3, 2
@@ -34,7 +35,7 @@ def with_faces_closed(quads, mesh, held, corners):
     valences = np.bincount(edges.ravel(), minlength=len(held))
     on_rim = np.zeros(len(held), bool)
     on_rim[edges[counts == 1]] = True
-    vertices, held = quads.vertices.copy(), held.copy()
+    vertices = quads.vertices.copy()
     moved = np.zeros(len(held), bool)
     while (found := _first(faces, valences, on_rim, held, corners)) is not None:
         number, (a, b, c, d) = found
@@ -50,8 +51,8 @@ def with_faces_closed(quads, mesh, held, corners):
     which = np.flatnonzero(moved)
     places, triangles = NearestTriangles(mesh.vertices, mesh.triangles).nearest(vertices[which])
     quads = placed(quads, which, places, triangles, barycentric(mesh, triangles, places))
-    own = (getattr(quads, name)[used] for name in ("vertices", "triangles", "weights"))
-    return QuadMesh(*own, corner_vertices.ravel(), np.full(len(faces), 4)), used
+    own = {name: getattr(quads, name)[used] for name in ("vertices", "triangles", "weights")}
+    return replace(quads, **own, corner_vertices=corner_vertices.ravel(), sizes=np.full(len(faces), 4)), used
 
 
 def _first(faces, valences, on_rim, held, corners):
