@@ -57,7 +57,7 @@ def smoothed(quads, mesh, rows, planes, rounds, only_quads=False):
         quads = mirrored(quads, mesh, unit)
     if features is not None:
         quads, chains = on_features(quads, features, _side(quads))
-    if only_quads and not planes and (quads.sizes == 4).all():  # halves that mirror each other would be closed in other ways
+    if only_quads and not planes and (quads.sizes == 4).all():  # halves would be closed in other ways
         quads, chains = _closed(quads, mesh, rows, chains)
     if rounds == 0:
         return quads
