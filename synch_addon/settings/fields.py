@@ -47,7 +47,7 @@ BOUNDARIES = ("free", "along", "across", "phase")
 FEATURES = math.radians(40)
 # Shares of branches and of singular points where none are given.
 SHARES = {"branching": 1.0, "singularities": 1.0}
-MESH_SHARES = {"branching": 0.0, "singularities": 0.9}
+MESH_SHARES = {"branching": 0.0, "singularities": 0.95}
 
 
 def default_shares(command):

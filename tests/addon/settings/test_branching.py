@@ -74,14 +74,14 @@ def test_what_is_not_asked_for_is_everything_but_in_quad_meshes():
     for command, branching, singularities in (
         ("stripes", 1.0, 1.0),
         ("quads", 1.0, 1.0),
-        ("quad_mesh", 0.0, 0.9),
+        ("quad_mesh", 0.0, 0.95),
         ("directions", None, 1.0),
     ):
         request = FieldJob(command, obj, Settings(spacing=0.2)).request
         assert (request.branching, request.singularities) == (branching, singularities)
     obj = lumps()
     report = api.quad_mesh(obj, spacing=0.2)
-    assert (report["settings"]["branching"], report["settings"]["singularities"]) == (0, 0.9)
+    assert (report["settings"]["branching"], report["settings"]["singularities"]) == (0, 0.95)
     assert report["dislocations"] == []
     assert report["quad_mesh"]["quad_share"] == 1
     more = api.quad_mesh(obj, spacing=0.2, branching=1.0, singularities=1.0)
@@ -94,7 +94,7 @@ def test_only_fewer_singularities_than_usual_are_warned_of_along_given_direction
     obj = lumps()
     api.directions(obj, symmetry="cross")
     along = {"spacing": 0.4, "guidance": "attribute:synch_direction"}
-    for share, warned in ((None, False), (0.9, False), (0.5, True)):
+    for share, warned in ((None, False), (0.95, False), (0.5, True)):
         report = api.quad_mesh(obj, singularities=share, **along)
         assert any("with all their singular points" in line for line in report["warnings"]) == warned
 
@@ -122,15 +122,15 @@ def test_operators_have_the_defaults_of_what_they_make():
     assert bpy.ops.synch.stripes.get_rna_type().properties["branching"].default == 100
     assert bpy.ops.synch.quad_mesh.get_rna_type().properties["branching"].default == 0
     assert bpy.ops.synch.quads.get_rna_type().properties["singularities"].default == 100
-    assert bpy.ops.synch.quad_mesh.get_rna_type().properties["singularities"].default == 90
+    assert bpy.ops.synch.quad_mesh.get_rna_type().properties["singularities"].default == 95
     obj = hills()
     assert bpy.ops.synch.quads(spacing=0.2, branching=30, singularities=50) == {"FINISHED"}
     settings = json.loads(obj.synch.result)["settings"]
     assert (settings["branching"], settings["singularities"]) == (0.3, 0.5)
     assert bpy.ops.synch.quad_mesh(spacing=0.2) == {"FINISHED"}
     settings = json.loads(bpy.context.active_object.synch.result)["settings"]
-    assert (settings["branching"], settings["singularities"]) == (0, 0.9)
-    assert (obj.synch.mesh_branching, obj.synch.mesh_singularities) == (0, 90)
+    assert (settings["branching"], settings["singularities"]) == (0, 0.95)
+    assert (obj.synch.mesh_branching, obj.synch.mesh_singularities) == (0, 95)
 
 
 def test_the_command_line_has_them(tmp_path, capfd):
@@ -146,7 +146,7 @@ def test_the_command_line_has_them(tmp_path, capfd):
     assert run(capfd, "quad_mesh", path, *flags)[0] == 0
     assert json.loads(report.read_text())["settings"]["branching"] == 0
     assert run(capfd, "quad_mesh", path, *flags[:2], *flags[4:])[0] == 0
-    assert json.loads(report.read_text())["settings"]["singularities"] == 0.9
+    assert json.loads(report.read_text())["settings"]["singularities"] == 0.95
     assert run(capfd, "directions", path, "--symmetry", "cross", "--singularities", 0, *flags[-3:])[0] == 0
     assert len(json.loads(report.read_text())["disclinations"]) == 8
     status, _, err = run(capfd, "directions", path, "--branching", 0)
