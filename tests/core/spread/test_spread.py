@@ -22,8 +22,9 @@ from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solve import Options, solve
 from synch_fields.core.solve.solution import Certificate
 
-from ..meshes import bumpy_torus, icosphere
+from ..meshes import bumpy_torus
 
+pytestmark = pytest.mark.slow
 PYTHON = os.environ.get("SYNCH_PETSC_PYTHON", sys.executable)
 PROGRAM = Path(__file__).with_name("program.py")
 GAP = 1e-6
@@ -58,7 +59,6 @@ def ring_stripes():
 PROBLEMS = {
     "stripes": ring_stripes,
     "crosses": lambda: direction_problem(bumpy_torus(20), 4),
-    "vectors": lambda: direction_problem(icosphere(3), 1),
 }
 
 
