@@ -106,6 +106,8 @@ def _middle_line(source):
 def _chains(seen):
     """Chains of edges of an object that is seen as a mesh, as polylines."""
     mesh = seen.to_mesh()
+    if mesh is None:  # of a curve without splines
+        return []
     try:
         points = read_all(mesh.vertices, "co", 3, np.float32)
         pairs = read_all(mesh.edges, "vertices", 2)

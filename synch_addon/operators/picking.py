@@ -93,8 +93,9 @@ class PickingOperator(ReadyOperator):
 
     def _pick(self, context, event, obj, is_moved):
         """What was done may be refused in one line, and stays as it was then."""
+        ray = ray_under(context, (event.mouse_region_x, event.mouse_region_y), obj)
         try:
-            done = self.pick(obj, self._surface, _ray(context, event, obj), is_moved)
+            done = self.pick(obj, self._surface, ray, is_moved)
         except SynchError as error:
             self.report({"ERROR"}, str(error))
             return False
@@ -103,9 +104,8 @@ class PickingOperator(ReadyOperator):
         return done
 
 
-def _ray(context, event, obj):
-    """Origin and direction of what is under the mouse, in an object's space."""
-    mouse = event.mouse_region_x, event.mouse_region_y
+def ray_under(context, mouse, obj):
+    """Origin and direction of what is under a pixel of the region, in an object's space."""
     origin = region_2d_to_origin_3d(context.region, context.region_data, mouse)
     towards = region_2d_to_vector_3d(context.region, context.region_data, mouse)
     inverse = obj.matrix_world.inverted()

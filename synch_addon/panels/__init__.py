@@ -17,6 +17,7 @@ from . import (
     setting_presets,
     sidebar,
     solid_view,
+    strokes,
     variation_slider,
     vortices,
 )
@@ -33,6 +34,7 @@ _MODULES = (
     constraints,
     overlay_view,
     solid_view,
+    strokes,
     early_view,
     bakes,
     vortices,
