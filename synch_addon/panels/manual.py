@@ -35,6 +35,7 @@ _SETTINGS = {
     "synchbrush.*": "settings",
     "synchconstraint.*": "constraints",
     "synchguide.*": "guides",
+    "synchlook.*": "looks",
     "synchstrokes.*": "guides",
     "synchfavourite.*": "result",
     "synchshown.*": "result",

@@ -7,6 +7,7 @@ import bpy
 
 from ..blender.translations import counted, said
 from ..patterns import memory
+from .look import draw_look
 from .sidebar import SettingsPanel, property_column
 
 # What is said of each kind of place where the surface is not the mesh.
@@ -38,6 +39,7 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
         result = json.loads(synch.result)
         if result["command"] != "directions":
             draw_shading(self.layout, context)
+            draw_look(self.layout, context.active_object)
         held = memory.holds(context.active_object)
         draw_figures(self.layout, result, held)
         draw_findings(self.layout, result.get("carrier", {}))

@@ -52,4 +52,17 @@ DRAWING = {
     "leave the present mode: strokes are drawn in object mode": (
         "den Modus verlassen: Striche werden im Objektmodus gezeichnet"
     ),
+    "Height of the pattern across a stripe or a quad, which light shows": (
+        "Höhe des Musters quer durch einen Streifen oder ein Viereck, die Licht zeigt"
+    ),
+    "Sine": "Sinus",
+    "Square": "Rechteck",
+    "Triangle": "Dreieck",
+    "Rounded": "Gerundet",
+    "Thread": "Faden",
+    "Grid lines": "Gitterlinien",
+    "Checker": "Schachbrett",
+    "Weave": "Gewebe",
+    "Dots": "Punkte",
+    "Softness": "Weichheit",
 }
