@@ -5,6 +5,7 @@ import json
 
 import bpy
 
+from ..blender.defect_empties import collection_of_defects
 from ..blender.translations import counted, said
 from ..patterns import memory
 from .look import draw_look
@@ -21,6 +22,8 @@ FINDINGS = {
     "one_sided_edges": "One-sided, cut along edges: {count}",
 }
 
+# Operators by what they solve.
+SOLVES = {name: f"synch.{name}" for name in ("directions", "stripes", "quads", "quad_mesh")}
 # Energy for each vertex that is as good as none: what rounding leaves.
 PERFECT = 1e-12
 
@@ -41,7 +44,12 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
             draw_shading(self.layout, context)
             draw_look(self.layout, context.active_object)
         held = memory.holds(context.active_object)
-        draw_figures(self.layout, result, held)
+        if memory.is_outdated(context.active_object):
+            row = self.layout.row()
+            row.alert = True
+            text = "Mesh Changed: Solve Again"
+            row.operator(SOLVES[result["command"]], text=text, icon="FILE_REFRESH")
+        draw_figures(self.layout, result, held, len(context.active_object.data.polygons))
         draw_findings(self.layout, result.get("carrier", {}))
         if held:
             row = property_column(self.layout).row(align=True)
@@ -57,6 +65,9 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
             row = self.layout.row(align=True)
             row.operator("synch.isolines", icon="MOD_CURVE")
             row.operator("synch.relief", icon="MOD_DISPLACE")
+        defects = collection_of_defects(context.active_object)
+        if defects is not None:
+            self.layout.prop(defects, "hide_viewport", text="Show Defects", invert_checkbox=True)
         row = self.layout.row(align=True)
         row.operator("synch.select_defects", text="Select Defects", icon="RESTRICT_SELECT_OFF")
         row.operator("synch.next_defect", text="Next Defect", icon="VIEWZOOM")
@@ -94,8 +105,8 @@ def draw_favourites(layout, favourites):
         row.operator("synch.remove_favourite", text="", icon="X").name = favourite.name
 
 
-def draw_figures(layout, result, held):
-    """Energy, bound, counts and evenness.
+def draw_figures(layout, result, held, faces):
+    """Energy, bound, counts, evenness, the spacing that was used, and how many faces there are.
 
     ``result`` is what :func:`report.result_line` keeps. Where its whole report is held, the lines say in their tooltips
     what they mean, and copy it when they are clicked.
@@ -123,6 +134,9 @@ def draw_figures(layout, result, held):
     if result.get("evenness"):
         low, _, _, _, high = result["evenness"]["spacing"]
         off = result["evenness"]["off_share"]
+        units, spacing = bpy.context.scene.unit_settings.system, result["settings"]["spacing"]
+        length = bpy.utils.units.to_string(units, "LENGTH", spacing, precision=3)
+        line(said("{length} apart on {count:,} faces", length=length, count=faces), "DOT", "spacing")
         line(said("Spacing × {low:.2f} to {high:.2f}, {off:.0%} off", low=low, high=high, off=off), "DOT", "evenness")
     line(f"{result['seconds']:.2f} s, {counted(result['nodes'], 'vertex')}", "TIME", "time")
 

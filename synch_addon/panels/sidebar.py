@@ -49,11 +49,10 @@ def draw_pattern(layout, settings):
 
 
 def draw_automatic(column, settings, name, automatic):
-    """A setting below the one that makes it automatic."""
+    """A setting below the one that makes it automatic, which is shown where that is not chosen."""
     column.prop(settings, automatic)
-    row = column.row()
-    row.enabled = not getattr(settings, automatic)
-    row.prop(settings, name)
+    if not getattr(settings, automatic):
+        column.prop(settings, name)
 
 
 def draw_faces(layout, settings):

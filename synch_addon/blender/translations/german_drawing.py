@@ -65,4 +65,11 @@ DRAWING = {
     "Weave": "Gewebe",
     "Dots": "Punkte",
     "Softness": "Weichheit",
+    "Mesh Changed: Solve Again": "Netz geändert: neu lösen",
+    "Show Defects": "Defekte zeigen",
+    "{length} apart on {count:,} faces": "Abstand {length}, {count:,} Flächen",
+    "The distance from one line to the next that was asked for, as it was used, and how many faces the mesh has": (
+        "Der verlangte Abstand von einer Linie zur nächsten, wie er verwendet wurde, und die Zahl der Flächen"
+    ),
+    "No UV map: Smart UV Project makes one": "Keine UV-Map: Smart UV Project macht eine",
 }
