@@ -11,6 +11,7 @@ from mathutils import Vector
 
 from ...core.errors import SynchError
 from ...core.geometry.drawn import evened, needed, parts
+from ...core.geometry.polylines import resampled
 from ..blender.meshes import refusal
 from ..blender.translations import said
 from ..panels.strokes import view
@@ -21,8 +22,8 @@ from .picking import ray_under
 # In pixels: between places that are looked up; beyond which a line is taken apart; how far off points may be left out,
 # and how long pieces may be; how short a stroke may be; how near the pointer has to be to strokes.
 _STEP, _JUMP, _OFF, _PIECE, _SHORTEST, _NEAR = 4.0, 40.0, 1.0, 80.0, 6.0, 14.0
-# How often the unrest of a hand is evened out, and the reach in pixels of smoothing, and how often with each event.
-_EVENED, _REACH, _SMOOTHED = 4, 60.0, 3
+# How often the unrest of a hand is evened out, and how far smoothing reaches, in pixels.
+_EVENED, _REACH = 4, 60.0
 # What is behind the surface by less than this share of its distance is on it.
 _BEHIND = 0.02
 
@@ -173,8 +174,11 @@ class SYNCH_OT_smooth_strokes(StrokeOperator, bpy.types.Operator):
 
     def move(self, context, mouse, obj):
         for stroke, line, away in self._near(context, obj, mouse):
-            shares = np.clip(1 - away / _REACH, 0, 1)
-            view.changed[stroke.key] = evened(line, _SMOOTHED, shares)
+            if stroke.key not in view.changed:
+                nearest = line[away.argmin()]
+                line = resampled(line, _STEP * pixel_size(context, obj.matrix_world, mouse, nearest))
+                away = distances_on_screen(context, obj.matrix_world, line, mouse)
+            view.changed[stroke.key] = evened(line, 1, np.clip(1 - away / _REACH, 0, 1))
 
     def finish(self, context, obj):
         if not view.changed:

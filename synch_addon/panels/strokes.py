@@ -25,7 +25,7 @@ class SynchStrokesTool(bpy.types.WorkSpaceTool):
     bl_idname = TOOL
     bl_label = "Guide Strokes"
     bl_description = "Draw on the active mesh what stripes follow; Ctrl erases, Shift smooths"
-    bl_icon = "ops.gpencil.draw"
+    bl_icon = "ops.curve.draw"
     bl_cursor = "PAINT_CROSS"
     bl_keymap = (
         ("synch.draw_stroke", {"type": "LEFTMOUSE", "value": "PRESS"}, None),
