@@ -26,7 +26,7 @@ class SYNCH_OT_paint_map(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return can_set(context.active_object)
+        return can_set(context.active_object) and bpy.ops.object.mode_set.poll()
 
     def execute(self, context):
         obj, chosen = context.active_object, MAPS[self.target]
@@ -35,8 +35,11 @@ class SYNCH_OT_paint_map(bpy.types.Operator):
             line = f"{name} is an attribute, and vertex groups are painted: empty the field for a new one"
             self.report({"ERROR"}, line)
             return {"CANCELLED"}
+        bpy.ops.object.mode_set(mode="OBJECT")  # in edit mode groups cannot be changed
         if not (name and is_group(obj, name)):
-            name = obj.vertex_groups.new(name=name or chosen.group).name
+            group = obj.vertex_groups.new(name=name or chosen.group)
+            group.add(range(len(obj.data.vertices)), 0.0, "REPLACE")  # without weights all is black
+            name = group.name
             setattr(getattr(obj, chosen.settings), chosen.name, name)
         obj.vertex_groups.active = obj.vertex_groups[name]
         bpy.ops.object.mode_set(mode="WEIGHT_PAINT")

@@ -50,6 +50,8 @@ class PickingOperator(ReadyOperator):
         self._picked = self._held = False
         context.window_manager.modal_handler_add(self)
         context.workspace.status_text_set(said(self.hint))
+        context.window.cursor_modal_set("CROSSHAIR")
+        context.area.tag_redraw()
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
@@ -66,8 +68,9 @@ class PickingOperator(ReadyOperator):
         return result
 
     def cancel(self, context):
-        """However it ends: give the status bar back."""
+        """However it ends: give the status bar and the pointer back."""
         context.workspace.status_text_set(None)
+        context.window.cursor_modal_restore()
 
     def _step(self, context, event):
         obj = bpy.data.objects.get(self._object_name)

@@ -57,7 +57,10 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
             slider.enabled = memory.solve_of(context.active_object).varies
             slider.prop(context.active_object.synch_shown, "variation")
             row.operator("synch.draw_variation", text="", icon="FILE_REFRESH")
-            self.layout.operator("synch.place_defect", icon="PIVOT_CURSOR")
+            draw_cost(self.layout, context.active_object, result)
+            running = {operator.bl_idname for operator in context.window.modal_operators}
+            placing = "SYNCH_OT_place_defect" in running
+            self.layout.operator("synch.place_defect", icon="PIVOT_CURSOR", depress=placing)
             if result["command"] == "quads":
                 self.layout.operator("synch.trace_quads", icon="MOD_REMESH")
         if result["command"] != "directions":
@@ -71,6 +74,15 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
         row = self.layout.row(align=True)
         row.operator("synch.select_defects", text="Select Defects", icon="RESTRICT_SELECT_OFF")
         row.operator("synch.next_defect", text="Next Defect", icon="VIEWZOOM")
+
+
+def draw_cost(layout, obj, result):
+    """How much more energy what is shown has than the solution of the same solve, where it is another one."""
+    solved = memory.solve_of(obj)
+    best = solved.shown.solution
+    if solved.change is not None and best is not None and best.energy > 0:
+        more = result["energy"] / best.energy - 1
+        layout.label(text=said("{more:+.1%} energy, against the best", more=more), icon="BLANK1", translate=False)
 
 
 def draw_findings(layout, findings):

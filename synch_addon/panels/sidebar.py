@@ -100,6 +100,8 @@ def draw_unready(layout, obj):
     reason = refusal(obj)
     if reason:
         layout.label(text=reason[0].upper() + reason[1:], icon="INFO")
+    elif not obj.visible_get():
+        layout.label(text=said("{name} is hidden", name=obj.name), icon="HIDE_ON", translate=False)
     return bool(reason) or queue.holds(obj)
 
 

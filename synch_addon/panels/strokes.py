@@ -55,6 +55,10 @@ class SYNCH_PT_strokes(SettingsPanel, bpy.types.Panel):
     bl_label = "Guide Strokes"
     bl_order = 2  # below the directions
 
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and context.mode == "OBJECT"
+
     def draw(self, context):
         layout, drawing = self.layout, is_drawing(context)
         text = "Done Drawing" if drawing else "Draw Strokes"

@@ -22,6 +22,7 @@ from ...core.fields.directions import SYMMETRIES
 from ...core.keywords import MOST_ROUNDS, check_choice, check_positive, check_whole
 from ...core.tasks.settings import SolverSettings
 from ..blender.registration import keeping
+from ..blender.translations import OURS
 from .constraint_list import SynchConstraint
 from .constraints import Constraint, from_plain
 from .favourite_list import SynchFavourite
@@ -214,6 +215,7 @@ class SettingProperties:
     boundary: EnumProperty(
         name="Boundary",
         description="What happens at open edges",
+        translation_context=OURS,
         items=_items(
             ("free", "Free", "Nothing is asked of the boundary"),
             ("along", "Along", "Directions run along the boundary"),

@@ -130,9 +130,6 @@ def test_a_stripe_lies_on_a_stroke_and_follows_it_live(ball, keep):
     ball.run("bpy.context.window_manager.synch_live = False")
 
 
-MAP = "[vertex.groups[0].weight if vertex.groups else 0 for vertex in active().data.vertices]"
-
-
 @pytest.mark.parametrize("language, word", [("en_US", "Draw Strokes"), ("de_DE", "Striche zeichnen")])
 def test_panels_are_not_cut_off_in_both_languages(ball, keep, language, word):
     ball.run(f"bpy.context.preferences.view.language = {language!r}")
@@ -158,11 +155,11 @@ def test_a_map_is_painted_and_solved(ball, keep):
     ball.until("bpy.context.mode == 'PAINT_WEIGHT'")
     ball.run("active().synch.spacing_range = 0.5; bpy.context.window_manager.synch_brush.factor = 0.5")
     ball.scroll_to("Done Painting", up=True)
-    ball.wait_for("Paints 0.50 × spacing = 0.2 m")
+    ball.wait_for("Paints 0.50 × spacing = 20 cm")
     ball.drag(line(ball, (-0.5, 0), (0.5, 0.1)))
     ball.drag(line(ball, (-0.5, 0.2), (0.5, 0.3)))
     keep("painting", ball.picture())
-    weights = np.array(ball.value(MAP))
+    weights = np.array(ball.value("[vertex.groups[0].weight for vertex in active().data.vertices]"))
     assert weights.max() > 0.9 and 0.02 < (weights > 0.5).mean() < 0.4
     ball.click("Done Painting")
     ball.until("bpy.context.mode == 'OBJECT'")

@@ -28,8 +28,10 @@ LANGUAGES = {
     | german_built.PARTS
     | german_built.REASONS
 }
-# Labels of operators are looked up apart from everything else.
-_CONTEXTS = ("*", "Operator")
+# Labels of operators are looked up apart from everything else, and properties with a context of ours in that: Blender's
+# own words go first elsewhere, and some mean something else.
+OURS = "Synch"
+_CONTEXTS = ("*", "Operator", OURS)
 
 
 def said(text, **parts):

@@ -278,7 +278,7 @@ SETTINGS = {
     "Distance from one stripe to the next; the object's scale counts": (
         "Abstand von einem Streifen zum nächsten; die Skalierung des Objekts zählt"
     ),
-    "Automatic Spacing": "Automatischer Abstand",
+    "Automatic Spacing": "Automatisch",
     "About forty stripes across the object, or as many as the mesh can carry": (
         "Etwa vierzig Streifen über das Objekt, oder so viele, wie das Netz trägt"
     ),

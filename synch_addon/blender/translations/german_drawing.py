@@ -72,4 +72,6 @@ DRAWING = {
         "Der verlangte Abstand von einer Linie zur nächsten, wie er verwendet wurde, und die Zahl der Flächen"
     ),
     "No UV map: Smart UV Project makes one": "Keine UV-Map: Smart UV Project macht eine",
+    "{more:+.1%} energy, against the best": "{more:+.1%} Energie gegenüber der besten",
+    "{name} is hidden": "{name} ist ausgeblendet",
 }

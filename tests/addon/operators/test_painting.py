@@ -50,6 +50,13 @@ def test_a_click_makes_the_group_and_paints_it(target, name):
     assert len(obj.vertex_groups) == 1 and obj.mode == "WEIGHT_PAINT"
 
 
+def test_it_is_painted_from_edit_mode_too():
+    obj = grid()
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.synch.paint_map(target="ANGLE")
+    assert obj.mode == "WEIGHT_PAINT" and {len(vertex.groups) for vertex in obj.data.vertices} == {1}
+
+
 def test_the_layers_have_a_map_of_their_own():
     obj = grid()
     bpy.ops.synch.paint_map(target="LAYERS")
