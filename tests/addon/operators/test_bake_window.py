@@ -3,6 +3,7 @@
 """Baking from the window: map after map, so that it is drawn in between, and cancelled without a trace."""
 
 import time
+from types import SimpleNamespace
 
 import bpy
 import pytest
@@ -121,11 +122,10 @@ def test_what_is_refused_is_said_in_one_line(striped, tmp_path):
     assert queue.running is None
 
 
-def test_the_button_makes_a_uv_map_where_there_is_none(striped, tmp_path):
-    settings = bpy.context.scene.synch_bake
-    settings.maps, settings.size, settings.samples, settings.folder = {"MASK"}, 32, 1, str(tmp_path)
-    assert not settings.unwrap and bpy.ops.synch.bake("INVOKE_DEFAULT") == {"FINISHED"}
-    assert [layer.name for layer in striped.data.uv_layers] == ["Synch Bake"] and len(files(tmp_path)) == 1
-    with pytest.raises(RuntimeError, match="is empty"):  # of what is there, the settings decide
-        striped.data.uv_layers.active.data.foreach_set("uv", [0.0] * 2 * len(striped.data.loops))
-        bpy.ops.synch.bake("INVOKE_DEFAULT")
+def test_the_button_makes_a_uv_map_where_there_is_none(striped):
+    operator = SimpleNamespace()
+    SYNCH_OT_bake._take(operator, bpy.context)
+    assert operator.unwrap and not bpy.context.scene.synch_bake.unwrap
+    striped.data.uv_layers.new(name="Mine")
+    SYNCH_OT_bake._take(operator, bpy.context)
+    assert not operator.unwrap
