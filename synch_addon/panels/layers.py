@@ -63,7 +63,8 @@ def draw_layers(layout, stored):
     for name, automatic in LENGTHS.items():
         draw_automatic(column, stored, name, automatic)
     draw_spacing_map(column, stored)
-    column.prop(stored, "branching")
+    for name in ("branching", "smallest_height", "largest_height", "numbers"):
+        column.prop(stored, name)
     draw_solver(layout, stored)
 
 

@@ -57,6 +57,28 @@ class LayerProperties:
     spacing_map: SPACING_MAP
     spacing_range: SPACING_RANGE
     branching: BRANCHING
+    smallest_height: FloatProperty(
+        name="Smallest Height",
+        description="Of a layer: with limits they branch as little as keeps to these; 0 for none",
+        min=0.0,
+        precision=4,
+        subtype="DISTANCE",
+    )
+    largest_height: FloatProperty(
+        name="Largest Height",
+        description="Of a layer, above the smallest one; 0 for none",
+        min=0.0,
+        precision=4,
+        subtype="DISTANCE",
+    )
+    numbers: EnumProperty(
+        name="Numbers",
+        description="What counts as one layer: in the attribute, in files and where paths are ordered",
+        items=[
+            ("PIECES", "Of Pieces", "Each connected piece has a number of its own, from the bottom"),
+            ("LEVELS", "Of Levels", "Pieces at one height have one number, each body's from its lowest layer on"),
+        ],
+    )
     size: FloatProperty(
         name="Resolution",
         description="Longest edge of the tetrahedra that fill the object, at most half the spacing",

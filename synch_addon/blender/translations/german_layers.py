@@ -71,6 +71,24 @@ LAYERS = {
         "Längste Kante der Tetraeder, die das Objekt füllen, höchstens der halbe Abstand"
     ),
     "Automatic Resolution": "Automatische Auflösung",
+    "Numbers": "Nummern",
+    "What counts as one layer: in the attribute, in files and where paths are ordered": (
+        "Was als eine Schicht zählt: im Attribut, in Dateien und in der Reihenfolge der Wege"
+    ),
+    "Of Pieces": "Der Stücke",
+    "Each connected piece has a number of its own, from the bottom": (
+        "Jedes zusammenhängende Stück hat eine eigene Nummer, von unten an"
+    ),
+    "Of Levels": "Der Ebenen",
+    "Pieces at one height have one number, each body's from its lowest layer on": (
+        "Stücke auf einer Höhe haben eine Nummer, die jedes Körpers von seiner untersten Schicht an"
+    ),
+    "Smallest Height": "Kleinste Höhe",
+    "Of a layer: with limits they branch as little as keeps to these; 0 for none": (
+        "Einer Schicht: mit Grenzen verzweigen sie sich nur so wenig, dass sie diese einhalten; 0 für keine"
+    ),
+    "Largest Height": "Größte Höhe",
+    "Of a layer, above the smallest one; 0 for none": "Einer Schicht, über der kleinsten; 0 für keine",
     "About a hundred thousand tetrahedra, or more where the spacing needs them": (
         "Etwa hunderttausend Tetraeder, oder mehr, wo der Abstand sie braucht"
     ),

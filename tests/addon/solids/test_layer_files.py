@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What leaves Blender of layers: files that hold them as they are, paths that lie on them, a volume of the pattern."""
 
+import json
 import re
 from pathlib import Path
 
@@ -393,6 +394,27 @@ def test_the_command_saves_the_solve_before_an_export_can_fail(tmp_path, capfd):
     assert main.main([*run, "0.2"]) == 0 and capfd.readouterr().out.count("wrote") == 2
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
     assert len(bpy.data.curves) >= 2
+
+
+def test_layers_keep_to_the_heights_of_the_machine(tmp_path, capfd):
+    """In a block of one unit between two groups three layers fit best; the nozzle lays at most 30 of 100 mm."""
+    make_active(block())
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "block.blend"))
+    (tmp_path / "printer.toml").write_text("scale = 100\nsmallest_height = 10\nlargest_height = 30\n")
+    report = tmp_path / "report.json"
+    run = ["layers", str(tmp_path / "block.blend"), "--quiet", "--size", "0.1", "--groups", "Bottom=layer,Top=layer"]
+    run += ["--machine", str(tmp_path / "printer.toml"), "--report", str(report), "--spacing"]
+    assert main.main([*run, "0.3"]) == 0
+    found = json.loads(report.read_text())
+    assert found["settings"]["largest_height"] == pytest.approx(0.3) and found["outside_limits"] == 0
+    assert found["spacings"]["mean"] == pytest.approx(0.25, rel=1e-3)
+    # Flags go before the machine.
+    assert main.main([*run, "0.33", "--largest-height", "0.5"]) == 0
+    found = json.loads(report.read_text())
+    assert found["spacings"]["mean"] == pytest.approx(1 / 3, rel=1e-3)
+    capfd.readouterr()
+    assert main.main([*run, "0.4"]) == 1
+    assert "the spacing 0.4 is not between the heights 0.1 and 0.3" in capfd.readouterr().err
 
 
 def test_a_program_leads_to_the_paths_of_its_machine(layered, tmp_path):
