@@ -23,7 +23,11 @@ KINDS = {
     "curve": ("a curve object",),
     "around": ("a curve object",),
     "attribute": ("a vector attribute",),
+    "file": ("a .vtu or .sol file", "one of its arrays"),
+    "lines": ("a .vtu or .sol file", "one of its arrays"),
 }
+# Kinds whose last name may be missing.
+SHORT = ("file", "lines")
 # What a boundary group may ask for.
 HELD, CONSTANT = "layer", "constant"
 WISHES = (HELD, CONSTANT)
@@ -52,7 +56,8 @@ class LayerGuide:
         if kind not in KINDS:
             raise SettingError(f"the guidance {kind!r} is unknown: use one of {', '.join(KINDS)}")
         needed = KINDS[kind]
-        if more or len(names) != len(needed) or not all(names):
+        allowed = (len(needed) - (kind in SHORT), len(needed))
+        if more or len(names) not in allowed or not all(names):
             raise SettingError(f"the guidance {text!r} is incomplete: write {kind}:, {', :, '.join(needed)}")
         if kind == "axis" and names[0] not in AXES:
             raise SettingError(f"the axis {names[0]!r} is unknown: use X, Y or Z")

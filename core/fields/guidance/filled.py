@@ -6,10 +6,14 @@ Each gives (n, 3) vectors at the solid's vertices, whose lengths do not count; z
 ``functools.partial``, which can be pickled.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...geometry.filling.surface_distance import normals_at
 from ...geometry.nearest import NearestTriangles, nearest_in_triangles
+from ...geometry.tet_mesh import TetMesh
+from .given import at_vertices, oriented, principal, vectors_at, without_sign
 from .potentials import harmonic_function
 from .solid_distance import solid_distance
 from .solids import axis_directions, checked_vectors, curve_vectors, gradient_vectors, vector_directions
@@ -52,6 +56,20 @@ def around_curves(curves, filled):
 def of_vectors(vectors, filled):
     """Vectors at the surface's vertices, (k, 3), extended into the solid, where they are nowhere their own."""
     return vector_directions(filled.solid, filled.on_boundary(vectors))
+
+
+def of_given_vectors(given, stretch, filled):
+    """:class:`core.files.solid_vectors.SolidVectors`, whose space a matrix (3, 3) leads to the solid's from."""
+    mesh = TetMesh(given.mesh.vertices @ stretch.T, given.mesh.tets)
+    return checked_vectors(filled.solid, vectors_at(mesh, at_vertices(given) @ stretch.T, filled.solid.vertices))
+
+
+def of_given_lines(given, stretch, filled):
+    """The same for vectors without a sign, such as principal stresses."""
+    mesh = TetMesh(given.mesh.vertices @ stretch.T, given.mesh.tets)
+    lines = replace(given, mesh=mesh, values=without_sign(given.values @ stretch.T))
+    found = principal(vectors_at(mesh, at_vertices(lines), filled.solid.vertices))
+    return checked_vectors(filled.solid, oriented(filled.solid, found))
 
 
 def away_from(base, points):

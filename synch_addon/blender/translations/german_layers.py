@@ -43,6 +43,18 @@ LAYERS = {
     "A vector attribute on the vertices, extended into the solid": (
         "Ein Vektorattribut auf den Punkten, in den Körper fortgesetzt"
     ),
+    "Vectors in a solid, on points or cells of a .vtu or .sol file": (
+        "Vektoren in einem Körper, an Punkten oder Zellen einer .vtu- oder .sol-Datei"
+    ),
+    "File of Lines": "Datei mit Linien",
+    "The same for vectors of either sign, such as principal stresses": (
+        "Das Gleiche für Vektoren ohne Vorzeichen, etwa Hauptspannungen"
+    ),
+    "A .vtu, or a .sol beside its .mesh, with vectors in the solid": (
+        "Eine .vtu, oder eine .sol neben ihrer .mesh, mit Vektoren im Körper"
+    ),
+    "Array": "Feld",
+    "Name of the array of vectors; empty for the only one": "Name des Vektorfelds; leer für das einzige",
     "Axis of the object": "Achse des Objekts",
     "Vertex group where the layers begin": "Vertexgruppe, an der die Schichten beginnen",
     "To": "Bis",
