@@ -29,11 +29,13 @@ GAP = 0.97
 # Heights in spacings, and their colours.
 HEIGHTS = (0.5, 1.5)
 COLORS = [
-    (0.0, (0.012, 0.05, 0.22, 1)),
-    (0.3, (0.06, 0.28, 0.5, 1)),
-    (0.5, (0.83, 0.76, 0.63, 1)),
-    (0.7, (0.75, 0.25, 0.12, 1)),
-    (1.0, (0.4, 0.02, 0.05, 1)),
+    (0.0, (0.01, 0.04, 0.2, 1)),
+    (0.25, (0.02, 0.16, 0.34, 1)),
+    (0.45, (0.16, 0.36, 0.36, 1)),
+    (0.5, (0.55, 0.4, 0.2, 1)),
+    (0.55, (0.6, 0.27, 0.09, 1)),
+    (0.75, (0.5, 0.07, 0.03, 1)),
+    (1.0, (0.25, 0.01, 0.03, 1)),
 ]
 
 
@@ -45,9 +47,9 @@ def main():
 def printing(options, folder, path):
     """The three solids side by side."""
     shapes = {
-        "shell": (curved_shell(), "ac", 34, 0.8, (-28, 30)),
-        "bar": (bent_bar(), "ac", 30, 0.86, (-38, 24)),
-        "rocker-arm": (upright(options.meshes, "rocker-arm"), "xyz", 34, 0.62, (-30, 32)),
+        "shell": (curved_shell(), "ac", 26, 0.8, (-28, 34)),
+        "bar": (bent_bar(), "ac", 26, 0.86, (-38, 24)),
+        "rocker-arm": (upright(options.meshes, "rocker-arm"), "xyz", 26, 0.62, (-30, 34)),
     }
     tiles = []
     for label, (shape, axes, layers, share, view) in shapes.items():
