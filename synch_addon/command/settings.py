@@ -7,14 +7,14 @@ from pathlib import Path
 
 from ...core.errors import SettingError
 from ..settings.constraints import from_plain
-from ..settings.fields import BOUNDARIES, SYMMETRIES, Settings
+from ..settings.fields import BOUNDARIES, SYMMETRIES, Settings, default_shares
 from ..settings.guidance import KINDS
 from .flags import add_choice, add_number, add_solver, add_spacing, add_strict, solver_of, spacing_of
 
 
 def add_settings(command, name):
     """Add the flags that a command of a name has to its parser."""
-    default = Settings()
+    default, shares = Settings(), default_shares(name)
     of_quads = name in ("quads", "quad_mesh")
     if name != "directions":
         add_spacing(command, "two quads' length" if of_quads else "between stripes")
@@ -34,9 +34,9 @@ def add_settings(command, name):
         command.add_argument("--straighten", action="store_true", help="look for shorter loops of quads")
     if name != "directions":
         tip = "share of the branches that even spacing needs, from 0 (hardly any or none) to 1"
-        add_number(command, "--branching", 0.0 if name == "quad_mesh" else 1.0, tip)
+        add_number(command, "--branching", shares["branching"], tip)
     tip = "share of the shape's unevenness answered by singular points, from 0 (as few as can be) to 1"
-    add_number(command, "--singularities", default.singularities, tip)
+    add_number(command, "--singularities", shares["singularities"], tip)
     command.add_argument(
         "--guidance",
         default=default.guidance,

@@ -8,6 +8,7 @@ from ..blender.translations import said
 from ..jobs.queue import queue
 from ..patterns.live import live
 from ..patterns.refine import draw_warning
+from ..settings.fields import MESH_SHARES
 from .guides import draw_guidance
 from .row_operators import can_set, others_selected
 from .setting_presets import SYNCH_PT_presets
@@ -74,14 +75,15 @@ def draw_quads(layout, settings):
 
 
 def draw_quad_mesh(layout, settings):
-    """Settings of the mesh of quads; operators have one branching."""
+    """Settings of the mesh of quads; operators have one of each share."""
     column = property_column(layout)
     column.prop(settings, "faces")
     column.prop(settings, "features")
     column.prop(settings, "smoothing")
     column.prop(settings, "straighten")
-    if hasattr(settings, "mesh_branching"):
-        column.prop(settings, "mesh_branching")
+    for name in MESH_SHARES:
+        if hasattr(settings, f"mesh_{name}"):
+            column.prop(settings, f"mesh_{name}")
 
 
 def draw_solver(layout, settings):

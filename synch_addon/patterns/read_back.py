@@ -95,7 +95,7 @@ def _asked_along_edges(settings):
     plain = Settings()
     names = ["guidance", "angle", "angle_attribute"]
     if settings.exact_attribute is not None:
-        names.append("singularities")
+        settings = replace(settings, singularities=1.0)
     if settings.branching == 1 and settings.singularities == 1:
         names += ["boundary", "vertex_group", "mirror"]
         settings = replace(settings, constraints=())

@@ -45,6 +45,14 @@ from .solver import (
 BOUNDARIES = ("free", "along", "across", "phase")
 # Angle between two faces beyond which the edges of quad meshes follow theirs.
 FEATURES = math.radians(40)
+# Shares of branches and of singular points where none are given.
+SHARES = {"branching": 1.0, "singularities": 1.0}
+MESH_SHARES = {"branching": 0.0, "singularities": 0.95}
+
+
+def default_shares(command):
+    """The shares that a command takes where none are given, by their names."""
+    return MESH_SHARES if command == "quad_mesh" else SHARES
 
 
 @dataclass(frozen=True)
@@ -61,7 +69,7 @@ class Settings(SolverSettings):
     vertex_group : restricts the boundary to the edges in a vertex group; "" for all of it
     mirror : axes "X", "Y", "Z", or several, in which the field is its own mirror image; "" for none
     singularities : share of the shape's unevenness that directions answer with singular points, from 0 (the fewest
-        that its topology allows) to 1
+        that its topology allows) to 1; None for that of :func:`default_shares`
     constraints : rows of the constraint list, :class:`Constraint` or dicts; None for the object's own list
     spacing : period in scene units, the distance between two stripes or two quads' length; None for about forty
         stripes or quads across the object
@@ -73,7 +81,7 @@ class Settings(SolverSettings):
     smoothing : of quad meshes, how often vertices move to where faces are nearer to squares, on the surface
     faces : of quad meshes, about how many there should be, whatever the spacing; 0 for as many as that gives
     straighten : of quad meshes, look for shorter loops among variations and with fewer singularities
-    branching : share of the branches that even spacing needs, from 0 to 1; None for 1, and for 0 in quad meshes
+    branching : share of the branches that even spacing needs, from 0 to 1; None for that of :func:`default_shares`
     assign_material : show the pattern on all faces, whatever materials they have
     strict : refuse meshes that cannot carry a field as they are, instead of solving on the surface nearest to them
     """
@@ -85,7 +93,7 @@ class Settings(SolverSettings):
     boundary: str = "free"
     vertex_group: str = ""
     mirror: str = ""
-    singularities: float = 1.0
+    singularities: float | None = None
     constraints: tuple[Constraint, ...] | None = None
     spacing: float | None = None
     spacing_map: str = ""
@@ -105,9 +113,9 @@ class Settings(SolverSettings):
         super().__post_init__()
         check_choice(self, "symmetry", SYMMETRIES)
         check_choice(self, "boundary", BOUNDARIES)
-        check_share(self.singularities, "singularities")
-        if self.branching is not None:
-            check_share(self.branching, "branching")
+        for name in SHARES:
+            if getattr(self, name) is not None:
+                check_share(getattr(self, name), name)
         if not math.isfinite(self.angle):
             raise SettingError(f"the angle is {self.angle}: give a finite one")
         if not 0 <= self.features <= math.pi:
@@ -185,7 +193,15 @@ MESH_BRANCHING = FloatProperty(
     name="Mesh Branching",
     description="How much the lines of quad meshes may branch to keep their distance: at 0 faces are quads all over "
     "and vary in size, at 100 their sizes are most even, but faces of five and six corners lie between",
-    default=0.0,
+    default=100 * MESH_SHARES["branching"],
+    **SHARE,
+)
+MESH_SINGULARITIES = FloatProperty(
+    name="Mesh Singularities",
+    description="How many singular points the directions of quad meshes may have to stay smooth: below 100 those go "
+    "that bend the least, and irregular vertices with them; at 0 there are the fewest that the shape allows, and quads "
+    "vary in size instead",
+    default=100 * MESH_SHARES["singularities"],
     **SHARE,
 )
 
@@ -225,7 +241,7 @@ class SettingProperties:
         name="Singularities",
         description="How many singular points directions may have to stay smooth: 100 for as many as the shape's bumps "
         "call for, 0 for the fewest that it allows, where directions bend more and quads vary in size instead",
-        default=100.0,
+        default=100 * SHARES["singularities"],
         **SHARE,
     )
     spacing: FloatProperty(
@@ -281,6 +297,7 @@ class SynchSettings(SettingProperties, bpy.types.PropertyGroup):
         default=True,
     )
     mesh_branching: MESH_BRANCHING
+    mesh_singularities: MESH_SINGULARITIES
     constraints: CollectionProperty(
         name="Constraints", description="What is asked of the pattern along lines of the mesh", type=SynchConstraint
     )
@@ -291,7 +308,7 @@ class SynchSettings(SettingProperties, bpy.types.PropertyGroup):
 
 PROPERTY_NAMES = tuple(SettingProperties.__annotations__)
 # What an object has of its own besides.
-STORED_NAMES = (*PROPERTY_NAMES, "automatic_spacing", "mesh_branching")
+STORED_NAMES = (*PROPERTY_NAMES, "automatic_spacing", *(f"mesh_{name}" for name in MESH_SHARES))
 
 
 def stored_settings(obj):

@@ -299,6 +299,14 @@ SETTINGS = {
         "Flächen Vierecke verschiedener Größe, bei 100 sind sie am gleichmäßigsten, aber mit Fünf- und Sechsecken "
         "dazwischen"
     ),
+    "Mesh Singularities": "Netzsingularitäten",
+    "How many singular points the directions of quad meshes may have to stay smooth: below 100 those go that bend the "
+    "least, and irregular vertices with them; at 0 there are the fewest that the shape allows, and quads vary in size "
+    "instead": (
+        "Wie viele singuläre Stellen die Richtungen von Vierecksnetzen haben dürfen, um glatt zu bleiben: unter 100 "
+        "entfallen die, die am wenigsten biegen, und mit ihnen unregelmäßige Ecken; bei 0 sind es so wenige, wie die "
+        "Form zulässt, wofür Vierecke verschieden groß werden"
+    ),
     "Singularities": "Singularitäten",
     "How many singular points directions may have to stay smooth: 100 for as many as the shape's bumps call for, 0 for "
     "the fewest that it allows, where directions bend more and quads vary in size instead": (
