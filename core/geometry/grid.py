@@ -47,11 +47,12 @@ class Grid:
                 raise MeshError(f"{count} nodes along axis {'XYZ'[axis]}: a grid needs {fewest} at least there")
         if not (np.isfinite(self.spacing).all() and (self.spacing > 0).all()):
             raise MeshError(f"the grid's spacing is {self.spacing.tolist()}: give positive lengths")
-        self.solid = np.zeros(self.shape, bool) if solid is None else np.asarray(solid, bool)
-        if self.solid.shape != self.shape:
-            raise MeshError(f"obstacles of the shape {self.solid.shape} on a grid of {self.shape}: give one a node")
-        if not self.open_cells.any():
-            raise MeshError("obstacles leave no cell of the grid open: leave room for the flow")
+        if solid is not None:
+            self.solid = np.asarray(solid, bool)
+            if self.solid.shape != self.shape:
+                raise MeshError(f"obstacles of the shape {self.solid.shape} on a grid of {self.shape}: give one a node")
+            if not self.open_cells.any():
+                raise MeshError("obstacles leave no cell of the grid open: leave room for the flow")
 
     @property
     def dimension(self):
@@ -60,6 +61,11 @@ class Grid:
     @property
     def node_count(self):
         return int(np.prod(self.shape))
+
+    @cached_property
+    def solid(self):
+        """Array of the grid's shape: whether each node lies in an obstacle."""
+        return np.zeros(self.shape, bool)
 
     @cached_property
     def numbers(self):
