@@ -9,7 +9,7 @@ from ..blender.attributes import read_all
 from ..blender.translations import said
 from ..jobs.shelf import Shelf
 from ..solids.links import solid_of
-from ..solids.properties import GUIDE_NAMES, LENGTHS
+from ..solids.properties import GUIDE_NAMES, LENGTHS, OPTIONAL_NAMES
 from .painting import draw_map
 from .row_operators import RemoveRow, RowOperator
 from .sidebar import (
@@ -49,7 +49,7 @@ def draw_layers(layout, stored):
     column.prop(stored, "guide")
     for name in GUIDE_NAMES[stored.guide]:
         field = column.row()
-        field.alert = not getattr(stored, name)
+        field.alert = name not in OPTIONAL_NAMES and not getattr(stored, name)
         field.prop(stored, name)
     for number, row in enumerate(stored.groups):
         line = layout.row(align=True)
@@ -63,7 +63,8 @@ def draw_layers(layout, stored):
     for name, automatic in LENGTHS.items():
         draw_automatic(column, stored, name, automatic)
     draw_map(column, stored, "LAYERS")
-    column.prop(stored, "branching")
+    for name in ("branching", "smallest_height", "largest_height", "numbers"):
+        column.prop(stored, name)
     draw_solver(layout, stored)
 
 
