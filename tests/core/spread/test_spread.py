@@ -46,7 +46,7 @@ if not shutil.which("mpirun") or not has_petsc():
 
 
 def ring_stripes():
-    """Stripes around a torus that are as many outside as inside only in the mean: some have to end."""
+    """Stripes around a torus, of which more are asked for outside than inside: they cannot be even everywhere."""
     rows, columns, lines = 24, 72, 20
     i, j = np.divmod(np.arange(rows * columns), rows)
     heads = np.append((i + 1) % columns * rows + j, i * rows + (j + 1) % rows)
