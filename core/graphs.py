@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Two things that arrays lack: the connected components of a graph, and counting within rows of different lengths."""
+"""What arrays lack: the connected components of a graph, counting within rows of different lengths, and pairs of what
+is near."""
 
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -37,3 +38,22 @@ def ragged_arange(counts):
     """
     rows = np.repeat(np.arange(len(counts)), counts)
     return rows, np.arange(len(rows)) - (np.cumsum(counts) - counts)[rows]
+
+
+def pairs_within(tree, points, reach):
+    """Pairs of points and of places of a tree within reach of them.
+
+    Parameters
+    ----------
+    tree : scipy.spatial.cKDTree
+    points : (n, d)
+    reach : a length, or (n,) one for each point
+
+    Returns
+    -------
+    rows : (k,) int, ascending, the point of each pair
+    places : (k,) int, that of the tree, ascending for each point
+    """
+    found = tree.query_ball_point(points, reach, return_sorted=True)
+    rows, _ = ragged_arange(np.array([len(near) for near in found], int))
+    return rows, np.concatenate([np.empty(0, int), *found]).astype(int)

@@ -4,6 +4,7 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ..graphs import pairs_within
 from .streamlines import trace
 
 # The distance between lines in mean edges, but so small on a coarse mesh that this many lines fit across a
@@ -103,9 +104,8 @@ class _SideBySide:
 
     def with_run(self, run):
         """Indices of the pieces beside any of a run of pieces, the run itself among them."""
-        found = self.tree.query_ball_point(self.centres[run], self.radius)
-        i = np.repeat(run, [len(near) for near in found])
-        j = np.concatenate(found).astype(int)
+        rows, j = pairs_within(self.tree, self.centres[run], self.radius)
+        i = run[rows]
         beside = np.abs(np.einsum("ij,ij->i", self.along[i], self.along[j])) > 0.7
         beside &= np.einsum("ij,ij->i", self.normals[i], self.normals[j]) > 0.5
         return j[beside]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..geometry.polylines import polyline_length
 from ..interpolate import TURN
 from .evening import evened_line
 from .strands import joined_strands
@@ -47,13 +48,17 @@ class Filament:
     @property
     def length(self):
         """Along it, once around a closed one."""
-        ends = self.points[:1] + self.shift if self.is_closed else self.points[-1:]
-        return float(np.linalg.norm(np.diff(self.points, axis=0, append=ends), axis=1).sum())
+        return polyline_length(self.whole)
+
+    @property
+    def whole(self):
+        """(k, 3) points in one piece, those of a closed one up to where it closes."""
+        return np.vstack([self.points, self.points[:1] + self.shift]) if self.is_closed else self.points
 
     @property
     def course(self):
         """(k, 3) points in one piece, with the first again at the end of one that goes around the box."""
-        return np.vstack([self.points, self.points[:1] + self.shift]) if any(self.winding) else self.points
+        return self.whole if any(self.winding) else self.points
 
     @property
     def parts(self):
@@ -61,7 +66,7 @@ class Filament:
         it, a closed one then without its first point again."""
         if len(self.cuts) == 1 and not any(self.winding):
             return [self.points + self.moves[0]]
-        whole = np.vstack([self.points, self.points[:1] + self.shift]) if self.is_closed else self.points
+        whole = self.whole
         ends = [*(cut + 1 for cut in self.cuts[1:]), len(whole)]
         return [whole[cut:end] + move for cut, end, move in zip(self.cuts, ends, self.moves, strict=True)]
 

@@ -82,6 +82,12 @@ class Isolines:
         return following
 
     @property
+    def runs(self):
+        """List of (k,) points of each line, the first one again where it is closed."""
+        lines = zip(self.starts, self.sizes, self.closed, strict=True)
+        return [np.r_[start : start + size, [start] if closed else []].astype(int) for start, size, closed in lines]
+
+    @property
     def points(self):
         """(n, 3) positions."""
         return np.einsum("nk,nkx->nx", self.weights, self.mesh.vertices[self.mesh.triangles[self.triangles]])

@@ -27,15 +27,15 @@ def table_of(lines, winding):
     winding : Linked of these, None where it is not known
     """
     rows = ["filament,x,y,z," + ",".join(name for name, _ in _VALUES)]
-    for number, (points, values) in enumerate(zip(_courses(lines), _values(lines, winding), strict=True)):
-        for point in points:
+    for number, (line, values) in enumerate(zip(lines, _values(lines, winding), strict=True)):
+        for point in line.whole:
             rows.append(f"{number}," + ",".join(f"{value:.9g}" for value in (*point, *values)))
     return "\n".join(rows) + "\n"
 
 
 def polydata_of(lines, winding):
     """Text of a .vtp file, a polyline and its values for each filament; parameters as :func:`table_of`."""
-    courses, values = _courses(lines), _values(lines, winding)
+    courses, values = [line.whole for line in lines], _values(lines, winding)
     sizes = [len(points) for points in courses]
     total = sum(sizes)
     parts = [
@@ -60,7 +60,7 @@ def polydata_of(lines, winding):
 
 def legacy_of(lines, winding):
     """Text of a .vtk file, the same in VTK's older form; parameters as :func:`table_of`."""
-    courses, values = _courses(lines), _values(lines, winding)
+    courses, values = [line.whole for line in lines], _values(lines, winding)
     sizes = [len(points) for points in courses]
     firsts = np.cumsum(sizes, dtype=int) - sizes
     parts = [
@@ -81,11 +81,6 @@ def legacy_of(lines, winding):
             *_rows([column]),
         ]
     return "\n".join(parts) + "\n"
-
-
-def _courses(lines):
-    """List of (k, 3) points from the first to the last, of closed ones the first again where they come back."""
-    return [np.vstack([line.points, line.points[:1] + line.shift]) if line.is_closed else line.points for line in lines]
 
 
 def _values(lines, winding):

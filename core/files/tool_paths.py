@@ -18,7 +18,7 @@ def table_of(lines, layers, points, normals, heights, widths):
     heights, widths : (n,) there
     """
     rows = ["layer,path,x,y,z,nx,ny,nz,height,width"]
-    for number, (layer, run) in enumerate(zip(layers, _runs(lines), strict=True)):
+    for number, (layer, run) in enumerate(zip(layers, lines.runs, strict=True)):
         for values in np.column_stack([points[run], normals[run], heights[run], widths[run]]):
             rows.append(f"{layer},{number}," + ",".join(f"{value:.9g}" for value in values))
     return "\n".join(rows) + "\n"
@@ -28,19 +28,12 @@ def polylines_of(lines, layers, points, *_):
     """Text of an .obj file, an object for each layer; parameters as :func:`table_of`, what has no place is left out."""
     rows, before = [], None
     rows += ["v " + " ".join(f"{value:.9g}" for value in point) for point in points]
-    for layer, run in zip(layers, _runs(lines), strict=True):
+    for layer, run in zip(layers, lines.runs, strict=True):
         if layer != before:
             rows.append(f"o layer_{layer:03d}")
             before = layer
         rows.append("l " + " ".join(map(str, run + 1)))
     return "\n".join(rows) + "\n"
-
-
-def _runs(lines):
-    """Points of each line, the first one again where it is closed."""
-    for start, size, closed in zip(lines.starts, lines.sizes, lines.closed, strict=True):
-        run = np.arange(start, start + size)
-        yield np.append(run, start) if closed else run
 
 
 WRITERS = {".csv": table_of, ".obj": polylines_of}

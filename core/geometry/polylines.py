@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Curves that guide: how long they may be, and what lies some way along them."""
+"""Polylines: how long they are and may be, and what lies some way along them."""
 
 import math
 
@@ -55,3 +55,13 @@ def beside(points, values, ways):
         along = np.concatenate([along[:-1] - length, along, along[1:] + length])
         values = np.concatenate([values[:-1], values, values[1:]])
     return np.array([np.column_stack([np.interp(places + way, along, column) for column in values.T]) for way in ways])
+
+
+def around(points, is_closed):
+    """(p, 3) points of a polyline, of a closed one with the first again at the end."""
+    return np.vstack([points, points[:1]]) if is_closed else points
+
+
+def polyline_length(points):
+    """Along (p, 3) points, scene units."""
+    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())

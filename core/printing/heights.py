@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..graphs import ragged_arange
+from ..graphs import pairs_within
 from .fine import refined
 
 # What is below beside layers: the end of the solid, and nothing as far as it was looked for.
@@ -60,9 +60,7 @@ def below(surfaces, solid, points, normals, layers, spacing):
         middles = points[going] - (number + 0.5) * stride * normals[going]
         for part in np.array_split(np.arange(len(going)), max(1, len(going) // 4096)):
             rays = going[part]
-            lists = tree.query_ball_point(middles[part], stride / 2 + around, return_sorted=False)
-            which = ragged_arange(np.array([len(found) for found in lists], int))[0]
-            targets = np.fromiter((k for one in lists for k in one), int, len(which))
+            which, targets = pairs_within(tree, middles[part], stride / 2 + around)
             ways = _ways(points[rays[which]], -normals[rays[which]], a[targets], b[targets], c[targets])
             kinds = of[targets]
             outward = np.einsum(

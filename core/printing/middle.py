@@ -12,6 +12,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from ..extract.toolpaths import rim_vertices
+from ..geometry.polylines import around, polyline_length
 from ..graphs import components
 
 # Rounds in which vertices take over their neighbours' nearest place of the rim.
@@ -44,8 +45,7 @@ class Polyline:
 
     @property
     def length(self):
-        points = np.vstack([self.points, self.points[:1]]) if self.closed else self.points
-        return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+        return polyline_length(around(self.points, self.closed))
 
 
 def medial_beads(mesh, layers, distances, away, step):
@@ -171,7 +171,7 @@ def chains(count, pairs):
 
 def smooth(bead, step):
     """A bead without the bends that come from the edges of the mesh, its points a share of a step apart."""
-    points = np.vstack([bead.points, bead.points[:1]]) if bead.closed else bead.points
+    points = around(bead.points, bead.closed)
     ways = np.append(0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
     count = max(3 if bead.closed else 2, round(PARTS * ways[-1] / step)) + (not bead.closed)
     places = np.linspace(0, ways[-1], count, endpoint=not bead.closed)

@@ -60,6 +60,16 @@ class PrintPlan:
     met: np.ndarray
     lowest: np.ndarray
 
+    @cached_property
+    def places(self):
+        """(n, 3) the lines' points in the world."""
+        return _moved(self.matrix, self.lines.points)
+
+    @cached_property
+    def normals(self):
+        """(n, 3) of the layers there, in the world: turned and mirrored like them, a matrix of layers has no scale."""
+        return self.lines.normals @ self.matrix[:3, :3].T
+
     @property
     def heights(self):
         """(n,) of the layer at the lines' points: the way down to what is below."""
@@ -73,7 +83,7 @@ class PrintPlan:
     @cached_property
     def tilts(self):
         """(n,) degrees between the layers' normals and upright, in the world."""
-        return tilts(self.lines.normals @ self.matrix[:3, :3].T)
+        return tilts(self.normals)
 
     @cached_property
     def shares(self):
@@ -87,21 +97,17 @@ class PrintPlan:
     def course(self):
         """The :class:`Course` of the program, in the machine's space."""
         machine, lines = self.machine, self.lines
-        points = (_moved(self.matrix, lines.points) - self.lowest) * machine.scale
-        axes = tool_axes(lines.normals @ self.matrix[:3, :3].T, machine)
+        points = (self.places - self.lowest) * machine.scale
+        axes = tool_axes(self.normals, machine)
         # Where nothing was found below, a usual height.
         heights = np.where(self.below.layers == NOTHING, self.spacing, self.heights) * machine.scale
         heights = np.clip(heights, machine.smallest_height, machine.largest_height)
-        runs = []
-        for start, size, closed in zip(lines.starts, lines.sizes, lines.closed, strict=True):
-            run = np.arange(start, start + size)
-            runs.append(np.append(run, start) if closed else run)
         return Course(
             points + [machine.bed_x, machine.bed_y, 0],
             axes,
             self.widths * machine.scale,
             heights,
-            runs,
+            lines.runs,
             self.layers,
             self.step * machine.scale,
         )

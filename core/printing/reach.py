@@ -4,7 +4,7 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..graphs import ragged_arange
+from ..graphs import pairs_within
 
 # Places that are looked at together.
 _BATCH = 1024
@@ -53,9 +53,8 @@ def collisions(points, axes, machine, step, slack):
     for obstacles, reach in ((everything, near), (_thinned(points, _COARSE * step), length)):
         tree = cKDTree(points[obstacles])
         for part in np.array_split(waiting, max(1, len(waiting) // _BATCH)):
-            lists = tree.query_ball_point(points[part], reach, return_sorted=False)
-            which = ragged_arange(np.array([len(found) for found in lists], int))[0]
-            other = obstacles[np.fromiter((k for one in lists for k in one), int, len(which))]
+            which, other = pairs_within(tree, points[part], reach)
+            other = obstacles[other]
             earlier = other < part[which]
             which, other = which[earlier], other[earlier]
             offsets = points[other] - points[part[which]]

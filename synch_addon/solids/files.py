@@ -144,21 +144,17 @@ def _collection(obj):
 
 
 @contextmanager
-def paths_file(layering, paths, path):
+def paths_file(paths, path):
     """Write paths to a file, in the world, which takes its place at the end: .csv with one row a point, or .obj with
     one polyline a path, or .gcode for the plan's machine. Yields the report's `files`.
 
     Closed paths come back to their first point. Normals point in the direction in which layers follow one another.
     """
-    matrix = np.asarray(layering.matrix)
-    points = paths.lines.points @ matrix[:3, :3].T + matrix[:3, 3]
-    # Turned and mirrored like the layers; there is no scale in the matrix.
-    normals = paths.lines.normals @ matrix[:3, :3].T
     suffix = Path(path).suffix.lower()
     if suffix == PROGRAM:
         text = gcode(paths.course, paths.machine)
     else:
-        text = WRITERS[suffix](paths.lines, paths.layers, points, normals, paths.heights, paths.widths)
+        text = WRITERS[suffix](paths.lines, paths.layers, paths.places, paths.normals, paths.heights, paths.widths)
     with written_whole(path) as made:
         made.write_text(text, encoding="utf-8")
         yield {"files": [str(path)]}

@@ -139,7 +139,7 @@ class PathsJob(_OutputJob):
         self.request = self._layering.paths(settings)
 
     def _file(self, layering, paths):
-        return nullcontext({"files": []}) if self._path is None else files.paths_file(layering, paths, self._path)
+        return nullcontext({"files": []}) if self._path is None else files.paths_file(paths, self._path)
 
     def _make(self, obj, layering, paths):
         return {

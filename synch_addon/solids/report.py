@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ...core.fields.evenness import quantiles
+from ...core.geometry.polylines import around, polyline_length
 from ..jobs.report import counted
 
 # Shares of the paths' length, and of the layers' area, from which on and below which there is a warning; places that a
@@ -29,15 +30,15 @@ def layer_facts(layering):
         },
         "punctured_tetrahedra": int(pattern.tet_phases.punctured.sum()),
         "dislocation_curves": [
-            {"index": curve.index, "closed": curve.is_closed, "length": _length(curve), "tetrahedra": len(curve.tets)}
+            {
+                "index": curve.index,
+                "closed": curve.is_closed,
+                "length": polyline_length(around(curve.points, curve.is_closed)),
+                "tetrahedra": len(curve.tets),
+            }
             for curve in layering.curves
         ],
     }
-
-
-def _length(curve):
-    points = np.vstack([curve.points, curve.points[:1]]) if curve.is_closed else curve.points
-    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
 
 
 def print_facts(plan):
@@ -70,14 +71,13 @@ def _spread_of(values, shares):
 def _places(plan, chosen):
     """Share of the length, and where: the layer, the path and the middle of each piece, the longest ones first."""
     runs, numbers = plan.runs_of(chosen), plan.lines.numbers
-    points = plan.lines.points @ plan.matrix[:3, :3].T + plan.matrix[:3, 3]
     lengths = [float(plan.shares[run].sum()) for run in runs]
     order = np.argsort(-np.array(lengths), kind="stable")[:MOST_PLACES]
     places = [
         {
             "layer": int(plan.layers[numbers[runs[k][0]]]),
             "path": int(numbers[runs[k][0]]),
-            "place": points[runs[k][len(runs[k]) // 2]].tolist(),
+            "place": plan.places[runs[k][len(runs[k]) // 2]].tolist(),
             "share": lengths[k],
         }
         for k in order

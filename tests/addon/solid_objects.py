@@ -5,7 +5,18 @@
 import bpy
 import numpy as np
 
+from synch_fields.synch_addon.solids import memory
+
 from .scenes import add_group, add_object, attribute
+
+# Of the layers in a block.
+SPACING = 0.3
+
+
+def in_world(obj, points):
+    """Points of the solid of an object with layers, in the world."""
+    matrix = memory.recall_layers(obj).matrix
+    return points @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 def block(size=(1.0, 1.0, 1.0), faces=(2, 2, 2)):

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...graphs import components, ragged_arange
+from ...graphs import components, pairs_within, ragged_arange
 from .rows import GRID
 
 # Quads asked for across a strip: more than one, so that two come before none where their number has to be even; and how
@@ -80,9 +80,8 @@ def _within_reach(places, reach, points):
     half of it from all points are in no strip and have none."""
     tree = cKDTree(points)
     near = np.flatnonzero(tree.query(places)[0] < reach / 2)
-    reached = tree.query_ball_point(places[near], reach[near])
-    rows, _ = ragged_arange(np.array([len(names) for names in reached], int))
-    return near[rows], np.concatenate([np.empty(0, int), *reached]).astype(int)
+    rows, reached = pairs_within(tree, places[near], reach[near])
+    return near[rows], reached
 
 
 def _first_of_each(labels, lengths, chosen):
