@@ -9,7 +9,6 @@ the surface. "stripes", "quads": mean difference of the logarithms of the distan
 these over what the second even triangulation differs by. "energy": over that of the first.
 """
 
-import bpy
 import numpy as np
 
 from synch_fields.bench.command import arguments
@@ -70,7 +69,7 @@ def measure(name, kind, path):
     corners = mesh.triangles[found]
     shares = nearest_in_triangles(places, np.moveaxis(mesh.vertices[corners], 1, 0))
     row, fields = {"vertices": mesh.vertex_count}, {}
-    wishes = DirectionWishes(((vectors_guide(mesh, _asked(mesh.vertices)), STRENGTH),))
+    wishes = DirectionWishes(((vectors_guide(mesh, asked(mesh.vertices)), STRENGTH),))
     x = np.cross(normals, np.roll(normals, 1, axis=1) * [1, -1, 1])
     x /= np.linalg.norm(x, axis=1)[:, None]
     y = np.cross(normals, x)
@@ -97,7 +96,7 @@ def difference(what, first, second):
     return float(100 * np.nanmean(np.abs(np.sort(one, axis=1) - np.sort(other, axis=1))))
 
 
-def _asked(places):
+def asked(places):
     """The gradient of a function with nothing of the surfaces' symmetries."""
     x, y, z = (places - places.mean(axis=0)).T * 4
     return np.column_stack([1 + 0.5 * y, 0.5 * x - 0.6 * z, 0.4 - 0.6 * y + 0.3 * z])
@@ -182,7 +181,7 @@ def _moved(mesh, rounds):
 # Bad triangulations
 
 
-def _needles(mesh, _surface, _path):
+def needles(mesh, _surface, _path):
     """Of edges that are apart, a point beside one end: needles 1000 times as long as wide."""
     half = _edges_apart(mesh)
     twin = mesh.twins[half]
@@ -193,7 +192,7 @@ def _needles(mesh, _surface, _path):
     return _with(mesh, points, np.concatenate([half, twin]) // 3, new)
 
 
-def _slivers(mesh, _surface, _path):
+def slivers(mesh, _surface, _path):
     """Beside edges that are apart, a point: slivers of a hundred millionth of the area."""
     half = _edges_apart(mesh)
     a, b, c = (_corners(mesh, half, k) for k in range(3))
@@ -220,17 +219,18 @@ def _with(mesh, points, removed, new):
     return TriangleMesh(np.concatenate([mesh.vertices, points]), np.concatenate(triangles))
 
 
-def _random(mesh, _surface, _path):
+def random(mesh, _surface, _path):
     return _moved(mesh, 0)
 
 
-def _cad(mesh, surface, _path):
+def cad(mesh, surface, _path):
     """Faces in as few triangles as their rims need, each divided evenly."""
     if surface is _torus:
         u, v = np.meshgrid(*(2 * np.pi * np.arange(n) / n for n in (240, 20)), indexing="ij")
         return _torus_of(u, v)
     if surface is _sphere:
         return _globe(24, 160)
+    import bpy  # isort: skip
     import bmesh  # on the path once bpy is loaded
 
     made = bmesh.new()
@@ -265,10 +265,10 @@ def _globe(rows, columns):
 KINDS = {
     "even": lambda mesh, _surface, _path: mesh,
     "even again": lambda _mesh, surface, path: surface(path, 1),
-    "needles": _needles,
-    "random": _random,
-    "slivers": _slivers,
-    "CAD": _cad,
+    "needles": needles,
+    "random": random,
+    "slivers": slivers,
+    "CAD": cad,
 }
 
 

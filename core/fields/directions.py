@@ -146,7 +146,7 @@ class DirectionField:
     @property
     def posed_matchings(self):
         """The same along the edges that problems are posed on; None where those are the mesh's own."""
-        posed = self.mesh.delaunay
+        posed = self.mesh.posed
         own = self.correction is not None or posed is self.mesh
         return None if own else matchings(posed, self.angles, self.symmetry)
 
@@ -164,7 +164,7 @@ def _posed(mesh, symmetry, wishes):
         raise SettingError(f"symmetry {symmetry!r} is unknown: use 1 (vector), 2 (line) or 4 (cross)")
     check_share(wishes.singularities, "singularities")
     # Calmed turns are read along the mesh's own edges.
-    posed = mesh.delaunay if wishes.singularities == 1 else mesh
+    posed = mesh.posed if wishes.singularities == 1 else mesh
     turns = levi_civita(posed, symmetry)
     connection = Connection(mesh.vertex_count, posed.edges, posed.weights, circle_transports(turns))
     fixed, drawn, gives_way = direction_targets(mesh, symmetry, wishes.rows)

@@ -77,11 +77,11 @@ class Growth:
 
     @property
     def posed(self):
-        """The growth along the edges that its problem is posed on (see :attr:`TriangleMesh.delaunay`): the mesh's own
+        """The growth along the edges that its problem is posed on (see :attr:`TriangleMesh.posed`): the mesh's own
         where something is known of these alone."""
         if self.posed_matchings is None or self.correction is not None or np.ndim(self.stretch) > 0:
             return self
-        return replace(self, mesh=self.mesh.delaunay, matchings=self.posed_matchings, posed_matchings=None)
+        return replace(self, mesh=self.mesh.posed, matchings=self.posed_matchings, posed_matchings=None)
 
     @property
     def asked_rates(self):

@@ -15,6 +15,8 @@ import numpy as np
 # Cotangent weights are kept in this range: Eq. (2) needs them positive, and slivers would
 # otherwise outweigh the rest of the mesh by ten orders of magnitude.
 WEIGHT_RANGE = (1e-4, 1e4)
+# Share of the energy that weights below 0 may be: up to it, a mesh's own triangles were measured to do as well.
+MOST_CLIPPED = 0.1
 # Edges stay whose opposite angles sum to at most this much beyond pi, radians.
 TOLERANCE = 1e-9
 # Nothing can flip at the boundary: triangles count nothing there in which the angle opposite it is larger than this.
@@ -33,6 +35,19 @@ def edge_weights(cotangents, edges, count):
     count : of edges
     """
     return np.clip(np.bincount(edges, weights=0.5 * cotangents, minlength=count), *WEIGHT_RANGE)
+
+
+def clipped_share(corner_angles, triangle_edges, edge_lengths, areas):
+    """What weights below 0 are, as a share of the energy sum of w_e l_e^2, which is twice the area."""
+    sums = np.bincount(triangle_edges.ravel(), 0.5 * opposite_cotangents(corner_angles).ravel())
+    with np.errstate(over="ignore"):
+        return np.maximum(-sums, 0) @ edge_lengths**2 / (2 * areas.sum())
+
+
+def opposite_cotangents(corner_angles):
+    """(m, 3) of the angle opposite the side from corner k to corner k + 1."""
+    opposite = np.roll(corner_angles, 1, axis=1)
+    return np.cos(opposite) / np.maximum(np.sin(opposite), np.finfo(float).tiny)
 
 
 @dataclass(frozen=True)
@@ -127,9 +142,9 @@ class IntrinsicMesh:
     @cached_property
     def weights(self):
         """(e,) see :func:`edge_weights`."""
-        opposite = np.roll(self.corner_angles, 1, axis=1)
-        counted = ~_is_flat(opposite.ravel(), self.twins).reshape(-1, 3).any(axis=1)
-        cotangents = counted[:, None] * np.cos(opposite) / np.maximum(np.sin(opposite), np.finfo(float).tiny)
+        flat = _is_flat(np.roll(self.corner_angles, 1, axis=1).ravel(), self.twins)
+        counted = ~flat.reshape(-1, 3).any(axis=1)
+        cotangents = counted[:, None] * opposite_cotangents(self.corner_angles)
         return edge_weights(cotangents.ravel(), self.triangle_edges.ravel(), len(self.edges))
 
 

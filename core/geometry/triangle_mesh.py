@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from ..errors import MeshError
 from ..graphs import components
-from .intrinsic_delaunay import edge_weights, intrinsic_delaunay
+from .intrinsic_delaunay import MOST_CLIPPED, clipped_share, edge_weights, intrinsic_delaunay
 
 # Cotangents are kept in a range in which they can be added.
 _LARGEST = 1e200
@@ -226,10 +226,11 @@ class TriangleMesh:
         return edge_weights(cotangents[:, [2, 0, 1]].ravel(), self._half_edges.numbers, len(self.edges))
 
     @cached_property
-    def delaunay(self):
-        """What problems are posed on: the mesh itself, or where it has flat triangles the same surface and vertices
-        with others (see :func:`intrinsic_delaunay`)."""
-        return intrinsic_delaunay(self)
+    def posed(self):
+        """What problems are posed on: the mesh itself where its weights tell nearly all, else the same surface and
+        vertices in other triangles (see :func:`intrinsic_delaunay`)."""
+        lost = clipped_share(self.corner_angles, self.triangle_edges, self.edge_lengths, self.areas)
+        return self if lost <= MOST_CLIPPED else intrinsic_delaunay(self)
 
     # Rescaled tangent planes (Knöppel et al. 2013, Section 3.1)
 
