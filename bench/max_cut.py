@@ -5,14 +5,16 @@
     python bench/max_cut.py [GRAPH.txt ...] [--target-gap 1e-2]
 
 Without files: square grids closed around with weights 1 and -1 at random, as in Gset's toroidal graphs but open along,
-so that dynamic programming gives the best cut; and bipartite tori, whose edges can all be cut, which is proved. With
-files, in the format of the Gset graphs: those. Seconds are of the processor, for the whole solve.
+so that dynamic programming gives the best cut; planar graphs that are triangulations of a sphere, whose best cut has a
+formula; and bipartite tori, whose edges can all be cut, which is proved. With files, in the format of the Gset graphs:
+those, beside the best cuts known of Gset's names. Seconds are of the processor, for the whole solve.
 """
 
 from itertools import product
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from synch_fields.bench.command import arguments
 from synch_fields.bench.measure import spent
@@ -23,6 +25,12 @@ from synch_fields.examples.max_cut import cut_problem, read_graph
 # Nodes around and along of the grids, and of the bipartite tori.
 GRIDS = ((10, 500), (12, 830), (14, 1430))
 TORI = ((60, 50), (100, 100), (200, 100))
+# Nodes of the planar graphs.
+SPHERES = (5000, 10000, 20000)
+# The best cuts that have been published of some of Gset's graphs, by any method in any time.
+BEST_KNOWN = {"G48": 6000, "G49": 6000, "G50": 5880, "G55": 10299, "G56": 4017, "G57": 3494, "G60": 14188, "G61": 5796}
+BEST_KNOWN |= {"G62": 4870, "G65": 5562, "G66": 6364, "G67": 6950, "G72": 7008, "G77": 9940, "G81": 14060}
+BEST_KNOWN |= {"G35": 7687, "G36": 7680, "G51": 3848, "G52": 3851}
 COLUMNS = (
     Column("nodes", "nodes", "d"),
     Column("edges", "edges", "d"),
@@ -48,12 +56,14 @@ def main():
 def subjects(paths):
     """Name, graph and best cut, where that is known, of each graph: of the files, or of those that are made here."""
     for path in paths:
-        yield path.stem, read_graph(path), None
+        yield path.stem, read_graph(path), BEST_KNOWN.get(path.stem)
     if paths:
         return
     for number, (around, along) in enumerate(GRIDS):
         graph = cylinder(around, along, number)
         yield f"{around} x {along}, ±1", graph, best_cut(around, along, graph[2])
+    for count in SPHERES:
+        yield f"planar, {count} nodes", triangulation(count), 2 * count - 4
     for around, along in TORI:
         count, edges, weights = cylinder(around, along, 0, closed=True)
         yield f"{around} x {along}, bipartite torus", (count, edges, np.ones(len(weights))), len(weights)
@@ -91,6 +101,18 @@ def cylinder(around, along, seed, closed=False):
     edges = np.concatenate([np.column_stack([number.ravel(), np.roll(number, -1, 1).ravel()]), between])
     edges = edges if closed else edges[:-around]
     return number.size, edges, np.random.default_rng(seed).choice([-1.0, 1.0], len(edges))
+
+
+def triangulation(count):
+    """Number of nodes, edges and weights of 1 of the convex hull of random points on a sphere.
+
+    In every triangle an edge is not cut. The dual graph has no bridge, so its edges hold a perfect matching (Petersen
+    1891): one edge for two of the 2 n - 4 triangles is enough, and 2 n - 4 of the 3 n - 6 edges are cut.
+    """
+    points = np.random.default_rng(count).normal(size=(count, 3))
+    triangles = ConvexHull(points / np.linalg.norm(points, axis=1, keepdims=True)).simplices
+    edges = np.unique(np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1), axis=0)
+    return count, edges, np.ones(len(edges))
 
 
 def best_cut(around, along, weights):

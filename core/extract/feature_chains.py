@@ -47,6 +47,10 @@ class Chains:
     fixed: np.ndarray
     missed: tuple[int, ...]
 
+    def of_vertices(self, which):
+        """The chains of a quad mesh that has (k,) of the vertices alone."""
+        return replace(self, lines=self.lines[which], fixed=self.fixed[which])
+
     def edges(self, quads):
         """(e, 2) vertices of the quad mesh's edges that may be of a line."""
         ends = quads.edges[0]

@@ -36,7 +36,7 @@ def fitted(quads, mesh, free, planes, rounds, chains=None):
     chains : Chains of its vertices on lines, or None
     """
     surface = NearestTriangles(mesh.vertices, mesh.triangles)
-    lines = np.full(len(quads.vertices), -1) if chains is None else np.where(free, chains.lines, -1)
+    lines = slid_lines(free, chains)
     movable = np.flatnonzero(free)
     for number in range(rounds):
         square = SQUARE * (1 - number / rounds)
@@ -49,6 +49,11 @@ def fitted(quads, mesh, free, planes, rounds, chains=None):
             moved[on_plane] -= np.outer(moved[on_plane] @ unit, unit)
         quads = settled(quads, mesh, surface, lines, chains, movable, moved[movable])
     return quads
+
+
+def slid_lines(free, chains):
+    """(n,) line on which each vertex slides, -1 for none; arguments as of :func:`fitted`."""
+    return np.full(len(free), -1) if chains is None else np.where(free, chains.lines, -1)
 
 
 def settled(quads, mesh, surface, lines, chains, which, places):

@@ -8,10 +8,12 @@ import numpy as np
 from ..errors import SettingError
 from ..fields.constraints.rows import GRID
 from .all_quads import all_quads
+from .closed_faces import with_faces_closed
 from .feature_chains import on_features
 from .feature_lines import FeatureLines
 from .quad_fitting import fitted
 from .quad_mirror import ON_PLANE, averaged, mirrored, partners
+from .tips import climbed
 from .turned_edges import turned_edges
 from .worst_corners import levelled
 
@@ -55,6 +57,8 @@ def smoothed(quads, mesh, rows, planes, rounds, only_quads=False):
         quads = mirrored(quads, mesh, unit)
     if features is not None:
         quads, chains = on_features(quads, features, _side(quads))
+    if only_quads and not planes and (quads.sizes == 4).all():  # halves would be closed in other ways
+        quads, chains = _closed(quads, mesh, rows, chains)
     if rounds == 0:
         return quads
     mates = [partners(quads, unit) for unit in planes]
@@ -67,6 +71,7 @@ def smoothed(quads, mesh, rows, planes, rounds, only_quads=False):
     held = list(zip(planes, on_planes, strict=True))
     quads = fitted(quads, mesh, loose, held, rounds, chains)
     quads = levelled(quads, mesh, free, held, chains)
+    quads = levelled(climbed(quads, mesh, free, held, chains), mesh, free, held, chains)
     if not planes:  # halves that mirror each other would be turned in other ways
         turned = turned_edges(quads, mesh.face_normals[quads.triangles], _held_edges(quads, free, chains))
         quads = levelled(turned, mesh, free, held, chains) if turned is not quads else quads
@@ -120,6 +125,14 @@ def _side(quads):
     return float(np.linalg.norm(quads.vertices[edges[:, 1]] - quads.vertices[edges[:, 0]], axis=1).mean())
 
 
+def _closed(quads, mesh, rows, chains):
+    """The quad mesh with faces closed where that makes it more regular, and the chains of its vertices."""
+    held = _held(_free(quads, mesh, rows, chains)[0], chains)
+    corners = np.zeros_like(held) if chains is None else chains.fixed
+    quads, kept = with_faces_closed(quads, mesh, held, corners)
+    return quads, None if chains is None else chains.of_vertices(kept)
+
+
 def _free(quads, mesh, rows, chains):
     """(n,) bool: vertices that may move, and those of them that are not where the surface bends."""
     edges, counts = quads.edges
@@ -137,9 +150,13 @@ def _free(quads, mesh, rows, chains):
 
 def _held_edges(quads, free, chains):
     """(k, 2) vertices of the edges between two vertices that stay or slide along lines."""
-    held = ~free if chains is None else ~free | (chains.lines >= 0)
     edges, _ = quads.edges
-    return edges[held[edges].all(axis=1)]
+    return edges[_held(free, chains)[edges].all(axis=1)]
+
+
+def _held(free, chains):
+    """(n,) bool: vertices that stay or slide along lines."""
+    return ~free if chains is None else ~free | (chains.lines >= 0)
 
 
 def _on_rows(quads, mesh, rows):

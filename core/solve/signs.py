@@ -3,7 +3,8 @@
 
 Two fields cross exactly: where they differ, each connected region is taken from the one that has less energy there. In
 graphs of few edges a node, as planar ones, such regions are many and small, and a knock-out of many fields comes near
-the best there is; in dense ones most of the graph is one region, and crossing gains nothing.
+the best there is; in dense ones most of the graph is one region, and crossing gains nothing. Of copies of a field that
+are shaken, by heat that fades, a knock-out keeps what each gained anywhere.
 """
 
 import numpy as np
@@ -14,8 +15,12 @@ from ..graphs import components
 LEAST_GAIN = 1e-5
 # Sweeps in which flips that cost nothing are made, too, each by the toss of a coin.
 FREE_SWEEPS = 20
-# Knock-outs, whose winners meet in a last one, and numbers that are worked on at once.
-KNOCK_OUTS, MOST_AT_ONCE = 2, 4_000_000
+# Numbers that are worked on at once.
+MOST_AT_ONCE = 4_000_000
+# Times that the best field is shaken, the most copies of it, and the heats of their sweeps: a flip that costs energy is
+# made with probability exp(-cost / 4 heat), for edges of weight 1.
+SHAKES, COPIES = 3, 64
+HEATS = np.linspace(1, 0.1, 15)
 
 
 class Flips:
@@ -32,6 +37,7 @@ class Flips:
         entries = matrix.tocoo()
         above = entries.row < entries.col
         self._edges = entries.row[above], entries.col[above], entries.data[above][:, None]
+        self._weight = np.abs(entries.data[above]).mean()
         classes = [np.flatnonzero(colours) for colours in _independent_sets(matrix)]
         self._classes = [(nodes, matrix[nodes], self._diagonal[nodes][:, None]) for nodes in classes]
 
@@ -55,6 +61,16 @@ class Flips:
                     flips |= (gains >= -least) & (random.random(gains.shape, np.float32) < 0.5)
                 columns[nodes] = np.where(flips, -own, own)
             sweep += 1
+        return columns
+
+    def shaken(self, columns, random):
+        """(N, k) signs after sweeps of flips at random that fade (Kirkpatrick et al. 1983)."""
+        for heat in HEATS:
+            for nodes, rows, diagonal in self._classes:
+                own = columns[nodes]
+                gains = own * (rows @ columns) - diagonal
+                flips = random.random(gains.shape, np.float32) < np.exp(np.minimum(gains / (heat * self._weight), 0))
+                columns[nodes] = np.where(flips, -own, own)
         return columns
 
     def crossed(self, first, second):
@@ -109,9 +125,11 @@ def knock_outs(flips, seeds, found, random, monitor):
     monitor : Monitor
     """
     many = max(MOST_AT_ONCE // len(found), 2)
-    winners = []
-    for _ in range(KNOCK_OUTS):
+    monitor.check()
+    winner = flips.knocked_out(flips.descended(seeds(many), random), random, monitor)
+    best = flips.knocked_out(np.hstack([found[:, :1], winner]), random, monitor)
+    for _ in range(SHAKES):
         monitor.check()
-        winners.append(flips.knocked_out(flips.descended(seeds(many), random), random, monitor))
-    last = flips.knocked_out(np.hstack([found[:, :1], *winners]), random, monitor)
-    return np.hstack([last, *winners, found])
+        copies = flips.shaken(np.repeat(best, min(many, COPIES), axis=1), random)
+        best = flips.knocked_out(np.hstack([best, flips.descended(copies)]), random, monitor)
+    return np.hstack([best, winner, found])

@@ -23,6 +23,7 @@ from ..fields import (
     quad_pattern,
     stripe_pattern,
 )
+from ..fields.alignment import along_curvature
 from ..fields.directions import SYMMETRIES, known_directions
 from ..fields.growth import COARSE_SHARE, Growth
 from ..fields.mirror import Mirror
@@ -170,7 +171,9 @@ class SurfaceRequest:
             guides = tuple(guide.weighted for guide in self.guides)
             wishes = DirectionWishes(guides, self.rows, self.mirrors, self.singularities)
             field = direction_field(mesh, symmetry, wishes, self.options, progress, before, follower, start)
-            return field.turned(self.turn)
+        if self.command == "quad_mesh":
+            field = along_curvature(field)
+        return field.turned(self.turn)
 
     def along(self, directions, progress=None, before=None, hold=0.0, show=None, follower=None):
         """The :class:`SurfaceResult` of the pattern along a field; from that of the frame before, if there is one.

@@ -7,14 +7,14 @@ from pathlib import Path
 
 from ...core.errors import SettingError
 from ..settings.constraints import from_plain
-from ..settings.fields import BOUNDARIES, SYMMETRIES, Settings
+from ..settings.fields import BOUNDARIES, SYMMETRIES, Settings, default_shares
 from ..settings.guidance import KINDS
 from .flags import add_choice, add_number, add_solver, add_spacing, add_strict, solver_of, spacing_of
 
 
 def add_settings(command, name):
     """Add the flags that a command of a name has to its parser."""
-    default = Settings()
+    default, shares = Settings(), default_shares(name)
     of_quads = name in ("quads", "quad_mesh")
     if name != "directions":
         add_spacing(command, "two quads' length" if of_quads else "between stripes")
@@ -34,9 +34,9 @@ def add_settings(command, name):
         command.add_argument("--straighten", action="store_true", help="look for shorter loops of quads")
     if name != "directions":
         tip = "share of the branches that even spacing needs, from 0 (hardly any or none) to 1"
-        add_number(command, "--branching", 0.0 if name == "quad_mesh" else 1.0, tip)
+        add_number(command, "--branching", shares["branching"], tip)
     tip = "share of the shape's unevenness answered by singular points, from 0 (as few as can be) to 1"
-    add_number(command, "--singularities", default.singularities, tip)
+    add_number(command, "--singularities", shares["singularities"], tip)
     command.add_argument(
         "--guidance",
         default=default.guidance,
@@ -47,7 +47,13 @@ def add_settings(command, name):
         "--angle", type=float, default=0.0, metavar="DEG", help="turn the directions, counterclockwise"
     )
     command.add_argument(
-        "--angle-attribute", default="", metavar="NAME", help="float attribute, radians from vertex to vertex on top"
+        "--angle-attribute",
+        default="",
+        metavar="NAME",
+        help="float attribute, radians from vertex to vertex on top, or vertex group, which takes them to the range",
+    )
+    command.add_argument(
+        "--angle-range", type=float, metavar="DEG", help="angle where the vertex group's weight is 1 (57.3)"
     )
     boundary = "what directions do at open edges; phase: a line lies exactly on them"
     add_choice(command, "--boundary", BOUNDARIES, default.boundary, boundary)
@@ -69,10 +75,14 @@ def settings_of(options):
             f"the vertex group {options.vertex_group!r} restricts the boundary, which is free: "
             "add --boundary along, across or phase"
         )
+    if options.angle_range is not None and not options.angle_attribute:
+        raise SettingError("the angle range belongs to an angle attribute: add --angle-attribute NAME")
     names = ("aspect", "smoothing", "faces", "straighten", "branching")
     only_some = {name: getattr(options, name) for name in names if hasattr(options, name)}
     if hasattr(options, "features"):
         only_some["features"] = math.radians(options.features)
+    if options.angle_range is not None:
+        only_some["angle_range"] = math.radians(options.angle_range)
     return Settings(
         symmetry=getattr(options, "symmetry", "cross"),
         guidance=options.guidance,

@@ -19,6 +19,7 @@ from ...core.memory import peak_megabytes
 from ...core.solve.solution import Clock
 from ..blender.modifiers import changing_modifiers
 from ..blender.schema import FORMAT
+from ..settings.fields import default_shares
 
 _MANIFEST = Path(__file__).parents[2] / "blender_manifest.toml"
 VERSION = tomllib.loads(_MANIFEST.read_text(encoding="utf-8"))["version"]
@@ -33,6 +34,7 @@ class Report:
         self.warnings = []
         self.forced_dislocations = None
         self.quad_mesh = None
+        self.curves_read = ()  # what the curves looked like that the settings speak of
         self._settled = {}
         self._start = time.perf_counter()
         self._request = None
@@ -89,7 +91,8 @@ class Report:
                 "directions that an attribute gives are taken as they are, without the mirror: "
                 f"give it a strength (attribute:{self.settings.exact_attribute}=1) where they should be mirrored"
             )
-        if self.settings.exact_attribute and self.settings.singularities < 1:
+        usual = default_shares(self.command)["singularities"]
+        if self.settings.exact_attribute and self.settings.singularities < usual:
             self.warn(
                 "directions that an attribute gives are taken as they are, with all their singular points: give it a "
                 f"strength (attribute:{self.settings.exact_attribute}=1) where there should be fewer"

@@ -4,7 +4,7 @@
 import bpy
 
 from ..panels.sidebar import draw_directions, draw_faces, draw_pattern, draw_quad_mesh, draw_quads
-from ..settings.fields import MESH_BRANCHING, SettingProperties
+from ..settings.fields import MESH_BRANCHING, MESH_SHARES, MESH_SINGULARITIES, SettingProperties
 from .field_operator import FieldOperator
 
 
@@ -29,9 +29,10 @@ class SYNCH_OT_quad_mesh(FieldOperator, SettingProperties, bpy.types.Operator):
     bl_label = "Quad Mesh"
     command = "quad_mesh"
 
-    stored_as = {"branching": "mesh_branching"}
+    stored_as = {name: f"mesh_{name}" for name in MESH_SHARES}
 
     branching: MESH_BRANCHING
+    singularities: MESH_SINGULARITIES
 
     def draw(self, context):
         draw_directions(self.layout, self, context.active_object, of_quads=True)

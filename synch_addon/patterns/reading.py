@@ -16,6 +16,7 @@ from ..blender import attributes, meshes
 from ..blender.vertex_maps import read_factors, read_turns
 from ..settings import constraints
 from ..settings.constraint_list import stored_constraints
+from ..settings.fields import default_shares
 from ..settings.guidance import read_guides
 
 # Automatic spacing: this many stripes or quads across the object, and at least this many edges to a period;
@@ -27,8 +28,8 @@ FEWEST_LINES = 2
 
 def settings_for(command, obj, settings):
     """The settings that count for a command on an object; refuses what it cannot do."""
-    if settings.branching is None:
-        settings = replace(settings, branching=0.0 if command == "quad_mesh" else 1.0)
+    shares = {name: share for name, share in default_shares(command).items() if getattr(settings, name) is None}
+    settings = replace(settings, **shares)
     if command == "directions":
         settings = replace(settings, spacing=None, spacing_map="", branching=None)
     elif PATTERNS[command] is quad_pattern:
@@ -61,7 +62,7 @@ def gather(command, obj, settings, base=None, given=None):
     else:
         check_spacing(given.mesh.vertices[np.unique(given.mesh.triangles)], spacings)
     if settings.angle_attribute:
-        turn = turn + read_turns(obj, given, settings.angle_attribute)
+        turn = turn + read_turns(obj, given, settings.angle_attribute, settings.angle_range)
     if settings.exact_attribute is None:
         guides = read_guides(obj, given, settings.symmetry, settings.sources)
     else:

@@ -22,6 +22,7 @@ from ...core.fields.directions import SYMMETRIES
 from ...core.keywords import MOST_ROUNDS, check_choice, check_positive, check_whole
 from ...core.tasks.settings import SolverSettings
 from ..blender.registration import keeping
+from ..blender.translations import OURS
 from .constraint_list import SynchConstraint
 from .constraints import Constraint, from_plain
 from .favourite_list import SynchFavourite
@@ -45,6 +46,14 @@ from .solver import (
 BOUNDARIES = ("free", "along", "across", "phase")
 # Angle between two faces beyond which the edges of quad meshes follow theirs.
 FEATURES = math.radians(40)
+# Shares of branches and of singular points where none are given.
+SHARES = {"branching": 1.0, "singularities": 1.0}
+MESH_SHARES = {"branching": 0.0, "singularities": 0.95}
+
+
+def default_shares(command):
+    """The shares that a command takes where none are given, by their names."""
+    return MESH_SHARES if command == "quad_mesh" else SHARES
 
 
 @dataclass(frozen=True)
@@ -56,12 +65,13 @@ class Settings(SolverSettings):
     symmetry : "vector", "line" or "cross"
     guidance : "smooth", or sources that directions follow, as :mod:`.guidance` reads them
     angle : radians by which the directions are turned
-    angle_attribute : name of a float attribute or vertex group on the vertices, more radians; "" for none
+    angle_attribute : name of a float attribute on the vertices, more radians, or of a vertex group; "" for none
+    angle_range : radians by which directions are turned where the vertex group's weight is 1
     boundary : "free", "along", "across" or "phase" (a stripe or grid line lies on the boundary)
     vertex_group : restricts the boundary to the edges in a vertex group; "" for all of it
     mirror : axes "X", "Y", "Z", or several, in which the field is its own mirror image; "" for none
     singularities : share of the shape's unevenness that directions answer with singular points, from 0 (the fewest
-        that its topology allows) to 1
+        that its topology allows) to 1; None for that of :func:`default_shares`
     constraints : rows of the constraint list, :class:`Constraint` or dicts; None for the object's own list
     spacing : period in scene units, the distance between two stripes or two quads' length; None for about forty
         stripes or quads across the object
@@ -73,7 +83,7 @@ class Settings(SolverSettings):
     smoothing : of quad meshes, how often vertices move to where faces are nearer to squares, on the surface
     faces : of quad meshes, about how many there should be, whatever the spacing; 0 for as many as that gives
     straighten : of quad meshes, look for shorter loops among variations and with fewer singularities
-    branching : share of the branches that even spacing needs, from 0 to 1; None for 1, and for 0 in quad meshes
+    branching : share of the branches that even spacing needs, from 0 to 1; None for that of :func:`default_shares`
     assign_material : show the pattern on all faces, whatever materials they have
     strict : refuse meshes that cannot carry a field as they are, instead of solving on the surface nearest to them
     """
@@ -82,10 +92,11 @@ class Settings(SolverSettings):
     guidance: str = "smooth"
     angle: float = 0.0
     angle_attribute: str = ""
+    angle_range: float = 1.0
     boundary: str = "free"
     vertex_group: str = ""
     mirror: str = ""
-    singularities: float = 1.0
+    singularities: float | None = None
     constraints: tuple[Constraint, ...] | None = None
     spacing: float | None = None
     spacing_map: str = ""
@@ -105,11 +116,12 @@ class Settings(SolverSettings):
         super().__post_init__()
         check_choice(self, "symmetry", SYMMETRIES)
         check_choice(self, "boundary", BOUNDARIES)
-        check_share(self.singularities, "singularities")
-        if self.branching is not None:
-            check_share(self.branching, "branching")
-        if not math.isfinite(self.angle):
-            raise SettingError(f"the angle is {self.angle}: give a finite one")
+        for name in SHARES:
+            if getattr(self, name) is not None:
+                check_share(getattr(self, name), name)
+        for name in ("angle", "angle_range"):
+            if not math.isfinite(getattr(self, name)):
+                raise SettingError(f"the {name.replace('_', ' ')} is {getattr(self, name)}: give a finite one")
         if not 0 <= self.features <= math.pi:
             raise SettingError(f"the angle of features is {self.features!r}: give radians from 0 (none) to pi")
         check_positive(self, "spacing_range", "aspect")
@@ -185,7 +197,15 @@ MESH_BRANCHING = FloatProperty(
     name="Mesh Branching",
     description="How much the lines of quad meshes may branch to keep their distance: at 0 faces are quads all over "
     "and vary in size, at 100 their sizes are most even, but faces of five and six corners lie between",
-    default=0.0,
+    default=100 * MESH_SHARES["branching"],
+    **SHARE,
+)
+MESH_SINGULARITIES = FloatProperty(
+    name="Mesh Singularities",
+    description="How many singular points the directions of quad meshes may have to stay smooth: below 100 those go "
+    "that bend the least, and irregular vertices with them; at 0 there are the fewest that the shape allows, and quads "
+    "vary in size instead",
+    default=100 * MESH_SHARES["singularities"],
     **SHARE,
 )
 
@@ -199,12 +219,19 @@ class SettingProperties:
     )
     angle_attribute: StringProperty(
         name="Angle Map",
-        description="Float attribute or vertex group on the vertices, radians added to the angle",
+        description="Float attribute, radians added to the angle, or vertex group, which adds from 0 to the range",
         search=suggest_numbers,
+    )
+    angle_range: FloatProperty(
+        name="Angle Range",
+        description="Angle that is added where the vertex group's weight is 1",
+        default=Settings.angle_range,
+        **ANGLE,
     )
     boundary: EnumProperty(
         name="Boundary",
         description="What happens at open edges",
+        translation_context=OURS,
         items=_items(
             ("free", "Free", "Nothing is asked of the boundary"),
             ("along", "Along", "Directions run along the boundary"),
@@ -225,7 +252,7 @@ class SettingProperties:
         name="Singularities",
         description="How many singular points directions may have to stay smooth: 100 for as many as the shape's bumps "
         "call for, 0 for the fewest that it allows, where directions bend more and quads vary in size instead",
-        default=100.0,
+        default=100 * SHARES["singularities"],
         **SHARE,
     )
     spacing: FloatProperty(
@@ -281,6 +308,7 @@ class SynchSettings(SettingProperties, bpy.types.PropertyGroup):
         default=True,
     )
     mesh_branching: MESH_BRANCHING
+    mesh_singularities: MESH_SINGULARITIES
     constraints: CollectionProperty(
         name="Constraints", description="What is asked of the pattern along lines of the mesh", type=SynchConstraint
     )
@@ -291,7 +319,7 @@ class SynchSettings(SettingProperties, bpy.types.PropertyGroup):
 
 PROPERTY_NAMES = tuple(SettingProperties.__annotations__)
 # What an object has of its own besides.
-STORED_NAMES = (*PROPERTY_NAMES, "automatic_spacing", "mesh_branching")
+STORED_NAMES = (*PROPERTY_NAMES, "automatic_spacing", *(f"mesh_{name}" for name in MESH_SHARES))
 
 
 def stored_settings(obj):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from synch_fields.bench import max_cut as bench
-from synch_fields.bench.max_cut import best_cut, cut_of, cylinder
+from synch_fields.bench.max_cut import best_cut, cut_of, cylinder, triangulation
 from synch_fields.core.errors import SynchError
 from synch_fields.core.problem import SynchronizationProblem, Targets
 from synch_fields.core.solve import Certificate, Options, solve
@@ -57,10 +57,12 @@ def test_the_bench_reads_files_and_makes_graphs_whose_best_cuts_it_knows(tmp_pat
     assert (found["label"], found["nodes"], found["edges"], found["cut"]) == ("petersen", 10, 15, 12)
     assert found["short"] is None and found["bound"] == pytest.approx(12.5, rel=1e-3)
     monkeypatch.setattr(bench, "GRIDS", ((4, 6),))
+    monkeypatch.setattr(bench, "SPHERES", (20,))
     monkeypatch.setattr(bench, "TORI", ((4, 6),))
-    small, torus = (bench.row(*subject, 1e-2) for subject in bench.subjects([]))
+    small, planar, torus = (bench.row(*subject, 1e-2) for subject in bench.subjects([]))
     _, edges, weights = cylinder(4, 6, 0)
     assert small["best"] == best_cut(4, 6, weights) and 0 <= small["short"] <= 0.1 and small["edges"] == len(edges)
+    assert planar["cut"] == planar["best"] == 36
     assert torus["cut"] == torus["best"] == torus["edges"] == 48 and torus["bound"] == pytest.approx(48)
 
 
@@ -95,6 +97,32 @@ def test_flips_and_crossings_never_raise_the_energy():
     crossed = flips.crossed(first, second)
     assert (piece.energy(crossed) <= np.minimum(piece.energy(first), piece.energy(second)) + 1e-9).all()
     assert piece.energy(crossed).mean() < 0.97 * piece.energy(settled).mean()
+
+
+def test_sweeps_of_one_heat_lead_to_the_boltzmann_distribution(monkeypatch):
+    heat = 0.7
+    monkeypatch.setattr("synch_fields.core.solve.signs.HEATS", np.full(60, heat))
+    count, edges, weights = cylinder(3, 3, 1)
+    piece = only_piece(max_cut.cut_problem(count, edges, weights))
+    shaken = Flips(piece.matrix).shaken(np.ones((count, 60_000)), np.random.default_rng(0))
+    states = np.array(list(product((-1.0, 1.0), repeat=count))).T
+    energies = piece.energy(states)
+    chances = np.exp(-energies / (4 * heat))
+    mean = chances @ energies / chances.sum()
+    spread = np.sqrt(chances @ (energies - mean) ** 2 / chances.sum())
+    found = piece.energy(shaken)
+    assert abs(found.mean() - mean) < 5 * spread / np.sqrt(found.size)
+    assert found.std() == pytest.approx(spread, rel=0.02)
+
+
+def test_planar_triangulations_are_cut_as_the_formula_says():
+    for count in (6, 9, 12):  # against all cuts
+        size, edges, _ = triangulation(count)
+        states = np.array(list(product((-1, 1), repeat=count)))
+        cuts = (states[:, edges[:, 0]] != states[:, edges[:, 1]]).sum(axis=1)
+        assert size == count and cuts.max() == 2 * count - 4
+    graph = triangulation(1000)
+    assert cut_of(solve(max_cut.cut_problem(*graph)), *graph[1:]) >= 0.999 * (2 * 1000 - 4)
 
 
 def test_fixed_signs_stay():

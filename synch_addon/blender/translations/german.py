@@ -247,8 +247,12 @@ SETTINGS = {
         "Die Richtungen um diesen Winkel drehen, von außen gesehen gegen den Uhrzeigersinn"
     ),
     "Angle Map": "Winkelkarte",
-    "Float attribute or vertex group on the vertices, radians added to the angle": (
-        "Gleitkommaattribut oder Punktgruppe, Bogenmaß zusätzlich zum Winkel"
+    "Float attribute, radians added to the angle, or vertex group, which adds from 0 to the range": (
+        "Gleitkommaattribut, Bogenmaß zusätzlich zum Winkel, oder Punktgruppe, die von 0 bis zur Spanne dreht"
+    ),
+    "Angle Range": "Winkelspanne",
+    "Angle that is added where the vertex group's weight is 1": (
+        "Winkel, der beim Gewicht 1 der Punktgruppe dazukommt"
     ),
     "Boundary": "Rand",
     "What happens at open edges": "Was an offenen Kanten geschieht",
@@ -274,7 +278,7 @@ SETTINGS = {
     "Distance from one stripe to the next; the object's scale counts": (
         "Abstand von einem Streifen zum nächsten; die Skalierung des Objekts zählt"
     ),
-    "Automatic Spacing": "Automatischer Abstand",
+    "Automatic Spacing": "Automatisch",
     "About forty stripes across the object, or as many as the mesh can carry": (
         "Etwa vierzig Streifen über das Objekt, oder so viele, wie das Netz trägt"
     ),
@@ -298,6 +302,14 @@ SETTINGS = {
         "Wie sehr sich die Linien von Vierecksnetzen verzweigen dürfen, um ihren Abstand zu halten: bei 0 sind alle "
         "Flächen Vierecke verschiedener Größe, bei 100 sind sie am gleichmäßigsten, aber mit Fünf- und Sechsecken "
         "dazwischen"
+    ),
+    "Mesh Singularities": "Netzsingularitäten",
+    "How many singular points the directions of quad meshes may have to stay smooth: below 100 those go that bend the "
+    "least, and irregular vertices with them; at 0 there are the fewest that the shape allows, and quads vary in size "
+    "instead": (
+        "Wie viele singuläre Stellen die Richtungen von Vierecksnetzen haben dürfen, um glatt zu bleiben: unter 100 "
+        "entfallen die, die am wenigsten biegen, und mit ihnen unregelmäßige Ecken; bei 0 sind es so wenige, wie die "
+        "Form zulässt, wofür Vierecke verschieden groß werden"
     ),
     "Singularities": "Singularitäten",
     "How many singular points directions may have to stay smooth: 100 for as many as the shape's bumps call for, 0 for "

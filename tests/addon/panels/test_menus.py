@@ -112,7 +112,7 @@ def test_own_preset_keeps_all_settings(tmp_path, monkeypatch):
     monkeypatch.setattr(bpy.utils, "user_resource", lambda kind, path="", create=False: str(tmp_path))
     obj = sphere()
     changed = {"angle": 0.5, "spacing": 0.25, "automatic_spacing": False, "seed": 7, "guidance": "AXIS"}
-    changed |= {"branching": 30.0, "singularities": 50.0, "mesh_branching": 20.0}
+    changed |= {"branching": 30.0, "singularities": 50.0, "mesh_branching": 20.0, "mesh_singularities": 40.0}
     for name, value in changed.items():
         setattr(obj.synch, name, value)
     obj.synch.guide.axis = "X"

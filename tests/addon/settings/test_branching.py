@@ -71,14 +71,32 @@ def test_directions_have_fewer_singular_points(command):
 
 def test_what_is_not_asked_for_is_everything_but_in_quad_meshes():
     obj = hills()
-    for command, expected in (("stripes", 1.0), ("quads", 1.0), ("quad_mesh", 0.0), ("directions", None)):
-        assert FieldJob(command, obj, Settings(spacing=0.2)).request.branching == expected
+    for command, branching, singularities in (
+        ("stripes", 1.0, 1.0),
+        ("quads", 1.0, 1.0),
+        ("quad_mesh", 0.0, 0.95),
+        ("directions", None, 1.0),
+    ):
+        request = FieldJob(command, obj, Settings(spacing=0.2)).request
+        assert (request.branching, request.singularities) == (branching, singularities)
     obj = lumps()
     report = api.quad_mesh(obj, spacing=0.2)
-    assert report["settings"]["branching"] == 0 and report["dislocations"] == []
+    assert (report["settings"]["branching"], report["settings"]["singularities"]) == (0, 0.95)
+    assert report["dislocations"] == []
     assert report["quad_mesh"]["quad_share"] == 1
-    more = api.quad_mesh(obj, spacing=0.2, branching=1.0)
+    more = api.quad_mesh(obj, spacing=0.2, branching=1.0, singularities=1.0)
     assert more["quad_mesh"]["quad_share"] < 1 and len(more["dislocations"]) > 0
+    assert len(more["disclinations"]) > len(report["disclinations"])
+
+
+def test_only_fewer_singularities_than_usual_are_warned_of_along_given_directions():
+    """A quad mesh along directions that are taken as they are says nothing of its own default."""
+    obj = lumps()
+    api.directions(obj, symmetry="cross")
+    along = {"spacing": 0.4, "guidance": "attribute:synch_direction"}
+    for share, warned in ((None, False), (0.95, False), (0.5, True)):
+        report = api.quad_mesh(obj, singularities=share, **along)
+        assert any("with all their singular points" in line for line in report["warnings"]) == warned
 
 
 # Where they are set
@@ -86,28 +104,33 @@ def test_what_is_not_asked_for_is_everything_but_in_quad_meshes():
 
 def test_the_panel_has_them_in_percent():
     obj = hills()
-    obj.synch.branching, obj.synch.singularities, obj.synch.mesh_branching = 30, 50, 80
-    for kind, expected in ((SYNCH_OT_quads, 0.3), (SYNCH_OT_quad_mesh, 0.8)):
+    given = {"branching": 30, "singularities": 50, "mesh_branching": 80, "mesh_singularities": 20}
+    for name, value in given.items():
+        setattr(obj.synch, name, value)
+    for kind, expected in ((SYNCH_OT_quads, (0.3, 0.5)), (SYNCH_OT_quad_mesh, (0.8, 0.2))):
         properties = SimpleNamespace(is_property_set=lambda name: False, property_unset=lambda name: None)
         operator = SimpleNamespace(properties=properties, stored_as=kind.stored_as, spacing=0.1)
         kind._take(operator, bpy.context)
         settings = kind._settings(operator)
-        assert (settings.branching, settings.singularities) == (expected, 0.5)
+        assert (settings.branching, settings.singularities) == expected
     api.quad_mesh(obj, spacing=0.3)
     made = bpy.context.active_object.synch
-    assert (made.branching, made.singularities, made.mesh_branching) == (30, 50, 80)
+    assert {name: getattr(made, name) for name in given} == given
 
 
 def test_operators_have_the_defaults_of_what_they_make():
     assert bpy.ops.synch.stripes.get_rna_type().properties["branching"].default == 100
     assert bpy.ops.synch.quad_mesh.get_rna_type().properties["branching"].default == 0
+    assert bpy.ops.synch.quads.get_rna_type().properties["singularities"].default == 100
+    assert bpy.ops.synch.quad_mesh.get_rna_type().properties["singularities"].default == 95
     obj = hills()
     assert bpy.ops.synch.quads(spacing=0.2, branching=30, singularities=50) == {"FINISHED"}
     settings = json.loads(obj.synch.result)["settings"]
     assert (settings["branching"], settings["singularities"]) == (0.3, 0.5)
     assert bpy.ops.synch.quad_mesh(spacing=0.2) == {"FINISHED"}
-    assert json.loads(bpy.context.active_object.synch.result)["settings"]["branching"] == 0
-    assert obj.synch.mesh_branching == 0
+    settings = json.loads(bpy.context.active_object.synch.result)["settings"]
+    assert (settings["branching"], settings["singularities"]) == (0, 0.95)
+    assert (obj.synch.mesh_branching, obj.synch.mesh_singularities) == (0, 95)
 
 
 def test_the_command_line_has_them(tmp_path, capfd):
@@ -122,6 +145,8 @@ def test_the_command_line_has_them(tmp_path, capfd):
     assert (found["settings"]["branching"], found["settings"]["singularities"]) == (0.5, 0.5)
     assert run(capfd, "quad_mesh", path, *flags)[0] == 0
     assert json.loads(report.read_text())["settings"]["branching"] == 0
+    assert run(capfd, "quad_mesh", path, *flags[:2], *flags[4:])[0] == 0
+    assert json.loads(report.read_text())["settings"]["singularities"] == 0.95
     assert run(capfd, "directions", path, "--symmetry", "cross", "--singularities", 0, *flags[-3:])[0] == 0
     assert len(json.loads(report.read_text())["disclinations"]) == 8
     status, _, err = run(capfd, "directions", path, "--branching", 0)

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from synch_fields.core.extract.patches import Ground, Patches
 from synch_fields.core.extract.quad_mesh import QuadMesh, quad_mesh
 from synch_fields.core.extract.quad_quality import corner_angles, quality
-from synch_fields.core.extract.worst_corners import _Ground, _Patches, levelled
+from synch_fields.core.extract.worst_corners import levelled
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.nearest import NearestTriangles
 
@@ -51,7 +52,7 @@ def test_gradient_is_the_slope_of_the_norms():
     random = np.random.default_rng(3)
     mesh, quads, inside = grid()
     quads = moved(quads, inside, 0.2 / CELLS * random.normal(size=(inside.sum(), 3)))
-    patches = _Patches.of(quads, _Ground.of(mesh, quads), np.flatnonzero(inside)[:20])
+    patches = Patches.of(quads, Ground.of(mesh, quads), np.flatnonzero(inside)[:20])
     way = random.normal(size=quads.vertices.shape)
     step = 1e-6 / CELLS
     ahead, behind = (patches.norms(quads.vertices + sign * step * way)[0].sum() for sign in (1, -1))

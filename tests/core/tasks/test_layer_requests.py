@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 import synch_fields
 from synch_fields.core import memory
 from synch_fields.core.errors import Cancelled, SettingError, SynchError
-from synch_fields.core.fields.guidance.filled import along_axis, between_areas, of_vectors
+from synch_fields.core.fields.guidance.filled import along_axis, away_from_area, between_areas, of_vectors
 from synch_fields.core.files.tool_paths import polylines_of, table_of
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.filling.closed_surface import Area, ClosedSurface
@@ -31,11 +31,13 @@ from synch_fields.core.geometry.filling.lengths import (
 from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
 from synch_fields.core.geometry.mesh_input import MeshInput
 from synch_fields.core.geometry.polygons import Polygons
+from synch_fields.core.geometry.tet_mesh import TetMesh
 from synch_fields.core.memory import Room
 from synch_fields.core.solve import Options
 from synch_fields.core.tasks.layer_outputs import MOST_VOXELS, Layering, PathSettings
 from synch_fields.core.tasks.solids import AskedArea, SolidGuide, SolidRequest
 
+from ..layered_solids import block
 from ..meshes import CLOSED, cube
 
 UP = SolidGuide("axis:Z", partial(along_axis, np.array([0.0, 0.0, 2.0])))
@@ -75,6 +77,27 @@ def test_layers_across_an_axis_are_planes_a_spacing_apart():
     fractions = [fraction for _, fraction in stages]
     assert fractions == sorted(fractions) and {"filling the surface", "guidance", "layers"} <= {s for s, _ in stages}
     assert set(result.seconds) == {"fill", "build", "extract"}
+
+
+@pytest.mark.parametrize(("cells", "told"), [(1, True), (6, False)])
+def test_a_guide_without_directions_of_its_own_is_told_about(cells, told):
+    """A plate of a cell with one vertex inside: the distance from the boundary has a slope around that one alone."""
+    mesh = block((6, 6, cells), (1, 1, 0.3))
+    first, rest = mesh.tets[0], mesh.tets[1:]
+    parts = [np.where(np.arange(4) == k, mesh.vertex_count, first) for k in range(4)]
+    solid = TetMesh(np.vstack([mesh.vertices, mesh.vertices[first].mean(axis=0)]), np.vstack([rest, *parts]))
+    surface = closed(solid.boundary_surface[0])
+    everywhere = Area("all", np.arange(surface.mesh.triangle_count))
+    guide = SolidGuide("distance:boundary", partial(away_from_area, everywhere))
+    lengths = Lengths.carried(surface.distance, 0.1, 0.2)
+    result = SolidRequest(surface, solid, guide, (), lengths, None, Options()).solve()
+    assert told == any("distance:boundary has no direction of its own in" in line for line in result.warnings)
+    if told:
+        beside = solid.vertex_masses[first].sum()
+        assert result.continued == pytest.approx(1 - beside / 0.3, abs=solid.vertex_masses[-1] / 0.3 + 1e-9)
+        assert result.continued > 0.9
+    else:
+        assert result.continued < 0.05
 
 
 def test_a_copy_from_a_pickle_solves_to_the_same_bits():
