@@ -13,7 +13,7 @@ from ..algebra.workers import solving
 from ..monitor import SILENT
 from ..solve.descent import descend
 from ..solve.rounding import CANDIDATE_SHIFT, random_directions
-from ..solve.solution import Clock
+from ..solve.solution import Clock, Options
 from ..solve.spheres import CirclesByFields
 from ..solve.stage import Stage
 from ..solve.staircase import Relaxation, relax
@@ -67,11 +67,12 @@ def solve_parts(part, comm, target_gap=1e-2, seed=0):
     SpreadSolution
     """
     clock = Clock()
+    own = Options(target_gap=target_gap, seed=seed * comm.size + comm.rank)  # other numbers in each process
     with solving():
         with clock("build"):
             piece, whole, weight = piece_of(part, comm)
             workspace = _Workspace(piece, whole)
-        found = relax(workspace, target_gap, [seed, comm.rank], SILENT, clock)
+        found = relax(workspace, own, SILENT, clock)
         with clock("round"):
             column = _rounded(workspace, found, seed)
     energy = weight * float(piece.energy(column)[0])
