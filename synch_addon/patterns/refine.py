@@ -4,6 +4,7 @@
 The panel asks at every redraw, so that the answer is kept until a mesh changes, and costs the same for any mesh.
 """
 
+import json
 import math
 from dataclasses import dataclass
 
@@ -180,7 +181,7 @@ def _subdivide(obj, levels, smooth):
 
 def draw_warning(layout, obj):
     """Say where the mesh is too coarse for the spacing that is set, with a button that subdivides it."""
-    if obj.mode != "OBJECT" or missing_levels(obj) <= 0:
+    if obj.mode != "OBJECT" or _is_made(obj) or missing_levels(obj) <= 0:
         return
     found, levels = carried(obj), offered_levels(obj)
     column = layout.box().column(align=True)
@@ -196,6 +197,11 @@ def draw_warning(layout, obj):
         column.label(text=said("Coarse mesh: carries {spacing}", spacing=carries), icon="ERROR")
     text = said("Subdivide to {count:,} Faces", count=faces_after(obj, levels))
     column.operator("synch.refine", text=text, icon="MOD_SUBSURF").levels = levels
+
+
+def _is_made(obj):
+    """Whether an object is a mesh of quads that was made of another one."""
+    return bool(obj.synch.result) and json.loads(obj.synch.result)["command"] == "quad_mesh"
 
 
 def _look_at(obj):

@@ -252,3 +252,10 @@ def test_with_a_modifier_of_its_own_as_many_faces_are_seen_as_before():
     before = seen()
     assert api.refine(obj, 1)["smooth"] and (modifier.levels, modifier.render_levels) == (1, 2)
     assert seen() == before
+
+
+def test_no_warning_on_a_mesh_of_quads_that_was_made():
+    obj = quad_sphere()
+    made = bpy.data.objects[api.quad_mesh(obj, spacing=0.5)["quad_mesh"]["object"]]
+    made.synch.automatic_spacing, made.synch.spacing = False, 0.01
+    assert refine.missing_levels(made) > 0 and warning(made) == ([], 0)
