@@ -49,7 +49,7 @@ def printing(options, folder, path):
     shapes = {
         "shell": (curved_shell(), "ac", 26, 0.8, (-28, 34)),
         "bar": (bent_bar(), "ac", 26, 0.86, (-38, 24)),
-        "rocker-arm": (upright(options.meshes, "rocker-arm"), "xyz", 26, 0.62, (-30, 34)),
+        "rocker-arm": (upright(options.meshes, "rocker-arm"), "xyz", 44, 0.75, (-32, 42)),
     }
     tiles = []
     for label, (shape, axes, layers, share, view) in shapes.items():
