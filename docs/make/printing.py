@@ -21,7 +21,7 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.looks.render import render_picture
 from synch_fields.synch_addon.solids import memory
 
-TILE, SAMPLES = (560, 500), 24
+TILE, SAMPLES = (560, 500), 12
 # Points around a bead, and the power that squares it: 1 for an ellipse.
 AROUND, SQUARE = 12, 0.6
 # Of a bead's width and height, so that its neighbours show.
