@@ -188,15 +188,18 @@ def _inner(vectors, other):
     return (vectors @ other.conj()).conj()
 
 
-def provable_width(piece):
-    """Rows of the widest front if a proof by factorization is affordable, in time and in memory, otherwise None."""
-    if piece.matrix.shape[0] > LARGEST_PROOF:
+def provable_width(piece, long_proofs=False):
+    """Rows of the widest front if a proof by factorization is affordable, in time, or however long it takes, and in
+    memory, otherwise None."""
+    rows = piece.matrix.shape[0]
+    if rows > LARGEST_PROOF and not long_proofs:
         return None
-    rows, width = piece.matrix.shape[0], front_width(piece.matrix)
+    width = front_width(piece.matrix)
     is_solid = width / piece.block > SURFACE_FRONT * np.sqrt(piece.node_count)
-    if is_solid and rows * width**2 > LONGEST_SWEEP * piece.matrix.nnz:
-        return None
-    if width > WIDEST_PROOF[piece.is_complex] or proof_bytes(rows, width, piece.is_complex) > room().usable:
+    is_long = (is_solid and rows * width**2 > LONGEST_SWEEP * piece.matrix.nnz) or width > WIDEST_PROOF[
+        piece.is_complex
+    ]
+    if (is_long and not long_proofs) or proof_bytes(rows, width, piece.is_complex) > room().usable:
         return None
     return width
 

@@ -10,12 +10,12 @@ from ..blender.translations import said
 from ..jobs.shelf import Shelf
 from ..solids.links import solid_of
 from ..solids.properties import GUIDE_NAMES, LENGTHS, OPTIONAL_NAMES
+from .painting import draw_map
 from .row_operators import RemoveRow, RowOperator
 from .sidebar import (
     SidebarPanel,
     draw_automatic,
     draw_solver,
-    draw_spacing_map,
     draw_unready,
     property_column,
 )
@@ -62,7 +62,7 @@ def draw_layers(layout, stored):
     column = property_column(layout)
     for name, automatic in LENGTHS.items():
         draw_automatic(column, stored, name, automatic)
-    draw_spacing_map(column, stored)
+    draw_map(column, stored, "LAYERS")
     for name in ("branching", "smallest_height", "largest_height", "numbers"):
         column.prop(stored, name)
     draw_solver(layout, stored)

@@ -247,8 +247,12 @@ SETTINGS = {
         "Die Richtungen um diesen Winkel drehen, von außen gesehen gegen den Uhrzeigersinn"
     ),
     "Angle Map": "Winkelkarte",
-    "Float attribute or vertex group on the vertices, radians added to the angle": (
-        "Gleitkommaattribut oder Punktgruppe, Bogenmaß zusätzlich zum Winkel"
+    "Float attribute, radians added to the angle, or vertex group, which adds from 0 to the range": (
+        "Gleitkommaattribut, Bogenmaß zusätzlich zum Winkel, oder Punktgruppe, die von 0 bis zur Spanne dreht"
+    ),
+    "Angle Range": "Winkelspanne",
+    "Angle that is added where the vertex group's weight is 1": (
+        "Winkel, der beim Gewicht 1 der Punktgruppe dazukommt"
     ),
     "Boundary": "Rand",
     "What happens at open edges": "Was an offenen Kanten geschieht",
@@ -274,7 +278,7 @@ SETTINGS = {
     "Distance from one stripe to the next; the object's scale counts": (
         "Abstand von einem Streifen zum nächsten; die Skalierung des Objekts zählt"
     ),
-    "Automatic Spacing": "Automatischer Abstand",
+    "Automatic Spacing": "Automatisch",
     "About forty stripes across the object, or as many as the mesh can carry": (
         "Etwa vierzig Streifen über das Objekt, oder so viele, wie das Netz trägt"
     ),
