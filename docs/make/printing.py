@@ -4,7 +4,7 @@
     python docs/make/printing.py MESHES [--folder docs]
 
 Each bead is as wide and as high as the program of the printer has it, in the colour of its height: dark blue where it
-is half as high as the layers are apart, ivory where it is as high, red where it is half as high again. MESHES holds
+is half as high as the layers are apart, sand where it is as high, red where it is half as high again. MESHES holds
 rocker-arm.obj. Needs Blender as a module (bpy).
 """
 
