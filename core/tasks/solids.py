@@ -18,7 +18,7 @@ from ..fields.layers import LayerPattern, SolidGrowth
 from ..fields.limits import ENOUGH, Limits, solve_within
 from ..fields.surface_phases import SurfacePhases, surface_phases
 from ..geometry.filling.closed_surface import Area, ClosedSurface
-from ..geometry.filling.lengths import Lengths, estimate
+from ..geometry.filling.lengths import SOLVED_BYTES, Estimate, Lengths, estimate
 from ..geometry.tet_mesh import TetMesh
 from ..interpolate import TURN
 from ..memory import check_memory
@@ -121,9 +121,8 @@ class SolidRequest:
             with one line that says what is wrong and the remedy, also where memory would not do
         """
         monitor, clock = Monitor(progress), Clock()
-        if self.solid is None:
-            expected = estimate(self.surface.distance, self.lengths.size)
-            check_memory(expected.bytes, f"layers in {expected.tets:,} tetrahedra")
+        expected = self.estimate
+        check_memory(expected.bytes, f"a solve of layers in {expected.tets:,} tetrahedra")
         monitor.at("filling the surface", 0.0)
         with clock("fill"):
             solid = monitor.during(self._filled)
@@ -156,6 +155,13 @@ class SolidRequest:
             *_about_edges(growth),
         )
         return SolidResult(pattern, surfaces, curves, ends, phases, outside, continued, far, warnings, clock.seconds)
+
+    @property
+    def estimate(self):
+        """The :class:`Estimate` of the solid and its solve."""
+        if self.solid is None:
+            return estimate(self.surface.distance, self.lengths.size)
+        return Estimate(self.lengths.size, self.solid.tet_count, SOLVED_BYTES * self.solid.tet_count)
 
     def _filled(self):
         if self.solid is not None:

@@ -3,14 +3,19 @@
 """Layers in closed surfaces without Blender: exact ones, what is told of coarse ones, lengths, and outputs."""
 
 import pickle
+import subprocess
+import sys
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from synch_fields.core.errors import Cancelled, SettingError
+import synch_fields
+from synch_fields.core import memory
+from synch_fields.core.errors import Cancelled, SettingError, SynchError
 from synch_fields.core.fields.guidance.filled import along_axis, away_from_area, between_areas, of_vectors
 from synch_fields.core.files.tool_paths import polylines_of, table_of
 from synch_fields.core.geometry import TriangleMesh
@@ -27,6 +32,7 @@ from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
 from synch_fields.core.geometry.mesh_input import MeshInput
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.geometry.tet_mesh import TetMesh
+from synch_fields.core.memory import Room
 from synch_fields.core.printing.flush import far_share
 from synch_fields.core.solve import Options
 from synch_fields.core.tasks.layer_outputs import MOST_VOXELS, Layering, PathSettings
@@ -128,6 +134,54 @@ def test_errors_of_a_guide_name_it():
     request = request_in(closed(cube(2)), guide=SolidGuide("axis:none", partial(along_axis, np.zeros(3))))
     with pytest.raises(SettingError, match=r"^axis:none: the axis .* has no direction"):
         request.solve()
+
+
+@pytest.mark.parametrize("is_given", [False, True])
+def test_what_takes_more_memory_than_there_is_is_refused_before_it_begins(is_given, monkeypatch):
+    request = request_in(closed(cube(2)))
+    if is_given:
+        request = replace(request, solid=request.surface.filled(0.1, []))
+    expected = request.estimate
+    assert expected.tets == pytest.approx(15_000, rel=0.2)
+
+    def begun_with(share):
+        monkeypatch.setattr(memory, "room", lambda *_: Room(share * expected.bytes, 1.0, "memory", "buy it"))
+        request.solve(lambda *_: False)
+
+    with pytest.raises(Cancelled):
+        begun_with(0.8)  # estimates may be a third too high
+    with pytest.raises(
+        SynchError, match=rf"^a solve of layers in {expected.tets:,} tetrahedra takes about .* GB of memory"
+    ):
+        begun_with(0.7)
+
+
+# What layers in a ball take beyond what there was, over what was estimated.
+MEASURE = """
+import sys, threading, time
+from functools import partial
+import numpy as np
+from synch_fields.tests.core.meshes import icosphere
+from synch_fields.tests.core.tasks.test_layer_requests import closed, request_in
+from synch_fields.core.memory import used_bytes
+request = request_in(closed(icosphere(3)), 0.3, float(sys.argv[1]))
+peak, before = [0], used_bytes()
+def look():
+    while True:
+        peak[0] = max(peak[0], used_bytes())
+        time.sleep(0.002)
+threading.Thread(target=look, daemon=True).start()
+result = request.solve()
+print((peak[0] - before) / request.estimate.bytes, (peak[0] - before) / result.solid.tet_count)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere what a process has is told otherwise")
+def test_layers_take_about_as_much_memory_as_was_estimated():
+    root = str(Path(synch_fields.__path__[0]).absolute().parent)
+    arguments = [sys.executable, "-c", MEASURE, "0.09"]
+    found = subprocess.run(arguments, capture_output=True, text=True, env={"PYTHONPATH": root}, check=True)
+    assert 0.75 <= float(found.stdout.split()[0]) < 2
 
 
 def test_a_spacing_that_no_layer_fits_is_told_the_depth():
