@@ -80,10 +80,10 @@ OPERATORS = {
     "Copy Settings to Selected": "Einstellungen auf Auswahl übertragen",
     "Give the other selected objects the active one's settings, guides and constraints": "Den anderen ausgewählten "
     "Objekten die Einstellungen, Führungen und Bedingungen des aktiven geben",
-    "Subdivide the mesh without changing its shape, so that it carries the spacing. UV maps, groups and "
-    "attributes go over; a pattern on it has to be solved again": (
-        "Das Netz ohne Änderung der Form unterteilen, damit es den Abstand trägt. UV-Maps, Gruppen und Attribute "
-        "bleiben; ein Muster darauf muss neu gelöst werden"
+    "Subdivide the mesh, so that it carries the spacing: smoothly where it looks smooth, else without changing its "
+    "shape. UV maps, groups and attributes go over; a pattern on it has to be solved again": (
+        "Das Netz unterteilen, damit es den Abstand trägt: glatt, wo es glatt aussieht, sonst ohne Änderung der Form. "
+        "UV-Maps, Gruppen und Attribute bleiben; ein Muster darauf muss neu gelöst werden"
     ),
     "Level": "Stufe",
     "How often every edge is halved; where it is not set, as often as the spacing needs": (
