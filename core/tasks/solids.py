@@ -23,6 +23,7 @@ from ..geometry.tet_mesh import TetMesh
 from ..interpolate import TURN
 from ..memory import check_memory
 from ..monitor import Monitor, portion
+from ..printing.flush import FAR, far_share
 from ..solve import Options
 from ..solve.solution import Clock
 
@@ -143,15 +144,17 @@ class SolidRequest:
             curves = tuple(defect_curves(solid, pattern.face_numbers))
             ends = curve_ends(solid, surfaces, curves)
             phases = monitor.during(lambda: surface_phases(self.surface.mesh, pattern, growth))
+            far = monitor.during(lambda: self._far(surfaces))
         warnings = (
             *self._about_loss(solid),
             *self._about_holes(solid),
             *self._about_rims(filled, groups),
+            *self._about_far(far),
             *self._about_directions(continued),
             *self._about_limits(outside),
             *_about_edges(growth),
         )
-        return SolidResult(pattern, surfaces, curves, ends, phases, outside, continued, warnings, clock.seconds)
+        return SolidResult(pattern, surfaces, curves, ends, phases, outside, continued, far, warnings, clock.seconds)
 
     @property
     def estimate(self):
@@ -172,6 +175,12 @@ class SolidRequest:
             spacings = self.limits.clipped(spacings * filled.inside(self.factors))
         return directions, continued, spacings, [filled.group_on(asked.area, asked.phase) for asked in self.asked]
 
+    def _far(self, surfaces):
+        """Shares of the areas that a layer should lie on which are far from all, by their names."""
+        mesh, spacing = self.surface.mesh, self.lengths.spacing
+        held = [asked.area for asked in self.asked if asked.phase == 0]
+        return {area.name: far_share(mesh, area.triangles, surfaces, spacing) for area in held}
+
     def _about_loss(self, solid):
         lost = self.surface.lost_share(solid)
         if lost > LOST_VOLUME:
@@ -187,6 +196,14 @@ class SolidRequest:
             has = f"has {number} that the surface has not, where it closes narrow gaps"
             lacks = f"lacks {number} of the surface, too narrow for it"
             yield f"the solid {has if more > 0 else lacks}: reduce the size of its tetrahedra, {self.lengths.size:.3g}"
+
+    def _about_far(self, far):
+        for name, share in far.items():
+            if share > 1 - COVERED:
+                yield (
+                    f"{share:.0%} of {name} is farther than {FAR:g} spacings from the layers: reduce the size of the "
+                    f"tetrahedra, {self.lengths.size:.3g}"
+                )
 
     def _about_directions(self, continued):
         if continued > CONTINUED:
@@ -226,6 +243,7 @@ class SolidResult:
     phases : SurfacePhases
     outside : share of the volume in which layers end or their distance is outside of the limits, 0 without limits
     continued : share of the volume in which the guide has no direction of its own
+    far : shares of the areas that a layer should lie on which are far from all layers, by their names
     warnings : lines that the user should read
     seconds : that parts of the work took, by their names
     """
@@ -237,6 +255,7 @@ class SolidResult:
     phases: SurfacePhases
     outside: float = 0.0
     continued: float = 0.0
+    far: dict[str, float] = dataclasses.field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     seconds: dict[str, float] = dataclasses.field(default_factory=dict)
 

@@ -4,7 +4,7 @@
     python docs/make/printing.py MESHES [--folder docs]
 
 Each bead is as wide and as high as the program of the printer has it, in the colour of its height: dark blue where it
-is half as high as the layers are apart, ivory where it is as high, red where it is half as high again. MESHES holds
+is half as high as the layers are apart, sand where it is as high, red where it is half as high again. MESHES holds
 rocker-arm.obj. Needs Blender as a module (bpy).
 """
 
@@ -21,7 +21,7 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.looks.render import render_picture
 from synch_fields.synch_addon.solids import memory
 
-TILE, SAMPLES = (560, 500), 24
+TILE, SAMPLES = (560, 500), 12
 # Points around a bead, and the power that squares it: 1 for an ellipse.
 AROUND, SQUARE = 12, 0.6
 # Of a bead's width and height, so that its neighbours show.
@@ -49,7 +49,7 @@ def printing(options, folder, path):
     shapes = {
         "shell": (curved_shell(), "ac", 26, 0.8, (-28, 34)),
         "bar": (bent_bar(), "ac", 26, 0.86, (-38, 24)),
-        "rocker-arm": (upright(options.meshes, "rocker-arm"), "xyz", 26, 0.62, (-30, 34)),
+        "rocker-arm": (upright(options.meshes, "rocker-arm"), "xyz", 44, 0.75, (-32, 42)),
     }
     tiles = []
     for label, (shape, axes, layers, share, view) in shapes.items():

@@ -61,7 +61,11 @@ class LayerJob:
             report.begun(solution, layering.solid)
             | names
             | layer_facts(layering)
-            | {"outside_limits": result.outside, "continued_directions": result.continued}
+            | {
+                "outside_limits": result.outside,
+                "continued_directions": result.continued,
+                "far_from_layers": result.far,
+            }
             | {"carrier": given.finding_counts}
         )
         return facts | report.ended([solution], self.request.lengths._asdict())

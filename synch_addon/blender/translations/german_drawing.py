@@ -64,7 +64,7 @@ DRAWING = {
     "Checker": "Schachbrett",
     "Weave": "Gewebe",
     "Dots": "Punkte",
-    "Softness": "Weichheit",
+    "Softness": "Weich",
     "Mesh Changed: Solve Again": "Netz geändert: neu lösen",
     "Show Defects": "Defekte zeigen",
     "{length} apart on {count:,} faces": "Abstand {length}, {count:,} Flächen",

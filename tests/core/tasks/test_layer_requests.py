@@ -33,6 +33,7 @@ from synch_fields.core.geometry.mesh_input import MeshInput
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.geometry.tet_mesh import TetMesh
 from synch_fields.core.memory import Room
+from synch_fields.core.printing.flush import far_share
 from synch_fields.core.solve import Options
 from synch_fields.core.tasks.layer_outputs import MOST_VOXELS, Layering, PathSettings
 from synch_fields.core.tasks.solids import AskedArea, SolidGuide, SolidRequest
@@ -203,6 +204,26 @@ def test_coarse_solids_are_told_about():
     rod = TriangleMesh(rod.vertices @ Rotation.from_rotvec([0.8, 0.2, 0.1]).as_matrix().T, rod.triangles)
     lines = request_in(closed(rod), 0.3, 0.066).solve().warnings
     assert len(lines) == 1 and "of the surface's volume: what is thinner than 0.066 is lost" in lines[0]
+
+
+def test_how_flush_layers_are_is_told():
+    """A layer on both ends of a block, moved by less and by more than a twentieth of the spacing, and tilted."""
+    surface = closed(cube(4))
+    floor, lid = (flat_area(surface, height, name) for height, name in ((0, "floor"), (1, "lid")))
+    request = request_in(surface, 0.22, 0.1, asked=(AskedArea(floor, 0.0), AskedArea(lid, 0.0)))
+    result = request.solve()
+    assert result.far == {"floor": 0, "lid": 0} and not any("farther than" in line for line in result.warnings)
+    mesh = surface.mesh
+    for count, moved in ((0, 0.04), (1, 0.06)):
+        shifted = replace(result.surfaces, vertices=result.surfaces.vertices + [0, 0, moved * 0.22])
+        assert far_share(mesh, floor.triangles, shifted, 0.22) == count
+    # Tilted about its middle, a layer is near up to where it rises to a twentieth of the spacing.
+    x = result.surfaces.vertices[:, 0] - 0.5
+    tilted = replace(result.surfaces, vertices=result.surfaces.vertices + np.outer(x, [0, 0, 0.05]))
+    assert far_share(mesh, floor.triangles, tilted, 0.22) == pytest.approx(1 - 2 * 0.05 * 0.22 / 0.05, abs=0.03)
+    held = replace(request, asked=(AskedArea(floor, 0.0),)).solve()
+    assert held.far == {"floor": 0}
+    assert far_share(mesh, lid.triangles, held.surfaces, 0.22) == 1  # more than half a spacing above the last one
 
 
 def test_a_plate_too_thin_to_be_filled_is_refused():
