@@ -124,6 +124,7 @@ pictures: demo
 	$(python) docs/make/bake.py $(MESHES) --folder docs
 	$(python) docs/make/constraints.py $(MESHES) --folder docs
 	$(python) docs/make/vortices.py --folder docs
+	$(python) docs/make/printing.py $(MESHES) --folder docs
 	$(python) docs/make/animation.py --folder docs
 
 paper: environment

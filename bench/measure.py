@@ -5,6 +5,7 @@ import multiprocessing
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
+from dataclasses import replace
 from pathlib import Path
 from statistics import median
 from time import perf_counter, process_time
@@ -52,15 +53,16 @@ def timed_relaxation(problem, target_gap, seed=0):
     return solution, seconds - solution.times.get("round", 0.0)
 
 
-def relaxation_in_products(problem, target_gap, seed=0):
-    """Solution, wall seconds of everything but the rounding, and its CPU seconds in products L Y.
+def relaxation_in_products(problem, options):
+    """Solution, wall seconds of everything but the rounding, and its CPU seconds in products L Y; the rounding of the
+    options is not made.
 
     Products are timed again and again in between, on one core and in double precision, with as many columns as the
     lifted field begins with: so both meet the machine's load. Their time is left out.
     """
     problem = with_matrices(problem)
     piece = max(problem.pieces, key=lambda piece: piece.node_count)
-    rank = start_rank(piece, provable_width(piece) is not None, target_gap)
+    rank = start_rank(piece, provable_width(piece, options.long_proofs) is not None, options.target_gap)
     columns = np.ones((piece.matrix.shape[0], rank), piece.matrix.dtype)
     spent = {"wall": 0.0, "cpu": 0.0}
     products = []
@@ -76,7 +78,7 @@ def relaxation_in_products(problem, target_gap, seed=0):
 
     wall, last = perf_counter(), [-np.inf]
     cpu = process_time()
-    solution = solve(problem, Options(target_gap=target_gap, rounding="svd", seed=seed), between)
+    solution = solve(problem, replace(options, rounding="svd"), between)
     wall, cpu = perf_counter() - wall - spent["wall"], process_time() - cpu - spent["cpu"]
     return solution, wall - solution.times.get("round", 0.0), cpu / median(products)
 

@@ -24,6 +24,8 @@ from synch_fields.synch_addon.command.main import main as run
 
 # Layers in the longest side, which is 100 mm.
 LAYERS = 20
+# Smallest and largest height of a second bent bar's layers, millimetres.
+LIMITS = (3.0, 8.0)
 COLUMNS = (
     Column("layers", "layers", "d"),
     Column("paths", "paths", "d"),
@@ -100,14 +102,16 @@ def placed(label, shape):
     return obj
 
 
-def printed(label, shape, axes, folder):
-    """The row of a shape that goes through the command line."""
+def printed(label, shape, axes, folder, heights=None):
+    """The row of a shape that goes through the command line, with limits of its heights or without, millimetres."""
     vertices, _, _, guidance, asked = shape
     placed(label, shape)
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "solid.blend"))
     longest = float(np.ptp(vertices, axis=0).max())
     scale = 100 / longest
     machine = f'axes = "{axes}"\nscale = {scale!r}\nnozzle_radius = 1\nnozzle_angle = 20\nnozzle_length = 40\n'
+    if heights is not None:
+        machine += f"smallest_height = {heights[0]}\nlargest_height = {heights[1]}\n"
     (folder / "printer.toml").write_text(machine + "largest_tilt = 80\n")
     report, program, start = folder / "report.json", folder / f"{label.replace(' ', '_')}.gcode", process_time()
     command = ["layers", folder / "solid.blend", "--guidance", guidance, "--groups", asked, "--export-gcode", program]
@@ -139,12 +143,13 @@ def main():
     shapes = {
         "curved shell": (curved_shell(), "ac"),
         "bent bar": (bent_bar(), "ac"),
+        "bent bar, {:g} to {:g} mm".format(*LIMITS): (bent_bar(), "ac", LIMITS),
         "bunny": (bunny(meshes), "xyz"),
         "fandisk": (upright(meshes, "fandisk"), "xyz"),
         "rocker-arm": (upright(meshes, "rocker-arm"), "xyz"),
     }
     with tempfile.TemporaryDirectory() as folder:
-        rows = [printed(label, shape, axes, Path(folder)) for label, (shape, axes) in shapes.items()]
+        rows = [printed(label, shape, axes, Path(folder), *limits) for label, (shape, axes, *limits) in shapes.items()]
     print_table("From a mesh to G-code", COLUMNS, rows)
 
 

@@ -67,21 +67,28 @@ class TetPhases:
 
     def gradients(self, mesh):
         """(m, 3) of the linear part: the phase's own gradient where nothing is punctured."""
-        return np.einsum("tk,tkx->tx", self.values, mesh.hat_gradients)
+        return mesh.gradients(self.values)
 
 
 def tet_phases(edge_phases):
     """:class:`TetPhases` of :class:`EdgePhases` over a TetMesh with one phase a vertex."""
     mesh = edge_phases.mesh
+    values = corner_values(mesh, edge_phases.changes[:, 0])
+    values += (edge_phases.arguments[mesh.tets[:, 0], 0] - values[:, 0])[:, None]
+    return TetPhases(values, outward_numbers(mesh, face_numbers(edge_phases)))
+
+
+def corner_values(mesh, changes):
+    """(m, 4) values at the corners of the tetrahedra, of mean 0 in each, whose differences are nearest to (e,) changes
+    along the edges of a TetMesh."""
     i, j = EDGE_CORNERS.T
-    changes = edge_phases.changes[mesh.tet_edges, 0]
+    changes = changes[mesh.tet_edges]
     changes = np.where(mesh.tets[:, i] < mesh.tets[:, j], changes, -changes)
     values = np.zeros((mesh.tet_count, 4))
     for edge in range(6):
         values[:, j[edge]] += changes[:, edge] / 4
         values[:, i[edge]] -= changes[:, edge] / 4
-    values += (edge_phases.arguments[mesh.tets[:, 0], 0] - values[:, 0])[:, None]
-    return TetPhases(values, outward_numbers(mesh, face_numbers(edge_phases)))
+    return values
 
 
 def evaluate_in_tets(phases, tets, weights):

@@ -10,7 +10,7 @@ from .command import main
 from .flows import properties as flow_properties
 from .jobs import queue, shelf
 from .patterns import live
-from .settings import constraint_list, favourite_list, fields, guide_list, preferences
+from .settings import constraint_list, favourite_list, fields, guide_list, painting, preferences, strokes
 from .solids import properties as layer_properties
 
 _MODULES = (
@@ -21,6 +21,8 @@ _MODULES = (
     favourite_list,
     fields,
     layer_properties,
+    painting,
+    strokes,
     shelf,
     changes,
     flow_properties,

@@ -105,16 +105,16 @@ def _unrolled(grid):
     """A grid of one period, with the first nodes of periodic axes again behind the last ones, and (n,) the nodes that
     its own are."""
     sources = np.pad(grid.numbers, [(0, int(periodic)) for periodic in grid.periodic], mode="wrap")
-    return Grid(sources.shape, grid.spacing, grid.origin), sources.ravel()
+    return Grid(sources.shape, grid.spacing, grid.origin, solid=grid.solid.ravel()[sources]), sources.ravel()
 
 
 def _tetrahedra(grid, inside):
-    """(6 c, 4) nodes of the cubes that the surface passes, each as six tetrahedra around its diagonal, which fit those
-    of its neighbours."""
+    """(6 c, 4) nodes of the open cubes that the surface passes, each as six tetrahedra around its diagonal, which fit
+    those of its neighbours."""
     numbers, corners = grid.numbers, inside.reshape(grid.shape)
     whole = [slice(None, -1), slice(1, None)]
     found = sum(corners[i, j, k].astype(np.int8) for i in whole for j in whole for k in whole)
-    corner = numbers[:-1, :-1, :-1][(found > 0) & (found < 8)]
+    corner = numbers[:-1, :-1, :-1][(found > 0) & (found < 8) & grid.open_cells]
     steps = np.array([numbers[1, 0, 0], numbers[0, 1, 0], numbers[0, 0, 1]])
     parts = []
     for first, second, third in permutations(range(3)):

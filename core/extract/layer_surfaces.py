@@ -12,6 +12,7 @@ import numpy as np
 
 from ..geometry import TriangleMesh
 from ..graphs import components
+from ..interpolate import TURN
 from ..interpolate_solid import face_numbers, outward_numbers
 from .layer_crossings import crossings_of, polygons_in
 from .punctured_layers import sheets_in
@@ -25,8 +26,8 @@ class LayerSurfaces:
     ----------
     vertices : (p, 3)
     triangles : (t, 3) vertices, normals along the growth
-    layers : (t,) number of the connected piece, from 0 at the bottom upwards; a screw dislocation, along the growth,
-        joins the sheets around it to one ramp, which has one number
+    layers : (t,) number of the connected piece, from 0 at the bottom upwards, or of the level, which all pieces at one
+        height share; a screw dislocation, along the growth, joins the sheets around it to one ramp of one number
     corners, weights : (p, 4) vertices of the solid between which each vertex lies, and their weights
     """
 
@@ -54,7 +55,7 @@ class LayerSurfaces:
         return np.bincount(self.layers, areas, self.count)
 
 
-def layer_surfaces(edge_phases, heights, offset=0.0):
+def layer_surfaces(edge_phases, heights, offset=0.0, by_level=False):
     """:class:`LayerSurfaces` where the phase is offset + 2 pi k.
 
     Parameters
@@ -62,6 +63,8 @@ def layer_surfaces(edge_phases, heights, offset=0.0):
     edge_phases : EdgePhases over a TetMesh, one phase a vertex
     heights : (n,) by which layers are ordered, such as :attr:`LayerPattern.heights`
     offset : radians
+    by_level : number levels, each solid piece's from its lowest layer on, instead of pieces. Where layers end inside, a
+        level is where most of a piece lies
     """
     mesh, crossings = edge_phases.mesh, crossings_of(edge_phases, offset)
     numbers = face_numbers(edge_phases)
@@ -74,7 +77,7 @@ def layer_surfaces(edge_phases, heights, offset=0.0):
     inner = node_of[np.concatenate([triangles, _halves(crossings, quads), sheets])]
     faces = count + crossings.faces
     inner = _without_doubles(inner[(inner != np.roll(inner, 1, axis=1)).all(axis=1)], faces)
-    return _numbered(crossings, np.concatenate([inner, faces]), len(inner), heights)
+    return _numbered(crossings, np.concatenate([inner, faces]), len(inner), heights, by_level)
 
 
 def _halves(crossings, quads):
@@ -120,8 +123,8 @@ def _links(triangles, inner_count):
     return pairs[tails[pairs[:, 0]] == heads[pairs[:, 1]]]
 
 
-def _numbered(crossings, triangles, inner_count, heights):
-    """:class:`LayerSurfaces` of triangles of nodes: own vertices for each sheet, pieces from bottom to top."""
+def _numbered(crossings, triangles, inner_count, heights, by_level):
+    """:class:`LayerSurfaces` of triangles of nodes: own vertices for each sheet, numbers from bottom to top."""
     links = _links(triangles, inner_count)
     following = np.arange(triangles.size).reshape(-1, 3)[:, [1, 2, 0]].ravel()
     one, other = links.T
@@ -134,11 +137,24 @@ def _numbered(crossings, triangles, inner_count, heights):
     corners, weights = _places(crossings, node)
     at_corner = np.einsum("pk,pk->p", weights, heights[corners])[vertex.reshape(-1, 3)].mean(axis=1)
     means = np.bincount(piece, at_corner, piece_count) / np.bincount(piece, minlength=piece_count)
-    rank = np.empty(piece_count, int)
-    rank[np.argsort(means, kind="stable")] = np.arange(piece_count)
+    if by_level:
+        solid_piece = np.empty(piece_count, int)
+        solid_piece[piece] = crossings.mesh.pieces[corners[vertex[::3], 0]]
+        rank = _levels(means, solid_piece)
+    else:
+        rank = np.empty(piece_count, int)
+        rank[np.argsort(means, kind="stable")] = np.arange(piece_count)
     points = np.einsum("pk,pkx->px", weights, crossings.mesh.vertices[corners])
     order = np.argsort(rank[piece], kind="stable")
     return LayerSurfaces(points, vertex.reshape(-1, 3)[order].astype(int), rank[piece][order], corners, weights)
+
+
+def _levels(means, solid_pieces):
+    """(k,) levels of pieces of layers: whole turns that their mean heights are above the lowest of their body."""
+    lowest = np.full(solid_pieces.max(initial=-1) + 1, np.inf)
+    np.minimum.at(lowest, solid_pieces, means)
+    turns = np.rint((means - lowest[solid_pieces]) / TURN)
+    return np.unique(turns, return_inverse=True)[1].reshape(-1)
 
 
 def _places(crossings, nodes):

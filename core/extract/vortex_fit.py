@@ -35,6 +35,7 @@ def fitted_places(grid, asked, faces, signs):
         chosen = np.flatnonzero((planes == plane).all(axis=1))
         for part in np.array_split(chosen, len(chosen) // _CHUNK + 1):
             around, inside = _edges_around(grid, faces[part], plane)
+            inside &= (grid.weights[around] > 0).all(axis=1)
             given = _without_uniform(asked[around] * signs[part, None])
             total = (given**2).sum(axis=1)
             misfits = total[:, None] - 2 * given @ flows.T + sizes

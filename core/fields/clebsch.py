@@ -79,8 +79,13 @@ def _surface_integrals(mesh, velocity):
 
 def circulations(grid, integrals):
     """(f,) circulation around each face, which is the vorticity through it."""
-    signs = np.broadcast_to(grid.face_signs, grid.face_edges.shape)
-    return sum(sign * integrals[edge] for sign, edge in zip(signs.T, grid.face_edges.T, strict=True))
+    return sum(sign * integrals[edge] for sign, edge in zip(grid.face_signs.T, grid.face_edges.T, strict=True))
+
+
+def mean_circulation(grid, integrals):
+    """Mean of the circulations around all faces that the flow reaches, whichever way."""
+    reached = grid.face_signs.any(axis=1)
+    return float(np.abs(circulations(grid, integrals)[reached]).mean())
 
 
 def quantum_for(grid, integrals, count):
@@ -111,14 +116,15 @@ def clebsch_problem(grid, integrals, quantum):
     """
     if not (np.isfinite(quantum) and quantum > 0):
         raise SettingError(f"the circulation of a filament is {quantum}: give a positive one")
-    mean = float(np.abs(circulations(grid, integrals)).mean())
+    mean = mean_circulation(grid, integrals)
     if not mean <= MOST_QUANTA * quantum:
         raise SettingError(
             f"filaments of the circulation {quantum:.3g} are too many for the grid, {mean / quantum:.3g} for each of "
             f"its faces: give a circulation from {1.005 * mean / MOST_QUANTA:.3g} on, or a finer grid"
         )
-    transports = circle_transports(TURN / quantum * integrals)
-    connection = Connection(grid.node_count, grid.edges, grid.weights, transports)
+    reached = grid.weights > 0
+    transports = circle_transports(TURN / quantum * integrals[reached])
+    connection = Connection(grid.node_count, grid.edges[reached], grid.weights[reached], transports)
     return SynchronizationProblem(connection, grid.masses, _merged(grid))
 
 

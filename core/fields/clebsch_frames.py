@@ -65,7 +65,7 @@ def potential(grid, differences):
     """(n,) numbers at the nodes of a :class:`Grid` whose differences along the edges are nearest to (e,) given ones.
 
     Poisson's equation with the grid's own weights and masses, which cosines, and waves along periodic axes, make
-    diagonal.
+    diagonal; as if there were no obstacles, which is near enough for a start.
     """
     i, j = grid.edges.T
     flow = grid.weights * differences

@@ -143,6 +143,13 @@ class DirectionField:
         """(e,) see :func:`core.sheets.matchings`."""
         return matchings(self.mesh, self.angles, self.symmetry, self.correction)
 
+    @property
+    def posed_matchings(self):
+        """The same along the edges that problems are posed on; None where those are the mesh's own."""
+        posed = self.mesh.posed
+        own = self.correction is not None or posed is self.mesh
+        return None if own else matchings(posed, self.angles, self.symmetry)
+
 
 def direction_problem(
     mesh: TriangleMesh, symmetry: int, wishes: DirectionWishes | None = None
@@ -156,8 +163,10 @@ def _posed(mesh, symmetry, wishes):
     if symmetry not in SYMMETRIES.values():
         raise SettingError(f"symmetry {symmetry!r} is unknown: use 1 (vector), 2 (line) or 4 (cross)")
     check_share(wishes.singularities, "singularities")
-    turns = levi_civita(mesh, symmetry)
-    connection = Connection(mesh.vertex_count, mesh.edges, mesh.weights, circle_transports(turns))
+    # Calmed turns are read along the mesh's own edges.
+    posed = mesh.posed if wishes.singularities == 1 else mesh
+    turns = levi_civita(posed, symmetry)
+    connection = Connection(mesh.vertex_count, posed.edges, posed.weights, circle_transports(turns))
     fixed, drawn, gives_way = direction_targets(mesh, symmetry, wishes.rows)
     links, loops = split_links(mesh.vertex_count, [mirror.direction_links(symmetry) for mirror in wishes.mirrors])
     fixed = without_contradictions(fixed, gives_way, joined_links([links, loops]), LEAN * symmetry)
@@ -172,11 +181,11 @@ def _posed(mesh, symmetry, wishes):
         known = known_turns(connection, fixed, merged)
         correction = (1 - wishes.singularities) * _calming(mesh, symmetry, 0, known).correction
         connection = replace(connection, transports=circle_transports(turns + correction))
-    calmer = partial(_turns_to_calm, mesh, symmetry, connection, fixed, merged, wishes.singularities)
+    calmer = partial(_turns_to_calm, posed, symmetry, connection, fixed, merged, wishes.singularities)
     connection = with_loops(connection, loops)
     problem = SynchronizationProblem(
         connection,
-        mesh.vertex_masses,
+        posed.vertex_masses,
         merged,
         fixed,
         joined_targets(drawn),

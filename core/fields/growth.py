@@ -37,6 +37,7 @@ class Growth:
     scale : one, or (n,) times that quads are larger than asked, to be near square (see :class:`DirectionField`)
     stretch : one, or (e,) complex, what edges count as, as multiples of themselves, turned counterclockwise
         (see :mod:`.constraints.strips`)
+    posed_matchings : the matchings along the edges that problems are posed on, None for the mesh's own
     """
 
     mesh: TriangleMesh
@@ -47,6 +48,7 @@ class Growth:
     correction: np.ndarray | None = None
     scale: float | np.ndarray = 1.0
     stretch: complex | np.ndarray = 1.0
+    posed_matchings: np.ndarray | None = None
 
     @classmethod
     def of(cls, mesh, field, spacing):
@@ -70,7 +72,16 @@ class Growth:
         else:
             spacing = spacing * np.reshape(scale, (-1, 1))
             spacing = _on_axes(mesh, angles, matched, np.broadcast_to(spacing, (mesh.vertex_count, count)))
-        return cls(mesh, angles, 2 * np.pi / spacing, matched, field.symmetry == 1, scale=scale)
+        rates, posed = 2 * np.pi / spacing, field.posed_matchings
+        return cls(mesh, angles, rates, matched, field.symmetry == 1, scale=scale, posed_matchings=posed)
+
+    @property
+    def posed(self):
+        """The growth along the edges that its problem is posed on (see :attr:`TriangleMesh.posed`): the mesh's own
+        where something is known of these alone."""
+        if self.posed_matchings is None or self.correction is not None or np.ndim(self.stretch) > 0:
+            return self
+        return replace(self, mesh=self.mesh.posed, matchings=self.posed_matchings, posed_matchings=None)
 
     @property
     def asked_rates(self):

@@ -239,20 +239,25 @@ def layer_problem(mesh, directions, spacing, groups=(), branching=1.0):
     ContradictionError
         where groups ask for different phases
     """
-    return _posed(mesh, directions, spacing, groups, branching)[1]
+    return posed(SolidGrowth.of(mesh, directions, spacing), groups, branching)[1]
 
 
 def solve_layers(mesh, directions, spacing, groups=(), options=None, callback=None, branching=1.0):
     """Solve for a :class:`LayerPattern`; arguments as :func:`layer_problem` and :func:`core.solve.solve`."""
-    growth, problem = _posed(mesh, directions, spacing, groups, branching)
+    return solve_growth(SolidGrowth.of(mesh, directions, spacing), groups, options, callback, branching)
+
+
+def solve_growth(growth, groups=(), options=None, callback=None, branching=1.0):
+    """The same for a :class:`SolidGrowth`."""
+    growth, problem = posed(growth, groups, branching)
     solution = solve(problem, options, callback)
-    return LayerPattern(mesh, solution, growth.edge_phases(solution.phases, groups))
+    return LayerPattern(growth.mesh, solution, growth.edge_phases(solution.phases, groups))
 
 
-def _posed(mesh, directions, spacing, groups, branching):
-    """The growth and the problem."""
+def posed(growth, groups, branching):
+    """A :class:`SolidGrowth`, calmed, and its problem; arguments and errors as :func:`layer_problem`."""
     check_share(branching, "branching")
-    growth = SolidGrowth.of(mesh, directions, spacing)
+    mesh = growth.mesh
     links = joined_links([group.links for group in groups if group.phase is None])
     held = [group for group in groups if group.phase is not None]
     fixed = fixed_phases(

@@ -150,10 +150,11 @@ def _posed(mesh, field, spacing, rows, mirrors, branching):
     except ContradictionError as error:
         raise error.renumbered(np.repeat(np.arange(mesh.vertex_count), growth.phase_count)) from None
     growth = growth.calmed(1 - branching, fixed, merged)
-    connection = with_loops(growth.connection, loops)
+    posed = growth.posed
+    connection = with_loops(posed.connection, loops)
     # What is calmed as far as it can be leads to nothing calmer.
-    calmer = partial(growth.turns_to_calm, fixed, merged) if branching > 0 else None
-    problem = SynchronizationProblem(connection, growth.masses, merged, fixed, joined_targets(drawn), calmer)
+    calmer = partial(posed.turns_to_calm, fixed, merged) if branching > 0 else None
+    problem = SynchronizationProblem(connection, posed.masses, merged, fixed, joined_targets(drawn), calmer)
     return growth, problem, loops
 
 

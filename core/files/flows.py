@@ -36,6 +36,8 @@ _PLACES = {
     "origin": ("fiu", "one number"),
     "periodic": ("biu", "one true or false"),
 }
+# Array that says which nodes lie in obstacles.
+SOLID = "solid"
 # What reading a damaged archive raises; RuntimeError is an encrypted member, or one of an unknown compression.
 _DAMAGED = (ValueError, OSError, EOFError, KeyError, RuntimeError, BadZipFile, zlib.error, struct.error)
 
@@ -84,7 +86,9 @@ class GridFlow:
 
 @dataclass(frozen=True)
 class ArrayFile:
-    """A .npz file with velocity (nx, ny, nz, 3) or (nx, ny, 2), and optional spacing, origin and periodic.
+    """A .npz file with velocity (nx, ny, nz, 3) or (nx, ny, 2), and optional spacing, origin, periodic and solid.
+
+    Solid, (nx, ny, nz) or (nx, ny), is true at nodes in obstacles, whose velocity does not count.
 
     Attributes
     ----------
@@ -120,8 +124,8 @@ class ArrayFile:
         """
         arrays = self._arrays()
         velocity = arrays["velocity"]
-        grid = Grid(velocity.shape[:-1], **{name: arrays[name] for name in _PLACES if name in arrays})
-        return GridFlow(grid, velocity.reshape(-1, velocity.shape[-1]))
+        grid = Grid(velocity.shape[:-1], **{name: arrays[name] for name in (*_PLACES, SOLID) if name in arrays})
+        return GridFlow(grid, np.where(grid.solid[..., None], 0, velocity).reshape(-1, velocity.shape[-1]))
 
     def _arrays(self):
         path = self.path
@@ -142,6 +146,10 @@ class ArrayFile:
             if given.dtype.kind not in kinds or given.shape not in ((), (1,), (axes,)) or not np.isfinite(given).all():
                 has = given.tolist() if given.size < 4 else f"of the shape {given.shape}"
                 raise SettingError(f"{path}: {name} is {has!r}: give {wanted}, or {axes} of them")
+        solid = found.get(SOLID)
+        if solid is not None and (solid.dtype.kind not in "biu" or solid.shape != velocity.shape[:-1]):
+            has = f"{solid.dtype} values of the shape {solid.shape}"
+            raise SettingError(f"{path}: {SOLID} has {has}: give true or false for each node of the velocity")
         return found
 
 

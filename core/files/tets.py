@@ -24,7 +24,7 @@ SUFFIXES = (".mesh", ".vtu")
 VTK_TRIANGLE, VTK_TET = 5, 10
 VTK_SOLIDS = {11: "voxels", 12: "hexahedra", 13: "prisms", 14: "pyramids", 24: "curved tetrahedra", 42: "polyhedra"}
 # What an array of a damaged .vtu raises while it is read.
-_UNREADABLE = (KeyError, ValueError, TypeError, AttributeError, OverflowError, MemoryError, zlib.error)
+UNREADABLE = (KeyError, ValueError, TypeError, AttributeError, OverflowError, MemoryError, zlib.error)
 MEDIT_SOLIDS = ("Hexahedra", "Hexaedra", "Prisms", "Pyramids", "TetrahedraP2")
 
 
@@ -106,7 +106,8 @@ def _enclosed(mesh, triangles):
     return mesh if kept.all() or not kept.any() else TetMesh(mesh.vertices, mesh.tets[kept])
 
 
-def _read_medit(path, content):
+def medit_sections(path, content):
+    """Words after each keyword of a MEDIT file of dimension 3."""
     try:
         text = re.sub(r"#.*", "", content.decode("ascii"))
     except UnicodeDecodeError as error:
@@ -114,20 +115,27 @@ def _read_medit(path, content):
     # Words of three letters and more are keywords: numbers have one letter at most.
     parts = re.split(r"([A-Za-z]\w{2,})", text)
     sections = dict(zip(parts[1::2], (rows.split() for rows in parts[2::2]), strict=True))
-    if "MeshVersionFormatted" not in sections or not sections.get("Vertices"):
-        raise SettingError(f"{path} is no MEDIT file: it lacks MeshVersionFormatted or Vertices, export it again")
+    if "MeshVersionFormatted" not in sections:
+        raise SettingError(f"{path} is no MEDIT file: it lacks MeshVersionFormatted, export it again")
     if sections.get("Dimension", ["3"]) != ["3"]:
         raise SettingError(f"{path} is flat: export a solid of dimension 3")
+    return sections
+
+
+def _read_medit(path, content):
+    sections = medit_sections(path, content)
+    if not sections.get("Vertices"):
+        raise SettingError(f"{path} is no MEDIT file: it lacks Vertices, export it again")
     for name in MEDIT_SOLIDS:
         if len(sections.get(name, [])) > 1:
             raise SettingError(f"{path} has {name}: split all cells into straight tetrahedra")
-    vertices = _medit_rows(path, "Vertices", sections["Vertices"], 3)[:, :3]
-    tets = _medit_rows(path, "Tetrahedra", sections.get("Tetrahedra", ["0"]), 4)[:, :4]
-    rows = _medit_rows(path, "Triangles", sections.get("Triangles", ["0"]), 3).astype(np.int64)
+    vertices = medit_rows(path, "Vertices", sections["Vertices"], 3)[:, :3]
+    tets = medit_rows(path, "Tetrahedra", sections.get("Tetrahedra", ["0"]), 4)[:, :4]
+    rows = medit_rows(path, "Triangles", sections.get("Triangles", ["0"]), 3).astype(np.int64)
     return vertices, tets.astype(np.int64) - 1, rows[:, :3] - 1, {"ref": rows[:, 3]}
 
 
-def _medit_rows(path, name, words, width):
+def medit_rows(path, name, words, width):
     """(count, width + 1) numbers of a section, the last ones the references that end its rows."""
     try:
         count = int(words[0])
@@ -143,27 +151,21 @@ def _medit_rows(path, name, words, width):
 
 
 def _read_vtu(path, content):
-    head, appended, tail = _without_raw_data(content)
-    try:
-        root = ElementTree.fromstring(head + tail)
-    except ElementTree.ParseError as error:
-        raise SettingError(f"{path} is no XML file ({error}): export it again") from error
-    if root.tag != "VTKFile" or root.get("type") != "UnstructuredGrid":
-        raise SettingError(f"{path} is no unstructured grid of VTK: export it as .vtu")
+    root, appended = vtu_root(path, content)
     points, tets, triangles = [np.zeros((0, 3))], [np.zeros((0, 4), np.int64)], [np.zeros((0, 3), np.int64)]
     count, marks = 0, []
     for piece in root.iter("Piece"):
         try:
-            here = _vtu_array(root, appended, piece.find("Points/DataArray")).reshape(-1, 3)
+            here = vtu_array(root, appended, piece.find("Points/DataArray")).reshape(-1, 3)
             arrays = {a.get("Name"): a for a in piece.iterfind("Cells/DataArray")}
             names = ("connectivity", "offsets", "types")
-            corners, ends, types = (_vtu_array(root, appended, arrays[name]).astype(np.int64) for name in names)
+            corners, ends, types = (vtu_array(root, appended, arrays[name]).astype(np.int64) for name in names)
             values = {
-                str(a.get("Name")): _vtu_array(root, appended, a)
+                str(a.get("Name")): vtu_array(root, appended, a)
                 for a in piece.iterfind("CellData/DataArray")
                 if "Int" in a.get("type", "") and a.get("NumberOfComponents", "1") == "1"
             }
-        except _UNREADABLE as error:
+        except UNREADABLE as error:
             raise SettingError(f"{path} has an array that cannot be read ({error}): export it again") from error
         for kind in VTK_SOLIDS.keys() & set(types.tolist()):
             raise SettingError(f"{path} has {VTK_SOLIDS[kind]}: split all cells into straight tetrahedra")
@@ -183,6 +185,18 @@ def _read_vtu(path, content):
     return np.concatenate(points), np.concatenate(tets), np.concatenate(triangles), numbers
 
 
+def vtu_root(path, content):
+    """The XML of a .vtu file, and its appended bytes."""
+    head, appended, tail = _without_raw_data(content)
+    try:
+        root = ElementTree.fromstring(head + tail)
+    except ElementTree.ParseError as error:
+        raise SettingError(f"{path} is no XML file ({error}): export it again") from error
+    if root.tag != "VTKFile" or root.get("type") != "UnstructuredGrid":
+        raise SettingError(f"{path} is no unstructured grid of VTK: export it as .vtu")
+    return root, appended
+
+
 def _without_raw_data(content):
     """The XML before and after appended data, and these from their first byte on; raw bytes are no XML."""
     tag = content.find(b"<AppendedData")
@@ -193,7 +207,8 @@ def _without_raw_data(content):
     return content[:first], content[first + 1 : last], content[last:]
 
 
-def _vtu_array(root, appended, array):
+def vtu_array(root, appended, array):
+    """The numbers of an array of a .vtu file, in a row; one of ``UNREADABLE`` is raised for a damaged one."""
     order = ">" if root.get("byte_order") == "BigEndian" else "<"
     kinds = {"Float": "f", "Int": "i", "UInt": "u"}
     name = array.get("type", "")

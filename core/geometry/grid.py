@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A regular grid of nodes in two or three dimensions, its edges, faces and cells by index arithmetic."""
+"""A regular grid of nodes in two or three dimensions, its edges, faces and cells by index arithmetic.
+
+Obstacles are nodes that the flow does not reach. A cell is open where none of its corners is one, and what is around
+edges and nodes counts as far as it lies in open cells: a grid whose last nodes are an obstacle is the smaller grid.
+"""
 
 from functools import cached_property
 
@@ -20,14 +24,16 @@ class Grid:
     spacing : distance of neighbours, one or one for each axis, in scene units
     origin : place of the first node
     periodic : whether the last node of an axis is followed by the first, one or one for each axis
+    solid : of the grid's shape, whether a node lies in an obstacle; None for no obstacles
 
     Raises
     ------
     MeshError
-        for fewer than two nodes along an axis, three along a periodic one, or a spacing that is not positive
+        for fewer than two nodes along an axis, three along a periodic one, a spacing that is not positive, and
+        obstacles that leave no cell open
     """
 
-    def __init__(self, shape, spacing=1.0, origin=0.0, periodic=False):
+    def __init__(self, shape, spacing=1.0, origin=0.0, periodic=False, solid=None):
         self.shape = tuple(int(count) for count in shape)
         dimension = len(self.shape)
         if dimension not in _PLANES:
@@ -41,6 +47,12 @@ class Grid:
                 raise MeshError(f"{count} nodes along axis {'XYZ'[axis]}: a grid needs {fewest} at least there")
         if not (np.isfinite(self.spacing).all() and (self.spacing > 0).all()):
             raise MeshError(f"the grid's spacing is {self.spacing.tolist()}: give positive lengths")
+        if solid is not None:
+            self.solid = np.asarray(solid, bool)
+            if self.solid.shape != self.shape:
+                raise MeshError(f"obstacles of the shape {self.solid.shape} on a grid of {self.shape}: give one a node")
+            if not self.open_cells.any():
+                raise MeshError("obstacles leave no cell of the grid open: leave room for the flow")
 
     @property
     def dimension(self):
@@ -49,6 +61,11 @@ class Grid:
     @property
     def node_count(self):
         return int(np.prod(self.shape))
+
+    @cached_property
+    def solid(self):
+        """Array of the grid's shape: whether each node lies in an obstacle."""
+        return np.zeros(self.shape, bool)
 
     @cached_property
     def numbers(self):
@@ -104,26 +121,45 @@ class Grid:
 
     @cached_property
     def weights(self):
-        """(e,) dual area over length, as in the cotangent rule."""
-        parts = []
-        for axis in range(self.dimension):
-            dual = [self._dual_lengths(other) for other in range(self.dimension)]
-            dual[axis] = np.full(self._element_shape([axis])[axis], 1 / self.spacing[axis])
-            parts.append(_outer(dual).ravel())
-        return np.concatenate(parts)
+        """(e,) dual area over length, as in the cotangent rule; 0 where the flow does not reach."""
+        axes = set(range(self.dimension))
+        return np.concatenate(
+            [
+                self._open_shares(axes - {axis}).ravel() * (np.prod(self.spacing) / self.spacing[axis] ** 2)
+                for axis in range(self.dimension)
+            ]
+        )
 
     @cached_property
     def masses(self):
-        """(n,) dual volume of each node."""
-        return _outer([self._dual_lengths(axis) for axis in range(self.dimension)]).ravel()
+        """(n,) dual volume of each node, all around those that the flow does not reach."""
+        shares = self._open_shares(range(self.dimension)).ravel()
+        return np.where(shares > 0, shares, 1) * np.prod(self.spacing)
 
-    def _dual_lengths(self, axis):
-        lengths = np.full(self.shape[axis], self.spacing[axis])
-        if not self.periodic[axis]:
-            lengths[[0, -1]] /= 2
-        return lengths
+    def _open_shares(self, axes):
+        """Share of the cells around each element that extends along all but some axes which are there, and open."""
+        shares = self.open_cells.astype(float)
+        for axis in axes:
+            if self.periodic[axis]:
+                shares = (shares + np.roll(shares, 1, axis=axis)) / 2
+                continue
+            room = [(int(axis == other),) * 2 for other in range(self.dimension)]
+            shares = np.moveaxis(np.pad(shares, room), axis, 0)
+            shares = np.moveaxis((shares[1:] + shares[:-1]) / 2, 0, axis)
+        return shares
 
     # Faces and cells
+
+    @cached_property
+    def open_cells(self):
+        """Array of the cells, whether no corner lies in an obstacle."""
+        result = ~self.solid
+        for axis, is_periodic in enumerate(self.periodic):
+            after = np.roll(result, -1, axis=axis)
+            result = result & after
+            if not is_periodic:
+                result = np.moveaxis(np.moveaxis(result, axis, 0)[:-1], 0, axis)
+        return result
 
     @cached_property
     def faces(self):
@@ -155,10 +191,11 @@ class Grid:
             )
         return np.concatenate(parts)
 
-    @property
+    @cached_property
     def face_signs(self):
-        """(4,) +1 where a face's edge is passed forwards, else -1."""
-        return np.array([1, 1, -1, -1])
+        """(f, 4) +1 where a face's edge is passed forwards, else -1; 0 around faces of no open cell."""
+        is_open = [self._open_shares(set(range(self.dimension)) - set(plane)).ravel() > 0 for plane in self.planes]
+        return np.concatenate(is_open)[:, None] * np.array([1, 1, -1, -1])
 
     @property
     def planes(self):
@@ -180,8 +217,8 @@ class Grid:
 
     @cached_property
     def cell_faces(self):
-        """(c, 2 d) faces of the cells of three dimensions: for each normal, the one before and the one after."""
-        corners = self._cells([0, 1, 2])
+        """(c, 2 d) faces of the open cells of three dimensions: for each normal, the one before and the one after."""
+        corners = self._cells([0, 1, 2])[self.open_cells.ravel()]
         parts, before = [], 0
         for normal, plane in enumerate(_PLANES[3]):
             shape = self._element_shape(plane)
@@ -195,14 +232,6 @@ class Grid:
     def outward(self):
         """(2 d,) +1 where a cell's face has its normal outwards, else -1, in the order of :attr:`cell_faces`."""
         return np.tile([-1, 1], 3)
-
-
-def _outer(factors):
-    """Array of the products of one factor along each axis."""
-    result = np.ones(())
-    for factor in factors:
-        result = result[..., None] * factor
-    return result
 
 
 def box_grid(low, high, resolution):

@@ -65,3 +65,10 @@ def around(points, is_closed):
 def polyline_length(points):
     """Along (p, 3) points, scene units."""
     return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+
+
+def resampled(points, step):
+    """Points along a polyline, (p, 3), evenly spaced and at most a step apart."""
+    along = np.append(0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    places = np.linspace(0, along[-1], max(int(np.ceil(along[-1] / step)), 1) + 1)
+    return np.column_stack([np.interp(places, along, column) for column in points.T])

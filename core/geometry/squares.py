@@ -14,10 +14,12 @@ def grid_squares(grid):
 
     Parameters
     ----------
-    grid : Grid of two dimensions; where it is periodic the mesh is open
+    grid : Grid of two dimensions; where it is periodic the mesh is open, and squares at obstacles are left out
     """
     cuts = np.s_[:-1, :-1], np.s_[1:, :-1], np.s_[1:, 1:], np.s_[:-1, 1:]
     corners = np.column_stack([grid.numbers[cut].ravel() for cut in cuts])
+    across, upwards = (count - 1 for count in grid.shape)
+    corners = corners[grid.open_cells[:across, :upwards].ravel()]
     starts = 4 * np.arange(len(corners))
     triangle_corners = (starts[:, None, None] + [[0, 1, 2], [0, 2, 3]]).reshape(-1, 3)
     polygons = Polygons(

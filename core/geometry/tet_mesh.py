@@ -204,6 +204,17 @@ class TetMesh:
         masses = np.bincount(self.tets.ravel(), weights=shares, minlength=self.vertex_count)
         return np.maximum(masses, 1e-9 * masses.mean())
 
+    def gradients(self, values):
+        """(m, 3) of the linear functions in the tetrahedra with (m, 4) values at their corners."""
+        return np.einsum("tk,tkx->tx", values, self.hat_gradients)
+
+    def at_vertices(self, values):
+        """(n, ...) means of the values of the tetrahedra around each vertex, by their volumes, from (m, ...)."""
+        shares = values * (self.volumes / 4).reshape(-1, *[1] * (values.ndim - 1))
+        sums = np.zeros((self.vertex_count, *values.shape[1:]))
+        np.add.at(sums, self.tets, shares[:, None])
+        return sums / self.vertex_masses.reshape(-1, *[1] * (values.ndim - 1))
+
     @cached_property
     def _cotangents(self):
         """(m, 6) cotangents of the dihedral angles at the edges opposite to each, (m, 6) a sixth of their lengths."""

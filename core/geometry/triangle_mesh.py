@@ -14,11 +14,9 @@ from numpy.typing import ArrayLike
 
 from ..errors import MeshError
 from ..graphs import components
+from .intrinsic_delaunay import MOST_CLIPPED, clipped_share, edge_weights, intrinsic_delaunay
 
-# Cotangent weights are kept in this range: Eq. (2) needs them positive, and slivers would
-# otherwise outweigh the rest of the mesh by ten orders of magnitude.
-WEIGHT_RANGE = (1e-4, 1e4)
-# And each cotangent in one in which they can be added.
+# Cotangents are kept in a range in which they can be added.
 _LARGEST = 1e200
 
 
@@ -221,13 +219,18 @@ class TriangleMesh:
 
     @cached_property
     def weights(self) -> np.ndarray:
-        """(e,) cotangent weights (cot a + cot b) / 2, kept within ``WEIGHT_RANGE``."""
+        """(e,) see :func:`edge_weights`."""
         dots, double_areas = self._corner_products
         with np.errstate(over="ignore"):  # of triangles without area within a polygon that has one
             cotangents = np.clip(dots / np.maximum(double_areas, np.finfo(float).tiny), -_LARGEST, _LARGEST)
-        opposite = cotangents[:, [2, 0, 1]].ravel()
-        sums = np.bincount(self._half_edges.numbers, weights=0.5 * opposite, minlength=len(self.edges))
-        return np.clip(sums, *WEIGHT_RANGE)
+        return edge_weights(cotangents[:, [2, 0, 1]].ravel(), self._half_edges.numbers, len(self.edges))
+
+    @cached_property
+    def posed(self):
+        """What problems are posed on: the mesh itself where its weights tell nearly all, else the same surface and
+        vertices in other triangles (see :func:`intrinsic_delaunay`)."""
+        lost = clipped_share(self.corner_angles, self.triangle_edges, self.edge_lengths, self.areas)
+        return self if lost <= MOST_CLIPPED else intrinsic_delaunay(self)
 
     # Rescaled tangent planes (Knöppel et al. 2013, Section 3.1)
 
@@ -272,6 +275,11 @@ class TriangleMesh:
         return directions, starts, met
 
     @property
+    def half_edge_directions(self):
+        """(3 m,) angle of each half-edge in the tangent plane of its tail, counterclockwise from the reference edge."""
+        return self._fans[0]
+
+    @property
     def fan_corner_counts(self):
         """(n,) corners met on one walk around each vertex: fewer than its corners at a bow-tie."""
         return self._fans[2]
@@ -280,7 +288,7 @@ class TriangleMesh:
     def edge_directions(self):
         """(e, 2) angle of the edge in the tangent plane of its lower vertex, and of the reversed
         edge in that of its higher vertex; counterclockwise from each vertex's reference edge."""
-        at_tail = self._fans[0]
+        at_tail = self.half_edge_directions
         halves = np.arange(len(at_tail))
         following = halves - halves % 3 + (halves + 1) % 3
         at_head = at_tail[following] + self.scaled_angles.ravel()[following]

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Layers as a printer lays them: beads that cover them, their heights, their order and reach, G-code."""
+"""Layers as a printer lays them: how flush they are, beads that cover them, heights, order and reach, G-code."""

@@ -11,7 +11,7 @@ _PARTS = 8
 # Farther than this from the next bead, in steps, a place is not covered by it.
 REACH = 0.75
 # Barycentric coordinates of the middles of a triangle's quarters.
-_MIDDLES = np.array([[4, 1, 1], [1, 4, 1], [1, 1, 4], [2, 2, 2]]) / 6
+MIDDLES = np.array([[4, 1, 1], [1, 4, 1], [1, 1, 4], [2, 2, 2]]) / 6
 
 
 class BeadDistances:
@@ -57,8 +57,8 @@ def covered_share(mesh, layers, away, step):
     """
     inside = np.zeros(mesh.triangle_count)
     corners = mesh.vertices[mesh.triangles]
-    for weights in _MIDDLES:
-        inside += (away(np.einsum("k,tkx->tx", weights, corners), layers) <= REACH * step) / len(_MIDDLES)
+    for weights in MIDDLES:
+        inside += (away(np.einsum("k,tkx->tx", weights, corners), layers) <= REACH * step) / len(MIDDLES)
     covered = np.bincount(layers, inside * mesh.areas)
     areas = np.bincount(layers, mesh.areas)
     return covered / np.maximum(areas, np.finfo(float).tiny), float(covered.sum() / areas.sum())

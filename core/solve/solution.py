@@ -76,6 +76,7 @@ class Options:
     samples : random projections tried, at least 1; not for the rounding "svd"
     seed : of every random choice, 0 or more; the same seed gives the same result to the last digit
     time_limit : seconds after which the best so far is returned, with the status ``TIME_LIMIT``; None for no limit
+    long_proofs : whether bounds are proved that take more than some ten seconds to prove, as far as memory reaches
     """
 
     method: str = "sdp"
@@ -84,6 +85,7 @@ class Options:
     samples: int = 64
     seed: int = 0
     time_limit: float | None = None
+    long_proofs: bool = False
 
 
 @dataclass(frozen=True)

@@ -304,7 +304,7 @@ def _solve_sdp(workspace, options, monitor, clock, start, calm, watch):
     monitor.expect(0.0 if watch is None else watch.proof_in)
     monitor.at("relaxation", 0.0)
     piece = workspace.piece
-    relaxation = relax(workspace, options.target_gap, options.seed, monitor, clock, start.lifted)
+    relaxation = relax(workspace, options, monitor, clock, start.lifted)
     monitor.proved(relaxation.lower_bound)
     if relaxation.reached:
         status = Status.CERTIFIED if relaxation.certificate is Certificate.PROVED else Status.ESTIMATED

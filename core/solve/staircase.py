@@ -72,14 +72,13 @@ class Relaxation:
     metric: Metric | None
 
 
-def relax(workspace, target_gap, seed, monitor, clock, start=None):
+def relax(workspace, options, monitor, clock, start=None):
     """Solve the relaxation of a piece to a certified relative gap.
 
     Parameters
     ----------
     workspace : Workspace
-    target_gap : (value - bound) / value to reach
-    seed : int
+    options : Options, of which it takes the gap, the seed and the length of proofs
     monitor : Monitor
     clock : Clock, gets the seconds under "relax" and "certify"
     start : (N, r) lifted field to start from, optional; otherwise the coarser stages give one
@@ -88,7 +87,7 @@ def relax(workspace, target_gap, seed, monitor, clock, start=None):
     -------
     Relaxation
     """
-    search = _Search(workspace, target_gap, seed, monitor, clock, start)
+    search = _Search(workspace, options, monitor, clock, start)
     try:
         for attempt in range(ATTEMPTS):
             search.descend_once(search.first_tolerance * TIGHTENING**attempt)
@@ -116,12 +115,13 @@ class _Search:
     first_tolerance : of the first descent
     """
 
-    def __init__(self, workspace, target_gap, seed, monitor, clock, start):
-        self._workspace, self._target_gap, self._monitor, self._clock = workspace, target_gap, monitor, clock
-        self._random = np.random.default_rng(seed)
+    def __init__(self, workspace, options, monitor, clock, start):
+        self._workspace, self._monitor, self._clock = workspace, monitor, clock
+        target_gap = self._target_gap = options.target_gap
+        self._random = np.random.default_rng(options.seed)
         piece, stage = workspace.piece, workspace.stages[0]
         with clock("relax"):
-            self._width = provable_width(piece)
+            self._width = provable_width(piece, options.long_proofs)
             if start is None:
                 rank = start_rank(piece, self._is_provable, target_gap)
                 self.point = _coarse_start(workspace, rank, self._random, monitor)
@@ -229,7 +229,7 @@ class _Search:
         directions = directions[:, : max(MAX_RANK - self.point.shape[1], 0)]
         if directions.shape[1] == 0:
             return
-        directions = directions / np.abs(directions).max(axis=0)
+        directions = directions / self._workspace.piece.held.max(np.abs(directions).max(axis=0))
         best, best_value = self.point, np.inf
         for length in CLIMBS:
             trial = lifted.normalize(np.hstack([self.point, length * directions]))
@@ -241,7 +241,7 @@ class _Search:
 
     def result(self):
         """The :class:`Relaxation` at the point, in principal columns."""
-        point, singular_values = principal(self.point)
+        point, singular_values = principal(self.point, self._workspace.piece.held)
         point = self._workspace.stages[0].lifted.normalize(point)  # without the columns that were dropped
         return Relaxation(
             point,
@@ -281,7 +281,8 @@ def _descents(workspace, point, metric, tolerance, precise, memory, monitor):
         start = point.astype(stage.matrix.dtype)
         descent = descend(stage.matrix, stage.lifted, start, metric, tolerance, DESCENT_STEPS, monitor, memory)
         yield descent
-        if tolerance * descent.values[0] >= rounding_noise(stage.matrix) or descent.out_of_time:
+        noise = rounding_noise(stage.matrix, stage.lifted.held)
+        if tolerance * descent.values[0] >= noise or descent.out_of_time:
             return
         point = descent.point.astype(workspace.matrix.dtype)
         memory.clear()

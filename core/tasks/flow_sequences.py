@@ -179,7 +179,7 @@ class SequenceRequest:
 
 def _is_same(grid, other):
     places = [(one.shape, one.periodic, *one.spacing, *one.origin) for one in (grid, other)]
-    return places[0] == places[1]
+    return places[0] == places[1] and bool((grid.solid == other.solid).all())
 
 
 def _named(progress, frame):

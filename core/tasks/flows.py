@@ -16,9 +16,9 @@ from ..fields.clebsch import (
     MOST_QUANTA,
     ClebschMap,
     SphericalMap,
-    circulations,
     clebsch_map,
     edge_integrals,
+    mean_circulation,
     quantum_for,
     spherical_map,
 )
@@ -233,7 +233,7 @@ def _about_nothing(found):
 
 def _about_quantum(found):
     """A line where so many filaments pass the faces that the phase can hardly tell them apart."""
-    mean = float(np.abs(circulations(found.grid, found.integrals)).mean()) / found.quantum
+    mean = mean_circulation(found.grid, found.integrals) / found.quantum
     if mean > _MANY_QUANTA:
         yield (
             f"{mean:.2g} filaments pass a face of the grid on average, and from {MOST_QUANTA:g} on they cannot be told "

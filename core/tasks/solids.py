@@ -13,14 +13,17 @@ from ..extract.defect_curves import DefectCurve, defect_curves
 from ..extract.layer_surfaces import LayerSurfaces, layer_surfaces
 from ..fields.filled_surface import FilledSurface
 from ..fields.growth import COARSE_SHARE
-from ..fields.layers import LayerPattern, SolidGrowth, solve_layers
+from ..fields.guidance.solids import extended_directions, have_directions
+from ..fields.layers import LayerPattern, SolidGrowth
+from ..fields.limits import ENOUGH, Limits, solve_within
 from ..fields.surface_phases import SurfacePhases, surface_phases
 from ..geometry.filling.closed_surface import Area, ClosedSurface
-from ..geometry.filling.lengths import Lengths, estimate
+from ..geometry.filling.lengths import SOLVED_BYTES, Estimate, Lengths, estimate
 from ..geometry.tet_mesh import TetMesh
 from ..interpolate import TURN
 from ..memory import check_memory
 from ..monitor import Monitor, portion
+from ..printing.flush import FAR, far_share
 from ..solve import Options
 from ..solve.solution import Clock
 
@@ -28,6 +31,8 @@ from ..solve.solution import Clock
 LOST_VOLUME = 0.1
 # Areas of which the solid covers less are told about.
 COVERED = 0.95
+# A guide without a direction in more of the volume is told about.
+CONTINUED = 0.1
 # Where the parts of the work begin, as shares of it.
 _GUIDANCE, _PHASES, _SURFACES = 0.15, 0.25, 0.9
 
@@ -39,7 +44,7 @@ class SolidGuide:
     Attributes
     ----------
     label : what errors call it
-    compute : callable that can be pickled, FilledSurface -> (n, 3) unit vectors at the solid's vertices
+    compute : callable that can be pickled, FilledSurface -> (n, 3) vectors at the solid's vertices
         (:mod:`..fields.guidance.filled`)
     """
 
@@ -47,11 +52,14 @@ class SolidGuide:
     compute: Callable[[FilledSurface], np.ndarray]
 
     def directions(self, filled):
-        """(n, 3) unit vectors at the solid's vertices; errors name the guide."""
+        """(n, 3) unit vectors at the solid's vertices, and the share of its volume where they only continue those
+        around; errors name the guide."""
         try:
-            return self.compute(filled)
+            vectors = self.compute(filled)
         except SettingError as error:
             raise SettingError(f"{self.label}: {error}") from None
+        solid, own = filled.solid, have_directions(filled.solid, vectors)
+        return extended_directions(solid, vectors), float(solid.vertex_masses[~own].sum() / solid.vertex_masses.sum())
 
 
 @dataclass(frozen=True)
@@ -82,6 +90,8 @@ class SolidRequest:
     factors : (n,) at the surface's vertices, on the spacing; None for 1
     options : of the solve
     branching : share of the branches that even distances need
+    limits : of the distance of layers, in scene units
+    by_level : number levels, instead of each connected piece by itself
     """
 
     surface: ClosedSurface
@@ -92,6 +102,8 @@ class SolidRequest:
     factors: np.ndarray | None
     options: Options
     branching: float = 1.0
+    limits: Limits = dataclasses.field(default_factory=Limits)
+    by_level: bool = False
 
     @property
     def shared(self):
@@ -109,34 +121,47 @@ class SolidRequest:
             with one line that says what is wrong and the remedy, also where memory would not do
         """
         monitor, clock = Monitor(progress), Clock()
-        if self.solid is None:
-            expected = estimate(self.surface.distance, self.lengths.size)
-            check_memory(expected.bytes, f"layers in {expected.tets:,} tetrahedra")
+        expected = self.estimate
+        check_memory(expected.bytes, f"a solve of layers in {expected.tets:,} tetrahedra")
         monitor.at("filling the surface", 0.0)
         with clock("fill"):
             solid = monitor.during(self._filled)
         filled = FilledSurface(self.surface, solid)
         monitor.at("guidance", _GUIDANCE)
         with clock("build"):
-            directions, spacings, groups = monitor.during(lambda: self._asked(filled))
+            directions, continued, spacings, groups = monitor.during(lambda: self._asked(filled))
             growth = SolidGrowth.of(solid, directions, spacings)
         solving = portion(progress, _PHASES, _SURFACES - _PHASES)
-        pattern = solve_layers(solid, directions, spacings, groups, self.options, solving, self.branching)
+        pattern, growth = solve_within(growth, self.limits, groups, self.options, solving, self.branching)
+        outside = self.limits.outside_share(pattern)
         monitor.at("layers", _SURFACES)
         with clock("extract"):
-            surfaces = monitor.during(lambda: layer_surfaces(pattern.edge_phases, pattern.heights))
+            surfaces = monitor.during(
+                lambda: layer_surfaces(pattern.edge_phases, pattern.heights, by_level=self.by_level)
+            )
             if surfaces.count == 0:
                 raise SettingError(_no_layer(self.lengths.spacing * float(np.ptp(pattern.heights)) / TURN))
             curves = tuple(defect_curves(solid, pattern.face_numbers))
             ends = curve_ends(solid, surfaces, curves)
             phases = monitor.during(lambda: surface_phases(self.surface.mesh, pattern, growth))
+            far = monitor.during(lambda: self._far(surfaces))
         warnings = (
             *self._about_loss(solid),
             *self._about_holes(solid),
             *self._about_rims(filled, groups),
+            *self._about_far(far),
+            *self._about_directions(continued),
+            *self._about_limits(outside),
             *_about_edges(growth),
         )
-        return SolidResult(pattern, surfaces, curves, ends, phases, warnings, clock.seconds)
+        return SolidResult(pattern, surfaces, curves, ends, phases, outside, continued, far, warnings, clock.seconds)
+
+    @property
+    def estimate(self):
+        """The :class:`Estimate` of the solid and its solve."""
+        if self.solid is None:
+            return estimate(self.surface.distance, self.lengths.size)
+        return Estimate(self.lengths.size, self.solid.tet_count, SOLVED_BYTES * self.solid.tet_count)
 
     def _filled(self):
         if self.solid is not None:
@@ -144,11 +169,17 @@ class SolidRequest:
         return self.surface.filled(self.lengths.size, [asked.area for asked in self.asked])
 
     def _asked(self, filled):
-        """Directions, spacings and groups on the solid."""
-        directions, spacings = self.guide.directions(filled), self.lengths.spacing
+        """Directions, where they continue others, spacings and groups on the solid."""
+        (directions, continued), spacings = self.guide.directions(filled), self.lengths.spacing
         if self.factors is not None:
-            spacings = spacings * filled.inside(self.factors)
-        return directions, spacings, [filled.group_on(asked.area, asked.phase) for asked in self.asked]
+            spacings = self.limits.clipped(spacings * filled.inside(self.factors))
+        return directions, continued, spacings, [filled.group_on(asked.area, asked.phase) for asked in self.asked]
+
+    def _far(self, surfaces):
+        """Shares of the areas that a layer should lie on which are far from all, by their names."""
+        mesh, spacing = self.surface.mesh, self.lengths.spacing
+        held = [asked.area for asked in self.asked if asked.phase == 0]
+        return {area.name: far_share(mesh, area.triangles, surfaces, spacing) for area in held}
 
     def _about_loss(self, solid):
         lost = self.surface.lost_share(solid)
@@ -165,6 +196,28 @@ class SolidRequest:
             has = f"has {number} that the surface has not, where it closes narrow gaps"
             lacks = f"lacks {number} of the surface, too narrow for it"
             yield f"the solid {has if more > 0 else lacks}: reduce the size of its tetrahedra, {self.lengths.size:.3g}"
+
+    def _about_far(self, far):
+        for name, share in far.items():
+            if share > 1 - COVERED:
+                yield (
+                    f"{share:.0%} of {name} is farther than {FAR:g} spacings from the layers: reduce the size of the "
+                    f"tetrahedra, {self.lengths.size:.3g}"
+                )
+
+    def _about_directions(self, continued):
+        if continued > CONTINUED:
+            yield (
+                f"{self.guide.label} has no direction of its own in {continued:.0%} of the solid, where those around "
+                f"go on: reduce the size of its tetrahedra, {self.lengths.size:.3g}"
+            )
+
+    def _about_limits(self, outside):
+        if outside > ENOUGH:
+            yield (
+                f"in {outside:.1%} of the solid layers end, or are not between {self.limits} high: give limits that "
+                "are farther apart, or another spacing"
+            )
 
     def _about_rims(self, filled, groups):
         for asked, group in zip(self.asked, groups, strict=True):
@@ -188,6 +241,9 @@ class SolidResult:
     curves : DefectCurves in the solid's space
     ends : CurveEnds of these
     phases : SurfacePhases
+    outside : share of the volume in which layers end or their distance is outside of the limits, 0 without limits
+    continued : share of the volume in which the guide has no direction of its own
+    far : shares of the areas that a layer should lie on which are far from all layers, by their names
     warnings : lines that the user should read
     seconds : that parts of the work took, by their names
     """
@@ -197,6 +253,9 @@ class SolidResult:
     curves: tuple[DefectCurve, ...]
     ends: tuple[CurveEnd, ...]
     phases: SurfacePhases
+    outside: float = 0.0
+    continued: float = 0.0
+    far: dict[str, float] = dataclasses.field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     seconds: dict[str, float] = dataclasses.field(default_factory=dict)
 

@@ -63,7 +63,7 @@ def picture_of_function(name, mesh, function, path):
     _start()
     surface = cut_away(mesh, _wedge(name, mesh))
     values = np.einsum("kci,ki->kc", surface.weights, function[mesh.tets[surface.tets]] ** VIEWS[name][3])
-    return _render(name, _add_surface(surface, values, _gradient()), path)
+    return _render(name, _add_surface(surface, values, material_of_values("Function", GRADIENT, (0, 1))), path)
 
 
 def beside(rows, path):
@@ -161,11 +161,12 @@ def _stripes(color):
     return material
 
 
-def _gradient():
-    material, tree, surface = _material("Function")
+def material_of_values(name, stops, bounds):
+    """A material in colours between stops of the attribute "value", which lies within bounds."""
+    material, tree, surface = _material(name)
     value = tree.nodes.new("ShaderNodeAttribute")
     value.attribute_name = "value"
-    _ramp(tree, value.outputs["Fac"], surface, GRADIENT, (0, 1))
+    _ramp(tree, value.outputs["Fac"], surface, stops, bounds)
     return material
 
 

@@ -75,6 +75,13 @@ def defect_empties(obj) -> list[bpy.types.Object]:
     return [child for child in obj.children if child.type == "EMPTY" and _KIND in child]
 
 
+def collection_of_defects(obj):
+    """The collection that holds all defect empties of `obj`, where a user has left them there, or None."""
+    empties = defect_empties(obj)
+    found = {collection for empty in empties[:1] for collection in empty.users_collection if _MARK in collection}
+    return found.pop() if found else None
+
+
 def _remove_empties(leaving):
     """Remove empties from the file; those that are leaving are no defects any more."""
     for empty in leaving:

@@ -8,7 +8,7 @@ import numpy as np
 from mathutils.bvhtree import BVHTree
 
 from ...core.errors import SettingError
-from ...core.geometry.polylines import beside, check_length
+from ...core.geometry.polylines import beside, check_length, resampled
 from .attributes import read_all
 from .modifiers import is_of_filaments
 
@@ -42,7 +42,7 @@ def read_strokes(obj, name, given):
     lines = [np.column_stack([line, np.ones(len(line))]) @ matrix.T @ into.T for line in polylines(source)]
     check_length(f"the object {name!r}", sum(float(_lengths(points).sum()) for points in lines), step)
     reach = _SMOOTHED * np.median(mesh.edge_lengths)
-    strokes = [_projected(tree, _resampled(points, step), reach) for points in lines]
+    strokes = [_projected(tree, resampled(points, step), reach) for points in lines]
     if not strokes:
         raise SettingError(f"the object {name!r} holds no curve: draw one, or choose another object")
     return strokes
@@ -106,6 +106,8 @@ def _middle_line(source):
 def _chains(seen):
     """Chains of edges of an object that is seen as a mesh, as polylines."""
     mesh = seen.to_mesh()
+    if mesh is None:  # of a curve without splines
+        return []
     try:
         points = read_all(mesh.vertices, "co", 3, np.float32)
         pairs = read_all(mesh.edges, "vertices", 2)
@@ -132,10 +134,3 @@ def _chains(seen):
 def _lengths(points):
     """Of the pieces between points."""
     return np.linalg.norm(np.diff(points, axis=0), axis=1)
-
-
-def _resampled(points, step):
-    """Points along a polyline at most a step apart."""
-    along = np.append(0, np.cumsum(_lengths(points)))
-    places = np.linspace(0, along[-1], max(int(np.ceil(along[-1] / step)), 1) + 1)
-    return np.column_stack([np.interp(places, along, column) for column in points.T])

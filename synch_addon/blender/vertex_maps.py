@@ -30,8 +30,13 @@ def read_factors(obj, given, name, factor):
     return values
 
 
-def read_turns(obj, given, name):
-    """(n,) radians of a float attribute or vertex group, by which directions are turned.
+def read_turns(obj, given, name, turn):
+    """(n,) radians by which directions are turned: a float attribute as it is, or a vertex group by its weights.
+
+    Parameters
+    ----------
+    obj, given, name : as of :func:`read_factors`
+    turn : radians at a vertex with weight 1 in the group
 
     Raises
     ------
@@ -39,6 +44,8 @@ def read_turns(obj, given, name):
         when there is neither, or a value is not finite
     """
     values = attributes.read_numbers(obj, name, given)
+    if groups.is_group(obj, name):
+        return turn * values
     _refuse(obj, given, name, ~np.isfinite(values), "a finite angle in radians")
     return values
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the command ``layers`` writes besides: a mesh for each layer, tool paths and a volume."""
 
+import math
+
 from ...core.tasks.layer_outputs import FILLS, PathSettings
 from .. import api
 from ..blender.files import MESH_SUFFIXES, check_output
@@ -42,6 +44,17 @@ def check(options):
         check_output(options.export_gcode, (PROGRAM,))
     if options.export_volume:
         check_volume(options.export_volume, options.resolution)
+
+
+def heights_of(options):
+    """Limits of the layers' heights in scene units, those of the machine where there are no flags."""
+    machine = machine_of(options.machine)
+    largest = machine.largest_height if math.isfinite(machine.largest_height) else 0.0
+    given = {"smallest_height": machine.smallest_height, "largest_height": largest}
+    return {
+        name: height / machine.scale if getattr(options, name) is None else getattr(options, name)
+        for name, height in given.items()
+    }
 
 
 def write(options, obj):

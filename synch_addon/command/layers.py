@@ -11,10 +11,11 @@ from .. import api
 from ..blender import files
 from ..jobs.job import run as run_job
 from ..solids.report import summary
-from ..solids.settings import KINDS, WISHES, LayerSettings
+from ..solids.settings import KINDS, NUMBERS, WISHES, LayerSettings
 from . import layer_outputs
 from .flags import (
     Made,
+    add_choice,
     add_input,
     add_number,
     add_outputs,
@@ -55,6 +56,10 @@ def add_parser(commands):
     )
     tip = "share of the branches that even distances need, from 0 (hardly any or none) to 1"
     add_number(command, "--branching", _DEFAULT.branching, tip)
+    for name in ("smallest", "largest"):
+        tip = f"{name} distance between layers; default: the machine's, if it has one"
+        command.add_argument(f"--{name}-height", type=float, metavar="LENGTH", help=tip)
+    add_choice(command, "--numbers", NUMBERS, _DEFAULT.numbers, "what counts as one layer")
     add_strict(command)
     add_solver(command)
     layer_outputs.add_arguments(command)
@@ -68,7 +73,9 @@ def run(options, open_object, progress):
         options.groups,
         branching=options.branching,
         size=options.size,
+        numbers=options.numbers,
         strict=options.strict,
+        **layer_outputs.heights_of(options),
         **spacing_of(options),
         **solver_of(options),
     )

@@ -47,7 +47,13 @@ def add_settings(command, name):
         "--angle", type=float, default=0.0, metavar="DEG", help="turn the directions, counterclockwise"
     )
     command.add_argument(
-        "--angle-attribute", default="", metavar="NAME", help="float attribute, radians from vertex to vertex on top"
+        "--angle-attribute",
+        default="",
+        metavar="NAME",
+        help="float attribute, radians from vertex to vertex on top, or vertex group, which takes them to the range",
+    )
+    command.add_argument(
+        "--angle-range", type=float, metavar="DEG", help="angle where the vertex group's weight is 1 (57.3)"
     )
     boundary = "what directions do at open edges; phase: a line lies exactly on them"
     add_choice(command, "--boundary", BOUNDARIES, default.boundary, boundary)
@@ -69,10 +75,14 @@ def settings_of(options):
             f"the vertex group {options.vertex_group!r} restricts the boundary, which is free: "
             "add --boundary along, across or phase"
         )
+    if options.angle_range is not None and not options.angle_attribute:
+        raise SettingError("the angle range belongs to an angle attribute: add --angle-attribute NAME")
     names = ("aspect", "smoothing", "faces", "straighten", "branching")
     only_some = {name: getattr(options, name) for name in names if hasattr(options, name)}
     if hasattr(options, "features"):
         only_some["features"] = math.radians(options.features)
+    if options.angle_range is not None:
+        only_some["angle_range"] = math.radians(options.angle_range)
     return Settings(
         symmetry=getattr(options, "symmetry", "cross"),
         guidance=options.guidance,

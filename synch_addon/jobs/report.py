@@ -34,6 +34,7 @@ class Report:
         self.warnings = []
         self.forced_dislocations = None
         self.quad_mesh = None
+        self.curves_read = ()  # what the curves looked like that the settings speak of
         self._settled = {}
         self._start = time.perf_counter()
         self._request = None

@@ -63,6 +63,17 @@ def show_material(obj, material, kind, *, assign_faces=False):
     _give(obj, material, True, _KINDS[kind], assign_faces)
 
 
+def pattern_node(obj, kind):
+    """The node that shows a `kind` of pattern in a material of an object, the first of them, or None."""
+    name = _KINDS[kind].name
+    for slot in obj.material_slots:
+        tree = slot.material and slot.material.node_tree
+        for node in tree.nodes if tree else ():
+            if _is_of(getattr(node, "node_tree", None), name):
+                return node
+    return None
+
+
 def shows_pattern(material):
     """Whether a material shows one of these patterns, which only a solved mesh has."""
     return any(_shows(material, kind) for kind in _KINDS.values())
@@ -120,8 +131,12 @@ def _store_spacing(obj, spacing):
 def _shows(material, kind):
     if material is None or material.node_tree is None:
         return False
-    trees = [getattr(node, "node_tree", None) for node in material.node_tree.nodes]
-    return any(tree is not None and tree.name == kind.name and tree.library is None for tree in trees)
+    return any(_is_of(getattr(node, "node_tree", None), kind.name) for node in material.node_tree.nodes)
+
+
+def _is_of(tree, name):
+    """Whether a node's group is the one of this file that has a name."""
+    return tree is not None and tree.name == name and tree.library is None
 
 
 def _shared_material(kind):

@@ -20,6 +20,7 @@ class SYNCH_OT_bake(PatternOperator, BackgroundOperator, BakeProperties, bpy.typ
     def _take(self, context):
         for name in BakeProperties.__annotations__:
             setattr(self, name, getattr(context.scene.synch_bake, name))
+        self.unwrap |= not context.active_object.data.uv_layers
 
     def _job(self, context):
         settings = settings_of(BakeSettings, self, BakeProperties, file_format=self.file_format)

@@ -26,6 +26,8 @@ _MEANINGS = {
     "dislocation": "Points where a stripe begins or ends",
     "evenness": "How many times as far apart as asked lines are, on all but a hundredth of the surface at either end, "
     "and on how much of it they are off by more than a quarter; Spacing Error in the overlay shows where",
+    "spacing": "The distance from one line to the next that was asked for, as it was used, and how many faces the mesh "
+    "has",
     "time": "How long the last solve took, and on how many vertices",
 }
 

@@ -50,6 +50,8 @@ class PickingOperator(ReadyOperator):
         self._picked = self._held = False
         context.window_manager.modal_handler_add(self)
         context.workspace.status_text_set(said(self.hint))
+        context.window.cursor_modal_set("CROSSHAIR")
+        context.area.tag_redraw()
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
@@ -66,8 +68,9 @@ class PickingOperator(ReadyOperator):
         return result
 
     def cancel(self, context):
-        """However it ends: give the status bar back."""
+        """However it ends: give the status bar and the pointer back."""
         context.workspace.status_text_set(None)
+        context.window.cursor_modal_restore()
 
     def _step(self, context, event):
         obj = bpy.data.objects.get(self._object_name)
@@ -93,8 +96,9 @@ class PickingOperator(ReadyOperator):
 
     def _pick(self, context, event, obj, is_moved):
         """What was done may be refused in one line, and stays as it was then."""
+        ray = ray_under(context, (event.mouse_region_x, event.mouse_region_y), obj)
         try:
-            done = self.pick(obj, self._surface, _ray(context, event, obj), is_moved)
+            done = self.pick(obj, self._surface, ray, is_moved)
         except SynchError as error:
             self.report({"ERROR"}, str(error))
             return False
@@ -103,9 +107,8 @@ class PickingOperator(ReadyOperator):
         return done
 
 
-def _ray(context, event, obj):
-    """Origin and direction of what is under the mouse, in an object's space."""
-    mouse = event.mouse_region_x, event.mouse_region_y
+def ray_under(context, mouse, obj):
+    """Origin and direction of what is under a pixel of the region, in an object's space."""
     origin = region_2d_to_origin_3d(context.region, context.region_data, mouse)
     towards = region_2d_to_vector_3d(context.region, context.region_data, mouse)
     inverse = obj.matrix_world.inverted()

@@ -11,8 +11,8 @@ from .ready import PromptOperator, ReadyOperator
 
 
 class SYNCH_OT_refine(ReadyOperator, PromptOperator, bpy.types.Operator):
-    """Subdivide the mesh without changing its shape, so that it carries the spacing. UV maps, groups and attributes \
-go over; a pattern on it has to be solved again"""
+    """Subdivide the mesh, so that it carries the spacing: smoothly where it looks smooth, else without changing its \
+shape. UV maps, groups and attributes go over; a pattern on it has to be solved again"""
 
     bl_idname = "synch.refine"
     bl_label = "Subdivide for Spacing"

@@ -18,7 +18,7 @@ class SYNCH_PT_bake(SettingsPanel, bpy.types.Panel):
 
     bl_label = "Bake"
     bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 4
+    bl_order = 6
 
     @classmethod
     def poll(cls, context):
@@ -35,8 +35,11 @@ def draw_bake(layout, settings, obj):
     column = property_column(layout)
     for name in ("size", "margin", "samples"):
         column.prop(settings, name)
-    column.prop_search(settings, "uv_map", obj.data, "uv_layers", icon="GROUP_UVS")
-    column.prop(settings, "unwrap")
+    if obj.data.uv_layers:
+        column.prop_search(settings, "uv_map", obj.data, "uv_layers", icon="GROUP_UVS")
+        column.prop(settings, "unwrap")
+    else:
+        column.label(text="No UV map: Smart UV Project makes one", icon="INFO")
     column.prop(settings, "folder", placeholder="in the .blend")
     column.prop(settings, "naming")
     column.prop(settings, "file_format")

@@ -83,7 +83,7 @@ class SYNCH_PT_constraints(SettingsPanel, bpy.types.Panel):
 
     bl_label = "Constraints"
     bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 1
+    bl_order = 3
 
     def draw(self, context):
         obj = context.active_object

@@ -44,7 +44,7 @@ class SYNCH_PT_animation(SettingsPanel, bpy.types.Panel):
 
     bl_label = "Animation"
     bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 5
+    bl_order = 7
 
     def draw(self, context):
         settings = context.active_object.synch_animation

@@ -9,13 +9,13 @@ from ..blender.attributes import read_all
 from ..blender.translations import said
 from ..jobs.shelf import Shelf
 from ..solids.links import solid_of
-from ..solids.properties import GUIDE_NAMES, LENGTHS
+from ..solids.properties import GUIDE_NAMES, LENGTHS, OPTIONAL_NAMES
+from .painting import draw_map
 from .row_operators import RemoveRow, RowOperator
 from .sidebar import (
     SidebarPanel,
     draw_automatic,
     draw_solver,
-    draw_spacing_map,
     draw_unready,
     property_column,
 )
@@ -49,7 +49,7 @@ def draw_layers(layout, stored):
     column.prop(stored, "guide")
     for name in GUIDE_NAMES[stored.guide]:
         field = column.row()
-        field.alert = not getattr(stored, name)
+        field.alert = name not in OPTIONAL_NAMES and not getattr(stored, name)
         field.prop(stored, name)
     for number, row in enumerate(stored.groups):
         line = layout.row(align=True)
@@ -62,8 +62,9 @@ def draw_layers(layout, stored):
     column = property_column(layout)
     for name, automatic in LENGTHS.items():
         draw_automatic(column, stored, name, automatic)
-    draw_spacing_map(column, stored)
-    column.prop(stored, "branching")
+    draw_map(column, stored, "LAYERS")
+    for name in ("branching", "smallest_height", "largest_height", "numbers"):
+        column.prop(stored, name)
     draw_solver(layout, stored)
 
 

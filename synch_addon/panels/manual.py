@@ -21,7 +21,8 @@ _OPERATORS = {
     "vortices": "clebsch best_vortices filament_export",
     "animation": "animate",
     "constraints": "constraint_add constraint_remove constraint_move",
-    "guides": "guide_add guide_remove import_field export_field",
+    "guides": "draw_stroke erase_strokes smooth_strokes guide_add guide_remove import_field export_field",
+    "settings": "paint_map",
     "comfort": "refine add_sample add_preset copy_settings",
 }
 _SETTINGS = {
@@ -31,8 +32,11 @@ _SETTINGS = {
     "synchsettings.result": "result",
     "synchsettings.guid*": "guides",
     "synchsettings.*": "settings",
+    "synchbrush.*": "settings",
     "synchconstraint.*": "constraints",
     "synchguide.*": "guides",
+    "synchlook.*": "looks",
+    "synchstrokes.*": "guides",
     "synchfavourite.*": "result",
     "synchshown.*": "result",
     "synchoverlay.*": "overlay",

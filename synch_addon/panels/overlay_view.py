@@ -91,7 +91,7 @@ class SYNCH_PT_overlay(SidebarPanel, bpy.types.Panel):
     bl_label = "Overlay"
     bl_parent_id = "SYNCH_PT_fields"
     bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 3  # below the solver
+    bl_order = 5  # below the solver
 
     def draw_header(self, context):
         self.layout.prop(context.scene.synch_overlay, "show", text="")

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Patterns drawn by the graphics card from phases at the corners of triangles, in the colours of their materials."""
 
+import math
+
 import gpu
 from gpu_extras.batch import batch_for_shader
 
@@ -15,7 +17,7 @@ void main()
   gl_Position = projection * place;
 }
 """
-# Edges are soft over one pixel; what is finer than pixels is even. Lines of quads fill half of the area.
+# Edges are soft over one pixel; what is finer than pixels is even.
 _FRAGMENT = """
 float soft(float inside)
 {
@@ -26,19 +28,19 @@ void main()
 {
 #ifdef QUADS
   vec2 away = abs(sin(phases));
-  float line = soft(0.4444 - min(away.x, away.y));
+  float line = soft(edge - min(away.x, away.y));
   float finest = 0.5;
 #else
-  float line = soft(cos(phases.x));
+  float line = soft(cos(phases.x) - edge);
   float finest = 1.0;
 #endif
   vec2 change = fwidth(phases) / (3.14159 * finest);
-  line = mix(line, 0.5, clamp(max(change.x, change.y) - 0.5, 0.0, 1.0));
+  line = mix(line, share, clamp(max(change.x, change.y) - 0.5, 0.0, 1.0));
 #ifdef COVERS
   vec3 normal = normalize(cross(dFdx(at), dFdy(at)));
-  color = vec4(mix(PAPER, INK, line) * (0.35 + 0.65 * abs(normal.z)), 1.0);
+  color = vec4(mix(PAPER, ink, line) * (0.35 + 0.65 * abs(normal.z)), 1.0);
 #else
-  color = vec4(INK, 0.9 * line);
+  color = vec4(ink, 0.9 * line);
 #endif
 }
 """
@@ -77,23 +79,39 @@ class DrawnPattern:
     """
 
     def __init__(self, places, phases, *, of_quads, covers):
+        self._of_quads = of_quads
         self._shader = shaders.of(of_quads, covers)
         self._batch = batch_for_shader(self._shader, "TRIS", {"pos": places, "phase": phases})
 
-    def draw(self, view, projection):
+    def draw(self, view, projection, ink=INK_BLUE, share=0.5):
         """Draw into the active framebuffer, hidden by what is nearer.
 
         Parameters
         ----------
         view, projection : matrices from the object's space to that of the view, and from there to the screen
+        ink : (4,) colour of stripes or lines
+        share : of the area that these fill
         """
         gpu.state.blend_set("ALPHA")
         gpu.state.depth_test_set("LESS_EQUAL")
         self._shader.uniform_float("view", view)
         self._shader.uniform_float("projection", projection)
+        self._shader.uniform_float("ink", ink[:3])
+        self._shader.uniform_float("share", share)
+        self._shader.uniform_float("edge", edge(share, self._of_quads))
         self._batch.draw(self._shader)
         gpu.state.depth_test_set("NONE")
         gpu.state.blend_set("NONE")
+
+
+def edge(share, of_quads):
+    """The height at the edge of stripes, or of grid lines, that fill a share of the area.
+
+    A stripe is where the cosine of the phase is above it; a line is where the sine of one of both phases is below it.
+    """
+    if of_quads:
+        return math.sin(math.pi * (1 - math.sqrt(1 - share)) / 2)
+    return math.cos(math.pi * share)
 
 
 def _shader(of_quads, covers):
@@ -101,13 +119,15 @@ def _shader(of_quads, covers):
     between.smooth("VEC3", "at")
     between.smooth("VEC2", "phases")
     info = gpu.types.GPUShaderCreateInfo()
-    for name, color in (("INK", INK_BLUE), ("PAPER", WARM_IVORY)):
-        info.define(name, "vec3({}, {}, {})".format(*color))
+    info.define("PAPER", "vec3({}, {}, {})".format(*WARM_IVORY))
     for name, chosen in (("QUADS", of_quads), ("COVERS", covers)):
         if chosen:
             info.define(name)
     info.push_constant("MAT4", "view")
     info.push_constant("MAT4", "projection")
+    info.push_constant("VEC3", "ink")
+    info.push_constant("FLOAT", "share")
+    info.push_constant("FLOAT", "edge")
     info.vertex_in(0, "VEC3", "pos")
     info.vertex_in(1, "VEC2", "phase")
     info.vertex_out(between)

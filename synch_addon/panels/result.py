@@ -5,8 +5,10 @@ import json
 
 import bpy
 
+from ..blender.defect_empties import collection_of_defects
 from ..blender.translations import counted, said
 from ..patterns import memory
+from .look import draw_look
 from .sidebar import SettingsPanel, property_column
 
 # What is said of each kind of place where the surface is not the mesh.
@@ -20,6 +22,8 @@ FINDINGS = {
     "one_sided_edges": "One-sided, cut along edges: {count}",
 }
 
+# Operators by what they solve.
+SOLVES = {name: f"synch.{name}" for name in ("directions", "stripes", "quads", "quad_mesh")}
 # Energy for each vertex that is as good as none: what rounding leaves.
 PERFECT = 1e-12
 
@@ -38,8 +42,14 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
         result = json.loads(synch.result)
         if result["command"] != "directions":
             draw_shading(self.layout, context)
+            draw_look(self.layout, context.active_object)
         held = memory.holds(context.active_object)
-        draw_figures(self.layout, result, held)
+        if memory.is_outdated(context.active_object):
+            row = self.layout.row()
+            row.alert = True
+            text = "Mesh Changed: Solve Again"
+            row.operator(SOLVES[result["command"]], text=text, icon="FILE_REFRESH")
+        draw_figures(self.layout, result, held, len(context.active_object.data.polygons))
         draw_findings(self.layout, result.get("carrier", {}))
         if held:
             row = property_column(self.layout).row(align=True)
@@ -47,7 +57,10 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
             slider.enabled = memory.solve_of(context.active_object).varies
             slider.prop(context.active_object.synch_shown, "variation")
             row.operator("synch.draw_variation", text="", icon="FILE_REFRESH")
-            self.layout.operator("synch.place_defect", icon="PIVOT_CURSOR")
+            draw_cost(self.layout, context.active_object, result)
+            running = {operator.bl_idname for operator in context.window.modal_operators}
+            placing = "SYNCH_OT_place_defect" in running
+            self.layout.operator("synch.place_defect", icon="PIVOT_CURSOR", depress=placing)
             if result["command"] == "quads":
                 self.layout.operator("synch.trace_quads", icon="MOD_REMESH")
         if result["command"] != "directions":
@@ -55,9 +68,21 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
             row = self.layout.row(align=True)
             row.operator("synch.isolines", icon="MOD_CURVE")
             row.operator("synch.relief", icon="MOD_DISPLACE")
+        defects = collection_of_defects(context.active_object)
+        if defects is not None:
+            self.layout.prop(defects, "hide_viewport", text="Show Defects", invert_checkbox=True)
         row = self.layout.row(align=True)
         row.operator("synch.select_defects", text="Select Defects", icon="RESTRICT_SELECT_OFF")
         row.operator("synch.next_defect", text="Next Defect", icon="VIEWZOOM")
+
+
+def draw_cost(layout, obj, result):
+    """How much more energy what is shown has than the solution of the same solve, where it is another one."""
+    solved = memory.solve_of(obj)
+    best = solved.shown.solution
+    if solved.change is not None and best is not None and best.energy > 0:
+        more = result["energy"] / best.energy - 1
+        layout.label(text=said("{more:+.1%} energy, against the best", more=more), icon="BLANK1", translate=False)
 
 
 def draw_findings(layout, findings):
@@ -92,8 +117,8 @@ def draw_favourites(layout, favourites):
         row.operator("synch.remove_favourite", text="", icon="X").name = favourite.name
 
 
-def draw_figures(layout, result, held):
-    """Energy, bound, counts and evenness.
+def draw_figures(layout, result, held, faces):
+    """Energy, bound, counts, evenness, the spacing that was used, and how many faces there are.
 
     ``result`` is what :func:`report.result_line` keeps. Where its whole report is held, the lines say in their tooltips
     what they mean, and copy it when they are clicked.
@@ -121,6 +146,9 @@ def draw_figures(layout, result, held):
     if result.get("evenness"):
         low, _, _, _, high = result["evenness"]["spacing"]
         off = result["evenness"]["off_share"]
+        units, spacing = bpy.context.scene.unit_settings.system, result["settings"]["spacing"]
+        length = bpy.utils.units.to_string(units, "LENGTH", spacing, precision=3)
+        line(said("{length} apart on {count:,} faces", length=length, count=faces), "DOT", "spacing")
         line(said("Spacing × {low:.2f} to {high:.2f}, {off:.0%} off", low=low, high=high, off=off), "DOT", "evenness")
     line(f"{result['seconds']:.2f} s, {counted(result['nodes'], 'vertex')}", "TIME", "time")
 

@@ -10,6 +10,7 @@ from ..patterns.live import live
 from ..patterns.refine import draw_warning
 from ..settings.fields import MESH_SHARES
 from .guides import draw_guidance
+from .painting import draw_map, draw_painting
 from .row_operators import can_set, others_selected
 from .setting_presets import SYNCH_PT_presets
 
@@ -27,7 +28,7 @@ def draw_directions(layout, settings, obj, of_quads=False):
     else:
         column.prop(settings, "guidance")
     column.prop(settings, "angle")
-    column.prop(settings, "angle_attribute")
+    draw_map(column, settings, "ANGLE")
     column.prop(settings, "boundary")
     if settings.boundary != "FREE":
         column.prop_search(settings, "vertex_group", obj, "vertex_groups")
@@ -44,23 +45,15 @@ def draw_pattern(layout, settings):
         draw_automatic(column, settings, "spacing", "automatic_spacing")
     else:
         column.prop(settings, "spacing")
-    draw_spacing_map(column, settings)
+    draw_map(column, settings, "SPACING")
     column.prop(settings, "branching")
 
 
 def draw_automatic(column, settings, name, automatic):
-    """A setting below the one that makes it automatic."""
+    """A setting below the one that makes it automatic, which is shown where that is not chosen."""
     column.prop(settings, automatic)
-    row = column.row()
-    row.enabled = not getattr(settings, automatic)
-    row.prop(settings, name)
-
-
-def draw_spacing_map(column, settings):
-    """What makes the spacing vary."""
-    column.prop(settings, "spacing_map")
-    if settings.spacing_map:
-        column.prop(settings, "spacing_range")
+    if not getattr(settings, automatic):
+        column.prop(settings, name)
 
 
 def draw_faces(layout, settings):
@@ -109,6 +102,8 @@ def draw_unready(layout, obj):
     reason = refusal(obj)
     if reason:
         layout.label(text=reason[0].upper() + reason[1:], icon="INFO")
+    elif not obj.visible_get():
+        layout.label(text=said("{name} is hidden", name=obj.name), icon="HIDE_ON", translate=False)
     return bool(reason) or queue.holds(obj)
 
 
@@ -159,7 +154,7 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
     def draw(self, context):
         draw_row(self.layout)
         obj = context.active_object
-        if draw_unready(self.layout, obj):
+        if draw_unready(self.layout, obj) or draw_painting(self.layout, context):
             return
         column = self.layout.column(align=True)
         column.scale_y = 1.3
@@ -204,7 +199,7 @@ class SYNCH_PT_pattern(SettingsPanel, bpy.types.Panel):
     """How far stripes are from one another, and which faces show them"""
 
     bl_label = "Pattern"
-    bl_order = 1
+    bl_order = 3
 
     def draw(self, context):
         obj = context.active_object
@@ -218,7 +213,7 @@ class SYNCH_PT_quads(SettingsPanel, bpy.types.Panel):
 
     bl_label = "Quads"
     bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 1
+    bl_order = 3
 
     def draw(self, context):
         settings = context.active_object.synch
@@ -231,7 +226,7 @@ class SYNCH_PT_solver(SettingsPanel, bpy.types.Panel):
 
     bl_label = "Solver"
     bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 2  # below the constraints
+    bl_order = 4  # below the constraints
 
     def draw(self, context):
         draw_solver(self.layout, context.active_object.synch)

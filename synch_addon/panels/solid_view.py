@@ -12,6 +12,7 @@ from ..blender.changes import changes
 from ..blender.phases import pattern_kind, read_phases
 from ..jobs.queue import queue
 from ..jobs.shelf import Shelf
+from .look import look_of
 from .overlay_view import nearer
 from .pattern_shader import DrawnPattern, shaders
 
@@ -86,7 +87,7 @@ class _View:
             pattern = drawn(obj, depsgraph)
             if pattern is not None:
                 view = nearer(region) @ region.view_matrix @ obj.evaluated_get(depsgraph).matrix_world
-                pattern.draw(view, region.window_matrix)
+                pattern.draw(view, region.window_matrix, *look_of(obj))
 
 
 view = _View()

@@ -11,6 +11,7 @@ from ..blender.objects import ObjectLink, Selection
 from ..blender.transaction import whole_or_nothing
 from ..jobs.report import Report, result_line
 from . import frame_attributes, memory, numbers, quad_mesh, write
+from .curves_read import curves_read
 from .reading import gather, settings_for
 
 
@@ -25,6 +26,7 @@ class FieldJob:
         self._report = Report(command, obj, settings)
         with meshes.object_mode(obj), self._report.clock("read"):
             self.request = gather(command, obj, settings)
+            self._report.curves_read = curves_read(obj, settings)
             self._report.warn_about(obj, self.request)
 
     def write(self, result):

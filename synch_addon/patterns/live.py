@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live: what an object shows follows its settings, while they are dragged.
+"""Live: what an object shows follows its settings, while they are dragged, curves that are drawn, and painted maps.
 
 A timer looks whether the settings of the active object ask for something else than it shows. The newest of them are
 solved for, from what is shown; until that is written, others wait, and what takes long is ended for them.
@@ -23,6 +23,7 @@ from ..jobs.queue import queue
 from ..jobs.report import Report
 from ..settings.fields import stored_settings
 from . import memory
+from .curves_read import curves_read
 from .job import write_result
 from .reading import gather, settings_for
 
@@ -31,7 +32,8 @@ _TICK, _PATIENCE, _REST = 0.03, 0.7, 0.6
 # What a pattern does not depend on, but its search, its faces and quad meshes do.
 _OF_OTHERS = ("method", "rounding", "target_gap", "seed", "features", "smoothing", "faces", "straighten", "strict")
 # What directions do not depend on, but for their turn.
-_OF_PATTERNS = ("spacing", "spacing_map", "spacing_range", "aspect", "branching", "angle", "angle_attribute")
+_OF_PATTERNS = ("spacing", "spacing_map", "spacing_range", "aspect", "branching")
+_OF_PATTERNS += ("angle", "angle_attribute", "angle_range")
 
 
 class LiveJob:
@@ -44,9 +46,10 @@ class LiveJob:
     shown : :class:`memory.Solved` that it shows
     followers : of the directions and of the pattern
     instead : whether the result is kept instead of what is shown
+    is_painted : whether maps may be other ones than those that were read for what is shown
     """
 
-    def __init__(self, obj, settings, shown, followers, instead):
+    def __init__(self, obj, settings, shown, followers, instead, is_painted=False):
         self.link, self._shown, self._instead = ObjectLink.to(obj), shown, instead
         self._report = Report(shown.request.command, obj, settings)
         before, given = shown.report.settings, shown.request.given
@@ -54,11 +57,13 @@ class LiveJob:
             raise SynchError("live settings cut no edges and change no symmetry: solve again")
         with self._report.clock("read"):
             self._asked = gather(shown.request.command, obj, settings, given=given)
+            self._report.curves_read = curves_read(obj, settings)
             self._report.warn_about(obj, self._asked)
         field, pattern = shown.field, shown.pattern
         same = {name: getattr(before, name) for name in _OF_PATTERNS}
         slim = replace(field, solution=None, problem=None)
-        turns_only = replace(settings, **same) == before
+        turns_only = not is_painted and self._report.curves_read == shown.report.curves_read
+        turns_only &= replace(settings, **same) == before
         self.request = LiveRequest(self._asked, slim, pattern.phases, turns_only, followers)
 
     def write(self, result):
@@ -106,6 +111,7 @@ class _Live:
         """Follow nothing, and keep nothing."""
         self.error = ""
         self._work = self._asked_last = self._shown = self._changed = None
+        self._is_painted = False
         self._mesh, self._followers = None, (Follower(), Follower())
 
     def step(self, context):
@@ -117,6 +123,7 @@ class _Live:
                 return
             self._finish(self._work)
         obj = context.active_object
+        self._is_painted |= obj is not None and obj.mode == "WEIGHT_PAINT"
         if self._may_follow(obj):
             self._follow(obj)
 
@@ -129,27 +136,31 @@ class _Live:
     def _follow(self, obj):
         shown = memory.state(obj)
         asked = self._asked(obj, shown)
-        if asked is None or asked in (shown.report.settings, self._asked_last):
+        known = (shown.report.settings, shown.report.curves_read), self._asked_last
+        if asked is None or (asked in known and not self._is_painted):
             self._settle()
             return
         if self._mesh is not shown.request.given.mesh:
             self._mesh, self._followers = shown.request.given.mesh, (Follower(), Follower())
         self._asked_last = asked
         instead = self._shown is shown  # a step on the way to the next one
+        is_painted, self._is_painted = self._is_painted, False
         try:
-            self._work = queue.add(LiveJob(obj, asked, shown, self._followers, instead), "Live", is_quiet=True)
+            job = LiveJob(obj, asked[0], shown, self._followers, instead, is_painted)
+            self._work = queue.add(job, "Live", is_quiet=True)
         except SynchError as error:
             self._say(str(error))
 
     def _asked(self, obj, shown):
-        """The settings that count now; None where they cannot be."""
+        """The settings that count now and the curves that they speak of; None where they cannot be."""
         before = shown.report.settings
         try:
             settings = settings_for(shown.request.command, obj, stored_settings(obj))
         except SynchError as error:
             self._say(str(error))
             return None
-        return replace(settings, **{name: getattr(before, name) for name in _OF_OTHERS})
+        settings = replace(settings, **{name: getattr(before, name) for name in _OF_OTHERS})
+        return settings, curves_read(obj, settings)
 
     def _end_what_is_late(self):
         obj, work = self._work.job.link.present, self._work

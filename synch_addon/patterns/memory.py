@@ -12,9 +12,10 @@ from ...core.errors import SynchError
 from ...core.fields import DirectionField, Pattern
 from ...core.tasks.surfaces import SurfaceRequest
 from ..blender import meshes as blender_meshes
+from ..blender.changes import changes
 from ..blender.transaction import assign, at_the_end
 from ..jobs.report import Report
-from ..jobs.shelf import ObjectShelf
+from ..jobs.shelf import ObjectShelf, Shelf
 from . import write
 
 # Objects whose solves are kept, the latest ones: some hundred bytes a vertex each.
@@ -23,6 +24,7 @@ MOST = 8
 SOLVES, STATES = 2, 256
 
 _fields = ObjectShelf(MOST)
+_outdated = Shelf(MOST)
 
 
 @dataclass
@@ -157,6 +159,15 @@ def recall(obj):
     if not write.is_written(obj, solved.request, solved.field, solved.pattern):
         raise SynchError(f"the mesh {obj.data.name} shows another pattern than {obj.name} was given: solve it again")
     return solved
+
+
+def is_outdated(obj):
+    """Whether the mesh of an object has changed since what it shows was solved; looked at again after a change only."""
+    if obj.mode != "OBJECT" or not holds(obj):
+        return False
+    given = solve_of(obj).request.given
+    key = changes.state(obj.data), id(given), tuple(map(tuple, obj.matrix_world.to_3x3()))
+    return _outdated.renewed(obj.session_uid, key, lambda: not blender_meshes.is_unchanged(obj, given))
 
 
 def solve_of(obj):

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vertices and edges picked with the mouse: those of an object's own mesh, where its modifiers show them."""
+"""Vertices, edges and places picked with the mouse: those of an object's own mesh, where its modifiers show them."""
 
 from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from mathutils import Vector
 from mathutils.bvhtree import BVHTree
+from mathutils.interpolate import poly_3d_calc
 
+from ...core.geometry.polygons import Polygons
 from ..blender import attributes, meshes
 from ..blender.bvh import surface_tree
 from ..blender.modifiers import changes_faces, hidden
@@ -14,27 +17,45 @@ from ..blender.modifiers import changes_faces, hidden
 
 @dataclass(frozen=True)
 class PickedSurface:
-    """The faces of an object's own mesh, with (n, 3) places of its vertices in object space."""
+    """The faces of an object's own mesh.
+
+    Attributes
+    ----------
+    places : (n, 3) of its vertices in object space, as modifiers bend it
+    own : (n, 3) of them on the mesh itself
+    polygons : Polygons
+    tree : over the faces as they are bent
+    """
 
     places: np.ndarray
-    faces: list
+    own: np.ndarray
+    polygons: Polygons
     tree: BVHTree
 
     @classmethod
     def of(cls, obj):
         """The surface of an object in object mode, bent by its modifiers up to those that change faces."""
-        polygons = meshes.read_polygons(obj)
-        faces = np.split(polygons.corner_vertices, polygons.starts[1:])
+        polygons, own = meshes.read_polygons(obj), _places(obj)
         with hidden([modifier for modifier in obj.modifiers if changes_faces(modifier)]):
-            seen = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-            shown = seen if len(seen.data.vertices) == len(obj.data.vertices) else obj
-            places = attributes.read_values(shown, "position", "POINT").astype(float)
-        return cls(places, faces, surface_tree(places, faces))
+            depsgraph = bpy.context.evaluated_depsgraph_get()
+            seen = obj.evaluated_get(depsgraph)
+            if len(seen.data.vertices) == len(own) and len(seen.data.polygons) == len(polygons.starts):
+                return cls(_places(seen), own, polygons, BVHTree.FromObject(obj, depsgraph))
+        return cls(own, own, polygons, surface_tree(own, np.split(polygons.corner_vertices, polygons.starts[1:])))
 
     def vertex_at(self, origin, towards):
         """The vertex nearest to where a ray in object space first meets the surface, or None."""
         face, corners = self._hit(origin, towards)
-        return None if face is None else int(self.faces[face][np.linalg.norm(corners, axis=1).argmin()])
+        return None if face is None else int(self._corners(face)[np.linalg.norm(corners, axis=1).argmin()])
+
+    def place_at(self, origin, towards):
+        """Where a ray in object space first meets the surface: (3,) there and (3,) on the mesh itself, or None."""
+        place, _, face, _ = self.tree.ray_cast(origin, towards)
+        if place is None:
+            return None
+        corners = self._corners(face)
+        weights = poly_3d_calc([Vector(corner) for corner in self.places[corners]], place)
+        return np.array(place), np.array(weights) @ self.own[corners]
 
     def side_at(self, origin, towards):
         """The face that a ray in object space first meets and the number of its side nearest to there, or None; the
@@ -47,7 +68,21 @@ class PickedSurface:
         along = np.clip(-np.einsum("ij,ij->i", corners, sides) / squares, 0, 1)
         return face, int(np.linalg.norm(corners + along[:, None] * sides, axis=1).argmin())
 
+    def nearest(self, points):
+        """(k, 3) places on the mesh itself that are nearest to (k, 3) points in object space."""
+        tree = surface_tree(self.own, self.polygons.triangles)
+        return np.array([tree.find_nearest(point)[0] for point in points])
+
     def _hit(self, origin, towards):
         """The face that a ray first meets, and its corners as seen from that place; None twice where there is none."""
         place, _, face, _ = self.tree.ray_cast(origin, towards)
-        return (None, None) if place is None else (face, self.places[self.faces[face]] - np.array(place))
+        return (None, None) if place is None else (face, self.places[self._corners(face)] - np.array(place))
+
+    def _corners(self, face):
+        """(k,) vertices of a face."""
+        start = self.polygons.starts[face]
+        return self.polygons.corner_vertices[start : start + self.polygons.sizes[face]]
+
+
+def _places(obj):
+    return attributes.read_values(obj, "position", "POINT").astype(float)

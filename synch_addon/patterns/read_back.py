@@ -93,7 +93,7 @@ def is_apart(settings, kept):
 def _asked_along_edges(settings):
     """The settings that say how phases change along edges, without what their directions were to follow."""
     plain = Settings()
-    names = ["guidance", "angle", "angle_attribute"]
+    names = ["guidance", "angle", "angle_attribute", "angle_range"]
     if settings.exact_attribute is not None:
         settings = replace(settings, singularities=1.0)
     if settings.branching == 1 and settings.singularities == 1:

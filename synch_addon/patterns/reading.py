@@ -62,7 +62,7 @@ def gather(command, obj, settings, base=None, given=None):
     else:
         check_spacing(given.mesh.vertices[np.unique(given.mesh.triangles)], spacings)
     if settings.angle_attribute:
-        turn = turn + read_turns(obj, given, settings.angle_attribute)
+        turn = turn + read_turns(obj, given, settings.angle_attribute, settings.angle_range)
     if settings.exact_attribute is None:
         guides = read_guides(obj, given, settings.symmetry, settings.sources)
     else:

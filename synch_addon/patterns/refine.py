@@ -4,6 +4,7 @@
 The panel asks at every redraw, so that the answer is kept until a mesh changes, and costs the same for any mesh.
 """
 
+import json
 import math
 from dataclasses import dataclass
 
@@ -12,9 +13,9 @@ import numpy as np
 
 from ...core.errors import SettingError, SynchError, shown
 from ...core.keywords import taken
-from ..blender import groups, meshes
+from ..blender import attributes, groups, meshes
 from ..blender.changes import changes
-from ..blender.transaction import keep, undone_by, whole_or_nothing
+from ..blender.transaction import assign, keep, undone_by, whole_or_nothing
 from ..blender.translations import said
 from ..jobs.report import versions
 from ..jobs.shelf import Shelf
@@ -48,7 +49,10 @@ class MeshDetail:
 
 
 def refine(obj, levels=None):
-    """Subdivide an object's mesh without changing its shape, so that it carries the spacing that is set.
+    """Subdivide an object's mesh, so that it carries the spacing that is set.
+
+    One that looks smooth (:func:`looks_smooth`) goes to its limit surface by Catmull and Clark; of others no place
+    changes.
 
     Parameters
     ----------
@@ -57,7 +61,7 @@ def refine(obj, levels=None):
 
     Returns
     -------
-    dict, the report with ``levels``, ``faces_before`` and ``faces``
+    dict, the report with ``levels``, ``faces_before``, ``faces`` and whether it is ``smooth``
 
     Raises
     ------
@@ -67,10 +71,10 @@ def refine(obj, levels=None):
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
         levels = max(offered_levels(obj), 1) if levels is None else taken("level", int, levels)
-        before = len(obj.data.polygons)
-        _subdivide(obj, levels)
+        before, smooth = len(obj.data.polygons), looks_smooth(obj)
+        _subdivide(obj, levels, smooth)
     memory.forget(obj)
-    counts = {"levels": levels, "faces_before": before, "faces": len(obj.data.polygons)}
+    counts = {"levels": levels, "faces_before": before, "faces": len(obj.data.polygons), "smooth": smooth}
     return {"status": "made", "command": "refine", "object": obj.name, **counts, "versions": versions()}
 
 
@@ -108,8 +112,27 @@ def offered_levels(obj):
     return max(levels, 0)
 
 
-def _subdivide(obj, levels):
-    """Subdivide the mesh of an object in object mode, without smoothing, and take the pattern of the old faces away.
+def looks_smooth(obj):
+    """Whether an object in object mode is to look smooth: by a Subdivision Surface modifier of its own, or because all
+    its faces are shaded so and no edge is sharp."""
+    if any(map(_is_smoothing, obj.modifiers)):
+        return True
+    sharp = [attributes.read_values(obj, *name) for name in (("sharp_face", "FACE"), ("sharp_edge", "EDGE"))]
+    return not any(map(_is_by_angle, obj.modifiers)) and not any(marks is not None and marks.any() for marks in sharp)
+
+
+def _is_by_angle(modifier):
+    """Whether a modifier is Blender's own that makes edges sharp."""
+    group = modifier.node_group if modifier.type == "NODES" else None
+    return group is not None and group.name.startswith("Smooth by Angle")
+
+
+def _is_smoothing(modifier):
+    return modifier.type == "SUBSURF" and modifier.subdivision_type == "CATMULL_CLARK" and modifier.show_viewport
+
+
+def _subdivide(obj, levels, smooth):
+    """Subdivide the mesh of an object in object mode, and take the pattern of the old faces away.
 
     UV maps, colours, groups, seams, materials and attributes go over; other users of the mesh keep theirs.
 
@@ -132,8 +155,15 @@ def _subdivide(obj, levels):
     undone_by(obj, lambda: [obj.modifiers.remove(one) for one in list(obj.modifiers) if one.name not in present])
     modifier = obj.modifiers.new("Synch Refine", "SUBSURF")
     name = modifier.name
-    modifier.subdivision_type, modifier.levels, modifier.uv_smooth = "SIMPLE", levels, "NONE"
-    modifier.use_limit_surface = False  # it would bend what is on a face
+    modifier.levels = levels
+    if smooth:
+        modifier.boundary_smooth, modifier.use_limit_surface = "PRESERVE_CORNERS", True
+        for other in filter(_is_smoothing, obj.modifiers[:-1]):  # as many faces are seen as before
+            assign(other, "levels", max(other.levels - levels, 0))
+            assign(other, "render_levels", max(other.render_levels - levels, 0))
+    else:
+        modifier.subdivision_type, modifier.uv_smooth = "SIMPLE", "NONE"
+        modifier.use_limit_surface = False  # it would bend what is on a face
     obj.modifiers.move(len(obj.modifiers) - 1, 0)
     render = bpy.context.scene.render
     simplified, render.use_simplify = render.use_simplify, False  # it would hold the levels down
@@ -151,7 +181,7 @@ def _subdivide(obj, levels):
 
 def draw_warning(layout, obj):
     """Say where the mesh is too coarse for the spacing that is set, with a button that subdivides it."""
-    if obj.mode != "OBJECT" or missing_levels(obj) <= 0:
+    if obj.mode != "OBJECT" or _is_made(obj) or missing_levels(obj) <= 0:
         return
     found, levels = carried(obj), offered_levels(obj)
     column = layout.box().column(align=True)
@@ -167,6 +197,11 @@ def draw_warning(layout, obj):
         column.label(text=said("Coarse mesh: carries {spacing}", spacing=carries), icon="ERROR")
     text = said("Subdivide to {count:,} Faces", count=faces_after(obj, levels))
     column.operator("synch.refine", text=text, icon="MOD_SUBSURF").levels = levels
+
+
+def _is_made(obj):
+    """Whether an object is a mesh of quads that was made of another one."""
+    return bool(obj.synch.result) and json.loads(obj.synch.result)["command"] == "quad_mesh"
 
 
 def _look_at(obj):

@@ -7,6 +7,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
 
 from ..blender.strokes import SOURCE_TYPES
+from ..blender.translations import OURS
 from .constraints import Constraint, wishes_at
 from .guide_list import suggest_numbers, suggest_vectors
 from .solver import ANGLE
@@ -51,6 +52,7 @@ class SynchConstraint(bpy.types.PropertyGroup):
     where: EnumProperty(
         name="Where",
         description="Where something is asked for",
+        translation_context=OURS,
         items=[(*item, k) for k, item in enumerate(_PLACES)],
         update=_keep_possible,
     )

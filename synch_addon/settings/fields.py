@@ -22,6 +22,7 @@ from ...core.fields.directions import SYMMETRIES
 from ...core.keywords import MOST_ROUNDS, check_choice, check_positive, check_whole
 from ...core.tasks.settings import SolverSettings
 from ..blender.registration import keeping
+from ..blender.translations import OURS
 from .constraint_list import SynchConstraint
 from .constraints import Constraint, from_plain
 from .favourite_list import SynchFavourite
@@ -64,7 +65,8 @@ class Settings(SolverSettings):
     symmetry : "vector", "line" or "cross"
     guidance : "smooth", or sources that directions follow, as :mod:`.guidance` reads them
     angle : radians by which the directions are turned
-    angle_attribute : name of a float attribute or vertex group on the vertices, more radians; "" for none
+    angle_attribute : name of a float attribute on the vertices, more radians, or of a vertex group; "" for none
+    angle_range : radians by which directions are turned where the vertex group's weight is 1
     boundary : "free", "along", "across" or "phase" (a stripe or grid line lies on the boundary)
     vertex_group : restricts the boundary to the edges in a vertex group; "" for all of it
     mirror : axes "X", "Y", "Z", or several, in which the field is its own mirror image; "" for none
@@ -90,6 +92,7 @@ class Settings(SolverSettings):
     guidance: str = "smooth"
     angle: float = 0.0
     angle_attribute: str = ""
+    angle_range: float = 1.0
     boundary: str = "free"
     vertex_group: str = ""
     mirror: str = ""
@@ -116,8 +119,9 @@ class Settings(SolverSettings):
         for name in SHARES:
             if getattr(self, name) is not None:
                 check_share(getattr(self, name), name)
-        if not math.isfinite(self.angle):
-            raise SettingError(f"the angle is {self.angle}: give a finite one")
+        for name in ("angle", "angle_range"):
+            if not math.isfinite(getattr(self, name)):
+                raise SettingError(f"the {name.replace('_', ' ')} is {getattr(self, name)}: give a finite one")
         if not 0 <= self.features <= math.pi:
             raise SettingError(f"the angle of features is {self.features!r}: give radians from 0 (none) to pi")
         check_positive(self, "spacing_range", "aspect")
@@ -215,12 +219,19 @@ class SettingProperties:
     )
     angle_attribute: StringProperty(
         name="Angle Map",
-        description="Float attribute or vertex group on the vertices, radians added to the angle",
+        description="Float attribute, radians added to the angle, or vertex group, which adds from 0 to the range",
         search=suggest_numbers,
+    )
+    angle_range: FloatProperty(
+        name="Angle Range",
+        description="Angle that is added where the vertex group's weight is 1",
+        default=Settings.angle_range,
+        **ANGLE,
     )
     boundary: EnumProperty(
         name="Boundary",
         description="What happens at open edges",
+        translation_context=OURS,
         items=_items(
             ("free", "Free", "Nothing is asked of the boundary"),
             ("along", "Along", "Directions run along the boundary"),

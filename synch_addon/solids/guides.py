@@ -8,8 +8,10 @@ import numpy as np
 
 from ...core.errors import MeshError, SettingError, name_elements
 from ...core.fields.guidance import filled
+from ...core.files.solid_vectors import read_vectors
 from ...core.geometry import TriangleMesh
 from ...core.geometry.check import check_mesh
+from ...core.keywords import check_path
 from ..blender import attributes
 from ..blender.strokes import SOURCE_TYPES, polylines
 from ..settings.guidance import AXES, BOUNDARY
@@ -90,6 +92,14 @@ def _attribute(obj, given, name):
     return partial(filled.of_vectors, attributes.read_vectors(obj, name, given))
 
 
+def _file(obj, given, path, name=""):
+    return partial(filled.of_given_vectors, read_vectors(bpy.path.abspath(check_path(path)), name), given.stretch)
+
+
+def _lines(obj, given, path, name=""):
+    return partial(filled.of_given_lines, read_vectors(bpy.path.abspath(check_path(path)), name), given.stretch)
+
+
 _READERS = {
     "axis": _axis,
     "harmonic": _harmonic,
@@ -97,6 +107,8 @@ _READERS = {
     "curve": _curve,
     "around": _around,
     "attribute": _attribute,
+    "file": _file,
+    "lines": _lines,
 }
 
 

@@ -58,7 +58,15 @@ class LayerJob:
             memory.remember_layers(obj, meshes.read_mesh(obj) if made["surface"] == obj else given, layering)
         solution, names = result.pattern.solution, {f"{kind}_object": one and one.name for kind, one in made.items()}
         facts = (
-            report.begun(solution, layering.solid) | names | layer_facts(layering) | {"carrier": given.finding_counts}
+            report.begun(solution, layering.solid)
+            | names
+            | layer_facts(layering)
+            | {
+                "outside_limits": result.outside,
+                "continued_directions": result.continued,
+                "far_from_layers": result.far,
+            }
+            | {"carrier": given.finding_counts}
         )
         return facts | report.ended([solution], self.request.lengths._asdict())
 
@@ -73,8 +81,26 @@ def _read(obj, settings, solid):
     if settings.spacing_map:
         factors = read_factors(obj, given, settings.spacing_map, settings.spacing_range)
         lowest = float(factors.min())
+    lengths = _lengths(distance, settings, settings.spacing, solid, lowest)
+    within = float(settings.limits.clipped(lengths.spacing))
+    if within != lengths.spacing:
+        lengths = _lengths(distance, settings, within, solid, lowest)
+    return SolidRequest(
+        surface,
+        solid,
+        guide,
+        tuple(asked),
+        lengths,
+        factors,
+        settings.options,
+        settings.branching,
+        settings.limits,
+        settings.numbers == "levels",
+    )
+
+
+def _lengths(distance, settings, spacing, solid, lowest):
+    """The :class:`Lengths` for a spacing, None for an automatic one."""
     if solid is None:
-        lengths = Lengths.of(distance, settings.spacing, settings.size, lowest)
-    else:
-        lengths = Lengths.carried(distance, settings.spacing, float(np.median(solid.edge_lengths)), lowest)
-    return SolidRequest(surface, solid, guide, tuple(asked), lengths, factors, settings.options, settings.branching)
+        return Lengths.of(distance, spacing, settings.size, lowest)
+    return Lengths.carried(distance, spacing, float(np.median(solid.edge_lengths)), lowest)

@@ -25,6 +25,8 @@ _KINDS = (
     ("curve", "Along Curve", "Along a curve object: layers cross it"),
     ("around", "Around Curve", "Away from a curve object: layers lie around it like skins"),
     ("attribute", "Attribute", "A vector attribute on the vertices, extended into the solid"),
+    ("file", "File", "Vectors in a solid, on points or cells of a .vtu or .sol file"),
+    ("lines", "File of Lines", "The same for vectors of either sign, such as principal stresses"),
 )
 # Lengths that may be automatic, and the properties that say so.
 LENGTHS = {"spacing": "automatic_spacing", "size": "automatic_size"}
@@ -57,6 +59,28 @@ class LayerProperties:
     spacing_map: SPACING_MAP
     spacing_range: SPACING_RANGE
     branching: BRANCHING
+    smallest_height: FloatProperty(
+        name="Smallest Height",
+        description="Of a layer: with limits they branch as little as keeps to these; 0 for none",
+        min=0.0,
+        precision=4,
+        subtype="DISTANCE",
+    )
+    largest_height: FloatProperty(
+        name="Largest Height",
+        description="Of a layer, above the smallest one; 0 for none",
+        min=0.0,
+        precision=4,
+        subtype="DISTANCE",
+    )
+    numbers: EnumProperty(
+        name="Numbers",
+        description="What counts as one layer: in the attribute, in files and where paths are ordered",
+        items=[
+            ("PIECES", "Of Pieces", "Each connected piece has a number of its own, from the bottom"),
+            ("LEVELS", "Of Levels", "Pieces at one height have one number, each body's from its lowest layer on"),
+        ],
+    )
     size: FloatProperty(
         name="Resolution",
         description="Longest edge of the tetrahedra that fill the object, at most half the spacing",
@@ -111,6 +135,10 @@ class SynchLayering(LayerProperties, bpy.types.PropertyGroup):
     )
     curve: StringProperty(name="Curve", description="Curve or Grease Pencil object", search=_suggest_curves)
     vectors: VECTORS
+    file: StringProperty(
+        name="File", description="A .vtu, or a .sol beside its .mesh, with vectors in the solid", subtype="FILE_PATH"
+    )
+    array: StringProperty(name="Array", description="Name of the array of vectors; empty for the only one")
     groups: CollectionProperty(name="Groups", description="What is asked of parts of the surface", type=SynchFlush)
     automatic_spacing: BoolProperty(
         name="Automatic Spacing", description="As many layers as the resolution carries, forty at most", default=True
@@ -130,13 +158,18 @@ GUIDE_NAMES = {
     "CURVE": ("curve",),
     "AROUND": ("curve",),
     "ATTRIBUTE": ("vectors",),
+    "FILE": ("file", "array"),
+    "LINES": ("file", "array"),
 }
+# Names that may be empty.
+OPTIONAL_NAMES = ("array",)
 
 
 def stored_guidance(stored):
     """The guidance as text, from an object's settings."""
-    names = tuple(getattr(stored, name) for name in GUIDE_NAMES[stored.guide])
-    return str(LayerGuide(stored.guide.lower(), names))
+    names = ((name, getattr(stored, name)) for name in GUIDE_NAMES[stored.guide])
+    kept = tuple(value for name, value in names if value or name not in OPTIONAL_NAMES)
+    return str(LayerGuide(stored.guide.lower(), kept))
 
 
 def stored_groups(stored):

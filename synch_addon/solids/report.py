@@ -95,12 +95,12 @@ def _about_print(facts):
     machine = facts["machine"]
     largest = machine.get("largest_height", math.inf)
     for kind, words, remedy in (
-        ("too_thin", f"lower than the nozzle's {machine['smallest_height']:g} mm", "take a larger spacing"),
         (
-            "too_thick",
-            f"higher than the nozzle's {largest:g} mm",
-            "take a smaller spacing",
+            "too_thin",
+            f"lower than the nozzle's {machine['smallest_height']:g} mm",
+            "give a smallest height, or a larger spacing",
         ),
+        ("too_thick", f"higher than the nozzle's {largest:g} mm", "give a largest height, or a smaller spacing"),
         ("too_steep", f"steeper than {machine['largest_tilt']:g} degrees", "turn the object or the guidance"),
     ):
         if facts[kind] >= TOLD:

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What can be set for layers in a solid: as plain data, and as text for operators and the command line."""
 
+import math
 from dataclasses import dataclass
 
 from ...core.errors import SettingError
 from ...core.fields.calming import check_share
+from ...core.fields.limits import Limits
 from ...core.interpolate import TURN
-from ...core.keywords import check_positive
+from ...core.keywords import check_choice, check_positive
 from ...core.tasks.settings import SolverSettings
 from ...core.texts import items, quoted
 from ..settings.guidance import AXES, BOUNDARY
@@ -21,10 +23,16 @@ KINDS = {
     "curve": ("a curve object",),
     "around": ("a curve object",),
     "attribute": ("a vector attribute",),
+    "file": ("a .vtu or .sol file", "one of its arrays"),
+    "lines": ("a .vtu or .sol file", "one of its arrays"),
 }
+# Kinds whose last name may be missing.
+SHORT = ("file", "lines")
 # What a boundary group may ask for.
 HELD, CONSTANT = "layer", "constant"
 WISHES = (HELD, CONSTANT)
+# What has a number of its own.
+NUMBERS = ("pieces", "levels")
 
 
 @dataclass(frozen=True)
@@ -48,7 +56,8 @@ class LayerGuide:
         if kind not in KINDS:
             raise SettingError(f"the guidance {kind!r} is unknown: use one of {', '.join(KINDS)}")
         needed = KINDS[kind]
-        if more or len(names) != len(needed) or not all(names):
+        allowed = (len(needed) - (kind in SHORT), len(needed))
+        if more or len(names) not in allowed or not all(names):
             raise SettingError(f"the guidance {text!r} is incomplete: write {kind}:, {', :, '.join(needed)}")
         if kind == "axis" and names[0] not in AXES:
             raise SettingError(f"the axis {names[0]!r} is unknown: use X, Y or Z")
@@ -127,6 +136,8 @@ class LayerSettings(SolverSettings):
     spacing_map : name of a float attribute on the vertices, a factor on the spacing, or of a vertex group; "" for none
     spacing_range : factor on the spacing where the vertex group's weight is 1
     branching : share of the branches that even distances need, from 0 to 1
+    smallest_height, largest_height : limits of the distance between layers in scene units, 0 for none
+    numbers : of layers: "pieces", each connected piece its own, or "levels", what lies at one height the same
     size : of the tetrahedra, their longest edge in scene units; None for an automatic one
     strict : refuse meshes that are no surface as they are, instead of filling the surface nearest to them
     """
@@ -137,6 +148,9 @@ class LayerSettings(SolverSettings):
     spacing_map: str = ""
     spacing_range: float = RANGE
     branching: float = 1.0
+    smallest_height: float = 0.0
+    largest_height: float = 0.0
+    numbers: str = NUMBERS[0]
     size: float | None = None
     strict: bool = False
 
@@ -144,12 +158,23 @@ class LayerSettings(SolverSettings):
         super().__post_init__()
         check_positive(self, "spacing_range", optional=("spacing", "size"))
         check_share(self.branching, "branching")
+        check_choice(self, "numbers", NUMBERS)
         _ = self.guide, self.flush
+        limits = self.limits
+        if self.spacing is not None and limits.clipped(self.spacing) != self.spacing:
+            raise SettingError(
+                f"the spacing {self.spacing:g} is not between the heights {limits}: give one that is, or none"
+            )
 
     @property
     def guide(self):
         """The :class:`LayerGuide`."""
         return LayerGuide.of_text(self.guidance)
+
+    @property
+    def limits(self):
+        """The :class:`Limits`."""
+        return Limits(self.smallest_height, self.largest_height or math.inf)
 
     @property
     def flush(self):

@@ -16,8 +16,9 @@ _ADDON = str(Path(transaction.__file__).parents[1])
 
 
 @contextmanager
-def fault_at(number):
-    """Raise MemoryError before the ``number``-th different line of the add-on while anything is written.
+def fault_at(number, everywhere=False):
+    """Raise MemoryError before the ``number``-th different line of the add-on while anything of the scene is written,
+    or everywhere.
 
     Yields a list of the lines that were come to.
     """
@@ -25,7 +26,7 @@ def fault_at(number):
 
     def each(frame, event, _):
         place = frame.f_code, frame.f_lineno
-        if event == "line" and transaction._work._steps is not None and place not in seen:
+        if event == "line" and (everywhere or transaction._work._steps is not None) and place not in seen:
             seen.add(place)
             lines.append(f"{Path(frame.f_code.co_filename).name}:{frame.f_lineno}")
             if len(lines) == number:
@@ -109,16 +110,16 @@ def differences(before, after, path=()):
     return [line for name in names for line in differences(before.get(name), after.get(name), (*path, str(name)))]
 
 
-def check_faults(begin, stride=1, first=1, folder=None):
+def check_faults(begin, stride=1, first=1, folder=None, everywhere=False):
     """Let a fault come to each ``stride``-th place of work that writes the scene, which stays as it was; how many did.
 
-    ``begin()`` gives the work, a function, for the scene as it is; what is in a folder stays as well. In the handlers
-    of properties Blender itself takes faults, and goes on.
+    ``begin()`` gives the work, a function, for the scene as it is; what is in a folder stays as well. Faults come while
+    the scene is written, or everywhere. In the handlers of properties Blender itself takes faults, and goes on.
     """
     work, number, count = begin(), first, 0
     before = state(folder)
     while True:
-        with fault_at(number) as lines:
+        with fault_at(number, everywhere) as lines:
             try:
                 work()
             except MemoryError as error:

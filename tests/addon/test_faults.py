@@ -208,6 +208,14 @@ SCENES = {
 }
 
 
+def exported(folder):
+    """Filaments as a file, in place of an earlier one."""
+    report = api.clebsch(write_npz(folder / "ring.npz", circulation=4.0), **QUICK)
+    obj = bpy.data.objects[report["object"]]
+    api.filament_export(obj, folder / "lines.csv")
+    return lambda: lambda: api.filament_export(obj, folder / "lines.csv")
+
+
 # Those that read or write files, too, in a folder, which stays as it was.
 FILES = {
     "sequence": rings,
@@ -220,6 +228,10 @@ FILES = {
     "bake to files again": lambda folder: baked(1, folder=str(folder), maps="height", displacement=True),
     "import": imported,
 }
+
+
+def test_a_fault_leaves_a_file_of_filaments_as_it_was(tmp_path):
+    assert check_faults(exported(tmp_path), folder=tmp_path, everywhere=True) > 10
 
 
 def old_groups():

@@ -116,7 +116,7 @@ def look():
         peak[0] = max(peak[0], used_bytes())
         time.sleep(0.002)
 threading.Thread(target=look, daemon=True).start()
-staircase.provable_width = lambda piece: None
+staircase.provable_width = lambda *_: None
 solve(problem, Options(target_gap=0.05))
 print((peak[0] - before) / connection_bytes(mesh.vertex_count, len(mesh.edges), 1, True))
 """

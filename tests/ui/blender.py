@@ -130,6 +130,14 @@ class Blender:
         self._until(seen, condition.__doc__)
         return self.picture(kind)
 
+    def drag(self, places, button="LEFTMOUSE", **modifiers):
+        """Press a button at the first of some places, move to the others, let it go; modifiers: ctrl, shift, alt."""
+        self.move(places[0])
+        self.hold(button, **modifiers)
+        for place in places[1:]:
+            self.move(place)
+        self.release(button)
+
     def scroll_to(self, text, count=1, up=False):
         """Turn the wheel over the sidebar until it shows a text, this many times."""
         x, y, width, height = self.region()
@@ -147,9 +155,9 @@ class Blender:
         """Move the mouse to x, y."""
         self._event("MOUSEMOVE", "NOTHING", place)
 
-    def hold(self, button="LEFTMOUSE"):
-        """Press a button or key and keep it down, where the mouse is."""
-        self._event(button, "PRESS")
+    def hold(self, button="LEFTMOUSE", **modifiers):
+        """Press a button or key and keep it down, where the mouse is; modifiers: ctrl, shift, alt."""
+        self._event(button, "PRESS", **modifiers)
 
     def release(self, button="LEFTMOUSE"):
         """Let a button or key go."""

@@ -1,15 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Directions in a solid from what its surface has: functions of a :class:`..filled_surface.FilledSurface`.
 
-Each gives (n, 3) unit vectors at the solid's vertices. What it needs besides comes first, to be bound by
+Each gives (n, 3) vectors at the solid's vertices, whose lengths do not count; zero where it has no direction, which
+:func:`.solids.extended_directions` extends there. What it needs besides comes first, to be bound by
 ``functools.partial``, which can be pickled.
 """
+
+from dataclasses import replace
 
 import numpy as np
 
 from ...geometry.filling.surface_distance import normals_at
 from ...geometry.nearest import NearestTriangles, nearest_in_triangles
-from .solids import axis_directions, curve_directions, distance_directions, harmonic_directions, vector_directions
+from ...geometry.tet_mesh import TetMesh
+from .given import at_vertices, oriented, principal, vectors_at, without_sign
+from .potentials import harmonic_function
+from .solid_distance import solid_distance
+from .solids import axis_directions, checked_vectors, curve_vectors, gradient_vectors, vector_directions
 
 # Points this near to a surface, as a share of what they span, lie on it.
 ON_SURFACE = 1e-6
@@ -22,32 +29,47 @@ def along_axis(axis, filled):
 
 def between_areas(low, high, filled):
     """From one :class:`Area` of the surface to another, along a harmonic function."""
-    return harmonic_directions(filled.solid, filled.vertices_on(low), filled.vertices_on(high))
+    function = harmonic_function(filled.solid, filled.vertices_on(low), filled.vertices_on(high))
+    return gradient_vectors(filled.solid, function)
 
 
 def away_from_area(area, filled):
     """Away from an :class:`Area` of the surface, on the shortest way inside the solid."""
-    return distance_directions(filled.solid, filled.vertices_on(area))
+    return gradient_vectors(filled.solid, solid_distance(filled.solid, filled.vertices_on(area)))
 
 
 def away_from_surface(base, filled):
     """Away from another surface, a TriangleMesh, on a straight way."""
-    return vector_directions(filled.solid, away_from(base, filled.solid.vertices))
+    return checked_vectors(filled.solid, away_from(base, filled.solid.vertices))
 
 
 def along_curves(curves, filled):
     """Along curves, (k, 3) polylines: layers cross them."""
-    return curve_directions(filled.solid, curves)
+    return curve_vectors(filled.solid, curves)
 
 
 def around_curves(curves, filled):
     """Away from curves, (k, 3) polylines: layers lie around them like skins."""
-    return curve_directions(filled.solid, curves, across=True)
+    return curve_vectors(filled.solid, curves, across=True)
 
 
 def of_vectors(vectors, filled):
-    """Vectors at the surface's vertices, (k, 3), extended into the solid."""
+    """Vectors at the surface's vertices, (k, 3), extended into the solid, where they are nowhere their own."""
     return vector_directions(filled.solid, filled.on_boundary(vectors))
+
+
+def of_given_vectors(given, stretch, filled):
+    """:class:`core.files.solid_vectors.SolidVectors`, whose space a matrix (3, 3) leads to the solid's from."""
+    mesh = TetMesh(given.mesh.vertices @ stretch.T, given.mesh.tets)
+    return checked_vectors(filled.solid, vectors_at(mesh, at_vertices(given) @ stretch.T, filled.solid.vertices))
+
+
+def of_given_lines(given, stretch, filled):
+    """The same for vectors without a sign, such as principal stresses."""
+    mesh = TetMesh(given.mesh.vertices @ stretch.T, given.mesh.tets)
+    lines = replace(given, mesh=mesh, values=without_sign(given.values @ stretch.T))
+    found = principal(vectors_at(mesh, at_vertices(lines), filled.solid.vertices))
+    return checked_vectors(filled.solid, oriented(filled.solid, found))
 
 
 def away_from(base, points):

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Directions in which the layers of a solid follow one another: unit vectors at its vertices.
 
-Where a source of guidance has no direction (zero vectors, a gradient that vanishes), the others are extended smoothly.
-Where these cancel each other, and on pieces of the solid without any, directions are zero: nothing is to change there.
+A source of guidance gives vectors. Where it has no direction (zero vectors, a gradient that vanishes), the others are
+extended smoothly. Where these cancel each other, and on pieces of the solid without any, directions are zero: nothing
+is to change there.
 """
 
 import numpy as np
@@ -29,7 +30,12 @@ def distance_directions(mesh, sources):
 
 
 def gradient_directions(mesh, values):
-    """The direction in which a function grows fastest: gradients of the tetrahedra, averaged by volume.
+    """The direction in which a function grows fastest, (n, 3) unit vectors; as :func:`gradient_vectors`."""
+    return extended_directions(mesh, gradient_vectors(mesh, values))
+
+
+def gradient_vectors(mesh, values):
+    """Gradients of the tetrahedra, averaged by volume.
 
     Parameters
     ----------
@@ -38,7 +44,7 @@ def gradient_directions(mesh, values):
 
     Returns
     -------
-    (n, 3) unit vectors
+    (n, 3)
 
     Raises
     ------
@@ -51,16 +57,13 @@ def gradient_directions(mesh, values):
             f"the guiding values have the shape {values.shape}: give one to each of the solid's "
             f"{mesh.vertex_count} vertices"
         )
-    gradients = np.einsum("tk,tkx->tx", np.nan_to_num(values)[mesh.tets], mesh.hat_gradients)
+    gradients = mesh.gradients(np.nan_to_num(values)[mesh.tets])
     gradients[~np.isfinite(values[mesh.tets]).all(axis=1)] = 0
-    shares = np.repeat(gradients * mesh.volumes[:, None], 4, axis=0)
-    sums = [np.bincount(mesh.tets.ravel(), part, mesh.vertex_count) for part in shares.T]
-    volumes = np.bincount(mesh.tets.ravel(), np.repeat(mesh.volumes, 4), mesh.vertex_count)
-    means = np.column_stack(sums) / np.where(volumes > 0, volumes, 1)[:, None]
+    means = mesh.at_vertices(gradients)
     # Against the values themselves: what rounding makes of a constant is no slope.
     if np.linalg.norm(means, axis=1).max(initial=0) * mesh.edge_lengths.mean() <= 1e-12 * np.nanmax(np.abs(values)):
         raise SettingError("the guiding values are the same all over the solid: give them a slope")
-    return _filled(mesh, means)
+    return means
 
 
 def axis_directions(mesh, axis):
@@ -72,7 +75,12 @@ def axis_directions(mesh, axis):
 
 
 def vector_directions(mesh, vectors):
-    """Given (n, 3) vectors, whose lengths do not count; zero where the others are to be extended.
+    """The directions of given (n, 3) vectors, whose lengths do not count; as :func:`checked_vectors`."""
+    return extended_directions(mesh, checked_vectors(mesh, vectors))
+
+
+def checked_vectors(mesh, vectors):
+    """Given (n, 3) vectors; zero where the others are to be extended.
 
     Raises
     ------
@@ -90,10 +98,15 @@ def vector_directions(mesh, vectors):
         raise SettingError(f"the guidance vector of {name_elements('vertex', bad)} is not finite: set its numbers")
     if not vectors.any():
         raise SettingError("every guidance vector of the solid is zero: give at least one vertex a direction")
-    return _filled(mesh, vectors)
+    return vectors
 
 
 def curve_directions(mesh, curves, across=False):
+    """Directions of :func:`curve_vectors`."""
+    return extended_directions(mesh, curve_vectors(mesh, curves, across))
+
+
+def curve_vectors(mesh, curves, across=False):
     """Along curves, so that layers cross them, or away from them, so that layers lie around them like skins.
 
     Every vertex takes the direction of the curve at the nearest place of any, or the one straight away from it.
@@ -117,7 +130,7 @@ def curve_directions(mesh, curves, across=False):
     # Each station stands for a piece of the curve of its own length.
     along = np.einsum("nx,nx->n", away, tangents[nearest])
     along = np.clip(along, -lengths[nearest] / 2, lengths[nearest] / 2)
-    return _filled(mesh, away - along[:, None] * tangents[nearest])
+    return away - along[:, None] * tangents[nearest]
 
 
 def _stations(curves, step):
@@ -143,11 +156,17 @@ def _stations(curves, step):
     return np.concatenate(points), np.concatenate(tangents), np.concatenate(sizes)
 
 
-def _filled(mesh, vectors):
-    """Unit vectors, extended over vertices where there are none; zero on pieces without any."""
+def have_directions(mesh, vectors):
+    """(n,) bool, which of (n, 3) vectors have a direction of their own."""
     lengths = np.linalg.norm(vectors, axis=1)
     known = lengths > ROUNDING * lengths.max()
     known[mesh.loose_vertices] = False
+    return known
+
+
+def extended_directions(mesh, vectors):
+    """Unit vectors, extended over vertices where there are none; zero on pieces without any."""
+    known, lengths = have_directions(mesh, vectors), np.linalg.norm(vectors, axis=1)
     units = np.divide(vectors, lengths[:, None], out=np.zeros_like(vectors), where=known[:, None])
     if known.all() or not known.any():
         return units

@@ -9,7 +9,7 @@ import bpy
 from bpy.app.translations import pgettext_iface
 
 from ....core.errors import plural
-from . import german, german_built, german_layers, german_lists, german_presets
+from . import german, german_built, german_drawing, german_layers, german_lists, german_presets
 
 # Blender's name of a language: a dict of the English text to the other.
 LANGUAGES = {
@@ -23,12 +23,15 @@ LANGUAGES = {
     | german_lists.ANIMATION
     | german_lists.VORTICES
     | german_layers.LAYERS
+    | german_drawing.DRAWING
     | german_presets.PRESETS
     | german_built.PARTS
     | german_built.REASONS
 }
-# Labels of operators are looked up apart from everything else.
-_CONTEXTS = ("*", "Operator")
+# Labels of operators are looked up apart from everything else, and properties with a context of ours in that: Blender's
+# own words go first elsewhere, and some mean something else.
+OURS = "Synch"
+_CONTEXTS = ("*", "Operator", OURS)
 
 
 def said(text, **parts):

@@ -80,10 +80,10 @@ OPERATORS = {
     "Copy Settings to Selected": "Einstellungen auf Auswahl übertragen",
     "Give the other selected objects the active one's settings, guides and constraints": "Den anderen ausgewählten "
     "Objekten die Einstellungen, Führungen und Bedingungen des aktiven geben",
-    "Subdivide the mesh without changing its shape, so that it carries the spacing. UV maps, groups and "
-    "attributes go over; a pattern on it has to be solved again": (
-        "Das Netz ohne Änderung der Form unterteilen, damit es den Abstand trägt. UV-Maps, Gruppen und Attribute "
-        "bleiben; ein Muster darauf muss neu gelöst werden"
+    "Subdivide the mesh, so that it carries the spacing: smoothly where it looks smooth, else without changing its "
+    "shape. UV maps, groups and attributes go over; a pattern on it has to be solved again": (
+        "Das Netz unterteilen, damit es den Abstand trägt: glatt, wo es glatt aussieht, sonst ohne Änderung der Form. "
+        "UV-Maps, Gruppen und Attribute bleiben; ein Muster darauf muss neu gelöst werden"
     ),
     "Level": "Stufe",
     "How often every edge is halved; where it is not set, as often as the spacing needs": (
@@ -247,8 +247,12 @@ SETTINGS = {
         "Die Richtungen um diesen Winkel drehen, von außen gesehen gegen den Uhrzeigersinn"
     ),
     "Angle Map": "Winkelkarte",
-    "Float attribute or vertex group on the vertices, radians added to the angle": (
-        "Gleitkommaattribut oder Punktgruppe, Bogenmaß zusätzlich zum Winkel"
+    "Float attribute, radians added to the angle, or vertex group, which adds from 0 to the range": (
+        "Gleitkommaattribut, Bogenmaß zusätzlich zum Winkel, oder Punktgruppe, die von 0 bis zur Spanne dreht"
+    ),
+    "Angle Range": "Winkelspanne",
+    "Angle that is added where the vertex group's weight is 1": (
+        "Winkel, der beim Gewicht 1 der Punktgruppe dazukommt"
     ),
     "Boundary": "Rand",
     "What happens at open edges": "Was an offenen Kanten geschieht",
@@ -274,7 +278,7 @@ SETTINGS = {
     "Distance from one stripe to the next; the object's scale counts": (
         "Abstand von einem Streifen zum nächsten; die Skalierung des Objekts zählt"
     ),
-    "Automatic Spacing": "Automatischer Abstand",
+    "Automatic Spacing": "Automatisch",
     "About forty stripes across the object, or as many as the mesh can carry": (
         "Etwa vierzig Streifen über das Objekt, oder so viele, wie das Netz trägt"
     ),

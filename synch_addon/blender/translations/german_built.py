@@ -25,7 +25,7 @@ PARTS = {
     "Turn the view to see a first result": "Ansicht drehen, um ein erstes Ergebnis zu sehen",
     "Esc over the 3D view: cancel": "Esc über der 3D-Ansicht: abbrechen",
     "Energy {energy:.4g}": "Energie {energy:.4g}",
-    "Proved: no field saves more than {gap:.0%}": "Bewiesen: Kein Feld spart mehr als {gap:.0%}",
+    "Proved: no field saves more than {gap:.0%}": "Bewiesen: höchstens {gap:.0%} besser",
     "About {gap:.0%} above the bound": "Etwa {gap:.0%} über der Schranke",
     "Spacing × {low:.2f} to {high:.2f}, {off:.0%} off": "Abstand × {low:.2f} bis {high:.2f}, {off:.0%} daneben",
     "disclination": "Disklination",
@@ -39,7 +39,7 @@ PARTS = {
     "Energy 0: as even as can be": "Energie 0: so gleichmäßig wie möglich",
     "Coarse mesh: carries {spacing}": "Grobes Netz: trägt {spacing}",
     "Subdivide to {count:,} Faces": "In {count:,} Flächen unterteilen",
-    "Select Defects": "Defekte auswählen",
+    "Select Defects": "Defekte wählen",
     "select other meshes too: they get the settings of the active one": "weitere Netze auswählen: sie erhalten die "
     "Einstellungen des aktiven",
     "Copy Settings to {count} Others": "Einstellungen auf {count} andere übertragen",

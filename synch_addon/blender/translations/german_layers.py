@@ -43,6 +43,18 @@ LAYERS = {
     "A vector attribute on the vertices, extended into the solid": (
         "Ein Vektorattribut auf den Punkten, in den Körper fortgesetzt"
     ),
+    "Vectors in a solid, on points or cells of a .vtu or .sol file": (
+        "Vektoren in einem Körper, an Punkten oder Zellen einer .vtu- oder .sol-Datei"
+    ),
+    "File of Lines": "Datei mit Linien",
+    "The same for vectors of either sign, such as principal stresses": (
+        "Das Gleiche für Vektoren ohne Vorzeichen, etwa Hauptspannungen"
+    ),
+    "A .vtu, or a .sol beside its .mesh, with vectors in the solid": (
+        "Eine .vtu, oder eine .sol neben ihrer .mesh, mit Vektoren im Körper"
+    ),
+    "Array": "Feld",
+    "Name of the array of vectors; empty for the only one": "Name des Vektorfelds; leer für das einzige",
     "Axis of the object": "Achse des Objekts",
     "Vertex group where the layers begin": "Vertexgruppe, an der die Schichten beginnen",
     "To": "Bis",
@@ -71,6 +83,24 @@ LAYERS = {
         "Längste Kante der Tetraeder, die das Objekt füllen, höchstens der halbe Abstand"
     ),
     "Automatic Resolution": "Automatische Auflösung",
+    "Numbers": "Nummern",
+    "What counts as one layer: in the attribute, in files and where paths are ordered": (
+        "Was als eine Schicht zählt: im Attribut, in Dateien und in der Reihenfolge der Wege"
+    ),
+    "Of Pieces": "Der Stücke",
+    "Each connected piece has a number of its own, from the bottom": (
+        "Jedes zusammenhängende Stück hat eine eigene Nummer, von unten an"
+    ),
+    "Of Levels": "Der Ebenen",
+    "Pieces at one height have one number, each body's from its lowest layer on": (
+        "Stücke auf einer Höhe haben eine Nummer, die jedes Körpers von seiner untersten Schicht an"
+    ),
+    "Smallest Height": "Kleinste Höhe",
+    "Of a layer: with limits they branch as little as keeps to these; 0 for none": (
+        "Einer Schicht: mit Grenzen verzweigen sie sich nur so wenig, dass sie diese einhalten; 0 für keine"
+    ),
+    "Largest Height": "Größte Höhe",
+    "Of a layer, above the smallest one; 0 for none": "Einer Schicht, über der kleinsten; 0 für keine",
     "About a hundred thousand tetrahedra, or more where the spacing needs them": (
         "Etwa hunderttausend Tetraeder, oder mehr, wo der Abstand sie braucht"
     ),

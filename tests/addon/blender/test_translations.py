@@ -30,13 +30,14 @@ UNSEEN = {"about", "finding"}
 # What is shown by the parts of the interface that are held complete.
 GROUPS = (
     "SynchSettings SynchOverlay SynchConstraint SynchGuide SynchBake SynchFavourite SynchAnimation SynchFlush "
-    "SynchLayering SynchVortices SynchVortexLook"
+    "SynchLayering SynchVortices SynchVortexLook SynchBrush SynchStrokes SynchLook"
 ).split()
 OPERATORS = (
     "stripes quads directions quad_mesh trace_quads refine add_sample isolines bake animate variation draw_variation "
     "place_defect keep_favourite show_favourite remove_favourite select_defects next_defect copy_report cancel "
     "select_places show_loop preset number_stripes asset_library "
     "import_field export_field add_preset constraint_add constraint_remove constraint_move guide_add guide_remove "
+    "paint_map draw_stroke erase_strokes smooth_strokes "
     "layers layer_group_add layer_group_remove layer_export layer_toolpaths layer_path_export layer_volume "
     "clebsch best_vortices filament_export"
 ).split()
@@ -119,6 +120,13 @@ def test_parts_to_be_filled_in_are_the_same(language):
     for text, other in translations.LANGUAGES[language].items():
         assert other.strip() and re.findall("{[^}]*}", text) == re.findall("{[^}]*}", other), text
         assert text.endswith(":") == other.endswith(":") and not other.endswith("."), text
+
+
+def test_words_that_blender_means_otherwise_are_looked_up_apart():
+    """Blender's German for a boundary is of sounds."""
+    stored = bpy.data.objects.new("Any", None).synch
+    for group, name in ((stored, "boundary"), (stored.constraints.add(), "where")):
+        assert group.bl_rna.properties[name].translation_context == translations.OURS in translations._CONTEXTS
 
 
 def test_texts_are_filled_in(monkeypatch):

@@ -97,6 +97,21 @@ def test_an_output_that_is_an_input_is_refused_before_anything_runs(tmp_path, mo
     assert [(tmp_path / name).read_text() for name in ("ball.obj", "rows.json")] == ["ball.obj", "rows.json"]
 
 
+@pytest.mark.parametrize(("flag", "name"), OUTPUTS.items())
+def test_every_place_is_tried_before_the_solve(sphere, tmp_path, monkeypatch, capsys, flag, name):
+    def solve(*_arguments):
+        raise AssertionError("solved")
+
+    monkeypatch.setattr(SurfaceRequest, "solve", solve)
+    command = "quad_mesh" if flag == "--export-mesh" else "directions"
+    with pytest.raises(AssertionError, match="solved"):
+        main([command, str(sphere), "--quiet", flag, str(tmp_path / name)])
+    place = tmp_path / "nowhere" / name
+    assert main([command, str(sphere), "--quiet", flag, str(place)]) == 1
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"synch {command}: ") and str(place.parent) in line and "create it first" in line
+
+
 def test_reports_are_json_that_every_reader_takes():
     report = {"settings": {"spacing": float("nan"), "angle": 1.5}, "gaps": [float("inf"), -float("inf"), 0.0, None]}
     text = json_text(report)

@@ -166,12 +166,14 @@ def test_a_damaged_volume_cannot_take_the_machines_memory(tmp_path, monkeypatch)
 def refuse_files(tmp_path):
     """Files that are no flow, and what has to be said about each."""
     vdb = openvdb.openvdb_module()
-    scalar, nothing, broken = vdb.FloatGrid(), vdb.Vec3SGrid(), vdb.Vec3SGrid()
-    scalar.name, nothing.name, broken.name = "density", "velocity", "velocity"
+    scalar, nothing, broken, far = vdb.FloatGrid(), vdb.Vec3SGrid(), vdb.Vec3SGrid(), vdb.Vec3SGrid()
+    scalar.name, nothing.name, broken.name, far.name = "density", "velocity", "velocity", "velocity"
     scalar.fill((0, 0, 0), (4, 4, 4), 1.0)
     broken.fill((0, 0, 0), (4, 4, 4), (1.0, 2.0, 3.0))
     broken.getAccessor().setValueOn((2, 2, 2), (np.nan, 0.0, 0.0))
-    for name, grid in (("scalar", scalar), ("empty", nothing), ("nan", broken)):
+    for corner in (0, 10**6):
+        far.fill((corner,) * 3, (corner + 4,) * 3, (1.0, 2.0, 3.0))
+    for name, grid in (("scalar", scalar), ("empty", nothing), ("nan", broken), ("far", far)):
         vdb.write(str(tmp_path / f"{name}.vdb"), grids=[grid])
     (tmp_path / "text.vdb").write_text("no volume")
     np.savez(tmp_path / "other.npz", speed=np.ones(3))
@@ -204,6 +206,7 @@ def refuse_files(tmp_path):
         "scalar.vdb": r"no grid of vectors \(it has density",
         "empty.vdb": "is empty",
         "nan.vdb": "not numbers",
+        "far.vdb": "spans 1000005 x 1000005 x 1000005 voxels, more than memory holds: remove what lies far away",
         "text.vdb": "choose an OpenVDB file",
         "missing.vdb": "no such file",
         "other.npz": "no array 'velocity' .it has speed",

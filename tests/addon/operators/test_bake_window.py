@@ -3,6 +3,7 @@
 """Baking from the window: map after map, so that it is drawn in between, and cancelled without a trace."""
 
 import time
+from types import SimpleNamespace
 
 import bpy
 import pytest
@@ -119,3 +120,12 @@ def test_what_is_refused_is_said_in_one_line(striped, tmp_path):
     assert loop.run(operator) == {"CANCELLED"}
     assert operator.reports[-1][0] == {"ERROR"} and "this folder does not exist" in operator.reports[-1][1]
     assert queue.running is None
+
+
+def test_the_button_makes_a_uv_map_where_there_is_none(striped):
+    operator = SimpleNamespace()
+    SYNCH_OT_bake._take(operator, bpy.context)
+    assert operator.unwrap and not bpy.context.scene.synch_bake.unwrap
+    striped.data.uv_layers.new(name="Mine")
+    SYNCH_OT_bake._take(operator, bpy.context)
+    assert not operator.unwrap

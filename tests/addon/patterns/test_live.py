@@ -11,8 +11,8 @@ import pytest
 from synch_fields.core.parcels import packed
 from synch_fields.synch_addon.jobs.job import run
 from synch_fields.synch_addon.jobs.queue import queue
+from synch_fields.synch_addon.patterns import guide_strokes, memory
 from synch_fields.synch_addon.patterns import live as live_module
-from synch_fields.synch_addon.patterns import memory
 from synch_fields.synch_addon.patterns.job import FieldJob
 from synch_fields.synch_addon.patterns.live import from_shown, live
 from synch_fields.synch_addon.settings.fields import stored_settings
@@ -57,7 +57,8 @@ def followed(steps=1, seconds=20.0):
 def _asks():
     obj = bpy.context.active_object
     shown = memory.state(obj)
-    return live._asked(obj, shown) not in (None, shown.report.settings, live._asked_last)
+    known = (shown.report.settings, shown.report.curves_read), live._asked_last
+    return live._is_painted or live._asked(obj, shown) not in (None, *known)
 
 
 def add_row(obj, **values):
@@ -236,3 +237,48 @@ def test_the_toggle_begins_to_look_and_ends_it():
     manager.synch_live = False
     assert live_module._look() is None
     bpy.app.timers.unregister(live_module._look)
+
+
+def test_a_stroke_that_is_drawn_moved_and_removed_is_followed():
+    obj = striped(lambda: sphere(4), spacing=0.3)
+    obj.select_set(True)
+    shown = [attribute(obj, "synch_direction")]
+    turns = np.linspace(0.2, 1.2, 6)
+    line = np.column_stack([np.cos(turns), np.sin(turns), 0.4 * np.sin(5 * turns)])
+    for change in (
+        lambda: guide_strokes.add(obj, [line], "ACROSS", None),
+        lambda: guide_strokes.add(obj, [-line], "ACROSS", None),  # in the same row of the list
+        lambda: guide_strokes.replace(obj, {("Icosphere Across", 0): line * (1, 1, -1)}),
+        lambda: setattr(obj.synch.constraints[0].curve, "location", (0.0, 0.0, 0.3)),
+        lambda: guide_strokes.remove(obj, [("Icosphere Across", 0), ("Icosphere Across", 1)]),
+    ):
+        assert followed() == 0
+        change()
+        bpy.context.view_layer.update()
+        assert followed() == 1 and live.error == ""
+        shown.append(attribute(obj, "synch_direction"))
+        assert np.abs(shown[-1] - shown[-2]).max() > 0.05
+    assert followed() == 0
+
+
+def test_a_stroke_that_a_full_solve_has_read_is_not_followed_again():
+    obj = striped(lambda: sphere(4), spacing=0.3)
+    guide_strokes.add(obj, [np.eye(3)], "ALONG", None)
+    solve(obj)
+    assert memory.state(obj).report.curves_read and followed() == 0
+
+
+def test_a_map_is_followed_after_it_was_painted():
+    obj = sphere()
+    obj.vertex_groups.new(name="turn").add([0], 0.0, "REPLACE")
+    obj.synch.angle_attribute = "turn"
+    obj.synch.automatic_spacing, obj.synch.spacing = False, 0.4
+    solve(obj)
+    before = attribute(obj, "synch_direction")
+    bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+    assert followed() == 0
+    obj.vertex_groups["turn"].add(range(len(obj.data.vertices)), 0.1, "REPLACE")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert followed() == 1 and followed() == 0
+    cosines = np.einsum("ij,ij->i", attribute(obj, "synch_direction"), before)
+    np.testing.assert_allclose(np.median(np.abs(cosines)), np.cos(0.1), atol=2e-3)

@@ -51,3 +51,20 @@ def test_the_vertex_under_the_mouse_is_one_of_the_mesh_itself(modify, offset):
         assert surface.vertex_at(origin, outwards) is None
     assert [modifier.show_viewport for modifier in obj.modifiers] == shown
     np.testing.assert_allclose(surface.places, there, atol=1e-5)
+
+
+@pytest.mark.parametrize("modify, offset", [(reduced, 0), (subdivided, 0), (moved, 5)])
+def test_a_place_on_what_is_seen_is_found_on_the_mesh_itself(modify, offset):
+    obj = sphere()
+    modify(obj)
+    surface = PickedSurface.of(obj)
+    own = places(obj)
+    for face in range(0, len(obj.data.polygons), 11):
+        corners = own[list(obj.data.polygons[face].vertices)]
+        inside = np.array([0.5, 0.3, 0.2]) @ corners
+        outwards = Vector(inside)
+        seen, found = surface.place_at(Vector(inside + (offset, 0, 0)) + 2 * outwards, -outwards)
+        np.testing.assert_allclose(found, inside, atol=1e-5)
+        np.testing.assert_allclose(seen, inside + (offset, 0, 0), atol=1e-5)
+    assert surface.place_at(Vector((offset, 0, 9)), Vector((0, 0, 1))) is None
+    np.testing.assert_allclose(surface.nearest(1.5 * own[:5]), own[:5], atol=0.02)

@@ -194,3 +194,68 @@ def test_refused_subdivision_changes_nothing():
         api.refine(obj, 1)
     assert not bpy.ops.synch.refine.poll()
     assert snapshot() == before
+
+
+def smooth_grid():
+    """A bumpy grid of quads, shaded smooth."""
+    obj = grid()
+    for vertex in obj.data.vertices:
+        vertex.co.z = 0.2 * np.sin(3 * vertex.co.x) * np.cos(2 * vertex.co.y)
+    obj.data.shade_smooth()
+    return obj
+
+
+def test_what_looks_smooth_goes_to_its_limit_surface():
+    """Catmull and Clark (1978): inside a regular grid 16 parts of a vertex, 4 of its neighbours, 1 of those across."""
+    obj = smooth_grid()
+    before, size = places(obj), 13
+    table = np.empty((size, size, 3))
+    order = np.lexsort((before[:, 0].round(4), before[:, 1].round(4)))
+    table[:] = before[order].reshape(size, size, 3)
+    shifted = {(i, j): table[1 + i : size - 1 + i, 1 + j : size - 1 + j] for i in (-1, 0, 1) for j in (-1, 0, 1)}
+    parts = {0: 16, 1: 4, 2: 1}
+    limit = sum(parts[abs(i) + abs(j)] * points for (i, j), points in shifted.items()) / 36
+    report = api.refine(obj, 2)
+    assert report["smooth"] and len(obj.data.polygons) == 16 * 144
+    after = places(obj)
+    apart = np.linalg.norm(after[:, None] - limit.reshape(-1, 3), axis=2).min(axis=0)
+    assert apart.max() < 1e-5 and np.linalg.norm(limit - table[1:-1, 1:-1], axis=2).max() > 1e-3
+    # Corners of an open mesh stay.
+    np.testing.assert_allclose(after.min(axis=0)[:2], before.min(axis=0)[:2], atol=1e-6)
+
+
+@pytest.mark.parametrize("how", ["flat", "one flat face", "sharp", "by angle"])
+def test_what_has_edges_to_be_seen_keeps_its_shape(how):
+    obj = smooth_grid()
+    if how == "flat":
+        obj.data.shade_flat()
+    if how == "one flat face":
+        obj.data.polygons[3].use_smooth = False
+    if how == "sharp":
+        obj.data.edges[5].use_edge_sharp = True
+    if how == "by angle":
+        group = bpy.data.node_groups.new("Smooth by Angle", "GeometryNodeTree")
+        obj.modifiers.new("Sharp", "NODES").node_group = group
+    before = places(obj)
+    assert not api.refine(obj, 1)["smooth"]
+    np.testing.assert_allclose(places(obj)[: len(before)], before, atol=1e-6)
+
+
+def test_with_a_modifier_of_its_own_as_many_faces_are_seen_as_before():
+    obj = quad_sphere()
+    modifier = obj.modifiers.new("Mine", "SUBSURF")
+    modifier.levels, modifier.render_levels = 2, 3
+
+    def seen():
+        return len(obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.polygons)
+
+    before = seen()
+    assert api.refine(obj, 1)["smooth"] and (modifier.levels, modifier.render_levels) == (1, 2)
+    assert seen() == before
+
+
+def test_no_warning_on_a_mesh_of_quads_that_was_made():
+    obj = quad_sphere()
+    made = bpy.data.objects[api.quad_mesh(obj, spacing=0.5)["quad_mesh"]["object"]]
+    made.synch.automatic_spacing, made.synch.spacing = False, 0.01
+    assert refine.missing_levels(made) > 0 and warning(made) == ([], 0)

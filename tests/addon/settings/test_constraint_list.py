@@ -287,6 +287,8 @@ def test_command_line_of_plain_python_reads_the_stored_list(file, tmp_path):
         ('{"where": "seams", "what": "cut"}', "the constraints are no list: give a list of rows"),
         ('[{"where": "seams", "what": "cut"}, {"what": "cut"}]', "row 2 is {'what': 'cut'}: give it a 'where'"),
         ('[{"where": "seams", "what": "dance"}]', "row 1: the constraint seams dance has 'dance': use one of along"),
+        (f'[{{"where": "seams", "what": "phase", "value": 1{"0" * 5000}}}]', "write a JSON list of rows"),
+        ('[{"where": "\\ud800", "what": "along"}]', "has '\\ud800': use one of boundary"),
         (None, "No such file or directory"),
     ],
 )

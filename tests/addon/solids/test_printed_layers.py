@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Layers that are printed: a machine's program, what lies on air, half a layer of offset, groups that a file names."""
 
+import json
+
 import bpy
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.solids import memory
 
 from ...core.layered_solids import block as solid_block
+from ..scenes import make_active
 from ..solid_objects import SPACING, block, in_world
 
 
@@ -83,3 +86,78 @@ def test_references_of_a_file_are_groups_of_the_command(tmp_path, capfd):
     assert main.main([*run, "--groups", "ref_1=layer,ref_2=layer"]) == 0, capfd.readouterr().err
     assert "5 layers, 0.25 apart on average" in capfd.readouterr().out
     assert main.main([*run, "--groups", "ref_7=layer"]) == 1 and "no vertex group 'ref_7'" in capfd.readouterr().err
+
+
+def test_layers_keep_to_the_heights_of_the_machine(tmp_path, capfd):
+    """In a block of one unit between two groups three layers fit best; the nozzle lays at most 30 of 100 mm."""
+    make_active(block())
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "block.blend"))
+    (tmp_path / "printer.toml").write_text("scale = 100\nsmallest_height = 10\nlargest_height = 30\n")
+    report = tmp_path / "report.json"
+    run = ["layers", str(tmp_path / "block.blend"), "--quiet", "--size", "0.1", "--groups", "Bottom=layer,Top=layer"]
+    run += ["--machine", str(tmp_path / "printer.toml"), "--report", str(report), "--spacing"]
+    assert main.main([*run, "0.3"]) == 0
+    found = json.loads(report.read_text())
+    assert found["settings"]["largest_height"] == pytest.approx(0.3) and found["outside_limits"] == 0
+    assert found["spacings"]["mean"] == pytest.approx(0.25, rel=1e-3)
+    # Flags go before the machine.
+    assert main.main([*run, "0.33", "--largest-height", "0.5"]) == 0
+    found = json.loads(report.read_text())
+    assert found["spacings"]["mean"] == pytest.approx(1 / 3, rel=1e-3)
+    capfd.readouterr()
+    assert main.main([*run, "0.4"]) == 1
+    assert "the spacing 0.4 is not between the heights 0.1 and 0.3" in capfd.readouterr().err
+
+
+def test_vectors_of_a_file_guide_layers(tmp_path, capfd):
+    """A block's vectors lean by as much as its layers then do; of lines the signs do not count."""
+    solid = solid_block((4, 4, 4))
+    corners = " ".join(map(str, solid.tets.ravel().tolist()))
+    lean = np.array([0.6, 0, 0.8])
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], solid.vertex_count)
+
+    def array(name, kind, values, width=1):
+        numbers = " ".join(map(str, np.ravel(values).tolist()))
+        return (
+            f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{width}" format="ascii">{numbers}</DataArray>'
+        )
+
+    points = array("flow", "Float64", np.tile(lean, (solid.vertex_count, 1)), 3)
+    points += array("stress", "Float64", signs[:, None] * lean, 3)
+    cells = array("offsets", "Int64", 4 * np.arange(1, solid.tet_count + 1))
+    cells += array("types", "UInt8", [10] * solid.tet_count) + array("connectivity", "Int64", corners.split())
+    (tmp_path / "block.vtu").write_text(
+        '<VTKFile type="UnstructuredGrid"><UnstructuredGrid><Piece><PointData>'
+        f"{points}</PointData><Points>{array('Points', 'Float64', solid.vertices, 3)}</Points><Cells>{cells}</Cells>"
+        "</Piece></UnstructuredGrid></VTKFile>"
+    )
+    for guidance in ("file:{}:flow", "lines:{}:stress"):
+        guidance = guidance.format(f'"{tmp_path / "block.vtu"}"')
+        report = tmp_path / "report.json"
+        run = ["layers", str(tmp_path / "block.vtu"), "--guidance", guidance, "--spacing", "0.3", "--quiet"]
+        assert main.main([*run, "--report", str(report)]) == 0, capfd.readouterr().err
+        found = json.loads(report.read_text())
+        assert found["energy"] < 1e-9 and found["continued_directions"] == 0
+        places = np.array([v.co[:] for v in bpy.data.objects[found["layers_object"]].data.vertices]) @ lean
+        off = (places - places[0]) / 0.3
+        np.testing.assert_allclose(off, np.rint(off), atol=1e-4)
+    assert main.main([*run[:3], f'file:"{tmp_path / "block.vtu"}":strain', "--quiet"]) == 1
+    assert "it has flow on points, stress on points" in capfd.readouterr().err
+
+
+def test_levels_of_two_towers_share_their_numbers(tmp_path):
+    obj = block((1, 1, 1))
+    other = block((1, 1, 0.5))
+    other.location.x, other.location.z = 3, -0.25
+    make_active(obj)
+    with bpy.context.temp_override(active_object=obj, selected_editable_objects=[obj, other]):
+        bpy.ops.object.join()
+    reports = [
+        api.layers(obj, spacing=0.2, size=0.09, groups="Bottom=layer:0.5", numbers=n) for n in ("pieces", "levels")
+    ]
+    assert [report["layers"] for report in reports] == [8, 5]
+    made = bpy.data.objects[reports[-1]["layers_object"]]
+    files = api.layer_export(obj, tmp_path / "part.stl")["files"]
+    assert len(files) == 5 and {v.value for v in made.data.attributes["synch_layer"].data} == set(range(5))
+    with pytest.raises(SettingError, match="numbers 'rows' is unknown"):
+        api.layers(obj, numbers="rows")

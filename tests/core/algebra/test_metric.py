@@ -91,7 +91,7 @@ def test_the_metric_of_a_lifted_field_is_near_the_laplacian_less_its_multipliers
     piece, _ = only_piece(build()).scaled()
     workspace = Workspace(piece)
     stage, unit = workspace.stages[0], np.eye(piece.matrix.shape[0], dtype=piece.matrix.dtype)
-    point = relax(workspace, 1e-3, 0, SILENT, Clock()).lifted
+    point = relax(workspace, Options(target_gap=1e-3), SILENT, Clock()).lifted
     duals = TAKEN_OFF * stage.lifted.multipliers(point, workspace.matrix @ point).clip(0)
     expected = piece.matrix.toarray() - np.diag(np.repeat(duals, piece.block))
     expected += (1 - TAKEN_OFF) * stage.shift_at(point) * np.diag(piece.row_mass)

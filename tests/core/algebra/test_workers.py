@@ -119,7 +119,7 @@ def test_no_more_parts_than_wanted_are_worked_on_at_once(count):
 def test_a_time_limit_while_fields_descend_keeps_them_on_any_number_of_cores(count, monkeypatch):
     piece = only_piece(direction_problem(bumpy_torus(40), 4))
     workspace = Workspace(piece)
-    relaxation = relax(workspace, 1e-2, 0, SILENT, Clock())
+    relaxation = relax(workspace, Options(), SILENT, Clock())
     stage, density = workspace.stages[0], relaxation.value / piece.mass.sum()
     monkeypatch.setattr(rounding, "WORTH_SHARING", 1)
     monitor, polish = Monitor(), rounding.polish

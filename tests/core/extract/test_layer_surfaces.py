@@ -62,6 +62,58 @@ def test_tilted_planes_are_cut_off_by_the_solid():
     assert ((normals(layers) @ axis) > 0).all()
 
 
+def towers(gap=0.0):
+    """A floor up to 0.4 with two towers on it, up to 1 and to 0.75; or, apart by a gap, the towers alone."""
+    mesh = block((9, 3, 20), (1, 0.4, 1))
+    x, _, z = mesh.vertices[mesh.tets].mean(axis=1).T
+    kept = (x < 1 / 3) | ((x > 2 / 3) & (z < 0.75)) | ((z < 0.4) & (gap == 0))
+    moved = mesh.vertices + np.outer(mesh.vertices[:, 0] > 0.5, [0, 0, gap])
+    return TetMesh(moved, mesh.tets[kept])
+
+
+def test_levels_have_one_number_where_pieces_have_one_each():
+    mesh = towers()
+    floor = LayerGroup.of_vertices(mesh, mesh.vertices[:, 2] == 0, 0.0)
+    pattern = solve_layers(mesh, axis_directions(mesh, (0, 0, 1)), 0.1, [floor])
+    offset = np.pi / 2  # a quarter of the spacing above the floor
+    pieces = layer_surfaces(pattern.edge_phases, pattern.heights, offset)
+    levels = layer_surfaces(pattern.edge_phases, pattern.heights, offset, by_level=True)
+    # At 0.025 to 0.325 one piece each, then two, and from 0.75 on one.
+    assert pieces.count == 4 + 2 * 4 + 2 and levels.count == 10
+    heights = levels.vertices[levels.triangles][:, :, 2]
+    np.testing.assert_allclose(heights, np.tile(0.1 * levels.layers[:, None] + 0.025, 3), atol=1e-5)
+    assert (np.diff(levels.layers) >= 0).all()
+    np.testing.assert_allclose(levels.areas.sum(), pieces.areas.sum())
+    assert levels.areas[5] == pytest.approx(2 / 3 * 0.4) and levels.areas[8] == pytest.approx(0.4 / 3)
+
+
+def test_levels_of_separate_bodies_count_from_the_lowest_layer_of_each():
+    """Each begins where its own phase does: the second tower stands 0.03 higher."""
+    mesh = towers(0.03)
+    floors = [LayerGroup.of_vertices(mesh, mesh.vertices[:, 2] == height, 0.0) for height in (0, 0.03)]
+    pattern = solve_layers(mesh, axis_directions(mesh, (0, 0, 1)), 0.1, floors)
+    levels = layer_surfaces(pattern.edge_phases, pattern.heights, by_level=True)
+    points = levels.vertices[levels.triangles].mean(axis=1)
+    expected = 0.1 * levels.layers + np.where(points[:, 0] > 0.5, 0.03, 0)
+    np.testing.assert_allclose(points[:, 2], expected, atol=1e-5)
+    assert levels.count == 11
+
+
+@pytest.mark.parametrize("ratio", [6, 9])
+def test_levels_go_on_where_layers_end(ratio):
+    """Nine layers along the outer half of a bar and six along the inner one: the levels are as many as either side."""
+    mesh, around = bent_bar((8, 27, 4), 1, 2, np.pi / 2, 0.2)
+    x, y, _ = mesh.vertices.T
+    spacing = np.hypot(x, y) * np.pi / 2 / np.where(np.hypot(x, y) < 1.49, ratio, 15 - ratio)
+    pattern = solve_layers(mesh, around, spacing, [LayerGroup.of_vertices(mesh, end < 1e-9, 0.0) for end in (x, y)])
+    levels = layer_surfaces(pattern.edge_phases, pattern.heights, by_level=True)
+    assert pattern.face_numbers.any() and 6 < levels.count <= 10
+    middles = levels.vertices[levels.triangles].mean(axis=1)
+    turns = np.arctan2(middles[:, 1], middles[:, 0])
+    means = np.bincount(levels.layers, turns) / np.bincount(levels.layers)
+    assert (np.diff(means) > 0).all()
+
+
 def test_layers_of_a_spherical_shell_are_concentric_and_evenly_spaced():
     """Between an inner and an outer sphere on which layers lie: successive distances within 2 % of the spacing."""
     mesh, spacing = shell(np.linspace(1, 1.8, 13), 3, jitter=0.003), 0.2

@@ -82,7 +82,9 @@ def twice_around(around, across):
 def test_directions_have_half_the_energy_of_those_on_the_torus_over_a_klein_bottle(symmetry):
     found = carrier(*polygon_mesh(*klein_bottle(48, 24)))
     seam = Seam.of(found.mesh, found.seam)
-    energy = direction_field(found.mesh, symmetry, DirectionWishes(mirrors=(seam,))).energy
+    bottle = direction_field(found.mesh, symmetry, DirectionWishes(mirrors=(seam,)))
     torus = direction_field(twice_around(48, 24), symmetry)
     assert torus.mesh.areas.sum() == pytest.approx(2 * found.mesh.areas.sum())
-    assert energy == pytest.approx(torus.energy / 2, rel=0.06)
+    # Which of the fields with nearly the same energy the search ends in is another matter.
+    assert bottle.solution.lower_bound == pytest.approx(torus.solution.lower_bound / 2, rel=0.01)
+    assert bottle.energy == pytest.approx(torus.energy / 2, rel=0.15)

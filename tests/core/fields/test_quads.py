@@ -169,9 +169,10 @@ def test_a_pattern_is_torn_where_its_crosses_are(build, characteristic):
 
 
 def quad_energy(mesh, field, pattern):
-    """What is missing on all edges, from the phase changes that the pattern says it takes."""
-    missing = pattern.edge_phases.changes - Growth.of(mesh, field, spacing_of(mesh)).changes
-    return (mesh.weights[:, None] * 4 * np.sin(missing / 2) ** 2).sum()
+    """What is missing on all edges that the problem is posed on, from the phase changes that the pattern takes."""
+    growth = Growth.of(mesh, field, spacing_of(mesh)).posed
+    missing = growth.edge_phases(pattern.phases).changes - growth.changes
+    return (growth.mesh.weights[:, None] * 4 * np.sin(missing / 2) ** 2).sum()
 
 
 def spacing_of(mesh):

@@ -63,3 +63,19 @@ def test_members_that_are_encrypted_or_packed_in_an_unknown_way_are_refused(soun
         broken[place - 2] = value
         sound.write_bytes(broken)
         assert refusal(sound)
+
+
+def test_obstacles_come_from_the_file(tmp_path):
+    velocity = np.random.default_rng(0).standard_normal((4, 5, 6, 3))
+    solid = np.zeros((4, 5, 6), np.uint8)
+    solid[1, 2, 3:] = 1
+    velocity[solid > 0] = np.nan
+    path = tmp_path / "flow.npz"
+    np.savez(path, velocity=velocity, solid=solid)
+    flow = flow_file(path).read()
+    np.testing.assert_array_equal(flow.own.solid, solid > 0)
+    assert np.isfinite(flow.integrals(flow.own)).all()
+    np.savez(path, velocity=velocity, solid=solid[:3])
+    assert "solid has uint8 values of the shape (3, 5, 6): give true or false" in refusal(path)
+    np.savez(path, velocity=velocity, solid=0.5 * solid)
+    assert "float64" in refusal(path)

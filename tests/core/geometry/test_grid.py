@@ -70,6 +70,41 @@ def test_masses_fill_the_box_and_weights_integrate_gradients(grid):
         assert total == pytest.approx(np.prod(sizes), rel=1e-12)
 
 
+@pytest.mark.parametrize("grid", GRIDS)
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_grid_whose_last_nodes_are_an_obstacle_is_the_smaller_grid(grid, axis):
+    solid = np.zeros(grid.shape, bool)
+    np.moveaxis(solid, axis, 0)[-1] = True
+    masked = Grid(grid.shape, grid.spacing, grid.origin, grid.periodic, solid)
+    shape, periodic = list(grid.shape), list(grid.periodic)
+    shape[axis], periodic[axis] = shape[axis] - 1, False
+    smaller = Grid(shape, grid.spacing, grid.origin, periodic)
+    kept = np.flatnonzero(~solid.ravel())
+    reached = masked.weights > 0
+    np.testing.assert_array_equal(masked.edges[reached], kept[smaller.edges])
+    np.testing.assert_allclose(masked.weights[reached], smaller.weights, rtol=1e-12)
+    np.testing.assert_allclose(masked.masses[kept], smaller.masses, rtol=1e-12)
+    faces = masked.face_signs.any(axis=1)
+    np.testing.assert_array_equal(masked.faces[faces], kept[smaller.faces])
+    if grid.dimension == 3:
+        found = masked.faces[masked.cell_faces]
+        np.testing.assert_array_equal(found, kept[smaller.faces[smaller.cell_faces]])
+
+
+def test_around_an_obstacle_counts_what_lies_in_open_cells():
+    """A solid node in the middle takes the eight cells around it."""
+    solid = np.zeros((5, 5, 5), bool)
+    solid[2, 2, 2] = True
+    grid = Grid((5, 5, 5), solid=solid)
+    assert grid.open_cells.sum() == len(grid.cell_faces) == 64 - 8
+    weights = {tuple(edge): weight for edge, weight in zip(grid.edges.tolist(), grid.weights, strict=True)}
+    number = grid.numbers
+    assert weights[number[2, 2, 1], number[2, 2, 2]] == weights[number[2, 2, 2], number[3, 2, 2]] == 0
+    assert weights[number[2, 2, 0], number[2, 2, 1]] == 1 and weights[number[1, 1, 1], number[1, 1, 2]] == 0.75
+    assert weights[number[1, 2, 1], number[1, 2, 2]] == 0.5
+    assert grid.masses[number[1, 1, 1]] == 7 / 8 and grid.masses[number[2, 2, 1]] == 0.5
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -77,6 +112,8 @@ def test_masses_fill_the_box_and_weights_integrate_gradients(grid):
         (((4, 2), 1.0, 0.0, True), "2 nodes along axis Y: a grid needs 3"),
         (((4,),), "a grid of 1 axes"),
         (((4, 4), (1, 0)), "positive lengths"),
+        (((4, 4), 1.0, 0.0, False, np.zeros((4, 3), bool)), "obstacles of the shape"),
+        (((4, 4), 1.0, 0.0, False, np.arange(16).reshape(4, 4) % 2 == 0), "no cell of the grid open"),
     ],
 )
 def test_grids_that_are_none_are_refused(arguments, message):

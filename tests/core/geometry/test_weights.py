@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.geometry import TriangleMesh
-from synch_fields.core.geometry.triangle_mesh import WEIGHT_RANGE
+from synch_fields.core.geometry.intrinsic_delaunay import WEIGHT_RANGE
 
 from ..meshes import BOUNDED, CLOSED, EVERY, disk, icosphere, slivers, square, together
 

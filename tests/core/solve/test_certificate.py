@@ -11,7 +11,7 @@ from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.fields.guidance.solids import axis_directions
 from synch_fields.core.fields.layers import layer_problem
 from synch_fields.core.monitor import SILENT
-from synch_fields.core.solve import Options, solve, spectral
+from synch_fields.core.solve import Certificate, Options, certificate, solve, spectral
 from synch_fields.core.solve.certificate import lower_bound, measure_slack, provable_width, prove
 from synch_fields.core.solve.descent import descend
 from synch_fields.core.solve.spheres import Lifted, random_columns
@@ -131,10 +131,19 @@ def test_proofs_are_tried_where_fronts_are_narrow_enough_for_the_matrix():
         assert (provable_width(piece) is not None) == is_provable
 
 
+def test_long_proofs_are_made_where_they_are_asked_for(monkeypatch):
+    problem = direction_problem(torus(around=24, across=12), 4)
+    short = solve(problem)
+    monkeypatch.setattr(certificate, "WIDEST_PROOF", {True: 10, False: 10})
+    assert solve(problem).certificate is Certificate.ESTIMATED
+    long = solve(problem, Options(long_proofs=True))
+    assert long.certificate is Certificate.PROVED and long.lower_bound == short.lower_bound
+
+
 @pytest.mark.parametrize("build", PROBLEMS)
 def test_the_spectral_bound_is_the_same_without_a_factorization(build, monkeypatch):
     problem = build()
     factorized = solve(problem, Options(method="spectral"))
-    monkeypatch.setattr(spectral, "provable_width", lambda piece: None)
+    monkeypatch.setattr(spectral, "provable_width", lambda *_: None)
     by_multigrid = solve(problem, Options(method="spectral"))
     assert by_multigrid.spectral_bound == pytest.approx(factorized.spectral_bound, rel=1e-6, abs=1e-9)

@@ -27,7 +27,7 @@ from ..wishes import bordered_problem
 def relaxed(piece):
     """Workspace, lifted field and energy per mass of the relaxation."""
     workspace = Workspace(piece)
-    relaxation = relax(workspace, 1e-2, 0, SILENT, Clock())
+    relaxation = relax(workspace, Options(), SILENT, Clock())
     return workspace, relaxation.lifted, relaxation.value / piece.mass.sum()
 
 

@@ -3,15 +3,20 @@
 """Layers in closed surfaces without Blender: exact ones, what is told of coarse ones, lengths, and outputs."""
 
 import pickle
+import subprocess
+import sys
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from synch_fields.core.errors import Cancelled, SettingError
-from synch_fields.core.fields.guidance.filled import along_axis, between_areas, of_vectors
+import synch_fields
+from synch_fields.core import memory
+from synch_fields.core.errors import Cancelled, SettingError, SynchError
+from synch_fields.core.fields.guidance.filled import along_axis, away_from_area, between_areas, of_vectors
 from synch_fields.core.files.tool_paths import polylines_of, table_of
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.filling.closed_surface import Area, ClosedSurface
@@ -26,10 +31,14 @@ from synch_fields.core.geometry.filling.lengths import (
 from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
 from synch_fields.core.geometry.mesh_input import MeshInput
 from synch_fields.core.geometry.polygons import Polygons
+from synch_fields.core.geometry.tet_mesh import TetMesh
+from synch_fields.core.memory import Room
+from synch_fields.core.printing.flush import far_share
 from synch_fields.core.solve import Options
 from synch_fields.core.tasks.layer_outputs import MOST_VOXELS, Layering, PathSettings
 from synch_fields.core.tasks.solids import AskedArea, SolidGuide, SolidRequest
 
+from ..layered_solids import block
 from ..meshes import CLOSED, cube
 
 UP = SolidGuide("axis:Z", partial(along_axis, np.array([0.0, 0.0, 2.0])))
@@ -71,6 +80,27 @@ def test_layers_across_an_axis_are_planes_a_spacing_apart():
     assert set(result.seconds) == {"fill", "build", "extract"}
 
 
+@pytest.mark.parametrize(("cells", "told"), [(1, True), (6, False)])
+def test_a_guide_without_directions_of_its_own_is_told_about(cells, told):
+    """A plate of a cell with one vertex inside: the distance from the boundary has a slope around that one alone."""
+    mesh = block((6, 6, cells), (1, 1, 0.3))
+    first, rest = mesh.tets[0], mesh.tets[1:]
+    parts = [np.where(np.arange(4) == k, mesh.vertex_count, first) for k in range(4)]
+    solid = TetMesh(np.vstack([mesh.vertices, mesh.vertices[first].mean(axis=0)]), np.vstack([rest, *parts]))
+    surface = closed(solid.boundary_surface[0])
+    everywhere = Area("all", np.arange(surface.mesh.triangle_count))
+    guide = SolidGuide("distance:boundary", partial(away_from_area, everywhere))
+    lengths = Lengths.carried(surface.distance, 0.1, 0.2)
+    result = SolidRequest(surface, solid, guide, (), lengths, None, Options()).solve()
+    assert told == any("distance:boundary has no direction of its own in" in line for line in result.warnings)
+    if told:
+        beside = solid.vertex_masses[first].sum()
+        assert result.continued == pytest.approx(1 - beside / 0.3, abs=solid.vertex_masses[-1] / 0.3 + 1e-9)
+        assert result.continued > 0.9
+    else:
+        assert result.continued < 0.05
+
+
 def test_a_copy_from_a_pickle_solves_to_the_same_bits():
     surface = closed(cube(2))
     areas = [flat_area(surface, height, f"at {height}") for height in (0, 1)]
@@ -106,6 +136,54 @@ def test_errors_of_a_guide_name_it():
         request.solve()
 
 
+@pytest.mark.parametrize("is_given", [False, True])
+def test_what_takes_more_memory_than_there_is_is_refused_before_it_begins(is_given, monkeypatch):
+    request = request_in(closed(cube(2)))
+    if is_given:
+        request = replace(request, solid=request.surface.filled(0.1, []))
+    expected = request.estimate
+    assert expected.tets == pytest.approx(15_000, rel=0.2)
+
+    def begun_with(share):
+        monkeypatch.setattr(memory, "room", lambda *_: Room(share * expected.bytes, 1.0, "memory", "buy it"))
+        request.solve(lambda *_: False)
+
+    with pytest.raises(Cancelled):
+        begun_with(0.8)  # estimates may be a third too high
+    with pytest.raises(
+        SynchError, match=rf"^a solve of layers in {expected.tets:,} tetrahedra takes about .* GB of memory"
+    ):
+        begun_with(0.7)
+
+
+# What layers in a ball take beyond what there was, over what was estimated.
+MEASURE = """
+import sys, threading, time
+from functools import partial
+import numpy as np
+from synch_fields.tests.core.meshes import icosphere
+from synch_fields.tests.core.tasks.test_layer_requests import closed, request_in
+from synch_fields.core.memory import used_bytes
+request = request_in(closed(icosphere(3)), 0.3, float(sys.argv[1]))
+peak, before = [0], used_bytes()
+def look():
+    while True:
+        peak[0] = max(peak[0], used_bytes())
+        time.sleep(0.002)
+threading.Thread(target=look, daemon=True).start()
+result = request.solve()
+print((peak[0] - before) / request.estimate.bytes, (peak[0] - before) / result.solid.tet_count)
+"""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere what a process has is told otherwise")
+def test_layers_take_about_as_much_memory_as_was_estimated():
+    root = str(Path(synch_fields.__path__[0]).absolute().parent)
+    arguments = [sys.executable, "-c", MEASURE, "0.09"]
+    found = subprocess.run(arguments, capture_output=True, text=True, env={"PYTHONPATH": root}, check=True)
+    assert 0.7 <= float(found.stdout.split()[0]) < 1.5
+
+
 def test_a_spacing_that_no_layer_fits_is_told_the_depth():
     request = request_in(closed(flattened(0.5, 0.5, 0.1)), 0.7, 0.1)
     with pytest.raises(SettingError, match=r"no layer lies in the solid, which is about .* deep"):
@@ -126,6 +204,26 @@ def test_coarse_solids_are_told_about():
     rod = TriangleMesh(rod.vertices @ Rotation.from_rotvec([0.8, 0.2, 0.1]).as_matrix().T, rod.triangles)
     lines = request_in(closed(rod), 0.3, 0.066).solve().warnings
     assert len(lines) == 1 and "of the surface's volume: what is thinner than 0.066 is lost" in lines[0]
+
+
+def test_how_flush_layers_are_is_told():
+    """A layer on both ends of a block, moved by less and by more than a twentieth of the spacing, and tilted."""
+    surface = closed(cube(4))
+    floor, lid = (flat_area(surface, height, name) for height, name in ((0, "floor"), (1, "lid")))
+    request = request_in(surface, 0.22, 0.1, asked=(AskedArea(floor, 0.0), AskedArea(lid, 0.0)))
+    result = request.solve()
+    assert result.far == {"floor": 0, "lid": 0} and not any("farther than" in line for line in result.warnings)
+    mesh = surface.mesh
+    for count, moved in ((0, 0.04), (1, 0.06)):
+        shifted = replace(result.surfaces, vertices=result.surfaces.vertices + [0, 0, moved * 0.22])
+        assert far_share(mesh, floor.triangles, shifted, 0.22) == count
+    # Tilted about its middle, a layer is near up to where it rises to a twentieth of the spacing.
+    x = result.surfaces.vertices[:, 0] - 0.5
+    tilted = replace(result.surfaces, vertices=result.surfaces.vertices + np.outer(x, [0, 0, 0.05]))
+    assert far_share(mesh, floor.triangles, tilted, 0.22) == pytest.approx(1 - 2 * 0.05 * 0.22 / 0.05, abs=0.03)
+    held = replace(request, asked=(AskedArea(floor, 0.0),)).solve()
+    assert held.far == {"floor": 0}
+    assert far_share(mesh, lid.triangles, held.surfaces, 0.22) == 1  # more than half a spacing above the last one
 
 
 def test_a_plate_too_thin_to_be_filled_is_refused():

@@ -1,0 +1,272 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The intrinsic Delaunay triangulation: the same surface and vertices, joined without negative cotangents.
+
+Its edges are straight on the unfolded surface, so that it is no more than corners, sides and angles (Bobenko and
+Springborn 2007, "A discrete Laplace-Beltrami operator for simplicial surfaces"). Around a vertex the angles add up to
+what they were, and its edges lie at known angles in the tangent planes of the mesh (Sharp, Soliman and Crane 2019,
+"Navigating intrinsic triangulations").
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+# Cotangent weights are kept in this range: Eq. (2) needs them positive, and slivers would
+# otherwise outweigh the rest of the mesh by ten orders of magnitude.
+WEIGHT_RANGE = (1e-4, 1e4)
+# Share of the energy that weights below 0 may be: up to it, a mesh's own triangles were measured to do as well.
+MOST_CLIPPED = 0.1
+# Edges stay whose opposite angles sum to at most this much beyond pi, radians.
+TOLERANCE = 1e-9
+# Nothing can flip at the boundary: triangles count nothing there in which the angle opposite it is larger than this.
+FLAT = np.radians(165)
+# Rounds of flips of edges that are apart; rounding could keep them from ending.
+MOST_ROUNDS = 1000
+
+
+def edge_weights(cotangents, edges, count):
+    """(e,) weights (cot a + cot b) / 2, kept within :data:`WEIGHT_RANGE`.
+
+    Parameters
+    ----------
+    cotangents : (h,) of the angle opposite each half-edge
+    edges : (h,) edge of each half-edge
+    count : of edges
+    """
+    return np.clip(np.bincount(edges, weights=0.5 * cotangents, minlength=count), *WEIGHT_RANGE)
+
+
+def clipped_share(corner_angles, triangle_edges, edge_lengths, areas):
+    """What weights below 0 are, as a share of the energy sum of w_e l_e^2, which is twice the area."""
+    sums = np.bincount(triangle_edges.ravel(), 0.5 * opposite_cotangents(corner_angles).ravel())
+    with np.errstate(over="ignore"):
+        return np.maximum(-sums, 0) @ edge_lengths**2 / (2 * areas.sum())
+
+
+def opposite_cotangents(corner_angles):
+    """(m, 3) of the angle opposite the side from corner k to corner k + 1."""
+    opposite = np.roll(corner_angles, 1, axis=1)
+    return np.cos(opposite) / np.maximum(np.sin(opposite), np.finfo(float).tiny)
+
+
+@dataclass(frozen=True)
+class IntrinsicMesh:
+    """Triangles with straight sides on a surface, under the names of a TriangleMesh.
+
+    They may join a vertex to itself, or two vertices twice; an edge runs from either of its vertices to the other.
+
+    Attributes
+    ----------
+    triangles : (m, 3) vertices
+    sides : (m, 3) length from corner k to corner k + 1, scene units
+    directions : (m, 3) angle of that side in the tangent plane of corner k
+    corner_angles : (m, 3) radians
+    twins : (3 m,) the opposite half-edge, -1 on the boundary
+    angle_scales : (n,) see TriangleMesh
+    """
+
+    triangles: np.ndarray
+    sides: np.ndarray
+    directions: np.ndarray
+    corner_angles: np.ndarray
+    twins: np.ndarray
+    angle_scales: np.ndarray
+
+    @property
+    def vertex_count(self):
+        return len(self.angle_scales)
+
+    @property
+    def triangle_count(self):
+        return len(self.triangles)
+
+    @cached_property
+    def _first_halves(self):
+        """(e,) half-edge in whose direction each edge is stored."""
+        return np.flatnonzero((self.twins < 0) | (self.twins > np.arange(len(self.twins))))
+
+    @cached_property
+    def triangle_edges(self):
+        """(m, 3) edge from corner k to corner k + 1."""
+        halves = np.arange(len(self.twins))
+        first = np.where(self.twins < 0, halves, np.minimum(halves, self.twins))
+        return np.searchsorted(self._first_halves, first).reshape(-1, 3)
+
+    @property
+    def triangle_edge_signs(self):
+        """(m, 3) +1 where the triangle runs along the edge's stored direction, else -1."""
+        is_first = np.zeros(len(self.twins), bool)
+        is_first[self._first_halves] = True
+        return np.where(is_first, 1, -1).reshape(-1, 3)
+
+    @cached_property
+    def edges(self):
+        """(e, 2) vertices."""
+        ends = np.stack([self.triangles, np.roll(self.triangles, -1, axis=1)], axis=-1)
+        return ends.reshape(-1, 2)[self._first_halves]
+
+    @property
+    def edge_lengths(self):
+        """(e,)"""
+        return self.sides.ravel()[self._first_halves]
+
+    @property
+    def edge_directions(self):
+        """(e, 2) angle of the edge in the tangent plane of its first vertex, and of the reversed edge in that of the
+        other."""
+        reverse = np.roll(self.directions + self.scaled_angles, -1, axis=1)
+        return np.stack([self.directions, reverse], axis=-1).reshape(-1, 2)[self._first_halves]
+
+    @property
+    def scaled_angles(self):
+        """(m, 3) corner angles after rescaling."""
+        return self.corner_angles * self.angle_scales[self.triangles]
+
+    @property
+    def face_curvatures(self):
+        """(m,) curvature that the rescaled tangent planes assign to each triangle."""
+        return self.scaled_angles.sum(axis=1) - np.pi
+
+    @cached_property
+    def areas(self):
+        """(m,)"""
+        return 0.5 * self.sides[:, 0] * self.sides[:, 2] * np.sin(self.corner_angles[:, 0])
+
+    @cached_property
+    def vertex_masses(self):
+        """(n,) a third of the area around each vertex, positive."""
+        masses = np.bincount(self.triangles.ravel(), np.repeat(self.areas / 3, 3), self.vertex_count)
+        return np.maximum(masses, 1e-9 * masses.mean())
+
+    @cached_property
+    def weights(self):
+        """(e,) see :func:`edge_weights`."""
+        flat = _is_flat(np.roll(self.corner_angles, 1, axis=1).ravel(), self.twins)
+        counted = ~flat.reshape(-1, 3).any(axis=1)
+        cotangents = counted[:, None] * opposite_cotangents(self.corner_angles)
+        return edge_weights(cotangents.ravel(), self.triangle_edges.ravel(), len(self.edges))
+
+
+def intrinsic_delaunay(mesh):
+    """The mesh itself where no two angles opposite an edge sum to more than pi and the boundary has no flat triangles;
+    else an :class:`IntrinsicMesh` whose angles do not.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh, manifold
+    """
+    angles, twins = mesh.corner_angles.ravel(), mesh.twins
+    waiting = np.flatnonzero(twins > np.arange(len(twins)))
+    waiting = waiting[_excess(angles, twins, waiting) > TOLERANCE]
+    if len(waiting) == 0 and not _is_flat(angles[_before(np.arange(len(twins)))], twins).any():
+        return mesh
+    surface = _Flipped(
+        mesh.triangles.ravel().copy(),
+        mesh.edge_lengths[mesh.triangle_edges].ravel(),
+        mesh.half_edge_directions.copy(),
+        angles.copy(),
+        twins.copy(),
+        mesh.angle_scales,
+    )
+    random = np.random.default_rng(0)
+    for _ in range(MOST_ROUNDS):
+        chosen = surface.apart(random.permutation(waiting))
+        if len(chosen) == 0:
+            break
+        surface.flip(chosen)
+        waiting = surface.bad_among(np.concatenate([waiting, surface.around(chosen)]))
+    triangles, sides, directions, corner_angles = (values.reshape(-1, 3) for values in surface.by_corner)
+    return IntrinsicMesh(triangles, sides, directions, corner_angles, surface.twins, mesh.angle_scales)
+
+
+def _after(halves):
+    return halves - halves % 3 + (halves + 1) % 3
+
+
+def _before(halves):
+    return halves - halves % 3 + (halves + 2) % 3
+
+
+def _excess(angles, twins, halves):
+    """(k,) by how much the two angles opposite inner half-edges sum to more than pi."""
+    return angles[_before(halves)] + angles[_before(twins[halves])] - np.pi
+
+
+def _is_flat(opposite, twins):
+    """(h,) bool: half-edges on the boundary in front of an angle that is nearly straight."""
+    return (twins < 0) & (opposite > FLAT)
+
+
+@dataclass
+class _Flipped:
+    """Half-edges 3 t + k while edges flip: (h,) tail, length, direction and angle at the tail, twin; (n,) scales."""
+
+    tails: np.ndarray
+    lengths: np.ndarray
+    directions: np.ndarray
+    angles: np.ndarray
+    twins: np.ndarray
+    scales: np.ndarray
+
+    @property
+    def by_corner(self):
+        return self.tails, self.lengths, self.directions, self.angles
+
+    def around(self, halves):
+        """The half-edges of the triangles on both sides."""
+        triangles = np.concatenate([halves, self.twins[halves]]) // 3
+        return (3 * triangles[:, None] + np.arange(3)).ravel()
+
+    def bad_among(self, halves):
+        """Of half-edges, one of each edge that has to flip."""
+        halves = np.unique(np.minimum(halves, self.twins[halves]))
+        halves = halves[halves >= 0]
+        halves = halves[halves // 3 != self.twins[halves] // 3]
+        return halves[_excess(self.angles, self.twins, halves) > TOLERANCE]
+
+    def apart(self, halves):
+        """Of half-edges those that come first among all at the triangles on both sides."""
+        sides = np.stack([halves, self.twins[halves]]) // 3
+        places = np.tile(np.arange(len(halves)), 2)
+        triangles, numbers = np.unique(sides.ravel(), return_inverse=True)
+        first = np.full(len(triangles), len(halves))
+        np.minimum.at(first, numbers.ravel(), places)
+        return halves[(first[numbers.reshape(2, -1)] == np.arange(len(halves))).all(axis=0)]
+
+    def flip(self, left):
+        """Join the corners opposite half-edges, no two of them of one triangle, instead of their ends.
+
+        From the triangles i j k and j i m come k m j and m k i.
+        """
+        right = self.twins[left]
+        jk, ki, im, mj = _after(left), _before(left), _after(right), _before(right)
+        at_i, at_j = self.angles[im] + self.angles[left], self.angles[jk] + self.angles[right]
+        length, at_k, at_m = self._across(jk, mj, at_j)
+        _, above_m, above_k = self._across(im, ki, at_i)
+        k, m = self.tails[ki], self.tails[mj]
+        towards_m = self.directions[ki] + self.scales[k] * above_k
+        towards_k = self.directions[mj] + self.scales[m] * at_m
+        old = np.stack([mj, jk, ki, im])
+        place = np.stack([_after(left), _before(left), _after(right), _before(right)])
+        new_place = np.arange(len(self.twins))
+        new_place[old] = place
+        opposite = self.twins[old]
+        opposite = np.where(opposite < 0, -1, new_place[opposite])
+        for values in (self.tails, self.lengths, self.directions):
+            values[place] = values[old]
+        self.tails[left], self.tails[right] = k, m
+        self.lengths[left] = self.lengths[right] = length
+        self.directions[left], self.directions[right] = towards_m, towards_k
+        self.angles[left], self.angles[right] = at_k, above_m
+        self.angles[place] = np.stack([at_m, at_j, above_k, at_i])
+        self.twins[place] = opposite
+        inner = opposite >= 0
+        self.twins[opposite[inner]] = place[inner]
+
+    def _across(self, first, second, angle):
+        """Of triangles with two sides and the angle between them: the third side, and the angles at its ends."""
+        a, b = self.lengths[first], self.lengths[second]
+        x, y = a - b + 2 * b * np.sin(angle / 2) ** 2, b * np.sin(angle)
+        at_first = np.arctan2(y, x)
+        return np.hypot(x, y), at_first, np.maximum(np.pi - angle - at_first, 0)

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tool paths as beads, while they are printed: a curved shell, a bent bar and the rocker-arm.
+
+    python docs/make/printing.py MESHES [--folder docs]
+
+Each bead is as wide and as high as the program of the printer has it, in the colour of its height: dark blue where it
+is half as high as the layers are apart, sand where it is as high, red where it is half as high again. MESHES holds
+rocker-arm.obj. Needs Blender as a module (bpy).
+"""
+
+import bpy
+import numpy as np
+
+from synch_fields.bench.command import arguments
+from synch_fields.bench.printing import bent_bar, curved_shell, placed, upright
+from synch_fields.core.printing.machine import Machine
+from synch_fields.core.tasks.layer_outputs import PathSettings
+from synch_fields.docs.make.sheets import beside, make_pictures
+from synch_fields.docs.make.solid_pictures import material_of_values
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.looks.render import render_picture
+from synch_fields.synch_addon.solids import memory
+
+TILE, SAMPLES = (560, 500), 12
+# Points around a bead, and the power that squares it: 1 for an ellipse.
+AROUND, SQUARE = 12, 0.6
+# Of a bead's width and height, so that its neighbours show.
+GAP = 0.97
+# Heights in spacings, and their colours.
+HEIGHTS = (0.5, 1.5)
+COLORS = [
+    (0.0, (0.01, 0.04, 0.2, 1)),
+    (0.25, (0.02, 0.16, 0.34, 1)),
+    (0.45, (0.16, 0.36, 0.36, 1)),
+    (0.5, (0.55, 0.4, 0.2, 1)),
+    (0.55, (0.6, 0.27, 0.09, 1)),
+    (0.75, (0.5, 0.07, 0.03, 1)),
+    (1.0, (0.25, 0.01, 0.03, 1)),
+]
+
+
+def main():
+    """Make the picture."""
+    make_pictures(arguments(__doc__, "rocker-arm.obj", "the picture goes"), {"printing": printing})
+
+
+def printing(options, folder, path):
+    """The three solids side by side."""
+    shapes = {
+        "shell": (curved_shell(), "ac", 26, 0.8, (-28, 34)),
+        "bar": (bent_bar(), "ac", 26, 0.86, (-38, 24)),
+        "rocker-arm": (upright(options.meshes, "rocker-arm"), "xyz", 44, 0.75, (-32, 42)),
+    }
+    tiles = []
+    for label, (shape, axes, layers, share, view) in shapes.items():
+        vertices, _, _, guidance, groups = shape
+        obj = placed(label, shape)
+        spacing = float(np.ptp(vertices, axis=0).max()) / layers
+        api.layers(obj, guidance=guidance, groups=groups, spacing=spacing)
+        plan = memory.recall_layers(obj).paths(PathSettings(machine=Machine(axes=axes, largest_tilt=80))).solve()
+        tiles.append(folder / f"{label}.png")
+        beads = beads_object(plan, share, spacing)
+        render_picture(beads, tiles[-1], resolution=TILE, samples=SAMPLES, markers=False, view=view)
+    beside(tiles, path)
+
+
+def beads_object(plan, share, spacing):
+    """The first beads of a plan, a share of their length, as one mesh object whose values are their heights."""
+    lines = plan.lines
+    lengths = np.cumsum(lines.lengths)
+    points, faces, values = [], [], []
+    for line in np.flatnonzero(lengths <= share * lengths[-1]):
+        rows = slice(lines.starts[line], lines.starts[line] + lines.sizes[line])
+        heights = np.minimum(plan.heights[rows], HEIGHTS[1] * spacing)
+        ring = rings(plan.places[rows], plan.normals[rows], plan.widths[rows], heights, lines.closed[line])
+        faces.append(tube(len(ring), lines.closed[line]) + sum(map(len, points)))
+        points.append(ring.reshape(-1, 3))
+        values.append(np.repeat(plan.heights[rows] / spacing, AROUND))
+    mesh = bpy.data.meshes.new("Beads")
+    mesh.from_pydata(np.concatenate(points), [], np.concatenate(faces).tolist())
+    mesh.attributes.new("value", "FLOAT", "POINT").data.foreach_set("value", np.concatenate(values).astype(np.float32))
+    mesh.shade_smooth()
+    mesh.materials.append(material_of_values("Beads", COLORS, HEIGHTS))
+    obj = bpy.data.objects.new("Beads", mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
+def rings(places, normals, widths, heights, closed):
+    """(n, AROUND, 3) points around a bead whose upper side is at the places."""
+    before, after = np.roll(places, 1, axis=0), np.roll(places, -1, axis=0)
+    if not closed:
+        before[0], after[-1] = places[0], places[-1]
+    sides = np.cross(normals, after - before)
+    sides /= np.maximum(np.linalg.norm(sides, axis=1, keepdims=True), np.finfo(float).tiny)
+    turn = 2 * np.pi * (np.arange(AROUND) + 0.5) / AROUND
+    across, upwards = (np.sign(v) * np.abs(v) ** SQUARE for v in (np.cos(turn), np.sin(turn)))
+    offsets = GAP / 2 * widths[:, None, None] * across[:, None] * sides[:, None]
+    offsets = offsets + (heights[:, None] / 2 * (GAP * upwards - 1))[..., None] * normals[:, None]
+    return places[:, None] + offsets
+
+
+def tube(count, closed):
+    """(f, 4) faces between rings, from the last to the first where they close."""
+    ring = np.arange(count if closed else count - 1)
+    around = np.arange(AROUND)
+    corners = [(ring, around), (ring, around + 1), (ring + 1, around + 1), (ring + 1, around)]
+    faces = [(a % count)[:, None] * AROUND + (b % AROUND) for a, b in corners]
+    return np.stack(faces, axis=-1).reshape(-1, 4)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the interface says where something is painted or drawn on the surface, in German."""
+
+DRAWING = {
+    "Paint Map": "Karte malen",
+    "Paint this map: its vertex group is made where there is none, and the mouse paints the brush's value": (
+        "Diese Karte malen: wo es keine Punktgruppe gibt, wird sie angelegt, und die Maus malt den Wert des Pinsels"
+    ),
+    "Map": "Karte",
+    "What is painted": "Was gemalt wird",
+    "The factor on the spacing from place to place": "Der Faktor auf den Abstand von Ort zu Ort",
+    "The angle that is added to the directions from place to place": (
+        "Der Winkel, der von Ort zu Ort zu den Richtungen dazukommt"
+    ),
+    "Layer Spacing": "Schichtabstand",
+    "The factor on the spacing of layers from place to place": "Der Faktor auf den Schichtabstand von Ort zu Ort",
+    "Brush": "Pinsel",
+    "Factor on the spacing that the brush paints, between 1 and the range": (
+        "Faktor auf den Abstand, den der Pinsel malt, zwischen 1 und der Spanne"
+    ),
+    "Angle that the brush paints, between 0 and the range": "Winkel, den der Pinsel malt, zwischen 0 und der Spanne",
+    "Paints {factor:.2f} × spacing": "Malt {factor:.2f} × Abstand",
+    "Paints a turn by {angle:.0f}°": "Malt eine Drehung um {angle:.0f}°",
+    "Done Painting": "Fertig gemalt",
+    "Guide Strokes": "Führungsstriche",
+    "Lines drawn on the surface that stripes follow": "Auf die Oberfläche gezeichnete Linien, denen Streifen folgen",
+    "Draw on the active mesh what stripes follow; Ctrl erases, Shift smooths": (
+        "Auf das aktive Netz zeichnen, wem Streifen folgen; Strg radiert, Umschalt glättet"
+    ),
+    "Draw Strokes": "Striche zeichnen",
+    "Done Drawing": "Fertig gezeichnet",
+    "Ctrl: erase   Shift: smooth": "Strg: radieren   Umschalt: glätten",
+    "What the next stroke asks for": "Was der nächste Strich verlangt",
+    "Stripes run along the stroke": "Streifen laufen am Strich entlang",
+    "Stripes cross the stroke at a right angle": "Streifen kreuzen den Strich im rechten Winkel",
+    "Stripe Here": "Streifen hier",
+    "A stripe lies on the stroke": "Auf dem Strich liegt ein Streifen",
+    "Draw the pattern towards the next stroke, not hold it exactly": (
+        "Das Muster zum nächsten Strich hinziehen, nicht genau einhalten"
+    ),
+    "How strongly a soft stroke draws: at 1 about as strongly as the rest of the surface resists": (
+        "Wie stark ein weicher Strich zieht: bei 1 etwa so stark, wie der Rest der Oberfläche widersteht"
+    ),
+    "Draw Stroke": "Strich zeichnen",
+    "Draw on the surface what stripes follow": "Auf die Oberfläche zeichnen, wem Streifen folgen",
+    "Erase Strokes": "Striche radieren",
+    "Remove the strokes that the pointer passes over": "Die Striche entfernen, über die der Zeiger fährt",
+    "Smooth Strokes": "Striche glätten",
+    "Smooth strokes where the pointer passes over them": "Striche glätten, wo der Zeiger über sie fährt",
+    "{count} strokes on {name}": "{count} Striche auf {name}",
+    "{count} strokes smoothed": "{count} Striche geglättet",
+    "leave the present mode: strokes are drawn in object mode": (
+        "den Modus verlassen: Striche werden im Objektmodus gezeichnet"
+    ),
+    "Height of the pattern across a stripe or a quad, which light shows": (
+        "Höhe des Musters quer durch einen Streifen oder ein Viereck, die Licht zeigt"
+    ),
+    "Sine": "Sinus",
+    "Square": "Rechteck",
+    "Triangle": "Dreieck",
+    "Rounded": "Gerundet",
+    "Thread": "Faden",
+    "Grid lines": "Gitterlinien",
+    "Checker": "Schachbrett",
+    "Weave": "Gewebe",
+    "Dots": "Punkte",
+    "Softness": "Weich",
+    "Mesh Changed: Solve Again": "Netz geändert: neu lösen",
+    "Show Defects": "Defekte zeigen",
+    "{length} apart on {count:,} faces": "Abstand {length}, {count:,} Flächen",
+    "The distance from one line to the next that was asked for, as it was used, and how many faces the mesh has": (
+        "Der verlangte Abstand von einer Linie zur nächsten, wie er verwendet wurde, und die Zahl der Flächen"
+    ),
+    "No UV map: Smart UV Project makes one": "Keine UV-Map: Smart UV Project macht eine",
+    "{more:+.1%} energy, against the best": "{more:+.1%} Energie gegenüber der besten",
+    "{name} is hidden": "{name} ist ausgeblendet",
+}

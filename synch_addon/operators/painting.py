@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operator: paint a map of the settings."""
+
+import bpy
+from bpy.props import EnumProperty
+
+from ..blender.groups import is_group
+from ..panels.row_operators import can_set
+from ..settings.painting import MAPS
+
+_TARGETS = (
+    ("SPACING", "Spacing", "The factor on the spacing from place to place"),
+    ("ANGLE", "Angle", "The angle that is added to the directions from place to place"),
+    ("LAYERS", "Layer Spacing", "The factor on the spacing of layers from place to place"),
+)
+
+
+class SYNCH_OT_paint_map(bpy.types.Operator):
+    """Paint this map: its vertex group is made where there is none, and the mouse paints the brush's value"""
+
+    bl_idname = "synch.paint_map"
+    bl_label = "Paint Map"
+    bl_options = {"REGISTER", "UNDO"}
+
+    target: EnumProperty(name="Map", description="What is painted", items=_TARGETS)
+
+    @classmethod
+    def poll(cls, context):
+        return can_set(context.active_object) and bpy.ops.object.mode_set.poll()
+
+    def execute(self, context):
+        obj, chosen = context.active_object, MAPS[self.target]
+        name = chosen.of(obj)
+        if name in obj.data.attributes:
+            line = f"{name} is an attribute, and vertex groups are painted: empty the field for a new one"
+            self.report({"ERROR"}, line)
+            return {"CANCELLED"}
+        bpy.ops.object.mode_set(mode="OBJECT")  # in edit mode groups cannot be changed
+        if not (name and is_group(obj, name)):
+            group = obj.vertex_groups.new(name=name or chosen.group)
+            group.add(range(len(obj.data.vertices)), 0.0, "REPLACE")  # without weights all is black
+            name = group.name
+            setattr(getattr(obj, chosen.settings), chosen.name, name)
+        obj.vertex_groups.active = obj.vertex_groups[name]
+        bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+        return {"FINISHED"}

@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators of the tool that draws guide strokes: from the press of a button to its release.
+
+Nothing is changed before the release: Esc leaves no trace, and each drag is one step of undo.
+"""
+
+import bpy
+import numpy as np
+from bpy_extras.view3d_utils import location_3d_to_region_2d, region_2d_to_location_3d
+from mathutils import Vector
+
+from ...core.errors import SynchError
+from ...core.geometry.drawn import evened, needed, parts
+from ...core.geometry.polylines import resampled
+from ..blender.meshes import refusal
+from ..blender.translations import said
+from ..panels.strokes import view
+from ..patterns import guide_strokes
+from ..patterns.picking import PickedSurface
+from .picking import ray_under
+
+# In pixels: between places that are looked up; beyond which a line is taken apart; how far off points may be left out,
+# and how long pieces may be; how short a stroke may be; how near the pointer has to be to strokes.
+_STEP, _JUMP, _OFF, _PIECE, _SHORTEST, _NEAR = 4.0, 40.0, 1.0, 80.0, 6.0, 14.0
+# How often the unrest of a hand is evened out, and how far smoothing reaches, in pixels.
+_EVENED, _REACH = 4, 60.0
+# What is behind the surface by less than this share of its distance is on it.
+_BEHIND = 0.02
+
+
+class StrokeOperator:
+    """Mixed into operators that go from the press of a button to its release.
+
+    A subclass says what is done on the way (``move``), and at its end (``finish``, which returns what was done in one
+    line, or None).
+    """
+
+    bl_options = {"UNDO", "INTERNAL"}
+
+    @classmethod
+    def poll(cls, context):
+        reason = refusal(context.active_object)
+        if reason is None and context.mode != "OBJECT":
+            reason = said("leave the present mode: strokes are drawn in object mode")
+        if reason:
+            cls.poll_message_set(reason)
+        return reason is None
+
+    def invoke(self, context, event):
+        if context.region is None or context.region.type != "WINDOW":
+            self.report({"ERROR"}, "strokes are drawn in a 3D view: drag in one")
+            return {"CANCELLED"}
+        obj = context.active_object
+        try:
+            self._surface = PickedSurface.of(obj)
+        except SynchError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self._object_name, self._last = obj.name, None
+        view.rest()
+        self._step(context, event, obj)
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        obj = bpy.data.objects.get(self._object_name)
+        if obj is None or event.type in {"ESC", "RIGHTMOUSE"}:
+            return self._end(context, {"CANCELLED"})
+        if event.type in {"MOUSEMOVE", "INBETWEEN_MOUSEMOVE"}:
+            self._step(context, event, obj)
+        if event.type == "LEFTMOUSE" and event.value == "RELEASE":
+            self._step(context, event, obj)
+            line = self.finish(context, obj)
+            if line is not None:
+                self.report({"INFO"}, line)
+            return self._end(context, {"CANCELLED"} if line is None else {"FINISHED"})
+        return {"RUNNING_MODAL"}
+
+    def cancel(self, context):
+        """The window or the file is being closed."""
+        view.rest()
+
+    def _end(self, context, result):
+        view.rest()
+        context.area.tag_redraw()
+        return result
+
+    def _step(self, context, event, obj):
+        """Go on to where the pointer is now, in small steps."""
+        here = np.array([event.mouse_region_x, event.mouse_region_y], float)
+        before = here if self._last is None else self._last
+        count = max(int(np.ceil(np.linalg.norm(here - before) / _STEP)), 1)
+        for share in np.arange(1, count + 1) / count:
+            self.move(context, before + share * (here - before), obj)
+        self._last = here
+        context.area.tag_redraw()
+
+    def _near(self, context, obj, mouse):
+        """The strokes that the surface does not hide at the pointer: each with (p,) pixels from there to its points."""
+        near = []
+        for stroke in guide_strokes.strokes_of(obj):
+            line = view.changed.get(stroke.key, stroke.points)
+            if line is None:
+                continue
+            away = distances_on_screen(context, obj.matrix_world, line, mouse)
+            nearest = int(away.argmin())
+            if away[nearest] < _NEAR and self._is_seen(context, obj, line[nearest]):
+                near.append((stroke, line, away))
+        return near
+
+    def _is_seen(self, context, obj, point):
+        """Whether the surface does not hide a point of the object's space."""
+        pixel = location_3d_to_region_2d(context.region, context.region_data, obj.matrix_world @ Vector(point))
+        if pixel is None:
+            return False
+        origin, towards = ray_under(context, pixel, obj)
+        found = self._surface.place_at(origin, towards)
+        distance = np.linalg.norm(point - np.array(origin))
+        return found is None or np.linalg.norm(found[0] - np.array(origin)) > (1 - _BEHIND) * distance
+
+
+class SYNCH_OT_draw_stroke(StrokeOperator, bpy.types.Operator):
+    """Draw on the surface what stripes follow"""
+
+    bl_idname = "synch.draw_stroke"
+    bl_label = "Draw Stroke"
+
+    def invoke(self, context, event):
+        self._places, self._pixels = [], []
+        return super().invoke(context, event)
+
+    def move(self, context, mouse, obj):
+        found = self._surface.place_at(*ray_under(context, mouse, obj))
+        if found is None:
+            return
+        self._places.append(found[1])
+        self._pixels.append(pixel_size(context, obj.matrix_world, mouse, found[0]))
+        view.path = np.array(self._places)
+
+    def finish(self, context, obj):
+        if not self._places:
+            return None
+        pixel = float(np.median(self._pixels))
+        lines = [evened(part, _EVENED) for part in parts(np.array(self._places), _JUMP * np.array(self._pixels[1:]))]
+        lines = [line[needed(line, _OFF * pixel, _PIECE * pixel)] for line in lines if length(line) > _SHORTEST * pixel]
+        if not lines:
+            return None
+        strokes = context.scene.synch_strokes
+        guide_strokes.add(obj, lines, strokes.wish, strokes.weight)
+        return said("{count} strokes on {name}", count=len(guide_strokes.strokes_of(obj)), name=obj.name)
+
+
+class SYNCH_OT_erase_strokes(StrokeOperator, bpy.types.Operator):
+    """Remove the strokes that the pointer passes over"""
+
+    bl_idname = "synch.erase_strokes"
+    bl_label = "Erase Strokes"
+
+    def move(self, context, mouse, obj):
+        view.changed |= {stroke.key: None for stroke, _, _ in self._near(context, obj, mouse)}
+
+    def finish(self, context, obj):
+        if not view.changed:
+            return None
+        guide_strokes.remove(obj, list(view.changed))
+        return said("{count} strokes on {name}", count=len(guide_strokes.strokes_of(obj)), name=obj.name)
+
+
+class SYNCH_OT_smooth_strokes(StrokeOperator, bpy.types.Operator):
+    """Smooth strokes where the pointer passes over them"""
+
+    bl_idname = "synch.smooth_strokes"
+    bl_label = "Smooth Strokes"
+
+    def move(self, context, mouse, obj):
+        for stroke, line, away in self._near(context, obj, mouse):
+            if stroke.key not in view.changed:
+                nearest = line[away.argmin()]
+                line = resampled(line, _STEP * pixel_size(context, obj.matrix_world, mouse, nearest))
+                away = distances_on_screen(context, obj.matrix_world, line, mouse)
+            view.changed[stroke.key] = evened(line, 1, np.clip(1 - away / _REACH, 0, 1))
+
+    def finish(self, context, obj):
+        if not view.changed:
+            return None
+        lines = {}
+        for key, line in view.changed.items():
+            line = self._surface.nearest(line)
+            pixel = pixel_size(context, obj.matrix_world, self._last, line[len(line) // 2])
+            lines[key] = line[needed(line, _OFF * pixel, _PIECE * pixel)]
+        guide_strokes.replace(obj, lines)
+        return said("{count} strokes smoothed", count=len(lines))
+
+
+def length(line):
+    """Of a polyline."""
+    return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
+
+
+def pixel_size(context, matrix, mouse, place):
+    """How long a pixel is, in an object's space, as far from the viewer as a place there."""
+    depth = matrix @ Vector(place)
+    ends = [region_2d_to_location_3d(context.region, context.region_data, mouse + way, depth) for way in np.eye(2)]
+    middle = region_2d_to_location_3d(context.region, context.region_data, mouse, depth)
+    inverse = matrix.inverted().to_3x3()
+    return float(np.mean([(inverse @ (end - middle)).length for end in ends]))
+
+
+def distances_on_screen(context, matrix, points, mouse):
+    """(p,) pixels from a place of the region to (p, 3) points of an object's space; infinite behind the viewer."""
+    seen = np.column_stack([points, np.ones(len(points))]) @ np.array(context.region_data.perspective_matrix @ matrix).T
+    ahead = seen[:, 3] > 0
+    size = np.array([context.region.width, context.region.height]) / 2
+    pixels = size * (1 + seen[:, :2] / np.where(ahead, seen[:, 3], 1)[:, None])
+    return np.where(ahead, np.linalg.norm(pixels - mouse, axis=1), np.inf)
+
+
+CLASSES = (SYNCH_OT_draw_stroke, SYNCH_OT_erase_strokes, SYNCH_OT_smooth_strokes)

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the curves look like that settings speak of: it tells whether a pattern follows them as they are now."""
+
+import hashlib
+
+import bpy
+import numpy as np
+
+from ..blender.changes import changes
+from ..blender.strokes import SOURCE_TYPES, polylines
+from ..jobs.shelf import Shelf
+
+# Decimals of transforms: what is less comes of rounding, as where curve and mesh move together.
+_DECIMALS = 5
+
+_digests = Shelf(64)
+
+
+def curves_read(obj, settings):
+    """For each curve object that settings of a mesh object speak of, what is equal as long as it looks the same.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+    settings : Settings, with the constraint list
+
+    Returns
+    -------
+    tuple of (name, digest of its lines, its transform in the space of the mesh object)
+    """
+    names = {row.name for row in settings.constraints if row.where == "curve"}
+    names |= {source.name for source in settings.sources if source.kind in ("distance", "offset")}
+    found = (bpy.data.objects.get(name) for name in sorted(names))
+    return tuple(_look(obj, curve) for curve in found if curve is not None and curve.type in SOURCE_TYPES)
+
+
+def _look(obj, curve):
+    digest = _digests.renewed(curve.session_uid, (changes.state(curve), curve.mode), lambda: _digest(curve))
+    place = np.round(np.array(obj.matrix_world.inverted_safe() @ curve.matrix_world), _DECIMALS) + 0.0
+    return curve.name, digest, place.tobytes()
+
+
+def _digest(curve):
+    return hashlib.blake2b(b"".join(np.float32(line).tobytes() for line in polylines(curve))).hexdigest()

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the strokes ask for that are drawn next, kept with the scene."""
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty
+
+from ..blender.registration import keeping
+
+_WISHES = (
+    ("ALONG", "Along", "Stripes run along the stroke"),
+    ("ACROSS", "Across", "Stripes cross the stroke at a right angle"),
+    ("PHASE", "Stripe Here", "A stripe lies on the stroke"),
+)
+
+
+class SynchStrokes(bpy.types.PropertyGroup):
+    """What the next stroke asks for."""
+
+    wish: EnumProperty(name="Ask For", description="What the next stroke asks for", items=_WISHES)
+    soft: BoolProperty(name="Soft", description="Draw the pattern towards the next stroke, not hold it exactly")
+    strength: FloatProperty(
+        name="Strength",
+        description="How strongly a soft stroke draws: at 1 about as strongly as the rest of the surface resists",
+        default=10.0,
+        min=0.0,
+        soft_max=100.0,
+    )
+
+    @property
+    def weight(self):
+        """Of the constraint that the next stroke becomes: None for one that is held exactly."""
+        return self.strength if self.soft else None
+
+
+register, unregister = keeping((SynchStrokes,), (bpy.types.Scene, "synch_strokes", SynchStrokes))

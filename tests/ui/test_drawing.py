@@ -1,0 +1,169 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is painted and drawn on the surface, in a real window: maps and guide strokes."""
+
+import numpy as np
+import pytest
+
+from .test_window import add_ball, solved
+
+# Runs inside: what the tests look at.
+STROKES = """
+import numpy as np
+from mathutils import Euler, Vector
+
+view().view_rotation, view().view_distance = Euler((1.3, 0, 0.4)).to_quaternion(), 9
+
+def strokes():
+    return part("patterns.guide_strokes").strokes_of(active())
+
+def on_ball(right, up):
+    towards = view().view_rotation @ Vector((right, up, 0.0)) * 2
+    towards += view().view_rotation @ Vector((0, 0, 1)) * 2 * max(1 - right**2 - up**2, 0) ** 0.5
+    return pixel(towards)
+
+def unrest(points):
+    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum() / np.linalg.norm(points[-1] - points[0]) - 1)
+"""
+COUNT = "len(strokes())"
+
+
+@pytest.fixture
+def ball(panel):
+    """A ball in the middle of the view, and the panel."""
+    add_ball(panel, 5)
+    panel.run(STROKES)
+    panel.run("bpy.ops.ed.undo_push(message='ball')")
+    return panel
+
+
+def line(blender, *places):
+    """Pixels on the ball from one place to the next: each to the right and up, from -1 to 1."""
+    ways = np.array(places, float)
+    steps = np.linspace(0, len(ways) - 1, 6 * (len(ways) - 1) + 1)
+    right, up = (np.interp(steps, np.arange(len(ways)), ways[:, axis]) for axis in (0, 1))
+    return [blender.value(f"on_ball({x}, {y})") for x, y in zip(right, up, strict=True)]
+
+
+def test_strokes_are_drawn_erased_smoothed_and_undone(ball, keep):
+    ball.click("Draw Strokes")
+    ball.wait_for("Done Drawing")
+    way = line(ball, (-0.6, -0.2), (0, 0.25), (0.5, 0.1))
+    ball.move(way[0])
+    ball.hold()
+    for place in way[1:]:
+        ball.move(place)
+    keep("stroke_on_its_way", ball.picture())
+    assert ball.value(COUNT) == 0  # nothing is there before the button is let go
+    ball.release()
+    ball.until(f"{COUNT} == 1")
+    points = np.array(ball.value("strokes()[0].points.tolist()"))
+    assert np.abs(np.linalg.norm(points, axis=1) - 2).max() < 0.03
+    seen = [ball.value(f"pixel({point.tolist()})") for point in points]
+    np.testing.assert_allclose([seen[0], seen[-1]], [way[0], way[-1]], atol=3)
+    assert ball.value("[(row.what, row.soft) for row in active().synch.constraints]") == [["ALONG", False]]
+
+    # Esc leaves no trace, and nothing to undo.
+    other = line(ball, (-0.5, -0.5), (0.5, -0.4))
+    ball.move(other[0])
+    ball.hold()
+    for place in other[1:]:
+        ball.move(place)
+    ball.press("ESC")
+    ball.release()
+    assert ball.value(COUNT) == 1
+    ball.drag(other)
+    ball.until(f"{COUNT} == 2")
+    keep("strokes", ball.picture())
+    ball.press("Z", ctrl=True)
+    ball.until(f"{COUNT} == 1")
+    ball.press("Z", ctrl=True, shift=True)
+    ball.until(f"{COUNT} == 2")
+
+    # A jagged one is smoothed where the pointer passes.
+    jagged = line(ball, (-0.4, 0.55), (-0.3, 0.65), (-0.2, 0.55), (-0.1, 0.65), (0, 0.55), (0.1, 0.65), (0.2, 0.55))
+    ball.drag(jagged)
+    ball.until(f"{COUNT} == 3")
+    before = ball.value("unrest(strokes()[2].points)")
+    ball.drag(line(ball, (-0.4, 0.6), (0.2, 0.6)), shift=True)
+    ball.until(f"unrest(strokes()[2].points) < 0.5 * {before}")
+    keep("strokes_smoothed", ball.picture("WINDOW"))
+
+    # A drag across two of them removes these, as one step.
+    ball.drag(line(ball, (0, 0.75), (0, 0.1)), ctrl=True)
+    ball.until(f"{COUNT} == 1")
+    ball.press("Z", ctrl=True)
+    ball.until(f"{COUNT} == 3")
+    ball.click("Done Drawing")
+    ball.wait_for("Draw Strokes")
+    ball.drag(other)
+    assert ball.value(COUNT) == 3
+
+
+def test_strokes_behind_the_surface_are_left_alone(ball):
+    ball.click("Draw Strokes")
+    ball.wait_for("Done Drawing")
+    way = line(ball, (-0.4, 0), (0.4, 0))
+    ball.drag(way)
+    ball.until(f"{COUNT} == 1")
+    ball.run("view().view_rotation = view().view_rotation @ Euler((0, np.pi, 0)).to_quaternion()")
+    ball.drag(line(ball, (-0.4, 0), (0.4, 0)), ctrl=True)
+    assert ball.value(COUNT) == 1
+
+
+def test_a_stripe_lies_on_a_stroke_and_follows_it_live(ball, keep):
+    ball.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.3")
+    ball.click("Draw Strokes")
+    ball.click("Stripe Here")
+    ball.drag(line(ball, (-0.6, -0.3), (0, 0.2), (0.6, -0.1)))
+    ball.until(f"{COUNT} == 1")
+    assert ball.value("active().synch.constraints[0].what") == "PHASE"
+    solved(ball)
+    keep("stripe_on_stroke", ball.picture())
+    directions = ball.value("state()['attributes']['synch_direction']")
+    ball.scroll_to("Live", up=True)
+    ball.click("Live")
+    ball.drag(line(ball, (-0.3, 0.6), (0.3, 0.5)))
+    ball.until(f"state()['attributes']['synch_direction'] != {directions!r}")
+    ball.until("part('patterns.live').live._work is None")
+    keep("stroke_live", ball.picture())
+    ball.run("bpy.context.window_manager.synch_live = False")
+
+
+@pytest.mark.parametrize("language, word", [("en_US", "Draw Strokes"), ("de_DE", "Striche zeichnen")])
+def test_panels_are_not_cut_off_in_both_languages(ball, keep, language, word):
+    ball.run(f"bpy.context.preferences.view.language = {language!r}")
+    try:
+        ball.wait_for(word)
+        ball.click(word)
+        ball.wait_for({"en_US": "Stripe Here", "de_DE": "Streifen hier"}[language])
+        keep(f"drawing_{language}", ball.picture("UI"))
+        ball.run("bpy.ops.synch.paint_map(target='SPACING')")
+        ball.wait_for({"en_US": "Done Painting", "de_DE": "Fertig gemalt"}[language])
+        keep(f"painting_{language}", ball.picture("UI"))
+    finally:
+        ball.run("bpy.context.preferences.view.language = 'en_US'")
+
+
+def test_a_map_is_painted_and_solved(ball, keep):
+    ball.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.4")
+    ball.scroll_to("Spacing Map")
+    keep("paint_button", ball.picture("UI"))
+    y = ball.wait_for("Spacing Map")[1]
+    left, _, width, _ = ball.region("UI")
+    ball.click((left + width - 45, y))
+    ball.until("bpy.context.mode == 'PAINT_WEIGHT'")
+    ball.run("active().synch.spacing_range = 0.5; bpy.context.window_manager.synch_brush.factor = 0.5")
+    ball.scroll_to("Done Painting", up=True)
+    ball.wait_for("Paints 0.50 × spacing = 20 cm")
+    ball.drag(line(ball, (-0.5, 0), (0.5, 0.1)))
+    ball.drag(line(ball, (-0.5, 0.2), (0.5, 0.3)))
+    keep("painting", ball.picture())
+    weights = np.array(ball.value("[vertex.groups[0].weight for vertex in active().data.vertices]"))
+    assert weights.max() > 0.9 and 0.02 < (weights > 0.5).mean() < 0.4
+    ball.click("Done Painting")
+    ball.until("bpy.context.mode == 'OBJECT'")
+    ball.click("Stripes")
+    ball.wait_for("Variation")
+    assert ball.value("active().synch.spacing_map") == "Spacing"
+    keep("painted", ball.picture())
