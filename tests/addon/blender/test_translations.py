@@ -122,6 +122,13 @@ def test_parts_to_be_filled_in_are_the_same(language):
         assert text.endswith(":") == other.endswith(":") and not other.endswith("."), text
 
 
+def test_words_that_blender_means_otherwise_are_looked_up_apart():
+    """Blender's German for a boundary is of sounds."""
+    stored = bpy.data.objects.new("Any", None).synch
+    for group, name in ((stored, "boundary"), (stored.constraints.add(), "where")):
+        assert group.bl_rna.properties[name].translation_context == translations.OURS in translations._CONTEXTS
+
+
 def test_texts_are_filled_in(monkeypatch):
     assert translations.said("Energy {energy:.4g}", energy=2.5) == "Energy 2.5"
     assert translations.counted(1, "dislocation") == "1 dislocation"
