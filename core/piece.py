@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csr_matrix
 
+from .algebra.held import HERE, Held
 from .connection import Fibre
 
 # What rounding alone makes of the quadratic form <x, L x>, and the energy as a sum of squares below which the fit is
@@ -28,6 +29,7 @@ class Piece:
     ground : index of the ground node among the piece's nodes, or None
     rows : (N,) rows of the whole problem's coordinates
     fibre : what the nodes carry
+    held : what adds up over all who hold rows of the piece; mass, rows and fields are those held here
     """
 
     matrix: csr_matrix
@@ -38,6 +40,7 @@ class Piece:
     ground: int | None
     rows: np.ndarray
     fibre: Fibre = Fibre.VECTORS
+    held: Held = HERE
 
     @property
     def node_count(self):
@@ -56,7 +59,7 @@ class Piece:
     @property
     def total_mass(self):
         """What every field weighs: the mass of its nodes times the squares of their values."""
-        return self.mass.sum() * self.width
+        return self.held.sum(self.mass.sum()) * self.width
 
     @property
     def row_mass(self):
@@ -67,12 +70,12 @@ class Piece:
     def total_weight(self):
         """Sum of the matrix's diagonal, without the ground's unused rows."""
         diagonal = np.abs(self.matrix.diagonal())
-        return float(diagonal.sum() - diagonal[self.unused_rows].sum())
+        return float(self.held.sum(diagonal.sum() - diagonal[self.unused_rows].sum()))
 
     @property
     def stiffness(self):
         """Mean diagonal of the matrix per mass: an upper scale for eigenvalues, times and shifts."""
-        return self.total_weight / float(self.row_mass.sum())
+        return self.total_weight / float(self.held.sum(self.row_mass.sum()))
 
     def scaled(self):
         """The piece at a mean diagonal and a mean mass of 1, and what its energies were divided by."""
@@ -99,7 +102,7 @@ class Piece:
 
     def energy(self, columns):
         """(k,) energies of k columns, as sums of squares: exact zero for a perfect fit."""
-        differences = self.factor @ columns.reshape(self.factor.shape[1], -1)
+        differences = self.factor @ columns.reshape(len(self.rows), -1)
         if self.is_complex:
-            return (differences.real**2 + differences.imag**2).sum(axis=0)
-        return (differences**2).sum(0).reshape(-1, columns.shape[1]).sum(0)
+            return self.held.sum((differences.real**2 + differences.imag**2).sum(axis=0))
+        return self.held.sum((differences**2).sum(0).reshape(-1, columns.shape[1]).sum(0))

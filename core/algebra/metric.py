@@ -19,6 +19,7 @@ from scipy.sparse import csr_matrix, diags_array
 from .blocks import block_diagonal
 from .coarsening import aggregates, hubs
 from .factorization import factorize, has_positive_pivots
+from .held import HERE
 from .products import SharedRows
 
 # Share of the stiffness below which a shift drowns in single precision.
@@ -73,7 +74,7 @@ class Hierarchy:
         self.levels: list[Level] = []
         while True:
             inverse_diagonal = 1 / matrix.diagonal().real
-            largest = _largest_eigenvalue(matrix, inverse_diagonal, random)
+            largest = largest_eigenvalue(matrix, inverse_diagonal, random)
             prolongation = tentative = coarse_ground = None
             if len(self.levels) < len(tentatives):
                 tentative = tentatives[len(self.levels)]
@@ -82,13 +83,13 @@ class Hierarchy:
                 if tentative.shape[1] > STAGNATION * matrix.shape[0]:
                     tentative = None
             if tentative is not None:
-                smoother = diags_array(_smoothing_weights(matrix, 4 / 3 / largest * inverse_diagonal))
+                smoother = diags_array(smoothing_weights(matrix, 4 / 3 / largest * inverse_diagonal))
                 prolongation = (tentative - smoother @ (matrix @ tentative)).tocsr()
             self.levels.append(Level(matrix, row_mass, ground, largest, prolongation, tentative))
             if prolongation is None:
                 return
             matrix = (prolongation.conj().T.tocsr() @ (matrix @ prolongation)).tocsr()
-            row_mass = _coarse_mass(tentative, row_mass)
+            row_mass = coarse_mass(tentative, row_mass)
             ground = coarse_ground
 
     def lowered(self, diagonal, depth=0):
@@ -104,11 +105,35 @@ class Hierarchy:
             matrix = (level.matrix - change).tocsr()
             if not (matrix.diagonal().real > 0).all():
                 return None
-            largest = _largest_eigenvalue(matrix, 1 / matrix.diagonal().real, random)
+            largest = largest_eigenvalue(matrix, 1 / matrix.diagonal().real, random)
             result.levels.append(replace(level, matrix=matrix, largest=largest))
             if level.prolongation is not None:
                 change = (level.prolongation.conj().T.tocsr() @ (change @ level.prolongation)).tocsr()
         return result
+
+    def rows(self, depth):
+        """The matrix of a level, for products."""
+        return SharedRows(self.levels[depth].matrix)
+
+    def restricted(self, fields, depth):
+        """Fields of the level before a depth on that level: weighted sums."""
+        return self.levels[depth - 1].prolongation.conj().T @ fields
+
+    @staticmethod
+    def step(level, scale, coarse_scale):
+        """The :class:`Step` on a level, from the (N,) scales of its rows and of those of the next."""
+        prolongation = scaled(level.prolongation, 1 / scale, coarse_scale)
+        return Step(
+            SharedRows(unit_diagonal(level.matrix, scale)),
+            damping(level),
+            SharedRows(prolongation),
+            SharedRows(prolongation.conj().T.tocsr()),
+        )
+
+    @staticmethod
+    def factorized(level, scale):
+        """The smallest level with (N,) scales of its rows, to be solved; None where it is not positive definite."""
+        return definite_factors(unit_diagonal(level.matrix, scale))
 
     @property
     def complexity(self):
@@ -116,26 +141,35 @@ class Hierarchy:
         return sum(level.matrix.nnz for level in self.levels) / self.levels[0].matrix.nnz
 
 
-def _smoothing_weights(matrix, weights):
+def smoothing_weights(matrix, weights):
     """(N,) weights of the prolongation's Jacobi step: none at hubs, which would join all aggregates beside them."""
     return np.where(hubs(matrix), 0, weights).astype(np.float32)
 
 
-def _coarse_mass(tentative, row_mass):
+def coarse_mass(tentative, row_mass):
     """Mass of each coarse row: the squares of a unit block's column add up to one."""
     squares = csr_matrix((np.abs(tentative.data) ** 2, tentative.indices, tentative.indptr), shape=tentative.shape)
     return squares.T @ row_mass
 
 
-def _largest_eigenvalue(matrix, inverse_diagonal, random):
+def largest_eigenvalue(matrix, inverse_diagonal, random, held=HERE):
     """Upper estimate of the spectrum of D^-1 matrix, by the power method."""
-    vector = random.standard_normal(matrix.shape[0]).astype(matrix.dtype)
+    vector = random.standard_normal(len(inverse_diagonal)).astype(matrix.dtype)
     size = 1.0
     for _ in range(POWER_STEPS):
-        vector /= np.linalg.norm(vector)
+        vector /= held.norm(vector)
         vector = inverse_diagonal * (matrix @ vector)
-        size = float(np.linalg.norm(vector))
+        size = float(held.norm(vector))
     return max(SAFETY * size, 1.0)
+
+
+def definite_factors(matrix):
+    """The factorization of a Hermitian matrix; None where it is not positive definite to its precision."""
+    try:
+        factors = factorize(matrix)
+    except RuntimeError:  # an exactly singular pivot
+        return None
+    return factors if has_positive_pivots(factors) else None
 
 
 def definite_metric(hierarchy, shift, depth=0):
@@ -145,7 +179,7 @@ def definite_metric(hierarchy, shift, depth=0):
 
 
 @dataclass(frozen=True)
-class _Step:
+class Step:
     """What a cycle needs on a level above the smallest, scaled to unit diagonal: smoothing then has none to divide by.
 
     ``damping`` is the length of a Jacobi step; ``prolongation`` comes from the next smaller level, and ``restriction``
@@ -157,16 +191,10 @@ class _Step:
     prolongation: SharedRows
     restriction: SharedRows
 
-    @classmethod
-    def of(cls, level, scale, coarse_scale):
-        """On a :class:`Level`, from the (N,) scales of its rows and of those of the next."""
-        prolongation = _scaled(level.prolongation, 1 / scale, coarse_scale)
-        return cls(
-            SharedRows(_unit_diagonal(level.matrix, scale)),
-            np.float32(2 / (level.largest * (1 + SMOOTHED_PART))),
-            SharedRows(prolongation),
-            SharedRows(prolongation.conj().T.tocsr()),
-        )
+
+def damping(level):
+    """Length of a Jacobi step on a level."""
+    return np.float32(2 / (level.largest * (1 + SMOOTHED_PART)))
 
 
 class Metric:
@@ -192,14 +220,10 @@ class Metric:
         levels = hierarchy.levels[depth:]
         scales = [1 / np.sqrt(lv.matrix.diagonal().real + np.float32(shift) * lv.row_mass) for lv in levels]
         self._scale = scales[0][:, None]
-        self._steps = [_Step.of(*of_level) for of_level in zip(levels[:-1], scales[:-1], scales[1:], strict=True)]
-        matrix = _unit_diagonal(levels[-1].matrix, scales[-1])
-        try:
-            self._smallest = factorize(matrix)
-            self.is_definite = has_positive_pivots(self._smallest)
-        except RuntimeError:  # an exactly singular pivot
-            self.is_definite = False
-        self.dtype = matrix.dtype
+        self._steps = [hierarchy.step(*of_level) for of_level in zip(levels[:-1], scales[:-1], scales[1:], strict=True)]
+        self._smallest = hierarchy.factorized(levels[-1], scales[-1])
+        self.is_definite = self._smallest is not None
+        self.dtype = levels[-1].matrix.dtype
 
     def solve(self, columns):
         """Approximate A^-1 on (N, k) or (N,) columns; a fixed Hermitian operator, positive if A is; keeps dtypes.
@@ -252,16 +276,16 @@ def _residual(matrix, guess, right):
     return np.subtract(right, image, out=image)
 
 
-def _unit_diagonal(matrix, scale):
+def unit_diagonal(matrix, scale):
     """diag(scale) matrix diag(scale) with ones on the diagonal, which are there but for rounding."""
-    scaled = _scaled(matrix, scale, scale)
-    scaled.setdiag(1)
-    return scaled
+    result = scaled(matrix, scale, scale)
+    result.setdiag(1)
+    return result
 
 
-def _scaled(matrix, row_scale, column_scale):
+def scaled(matrix, row_scale, column_scale):
     """diag(row_scale) matrix diag(column_scale)."""
     rows = np.repeat(row_scale.astype(np.float32), np.diff(matrix.indptr))
-    scaled = copy(matrix)  # a constructor would look through the indices again
-    scaled.data = matrix.data * (rows * column_scale.astype(np.float32)[matrix.indices])
-    return scaled
+    result = copy(matrix)  # a constructor would look through the indices again
+    result.data = matrix.data * (rows * column_scale.astype(np.float32)[matrix.indices])
+    return result

@@ -79,7 +79,7 @@ def _make(folder):
         raise SettingError(f"{folder}: cannot be made ({error.strerror}): choose another place") from None
 
 
-def run_rows(rows, records, crew, retries, versions, progress):
+def run_rows(rows, records, crew, retries, versions, progress, limit=None):
     """Do what is not done of the rows; returns how many were done before, and now.
 
     Parameters
@@ -90,6 +90,7 @@ def run_rows(rows, records, crew, retries, versions, progress):
     retries : how often a row that fails is tried again
     versions : that the processes must have
     progress : callable(stage, fraction); raises where the batch is interrupted
+    limit : seconds after which a row is ended, its process's start included; None for no limit
     """
     tries, ended = {}, set()
     waiting: deque = deque()
@@ -109,7 +110,7 @@ def run_rows(rows, records, crew, retries, versions, progress):
         while waiting and len(running) < crew.capacity:
             row = waiting.popleft()
             running[row.key] = row
-            crew.start(_task(row, records, versions))
+            crew.start(_task(row, records, versions) | {"limit": limit})
         answered = crew.answer(_LOOK)
         if answered is None:
             continue

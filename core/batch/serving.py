@@ -12,7 +12,7 @@ import signal
 import subprocess
 import sys
 
-from ..threads import Lock, begun
+from ..threads import Event, Lock, begun
 
 _MARK = "synch-row "
 # Tasks after which a process is followed by a fresh one: Blender keeps some kilobytes of each file that it opens.
@@ -63,7 +63,10 @@ class Hand:
         self._child, self._left, self._lock, self._is_ended = None, 0, Lock(), False
 
     def ask(self, task):
-        """The answer to a task; ``{"failed": reason}`` where the process ended over it."""
+        """The answer to a task; ``{"failed": reason}`` where the process ended over it.
+
+        A task's ``limit`` are the seconds after which its process is ended, None for no limit.
+        """
         try:
             child = self._ready()
         except OSError as error:
@@ -71,16 +74,17 @@ class Hand:
         if child is None:
             return {"failed": "the batch has ended"}
         self._left -= 1
-        try:
-            child.stdin.write(json.dumps(task) + "\n")
-            child.stdin.flush()
-            for line in child.stdout:
-                if line.startswith(_MARK):
-                    return json.loads(line.removeprefix(_MARK))
-        except (OSError, ValueError):  # its end is told below
-            pass
-        self._left = 0
-        return {"failed": _last_words(child)}
+        answered, late = Event(), Event()
+        watch = None if task.get("limit") is None else begun(_end_late, child, task["limit"], answered, late)
+        answer = _answer(child, task)
+        answered.set()
+        if watch is not None:
+            watch.join()
+        if answer is None or late.is_set():  # an answer in the last moment counts, but its process has ended
+            self._left = 0
+        if answer is None and late.is_set():
+            return {"failed": f"it took longer than {task['limit']:g} s"}
+        return {"failed": _last_words(child)} if answer is None else answer
 
     def end(self):
         """End the process at once, and start none again."""
@@ -108,6 +112,25 @@ def _started(command, variables):
         kind["process_group"] = 0
     kept = {name: value for name, value in os.environ.items() if name != _NOT_FOR_SOLVES}
     return subprocess.Popen(command, env=kept | variables, **kind)
+
+
+def _answer(child, task):
+    """What a child answers; None where it ends before."""
+    try:
+        child.stdin.write(json.dumps(task) + "\n")
+        child.stdin.flush()
+        for line in child.stdout:
+            if line.startswith(_MARK):
+                return json.loads(line.removeprefix(_MARK))
+    except (OSError, ValueError):  # its end is told by who asks
+        pass
+    return None
+
+
+def _end_late(child, seconds, answered, late):
+    if not answered.wait(seconds):
+        late.set()
+        child.kill()
 
 
 def _end(child):

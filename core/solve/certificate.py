@@ -59,12 +59,12 @@ class Slack:
 def lower_bound(piece, shift, duals, depth):
     """Value of the dual point that is feasible when S + depth A is positive semidefinite."""
     share = 1 / (1 + depth)
-    return float((share * traces(duals) - (1 - share) * shift * piece.width * piece.mass).sum())
+    return float(piece.held.sum((share * traces(duals) - (1 - share) * shift * piece.width * piece.mass).sum()))
 
 
 def depth_for_bound(piece, shift, duals, bound):
     """The depth at which :func:`lower_bound` is ``bound``."""
-    return float((traces(duals).sum() - bound) / (bound + shift * piece.total_mass))
+    return float((piece.held.sum(traces(duals).sum()) - bound) / (bound + shift * piece.total_mass))
 
 
 def measure_slack(workspace, shift, metric, point, duals, random, monitor, enough=-np.inf, count=2):
@@ -95,12 +95,12 @@ def measure_slack(workspace, shift, metric, point, duals, random, monitor, enoug
     steps = min(MOST_STEPS, free)
     masses = shift * piece.row_mass
     weight = with_diagonal(on_rows(duals, piece.block), masses)
-    space = _Space(matrix, masses, weight, point.shape[1] + steps)
-    squares, rotation = eigh(point.conj().T @ point)
+    space = _Space(matrix, masses, weight, point.shape[1] + steps, piece.held)
+    squares, rotation = eigh(piece.held.sum(point.conj().T @ point))
     for column in (point @ rotation[:, squares > NEGLIGIBLE * squares[-1]]).T:
         space.add(column)
     known = space.filled
-    vector = random.standard_normal(size).astype(matrix.dtype)
+    vector = random.standard_normal(len(point)).astype(matrix.dtype)
     vector[piece.unused_rows] = 0
     vector = metric.solve(times(space.weight, vector))
     for step in range(1, steps + 1):
@@ -110,18 +110,18 @@ def measure_slack(workspace, shift, metric, point, duals, random, monitor, enoug
         (value,), (direction,) = space.best(known, 1)
         residual = space.residual(value, direction)
         vector = metric.solve(residual)
-        error = _length(residual, vector)
+        error = space.length(residual, vector)
         if error < CONVERGED or (step >= FEWEST_STEPS and max(value - 1, 0) + error <= enough):
             break
     if space.filled == known < free:  # rounding let nothing in: nothing is known of the rest
-        return Slack(0.0, np.inf, np.zeros((size, 0), matrix.dtype))
+        return Slack(0.0, np.inf, np.zeros((len(point), 0), matrix.dtype))
     (largest,), best = space.best(0, 1)
     values, directions = space.best(known, count)
     measure = workspace.stages[0].metric(shift)
     reach = []
     for value, direction in zip([largest, *values[:1]], [*best, *directions[:1]], strict=True):
         residual = space.residual(value, direction)
-        reach.append(value + _length(residual, measure.solve(residual)))
+        reach.append(value + space.length(residual, measure.solve(residual)))
     return Slack(float(largest - 1), float(max(reach) - largest), directions[values > 1].T)
 
 
@@ -134,14 +134,15 @@ class _Space:
     masses : (N,) diagonal of A - L
     weight : W, (N,) or in blocks
     capacity : vectors at most
+    held : what adds up over all who hold rows
     """
 
-    def __init__(self, matrix, masses, weight, capacity):
+    def __init__(self, matrix, masses, weight, capacity, held):
         real = np.finfo(matrix.dtype).dtype
         self._matrix, self._masses, self.weight = matrix, masses.astype(real), weight.astype(real)
         self._vectors = np.empty((capacity, len(masses)), matrix.dtype)
         self._weighted, self._measured = np.zeros((2, capacity, capacity), matrix.dtype)
-        self.filled = 0
+        self._held, self.filled = held, 0
 
     def _apply(self, vector):
         return self._matrix @ vector + self._masses * vector
@@ -150,19 +151,19 @@ class _Space:
         """Add what a vector has beside the others; False where that drowns in rounding."""
         vectors = self._vectors[: self.filled]
         vector = vector.astype(self._vectors.dtype)
-        vector -= _inner(vectors, self._apply(vector)) @ vectors
+        vector -= self._inner(vectors, self._apply(vector)) @ vectors
         image = self._apply(vector)
-        square = np.vdot(vector, image).real
+        square = self._held.sum(np.vdot(vector, image).real)
         if not square > 0:
             return False
         image /= np.sqrt(square)
-        overlaps = _inner(vectors, image)
+        overlaps = self._inner(vectors, image)
         if np.linalg.norm(overlaps) > LARGEST_OVERLAP:
             return False
         added = self._vectors[self.filled] = vector / np.sqrt(square)
         self.filled += 1
         for seen, other in ((self._weighted, times(self.weight, added)), (self._measured, image)):
-            seen[: self.filled, self.filled - 1] = _inner(self._vectors[: self.filled], other)
+            seen[: self.filled, self.filled - 1] = self._inner(self._vectors[: self.filled], other)
             seen[self.filled - 1, : self.filled] = seen[: self.filled, self.filled - 1].conj()
         return True
 
@@ -176,23 +177,21 @@ class _Space:
         """(W - mu A) times a direction."""
         return times(self.weight, direction) - self._masses.dtype.type(value) * self._apply(direction)
 
+    def length(self, residual, solved):
+        """Length of a residual in the inverse metric that solved it; infinite where that is not positive."""
+        square = float(self._held.sum(np.vdot(residual, solved).real))
+        return np.sqrt(square) if square >= 0 else np.inf
 
-def _length(residual, solved):
-    """Length of a residual in the inverse metric that solved it; infinite where that is not positive."""
-    square = float(np.vdot(residual, solved).real)
-    return np.sqrt(square) if square >= 0 else np.inf
-
-
-def _inner(vectors, other):
-    """(k,) inner products of (k, N) vectors with another one, without a conjugated copy of them."""
-    return (vectors @ other.conj()).conj()
+    def _inner(self, vectors, other):
+        """(k,) inner products of (k, N) vectors with another one, without a conjugated copy of them."""
+        return self._held.sum((vectors @ other.conj()).conj())
 
 
 def provable_width(piece, long_proofs=False):
     """Rows of the widest front if a proof by factorization is affordable, in time, or however long it takes, and in
     memory, otherwise None."""
     rows = piece.matrix.shape[0]
-    if rows > LARGEST_PROOF and not long_proofs:
+    if not piece.held.is_whole or (rows > LARGEST_PROOF and not long_proofs):
         return None
     width = front_width(piece.matrix)
     is_solid = width / piece.block > SURFACE_FRONT * np.sqrt(piece.node_count)

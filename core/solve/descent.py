@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..algebra.held import HERE
 from ..monitor import OutOfTime
 
 ARMIJO = 1e-4
@@ -54,7 +55,7 @@ def descend(matrix, spheres, start, metric, tolerance, max_steps, monitor, memor
     image = matrix @ point
     values = spheres.energies(point, image)
     gradient = spheres.gradient(point, image)
-    noise = rounding_noise(matrix)
+    noise = rounding_noise(matrix, spheres.held)
     # Gradients tell of decreases that values no longer show. That is worth it in double precision only.
     floor = noise if np.finfo(matrix.dtype).bits < 64 else 0.0
     products, steps, out_of_time = point.shape[1], 0, False
@@ -87,9 +88,9 @@ def descend(matrix, spheres, start, metric, tolerance, max_steps, monitor, memor
     return Descent(point, values, steps, products, out_of_time)
 
 
-def rounding_noise(matrix):
+def rounding_noise(matrix, held=HERE):
     """Changes of the energy of unit vectors below this are rounding, in the matrix's precision."""
-    return 2 * np.finfo(matrix.dtype).eps * float(np.linalg.norm(matrix.diagonal()))
+    return 2 * np.finfo(matrix.dtype).eps * float(held.norm(matrix.diagonal()))
 
 
 def _two_loop(spheres, memory, gradient, metric, point):

@@ -8,16 +8,17 @@ R^d (:class:`Columns`). A field of frames, (N, width), is one column, too: (N * 
 
 All have the same methods. ``point`` and ``image`` (the matrix times the point) are arrays in rows of the
 matrix; tangent vectors are real arrays, whose sums go over everything (:class:`Lifted`, one value) or over
-each column (k values). ``memory`` is how many moves a descent remembers.
+each column (k values). ``memory`` is how many moves a descent remembers; ``held`` adds up over all who hold rows.
 """
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 
 import numpy as np
 
 from ..algebra.blocks import traces
 from ..algebra.columns import add_multiples, inner_products, precise_inner_products, row_parts
 from ..algebra.frames import gram, nearest, orthonormalize, tangent_part
+from ..algebra.held import HERE, Held
 from ..connection import Fibre
 
 # Columns whose singular value is below this share of the largest are empty.
@@ -43,6 +44,7 @@ class Lifted:
 
     block: int
     width: int = 1
+    held: Held = HERE
     # The metric is close to the Hessian: to remember more saves no step.
     memory = 2
 
@@ -63,7 +65,7 @@ class Lifted:
 
     def energies(self, point, image):
         """(1,) energy Re<Y, L Y>."""
-        return traces(self.multipliers(point, image)).sum(keepdims=True, dtype=float)
+        return self.held.sum(traces(self.multipliers(point, image)).sum(keepdims=True, dtype=float))
 
     def gradient(self, point, image):
         """Half the energy's gradient: the part of the image that is tangent."""
@@ -86,7 +88,7 @@ class Lifted:
 
     def inner(self, first, second):
         """(1,) inner product of tangent vectors."""
-        return inner_products(first.reshape(-1, 1), second.reshape(-1, 1)).astype(float)
+        return self.held.sum(inner_products(first.reshape(-1, 1), second.reshape(-1, 1)).astype(float))
 
     @staticmethod
     def add(vector, shares, other):
@@ -101,18 +103,18 @@ class _Fields:
     """What columns have in common, whatever their spheres."""
 
     block: int
+    _: KW_ONLY
+    held: Held = HERE
     memory = 4
 
-    @staticmethod
-    def energies(point, image):
+    def energies(self, point, image):
         """(k,) energies Re<x, L x>."""
         products = precise_inner_products(_real_columns(point), _real_columns(image))
-        return products.reshape(-1, 2 if np.iscomplexobj(point) else 1).sum(axis=1)
+        return self.held.sum(products.reshape(-1, 2 if np.iscomplexobj(point) else 1).sum(axis=1))
 
-    @staticmethod
-    def inner(first, second):
+    def inner(self, first, second):
         """(k,) inner products of tangent vectors."""
-        return inner_products(first, second).astype(float)
+        return self.held.sum(inner_products(first, second).astype(float))
 
     @staticmethod
     def add(vector, shares, other):
@@ -311,7 +313,7 @@ def _filled(columns, lengths, block):
 
 def random_columns(piece, columns, random):
     """(N, columns) Gaussian start for a piece; the ground's unused rows are zero."""
-    start = gaussian((piece.matrix.shape[0], columns), piece.is_complex, random)
+    start = gaussian((len(piece.rows), columns), piece.is_complex, random)
     start[piece.unused_rows] = 0
     return start
 
@@ -322,9 +324,9 @@ def gaussian(shape, is_complex, random):
     return numbers + 1j * random.standard_normal(shape) if is_complex else numbers
 
 
-def principal(point):
+def principal(point, held=HERE):
     """Rotate the columns onto the singular directions, which leaves Y Y^H alone; drop empty ones."""
-    squares, rotation = np.linalg.eigh(point.conj().T @ point)
+    squares, rotation = np.linalg.eigh(held.sum(point.conj().T @ point))
     singular = np.sqrt(np.maximum(squares[::-1], 0))
     keep = singular > EMPTY * singular[0]
     return point @ rotation[:, ::-1][:, keep], singular[keep]

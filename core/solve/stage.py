@@ -27,6 +27,7 @@ class Stage:
     row_mass : (N,)
     block, is_complex, is_circle, width : as in Piece
     lifted, candidates : the spheres of a lifted field, and of fields in columns
+    held : what adds up over all who hold rows
     stiffness : mean diagonal of the matrix per mass
     """
 
@@ -34,12 +35,15 @@ class Stage:
         self._hierarchy, self._depth = hierarchy, depth
         self._level = hierarchy.levels[depth]
         self._smallest_shift = SMALLEST_SHIFT * piece.stiffness
-        self.matrix = SharedRows(self._level.matrix)
+        self.matrix = hierarchy.rows(depth)
         self.row_mass = self._level.row_mass
-        self.stiffness = float(self._level.matrix.diagonal().real.sum() / self.row_mass.sum())
+        self.held = piece.held
+        self.stiffness = float(
+            self.held.sum(self._level.matrix.diagonal().real.sum()) / self.held.sum(self.row_mass.sum())
+        )
         self.block, self.is_complex, self.is_circle = piece.block, piece.is_complex, piece.is_circle
         self.width = piece.width
-        self.lifted = Lifted(piece.block, piece.width)
+        self.lifted = Lifted(piece.block, piece.width, piece.held)
         self.candidates = fields_of(piece)
 
     @cached_property
@@ -49,7 +53,7 @@ class Stage:
 
     @property
     def node_count(self):
-        return len(self.row_mass) // self.block
+        return self.held.sum(len(self.row_mass)) // self.block
 
     def turned(self, matrix):
         """The stage with another matrix of the same sizes of entries, which keeps this one's metrics."""
@@ -64,7 +68,7 @@ class Stage:
     def density(self, point):
         """Energy per mass of a lifted field."""
         energy = float(self.lifted.energies(point, self.matrix @ point)[0])
-        return max(energy, 0.0) * self.block / (self.width * float(self.row_mass.sum()))
+        return max(energy, 0.0) * self.block / (self.width * float(self.held.sum(self.row_mass.sum())))
 
     def shift_at(self, point):
         """Shift of the metric of lifted fields: small enough to leave the metric alone."""
@@ -121,7 +125,7 @@ class Stage:
 
     def restrict(self, fields):
         """Fields of the next finer stage on this one: weighted sums, not normalized."""
-        return self._hierarchy.levels[self._depth - 1].prolongation.conj().T @ fields
+        return self._hierarchy.restricted(fields, self._depth)
 
 
 class Workspace:

@@ -229,7 +229,7 @@ class _Search:
         directions = directions[:, : max(MAX_RANK - self.point.shape[1], 0)]
         if directions.shape[1] == 0:
             return
-        directions = directions / np.abs(directions).max(axis=0)
+        directions = directions / self._workspace.piece.held.max(np.abs(directions).max(axis=0))
         best, best_value = self.point, np.inf
         for length in CLIMBS:
             trial = lifted.normalize(np.hstack([self.point, length * directions]))
@@ -241,7 +241,7 @@ class _Search:
 
     def result(self):
         """The :class:`Relaxation` at the point, in principal columns."""
-        point, singular_values = principal(self.point)
+        point, singular_values = principal(self.point, self._workspace.piece.held)
         point = self._workspace.stages[0].lifted.normalize(point)  # without the columns that were dropped
         return Relaxation(
             point,
@@ -281,7 +281,8 @@ def _descents(workspace, point, metric, tolerance, precise, memory, monitor):
         start = point.astype(stage.matrix.dtype)
         descent = descend(stage.matrix, stage.lifted, start, metric, tolerance, DESCENT_STEPS, monitor, memory)
         yield descent
-        if tolerance * descent.values[0] >= rounding_noise(stage.matrix) or descent.out_of_time:
+        noise = rounding_noise(stage.matrix, stage.lifted.held)
+        if tolerance * descent.values[0] >= noise or descent.out_of_time:
             return
         point = descent.point.astype(workspace.matrix.dtype)
         memory.clear()

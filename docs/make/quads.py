@@ -24,7 +24,7 @@ from synch_fields.synch_addon.nodes.stripes import INK_BLUE, WARM_IVORY
 WAVES = (("spot", (230, 15), 12), ("fertility", (-20, 10), 18), ("rocker-arm", (30, 20), 16))
 MESHES = (("spot", (230, 15), 13), ("fertility", (-20, 10), 24), ("stanford-bunny", (-20, 12), 20))
 # What the sliders are shown on, and their values.
-SLID, SHARES = ("spot", (230, 15), 1500), (1.0, 0.5, 0.0)
+SLID, SHARES = ("rocker-arm", (30, 20), 2000), (1.0, 0.5, 0.0)
 PATTERNED = ("spot", (230, 15), 12)
 
 WAVE_NODES = ("ShaderNodeGroup", "ShaderNodeMapRange", "ShaderNodeMixRGB", "ShaderNodeGamma")

@@ -65,6 +65,9 @@ def add_parser(commands):
     command.add_argument("--scheduler", metavar="ADDRESS", help="of a Dask cluster, which does the rows instead")
     add_number(command, "--threads", 1, f"of each solve, up to {MOST_WORKERS}; roundings differ with it", "N")
     add_number(command, "--retries", 1, "how often a row that fails is tried again", "N")
+    command.add_argument(
+        "--limit", type=float, metavar="SECONDS", help="after which a row has failed, its process's start included"
+    )
     command.add_argument("--working-folder", default=".", metavar="FOLDER", help="that all paths start from")
     command.add_argument("--share", metavar="K/N", help="only the Kth of N parts, and no summary: for arrays of jobs")
     add_quiet(command)
@@ -89,6 +92,8 @@ def _run(options, way, shared, progress):
     for name, least in (("jobs", 1), ("threads", 1), ("retries", 0)):
         if getattr(options, name) < least:
             raise SettingError(f"--{name} is {getattr(options, name)}: give a number from {least} on")
+    if options.limit is not None and not options.limit > 0:
+        raise SettingError(f"--limit is {options.limit:g}: give seconds above 0")
     started = time.monotonic()
     needed = versions() | {"threads": min(options.threads, MOST_WORKERS)}
     folder = Path(options.folder or Path("out", _name(options.rows)))
@@ -101,7 +106,7 @@ def _run(options, way, shared, progress):
     else:
         crew = Crew(_command(), options.jobs, options.threads)
     try:
-        before, now = run_rows(rows, records, crew, options.retries, needed, progress)
+        before, now = run_rows(rows, records, crew, options.retries, needed, progress, options.limit)
     finally:
         crew.end()
     lines = [f"{counted(len(rows), 'row')}: {now} done in {time.monotonic() - started:.1f} s, {before} before"]

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from synch_fields.bench.triangulations import NEEDLE, SLIVER, STRENGTH, asked, needles, slivers
-from synch_fields.core.fields import DirectionWishes, direction_field, given_directions, stripe_pattern
+from synch_fields.core.fields import DirectionWishes, direction_field, given_directions, quad_pattern, stripe_pattern
+from synch_fields.core.fields.growth import Growth
 from synch_fields.core.fields.guidance.guides import vectors_guide
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.check import check_mesh
 
+from ..core.meshes import slivers as bad_slivers
 from ..core.meshes import torus
 
 EVEN = torus(around=48, across=24, split="AC")
@@ -68,3 +70,17 @@ def test_stripes_have_the_energy_of_the_even_triangulation(mesh, monkeypatch):
     assert energy(mesh) == pytest.approx(even, rel=0.05)
     on_own_edges(monkeypatch)
     assert energy(mesh) > 1.1 * even
+
+
+def test_indices_sum_to_the_characteristic_on_slivers_whatever_is_calmed():
+    """What is calmed is posed on the mesh's own edges, along which it is read."""
+    mesh = bad_slivers()
+    assert mesh.posed is not mesh
+    for share, posed in ((1.0, mesh.posed), (0.3, mesh)):
+        field = direction_field(mesh, 4, DirectionWishes(singularities=share))
+        assert sum(round(4 * d.index) for d in field.disclinations) == 8
+        assert Growth.of(mesh, field, 0.5).posed.mesh is posed
+        pattern = quad_pattern(mesh, field, 0.5, branching=share)
+        assert pattern.solution.lower_bound <= pattern.energy
+        torn = pattern.edge_phases.dislocations[1]
+        assert set(np.flatnonzero(torn)) == {d.triangle for d in field.disclinations if round(4 * d.index) % 4}

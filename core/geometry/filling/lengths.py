@@ -12,7 +12,7 @@ from .stuffing import MOST_CUBES, estimated_bytes, estimated_tets
 AUTOMATIC_TETS = 100_000
 # More than that take hours, and more memory than most machines have.
 MOST_TETS = 4_000_000
-# Measured while layers are solved, for 100 000 to 500 000 tetrahedra: 1600 to 2100.
+# Measured while layers are solved, for 20 000 to 500 000 tetrahedra: 1600 to 2100.
 SOLVED_BYTES = 2000
 # Edges of the solid to a layer: where one of spacing and size follows from the other, and at least.
 EDGES_PER_LAYER = 3.0

@@ -155,6 +155,7 @@ def test_another_version_of_a_process_is_refused(tmp_path):
         (["absent.jsonl"], "absent.jsonl: no such file of rows"),
         (["x", "--jobs", 0], "--jobs is 0"),
         (["x", "--retries", -1], "--retries is -1"),
+        (["x", "--limit", 0], "--limit is 0"),
         (["*.none", "--", "stripes"], "no file matches"),
         (["rows.jsonl", "--share", "5/4"], "the share is '5/4'"),
         (["same.jsonl"], "rows 1 and 2 both write a.json"),

@@ -27,7 +27,7 @@ def answer(task):
     if word == "die" or word == "die once" and not Path(path).exists():
         Path(path).touch()
         os.kill(os.getpid(), signal.SIGKILL)
-    if word == "hang once" and not Path(path).exists():
+    if word == "hang" or word == "hang once" and not Path(path).exists():
         Path(path).touch()
         time.sleep(600)
     asked = {name: os.environ.get(name) for name in ("SYNCH_THREADS", "MALLOC_TRIM_THRESHOLD_")}

@@ -29,10 +29,10 @@ def records(tmp_path, monkeypatch):
     return records
 
 
-def run(wanted, records, count=1, retries=1, progress=told):
+def run(wanted, records, count=1, retries=1, progress=told, limit=None):
     crew = Crew(COMMAND, count, 1)
     try:
-        return run_rows(wanted, records, crew, retries, {}, progress)
+        return run_rows(wanted, records, crew, retries, {}, progress, limit)
     finally:
         crew.end()
 
@@ -75,6 +75,23 @@ def test_a_poisoned_row_is_tried_as_often_as_is_asked_and_only_it_is_lost(record
     assert run(wanted, records, retries=2) == (4, 0), "what has failed as often as is asked is not tried again"
     run(wanted, records, retries=3)
     assert [begun(tmp_path).count(row.key) for row in wanted] == [1, 4, 1, 4, 2, 1]
+
+
+def test_a_row_over_its_time_is_ended_and_told_and_the_others_go_on(records, tmp_path):
+    wanted = rows("write", "hang", "write", "hang once", "write")
+    started = time.monotonic()
+    assert run(wanted, records, limit=4) == (0, 4)
+    assert 12 <= time.monotonic() - started < 60, "three times over, by rows that would take ten minutes"
+    assert states(wanted, records) == ["done", "failed", "done", "done", "done"]
+    failed = list(entries(wanted, records))[1]
+    assert (failed["tries"], failed["reason"]) == (2, "it took longer than 4 s")
+    assert [begun(tmp_path).count(row.key) for row in wanted] == [1, 2, 1, 2, 1]
+
+
+def test_a_limit_ends_nothing_that_is_in_time(records):
+    wanted = rows(*["write"] * 30)
+    assert run(wanted, records, limit=600) == (0, 30)
+    assert len({entry["pid"] for entry in entries(wanted, records)}) == 1
 
 
 def test_a_process_that_is_killed_from_outside_loses_only_its_row(records, tmp_path):

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Relax a connection of which every process holds a part, by the search of :mod:`core.solve.staircase` itself.
+
+Only sums, products and the hierarchy are those of all processes, so that value and bound are what one process finds. No
+factorization proves a bound here: it is estimated.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..algebra.workers import solving
+from ..monitor import SILENT
+from ..solve.descent import descend
+from ..solve.rounding import CANDIDATE_SHIFT, random_directions
+from ..solve.solution import Clock, Options
+from ..solve.spheres import CirclesByFields
+from ..solve.stage import Stage
+from ..solve.staircase import Relaxation, relax
+from .hierarchy import SpreadHierarchy
+from .parts import piece_of
+
+# Projections of the lifted field, those that descend, and where that ends: predicted relative decrease, steps at most.
+PROJECTIONS, KEPT = 32, 4
+TOLERANCE, STEPS = 1e-5, 100
+
+
+class _Workspace:
+    """As :class:`core.solve.stage.Workspace`."""
+
+    def __init__(self, piece, whole):
+        self.piece, self.matrix = piece, piece.matrix
+        hierarchy = SpreadHierarchy.of(whole, piece.row_mass, piece.held)
+        self.stages = [Stage(piece, hierarchy, depth) for depth in range(len(hierarchy.levels))]
+
+
+@dataclass(frozen=True)
+class SpreadSolution:
+    """A field with its bound.
+
+    Attributes
+    ----------
+    phases : (n,) complex, of the nodes held here
+    energy : of the phases of all nodes (Eq. 17)
+    relaxation : Relaxation, its lifted field that of the nodes held here; ``lower_bound`` and ``value`` are of all
+    seconds : by phase of the work
+    """
+
+    phases: np.ndarray
+    energy: float
+    relaxation: Relaxation
+    seconds: dict
+
+
+def solve_parts(part, comm, target_gap=1e-2, seed=0):
+    """Relax to a relative gap, and round by random projections and descent; all processes call it together.
+
+    Parameters
+    ----------
+    part : Part of this process
+    comm : MPI communicator
+    target_gap : (value - bound) / value to reach
+    seed : int
+
+    Returns
+    -------
+    SpreadSolution
+    """
+    clock = Clock()
+    own = Options(target_gap=target_gap, seed=seed * comm.size + comm.rank)  # other numbers in each process
+    with solving():
+        with clock("build"):
+            piece, whole, weight = piece_of(part, comm)
+            workspace = _Workspace(piece, whole)
+        found = relax(workspace, own, SILENT, clock)
+        with clock("round"):
+            column = _rounded(workspace, found, seed)
+    energy = weight * float(piece.energy(column)[0])
+    found = replace(found, value=weight * found.value, lower_bound=weight * found.lower_bound)
+    return SpreadSolution(column[:, 0], energy, found, clock.seconds)
+
+
+def _rounded(workspace, found, seed):
+    """(N, 1) phases: the best of some projections (Eq. 29), after descent in the metric of fields."""
+    piece, stage = workspace.piece, workspace.stages[0]
+    spheres = CirclesByFields(1, held=piece.held)
+    lifted = found.lifted.astype(stage.matrix.dtype)
+    directions = random_directions(True, lifted.shape[1], PROJECTIONS - 1, np.random.default_rng(seed))
+
+    def seen(numbers):
+        columns = spheres.normalize(lifted @ directions[:, numbers].astype(lifted.dtype))
+        return columns, spheres.energies(columns, stage.matrix @ columns)
+
+    values = np.concatenate([seen([number])[1] for number in range(PROJECTIONS)])
+    columns, _ = seen(np.argsort(values)[:KEPT])
+    metric = stage.metric(CANDIDATE_SHIFT * found.value / piece.total_mass)
+    descent = descend(stage.matrix, spheres, columns, metric, TOLERANCE, STEPS, SILENT)
+    return spheres.normalize(descent.point[:, [np.argmin(descent.values)]].astype(complex))
