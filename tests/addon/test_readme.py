@@ -73,6 +73,8 @@ def names(folder, monkeypatch):
 
 @pytest.mark.parametrize("text", PYTHON)
 def test_python_runs(text, folder, names):
+    if "mpi4py" in text:  # it takes many processes: tests/core/spread
+        pytest.importorskip("mpi4py")
     vortex_scenes.write_vdb(folder / "smoke.vdb")
     if "api.bake" in text:
         api.stripes(names["obj"], spacing=0.1)

@@ -200,7 +200,9 @@ def polygon_mesh(vertices, faces):
         np.array(triangle_corners),
         np.array(triangle_faces),
     )
-    return TriangleMesh(vertices, polygons.triangles), polygons
+    mesh = TriangleMesh(vertices, polygons.triangles)
+    mesh.in_polygons = polygons.are_split
+    return mesh, polygons
 
 
 def quad_torus(diagonal=0, around=24, across=12):

@@ -349,7 +349,7 @@ def test_the_command_writes_them_all(tmp_path, capfd):
     names = {path.name for path in tmp_path.iterdir()}
     assert "warning: part_007.stl: of an earlier run" in printed.out
     assert {"part_000.stl", "part_001.stl", "paths.csv", "pattern.vdb"} <= names
-    assert re.search(r"cover (99|100)\.\d% of the layers; heights", printed.out)
+    assert re.search(r"cover (9[89]|100)\.\d% of the layers; heights", printed.out)
     for name in ("part_000.stl", "paths.csv", "pattern.vdb", "part.gcode"):
         assert f"wrote {tmp_path / name}" in printed.out
 

@@ -68,4 +68,5 @@ def test_drawn_triangles_cover_the_faces_and_carry_the_phases_of_the_formula(bui
         exact = evaluate(phase, polygons, inside, weights)
         off = np.abs(np.cos(exact) - np.cos(values[..., number].mean(axis=1)))
         assert off[:regular].max() < 1e-4
-        assert np.quantile(off[regular:], 0.9) < 0.02 and off[regular:].max() < 0.6  # the last: around a defect
+        # Where a defect is, the phase takes every value.
+        assert np.quantile(off[regular:], 0.9) < 0.02 and np.quantile(off[regular:], 0.98) < 0.2

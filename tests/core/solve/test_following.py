@@ -36,7 +36,7 @@ def test_some_steps_lead_near_the_local_optimum_that_descent_reaches(along):
     start = problem.energy(before.phases)
     assert followed.energy == pytest.approx(problem.energy(followed.phases), rel=1e-12)
     np.testing.assert_allclose(np.abs(followed.phases), 1)
-    assert start - followed.energy > 0.8 * (start - reached.energy) > 0
+    assert start - followed.energy > 0.7 * (start - reached.energy) > 0
 
 
 def test_the_metric_is_made_once_and_does_as_well_for_what_follows(along, monkeypatch):
