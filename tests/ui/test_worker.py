@@ -149,6 +149,7 @@ def test_all_else_goes_on_during_a_solve(panel):
     panel.run("ball = active().name; bpy.ops.mesh.primitive_cube_add(location=(5, 0, 0)); cube = active().name")
     panel.run("bpy.ops.ed.undo_push(message='cube')")
     panel.run("bpy.context.view_layer.objects.active = bpy.data.objects[ball]")
+    panel.run("bpy.data.objects[cube].select_set(False)")  # all that are selected are solved
     begin(panel)
     panel.run("bpy.ops.object.select_all(action='DESELECT'); bpy.data.objects[cube].select_set(True)")
     panel.run("bpy.context.view_layer.objects.active = None")
