@@ -9,6 +9,7 @@ import numpy as np
 
 from ..fields.constraints.features import line_corners
 from ..geometry import TriangleMesh
+from ..geometry.polylines import ways_along
 
 
 @dataclass(frozen=True)
@@ -37,8 +38,7 @@ class FeatureLines:
     @cached_property
     def lengths(self):
         """For each line, (k,) the way along it to each of its vertices."""
-        steps = [np.linalg.norm(np.diff(self.mesh.vertices[line], axis=0), axis=1) for line in self.lines]
-        return tuple(np.append(0, np.cumsum(step)) for step in steps)
+        return tuple(ways_along(self.mesh.vertices[line]) for line in self.lines)
 
     @cached_property
     def on_boundary(self):

@@ -3,6 +3,8 @@
 
 import numpy as np
 
+from .polylines import piece_lengths, ways_along
+
 
 def parts(points, most):
     """A polyline taken apart where a piece is too long, as where the pointer passes from one limb to another.
@@ -16,8 +18,7 @@ def parts(points, most):
     -------
     list of (k, 3) with k > 1
     """
-    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    return [part for part in np.split(points, np.flatnonzero(lengths > most) + 1) if len(part) > 1]
+    return [part for part in np.split(points, np.flatnonzero(piece_lengths(points) > most) + 1) if len(part) > 1]
 
 
 def evened(points, times, shares=1.0):
@@ -52,7 +53,7 @@ def needed(points, tolerance, longest):
     -------
     (k,) ascending, with both ends
     """
-    along = np.append(0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    along = ways_along(points)
     kept, open_pieces = {0, len(points) - 1}, [(0, len(points) - 1)]
     while open_pieces:
         first, last = open_pieces.pop()

@@ -49,7 +49,7 @@ def beside(points, values, ways):
     -------
     (w, p, d) values, linear between the points
     """
-    along = np.append(0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    along = ways_along(points)
     places, length = along, along[-1]
     if np.linalg.norm(points[-1] - points[0]) < 1e-6 * length:
         along = np.concatenate([along[:-1] - length, along, along[1:] + length])
@@ -62,13 +62,28 @@ def around(points, is_closed):
     return np.vstack([points, points[:1]]) if is_closed else points
 
 
+def piece_lengths(points):
+    """(p - 1,) between (p, 3) points, scene units."""
+    return np.linalg.norm(np.diff(points, axis=0), axis=1)
+
+
 def polyline_length(points):
     """Along (p, 3) points, scene units."""
-    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+    return float(piece_lengths(points).sum())
+
+
+def ways_along(points):
+    """(p,) from the first point of a polyline, (p, 3), to each, scene units."""
+    return np.append(0, np.cumsum(piece_lengths(points)))
+
+
+def places_at(points, ways):
+    """(k, 3) some (k,) ways along a polyline, (p, 3)."""
+    along = ways_along(points)
+    return np.column_stack([np.interp(ways, along, column) for column in points.T])
 
 
 def resampled(points, step):
     """Points along a polyline, (p, 3), evenly spaced and at most a step apart."""
-    along = np.append(0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
-    places = np.linspace(0, along[-1], max(int(np.ceil(along[-1] / step)), 1) + 1)
-    return np.column_stack([np.interp(places, along, column) for column in points.T])
+    length = polyline_length(points)
+    return places_at(points, np.linspace(0, length, max(int(np.ceil(length / step)), 1) + 1))

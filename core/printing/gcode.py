@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..geometry.polylines import piece_lengths
+
 # Of the tool, in degrees: nearer to upright, the table keeps its turn.
 _UPRIGHT = 0.05
 # Travels that are shorter, in steps, stay near the layer.
@@ -63,7 +65,7 @@ def gcode(course, machine):
         rows.append(moves.rapid(*places[first], angles=angles[first]))
         if machine.retraction and before is not None:
             rows.append(moves.filament(machine.retraction))
-        lengths = np.linalg.norm(np.diff(course.points[run], axis=0), axis=1)
+        lengths = piece_lengths(course.points[run])
         sections = (course.widths * course.heights)[run]
         volumes = machine.flow * (sections[:-1] + sections[1:]) / 2 * lengths
         for at, length, volume in zip(range(first + 1, stop), lengths, volumes, strict=True):

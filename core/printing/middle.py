@@ -12,7 +12,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
 from ..extract.toolpaths import rim_vertices
-from ..geometry.polylines import around, polyline_length
+from ..geometry.polylines import around, places_at, polyline_length
 from ..graphs import components
 
 # Rounds in which vertices take over their neighbours' nearest place of the rim.
@@ -172,10 +172,9 @@ def chains(count, pairs):
 def smooth(bead, step):
     """A bead without the bends that come from the edges of the mesh, its points a share of a step apart."""
     points = around(bead.points, bead.closed)
-    ways = np.append(0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
-    count = max(3 if bead.closed else 2, round(PARTS * ways[-1] / step)) + (not bead.closed)
-    places = np.linspace(0, ways[-1], count, endpoint=not bead.closed)
-    points = np.column_stack([np.interp(places, ways, column) for column in points.T])
+    length = polyline_length(points)
+    count = max(3 if bead.closed else 2, round(PARTS * length / step)) + (not bead.closed)
+    points = places_at(points, np.linspace(0, length, count, endpoint=not bead.closed))
     for _ in range(_PASSES):
         middles = (np.roll(points, 1, axis=0) + np.roll(points, -1, axis=0)) / 2
         moved = points + _SHARE * (middles - points)

@@ -195,9 +195,8 @@ def provable_width(piece, long_proofs=False):
         return None
     width = front_width(piece.matrix)
     is_solid = width / piece.block > SURFACE_FRONT * np.sqrt(piece.node_count)
-    is_long = (is_solid and rows * width**2 > LONGEST_SWEEP * piece.matrix.nnz) or width > WIDEST_PROOF[
-        piece.is_complex
-    ]
+    is_long = width > WIDEST_PROOF[piece.is_complex]
+    is_long |= is_solid and rows * width**2 > LONGEST_SWEEP * piece.matrix.nnz
     if (is_long and not long_proofs) or proof_bytes(rows, width, piece.is_complex) > room().usable:
         return None
     return width

@@ -8,7 +8,7 @@ import numpy as np
 from mathutils.bvhtree import BVHTree
 
 from ...core.errors import SettingError
-from ...core.geometry.polylines import beside, check_length, resampled
+from ...core.geometry.polylines import beside, check_length, polyline_length, resampled
 from .attributes import read_all
 from .modifiers import is_of_filaments
 
@@ -40,7 +40,7 @@ def read_strokes(obj, name, given):
     into = given.stretch @ np.array(obj.matrix_world.inverted())[:3]
     matrix = np.array(source.matrix_world)
     lines = [np.column_stack([line, np.ones(len(line))]) @ matrix.T @ into.T for line in polylines(source)]
-    check_length(f"the object {name!r}", sum(float(_lengths(points).sum()) for points in lines), step)
+    check_length(f"the object {name!r}", sum(polyline_length(points) for points in lines), step)
     reach = _SMOOTHED * np.median(mesh.edge_lengths)
     strokes = [_projected(tree, resampled(points, step), reach) for points in lines]
     if not strokes:
@@ -51,7 +51,7 @@ def read_strokes(obj, name, given):
 def _projected(tree, points, reach):
     """(p,) faces and (p, 3) places on the surface for the points of a polyline."""
     faces, places = _nearest(tree, points)
-    reach = min(reach, float(_lengths(points).sum()) / 4)
+    reach = min(reach, polyline_length(points) / 4)
     ways = np.linspace(-reach, reach, 9)
     for _ in range(2):
         around = beside(points, places - points, ways)
@@ -129,8 +129,3 @@ def _chains(seen):
             if len(chain) > 1:
                 chains.append(points[chain])
     return chains
-
-
-def _lengths(points):
-    """Of the pieces between points."""
-    return np.linalg.norm(np.diff(points, axis=0), axis=1)

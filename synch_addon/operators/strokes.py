@@ -11,7 +11,7 @@ from mathutils import Vector
 
 from ...core.errors import SynchError
 from ...core.geometry.drawn import evened, needed, parts
-from ...core.geometry.polylines import resampled
+from ...core.geometry.polylines import polyline_length, resampled
 from ..blender.meshes import refusal
 from ..blender.translations import said
 from ..panels.strokes import view
@@ -142,7 +142,8 @@ class SYNCH_OT_draw_stroke(StrokeOperator, bpy.types.Operator):
             return None
         pixel = float(np.median(self._pixels))
         lines = [evened(part, _EVENED) for part in parts(np.array(self._places), _JUMP * np.array(self._pixels[1:]))]
-        lines = [line[needed(line, _OFF * pixel, _PIECE * pixel)] for line in lines if length(line) > _SHORTEST * pixel]
+        lines = [line for line in lines if polyline_length(line) > _SHORTEST * pixel]
+        lines = [line[needed(line, _OFF * pixel, _PIECE * pixel)] for line in lines]
         if not lines:
             return None
         strokes = context.scene.synch_strokes
@@ -190,11 +191,6 @@ class SYNCH_OT_smooth_strokes(StrokeOperator, bpy.types.Operator):
             lines[key] = line[needed(line, _OFF * pixel, _PIECE * pixel)]
         guide_strokes.replace(obj, lines)
         return said("{count} strokes smoothed", count=len(lines))
-
-
-def length(line):
-    """Of a polyline."""
-    return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
 
 
 def pixel_size(context, matrix, mouse, place):

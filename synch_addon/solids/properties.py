@@ -17,6 +17,7 @@ from ..settings.guide_list import AXIS, VECTORS
 from ..settings.solver import BRANCHING, METHOD, ROUNDING, SEED, SPACING_MAP, SPACING_RANGE, TARGET_GAP
 from .settings import Flush, LayerGuide, text_of_groups
 
+_HEIGHT = {"min": 0.0, "precision": 4, "subtype": "DISTANCE"}
 _LENGTH = {"subtype": "DISTANCE", "min": 1e-6, "soft_min": 1e-4, "precision": 4}
 _KINDS = (
     ("axis", "Axis", "An axis of the object: flat layers"),
@@ -62,16 +63,12 @@ class LayerProperties:
     smallest_height: FloatProperty(
         name="Smallest Height",
         description="Of a layer: with limits they branch as little as keeps to these; 0 for none",
-        min=0.0,
-        precision=4,
-        subtype="DISTANCE",
+        **_HEIGHT,
     )
     largest_height: FloatProperty(
         name="Largest Height",
         description="Of a layer, above the smallest one; 0 for none",
-        min=0.0,
-        precision=4,
-        subtype="DISTANCE",
+        **_HEIGHT,
     )
     numbers: EnumProperty(
         name="Numbers",

@@ -3,13 +3,10 @@
 """What takes more memory than there is, is refused before it begins; what fits is not."""
 
 import math
-import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
-import synch_fields
 from synch_fields.core import memory
 from synch_fields.core.errors import SynchError
 from synch_fields.core.fields.directions import direction_problem
@@ -17,6 +14,7 @@ from synch_fields.core.memory import Room, check_memory, room
 from synch_fields.core.solve import Options, certificate, solve, solver
 from synch_fields.core.solve.footprint import connection_bytes, proof_bytes
 
+from .memory_peak import numbers_of_child
 from .meshes import icosphere
 
 GIB = 2**30
@@ -93,13 +91,12 @@ def test_a_proof_that_does_not_fit_is_not_tried(monkeypatch):
 
 
 MEASURE = """
-import threading, time
 import numpy as np
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.geometry import TriangleMesh
-from synch_fields.core.memory import used_bytes
 from synch_fields.core.solve import Options, solve, staircase
 from synch_fields.core.solve.footprint import connection_bytes
+from synch_fields.tests.core.memory_peak import bytes_taken
 u, v = (a.ravel() for a in np.mgrid[:120, :60])
 number = (60 * u + v).reshape(120, 60)
 right, up = np.roll(number, -1, 0), np.roll(number, -1, 1)
@@ -110,23 +107,14 @@ u, v = u * np.pi / 60, v * np.pi / 30
 reach = 2 + np.cos(v) * (1 + 0.3 * np.sin(3 * u))
 mesh = TriangleMesh(np.column_stack([reach * np.cos(u), reach * np.sin(u), np.sin(v)]), triangles)
 problem = direction_problem(mesh, 4)
-peak, before = [0], used_bytes()
-def look():
-    while True:
-        peak[0] = max(peak[0], used_bytes())
-        time.sleep(0.002)
-threading.Thread(target=look, daemon=True).start()
 staircase.provable_width = lambda *_: None
-solve(problem, Options(target_gap=0.05))
-print((peak[0] - before) / connection_bytes(mesh.vertex_count, len(mesh.edges), 1, True))
+_, taken = bytes_taken(lambda: solve(problem, Options(target_gap=0.05)))
+print(taken / connection_bytes(mesh.vertex_count, len(mesh.edges), 1, True))
 """
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere what a process has is told otherwise")
 def test_a_solve_takes_no_less_than_was_estimated():
     """But for what was left over before; small meshes take up to about three times as much."""
-    root = str(Path(synch_fields.__path__[0]).absolute().parent)
-    found = subprocess.run(
-        [sys.executable, "-c", MEASURE], capture_output=True, text=True, env={"PYTHONPATH": root}, check=True
-    )
-    assert 0.75 <= float(found.stdout) < 4
+    (share,) = numbers_of_child(MEASURE)
+    assert 0.75 <= share < 4

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...errors import SettingError
 from ...gauge import balance
-from ...geometry.polylines import beside
+from ...geometry.polylines import beside, piece_lengths
 from ...graphs import components
 from ..guidance.face_directions import corner_turns, face_frames
 
@@ -200,7 +200,7 @@ def line_of_strokes(mesh, strokes):
 def _line_of_stroke(mesh, faces, points, frames, turns):
     if len(points) < 2:
         raise SettingError("a stroke has a single point: give it two at least")
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    steps = piece_lengths(points)
     tangents = _tangents(points, steps, np.median(mesh.edge_lengths[mesh.triangle_edges[faces]]))
     lengths = 0.5 * (np.append(steps, 0) + np.insert(steps, 0, 0))
     x, y = (axis[faces] for axis in frames)

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...errors import SettingError, name_elements
-from ...geometry.polylines import check_length
+from ...geometry.polylines import check_length, polyline_length
 from ...graphs import ragged_arange
 from .potentials import extended, harmonic_function
 from .solid_distance import solid_distance
@@ -140,8 +140,7 @@ def _stations(curves, step):
     for number, curve in enumerate(curves):
         if curve.ndim != 2 or curve.shape[1] != 3 or len(curve) < 2 or not np.isfinite(curve).all():
             raise SettingError(f"curve {number} has the shape {curve.shape}: give two or more points in space")
-    length = sum(float(np.linalg.norm(np.diff(curve, axis=0), axis=1).sum()) for curve in curves)
-    check_length("the guiding curve", length, step)
+    check_length("the guiding curve", sum(polyline_length(curve) for curve in curves), step)
     for curve in curves:
         along = np.diff(curve, axis=0)
         lengths = np.linalg.norm(along, axis=1)

@@ -250,10 +250,6 @@ SETTINGS = {
     "Float attribute, radians added to the angle, or vertex group, which adds from 0 to the range": (
         "Gleitkommaattribut, Bogenmaß zusätzlich zum Winkel, oder Punktgruppe, die von 0 bis zur Spanne dreht"
     ),
-    "Angle Range": "Winkelspanne",
-    "Angle that is added where the vertex group's weight is 1": (
-        "Winkel, der beim Gewicht 1 der Punktgruppe dazukommt"
-    ),
     "Boundary": "Rand",
     "What happens at open edges": "Was an offenen Kanten geschieht",
     "Free": "Frei",

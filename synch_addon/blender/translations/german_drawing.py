@@ -74,4 +74,8 @@ DRAWING = {
     "No UV map: Smart UV Project makes one": "Keine UV-Map: Smart UV Project macht eine",
     "{more:+.1%} energy, against the best": "{more:+.1%} Energie gegenüber der besten",
     "{name} is hidden": "{name} ist ausgeblendet",
+    "Angle Range": "Winkelspanne",
+    "Angle that is added where the vertex group's weight is 1": (
+        "Winkel, der beim Gewicht 1 der Punktgruppe dazukommt"
+    ),
 }

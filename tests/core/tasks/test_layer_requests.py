@@ -3,17 +3,14 @@
 """Layers in closed surfaces without Blender: exact ones, what is told of coarse ones, lengths, and outputs."""
 
 import pickle
-import subprocess
 import sys
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-import synch_fields
 from synch_fields.core import memory
 from synch_fields.core.errors import Cancelled, SettingError, SynchError
 from synch_fields.core.fields.guidance.filled import along_axis, away_from_area, between_areas, of_vectors
@@ -39,6 +36,7 @@ from synch_fields.core.tasks.layer_outputs import MOST_VOXELS, Layering, PathSet
 from synch_fields.core.tasks.solids import AskedArea, SolidGuide, SolidRequest
 
 from ..layered_solids import block
+from ..memory_peak import numbers_of_child
 from ..meshes import CLOSED, cube
 
 UP = SolidGuide("axis:Z", partial(along_axis, np.array([0.0, 0.0, 2.0])))
@@ -158,30 +156,19 @@ def test_what_takes_more_memory_than_there_is_is_refused_before_it_begins(is_giv
 
 # What layers in a ball take beyond what there was, over what was estimated.
 MEASURE = """
-import sys, threading, time
-from functools import partial
-import numpy as np
+import sys
 from synch_fields.tests.core.meshes import icosphere
 from synch_fields.tests.core.tasks.test_layer_requests import closed, request_in
-from synch_fields.core.memory import used_bytes
+from synch_fields.tests.core.memory_peak import bytes_taken
 request = request_in(closed(icosphere(3)), 0.3, float(sys.argv[1]))
-peak, before = [0], used_bytes()
-def look():
-    while True:
-        peak[0] = max(peak[0], used_bytes())
-        time.sleep(0.002)
-threading.Thread(target=look, daemon=True).start()
-result = request.solve()
-print((peak[0] - before) / request.estimate.bytes, (peak[0] - before) / result.solid.tet_count)
+result, taken = bytes_taken(request.solve)
+print(taken / request.estimate.bytes, taken / result.solid.tet_count)
 """
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere what a process has is told otherwise")
 def test_layers_take_about_as_much_memory_as_was_estimated():
-    root = str(Path(synch_fields.__path__[0]).absolute().parent)
-    arguments = [sys.executable, "-c", MEASURE, "0.09"]
-    found = subprocess.run(arguments, capture_output=True, text=True, env={"PYTHONPATH": root}, check=True)
-    assert 0.7 <= float(found.stdout.split()[0]) < 1.5
+    assert 0.7 <= numbers_of_child(MEASURE, "0.09")[0] < 1.5
 
 
 def test_a_spacing_that_no_layer_fits_is_told_the_depth():
