@@ -149,19 +149,26 @@ class Isolines:
         return np.einsum("nk,nkj->nj", self.weights[self.next], there[:, :, None] == here[:, None])
 
     def without_repeats(self, distance):
-        """Without the points that follow another one at less than a distance; ends stay."""
-        steps, starts = self.steps, self.starts
-        last = starts + self.sizes - 1
-        keep = np.roll(steps >= distance, 1)
-        keep[starts] = True
-        keep[last[self.closed & (steps[last] < distance) & (self.sizes > 1)]] = False
-        # The end of an open line takes the place of the point before it.
-        late = np.flatnonzero(~self.closed & ~keep[last])
-        before = np.maximum.accumulate(np.where(keep, np.arange(len(keep)), 0))[last[late]]
-        keep[before[before != starts[late]]] = False
-        keep[last[late]] = True
-        sizes = np.bincount(self.numbers[keep], minlength=len(self.sizes))
-        return replace(self, triangles=self.triangles[keep], weights=self.weights[keep], sizes=sizes)
+        """Without the points that are less than a distance along the line from the last one that stays; ends stay."""
+        starts, last = self.starts, self.starts + self.sizes - 1
+        way = np.append(0.0, np.cumsum(self.steps))
+        onward = np.searchsorted(way[:-1], way[:-1] + distance)
+        onward = np.maximum(onward, np.arange(1, len(way))).tolist()
+        # The last point of a closed line that stays is a distance from where it closes, too.
+        before = np.searchsorted(way[:-1], way[last + 1] - distance, side="right") - 1
+        stops = np.where(self.closed, np.minimum(before, last), last)
+        kept, sizes = [], []
+        for start, stop, closed in zip(starts.tolist(), stops.tolist(), self.closed.tolist(), strict=True):
+            run = [start]
+            while onward[run[-1]] <= stop:
+                run.append(onward[run[-1]])
+            if not closed and run[-1] != stop:
+                # The end of an open line takes the place of the point before it.
+                run[max(len(run) - 1, 1) :] = [stop]
+            kept += run
+            sizes.append(len(run))
+        kept = np.array(kept, int)
+        return replace(self, triangles=self.triangles[kept], weights=self.weights[kept], sizes=np.array(sizes, int))
 
 
 def isolines(edge_phases: EdgePhases, width: float = 0.0) -> Isolines:
