@@ -157,7 +157,8 @@ class Isolines:
         # The last point of a closed line that stays is a distance from where it closes, too.
         before = np.searchsorted(way[:-1], way[last + 1] - distance, side="right") - 1
         stops = np.where(self.closed, np.minimum(before, last), last)
-        kept, sizes = [], []
+        kept: list[int] = []
+        sizes = []
         for start, stop, closed in zip(starts.tolist(), stops.tolist(), self.closed.tolist(), strict=True):
             run = [start]
             while onward[run[-1]] <= stop:
@@ -167,8 +168,8 @@ class Isolines:
                 run[max(len(run) - 1, 1) :] = [stop]
             kept += run
             sizes.append(len(run))
-        kept = np.array(kept, int)
-        return replace(self, triangles=self.triangles[kept], weights=self.weights[kept], sizes=np.array(sizes, int))
+        points = np.array(kept, int)
+        return replace(self, triangles=self.triangles[points], weights=self.weights[points], sizes=np.array(sizes, int))
 
 
 def isolines(edge_phases: EdgePhases, width: float = 0.0) -> Isolines:
