@@ -4,7 +4,7 @@
 from synch_fields.bench.solids import check_order, compared, shape_of
 from synch_fields.docs.make.solid_pictures import beside, picture_of_function, picture_of_layers, picture_of_print
 
-# Shares of the layers that are printed.
+# Shares of the height that are printed.
 PRINTED = (0.3, 0.65, 1.0)
 
 

@@ -36,9 +36,9 @@ class Surface:
         tets, weights = (np.concatenate([getattr(part, name) for part in parts]) for name in ("tets", "weights"))
         return Surface(self.mesh, tets, weights)
 
-    def clipped(self, normal, offset):
-        """The part where normal . x >= offset."""
-        values = self.points @ normal - offset
+    def clipped(self, function):
+        """The part where a function, given by (n,) values at the solid's vertices, is not below zero."""
+        values = np.einsum("kci,ki->kc", self.weights, function[self.mesh.tets[self.tets]])
         above = values >= 0
         count = above.sum(axis=1)
         parts = [self.chosen(count == 3)]
@@ -92,9 +92,9 @@ def boundary(mesh):
     return Surface(mesh, tets, (mesh.tets[tets][:, None] == triangles[:, :, None]).astype(float))
 
 
-def section(mesh, normal, offset):
-    """The plane normal . x = offset inside the solid."""
-    heights = mesh.vertices[mesh.tets] @ normal - offset
+def section(mesh, function):
+    """Where a function, given by (n,) values at the solid's vertices, is zero."""
+    heights = function[mesh.tets]
     above = heights >= 0
     parts = []
     for code in range(1, 15):
@@ -119,9 +119,14 @@ def cut_away(mesh, cuts):
     ----------
     cuts : two pairs of a normal and an offset
     """
-    (one, here), (other, there) = ((np.array(normal, float), offset) for normal, offset in cuts)
+    one, other = (mesh.vertices @ np.array(normal, float) - offset for normal, offset in cuts)
     whole = boundary(mesh)
-    beside = whole.clipped(one, here).clipped(-other, -there)
-    return whole.clipped(-one, -here).with_others(
-        beside, section(mesh, one, here).clipped(other, there), section(mesh, other, there).clipped(one, here)
+    return whole.clipped(-one).with_others(
+        whole.clipped(one).clipped(-other), section(mesh, one).clipped(other), section(mesh, other).clipped(one)
     )
+
+
+def lowest(mesh, heights, share):
+    """What is left of a solid without its part above a share of the largest of (n,) heights."""
+    below = share * heights.max() - heights
+    return boundary(mesh).clipped(below).with_others(section(mesh, below))

@@ -5,9 +5,8 @@ import bpy
 import numpy as np
 
 from synch_fields.core.extract.defect_curves import defect_curves
-from synch_fields.core.extract.layer_surfaces import layer_surfaces
 from synch_fields.docs.make.sheets import beside as side_by_side
-from synch_fields.docs.make.solid_cuts import boundary, cut_away
+from synch_fields.docs.make.solid_cuts import boundary, cut_away, lowest
 from synch_fields.synch_addon.looks.render import render_picture
 from synch_fields.synch_addon.nodes.stripes import WARM_IVORY
 
@@ -26,8 +25,8 @@ DARK = (0.012, 0.014, 0.02, 1)
 GRADIENT = [(0.0, (0.012, 0.045, 0.16, 1)), (0.45, (0.03, 0.27, 0.32, 1)), (1.0, (0.88, 0.66, 0.3, 1))]
 # Radius of the tubes around curves, in diagonals of the box.
 TUBE = 0.004
-# Of printed sheets, over the distance between two.
-THICKNESS = 0.8
+# How deep the joints between printed layers look, over the distance between two.
+BEAD = 0.12
 
 
 def picture_of_layers(name, pattern, is_sdp, path):
@@ -41,20 +40,16 @@ def picture_of_layers(name, pattern, is_sdp, path):
 
 
 def picture_of_print(name, pattern, share, path):
-    """The lowest of the layers, a share of all, as sheets of material by turns light and coloured."""
+    """The solid up to a share of its height along the growth: layers by turns light and coloured, rounded as beads."""
     _start()
-    surfaces = layer_surfaces(pattern.edge_phases, pattern.heights, np.pi)
-    kept = surfaces.layers < round(share * surfaces.count)
-    mesh = bpy.data.meshes.new("Print")
-    mesh.from_pydata(surfaces.vertices.tolist(), [], surfaces.triangles[kept].tolist())
-    mesh.polygons.foreach_set("material_index", surfaces.layers[kept].astype(np.int32) % 2)
-    for color in (WARM_IVORY, ROSE):
-        mesh.materials.append(_plain("Sheets", color))
-    mesh.shade_smooth()
-    obj = bpy.data.objects.new("Print", mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    sheets = obj.modifiers.new("Thickness", "SOLIDIFY")
-    sheets.thickness, sheets.offset = THICKNESS * pattern.spacings.mean, 0
+    surface = lowest(pattern.mesh, pattern.heights, share) if share < 1 else boundary(pattern.mesh)
+    surface = surface.refined(pattern.tet_phases)
+    obj = _add_surface(surface, surface.values(pattern.tet_phases), _stripes(ROSE, BEAD * pattern.spacings.mean))
+    # Points alone are not seen, but the picture leaves room for them: those of all shares are of one scale.
+    count = len(obj.data.vertices)
+    obj.data.vertices.add(pattern.mesh.vertex_count)
+    for place, vertex in enumerate(pattern.mesh.vertices, start=count):
+        obj.data.vertices[place].co = vertex
     return _render(name, obj, path)
 
 
@@ -146,17 +141,25 @@ def _material(name):
 def _plain(name, color):
     material, _, surface = _material(name)
     surface.inputs["Base Color"].default_value = color
-    surface.inputs["Roughness"].default_value = 0.25
     return material
 
 
-def _stripes(color):
+def _stripes(color, bead=0):
+    """Stripes of the attribute "value", twice in a turn rounded as beads of some height."""
     material, tree, surface = _material("Layers")
     value = tree.nodes.new("ShaderNodeAttribute")
     value.attribute_name = "value"
     wave = tree.nodes.new("ShaderNodeMath")
     wave.operation = "COSINE"
     tree.links.new(value.outputs["Fac"], wave.inputs[0])
+    if bead:
+        bump = tree.nodes.new("ShaderNodeBump")
+        bump.inputs["Distance"].default_value = bead
+        depth = tree.nodes.new("ShaderNodeMath")
+        depth.operation = "ABSOLUTE"
+        tree.links.new(wave.outputs[0], depth.inputs[0])
+        tree.links.new(depth.outputs[0], bump.inputs["Height"])
+        tree.links.new(bump.outputs["Normal"], surface.inputs["Normal"])
     _ramp(tree, wave.outputs[0], surface, [(0.0, WARM_IVORY), (0.49, WARM_IVORY), (0.53, color), (1.0, color)], (-1, 1))
     return material
 
