@@ -18,6 +18,7 @@ from ..fields.clebsch import (
     SphericalMap,
     clebsch_map,
     edge_integrals,
+    faces_of_filament,
     mean_circulation,
     quantum_for,
     spherical_map,
@@ -31,6 +32,8 @@ from .flow_settings import ClebschSettings
 
 # Radius of a filament's tube, and of the cores of curves that tubes can be around, in cells of the grid.
 _THICKNESS, _CORE_OF_TUBES = 0.25, 2.0
+# Faces that a filament's circulation is spread over from which on tubes have an inside; with two cells it has 37.
+_FACES_OF_TUBES = 20.0
 # How often a circulation is halved to find one that gives filaments.
 _HALVINGS = 6
 # Filaments that pass a face on average, from which on there is a warning.
@@ -195,15 +198,26 @@ class FlowRequest:
             winding = _interruptible(lambda: linked(shown.lines, box), "vortices", progress, 0.98)
             if not shown.lines:
                 warnings += _interruptible(lambda: _about_nothing(result.found), "vortices", progress, 0.99)
-        warnings = (*warnings, *self._about_core(), *_about_quantum(result.found), *shown.missing)
+        warnings = (*warnings, *self._about_core(result.found), *_about_quantum(result.found), *shown.missing)
         return replace(result, shown=shown, linked=winding, warnings=warnings)
 
-    def _about_core(self):
-        cells = self.settings.core_cells
-        if isinstance(self.source, FilamentCurves) and self.settings.show != "filaments" and cells < _CORE_OF_TUBES:
+    def _about_core(self, found):
+        """A line where cores are too thin for tubes: those of curves are known, others are looked for in the flow."""
+        if self.settings.show == "filaments":
+            return
+        cells, remedy = self.settings.core_cells, "or show filaments, whose tubes have one thickness"
+        if isinstance(self.source, FilamentCurves):
+            if cells < _CORE_OF_TUBES:
+                yield (
+                    f"tubes have an inside from a core of {_CORE_OF_TUBES:g} cells on, and it is {cells:g}: increase "
+                    f"the core, {remedy}"
+                )
+            return
+        faces = faces_of_filament(found.grid, found.integrals, found.quantum)
+        if faces < _FACES_OF_TUBES:
             yield (
-                f"tubes have an inside from a core of {_CORE_OF_TUBES:g} cells on, and it is {cells:g}: increase the "
-                "core, or show filaments, whose tubes have one thickness"
+                f"the circulation of a filament is spread over {faces:.2g} faces of the grid, and tubes have an inside "
+                f"from about {_FACES_OF_TUBES:g} on: give a finer grid, {remedy}"
             )
 
     def _read(self):

@@ -11,6 +11,7 @@ import pytest
 
 from synch_fields.core.errors import SettingError, SynchError
 from synch_fields.core.fields.biot_savart import filament_velocity
+from synch_fields.core.fields.clebsch import edge_integrals, faces_of_filament
 from synch_fields.core.geometry.grid import Grid
 from synch_fields.core.tasks.flows import showing
 from synch_fields.synch_addon import api
@@ -314,6 +315,22 @@ def test_thin_cores_and_many_quanta_are_warned_of():
     assert any("from a core of 2 cells on, and it is 1: increase" in line for line in thin["warnings"])
     thick = clebsch(obj, show="tubes", quantum=0.5, resolution=16, target_gap=0.1)
     assert not any("core of" in line for line in thick["warnings"])
+
+
+@pytest.mark.parametrize("core, is_thin", [(1.0, True), (2.0, False)])
+def test_thin_cores_in_files_are_found_and_warned_of(tmp_path, core, is_thin):
+    """A quantum of a core that is a cells wide has 3 pi a^2 faces: the circulation squared over the integral of
+    (a^2 / (pi (r^2 + a^2)^2))^2, and a little more between nodes."""
+    grid = Grid((28, 28, 12), 0.1, [-1.35, -1.35, -0.55])
+    turn = np.linspace(0, 2 * np.pi, 121)
+    ring = np.column_stack([0.9 * np.cos(turn), 0.9 * np.sin(turn), 0 * turn])
+    velocity = filament_velocity(grid.places, [(ring, 1.0)], core * 0.1)
+    faces = faces_of_filament(grid, edge_integrals(grid, velocity), 1.0)
+    assert 1 < faces / (3 * np.pi * core**2) < 1.6
+    np.savez(tmp_path / "ring.npz", velocity=velocity.reshape(*grid.shape, 3), spacing=0.1, origin=grid.origin)
+    report = clebsch(tmp_path / "ring.npz", show="tubes", quantum=1.0, target_gap=0.1)
+    assert any("faces of the grid" in line for line in report["warnings"]) == is_thin
+    assert (report["tubes"]["pieces"] > 3) == is_thin
 
 
 def test_the_command_writes_filaments(tmp_path, capfd):

@@ -11,10 +11,13 @@ import pytest
 
 from synch_fields.core.defects import wrap
 from synch_fields.core.errors import Cancelled, SynchError
+from synch_fields.core.extract.filaments import Filament
 from synch_fields.core.tasks.flow_settings import ClebschSettings
+from synch_fields.core.tasks.flows import Shown
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.flows import memory
 from synch_fields.synch_addon.flows.job import job_for
+from synch_fields.synch_addon.flows.objects import make_filaments
 from synch_fields.synch_addon.nodes.vortices import filaments_group, tubes_group
 
 from ..loop import by_the_worker
@@ -159,6 +162,22 @@ def test_groups_are_marked_by_their_names_and_show_what_is_there(solved):
     points = points_of(lines)
     away = np.linalg.norm(places.reshape(len(points), -1, 3) - points[:, None], axis=2)  # from the point of their own
     np.testing.assert_allclose(away, 0.025, atol=1e-4)  # a quarter of a cell
+    seen.to_mesh_clear()
+
+
+def test_tubes_of_filaments_are_tori():
+    """Of one thickness: area and volume of the torus around a ring, with the polygon that is swept for its circle."""
+    turn = np.linspace(0, 2 * np.pi, 200, endpoint=False)
+    ring = Filament(np.column_stack([2 * np.cos(turn), 2 * np.sin(turn), 0 * turn]), 4.0, True)
+    made = make_filaments("Ring", Shown([ring], None, 1.0, 0.15))  # four quanta: twice as thick
+    bpy.context.scene.collection.objects.link(made)
+    seen = made.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    mesh = seen.to_mesh()
+    sides = len(mesh.vertices) / len(turn)
+    perimeter, section = 0.6 * sides * np.sin(np.pi / sides), 0.045 * sides * np.sin(2 * np.pi / sides)
+    assert sum(face.area for face in mesh.polygons) == pytest.approx(4 * np.pi * perimeter, rel=2e-3)
+    volume = sum(face.center.dot(face.normal) * face.area for face in mesh.polygons) / 3
+    assert volume == pytest.approx(4 * np.pi * section, rel=2e-3)
     seen.to_mesh_clear()
 
 
