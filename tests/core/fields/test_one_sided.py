@@ -87,6 +87,6 @@ def test_directions_have_half_the_energy_of_those_on_the_torus_over_a_klein_bott
     cover.in_polygons = found.mesh.in_polygons
     torus = direction_field(cover, symmetry)
     assert torus.mesh.areas.sum() == pytest.approx(2 * found.mesh.areas.sum())
-    # Which of the fields with nearly the same energy the search ends in is another matter.
     assert bottle.solution.lower_bound == pytest.approx(torus.solution.lower_bound / 2, rel=0.01)
-    assert bottle.energy == pytest.approx(torus.energy / 2, rel=0.15)
+    # Every field of the bottle is one of the torus, but its best ones need not be fields of the bottle.
+    assert torus.solution.lower_bound / 2 <= bottle.energy < 1.5 * torus.energy / 2
