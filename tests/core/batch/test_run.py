@@ -136,7 +136,7 @@ def test_a_process_ends_when_its_batch_is_killed(records, tmp_path):
     """Its pipe closes, whatever it is doing."""
     crew = Crew(COMMAND, 1, 1)
     crew.start({"key": "0" * 32, "arguments": ["slow", "0.txt"], "working_folder": ".", "folder": "batch"})
-    while not (tmp_path / "begun.txt").exists():
+    while not ((tmp_path / "begun.txt").exists() and (tmp_path / "begun.txt").read_text().strip()):
         time.sleep(0.01)
     pid = int((tmp_path / "begun.txt").read_text().split()[-1])
     crew._hands[0]._child.stdin.close()
