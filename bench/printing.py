@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Five solids from a mesh to G-code, by one command each: layers, what their beads cover, heights, tilt, collisions.
 
-    python bench/printing.py MESHES
+    python bench/printing.py MESHES [--covered]
 
 A curved shell and a bent bar, which this program makes, MESHES/bunny.mesh on its base, fandisk and rocker-arm. Each is
 100 mm long and printed in layers of 5 mm with beads as wide: the first two along their normals on a table that turns
-around X and Z, the others upright. Needs Blender as a module (bpy).
+around X and Z, the others upright. With --covered, what beads of three widths cover of layers along Z in each of nine
+solids of MESHES instead. Needs Blender as a module (bpy).
 """
 
 import json
@@ -20,12 +21,23 @@ from synch_fields.bench.command import arguments
 from synch_fields.bench.meshes import read_obj
 from synch_fields.bench.solid_shapes import solid_bunny
 from synch_fields.bench.tables import Column, print_table
+from synch_fields.core.printing.beads import contour_beads
+from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command.main import main as run
+from synch_fields.synch_addon.solids import memory
 
 # Layers in the longest side, which is 100 mm.
 LAYERS = 20
 # Smallest and largest height of a second bent bar's layers, millimetres.
 LIMITS = (3.0, 8.0)
+# All closed meshes, and the widths of beads that cover their layers, in spacings.
+CLOSED = ("bumpy-cube", "botijo", "cheburashka", "deckel_input", "fandisk", "fertility", "rocker-arm", "spot")
+STEPS = (0.5, 1.0, 2.0)
+COVERED = (
+    Column("layers", "layers", "d"),
+    *(Column(f"covered at {step:g}", f"covered {step:g}", ".2%") for step in STEPS),
+    *(Column(f"least of a layer at {step:g}", f"least {step:g}", ".1%") for step in STEPS),
+)
 COLUMNS = (
     Column("layers", "layers", "d"),
     Column("paths", "paths", "d"),
@@ -137,9 +149,31 @@ def printed(label, shape, axes, folder, heights=None):
     }
 
 
+def covered(label, shape):
+    """The row of what beads of several widths cover of layers of a shape along Z."""
+    vertices, _, _, guidance, _ = shape
+    obj, spacing = placed(label, shape), float(np.ptp(vertices, axis=0).max()) / LAYERS
+    api.layers(obj, guidance=guidance, spacing=spacing)
+    surfaces = memory.recall_layers(obj).surfaces
+    row = {"label": label, "layers": surfaces.count}
+    for step in STEPS:
+        beads = contour_beads(surfaces, step * spacing)
+        # Layers that are smaller than what a bead is wide have none.
+        large = surfaces.areas > (step * spacing) ** 2
+        row |= {f"covered {step:g}": beads.covered_share, f"least {step:g}": float(beads.covered[large].min())}
+    return row
+
+
 def main():
     """Print the table."""
-    meshes = arguments(__doc__, "bunny.mesh, fandisk.obj and rocker-arm.obj").parse_args().meshes
+    parser = arguments(__doc__, "bunny.mesh and closed .obj meshes")
+    parser.add_argument("--covered", action="store_true", help="what beads cover, of more solids")
+    options = parser.parse_args()
+    meshes = options.meshes
+    if options.covered:
+        shapes = {"bunny": bunny(meshes)} | {name: upright(meshes, name) for name in CLOSED}
+        print_table("Covered", COVERED, [covered(label, shape) for label, shape in shapes.items()])
+        return
     shapes = {
         "curved shell": (curved_shell(), "ac"),
         "bent bar": (bent_bar(), "ac"),
