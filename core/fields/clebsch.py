@@ -177,6 +177,13 @@ class ClebschMap:
         """The map with other phases of the same problem."""
         return replace(self, phases=phases)
 
+    @property
+    def lean(self):
+        """The map without what only its solve needs."""
+        solution = replace(self.solution, lifted=None, variations=self.solution.phases[None])
+        problem = clebsch_problem(self.grid, self.integrals, self.quantum)
+        return replace(self, problem=problem, solution=solution)
+
     @cached_property
     def vorticity(self):
         """Of the flow through all faces, whichever way."""

@@ -15,6 +15,8 @@ from ..monitor import Monitor, portion
 from .flow_settings import ClebschSettings
 from .flows import FlowResult, Shown, check_grid, check_resolution, showing
 
+# Bytes that the maps of a frame take for each node, and those that the maps of all frames may take.
+_KEPT, _MOST_KEPT = 200, 2**30
 # Shares of the work: finding the grid of all frames, and the quantum.
 _GRID, _QUANTUM = 0.03, 0.07
 
@@ -42,11 +44,13 @@ class FlowFrame:
     frame : of the scene
     shown : Shown
     facts : of the solve, for the report, by their names
+    result : FlowResult, of which every point of the sphere shows other vortices; None where frames are too many
     """
 
     frame: int
     shown: Shown
     facts: dict
+    result: FlowResult | None
 
 
 @dataclass(frozen=True)
@@ -126,7 +130,9 @@ class SequenceRequest:
             found, sphere, warnings = self._solved(file, grid, quantum, found, sphere, _named(part, file.frame))
             result = FlowResult(found, sphere, found, None).seeing(self.settings)
             shown = monitor.during(lambda seen=result.seen, sphere=sphere: showing(seen, sphere, self.settings))
-            frames.append(FlowFrame(file.frame, shown, _facts(file, result.seen, shown)))
+            is_kept = (number + 1) * grid.node_count * _KEPT <= _MOST_KEPT
+            kept = replace(result.lean, shown=shown) if is_kept else None
+            frames.append(FlowFrame(file.frame, shown, _facts(file, result.seen, shown), kept))
             for line in (*warnings, *shown.missing):
                 warned.setdefault(line, []).append(file.frame)
         lines = tuple(f"{name_elements('frame', named)}: {line}" for line, named in warned.items())

@@ -144,6 +144,13 @@ class FlowResult:
             return replace(self, seen=self.found)
         return replace(self, seen=self.sphere.seen_from(settings.point))
 
+    @property
+    def lean(self):
+        """The same with maps that are there to be seen, at some 200 bytes a node."""
+        found = self.found.lean
+        sphere = None if self.sphere is None else replace(self.sphere, found=found)
+        return replace(self, found=found, sphere=sphere, seen=found.showing(self.seen.phases))
+
     def again(self, settings):
         """What another point, width or smoothing shows of the same solve."""
         other = self.seeing(settings)

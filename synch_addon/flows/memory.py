@@ -47,7 +47,33 @@ class Filled:
     warnings: tuple[str, ...] = ()
 
 
-# Of the objects that show the vortices of a flow, the latest ones: a kilobyte a node each.
-flows = ObjectShelf(4)
+class _Flows:
+    """Of objects that show the vortices of a flow, the solves of the latest ones, a kilobyte a node each, and those of
+    all frames of the latest sequence."""
+
+    def __init__(self):
+        self._single, self._frames = ObjectShelf(4), ObjectShelf(10_000)
+
+    def put(self, obj, solved):
+        """Keep the :class:`SolvedFlow` of an object."""
+        self._shelf(solved.settings.frames is not None).put(obj, solved)
+
+    def get(self, obj):
+        """The :class:`SolvedFlow` of an object; SynchError where there is none."""
+        return self._shelf(self._frames.holds(obj)).get(obj)
+
+    def holds(self, obj):
+        """Whether the solve of an object is kept."""
+        return self._frames.holds(obj) or self._single.holds(obj)
+
+    def begin_sequence(self):
+        """Make room for the frames of another sequence."""
+        self._frames.clear()
+
+    def _shelf(self, is_frame):
+        return self._frames if is_frame else self._single
+
+
+flows = _Flows()
 # Of the same objects, whatever the method: the list of Filament that they show, and the Linked of these or None.
 shown_filaments = ObjectShelf(4)

@@ -6,9 +6,12 @@ import time
 import bpy
 
 from ...core.tasks.flow_sequences import SequenceRequest
-from ..blender.transaction import whole_or_nothing
+from ..blender.transaction import at_the_end, whole_or_nothing
+from . import memory
+from .choice import finish
 from .frames import flow_frames
-from .objects import make_filaments, make_tubes
+from .memory import Filled, SolvedFlow
+from .objects import facts, fill, make_filaments, make_tubes
 from .report import sequence_report
 
 
@@ -26,8 +29,9 @@ class SequenceJob:
         """Make a collection with an object for each frame, and for both two; returns the report."""
         with whole_or_nothing():
             collection = bpy.data.collections.new(f"{self._name} Vortices")
+            at_the_end(memory.flows.begin_sequence)
             for frame in result.frames:
-                shown = frame.shown
+                shown, both = frame.shown, []
                 for wanted, make, kind in (
                     (shown.tubes, make_tubes, "Tubes"),
                     (shown.lines, make_filaments, "Filaments"),
@@ -36,8 +40,17 @@ class SequenceJob:
                         made = make(f"{self._name} {kind} {frame.frame:04d}", shown)
                         collection.objects.link(made)
                         _show_at(made, frame.frame)
+                        both.append(made)
+                if frame.result is not None:
+                    self._keep(frame, both)
             bpy.context.scene.collection.children.link(collection)
             return sequence_report(self._name, self.request.settings, result, collection, self._start)
+
+    def _keep(self, frame, objects):
+        """Keep the solve of a frame, so that its objects can show another point of the sphere."""
+        name, numbers = f"{self._name} {frame.frame:04d}", tuple(obj.session_uid for obj in objects)
+        solved = SolvedFlow(name, self.request.settings, frame.result, fill, numbers)
+        finish(solved, Filled(facts(frame.shown), fill), objects, self._start)
 
 
 def _show_at(obj, frame):

@@ -37,11 +37,15 @@ class Shelf:
             self.put(key, (state, make()))
         return self._kept[key][1]
 
+    def clear(self):
+        """Keep nothing."""
+        self._kept.clear()
+
     @classmethod
     def clear_all(cls):
         """Keep nothing on any shelf."""
         for shelf in cls._all:
-            shelf._kept.clear()
+            shelf.clear()
 
 
 class ObjectShelf:
@@ -75,6 +79,10 @@ class ObjectShelf:
     def drop(self, obj):
         """Keep it no longer."""
         self._shelf.drop(obj.session_uid)
+
+    def clear(self):
+        """Keep nothing."""
+        self._shelf.clear()
 
     def holds(self, obj):
         """Whether anything is kept for an object."""

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.core.errors import Cancelled, SettingError
+from synch_fields.core.errors import Cancelled, SettingError, SynchError
 from synch_fields.core.fields.clebsch import quantum_for
 from synch_fields.core.tasks.flow_settings import ClebschSettings
 from synch_fields.synch_addon import api
@@ -33,6 +33,10 @@ def folder(tmp_path_factory):
     for number, height in enumerate(HEIGHTS, 1):
         write_vdb(made / f"smoke_{number:04d}.vdb", height)
     return made
+
+
+def places_of(obj):
+    return np.array([vertex.co for vertex in obj.data.vertices])
 
 
 def visible():
@@ -62,6 +66,30 @@ def test_the_filament_follows_the_ring_and_is_seen_at_its_frame(folder):
     for frame in (0, 4):
         bpy.context.scene.frame_set(frame)
         assert visible() == []
+
+
+def test_each_frame_shows_another_point_of_the_sphere(folder):
+    """Tubes of one frame go to where its map is 100 degrees around the antipode; those of others stay."""
+    look = {"show": "both", "opening": 100, "smoothing": 0, "quantum": 0.5}
+    api.clebsch(folder / "smoke_####.vdb", frames=(1, 3), **SETTINGS | look)
+    tubes = [bpy.data.objects[f"smoke Tubes {frame:04d}"] for frame in (1, 2, 3)]
+    before = [places_of(obj) for obj in tubes]
+    lines = bpy.data.objects["smoke Filaments 0002"]
+    unit = np.array([0.6, 0.0, 0.8])
+    report = api.choose_point(lines, tuple(unit))
+    sphere = np.empty(3 * len(tubes[1].data.vertices), np.float32)
+    tubes[1].data.attributes["synch_sphere"].data.foreach_get("vector", sphere)
+    assert len(sphere) > 1000
+    np.testing.assert_allclose(sphere.reshape(-1, 3) @ -unit, np.cos(np.radians(100)), atol=1e-6)
+    after = [places_of(obj) for obj in tubes]
+    assert set(report["objects"]) == {tubes[1].name, lines.name} and after[1].tobytes() != before[1].tobytes()
+    assert all(after[k].tobytes() == before[k].tobytes() for k in (0, 2))
+    for obj in (lines, tubes[0], tubes[2]):
+        api.choose_point(obj)
+    assert all(a.tobytes() == b.tobytes() for a, b in zip(map(places_of, tubes), before, strict=True))
+    api.clebsch(folder / "smoke_####.vdb", frames=(1, 1), show="both", **SETTINGS)
+    with pytest.raises(SynchError, match="has no solve in memory"):
+        api.choose_point(lines)
 
 
 def test_a_volume_plays_the_files_that_blender_shows(folder):
