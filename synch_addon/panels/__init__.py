@@ -19,6 +19,7 @@ from . import (
     sidebar,
     solid_view,
     strokes,
+    thumbnails,
     variation_slider,
     vortices,
 )
@@ -31,6 +32,7 @@ _MODULES = (
     guides,
     sidebar,
     look,
+    thumbnails,
     result,
     presets,
     constraints,

@@ -10,6 +10,7 @@ from ..blender.translations import counted, said
 from ..patterns import memory
 from .look import draw_look
 from .sidebar import SettingsPanel, property_column
+from .thumbnails import draw_variations
 
 # What is said of each kind of place where the surface is not the mesh.
 FINDINGS = {
@@ -52,6 +53,7 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
         draw_figures(self.layout, result, held, len(context.active_object.data.polygons))
         draw_findings(self.layout, result.get("carrier", {}))
         if held:
+            draw_variations(self.layout, context.active_object, result)
             row = property_column(self.layout).row(align=True)
             slider = row.row(align=True)
             slider.enabled = memory.solve_of(context.active_object).varies

@@ -22,6 +22,7 @@ DRAWING = {
     "Paints {factor:.2f} × spacing": "Malt {factor:.2f} × Abstand",
     "Paints a turn by {angle:.0f}°": "Malt eine Drehung um {angle:.0f}°",
     "Done Painting": "Fertig gemalt",
+    "Best": "Beste",
     "Guide Strokes": "Führungsstriche",
     "Lines drawn on the surface that stripes follow": "Auf die Oberfläche gezeichnete Linien, denen Streifen folgen",
     "Draw on the active mesh what stripes follow; Ctrl erases, Shift smooths": (

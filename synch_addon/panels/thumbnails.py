@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Thumbnails of the variations of a solve in the box "Result": made one by one while the window rests, and kept.
+
+They are asked for when they are drawn, never made then.
+"""
+
+import math
+from dataclasses import dataclass, field
+
+import bpy
+import bpy.utils.previews
+import numpy as np
+
+from ...core.extract.thumbnails import Seen
+from ...core.fields import Pattern
+from ..blender.defect_empties import COLORS
+from ..blender.translations import said
+from ..jobs.shelf import Shelf
+from ..nodes.stripes import INK_BLUE, WARM_IVORY
+from ..patterns import memory
+
+# Variations that have one, in rows of so many; pixels across; how large they are drawn, in icons.
+MOST, ACROSS, PIXELS, SCALE = 6, 3, 128, 3.6
+# Times the best energy from which on it is not told how much.
+_MUCH = 10
+
+
+@dataclass(frozen=True)
+class Variation:
+    """A variation in a picture.
+
+    Attributes
+    ----------
+    number : of :func:`api.vary`
+    energy : of what is shown
+    more : of the energy of the best one, as a share of that
+    defects : dislocations
+    picture : (PIXELS, PIXELS, 4) float32, rows from below
+    """
+
+    number: int
+    energy: float
+    more: float
+    defects: int
+    picture: np.ndarray
+
+
+@dataclass
+class Gallery:
+    """The variations of a solve, best first, as far as they are made."""
+
+    shown: Pattern
+    made: list[Variation] = field(default_factory=list)
+    _seen: Seen | None = None
+
+    @property
+    def count(self):
+        """How many there will be."""
+        return min(len(self.shown.solution.variations), MOST)
+
+    def make_next(self):
+        """Make one more, or what all of them are made from; whether there is more to be done."""
+        mesh, solution = self.shown.mesh, self.shown.solution
+        if self._seen is None:
+            self._seen = Seen.of(mesh.vertices, mesh.triangles, PIXELS)
+            return True
+        varied = self.shown.showing(solution.variations[len(self.made)])
+        defects, dots = varied.dislocations, []
+        for colour, sign in zip(COLORS["dislocation"], (1, -1), strict=True):
+            dots.append(([d.triangle for d in defects if sign * d.index > 0], _seen_colour(colour)))
+        ink = self._seen.ink(varied.edge_phases)
+        picture = self._seen.picture(_seen_colour(INK_BLUE), _seen_colour(WARM_IVORY), ink, dots)
+        energy = varied.energy
+        more = energy / solution.energy - 1 if solution.energy > 0 else 0.0
+        self.made.append(Variation(len(self.made), energy, more, len(defects), picture))
+        return len(self.made) < self.count
+
+
+class _Galleries:
+    """The galleries of the objects that were looked at last, and their pictures as icons."""
+
+    def __init__(self):
+        self._kept, self._wanted = Shelf(memory.MOST), None
+        self._icons, self._pictured = None, {}
+
+    def register(self):
+        """Begin to keep icons."""
+        self._icons = bpy.utils.previews.new()
+
+    def unregister(self):
+        """Make nothing more, and give the icons back."""
+        if bpy.app.timers.is_registered(self._make):
+            bpy.app.timers.unregister(self._make)
+        self._wanted = None
+        bpy.utils.previews.remove(self._icons)
+
+    def of(self, obj):
+        """The gallery of an object's solve; what of it is missing is made when the window rests.
+
+        None where the solve has no pattern or no variations.
+        """
+        shown = memory.solve_of(obj).pattern
+        if shown is None or len(shown.solution.variations) < 2:
+            return None
+        found = self._kept.get(obj.session_uid)
+        if found is None or found.shown.solution is not shown.solution:
+            found = Gallery(shown)
+            self._kept.put(obj.session_uid, found)
+        if len(found.made) < found.count:
+            self._wanted = found
+            if not bpy.app.timers.is_registered(self._make):
+                bpy.app.timers.register(self._make, first_interval=0.05)
+        return found
+
+    def icon(self, obj, variation):
+        """Number of the icon of a variation in a picture."""
+        name = f"{obj.session_uid} {variation.number}"
+        if self._pictured.get(name) is not variation:
+            if len(self._icons) >= memory.MOST * MOST:
+                self._icons.clear()
+                self._pictured.clear()
+            icon = self._icons[name] if name in self._icons else self._icons.new(name)
+            icon.image_size = PIXELS, PIXELS
+            icon.image_pixels_float = variation.picture.ravel()
+            self._pictured[name] = variation
+        return self._icons[name].icon_id
+
+    def _make(self):
+        goes_on = self._wanted.make_next()
+        for window in bpy.context.window_manager.windows:
+            for area in window.screen.areas:
+                for region in area.regions if area.type == "VIEW_3D" else ():
+                    if region.type == "UI":
+                        region.tag_redraw()
+        return 0.02 if goes_on else None
+
+
+galleries = _Galleries()
+register, unregister = galleries.register, galleries.unregister
+
+
+def draw_variations(layout, obj, result):
+    """A picture of each variation of an object's solve, and below it a button that shows it, with what it costs."""
+    gallery = galleries.of(obj)
+    if gallery is None:
+        return
+    grid = layout.grid_flow(row_major=True, columns=ACROSS, even_columns=True, align=True)
+    for number in range(gallery.count):
+        cell = grid.column(align=True)
+        if number >= len(gallery.made):
+            cell.label(text="…", translate=False)
+            continue
+        variation = gallery.made[number]
+        cell.template_icon(icon_value=galleries.icon(obj, variation), scale=SCALE)
+        more = f"+{variation.more:.1%}" if variation.more < _MUCH - 1 else f"> {_MUCH} ×"
+        text = f"{said('Best') if number == 0 else more} · {variation.defects}"
+        is_shown = obj.synch_shown.variation == number and math.isclose(result["energy"], variation.energy)
+        cell.operator("synch.variation", text=text, translate=False, depress=is_shown).number = number
+
+
+def _seen_colour(colour):
+    """(3,) what a screen shows of a linear colour, about."""
+    return np.array(colour[:3]) ** (1 / 2.2)

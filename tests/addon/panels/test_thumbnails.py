@@ -1,0 +1,51 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Thumbnails of variations: which there are, what they tell, and that a step makes one."""
+
+import numpy as np
+import pytest
+
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.panels.thumbnails import MOST, galleries
+from synch_fields.synch_addon.patterns import memory
+
+from ..scenes import sphere, torus
+
+SOLVES = {
+    "stripes": lambda obj: api.stripes(obj, spacing=0.3),
+    "quads": lambda obj: api.quads(obj, spacing=0.3),
+}
+
+
+@pytest.mark.parametrize("command", SOLVES)
+def test_they_tell_what_the_variations_have(command):
+    obj = torus()
+    SOLVES[command](obj)
+    gallery = galleries.of(obj)
+    assert gallery.made == [] and 2 <= gallery.count <= MOST
+    steps = 1
+    while gallery.make_next():
+        steps += 1
+    assert steps == gallery.count + 1  # what is seen, and each picture
+    best = api.vary(obj, 0)["energy"]
+    for number, variation in enumerate(gallery.made):
+        report = api.vary(obj, number)
+        assert variation.energy == pytest.approx(report["energy"])
+        assert variation.more == pytest.approx(report["energy"] / best - 1, abs=1e-9)
+        assert variation.defects == len(report["dislocations"])
+    energies = [variation.energy for variation in gallery.made]
+    assert energies == sorted(energies)
+    pictures = np.array([variation.picture for variation in gallery.made])
+    assert len(np.unique(pictures.reshape(len(pictures), -1), axis=0)) == len(pictures)
+    assert galleries.of(obj) is gallery  # what is shown changed, not the solve
+
+
+def test_there_is_a_gallery_for_each_solve_and_none_without_variations():
+    obj = sphere()
+    api.stripes(obj, spacing=0.3)
+    first = galleries.of(obj)
+    api.stripes(obj, spacing=0.4)
+    assert galleries.of(obj) is not first
+    for solve in (lambda: api.stripes(obj, spacing=0.4, method="spectral"), lambda: api.directions(obj)):
+        solve()
+        assert memory.holds(obj) and galleries.of(obj) is None
