@@ -10,7 +10,7 @@ from .command import main
 from .flows import properties as flow_properties
 from .jobs import queue, shelf
 from .patterns import live
-from .settings import constraint_list, favourite_list, fields, guide_list, painting, preferences, strokes
+from .settings import constraint_list, favourite_list, fields, guide_list, painting, preferences, simple, strokes
 from .solids import properties as layer_properties
 
 _MODULES = (
@@ -23,6 +23,7 @@ _MODULES = (
     layer_properties,
     painting,
     strokes,
+    simple,
     shelf,
     changes,
     flow_properties,

@@ -22,8 +22,9 @@ _MEANINGS = {
     "proved": "No field at all on this mesh has less energy than this one by more than this share: its bound is "
     "proved by a factorization in double precision",
     "estimated": "How much of the energy lies above the lower bound; the bound is estimated, not proved",
-    "disclination": "Points around which the directions turn: by a half for lines, by a quarter for crosses",
-    "dislocation": "Points where a stripe begins or ends",
+    "disclination": "Points around which the directions turn (disclinations): by a half for lines, by a quarter for "
+    "crosses",
+    "dislocation": "Points where a stripe begins or ends (dislocations)",
     "evenness": "How many times as far apart as asked lines are, on all but a hundredth of the surface at either end, "
     "and on how much of it they are off by more than a quarter; Spacing Error in the overlay shows where",
     "spacing": "The distance from one line to the next that was asked for, as it was used, and how many faces the mesh "

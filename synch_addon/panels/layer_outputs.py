@@ -16,7 +16,7 @@ class SYNCH_PT_layer_files(SidebarPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return memory.holds_layers(solid_of(context.active_object))
+        return super().poll(context) and memory.holds_layers(solid_of(context.active_object))
 
     def draw(self, context):
         column = self.layout.column(align=True)

@@ -18,6 +18,7 @@ class SYNCH_PT_material_presets(SettingsPanel, bpy.types.Panel):
     """Materials in one click"""
 
     bl_label = "Material Presets"
+    in_simple = True
 
     def draw(self, context):
         layout = self.layout

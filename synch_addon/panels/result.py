@@ -8,6 +8,7 @@ import bpy
 from ..blender.defect_empties import collection_of_defects
 from ..blender.translations import counted, said
 from ..patterns import memory
+from ..settings.preferences import is_simple
 from .look import draw_look
 from .sidebar import SettingsPanel, property_column
 from .thumbnails import draw_variations
@@ -33,6 +34,7 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
     """What the last solve found"""
 
     bl_label = "Result"
+    in_simple = True
 
     @classmethod
     def poll(cls, context):
@@ -50,10 +52,16 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
             row.alert = True
             text = "Mesh Changed: Solve Again"
             row.operator(SOLVES[result["command"]], text=text, icon="FILE_REFRESH")
-        draw_figures(self.layout, result, held, len(context.active_object.data.polygons))
-        draw_findings(self.layout, result.get("carrier", {}))
+        simple = is_simple()
+        if not simple:
+            draw_figures(self.layout, result, held, len(context.active_object.data.polygons))
+            draw_findings(self.layout, result.get("carrier", {}))
         if held:
             draw_variations(self.layout, context.active_object, result)
+        if simple:
+            draw_shown_defects(self.layout, context.active_object)
+            return
+        if held:
             row = property_column(self.layout).row(align=True)
             slider = row.row(align=True)
             slider.enabled = memory.solve_of(context.active_object).varies
@@ -70,12 +78,17 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
             row = self.layout.row(align=True)
             row.operator("synch.isolines", icon="MOD_CURVE")
             row.operator("synch.relief", icon="MOD_DISPLACE")
-        defects = collection_of_defects(context.active_object)
-        if defects is not None:
-            self.layout.prop(defects, "hide_viewport", text="Show Defects", invert_checkbox=True)
+        draw_shown_defects(self.layout, context.active_object)
         row = self.layout.row(align=True)
         row.operator("synch.select_defects", text="Select Defects", icon="RESTRICT_SELECT_OFF")
         row.operator("synch.next_defect", text="Next Defect", icon="VIEWZOOM")
+
+
+def draw_shown_defects(layout, obj):
+    """Whether the empties of an object's defects are seen."""
+    defects = collection_of_defects(obj)
+    if defects is not None:
+        layout.prop(defects, "hide_viewport", text="Show Defects", invert_checkbox=True)
 
 
 def draw_cost(layout, obj, result):
@@ -143,8 +156,8 @@ def draw_figures(layout, result, held, faces):
             line(said("Proved: no field saves more than {gap:.0%}", gap=result["gap"]), "CHECKMARK", "proved")
         elif result["certificate"] == "estimated":
             line(said("About {gap:.0%} above the bound", gap=result["gap"]), "QUESTION", "estimated")
-    for kind in ("disclination", "dislocation"):
-        line(counted(result[kind + "s"], kind), "DOT", kind)
+    for kind, word in (("disclination", "swirl point"), ("dislocation", "line end")):
+        line(counted(result[kind + "s"], word), "DOT", kind)
     if result.get("evenness"):
         low, _, _, _, high = result["evenness"]["spacing"]
         off = result["evenness"]["off_share"]

@@ -9,6 +9,7 @@ from ..jobs.queue import queue
 from ..patterns.live import live
 from ..patterns.refine import draw_warning
 from ..settings.fields import MESH_SHARES
+from ..settings.preferences import is_simple, preferences
 from .guides import draw_guidance
 from .painting import draw_map, draw_painting
 from .row_operators import can_set, others_selected
@@ -36,6 +37,26 @@ def draw_directions(layout, settings, obj, of_quads=False):
     for number, axis in enumerate("XYZ"):
         row.prop(settings, "mirror", index=number, text=axis, toggle=True)
     column.prop(settings, "singularities")
+
+
+def draw_simple(layout, obj):
+    """What an artist sets first, and the button that makes what was chosen last."""
+    simple, settings = obj.synch_simple, obj.synch
+    row = layout.row(align=True)
+    row.scale_y = 1.3
+    icon = layout.enum_item_icon(simple, "kind", simple.kind)
+    row.operator(f"synch.{simple.kind}", icon_value=icon)
+    row.prop(simple, "kind", text="", icon_only=True)
+    draw_warning(layout, obj)
+    column = property_column(layout)
+    if simple.kind == "quad_mesh":
+        column.prop(settings, "faces")
+    if simple.kind != "quad_mesh" or not settings.faces:
+        draw_automatic(column, settings, "spacing", "automatic_spacing")
+    column.prop(simple, "direction")
+    if simple.direction == "AXIS":
+        column.row().prop(settings.guide, "axis", expand=True)
+    column.prop(settings, "mesh_branching" if simple.kind == "quad_mesh" else "branching", text="Branching")
 
 
 def draw_pattern(layout, settings):
@@ -137,24 +158,37 @@ def draw_row(layout):
 
 
 class SidebarPanel:
+    """Mixed into panels of the tab; those that are not ``in_simple`` hide where the simple panel is shown."""
+
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "Synch"
+    in_simple = False
+
+    @classmethod
+    def poll(cls, context):
+        return cls.in_simple or not is_simple()
 
 
 class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
     """Direction fields, stripes and quads"""
 
     bl_label = "Synch Fields"
+    in_simple = True
 
     def draw_header_preset(self, context):
         if can_set(context.active_object):
             SYNCH_PT_presets.draw_panel_header(self.layout)
 
     def draw(self, context):
+        if preferences() is not None:
+            self.layout.row().prop(preferences(), "panel", expand=True)
         draw_row(self.layout)
         obj = context.active_object
         if draw_unready(self.layout, obj) or draw_painting(self.layout, context):
+            return
+        if is_simple():
+            draw_simple(self.layout, obj)
             return
         column = self.layout.column(align=True)
         column.scale_y = 1.3
@@ -181,7 +215,7 @@ class SettingsPanel(SidebarPanel):
 
     @classmethod
     def poll(cls, context):
-        return can_set(context.active_object)
+        return super().poll(context) and can_set(context.active_object)
 
 
 class SYNCH_PT_directions(SettingsPanel, bpy.types.Panel):

@@ -8,6 +8,7 @@ from gpu_extras.batch import batch_for_shader
 
 from ..jobs.shelf import Shelf
 from ..patterns.guide_strokes import state_of, strokes_of
+from ..settings.preferences import is_simple
 from .overlay import WISH_COLORS
 from .overlay_view import nearer
 from .sidebar import SettingsPanel, property_column
@@ -49,15 +50,21 @@ def is_drawing(context):
     return tool is not None and tool.idname == TOOL
 
 
+def _is_wanted(obj):
+    """Whether strokes are drawn for an object, which the simple panel has a choice for."""
+    return not is_simple() or obj.synch_simple.direction == "STROKES"
+
+
 class SYNCH_PT_strokes(SettingsPanel, bpy.types.Panel):
     """Lines drawn on the surface that stripes follow"""
 
     bl_label = "Guide Strokes"
     bl_order = 2  # below the directions
+    in_simple = True
 
     @classmethod
     def poll(cls, context):
-        return super().poll(context) and context.mode == "OBJECT"
+        return super().poll(context) and context.mode == "OBJECT" and _is_wanted(context.active_object)
 
     def draw(self, context):
         layout, drawing = self.layout, is_drawing(context)

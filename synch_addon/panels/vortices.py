@@ -37,7 +37,7 @@ class SYNCH_PT_vortex_result(SidebarPanel, bpy.types.Panel):
     @classmethod
     def poll(cls, context):
         obj = context.active_object
-        return obj is not None and bool(obj.synch_vortices.result)
+        return super().poll(context) and obj is not None and bool(obj.synch_vortices.result)
 
     def draw(self, context):
         obj = context.active_object

@@ -4,7 +4,7 @@
 from pathlib import Path
 
 import bpy
-from bpy.props import IntProperty, StringProperty
+from bpy.props import EnumProperty, IntProperty, StringProperty
 
 from ...core.memory import machine_bytes
 
@@ -25,6 +25,15 @@ class SynchPreferences(bpy.types.AddonPreferences):
         min=0,
     )
 
+    panel: EnumProperty(
+        name="Panel",
+        description="What the sidebar shows",
+        items=(
+            ("SIMPLE", "Simple", "Size, direction, branching, look and one button"),
+            ("ADVANCED", "Advanced", "All settings, constraints, layers, vortices, bake and animation"),
+        ),
+    )
+
     manual: StringProperty(
         name="Manual",
         description="Folder or web address of the manual, which Online Manual in the menu of a button opens",
@@ -37,23 +46,28 @@ class SynchPreferences(bpy.types.AddonPreferences):
         column.prop(self, "manual")
 
 
-def _preferences():
-    """None where the package was registered without Blender's preferences, as by the command line."""
+def preferences():
+    """The extension's; None where the package was registered without Blender's preferences, as by the command line."""
     addon = bpy.context.preferences.addons.get(_PACKAGE)
     return addon.preferences if addon is not None else None
 
 
 def manual_address():
     """Address of the folder with the manual's pages, with a slash at its end; "" where none is given."""
-    given = _preferences().manual.strip() if _preferences() is not None else ""
+    given = preferences().manual.strip() if preferences() is not None else ""
     if given and "://" not in given:
         given = Path(given).expanduser().absolute().as_uri()
     return given.rstrip("/") + "/" if given else ""
 
 
+def is_simple():
+    """Whether the sidebar shows the simple panel."""
+    return preferences() is not None and preferences().panel == "SIMPLE"
+
+
 def memory_limit():
     """Bytes that a solve may take."""
-    megabytes = _preferences().memory_limit if _preferences() is not None else 0
+    megabytes = preferences().memory_limit if preferences() is not None else 0
     return megabytes * 2**20 or int(_MEMORY_SHARE * machine_bytes())
 
 

@@ -67,6 +67,7 @@ def _installed(folder, size=SIZE):
         try:
             install = "bpy.ops.extensions.package_install_files"
             blender.run(f"{install}(filepath={_built(folder)!r}, repo='user_default', enable_on_install=True)")
+            blender.run("part('settings.preferences').preferences().panel = 'ADVANCED'")
             yield blender
         finally:
             blender.close()

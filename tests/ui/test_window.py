@@ -56,7 +56,7 @@ def test_stripes_show_progress_and_then_their_result(panel, keep):
     assert len(lengths) >= 3, f"the bar was seen at the lengths {sorted(lengths)}"
     keep("progress", max(seen, key=bar_length))
     found = result(panel)
-    for text in ("Result", f"{found['disclinations']} disclinations", f"Energy {found['energy']:.4g}"):
+    for text in ("Result", f"{found['disclinations']} swirl points", f"Energy {found['energy']:.4g}"):
         assert panel.shows(text), text
     kinds = panel.value("[e['synch_kind'] for e in active().children]")
     assert kinds.count("disclination") == found["disclinations"]
@@ -245,7 +245,7 @@ def test_results_are_found_again_after_bake_save_and_load(panel, keep):
     assert {"synch_phase", "synch_direction", "synch_index"} <= before["attributes"].keys()
     assert "Synch Stripes" in before["materials"] and len(before["children"]) > 0
     panel.scroll_to("Synch Fields", up=True)
-    for text in ("Result", f"{found['disclinations']} disclinations", f"Energy {found['energy']:.4g}"):
+    for text in ("Result", f"{found['disclinations']} swirl points", f"Energy {found['energy']:.4g}"):
         assert panel.shows(text), text
     panel.click("Stripes")  # what needs a solve comes back with one
     panel.wait_for("Variation")

@@ -32,6 +32,10 @@ PARTS = {
     "disclinations": "Disklinationen",
     "dislocation": "Versetzung",
     "dislocations": "Versetzungen",
+    "swirl point": "Wirbelpunkt",
+    "swirl points": "Wirbelpunkte",
+    "line end": "Linienende",
+    "line ends": "Linienenden",
     "vertex": "Punkt",
     "vertices": "Punkte",
     "Coarse mesh: about {count} lines across": "Grobes Netz: etwa {count} Linien",
@@ -78,10 +82,13 @@ PARTS = {
     "How much of the energy lies above the lower bound; the bound is estimated, not proved": (
         "Wie viel der Energie über der unteren Schranke liegt; sie ist geschätzt, nicht bewiesen"
     ),
-    "Points around which the directions turn: by a half for lines, by a quarter for crosses": (
-        "Stellen, um die sich die Richtungen drehen: bei Linien um ein halbes, bei Kreuzen um ein viertel Mal"
+    "Points around which the directions turn (disclinations): by a half for lines, by a quarter for crosses": (
+        "Stellen, um die sich die Richtungen drehen (Disklinationen): bei Linien um ein halbes, bei Kreuzen um ein "
+        "viertel Mal"
     ),
-    "Points where a stripe begins or ends": "Stellen, an denen ein Streifen beginnt oder endet",
+    "Points where a stripe begins or ends (dislocations)": (
+        "Stellen, an denen ein Streifen beginnt oder endet (Versetzungen)"
+    ),
     "How many times as far apart as asked lines are, on all but a hundredth of the surface at either end, and on how "
     "much of it they are off by more than a quarter; Spacing Error in the overlay shows where": (
         "Wievielmal so weit wie verlangt Linien auseinander liegen, bis auf je ein Hundertstel der Oberfläche an "

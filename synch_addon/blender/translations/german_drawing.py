@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the interface says where something is painted or drawn on the surface, in German."""
+"""What the interface says where something is painted, drawn or pinned on the surface, and in the simple panel, in
+German."""
 
 DRAWING = {
     "Paint Map": "Karte malen",
@@ -75,6 +76,34 @@ DRAWING = {
     "No UV map: Smart UV Project makes one": "Keine UV-Map: Smart UV Project macht eine",
     "{more:+.1%} energy, against the best": "{more:+.1%} Energie gegenüber der besten",
     "{name} is hidden": "{name} ist ausgeblendet",
+    "Panel": "Tafel",
+    "What the sidebar shows": "Was die Seitenleiste zeigt",
+    "Simple": "Einfach",
+    "Size, direction, branching, look and one button": "Größe, Richtung, Verzweigung, Aussehen und ein Knopf",
+    "Advanced": "Erweitert",
+    "All settings, constraints, layers, vortices, bake and animation": (
+        "Alle Einstellungen, Bedingungen, Schichten, Wirbel, Backen und Animation"
+    ),
+    "Make": "Machen",
+    "What the button makes": "Was der Knopf macht",
+    "Even stripes over the surface": "Gleichmäßige Streifen über die Oberfläche",
+    "A grid of squares over the surface": "Ein Gitter von Quadraten über die Oberfläche",
+    "A new mesh of quads, and the object is hidden": "Ein neues Netz aus Vierecken, und das Objekt wird ausgeblendet",
+    "What lines follow": "Wem Linien folgen",
+    "Lines that turn as little as the shape allows (the smoothest direction field)": (
+        "Linien, die sich so wenig drehen, wie die Form es erlaubt (das glatteste Richtungsfeld)"
+    ),
+    "Along Curvature": "Mit der Krümmung",
+    "Lines along ridges, where the surface bends least (principal directions)": (
+        "Linien an Graten entlang, wo sich die Oberfläche am wenigsten biegt (Hauptkrümmungsrichtungen)"
+    ),
+    "Around an Axis": "Um eine Achse",
+    "Rings around an axis of the object": "Ringe um eine Achse des Objekts",
+    "Strokes": "Striche",
+    "Lines that you draw on the surface": "Linien, die Sie auf die Oberfläche zeichnen",
+    "As in Advanced": "Wie erweitert",
+    "What the settings under Advanced ask for": "Was die Einstellungen unter Erweitert verlangen",
+    "Whether lines follow strokes that are drawn": "Ob Linien gezeichneten Strichen folgen",
     "Angle Range": "Winkelspanne",
     "Angle that is added where the vertex group's weight is 1": (
         "Winkel, der beim Gewicht 1 der Punktgruppe dazukommt"

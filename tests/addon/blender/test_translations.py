@@ -30,7 +30,7 @@ UNSEEN = {"about", "finding"}
 # What is shown by the parts of the interface that are held complete.
 GROUPS = (
     "SynchSettings SynchOverlay SynchConstraint SynchGuide SynchBake SynchFavourite SynchAnimation SynchFlush "
-    "SynchLayering SynchVortices SynchVortexLook SynchBrush SynchStrokes SynchLook"
+    "SynchLayering SynchVortices SynchVortexLook SynchBrush SynchStrokes SynchLook SynchSimple"
 ).split()
 OPERATORS = (
     "stripes quads directions quad_mesh trace_quads refine add_sample isolines bake animate variation draw_variation "

@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The simple panel: its few choices say what the object's settings say, and all else hides."""
+
+import math
+from types import SimpleNamespace
+from unittest.mock import MagicMock
+
+import bpy
+import pytest
+
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.panels import sidebar
+from synch_fields.synch_addon.settings import preferences
+from synch_fields.synch_addon.settings.fields import stored_settings
+
+from ..scenes import sphere
+
+
+@pytest.fixture(params=["SIMPLE", "ADVANCED"])
+def chosen(request, monkeypatch):
+    """The panel that the preferences hold, as an installed extension has them."""
+    held = SimpleNamespace(panel=request.param)
+    for module in (preferences, sidebar):
+        monkeypatch.setattr(module, "preferences", lambda: held)
+    return request.param
+
+
+def panels():
+    names = [name for name in dir(bpy.types) if name.startswith("SYNCH_PT_") and name != "SYNCH_PT_presets"]
+    found = [getattr(bpy.types, name) for name in names]
+    return {panel.__name__.removeprefix("SYNCH_PT_") for panel in found if panel.poll(bpy.context)}
+
+
+def drawn():
+    """The names of the settings and operators that the first panel draws."""
+    layout = MagicMock()
+    sidebar.SYNCH_PT_fields.draw(SimpleNamespace(layout=layout), bpy.context)
+    ends = [(call[0].rsplit(".", 1)[-1], call.args) for call in layout.mock_calls]
+    return [args[-1] for name, args in ends if name in ("prop", "operator") and args]
+
+
+def test_all_but_a_few_panels_hide(chosen):
+    obj = sphere()
+    api.stripes(obj, spacing=0.5)
+    few = {"fields", "result", "material_presets"}
+    assert panels() == few if chosen == "SIMPLE" else panels() > few | {"directions", "solver", "layers", "overlay"}
+    obj.synch_simple.direction = "STROKES"
+    assert "strokes" in panels()
+
+
+@pytest.mark.parametrize("chosen", ["SIMPLE"], indirect=True)
+def test_there_is_one_button_and_it_makes_what_was_chosen(chosen):
+    obj = sphere()
+    for kind in ("stripes", "quads", "quad_mesh"):
+        obj.synch_simple.kind = kind
+        names = drawn()
+        assert names.count(f"synch.{kind}") == 1
+        assert not {"synch.stripes", "synch.quads", "synch.quad_mesh", "synch.directions"} & (
+            set(names) - {f"synch.{kind}"}
+        )
+        assert {"panel", "kind", "direction"} <= set(names)
+    assert "faces" in drawn() and "automatic_spacing" in drawn()
+    obj.synch.faces = 500
+    assert "automatic_spacing" not in drawn()
+
+
+def test_a_direction_is_what_the_settings_say():
+    obj = sphere()
+    simple, stored = obj.synch_simple, obj.synch
+    asked = {
+        "SMOOTH": ("smooth", 0.0),
+        "CURVATURE": ("curvature-min=1", 0.0),
+        "AXIS": ("axis:Z=1", math.pi / 2),
+        "STROKES": ("smooth", 0.0),
+    }
+    for direction, (guidance, angle) in (*asked.items(), *reversed(asked.items())):
+        simple.direction = direction
+        settings = stored_settings(obj)
+        assert (settings.guidance, settings.angle) == (guidance, pytest.approx(angle)), direction
+        assert simple.direction == direction
+    stored.guidance = "UV_U"
+    assert simple.direction == "OTHER"
+    simple.direction = "OTHER"
+    assert stored.guidance == "UV_U"
+    stored.guidance, stored.angle = "AXIS", 0.3
+    assert simple.direction == "OTHER"
+
+
+def test_rings_around_an_axis_are_the_preset():
+    """As the shipped preset of that name asks for them."""
+    obj = sphere()
+    obj.synch_simple.direction, obj.synch.guide.axis = "AXIS", "Z"
+    simple = stored_settings(obj)
+    other = sphere()
+    path = sidebar.__file__.replace("sidebar.py", "shipped/presets/synch_fields/Rings_around_Z.py")
+    bpy.ops.script.python_file_run(filepath=path)
+    assert stored_settings(other) == simple
