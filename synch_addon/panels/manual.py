@@ -47,6 +47,8 @@ _SETTINGS = {
     "synchflush.*": "layers",
     "synchvortices.*": "vortices",
     "synchvortexlook.*": "vortices",
+    "synchsimple.*": "settings",
+    "synchpreferences.panel": "settings",
     "synchpreferences.*": "background",
 }
 PAGES = (

@@ -16,7 +16,7 @@ DOCS = Path(__file__).parents[3] / "docs"
 
 def given(monkeypatch, text):
     """The preferences hold this address of the manual."""
-    monkeypatch.setattr(preferences, "_preferences", lambda: SimpleNamespace(manual=text))
+    monkeypatch.setattr(preferences, "preferences", lambda: SimpleNamespace(manual=text))
 
 
 def lookup(name):
