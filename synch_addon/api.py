@@ -27,6 +27,7 @@ from .jobs.report import versions
 from .looks import presets
 from .patterns import lines as line_object
 from .patterns import memory
+from .patterns.carrying import add_carry
 from .patterns.job import FieldJob, write_again, write_quads, write_result
 from .patterns.numbers import number_stripes as number_stripes
 from .patterns.read_back import shown_pattern
@@ -246,6 +247,29 @@ def relief(obj, height=0.15, width=0.5, profile=0, level=None, smooth=False):
     with meshes.object_mode(obj), whole_or_nothing():
         made = add_relief(obj, height, width, profile, level, smooth)
     return {"status": "made", "command": "relief", "object": obj.name, **made, "versions": versions()}
+
+
+def carry(obj):
+    """Carry an object's pattern through its modifiers, with one of ours after them: what vertices have of it is made
+    anew on the mesh that they leave.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object with stripes or quads
+
+    Returns
+    -------
+    dict, the report: the modifier's name
+
+    Raises
+    ------
+    SynchError
+        with one line that names the element and the remedy; nothing is made
+    """
+    meshes.refuse(obj)
+    with meshes.object_mode(obj), whole_or_nothing():
+        made = add_carry(obj)
+    return {"status": "made", "command": "carry", "object": obj.name, "modifier": made.name, "versions": versions()}
 
 
 def preset(obj, name, callback=None, solve=False, **settings):

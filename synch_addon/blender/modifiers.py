@@ -6,6 +6,7 @@ from contextlib import contextmanager
 # Names of our groups of geometry nodes, by what they show.
 FRAMES = {"stripes": "Synch Frames", "quads": "Synch Quad Frames"}
 RELIEFS = {"stripes": "Synch Relief", "quads": "Synch Quad Relief"}
+CARRIES = {"stripes": "Synch Carry", "quads": "Synch Quad Carry"}
 FILAMENTS = "Synch Filaments"
 # Modifiers after which the mesh may have other faces.
 _CHANGES_FACES = (
@@ -31,7 +32,7 @@ def changes_faces(modifier):
 
 def is_ours(modifier):
     """Whether a modifier shows a pattern and does not shape the mesh that carries it."""
-    return shows_frames(modifier) or is_relief(modifier)
+    return shows_frames(modifier) or is_relief(modifier) or carries(modifier)
 
 
 def shows_frames(modifier):
@@ -42,6 +43,11 @@ def shows_frames(modifier):
 def is_relief(modifier):
     """Whether a modifier raises the surface by its pattern."""
     return _uses(modifier, RELIEFS.values())
+
+
+def carries(modifier):
+    """Whether a modifier carries a pattern through those before it."""
+    return _uses(modifier, CARRIES.values())
 
 
 def is_of_filaments(modifier):

@@ -295,6 +295,13 @@ class GeometryCanvas(Canvas):
             read.append(Expression(self, parts.outputs["Alpha"], 1))
         return read
 
+    def vector(self, operation, *operands, **inputs):
+        """A vector of vectors, by an operation of the Vector Math node; ``inputs`` are others of its inputs."""
+        values = dict(enumerate(operands)) | inputs
+        depth = max(value.depth for value in values.values() if isinstance(value, Expression)) + 1
+        node = self.node("ShaderNodeVectorMath", depth, "", values, operation=operation)
+        return Expression(self, node.outputs["Vector"], depth)
+
     def stored(self, geometry, name, layout, value, depth):
         """The geometry with a value as an attribute of a layout, domain and type."""
         domain, data_type = layout

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators that make something to print of the active object's pattern: a curve object of its lines, and relief."""
+"""Operators that make something of the active object's pattern: a curve object of its lines, relief, and what carries
+it through modifiers."""
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
@@ -107,4 +108,17 @@ class SYNCH_OT_relief(PatternOperator, PromptOperator, bpy.types.Operator):
         return f"{report['modifier']}: {report['profile']}, subdivided {report['level']} times"
 
 
-CLASSES = (SYNCH_OT_isolines, SYNCH_OT_relief)
+class SYNCH_OT_carry(PatternOperator, PromptOperator, bpy.types.Operator):
+    """Carry the pattern through the modifiers before, such as Subdivision, Mirror and Solidify: directions, phases \
+and pattern are made anew at the vertices that they leave"""
+
+    bl_idname = "synch.carry"
+    bl_label = "Carry Through Modifiers"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def make(self, context):
+        report = api.carry(context.active_object)
+        return f"{report['modifier']}: after the other modifiers"
+
+
+CLASSES = (SYNCH_OT_isolines, SYNCH_OT_relief, SYNCH_OT_carry)

@@ -14,7 +14,7 @@ _OPERATORS = {
     "quads": "quad_mesh trace_quads",
     "overlay": "show_loop",
     "looks": "preset asset_library number_stripes",
-    "lines": "isolines relief",
+    "lines": "isolines relief carry",
     "bake": "bake",
     "layers": "layers layer_group_add layer_group_remove",
     "printing": "layer_export layer_toolpaths layer_path_export layer_volume",

@@ -28,6 +28,7 @@ _ENTRIES = (
     (
         ("synch.isolines", "Lines as Curves", "MOD_CURVE"),
         ("synch.relief", "Relief", "MOD_DISPLACE"),
+        ("synch.carry", "Carry Through Modifiers", "MODIFIER"),
         ("synch.bake", "Bake to Images", "RENDER_STILL"),
         ("synch.animate", "Animate the Pattern", "RENDER_ANIMATION"),
     ),

@@ -6,6 +6,7 @@ import json
 import bpy
 
 from ..blender.defect_empties import collection_of_defects
+from ..blender.modifiers import carries, changing_modifiers
 from ..blender.translations import counted, said
 from ..patterns import memory
 from ..settings.preferences import is_simple
@@ -78,6 +79,8 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
             row = self.layout.row(align=True)
             row.operator("synch.isolines", icon="MOD_CURVE")
             row.operator("synch.relief", icon="MOD_DISPLACE")
+            if changing_modifiers(context.active_object) and not any(map(carries, context.active_object.modifiers)):
+                self.layout.operator("synch.carry", icon="MODIFIER")
         draw_shown_defects(self.layout, context.active_object)
         row = self.layout.row(align=True)
         row.operator("synch.select_defects", text="Select Defects", icon="RESTRICT_SELECT_OFF")

@@ -194,6 +194,7 @@ SCENES = {
     "vary": lambda: shown(lambda obj: api.vary(obj, 1)),
     "relief": lambda: shown(api.relief),
     "relief again": lambda: rerun(lambda obj: api.relief(obj, height=0.3)),
+    "carry": lambda: shown(api.carry),
     "lines": lambda: shown(api.isolines),
     "numbers": lambda: shown(api.number_stripes),
     "preset": lambda: shown(lambda obj: api.preset(obj, "corduroy")),

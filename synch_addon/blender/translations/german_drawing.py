@@ -76,6 +76,12 @@ DRAWING = {
     "No UV map: Smart UV Project makes one": "Keine UV-Map: Smart UV Project macht eine",
     "{more:+.1%} energy, against the best": "{more:+.1%} Energie gegenüber der besten",
     "{name} is hidden": "{name} ist ausgeblendet",
+    "Carry Through Modifiers": "Durch Modifikatoren tragen",
+    "Carry the pattern through the modifiers before, such as Subdivision, Mirror and Solidify: directions, phases and "
+    "pattern are made anew at the vertices that they leave": (
+        "Das Muster durch die Modifikatoren davor tragen, etwa Unterteilung, Spiegeln und Wandstärke: Richtungen, "
+        "Phasen und Muster werden an den Punkten neu gemacht, die sie hinterlassen"
+    ),
     "Panel": "Tafel",
     "What the sidebar shows": "Was die Seitenleiste zeigt",
     "Simple": "Einfach",

@@ -35,7 +35,7 @@ GROUPS = (
 OPERATORS = (
     "stripes quads directions quad_mesh trace_quads refine add_sample isolines bake animate variation draw_variation "
     "place_defect keep_favourite show_favourite remove_favourite select_defects next_defect copy_report cancel "
-    "select_places show_loop preset number_stripes asset_library "
+    "carry select_places show_loop preset number_stripes asset_library "
     "import_field export_field add_preset constraint_add constraint_remove constraint_move guide_add guide_remove "
     "paint_map draw_stroke erase_strokes smooth_strokes "
     "layers layer_group_add layer_group_remove layer_export layer_toolpaths layer_path_export layer_volume "
