@@ -51,8 +51,11 @@ demo: environment
 	mkdir -p out
 	$(python) -m synch_fields demo
 
+# Runs on several Blenders may share what is the same on all: SHARE=1/2 and SHARE=2/2.
+SHARE ?= 1/1
+
 test: environment
-	$(python) -m pytest -m 'not slow'
+	$(python) -m pytest -m 'not slow' --share $(SHARE)
 
 test-slow: environment
 	$(python) -m pytest -m slow

@@ -1,0 +1,25 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tests that do not depend on the version of Blender may be shared by runs on several of them."""
+
+from pathlib import Path
+from zlib import crc32
+
+# Rooms whose tests every run makes: what is asked of Blender there is what changes from one version to the next.
+EACH = {"blender", "looks", "nodes", "operators", "panels"}
+
+
+def pytest_addoption(parser):
+    parser.addoption("--share", default="1/1", metavar="K/N", help="of the tests that need no certain Blender, a part")
+
+
+def pytest_collection_modifyitems(config, items):
+    number, count = map(int, config.getoption("share").split("/"))
+
+    def is_ours(item):
+        room = Path(item.path).parent
+        is_shared = room.name not in EACH or room.parent.name != "addon"
+        return not is_shared or crc32(item.nodeid.encode()) % count == number - 1
+
+    config.hook.pytest_deselected(items=[item for item in items if not is_ours(item)])
+    items[:] = filter(is_ours, items)
