@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How soon there is something to see, and how fast a pattern follows its settings.
 
-    python bench/live.py MESH.obj [MESH.obj ...] [--repeat 3] [--steps 20]
+    python bench/live.py MESH.obj[=PARTS] [MESH.obj ...] [--repeat 3] [--steps 20] [--wall]
 
-First: "first s" and "/ eigsh", CPU seconds of a first field and over those of eigsh on the same matrix (as in
-bench/solver.py), medians; "energy", that of the first field over that of the default solve; "bound", when it is there,
-in times of the first field, which are what the progress bar tells; "showing", CPU seconds of the default solve that
-shows fields over those of one that does not.
+PARTS divides every edge of a mesh. Seconds are of the processor, or with --wall those that pass: then nothing else may
+run. SYNCH_THREADS says how many cores a solve uses.
 
-Live: stripes, forty along the longest side, whose spacing grows by 1 % a step: CPU milliseconds of a step and steps a
+First: "first s" and "/ eigsh", seconds of a first field and over those of eigsh on the same matrix (as in
+bench/solver.py), medians; "whole", those of the default solve over those of eigsh; "energy", that of the first field
+over that of the default solve; "bound", when it is there, in times of the first field, which are what the progress bar
+tells; "showing", seconds of the default solve that shows fields over those of one that does not.
+
+Live: stripes, forty along the longest side, whose spacing grows by 1 % a step: milliseconds of a step and steps a
 second; "change", of cos theta in a step, the mean and the largest mean; "defects", how many more or fewer there are
 after a step at most, and in all; "energy", after the last step over that of a full solve from there.
 """
@@ -18,13 +21,14 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 from statistics import mean, median
-from time import process_time
+from time import perf_counter, process_time
 
 import numpy as np
 
 from synch_fields.bench import peers, problems
 from synch_fields.bench.measure import with_matrices
 from synch_fields.bench.meshes import read_obj
+from synch_fields.bench.subdivide import subdivided
 from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.algebra.workers import solving
 from synch_fields.core.geometry.mesh_input import MeshInput
@@ -41,6 +45,7 @@ COLUMNS = (
     Column("eigsh s", "eigsh", ".3f"),
     Column("first s", "first", ".3f"),
     Column("/ eigsh", "ratio", ".2f"),
+    Column("whole", "whole", ".2f"),
     Column("energy", "energy", ".3f"),
     Column("bound", "bound", ".1f"),
     Column("showing", "showing", ".2f"),
@@ -63,47 +68,51 @@ def main():
     parser.add_argument("meshes", nargs="+")
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--steps", type=int, default=20)
+    parser.add_argument("--wall", action="store_true")
     options = parser.parse_args()
+    clock = perf_counter if options.wall else process_time
     firsts, lives = [], []
-    for path in options.meshes:
+    for argument in options.meshes:
+        path, _, parts = argument.partition("=")
         mesh, stem = read_obj(path), Path(path).stem
+        if parts:
+            mesh, stem = subdivided(mesh, int(parts)), f"{stem} {parts}"
         for name, problem in problems.problems(mesh, NAMES):
             print(f"{stem} {name}", file=sys.stderr, flush=True)
-            firsts.append({"label": f"{stem} {name}"} | first_row(problem, options.repeat))
+            firsts.append({"label": f"{stem} {name}"} | first_row(problem, options.repeat, clock))
         print(f"{stem} live", file=sys.stderr, flush=True)
-        lives.append({"label": stem} | live_row(mesh, options.steps))
+        lives.append({"label": stem} | live_row(mesh, options.steps, clock))
     print_table("First fields", COLUMNS, firsts)
     print_table("Live spacing", LIVE, lives)
 
 
-def timed(work, *arguments, **named):
-    """Result and CPU seconds."""
-    start = process_time()
+def timed(clock, work, *arguments, **named):
+    """Result and seconds of a clock."""
+    start = clock()
     result = work(*arguments, **named)
-    return result, process_time() - start
+    return result, clock() - start
 
 
-def first_row(problem, repeat):
+def first_row(problem, repeat, clock):
     """One problem's figures."""
     piece = max(with_matrices(problem).pieces, key=lambda piece: piece.node_count)
     rows = []
     for _ in range(repeat):
         with solving():
-            _, eigsh = timed(peers.plain_spectral, piece)
-        found, first = timed(solve, problem, Options(method=FIRST))
-        whole, alone = timed(solve, problem)
-        times, start = [], process_time()
+            _, eigsh = timed(clock, peers.plain_spectral, piece)
+        found, first = timed(clock, solve, problem, Options(method=FIRST))
+        whole, alone = timed(clock, solve, problem)
+        times, start = [], clock()
         _, showing = timed(
-            solve, problem, show=lambda _, start=start, times=times: times.append(process_time() - start)
+            clock, solve, problem, show=lambda _, start=start, times=times: times.append(clock() - start)
         )
-        rows.append((eigsh, first, first / eigsh, (times[1] - times[0]) / first, showing / alone))
-    figures = dict(
-        zip(("eigsh", "first", "ratio", "bound", "showing"), map(median, zip(*rows, strict=True)), strict=True)
-    )
+        rows.append((eigsh, first, first / eigsh, alone / eigsh, (times[1] - times[0]) / first, showing / alone))
+    names = "eigsh", "first", "ratio", "whole", "bound", "showing"
+    figures = dict(zip(names, map(median, zip(*rows, strict=True)), strict=True))
     return {"nodes": piece.node_count, "energy": found.energy / whole.energy} | figures
 
 
-def live_row(mesh, steps):
+def live_row(mesh, steps, clock):
     """Figures of stripes on a mesh whose spacing grows."""
     size = np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max()
     given = MeshInput(mesh, Polygons.of_triangles(mesh), np.eye(3), mesh, np.arange(mesh.vertex_count))
@@ -115,7 +124,7 @@ def live_row(mesh, steps):
         spacing *= 1.01
         asked = replace(asked, spacing=spacing, spacings=spacing)
         slim = replace(shown.field, solution=None, problem=None)
-        found, spent = timed(LiveRequest(asked, slim, shown.pattern.phases, True, followers).solve)
+        found, spent = timed(clock, LiveRequest(asked, slim, shown.pattern.phases, True, followers).solve)
         seconds.append(spent)
         changes.append(np.abs(found.pattern.phases.real - shown.pattern.phases.real).mean())
         counts.append(len(found.pattern.dislocations))
