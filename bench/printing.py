@@ -6,7 +6,7 @@
 A curved shell and a bent bar, which this program makes, MESHES/bunny.mesh on its base, fandisk and rocker-arm. Each is
 100 mm long and printed in layers of 5 mm with beads as wide: the first two along their normals on a table that turns
 around X and Z, the others upright. With --covered, what beads of three widths cover of layers along Z in each of nine
-solids of MESHES instead. Needs Blender as a module (bpy).
+solids of MESHES instead, in tetrahedra of half the distance of layers. Needs Blender as a module (bpy).
 """
 
 import json
@@ -153,7 +153,7 @@ def covered(label, shape):
     """The row of what beads of several widths cover of layers of a shape along Z."""
     vertices, _, _, guidance, _ = shape
     obj, spacing = placed(label, shape), float(np.ptp(vertices, axis=0).max()) / LAYERS
-    api.layers(obj, guidance=guidance, spacing=spacing)
+    api.layers(obj, guidance=guidance, spacing=spacing, size=spacing / 2)
     surfaces = memory.recall_layers(obj).surfaces
     row = {"label": label, "layers": surfaces.count}
     for step in STEPS:
