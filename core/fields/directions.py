@@ -45,12 +45,20 @@ class DirectionWishes:
     mirrors : reflections that leave the field as it is
     singularities : share of the curvature's unevenness that counts, from 0 to 1: fewer disclinations below 1, down to
         the fewest that the surface's topology allows (see :mod:`.calming`)
+    pins : pairs of a triangle and the index of the disclination that is to be there, a multiple of 1 / symmetry: 0 for
+        none
     """
 
     guides: tuple[tuple[Guide, float], ...] = ()
     rows: tuple[Row, ...] = ()
     mirrors: tuple[Mirror, ...] = ()
     singularities: float = 1.0
+    pins: tuple[tuple[int, float], ...] = ()
+
+    @property
+    def corrects(self):
+        """Whether they ask for other turns around faces than the surface does."""
+        return self.singularities < 1 or bool(self.pins)
 
 
 @dataclass(frozen=True)
@@ -164,7 +172,7 @@ def _posed(mesh, symmetry, wishes):
         raise SettingError(f"symmetry {symmetry!r} is unknown: use 1 (vector), 2 (line) or 4 (cross)")
     check_share(wishes.singularities, "singularities")
     # Calmed turns are read along the mesh's own edges.
-    posed = mesh.posed if wishes.singularities == 1 else mesh
+    posed = mesh if wishes.corrects else mesh.posed
     turns = levi_civita(posed, symmetry)
     connection = Connection(mesh.vertex_count, posed.edges, posed.weights, circle_transports(turns))
     fixed, drawn, gives_way = direction_targets(mesh, symmetry, wishes.rows)
@@ -177,9 +185,9 @@ def _posed(mesh, symmetry, wishes):
         nodes = np.flatnonzero(weights > 0)
         drawn.append(Targets(nodes, values[nodes], weights[nodes]))
     known = correction = None
-    if wishes.singularities < 1:
+    if wishes.corrects:
         known = known_turns(connection, fixed, merged)
-        correction = (1 - wishes.singularities) * _calming(mesh, symmetry, 0, known).correction
+        correction = _correction(mesh, symmetry, wishes, known)
         connection = replace(connection, transports=circle_transports(turns + correction))
     calmer = partial(_turns_to_calm, posed, symmetry, connection, fixed, merged, wishes.singularities)
     connection = with_loops(connection, loops)
@@ -199,6 +207,37 @@ def _turns_to_calm(mesh, symmetry, connection, fixed, merged, share):
     known = known_turns(connection, fixed, merged)
     circulation, _ = surface_circulation(mesh, np.zeros(len(mesh.edges), int))
     return calming(circulation, share * symmetry * mesh.face_curvatures, mesh.weights, known, ROUGH).correction
+
+
+def _correction(mesh, symmetry, wishes, known):
+    """(e,) radians by which the powers turn further along the edges for a share of the singularities and for the pins.
+
+    Around a pinned triangle the connection then turns by what its disclination does, which costs nothing there; on a
+    closed piece, what is taken or given there comes from everywhere.
+
+    Raises
+    ------
+    SettingError
+        for what is no triangle or no index, or for fields that are to be mirrored
+    """
+    correction = np.zeros(len(mesh.edges))
+    if wishes.singularities < 1:
+        correction = (1 - wishes.singularities) * _calming(mesh, symmetry, 0, known).correction
+    if not wishes.pins:
+        return correction
+    if wishes.mirrors:
+        raise SettingError("pins hold one side of a mirror alone: remove the pins, or the mirror")
+    circulation, _ = surface_circulation(mesh, np.zeros(len(mesh.edges), int))
+    curvature = symmetry * mesh.face_curvatures + circulation.matrix @ correction
+    asked = np.zeros(mesh.triangle_count)
+    for triangle, index in wishes.pins:
+        if not 0 <= triangle < mesh.triangle_count:
+            raise SettingError(f"there is no triangle {triangle}: the mesh has {mesh.triangle_count}, from 0 on")
+        if not np.isclose(symmetry * index, np.rint(symmetry * index)):
+            raise SettingError(f"the index {index} of a pin is none: use a multiple of {1 / symmetry:g}")
+        asked[triangle] = curvature[triangle] - 2 * np.pi * np.rint(symmetry * index)
+    known = None if known is None else known - correction
+    return correction + calming(circulation, asked, mesh.weights, known).correction
 
 
 def _calming(mesh, symmetry, numbers, known):
@@ -254,7 +293,7 @@ def known_directions(mesh, symmetry, vectors, wishes):
     Errors as :func:`given_directions`.
     """
     field = given_directions(mesh, symmetry, vectors)
-    if wishes.singularities == 1:
+    if not wishes.corrects:
         return field
     _, known, correction = _posed(mesh, symmetry, wishes)
     return replace(field, correction=correction).flattened(1 - wishes.singularities, known)
