@@ -131,6 +131,13 @@ class DirectionField:
             return None
         return self.problem.energy(np.exp(1j * self.symmetry * (self.angles - self.turn)))
 
+    @property
+    def bending(self) -> float:
+        """The energy that the field would have without its correction: what pins and fewer singularities cost."""
+        mesh, turns = self.mesh, levi_civita(self.mesh, self.symmetry)
+        own = Connection(mesh.vertex_count, mesh.edges, mesh.weights, circle_transports(turns))
+        return own.energy(np.exp(1j * self.symmetry * (self.angles - self.turn)))
+
     def showing(self, phases: np.ndarray) -> "DirectionField":
         """The field with other phases of the same problem: a variation."""
         return replace(self, angles=np.angle(phases) / self.symmetry + self.turn)

@@ -97,6 +97,7 @@ class SurfaceRequest:
     branching : share of the dislocations that even spacing asks for; None for directions alone
     faces : of quad meshes, how many there should be, whatever the spacing; None for as many as it gives
     straighten : of quad meshes, whether shorter loops are looked for
+    pins : triangles and the indices of the disclinations that are to be there
     start : (n,) radians of directions before they are turned, and (k n,) complex phases along them, from which the
         whole solve starts and near which it stays; None for a search
     """
@@ -118,6 +119,7 @@ class SurfaceRequest:
     branching: float | None = 1.0
     faces: int | None = None
     straighten: bool = False
+    pins: tuple[tuple[int, float], ...] = ()
     start: tuple[np.ndarray, np.ndarray] | None = None
 
     @property
@@ -169,7 +171,7 @@ class SurfaceRequest:
         start = None if self.start is None else self.start[0]
         with self._own_vertices():
             guides = tuple(guide.weighted for guide in self.guides)
-            wishes = DirectionWishes(guides, self.rows, self.mirrors, self.singularities)
+            wishes = DirectionWishes(guides, self.rows, self.mirrors, self.singularities, self.pins)
             field = direction_field(mesh, symmetry, wishes, self.options, progress, before, follower, start)
         if self.command == "quad_mesh":
             field = along_curvature(field)
@@ -209,7 +211,7 @@ class SurfaceRequest:
     def known(self, vectors, phases):
         """The DirectionField and the Pattern of (n, 3) directions and (k n,) complex phases that were solved for."""
         mesh, symmetry = self.given.mesh, SYMMETRIES[self.symmetry]
-        wishes = DirectionWishes((), self.rows, self.mirrors, self.singularities)
+        wishes = DirectionWishes((), self.rows, self.mirrors, self.singularities, self.pins)
         field = known_directions(mesh, symmetry, vectors, wishes)
         return field, known_pattern(mesh, field, self.spacings, phases, self.rows, self.mirrors, self.branching)
 

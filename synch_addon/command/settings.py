@@ -61,6 +61,12 @@ def add_settings(command, name):
     command.add_argument(
         "--mirror", default="", metavar="AXES", help="X, Y, Z or several: the result is its own mirror image in them"
     )
+    command.add_argument(
+        "--pins",
+        metavar="FACE=TURNS,...",
+        help="faces around which directions turn so often, in halves for lines and quarters for crosses; default: "
+        "those stored with the object",
+    )
     add_strict(command)
     command.add_argument(
         "--constraints", metavar="ROWS.json", help="a list of rows; default: the list stored with the object"
@@ -92,6 +98,7 @@ def settings_of(options):
         vertex_group=options.vertex_group,
         mirror=options.mirror.upper(),
         singularities=options.singularities,
+        pins=options.pins,
         constraints=_read_constraints(options.constraints) if options.constraints else None,
         **(spacing_of(options) if hasattr(options, "spacing") else {}),
         **only_some,

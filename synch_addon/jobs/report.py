@@ -34,6 +34,7 @@ class Report:
         self.warnings = []
         self.forced_dislocations = None
         self.quad_mesh = None
+        self.pins_cost = None
         self.curves_read = ()  # what the curves looked like that the settings speak of
         self._settled = {}
         self._start = time.perf_counter()
@@ -42,7 +43,7 @@ class Report:
     def again(self, command=None):
         """A report of the same run for another result of its solve: new times, no warnings yet."""
         fresh = copy(self)
-        fresh.command = command or self.command
+        fresh.command, fresh.pins_cost = command or self.command, None
         fresh.clock, fresh.warnings, fresh._start = Clock(), [], time.perf_counter()
         return fresh
 
@@ -97,6 +98,8 @@ class Report:
                 "directions that an attribute gives are taken as they are, with all their singular points: give it a "
                 f"strength (attribute:{self.settings.exact_attribute}=1) where there should be fewer"
             )
+        if self.settings.exact_attribute and self.settings.pins:
+            self.warn("directions that an attribute gives are taken as they are, without the pins: give it a strength")
         if np.any(request.turn) and self.settings.mirror:
             self.warn("the angle turns directions the same way on both sides of the mirror: set it to 0")
         if self.command != "quad_mesh":
@@ -158,6 +161,7 @@ class Report:
             "dislocations": [d for d in defects if d["kind"] == "dislocation"],
             "forced_dislocations": self.forced_dislocations,
             **({"quad_mesh": self.quad_mesh} if self.quad_mesh else {}),
+            **({"pins_cost": self.pins_cost} if self.pins_cost is not None else {}),
             **self.ended(solutions, {"spacing": self._request.spacing, "constraints": rows} | self._settled),
         }
 

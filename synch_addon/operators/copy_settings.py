@@ -7,7 +7,7 @@ from ..blender.translations import said
 from ..panels.row_operators import can_set, others_selected
 
 # What an object was found to have, rather than what is asked of it.
-_OWN = {"rna_type", "result", "favourites"}
+_OWN = {"rna_type", "result", "favourites", "pins"}
 
 
 class SYNCH_OT_copy_settings(bpy.types.Operator):

@@ -283,7 +283,9 @@ class FieldOperator(ObjectOperator):
         if report["energy"] is None:
             return counts
         proof = f", proved: no field saves more than {report['gap']:.0%}" if report["certificate"] == "proved" else ""
-        return f"energy {report['energy']:.4g}{proof}; {counts}"
+        cost = report.get("pins_cost")
+        pins = "" if cost is None else f"; with these pins directions bend {cost:+.1%}"
+        return f"energy {report['energy']:.4g}{proof}; {counts}{pins}"
 
 
 class SYNCH_OT_cancel(bpy.types.Operator):

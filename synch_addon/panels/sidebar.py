@@ -37,6 +37,12 @@ def draw_directions(layout, settings, obj, of_quads=False):
     for number, axis in enumerate("XYZ"):
         row.prop(settings, "mirror", index=number, text=axis, toggle=True)
     column.prop(settings, "singularities")
+    if hasattr(settings, "pins"):
+        row = column.row(align=True, heading="Pin")
+        for turns, text in ((1, "+"), (-1, "−"), (0, "0")):
+            row.operator("synch.pin", text=text, translate=False).turns = turns
+        if settings.pins:
+            row.operator("synch.unpin", text="", icon="X")
 
 
 def draw_simple(layout, obj):

@@ -4,6 +4,7 @@
 from dataclasses import replace
 
 import bpy
+import numpy as np
 
 from ...core.errors import SynchError
 from ..blender import meshes
@@ -47,11 +48,30 @@ def write_result(obj, request, field, pattern, report, number=0, change=None, re
     Numbers of stripes stay as they are where they are not to be renewed, for :func:`numbers.renew_shown`. It is kept
     ``instead`` of what was kept last, or beside it.
     """
+    report.pins_cost = _pins_cost(obj, request, field, report)
     with report.clock("write"):
         defects, request = show(obj, request, field, pattern, report, renumber)
     plain = report.finish(field, pattern, defects)
     _remember(obj, memory.Solved(request, field, pattern, report, plain, number, change), instead)
     return plain
+
+
+def _pins_cost(obj, request, field, report):
+    """How much more the directions bend than those that the object shows, as a share, where only the pins are others;
+    else None."""
+    if not memory.holds(obj):
+        return None
+    shown = memory.solve_of(obj)
+    before, now = shown.report.settings, report.settings
+    same = before.pins != now.pins and replace(before, pins=now.pins) == now
+    if not same or shown.request.command != request.command or shown.field.bending == 0:
+        return None
+    given = shown.request.given.mesh
+    if not np.array_equal(given.triangles, request.given.mesh.triangles) or not np.array_equal(
+        given.vertices, request.given.mesh.vertices
+    ):
+        return None
+    return field.bending / shown.field.bending - 1
 
 
 def write_again(obj, solved):

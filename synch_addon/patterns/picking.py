@@ -48,6 +48,10 @@ class PickedSurface:
         face, corners = self._hit(origin, towards)
         return None if face is None else int(self._corners(face)[np.linalg.norm(corners, axis=1).argmin()])
 
+    def face_at(self, origin, towards):
+        """The face that a ray in object space first meets, or None."""
+        return self.tree.ray_cast(origin, towards)[2]
+
     def place_at(self, origin, towards):
         """Where a ray in object space first meets the surface: (3,) there and (3,) on the mesh itself, or None."""
         place, _, face, _ = self.tree.ray_cast(origin, towards)

@@ -95,8 +95,8 @@ def _asked_along_edges(settings):
     plain = Settings()
     names = ["guidance", "angle", "angle_attribute", "angle_range"]
     if settings.exact_attribute is not None:
-        settings = replace(settings, singularities=1.0)
-    if settings.branching == 1 and settings.singularities == 1:
+        settings = replace(settings, singularities=1.0, pins="")
+    if settings.branching == 1 and settings.singularities == 1 and not settings.pins:
         names += ["boundary", "vertex_group", "mirror"]
         settings = replace(settings, constraints=())
     return replace(settings, **{name: getattr(plain, name) for name in names})

@@ -18,6 +18,7 @@ from ..settings import constraints
 from ..settings.constraint_list import stored_constraints
 from ..settings.fields import default_shares
 from ..settings.guidance import read_guides
+from ..settings.pins import on_triangles, parsed
 
 # Automatic spacing: this many stripes or quads across the object, and at least this many edges to a period;
 # an object of few edges gets these lines all the same, with a warning.
@@ -38,6 +39,8 @@ def settings_for(command, obj, settings):
         raise SettingError("stripes need a vector or line field: set the symmetry to vector or line")
     if settings.constraints is None:
         settings = replace(settings, constraints=stored_constraints(obj))
+    if settings.pins is None:
+        settings = replace(settings, pins=obj.synch.pins if hasattr(obj, "synch") else "")
     return settings
 
 
@@ -95,6 +98,7 @@ def gather(command, obj, settings, base=None, given=None):
         settings.branching,
         settings.faces or None,
         settings.straighten,
+        on_triangles(parsed(settings.pins), given.polygons, settings.symmetry),
     )
 
 

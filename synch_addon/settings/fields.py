@@ -28,6 +28,7 @@ from .constraints import Constraint, from_plain
 from .favourite_list import SynchFavourite
 from .guidance import parse
 from .guide_list import GUIDE_ITEMS, SynchGuide, stored_guidance, suggest_numbers
+from .pins import parsed
 from .solver import (
     ANGLE,
     BRANCHING,
@@ -73,6 +74,8 @@ class Settings(SolverSettings):
     singularities : share of the shape's unevenness that directions answer with singular points, from 0 (the fewest
         that its topology allows) to 1; None for that of :func:`default_shares`
     constraints : rows of the constraint list, :class:`Constraint` or dicts; None for the object's own list
+    pins : faces and by how many of the smallest turns directions turn around them, as :mod:`.pins` reads them; "" for
+        none, None for the object's own
     spacing : period in scene units, the distance between two stripes or two quads' length; None for about forty
         stripes or quads across the object
     spacing_map : name of a float attribute on the vertices, a factor on the spacing, or of a vertex group; "" for none
@@ -98,6 +101,7 @@ class Settings(SolverSettings):
     mirror: str = ""
     singularities: float | None = None
     constraints: tuple[Constraint, ...] | None = None
+    pins: str | None = None
     spacing: float | None = None
     spacing_map: str = ""
     spacing_range: float = RANGE
@@ -130,6 +134,7 @@ class Settings(SolverSettings):
         if set(self.mirror) - set("XYZ"):
             raise SettingError(f"the mirror is {self.mirror!r}: use axes of X, Y and Z, such as X or XY")
         parse(self.guidance)
+        parsed(self.pins or "")
 
     @property
     def all_constraints(self):
@@ -311,6 +316,11 @@ class SynchSettings(SettingProperties, bpy.types.PropertyGroup):
     mesh_singularities: MESH_SINGULARITIES
     constraints: CollectionProperty(
         name="Constraints", description="What is asked of the pattern along lines of the mesh", type=SynchConstraint
+    )
+    pins: StringProperty(
+        name="Pins",
+        description="Faces around which directions turn as often as is said here, in the smallest turns that there "
+        "are: halves for lines, quarters for crosses",
     )
     active_constraint: IntProperty(name="Active Constraint", description="Row that the panel shows", min=0)
     favourites: CollectionProperty(name="Favourites", description="Variations that are kept", type=SynchFavourite)

@@ -82,6 +82,28 @@ DRAWING = {
         "Das Muster durch die Modifikatoren davor tragen, etwa Unterteilung, Spiegeln und Wandstärke: Richtungen, "
         "Phasen und Muster werden an den Punkten neu gemacht, die sie hinterlassen"
     ),
+    "Pin": "Festsetzen",
+    "Pin a Swirl Point": "Wirbelpunkt festsetzen",
+    "Click on the surface to choose around which face directions turn, and how often; drag to move it, Enter ends, Esc "
+    "undoes. Solve again, or let Live follow": (
+        "Auf die Oberfläche klicken, um zu wählen, um welche Fläche sich Richtungen drehen, und wie oft; Ziehen "
+        "bewegt, Eingabe beendet, Esc macht rückgängig. Neu lösen, oder Live folgen lassen"
+    ),
+    "Turns": "Drehungen",
+    "How often directions turn: halves for lines, quarters for crosses, 0 for a face without a swirl point": (
+        "Wie oft sich Richtungen drehen: halbe für Linien, viertel für Kreuze, 0 für eine Fläche ohne Wirbelpunkt"
+    ),
+    "Click: pin a face   Drag: move it   Enter: done   Esc: as before": (
+        "Klicken: Fläche festsetzen   Ziehen: bewegen   Eingabe: fertig   Esc: wie vorher"
+    ),
+    "Clear Pins": "Nichts festsetzen",
+    "Let directions turn where they want": "Richtungen sich drehen lassen, wo sie wollen",
+    "Pins": "Festgesetzt",
+    "Faces around which directions turn as often as is said here, in the smallest turns that there are: halves for "
+    "lines, quarters for crosses": (
+        "Flächen, um die sich Richtungen so oft drehen, wie hier steht, in den kleinsten Drehungen, die es gibt: "
+        "halben für Linien, vierteln für Kreuze"
+    ),
     "Panel": "Tafel",
     "What the sidebar shows": "Was die Seitenleiste zeigt",
     "Simple": "Einfach",

@@ -35,7 +35,7 @@ GROUPS = (
 OPERATORS = (
     "stripes quads directions quad_mesh trace_quads refine add_sample isolines bake animate variation draw_variation "
     "place_defect keep_favourite show_favourite remove_favourite select_defects next_defect copy_report cancel "
-    "carry select_places show_loop preset number_stripes asset_library "
+    "carry pin unpin select_places show_loop preset number_stripes asset_library "
     "import_field export_field add_preset constraint_add constraint_remove constraint_move guide_add guide_remove "
     "paint_map draw_stroke erase_strokes smooth_strokes "
     "layers layer_group_add layer_group_remove layer_export layer_toolpaths layer_path_export layer_volume "
@@ -106,7 +106,7 @@ def test_what_is_put_together_is_translated():
 
 def test_hints_in_the_status_bar_are_translated():
     hints = [cls.hint for cls in PickingOperator.__subclasses__()]
-    assert len(hints) == 2 and all(hints) and untranslated(hints) == []
+    assert len(hints) == 3 and all(hints) and untranslated(hints) == []
 
 
 def test_menu_entries_are_translated():
