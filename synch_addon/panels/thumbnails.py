@@ -152,10 +152,18 @@ def draw_variations(layout, obj, result):
             continue
         variation = gallery.made[number]
         cell.template_icon(icon_value=galleries.icon(obj, variation), scale=SCALE)
-        more = f"+{variation.more:.1%}" if variation.more < _MUCH - 1 else f"> {_MUCH} ×"
-        text = f"{said('Best') if number == 0 else more} · {variation.defects}"
+        text = f"{_cost(variation)}·{variation.defects}"
         is_shown = obj.synch_shown.variation == number and math.isclose(result["energy"], variation.energy)
         cell.operator("synch.variation", text=text, translate=False, depress=is_shown).number = number
+
+
+def _cost(variation):
+    """How much more energy a variation has than the best, short enough for a third of the panel."""
+    if variation.number == 0:
+        return said("Best")
+    if variation.more >= _MUCH - 1:
+        return f">{_MUCH}×"
+    return f"+{variation.more:.{int(variation.more < 0.1)}%}"
 
 
 def _seen_colour(colour):

@@ -90,9 +90,6 @@ OPERATORS = {
         "Wie oft jede Kante halbiert wird; ohne Angabe so oft, wie der Abstand es braucht"
     ),
     "Variation": "Variante",
-    "Show another near-optimal configuration of defects, from the last solve": (
-        "Eine andere fast optimale Anordnung der Defekte aus der letzten Lösung zeigen"
-    ),
     "0 is the best one, the next are other good ones, high numbers are drawn at random": (
         "0 ist die beste, die nächsten sind andere gute, hohe Nummern sind zufällig gezogen"
     ),

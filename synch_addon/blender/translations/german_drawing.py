@@ -24,6 +24,11 @@ DRAWING = {
     "Paints a turn by {angle:.0f}°": "Malt eine Drehung um {angle:.0f}°",
     "Done Painting": "Fertig gemalt",
     "Best": "Beste",
+    "Show another near-optimal configuration of defects, from the last solve. On a thumbnail's button: how much more "
+    "energy it has than the best, and the number of line ends": (
+        "Eine andere fast optimale Anordnung von Defekten aus der letzten Lösung zeigen. Auf dem Knopf eines "
+        "Bildchens: wie viel mehr Energie sie hat als die beste, und die Zahl der Linienenden"
+    ),
     "Guide Strokes": "Führungsstriche",
     "Lines drawn on the surface that stripes follow": "Auf die Oberfläche gezeichnete Linien, denen Streifen folgen",
     "Draw on the active mesh what stripes follow; Ctrl erases, Shift smooths": (

@@ -1,0 +1,40 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The simple panel in a real window: one button, and variations that a click on a thumbnail's button shows."""
+
+import pytest
+
+from .test_window import add_ball
+
+SIMPLE = "part('settings.preferences').preferences().panel = {!r}"
+
+
+@pytest.fixture
+def simple(panel):
+    """The simple panel, in English."""
+    panel.run(SIMPLE.format("SIMPLE"))
+    yield panel
+    panel.run(SIMPLE.format("ADVANCED") + "; bpy.context.preferences.view.language = 'en_US'")
+
+
+def test_one_button_and_the_thumbnails_of_what_it_made(simple, keep):
+    add_ball(simple, 5)
+    simple.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.3")
+    for text in ("Simple", "Advanced", "Stripes", "Direction", "Branching"):
+        simple.wait_for(text)
+    for text in ("Solver", "Singularities", "Quads"):
+        assert not simple.shows(text), text
+    simple.click("Stripes")
+    simple.wait_for("Result")
+    gallery = "part('panels.thumbnails').galleries.of(active())"
+    count = simple.value(f"{gallery}.count")
+    simple.until(f"len({gallery}.made) == {count}")
+    keep("simple", simple.picture("UI"))
+    cost = simple.value(f"part('panels.thumbnails')._cost({gallery}.made[1])")
+    defects = simple.value(f"{gallery}.made[1].defects")
+    simple.click(f"{cost}·{defects}")
+    simple.until("active().synch_shown.variation == 1")
+    keep("simple_variation", simple.picture())
+    simple.run("bpy.context.preferences.view.language = 'de_DE'")
+    simple.wait_for("Erweitert")
+    keep("simple_de_DE", simple.picture("UI"))
