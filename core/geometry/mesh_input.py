@@ -34,10 +34,6 @@ class MeshInput:
     across: np.ndarray | None = None
     linked: np.ndarray | None = None
 
-    def __post_init__(self):
-        for mesh in (self.mesh, self.uncut):
-            mesh.in_polygons = self.polygons.are_split
-
     @property
     def vertex_count(self):
         """How many vertices the object has."""

@@ -46,11 +46,6 @@ class Polygons:
         """(m, 3) vertices of the triangles."""
         return self.corner_vertices[self.triangle_corners]
 
-    @property
-    def are_split(self):
-        """Whether some face has several triangles."""
-        return bool((self.triangle_faces[1:] == self.triangle_faces[:-1]).any())
-
     @cached_property
     def first_triangles(self):
         """(p,) first triangle of each face."""

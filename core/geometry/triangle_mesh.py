@@ -57,10 +57,6 @@ class TriangleMesh:
         for arrays of another shape, or a triangle of a vertex that is not there
     """
 
-    # Whether some triangles are parts of polygons, on whose borders alone phases are read: a field of other triangles
-    # may turn inside of a polygon in a way that its own triangles do not tell, and the pattern would be torn there.
-    in_polygons = False
-
     def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
         self.vertices = _rows_of_three(vertices, np.float64, "vertices are points in space")
         self.triangles = _rows_of_three(triangles, np.int64, "split polygons into triangles")
@@ -231,10 +227,8 @@ class TriangleMesh:
 
     @cached_property
     def posed(self):
-        """What problems are posed on: the mesh itself where its weights tell nearly all, or in polygons, else the same
-        surface and vertices in other triangles (see :func:`intrinsic_delaunay`)."""
-        if self.in_polygons:
-            return self
+        """What problems are posed on: the mesh itself where its weights tell nearly all, else the same surface and
+        vertices in other triangles (see :func:`intrinsic_delaunay`)."""
         lost = clipped_share(self.corner_angles, self.triangle_edges, self.edge_lengths, self.areas)
         return self if lost <= MOST_CLIPPED else intrinsic_delaunay(self)
 

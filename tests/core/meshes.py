@@ -200,9 +200,23 @@ def polygon_mesh(vertices, faces):
         np.array(triangle_corners),
         np.array(triangle_faces),
     )
-    mesh = TriangleMesh(vertices, polygons.triangles)
-    mesh.in_polygons = polygons.are_split
-    return mesh, polygons
+    return TriangleMesh(vertices, polygons.triangles), polygons
+
+
+def with_split(polygons, faces):
+    """The same triangles where some faces are no more than their own, as the program has those that are unfit."""
+    parts, triangle_corners, triangle_faces, start = [], [], [], 0
+    for face, corners in enumerate(np.split(polygons.corner_vertices, polygons.starts[1:])):
+        inside = polygons.triangle_corners[polygons.triangle_faces == face] - polygons.starts[face]
+        pieces = [(corners[row], [[0, 1, 2]]) for row in inside] if face in faces else [(corners, inside)]
+        for own, triangles in pieces:
+            triangle_corners.append(start + np.array(triangles))
+            triangle_faces += [len(parts)] * len(triangles)
+            parts.append(own)
+            start += len(own)
+    sizes = np.array([len(own) for own in parts])
+    numbers = np.array(triangle_faces)
+    return Polygons(np.concatenate(parts), np.cumsum(sizes) - sizes, sizes, np.vstack(triangle_corners), numbers)
 
 
 def quad_torus(diagonal=0, around=24, across=12):
@@ -212,6 +226,25 @@ def quad_torus(diagonal=0, around=24, across=12):
     firsts = random.integers(0, 4, len(quads)) if diagonal is None else np.full(len(quads), diagonal)
     faces = [(list(q), int(first)) for q, first in zip(quads, firsts, strict=True)]
     return polygon_mesh(torus_points(1.0, 0.4, around, across), faces)
+
+
+def slanted_torus(around=24, across=12, share=1e-4):
+    """A torus of quads, every second ring of which is narrow and slanted: its triangles are obtuse."""
+    i, j = np.mgrid[: 2 * around, :across]
+    u = 2 * np.pi * (i // 2 + i % 2 * share) / around
+    v = 2 * np.pi * (j + 0.5 * (i % 2)) / across
+    reach = 1 + 0.4 * np.cos(v)
+    points = np.stack([reach * np.cos(u), reach * np.sin(u), 0.4 * np.sin(v)], axis=-1).reshape(-1, 3)
+    return polygon_mesh(points, grid_quads(2 * around, across, wrap_columns=True, wrap_rows=True).tolist())
+
+
+def twisted_sphere(cuts=6, turns=3.0):
+    """A unit sphere of quads, wrung around its axis."""
+    points, quads = voxel_quads(product(range(cuts), repeat=3))
+    points = 2 * points / cuts - 1
+    x, y, z = (points / np.linalg.norm(points, axis=1)[:, None]).T
+    turned = (x + 1j * y) * np.exp(1j * turns * z)
+    return polygon_mesh(np.column_stack([turned.real, turned.imag, z]), quads.tolist())
 
 
 def quad_cube(cuts=5):

@@ -11,7 +11,19 @@ from synch_fields.core.fields.patterns import solve_pattern
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import dislocation_numbers, ell, evaluate, face_phases
 
-from .meshes import bent_square, cube, honeycomb_sphere, icosphere, mixed_torus, quad_cube, quad_torus, torus
+from .meshes import (
+    bent_square,
+    cube,
+    honeycomb_sphere,
+    icosphere,
+    mixed_torus,
+    quad_cube,
+    quad_torus,
+    slanted_torus,
+    torus,
+    twisted_sphere,
+    with_split,
+)
 
 
 def as_triangles(mesh):
@@ -76,6 +88,24 @@ def test_the_pattern_is_continuous_across_every_edge(build, symmetry, phases):
     for share in np.linspace(0.03, 0.97, 10):
         here = on_edges(faces, polygons, halves, share)
         there = on_edges(faces, polygons, mesh.twins[halves], 1 - share)
+        np.testing.assert_allclose(np.sort(np.cos(here), axis=0), np.sort(np.cos(there), axis=0), atol=1e-9)
+
+
+@pytest.mark.parametrize("symmetry", [1, 2, 4])
+@pytest.mark.parametrize("build", [mixed_torus, slanted_torus, twisted_sphere])
+def test_polygons_whose_problem_is_posed_on_other_triangles_are_continuous_once_the_unfit_are_split(build, symmetry):
+    mesh, polygons = build()
+    assert mesh.posed is not mesh
+    edge_phases = edge_phases_on(mesh, symmetry, "solved")
+    unfit = face_phases(edge_phases, polygons)[0].unfit
+    assert len(unfit) > 0 or build is not mixed_torus
+    polygons = with_split(polygons, unfit)
+    np.testing.assert_array_equal(polygons.triangles, mesh.triangles)
+    faces = face_phases(edge_phases, polygons)
+    halves = np.arange(3 * mesh.triangle_count)
+    for share in np.linspace(0.03, 0.97, 10):
+        here = on_edges(faces, polygons, halves, share)
+        there = on_edges(faces, polygons, mesh.twins, 1 - share)
         np.testing.assert_allclose(np.sort(np.cos(here), axis=0), np.sort(np.cos(there), axis=0), atol=1e-9)
 
 

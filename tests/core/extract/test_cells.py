@@ -14,7 +14,7 @@ from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import evaluate, face_phases
 
 from ..crosses import plane_edge_phases
-from ..meshes import bent_square, cube, icosphere, mixed_torus, quad_cube, square
+from ..meshes import bent_square, cube, icosphere, mixed_torus, quad_cube, square, with_split
 
 
 def as_triangles(mesh):
@@ -35,6 +35,7 @@ def solved(build, symmetry, share):
     mesh, polygons = build()
     spacing = np.linalg.norm(np.ptp(mesh.vertices, axis=0)) / share
     pattern = solve_pattern(mesh, direction_field(mesh, symmetry), spacing)
+    polygons = with_split(polygons, pattern.on_faces(polygons)[0].unfit)
     return pattern, polygons, pattern.on_faces(polygons)
 
 
