@@ -70,7 +70,7 @@ ui-test: environment
 	$(python) -m pytest -rs tests/ui
 
 ui-pictures: ui-test
-	cp out/ui/panel.png out/ui/progress.png out/ui/click_2.png out/ui/click_4.png out/ui/click_5.png docs/
+	cp out/ui/simple.png out/ui/panel.png out/ui/progress.png out/ui/click_2.png out/ui/click_4.png out/ui/click_5.png docs/
 
 lint: environment
 	$(python) -m ruff check
