@@ -92,6 +92,15 @@ def panel(blender):
 
 
 @pytest.fixture
+def as_delivered(blender):
+    """The window with the panel that a new user has, the simple one, in English, its tab not opened yet."""
+    choice = "part('settings.preferences').preferences().panel = {!r}"
+    blender.run(choice.format("SIMPLE"))
+    yield blender
+    blender.run(choice.format("ADVANCED") + "; bpy.context.preferences.view.language = 'en_US'")
+
+
+@pytest.fixture
 def keep():
     """Keeps a picture: keep(name, picture)."""
     folder = ROOT / "out" / "ui"

@@ -6,15 +6,12 @@ import pytest
 
 from .test_window import add_ball
 
-SIMPLE = "part('settings.preferences').preferences().panel = {!r}"
-
 
 @pytest.fixture
-def simple(panel):
-    """The simple panel, in English."""
-    panel.run(SIMPLE.format("SIMPLE"))
-    yield panel
-    panel.run(SIMPLE.format("ADVANCED") + "; bpy.context.preferences.view.language = 'en_US'")
+def simple(as_delivered):
+    """The simple panel."""
+    as_delivered.open_panel()
+    return as_delivered
 
 
 def test_one_button_and_the_thumbnails_of_what_it_made(simple, keep):
