@@ -68,7 +68,18 @@ RE_EXPORTED = (
     *("clebsch", "filament_export"),
 )
 NAMES = (
-    *("directions", "stripes", "quads", "quad_mesh", "layers", "vary", "place_defects", "trace_quads", "isolines"),
+    *(
+        "directions",
+        "stripes",
+        "quads",
+        "quad_mesh",
+        "layers",
+        "vary",
+        "place_defects",
+        "trace_quads",
+        "isolines",
+        "carry",
+    ),
     *("relief", "preset", "bake", "import_field", "export_field", "select", "animate", "number_stripes", "refine"),
     *("layer_export", "layer_toolpaths", "layer_volume", "choose_point", "clebsch", "filament_export"),
 )
