@@ -22,6 +22,15 @@ def tick():
     return 0.01
 bpy.app.timers.register(tick, persistent=True)
 """
+# The sidebar drawn again five times a second, as while a job runs.
+DRAWN = """
+def draw():
+    for region in area().regions:
+        if region.type == "UI":
+            region.tag_redraw()
+    return 0.2
+bpy.app.timers.register(draw)
+"""
 QUEUE = "part('jobs.queue').queue"
 RUNNING = f"{QUEUE}.running"
 
@@ -73,7 +82,10 @@ def solves_again(panel):
 
 @pytest.mark.slow
 def test_a_large_solve_does_not_hold_the_window_up(small_window):
-    """Beside an idle window before and after it; where other programs keep the processors busy, gaps tell of them."""
+    """Beside an idle window before and after it, and one whose sidebar is drawn again and again.
+
+    Where other programs keep the processors busy, gaps tell of them.
+    """
     panel = small_window
     panel.run("bpy.ops.mesh.primitive_torus_add(major_segments=640, minor_segments=320)")  # 204,800 vertices
     panel.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.05")
@@ -86,11 +98,14 @@ def test_a_large_solve_does_not_hold_the_window_up(small_window):
     panel.press("ESC")
     panel.until(f"{RUNNING} is None")
     after, others_after = idle_gap(panel)
+    panel.run(DRAWN)
+    drawn = longest_gap(panel)
     print(
-        f"longest gaps: idle {before:.3f} s, solving {solving:.3f} s, idle {after:.3f} s; "
+        f"longest gaps: idle {before:.3f} s, solving {solving:.3f} s, idle {after:.3f} s, drawn {drawn:.3f} s; "
         f"processors that others used: {others_before:.2f} before, {others_after:.2f} after"
     )
-    limit = max(before, after) + 0.05
+    # Without a graphics card the sidebar alone takes longer to draw than what is left to us.
+    limit = max(before, after, drawn) + 0.05
     if solving > limit and max(others_before, others_after) > 0.2:
         pytest.skip(f"other programs use the machine, and the longest gap was {solving:.3f} s")
     assert solving <= limit
