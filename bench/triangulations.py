@@ -1,21 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The same surfaces in six triangulations: what bad triangles change, beside what another even triangulation changes.
+"""The same surfaces in several triangulations: what bad triangles change, beside what other even ones change.
 
     python bench/triangulations.py FOLDER
 
 FOLDER has fandisk.obj. All follow one smooth vector field weakly, so that there is one best field. "n = 1", "n = 2",
 "n = 4": mean angle, in degrees, between the directions and those of the first even triangulation, at points all over
 the surface. "stripes", "quads": mean difference of the logarithms of the distance between lines, in per cent. "/ even":
-these over what the second even triangulation differs by. "energy": over that of the first.
+these over the most that any other even triangulation differs by. "energy": over that of the first. "away": the same
+outside of balls around singular points and the surface's corners, where energies grow with the logarithm of how near
+the next vertices are.
 """
 
+from functools import partial
+
 import numpy as np
+from scipy.spatial import cKDTree
 
 from synch_fields.bench.command import arguments
 from synch_fields.bench.measure import row_of_child
 from synch_fields.bench.meshes import read_obj
 from synch_fields.bench.subdivide import sphere, subdivided
 from synch_fields.bench.tables import Column, print_table
+from synch_fields.core.connection import Connection, circle_transports, levi_civita
 from synch_fields.core.fields import DirectionWishes, direction_field, quad_pattern, stripe_pattern
 from synch_fields.core.fields.guidance.guides import vectors_guide
 from synch_fields.core.geometry import TriangleMesh
@@ -29,7 +35,11 @@ NEEDLE, SLIVER = 1e-3, 1e-8
 # Edges that bend by more are sharp (radians): their vertices stay. Faces of CAD bend by less than the other.
 SHARP, FLAT = np.radians(30), np.radians(3)
 SPREAD, ROUNDS = 0.9, 3
+# Other even triangulations.
+OTHERS = 3
 PATTERNS = {"stripes": (2, stripe_pattern), "quads": (4, quad_pattern)}
+# Radius of the balls, and the curvature (radians) of the vertices that are corners.
+NEAR, CORNER = 0.03, 0.2
 FIELDS = {"n = 1": 1, "n = 2": 2, "n = 4": 4}
 MEASURES = (*FIELDS, *PATTERNS)
 COLUMNS = (
@@ -37,6 +47,7 @@ COLUMNS = (
     *(Column(name, name, ".2f") for name in MEASURES),
     *(Column(f"{name} / even", f"{name} ratio", ".2f") for name in MEASURES),
     *(Column(f"{name} energy", f"{name} energy ratio", ".3f") for name in MEASURES),
+    *(Column(f"{name} away", f"{name} away ratio", ".3f") for name in FIELDS),
 )
 
 
@@ -48,20 +59,20 @@ def main():
     for name in options.names:
         path = options.meshes / "fandisk.obj"
         rows = [row_of_child(f"{name}, {kind}", measure, name, kind, path) for kind in KINDS]
-        first, second = rows[:2]
+        first, others = rows[0], rows[1 : 1 + OTHERS]
         for row in rows:
-            for what in MEASURES:
-                row[what] = difference(what, first, row)
-                row[f"{what} energy ratio"] = row[f"{what} energy"] / first[f"{what} energy"]
+            row |= {what: difference(what, first, row) for what in MEASURES}
+            energies = [*(f"{what} energy" for what in MEASURES), *(f"{what} away" for what in FIELDS)]
+            row |= {f"{what} ratio": row[what] / first[what] for what in energies}
         for row in rows:
-            row |= {f"{what} ratio": row[what] / second[what] for what in MEASURES}
+            row |= {f"{what} ratio": row[what] / max(other[what] for other in others) for what in MEASURES}
         print_table(name, COLUMNS, rows)
 
 
 def measure(name, kind, path):
     """Fields and patterns at points all over the surface; runs in a process of its own."""
     surface = SURFACES[name]
-    even = surface(path, 0)
+    even = surface(path)
     mesh = KINDS[kind](even, surface, path)
     check_mesh(mesh)
     places, normals = _samples(even)
@@ -80,6 +91,7 @@ def measure(name, kind, path):
         powers = (numbers / np.maximum(np.abs(numbers), 1e-12)) ** symmetry
         row[f"{label} values"] = np.angle((shares * powers).sum(axis=1))
         row[f"{label} energy"] = fields[symmetry].energy
+        row[f"{label} away"] = _energy_away(fields[symmetry], even)
     for label, (symmetry, solve) in PATTERNS.items():
         pattern = solve(mesh, fields[symmetry], SPACING)
         row[f"{label} values"] = np.log(pattern.evenness.spacings[found])
@@ -96,6 +108,20 @@ def difference(what, first, second):
     return float(100 * np.nanmean(np.abs(np.sort(one, axis=1) - np.sort(other, axis=1))))
 
 
+def _energy_away(field, even):
+    """Of the edges that are not near a singular point of the field or a corner of the even mesh."""
+    mesh, posed = field.mesh, field.mesh.posed
+    curvatures = 2 * np.pi - np.bincount(even.triangles.ravel(), even.corner_angles.ravel(), even.vertex_count)
+    faces = mesh.triangles[[defect.triangle for defect in field.disclinations]]
+    places = [*even.vertices[np.abs(curvatures) > CORNER], *mesh.vertices[faces].mean(axis=1)]
+    away = np.ones(len(posed.edges), bool)
+    if places:
+        away = cKDTree(places).query(mesh.vertices[posed.edges].mean(axis=1))[0] > NEAR
+    transports = circle_transports(levi_civita(posed, field.symmetry))
+    connection = Connection(mesh.vertex_count, posed.edges[away], posed.weights[away], transports[away])
+    return connection.energy(np.exp(1j * field.symmetry * field.angles))
+
+
 def asked(places):
     """The gradient of a function with nothing of the surfaces' symmetries."""
     x, y, z = (places - places.mean(axis=0)).T * 4
@@ -109,53 +135,38 @@ def _samples(mesh):
     return places, mesh.face_normals[faces]
 
 
-# Even triangulations: number 0 and number 1 of each surface
+# Even triangulations
 
 
-def _sphere(_path, number):
-    mesh = sphere(20)
-    turn = np.linalg.qr(np.random.default_rng(number).standard_normal((3, 3)))[0]
-    return mesh if number == 0 else TriangleMesh(mesh.vertices @ (turn * np.linalg.det(turn)).T, mesh.triangles)
+def _sphere(_path):
+    return sphere(20)
 
 
-def _torus(_path, number, around=96, across=48):
-    i, j = np.mgrid[:around, :across]
-    u = 2 * np.pi * (i + (0.5 * j if number else 0.0)) / around
-    v = 2 * np.pi * (j + 0.5 * number) / across
-    return _torus_of(u, v, number)
+def _torus(_path):
+    return _torus_of(*(2 * np.pi * angles for angles in np.mgrid[:96, :48] / [[[96]], [[48]]]))
 
 
-def _torus_of(u, v, number=0):
+def _torus_of(u, v):
+    """A torus of unit area in the pairs of triangles of a lattice of angles."""
     around, across = u.shape
     ring = 1 + 0.5 * np.cos(v)
     points = np.stack([ring * np.cos(u), ring * np.sin(u), 0.5 * np.sin(v)], axis=-1).reshape(-1, 3)
     i, j = np.mgrid[:around, :across]
 
     def corner(right, up):
-        # Rows are half an edge on from one to the next: the last meets the first so much further on.
-        over = (j + up) // across * (across // 2 * number)
-        return ((i + right + over) % around * across + (j + up) % across).ravel()
+        return ((i + right) % around * across + (j + up) % across).ravel()
 
     a, b, c, d = corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)
-    split = ((a, b, d), (b, c, d)) if number else ((a, b, c), (a, c, d))
-    mesh = TriangleMesh(points, np.concatenate([np.column_stack(t) for t in split]))
-    return TriangleMesh(mesh.vertices / np.sqrt(_TORUS_AREA), mesh.triangles)
+    triangles = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+    return TriangleMesh(points / np.sqrt(2 * np.pi**2), triangles)
 
 
-_TORUS_AREA = 2 * np.pi**2
+SURFACES = {"sphere": _sphere, "torus": _torus, "fandisk": read_obj}
 
 
-def _fandisk(path, number):
-    mesh = read_obj(path)
-    return mesh if number == 0 else _moved(mesh, ROUNDS)
-
-
-SURFACES = {"sphere": _sphere, "torus": _torus, "fandisk": _fandisk}
-
-
-def _moved(mesh, rounds):
+def _moved(mesh, rounds, seed):
     """Vertices that are on no sharp edge somewhere among their neighbours, then so often in their middle."""
-    random = np.random.default_rng(2)
+    random = np.random.default_rng(seed)
     sharp = np.zeros(mesh.vertex_count, bool)
     sharp[mesh.edges[np.abs(mesh.dihedral_angles) > SHARP]] = True
     surface = NearestTriangles(mesh.vertices, mesh.triangles)
@@ -219,8 +230,12 @@ def _with(mesh, points, removed, new):
     return TriangleMesh(np.concatenate([mesh.vertices, points]), np.concatenate(triangles))
 
 
+def _even_again(mesh, _surface, _path, seed):
+    return _moved(mesh, ROUNDS, seed)
+
+
 def random(mesh, _surface, _path):
-    return _moved(mesh, 0)
+    return _moved(mesh, 0, 2)
 
 
 def cad(mesh, surface, _path):
@@ -264,7 +279,7 @@ def _globe(rows, columns):
 
 KINDS = {
     "even": lambda mesh, _surface, _path: mesh,
-    "even again": lambda _mesh, surface, path: surface(path, 1),
+    **{f"even, moved {seed}": partial(_even_again, seed=seed) for seed in range(OTHERS)},
     "needles": needles,
     "random": random,
     "slivers": slivers,

@@ -311,8 +311,7 @@ class SynchronizationProblem:
     def _places(self):
         """(columns,) places in an order in which neighbours are near, so that products find them in the cache."""
         count, edges = self.connection.node_count, self.connection.edges
-        graph = coo_matrix((np.ones(len(edges)), edges.T), shape=(count, count))
-        order = reverse_cuthill_mckee(graph.tocsr())
+        order = reverse_cuthill_mckee(coo_matrix((np.ones(len(edges)), edges.T), shape=(count, count)).tocsr())
         places = np.full(len(self._embedding.masses), len(order))
         places[self._embedding.columns[order[::-1]]] = np.arange(len(order))[::-1]
         return places

@@ -112,8 +112,8 @@ def medit_sections(path, content):
         text = re.sub(r"#.*", "", content.decode("ascii"))
     except UnicodeDecodeError as error:
         raise SettingError(f"{path} is not a text file: export it as ASCII .mesh") from error
-    # Words of three letters and more are keywords: numbers have one letter at most.
-    parts = re.split(r"([A-Za-z]\w{2,})", text)
+    # Words of three letters and more are keywords; digits come before the letter of a number.
+    parts = re.split(r"\b([A-Za-z]\w{2,})", text)
     sections = dict(zip(parts[1::2], (rows.split() for rows in parts[2::2]), strict=True))
     if "MeshVersionFormatted" not in sections:
         raise SettingError(f"{path} is no MEDIT file: it lacks MeshVersionFormatted, export it again")
@@ -130,9 +130,20 @@ def _read_medit(path, content):
         if len(sections.get(name, [])) > 1:
             raise SettingError(f"{path} has {name}: split all cells into straight tetrahedra")
     vertices = medit_rows(path, "Vertices", sections["Vertices"], 3)[:, :3]
-    tets = medit_rows(path, "Tetrahedra", sections.get("Tetrahedra", ["0"]), 4)[:, :4]
-    rows = medit_rows(path, "Triangles", sections.get("Triangles", ["0"]), 3).astype(np.int64)
-    return vertices, tets.astype(np.int64) - 1, rows[:, :3] - 1, {"ref": rows[:, 3]}
+    try:
+        tets = _whole(medit_rows(path, "Tetrahedra", sections.get("Tetrahedra", ["0"]), 4))[:, :4]
+        rows = _whole(medit_rows(path, "Triangles", sections.get("Triangles", ["0"]), 3))
+    except ValueError as error:
+        raise SettingError(f"{path} has {error} among the vertices of its cells: export it again") from error
+    return vertices, tets - 1, rows[:, :3] - 1, {"ref": rows[:, 3]}
+
+
+def _whole(values):
+    """The same as whole numbers, int64; ValueError where some is none that a double tells from its neighbours."""
+    wrong = ~((np.abs(values) < 2**53) & (values == np.rint(values)))
+    if values.dtype.kind == "f" and wrong.any():
+        raise ValueError(f"the number {values[wrong][0]:g}")
+    return values.astype(np.int64)
 
 
 def medit_rows(path, name, words, width):
@@ -159,7 +170,7 @@ def _read_vtu(path, content):
             here = vtu_array(root, appended, piece.find("Points/DataArray")).reshape(-1, 3)
             arrays = {a.get("Name"): a for a in piece.iterfind("Cells/DataArray")}
             names = ("connectivity", "offsets", "types")
-            corners, ends, types = (vtu_array(root, appended, arrays[name]).astype(np.int64) for name in names)
+            corners, ends, types = (_whole(vtu_array(root, appended, arrays[name])) for name in names)
             values = {
                 str(a.get("Name")): vtu_array(root, appended, a)
                 for a in piece.iterfind("CellData/DataArray")

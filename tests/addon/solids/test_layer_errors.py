@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What cannot be filled with layers is refused in one line that names the remedy, and nothing changes."""
 
+import re
+
 import bpy
 import numpy as np
 import pytest
@@ -109,6 +111,18 @@ def test_a_solid_thinner_than_the_spacing_is_told_its_depth():
     obj = block((0.5, 0.5, 0.1))
     refused(obj, match, spacing=0.7, size=0.1)
     assert api.layers(obj, spacing=0.09, size=0.045)["layers"] > 0
+
+
+@pytest.mark.parametrize("side", [10, 3])
+def test_a_thin_plate_is_told_the_size_that_fills_it(side):
+    obj = block((side, side, 0.05), (4 * side, 4 * side, 1))
+    error = refused(obj, r"tetrahedra of size .* are too large: nothing of the solid is left; give a size of", size=0.1)
+    size = float(re.search(r"give a size of ([\d.]+),", str(error)).group(1))
+    assert 0.05 < size < 0.1
+    if side == 3:
+        report = api.layers(obj, spacing=0.5, size=size, guidance="axis:X")
+        assert report["status"] == "certified" and report["warnings"] == []
+        assert report["layers"] == 6
 
 
 def test_a_solid_of_another_object_is_refused():

@@ -50,8 +50,9 @@ def test_medit_text_is_read(tmp_path):
         medit(head="  MeshVersionFormatted\n2\n\nDimension\n3\n"),
         medit(end="\nEnd").replace("\n", "\r\n"),
         medit(tets=TETS.replace("1 2 3 4 5", "2 1 3 4 5")),
+        medit(points=POINTS.replace("1 0 0 1", "0.1e01 0 0 1")),
     ],
-    ids=["other-sections", "keywords-on-lines", "windows", "inverted"],
+    ids=["other-sections", "keywords-on-lines", "windows", "inverted", "exponents"],
 )
 def test_medit_comes_in_many_forms(tmp_path, text):
     plain, other = (read_tets(written(tmp_path, t, f"{k}.MESH")) for k, t in enumerate((medit(), text)))
@@ -109,6 +110,9 @@ def test_only_what_triangles_enclose_is_the_solid(tmp_path, skin):
         (medit(points=POINTS.replace("1 0 0 1", "1 0 a 1")), SettingError, "Vertices that is no number"),
         (medit(tets=TETS.replace("5 6", "9 6")), SettingError, "tetrahedron 1 names a vertex that is not among the 5"),
         (medit(tets=TETS.replace("5 6", "0 6")), SettingError, "tetrahedron 1 names a vertex"),
+        (medit(tets=TETS.replace("5 6", "99999999999999999999999 6")), SettingError, "has the number 1e\\+23 among"),
+        (medit(tets=TETS.replace("5 6", "4.5 6")), SettingError, "has the number 4.5 among"),
+        (medit(between="Triangles\n1\n1 2 1e400 9\n"), SettingError, "has the number inf among"),
         (medit(tets=TETS.replace("5 6", "4 6")), MeshError, "tetrahedron 1 has no volume"),
         (medit(head="MeshVersionFormatted 1\nDimension 2\n"), SettingError, "is flat: export a solid of dimension 3"),
         (medit(between="Hexahedra\n1\n1 2 3 4 5 1 2 3 0\n"), SettingError, "has Hexahedra: split all cells"),
