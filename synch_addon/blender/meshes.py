@@ -57,7 +57,8 @@ def object_mode(obj):
 
 
 def read_mesh(obj, base=None, strict=False):
-    """Read the object's own mesh (before modifiers) in object mode, measured with the object's scale.
+    """Read the object's own mesh (before modifiers) in object mode, in the shape of :func:`measured_key` and measured
+    with the object's scale.
 
     An evaluated object's own mesh is the one behind the modifiers.
 
@@ -97,10 +98,27 @@ def read_mesh(obj, base=None, strict=False):
     return MeshInput(mesh, polygons, stretch, mesh, np.arange(mesh.vertex_count))
 
 
+def measured_key(obj):
+    """The shape key whose places are measured: the one that is locked (Solo Active Shape Key), else the first; None
+    where there are none."""
+    keys = None if obj.is_evaluated else obj.data.shape_keys
+    if keys is None:
+        return None
+    locked = obj.active_shape_key if obj.show_only_shape_key else None
+    return keys.reference_key if locked is None or locked.mute else locked
+
+
+def measured_places(obj):
+    """(n, 3) of the object's own vertices in the shape that is measured, in object space."""
+    key = measured_key(obj)
+    if key is not None and key != obj.data.shape_keys.reference_key:
+        return read_all(key.points, "co", 3, np.float32).astype(float)
+    return read_values(obj, "position", "POINT").astype(float) if len(obj.data.vertices) else np.empty((0, 3))
+
+
 def _places(obj, stretch):
-    vertices = read_values(obj, "position", "POINT") if len(obj.data.vertices) else np.empty((0, 3))
     with np.errstate(invalid="ignore"):  # places that are not finite stay so
-        return vertices.astype(float) @ stretch.T
+        return measured_places(obj) @ stretch.T
 
 
 def is_unchanged(obj, given):

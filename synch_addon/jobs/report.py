@@ -17,6 +17,7 @@ import scipy
 from ...core.errors import name_elements, plural
 from ...core.memory import peak_megabytes
 from ...core.solve.solution import Clock
+from ..blender.meshes import measured_key
 from ..blender.modifiers import changing_modifiers
 from ..blender.schema import FORMAT
 from ..settings.fields import default_shares
@@ -35,6 +36,7 @@ class Report:
         self.forced_dislocations = None
         self.quad_mesh = None
         self.pins_cost = None
+        self.shape_key = None  # the one that was measured
         self.curves_read = ()  # what the curves looked like that the settings speak of
         self._settled = {}
         self._start = time.perf_counter()
@@ -60,7 +62,8 @@ class Report:
 
     def warn_about(self, obj, request):
         """Warn about what the object has that the result cannot follow."""
-        self._request = request
+        self._request, key = request, measured_key(obj)
+        self.shape_key = None if key is None else key.name
         for finding in request.given.findings:
             self.warn(finding.line)
         loose = request.given.loose_vertices
@@ -161,7 +164,7 @@ class Report:
             "dislocations": [d for d in defects if d["kind"] == "dislocation"],
             "forced_dislocations": self.forced_dislocations,
             **({"quad_mesh": self.quad_mesh} if self.quad_mesh else {}),
-            **({"pins_cost": self.pins_cost} if self.pins_cost is not None else {}),
+            **{name: value for name in ("pins_cost", "shape_key") if (value := getattr(self, name)) is not None},
             **self.ended(solutions, {"spacing": self._request.spacing, "constraints": rows} | self._settled),
         }
 

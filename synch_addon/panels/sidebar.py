@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..blender.meshes import refusal
+from ..blender.meshes import measured_key, refusal
 from ..blender.translations import said
 from ..jobs.queue import queue
 from ..patterns.live import live
@@ -134,6 +134,15 @@ def draw_unready(layout, obj):
     return bool(reason) or queue.holds(obj)
 
 
+def draw_shape(layout, obj):
+    """Of an object with shape keys, the one that is measured, and the lock that chooses the active one."""
+    key = measured_key(obj)
+    if key is not None:
+        row = layout.row(align=True)
+        row.label(text=said("Measured: {shape}", shape=key.name), icon="SHAPEKEY_DATA", translate=False)
+        row.prop(obj, "show_only_shape_key", text="", icon="PINNED" if obj.show_only_shape_key else "UNPINNED")
+
+
 def draw_row(layout):
     """The job that runs with a bar, and those that wait for their turn."""
     shown = [(place, work) for place, work in enumerate(queue.works) if not work.is_quiet]
@@ -193,6 +202,7 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
         obj = context.active_object
         if draw_unready(self.layout, obj) or draw_painting(self.layout, context):
             return
+        draw_shape(self.layout, obj)
         if is_simple():
             draw_simple(self.layout, obj)
             return

@@ -10,7 +10,7 @@ from mathutils.bvhtree import BVHTree
 from mathutils.interpolate import poly_3d_calc
 
 from ...core.geometry.polygons import Polygons
-from ..blender import attributes, meshes
+from ..blender import meshes
 from ..blender.bvh import surface_tree
 from ..blender.modifiers import changes_faces, hidden
 
@@ -35,12 +35,12 @@ class PickedSurface:
     @classmethod
     def of(cls, obj):
         """The surface of an object in object mode, bent by its modifiers up to those that change faces."""
-        polygons, own = meshes.read_polygons(obj), _places(obj)
+        polygons, own = meshes.read_polygons(obj), meshes.measured_places(obj)
         with hidden([modifier for modifier in obj.modifiers if changes_faces(modifier)]):
             depsgraph = bpy.context.evaluated_depsgraph_get()
             seen = obj.evaluated_get(depsgraph)
             if len(seen.data.vertices) == len(own) and len(seen.data.polygons) == len(polygons.starts):
-                return cls(_places(seen), own, polygons, BVHTree.FromObject(obj, depsgraph))
+                return cls(meshes.measured_places(seen), own, polygons, BVHTree.FromObject(obj, depsgraph))
         return cls(own, own, polygons, surface_tree(own, np.split(polygons.corner_vertices, polygons.starts[1:])))
 
     def vertex_at(self, origin, towards):
@@ -86,7 +86,3 @@ class PickedSurface:
         """(k,) vertices of a face."""
         start = self.polygons.starts[face]
         return self.polygons.corner_vertices[start : start + self.polygons.sizes[face]]
-
-
-def _places(obj):
-    return attributes.read_values(obj, "position", "POINT").astype(float)

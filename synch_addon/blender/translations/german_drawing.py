@@ -81,6 +81,7 @@ DRAWING = {
     "No UV map: Smart UV Project makes one": "Keine UV-Map: Smart UV Project macht eine",
     "{more:+.1%} energy, against the best": "{more:+.1%} Energie gegenüber der besten",
     "{name} is hidden": "{name} ist ausgeblendet",
+    "Measured: {shape}": "Gemessen: {shape}",
     "Carry Through Modifiers": "Durch Modifikatoren tragen",
     "Carry the pattern through the modifiers before, such as Subdivision, Mirror and Solidify: directions, phases and "
     "pattern are made anew at the vertices that they leave": (
