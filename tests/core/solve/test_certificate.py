@@ -83,6 +83,22 @@ def test_proofs_succeed_exactly_where_the_slack_is_definite(build, steps):
 
 
 @pytest.mark.parametrize("build", PROBLEMS)
+def test_what_rounding_may_hide_is_taken_off_before_a_matrix_counts_as_definite(build, monkeypatch):
+    """An eps for each entry of a row, and four for each entry of the longest column of the factor."""
+    seen = []
+    monkeypatch.setattr(certificate, "is_positive_definite", lambda matrix: seen.append(matrix) or True)
+    for piece in build().pieces:
+        shift, width, depth = 0.5, 1000, 0.25
+        duals = np.zeros(len(piece.mass))
+        assert prove(piece, shift, duals, depth, width)
+        taken = piece.matrix.diagonal() * (1 + depth) + depth * shift * piece.row_mass - seen.pop().diagonal()
+        entries = np.diff(piece.matrix.indptr)
+        expected = np.finfo(float).eps * (entries + 4 * width) * piece.matrix.diagonal().real
+        rounding = 4 * np.finfo(float).eps * ((1 + depth) * np.abs(piece.matrix.diagonal()) + shift * piece.row_mass)
+        assert (np.abs(taken.real - expected) <= rounding).all() and (expected > 100 * rounding).all()
+
+
+@pytest.mark.parametrize("build", PROBLEMS)
 @pytest.mark.parametrize("steps", [6, 25])
 def test_bounds_from_rough_points_stay_below_the_relaxation(build, steps):
     problem = build()
