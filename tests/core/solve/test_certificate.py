@@ -147,6 +147,13 @@ def test_proofs_are_tried_where_fronts_are_narrow_enough_for_the_matrix():
         assert (provable_width(piece) is not None) == is_provable
 
 
+def test_proofs_are_tried_up_to_a_number_of_rows_and_that_included(monkeypatch):
+    (piece,) = direction_problem(torus(around=24, across=12), 4).pieces
+    for most, is_provable in ((piece.matrix.shape[0], True), (piece.matrix.shape[0] - 1, False)):
+        monkeypatch.setattr(certificate, "LARGEST_PROOF", most)
+        assert (provable_width(piece) is not None) == is_provable
+
+
 def test_long_proofs_are_made_where_they_are_asked_for(monkeypatch):
     problem = direction_problem(torus(around=24, across=12), 4)
     short = solve(problem)
