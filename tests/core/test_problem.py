@@ -214,6 +214,15 @@ def test_conflicting_constraints_are_refused_by_the_name_of_the_node(constraints
         SynchronizationProblem(random_connection("circle", nodes=6), **constraints)
 
 
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("seed", range(6))
+def test_coordinates_of_expanded_phases_are_those_they_came_from(kind, seed):
+    constraints = random_constraints(kind, 9, seed)
+    problem = SynchronizationProblem(random_connection(kind, nodes=9, seed=seed), **constraints)
+    coordinates = random_coordinates(problem, seed)
+    np.testing.assert_allclose(problem.coordinates(problem.expand(coordinates)), coordinates, atol=1e-12)
+
+
 @pytest.mark.parametrize("dimension", [2, 3])
 @pytest.mark.parametrize("fibre", ["orthogonal", "rotations"])
 def test_unit_coordinates_of_frames_are_the_frame_at_every_node(fibre, dimension):

@@ -7,10 +7,12 @@ import pytest
 from scipy.linalg import eigh
 
 from synch_fields.core.algebra.factorization import is_positive_definite
+from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.fields.guidance.solids import axis_directions
 from synch_fields.core.fields.layers import layer_problem
 from synch_fields.core.monitor import SILENT
+from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solve import Certificate, Options, certificate, solve, spectral
 from synch_fields.core.solve.certificate import lower_bound, measure_slack, provable_width, prove
 from synch_fields.core.solve.descent import descend
@@ -152,6 +154,18 @@ def test_proofs_are_tried_up_to_a_number_of_rows_and_that_included(monkeypatch):
     for most, is_provable in ((piece.matrix.shape[0], True), (piece.matrix.shape[0] - 1, False)):
         monkeypatch.setattr(certificate, "LARGEST_PROOF", most)
         assert (provable_width(piece) is not None) == is_provable
+
+
+def test_fronts_count_in_nodes_where_each_has_two_rows(monkeypatch):
+    """On a surface a front is not taken for a solid's, of which long sweeps are left out, where nodes have two rows."""
+    monkeypatch.setattr(certificate, "LONGEST_SWEEP", 0)
+    mesh = torus(around=48, across=24)
+    flips = np.random.default_rng(0).random(len(mesh.edges)) < 0.5
+    connection = Connection(
+        mesh.vertex_count, mesh.edges, np.ones(len(flips)), circle_transports(np.zeros(len(flips)), flips)
+    )
+    (piece,) = SynchronizationProblem(connection).pieces
+    assert piece.block == 2 and provable_width(piece) is not None
 
 
 def test_long_proofs_are_made_where_they_are_asked_for(monkeypatch):
