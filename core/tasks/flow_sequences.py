@@ -129,6 +129,7 @@ class SequenceRequest:
             part = portion(progress, begin + (1 - begin) * number / count, (1 - begin) / count)
             found, sphere, warnings = self._solved(file, grid, quantum, found, sphere, _named(part, file.frame))
             result = FlowResult(found, sphere, found, None).seeing(self.settings)
+            monitor.at(f"frame {file.frame}, vortices", begin + (1 - begin) * (number + 0.95) / count)
             shown = monitor.during(lambda seen=result.seen, sphere=sphere: showing(seen, sphere, self.settings))
             is_kept = (number + 1) * grid.node_count * _KEPT <= _MOST_KEPT
             kept = replace(result.lean, shown=shown) if is_kept else None

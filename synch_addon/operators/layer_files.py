@@ -7,7 +7,7 @@ from bpy_extras.io_utils import ExportHelper
 
 from ...core.tasks.layer_outputs import FILLS, PathSettings
 from .. import api
-from ..blender.translations import said
+from ..blender.translations import said, told
 from ..jobs.queue import queue
 from ..jobs.report import counted
 from ..solids import memory
@@ -52,7 +52,7 @@ class _LayerOperator:
         elif queue.holds(obj):
             reason = said("{name} is being solved: wait for it, or cancel it", name=name)
         if reason:
-            cls.poll_message_set(reason)
+            cls.poll_message_set(told(reason))
         return reason is None
 
 
@@ -90,7 +90,7 @@ class SYNCH_OT_layer_export(_LayerOperator, PromptOperator, ExportHelper, bpy.ty
     def make(self, context):
         report = api.layer_export(context.active_object, self.filepath, self.together)
         for line in report["warnings"]:
-            self.report({"WARNING"}, line)
+            self.report({"WARNING"}, told(line))
         files = report["files"]
         return f"wrote {files[0]}" if len(files) == 1 else f"wrote {len(files)} layers, {files[0]} the lowest"
 

@@ -5,7 +5,7 @@ missing: in one line, which greys them out where it is known beforehand."""
 from ...core.errors import SynchError
 from ..blender.meshes import refusal
 from ..blender.phases import pattern_kind
-from ..blender.translations import said
+from ..blender.translations import said, told
 from ..jobs.queue import queue
 
 
@@ -16,7 +16,7 @@ class PromptOperator:
         try:
             line = self.make(context)
         except SynchError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, told(str(error)))
             return {"CANCELLED"}
         self.report({"INFO"}, line)
         return {"FINISHED"}
@@ -29,7 +29,7 @@ class ReadyOperator:
     def poll(cls, context):
         reason = _unready(context) or cls.lacking(context.active_object)
         if reason:
-            cls.poll_message_set(reason)
+            cls.poll_message_set(told(reason))
         return reason is None
 
     @classmethod

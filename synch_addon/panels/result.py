@@ -39,7 +39,8 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return super().poll(context) and bool(context.active_object.synch.result)
+        result = context.active_object.synch.result if super().poll(context) else ""
+        return bool(result) and not (is_simple() and json.loads(result)["command"] == "quad_mesh")
 
     def draw(self, context):
         synch = context.active_object.synch

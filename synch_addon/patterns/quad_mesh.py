@@ -87,7 +87,7 @@ def _carry(obj, made, given, quads, centres, under, surface):
 
 def _show_instead(obj, made, selection):
     """The given object is hidden, and the new one active and selected unless another one is by now."""
-    made.display_type = obj.display_type
+    made.display_type, made.show_wire = obj.display_type, True  # smooth faces without edges do not look like quads
     assign(obj, "hide_render", True)
     layer = bpy.context.view_layer
     if obj.name in layer.objects:

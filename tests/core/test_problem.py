@@ -11,6 +11,7 @@ from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.problem import Merged, SynchronizationProblem, Targets
 
+from .frame_graphs import random_frames
 from .graphs import (
     KINDS,
     as_blocks,
@@ -211,3 +212,25 @@ def test_the_unused_rows_of_the_ground_are_costly(kind):
 def test_conflicting_constraints_are_refused_by_the_name_of_the_node(constraints, node):
     with pytest.raises(SettingError, match=f"node {node} "):
         SynchronizationProblem(random_connection("circle", nodes=6), **constraints)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("seed", range(6))
+def test_coordinates_of_expanded_phases_are_those_they_came_from(kind, seed):
+    constraints = random_constraints(kind, 9, seed)
+    problem = SynchronizationProblem(random_connection(kind, nodes=9, seed=seed), **constraints)
+    coordinates = random_coordinates(problem, seed)
+    np.testing.assert_allclose(problem.coordinates(problem.expand(coordinates)), coordinates, atol=1e-12)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("fibre", ["orthogonal", "rotations"])
+def test_unit_coordinates_of_frames_are_the_frame_at_every_node(fibre, dimension):
+    """Of nodes that nothing constrains; the relaxation's lifted point begins with them where no piece tells more."""
+    random = np.random.default_rng(dimension)
+    edges = np.array([[0, 1], [1, 2]])  # and a node alone
+    transports = random_frames(2, dimension, random)
+    problem = SynchronizationProblem(Connection(4, edges, np.ones(2), transports), fibre=fibre)
+    frames = problem.expand(problem.unit_coordinates())
+    np.testing.assert_allclose(frames, np.tile(np.eye(dimension), (4, 1, 1)), atol=1e-14)
+    np.testing.assert_allclose(problem.coordinates(frames), problem.unit_coordinates(), atol=1e-14)

@@ -64,3 +64,14 @@ def test_loops_end_at_other_faces():
     loops = quad_loops(of_quads(faces))
     # The middle row and column are cut into two loops each of one quad; the triangles' common side is in none.
     assert loops.lengths.tolist() == [3] * 4 + [1] * 4
+
+
+@pytest.mark.parametrize("turns", [2, 3, 4])
+def test_a_ribbon_wound_on_a_tube_is_one_spiral_wherever_its_faces_begin(turns):
+    """Its upper side is its lower one a turn later; its middle comes first among the faces, where no loop ends."""
+    around = 12
+    faces = np.arange(around * turns)[:, None] + (0, 1, around + 1, around)
+    faces = faces[np.argsort(np.abs(np.arange(len(faces)) - (len(faces) - 1) / 2), kind="stable")]
+    loops = quad_loops(of_quads(faces))
+    assert loops.lengths.tolist() == [around * turns] + [turns] * around
+    assert loops.spirals.tolist() == [turns > 2] + [False] * around

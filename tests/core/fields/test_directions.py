@@ -10,7 +10,7 @@ from synch_fields.core.errors import SettingError
 from synch_fields.core.fields import direction_field, given_directions
 from synch_fields.core.geometry import TriangleMesh
 
-from ..meshes import CLOSED, EVERY, FLAT, cube, disk, icosphere, shared_mesh, square, together, torus
+from ..meshes import CLOSED, EVERY, FLAT, cube, disk, icosphere, octahedron, shared_mesh, square, together, torus
 from ..wishes import on_boundary
 
 
@@ -160,3 +160,16 @@ def test_loose_vertices_need_no_guidance():
 def test_unknown_symmetries_are_refused(symmetry):
     with pytest.raises(SettingError, match="symmetry"):
         direction_field(square(2), symmetry)
+
+
+@pytest.mark.parametrize("symmetry", [1, 2, 4, 6])
+def test_triangles_that_bend_much_hold_more_than_one_turn(symmetry):
+    """On eight triangles, each with an eighth of the curvature; the sum stays that of topology."""
+    mesh, random = octahedron(), np.random.default_rng(symmetry)
+    seen = set()
+    for _ in range(30):
+        powers = np.exp(2j * np.pi * random.random(6))
+        numbers = disclination_numbers(mesh, powers, symmetry)
+        assert numbers.sum() == 2 * symmetry
+        seen |= set(numbers.tolist())
+    assert max(seen) >= (2 if symmetry > 2 else 1)

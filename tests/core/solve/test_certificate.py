@@ -7,10 +7,12 @@ import pytest
 from scipy.linalg import eigh
 
 from synch_fields.core.algebra.factorization import is_positive_definite
+from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.fields.guidance.solids import axis_directions
 from synch_fields.core.fields.layers import layer_problem
 from synch_fields.core.monitor import SILENT
+from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solve import Certificate, Options, certificate, solve, spectral
 from synch_fields.core.solve.certificate import lower_bound, measure_slack, provable_width, prove
 from synch_fields.core.solve.descent import descend
@@ -83,6 +85,22 @@ def test_proofs_succeed_exactly_where_the_slack_is_definite(build, steps):
 
 
 @pytest.mark.parametrize("build", PROBLEMS)
+def test_what_rounding_may_hide_is_taken_off_before_a_matrix_counts_as_definite(build, monkeypatch):
+    """An eps for each entry of a row, and four for each entry of the longest column of the factor."""
+    seen = []
+    monkeypatch.setattr(certificate, "is_positive_definite", lambda matrix: seen.append(matrix) or True)
+    for piece in build().pieces:
+        shift, width, depth = 0.5, 1000, 0.25
+        duals = np.zeros(len(piece.mass))
+        assert prove(piece, shift, duals, depth, width)
+        taken = piece.matrix.diagonal() * (1 + depth) + depth * shift * piece.row_mass - seen.pop().diagonal()
+        entries = np.diff(piece.matrix.indptr)
+        expected = np.finfo(float).eps * (entries + 4 * width) * piece.matrix.diagonal().real
+        rounding = 4 * np.finfo(float).eps * ((1 + depth) * np.abs(piece.matrix.diagonal()) + shift * piece.row_mass)
+        assert (np.abs(taken.real - expected) <= rounding).all() and (expected > 100 * rounding).all()
+
+
+@pytest.mark.parametrize("build", PROBLEMS)
 @pytest.mark.parametrize("steps", [6, 25])
 def test_bounds_from_rough_points_stay_below_the_relaxation(build, steps):
     problem = build()
@@ -129,6 +147,25 @@ def test_proofs_are_tried_where_fronts_are_narrow_enough_for_the_matrix():
         solid = block((side,) * 3)
         (piece,) = layer_problem(solid, axis_directions(solid, (0, 0, 1)), 0.3).pieces
         assert (provable_width(piece) is not None) == is_provable
+
+
+def test_proofs_are_tried_up_to_a_number_of_rows_and_that_included(monkeypatch):
+    (piece,) = direction_problem(torus(around=24, across=12), 4).pieces
+    for most, is_provable in ((piece.matrix.shape[0], True), (piece.matrix.shape[0] - 1, False)):
+        monkeypatch.setattr(certificate, "LARGEST_PROOF", most)
+        assert (provable_width(piece) is not None) == is_provable
+
+
+def test_fronts_count_in_nodes_where_each_has_two_rows(monkeypatch):
+    """On a surface a front is not taken for a solid's, of which long sweeps are left out, where nodes have two rows."""
+    monkeypatch.setattr(certificate, "LONGEST_SWEEP", 0)
+    mesh = torus(around=48, across=24)
+    flips = np.random.default_rng(0).random(len(mesh.edges)) < 0.5
+    connection = Connection(
+        mesh.vertex_count, mesh.edges, np.ones(len(flips)), circle_transports(np.zeros(len(flips)), flips)
+    )
+    (piece,) = SynchronizationProblem(connection).pieces
+    assert piece.block == 2 and provable_width(piece) is not None
 
 
 def test_long_proofs_are_made_where_they_are_asked_for(monkeypatch):
