@@ -27,7 +27,7 @@ class Defect:
     index: float
     position: np.ndarray
     normal: np.ndarray
-    phase: int = 0
+    phase: int
 
 
 def wrap(angles):

@@ -159,7 +159,7 @@ def test_proofs_are_tried_up_to_a_number_of_rows_and_that_included(monkeypatch):
 def test_fronts_count_in_nodes_where_each_has_two_rows(monkeypatch):
     """On a surface a front is not taken for a solid's, of which long sweeps are left out, where nodes have two rows."""
     monkeypatch.setattr(certificate, "LONGEST_SWEEP", 0)
-    mesh = torus(around=48, across=24)
+    mesh = torus(around=60, across=60)
     flips = np.random.default_rng(0).random(len(mesh.edges)) < 0.5
     connection = Connection(
         mesh.vertex_count, mesh.edges, np.ones(len(flips)), circle_transports(np.zeros(len(flips)), flips)
