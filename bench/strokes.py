@@ -8,7 +8,8 @@ lie on, and without. Prints a table. Needs Blender as a module (bpy).
 
 What is measured are the middles of stripes as they are drawn, in spacings, at the 95th percentile: *off the curve* from
 points of the curve on the surface to the nearest middle; *wavy* how far to the side middles are of cubics through them
-over two spacings of their length, between half a spacing and two and a half from the curve.
+over two spacings of their length, between half a spacing and two and a half from the curve: all of them, and those
+farther than one and a half spacings from any defect, where stripes end and others make room.
 """
 
 import bpy
@@ -25,14 +26,17 @@ from synch_fields.synch_addon.blender.strokes import read_strokes
 from synch_fields.synch_addon.looks.samples import add_sample
 from synch_fields.synch_addon.patterns.picking import PickedSurface
 
-DETAILS, SPACINGS = (3, 4, 5), (0.1, 0.15, 0.25)
-# In spacings: from point to point of what is measured, the length of cubics, and from where to where neighbours are.
-STEP, LENGTH, NEAR = 0.01, 2, (0.5, 2.5)
+DETAILS, SPACINGS = (3, 4), (0.1, 0.15, 0.25)
+# In spacings: from point to point of what is measured, the length of cubics, from where to where neighbours are, and how
+# far from defects.
+STEP, LENGTH, NEAR, AWAY = 0.01, 2, (0.5, 2.5), 1.5
 COLUMNS = (
     Column("spacing", "spacing", ".2f"),
     Column("off the curve", "off", ".2%"),
-    Column("wavy beside it", "wavy", ".2%"),
-    Column("wavy without", "free", ".2%"),
+    Column("wavy beside it, all", "held_all", ".2%"),
+    Column("without the curve", "free_all", ".2%"),
+    Column("away from defects", "held", ".2%"),
+    Column("without the curve", "free", ".2%"),
 )
 
 
@@ -57,17 +61,15 @@ def measured(detail, spacing):
     obj.synch.boundary = "FREE"
     curve = on_surface(obj, source)
     wish = {"where": "curve", "what": "phase", "name": source.name}
-    found = {}
+    row = {"label": f"{len(obj.data.vertices):,}", "spacing": spacing}
     for name, wishes in (("held", [wish]), ("free", [])):
-        api.stripes(obj, spacing=spacing, constraints=wishes)
-        found[name] = middles(obj, spacing)
-    return {
-        "label": f"{len(obj.data.vertices):,}",
-        "spacing": spacing,
-        "off": np.quantile(cKDTree(np.concatenate(found["held"])).query(curve)[0], 0.95) / spacing,
-        "wavy": waviness(obj, found["held"], curve, spacing),
-        "free": waviness(obj, found["free"], curve, spacing),
-    }
+        report = api.stripes(obj, spacing=spacing, constraints=wishes)
+        lines = middles(obj, spacing)
+        defects = [defect["position"] for kind in ("disclinations", "dislocations") for defect in report[kind]]
+        row[f"{name}_all"], row[name] = waviness(obj, lines, curve, np.array(defects), spacing)
+        if wishes:
+            row["off"] = np.quantile(cKDTree(np.concatenate(lines)).query(curve)[0], 0.95) / spacing
+    return row
 
 
 def on_surface(obj, source):
@@ -98,19 +100,22 @@ def resampled(points, step):
     return np.column_stack([np.interp(asked, way, points[:, axis]) for axis in range(3)])
 
 
-def waviness(obj, lines, curve, spacing):
-    """How far to the side lines beside a curve are of cubics through them, in spacings, at the 95th percentile."""
-    tree, surface, off = cKDTree(curve), PickedSurface.of(obj).tree, []
-    window = int(LENGTH / STEP) + 1
+def waviness(obj, lines, curve, defects, spacing):
+    """How far to the side lines beside a curve are of cubics through them, in spacings, at the 95th percentile: all of
+    them, and those away from defects."""
+    beside, ends, surface = cKDTree(curve), cKDTree(defects), PickedSurface.of(obj).tree
+    window, off, is_away = int(LENGTH / STEP) + 1, [], []
     for points in lines:
-        away = tree.query(points)[0] / spacing
-        near = (away > NEAR[0]) & (away < NEAR[1])
+        apart = beside.query(points)[0] / spacing
+        near = (apart > NEAR[0]) & (apart < NEAR[1])
         if len(points) > window and near.any():
             residual = (points - savgol_filter(points, window, 3, axis=0))[near]
             normals = np.array([surface.find_nearest(point)[1] for point in points[near]])
             residual -= np.einsum("ij,ij->i", residual, normals)[:, None] * normals
             off.append(np.linalg.norm(residual, axis=1) / spacing)
-    return np.quantile(np.concatenate(off), 0.95)
+            is_away.append(ends.query(points[near])[0] > AWAY * spacing)
+    off, is_away = np.concatenate(off), np.concatenate(is_away)
+    return np.quantile(off, 0.95), np.quantile(off[is_away], 0.95)
 
 
 if __name__ == "__main__":
