@@ -2,6 +2,7 @@
 """Modifiers of an object: which of them change faces, which are ours, and evaluating without them."""
 
 from contextlib import contextmanager
+from itertools import takewhile
 
 # Names of our groups of geometry nodes, by what they show.
 FRAMES = {"stripes": "Synch Frames", "quads": "Synch Quad Frames"}
@@ -23,6 +24,11 @@ def changing_modifiers(obj):
 def foreign_modifiers(obj):
     """The modifiers that are seen and do not show a pattern."""
     return [modifier for modifier in obj.modifiers if modifier.show_viewport and not is_ours(modifier)]
+
+
+def last_subdivisions(obj):
+    """The Subdivision Surfaces that are seen and that nothing but what shows a pattern comes after."""
+    return list(takewhile(lambda modifier: modifier.type == "SUBSURF", reversed(foreign_modifiers(obj))))
 
 
 def changes_faces(modifier):

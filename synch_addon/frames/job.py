@@ -209,11 +209,13 @@ class AnimationJob:
 
 @contextmanager
 def _at_present(obj):
-    """Go through the frames for a while, without the modifier of an animation that is there; then come back."""
+    """Go through the frames for a while, without the modifier of an animation that is there and without Subdivision
+    Surfaces at the end, which smooth what the frames show; then come back."""
     scene = bpy.context.scene
     present = scene.frame_current, scene.frame_subframe
     try:
-        with hidden([modifier for modifier in obj.modifiers if modifiers.is_ours(modifier)]):
+        ours = [modifier for modifier in obj.modifiers if modifiers.is_ours(modifier)]
+        with hidden(ours + modifiers.last_subdivisions(obj)):
             yield
     finally:
         scene.frame_set(present[0], subframe=present[1])

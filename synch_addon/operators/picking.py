@@ -16,8 +16,9 @@ class PickingOperator(ReadyOperator):
     """Mixed into operators that are told by clicks on the surface where to do something.
 
     ``hint`` is shown in the status bar meanwhile. ``begin`` notes how an object is; ``pick`` does something at a ray,
-    anew after a click and in the last one's place while that is held, and returns whether it did; ``keep`` and
-    ``take_back`` end what was done, for good or as before.
+    anew after a click and in the last one's place while that is held, and returns whether it did; ``let_go``
+    is told when the button is up again, and returns what the status bar is to say of that; ``keep`` and ``take_back``
+    end what was done, for good or as before.
     """
 
     hint = ""
@@ -27,6 +28,10 @@ class PickingOperator(ReadyOperator):
 
     def pick(self, obj, surface, ray, is_moved):
         raise NotImplementedError
+
+    def let_go(self, obj):
+        """Nothing is to be said by default."""
+        return ""
 
     def keep(self, obj):
         """Nothing more is to be done by default."""
@@ -87,6 +92,8 @@ class PickingOperator(ReadyOperator):
                 context.area.tag_redraw()
             return {"CANCELLED"}
         if event.type == "LEFTMOUSE":
+            if self._held and event.value == "RELEASE":
+                context.workspace.status_text_set("   ".join(filter(None, (self.let_go(obj), said(self.hint)))))
             pressed = event.value == "PRESS" and not over_sidebar(context, event)
             self._held = pressed and self._pick(context, event, obj, False)
             return {"RUNNING_MODAL"}

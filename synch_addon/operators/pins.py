@@ -5,6 +5,7 @@ import bpy
 from bpy.props import IntProperty
 
 from ..panels.row_operators import RowOperator
+from ..patterns.pin_costs import PinCosts, cost_line
 from ..settings.pins import as_text, parsed
 from .picking import PickingOperator
 
@@ -26,6 +27,8 @@ Esc undoes. Solve again, or let Live follow"""
     )
 
     def begin(self, obj):
+        overlay = bpy.context.scene.synch_overlay
+        self._costs, self._shown = PinCosts(obj), (overlay.show, overlay.constraints)
         self._before = self._others = obj.synch.pins
 
     def pick(self, obj, surface, ray, is_moved):
@@ -35,9 +38,17 @@ Esc undoes. Solve again, or let Live follow"""
         if not is_moved:
             self._others = obj.synch.pins
         obj.synch.pins = as_text(parsed(self._others) | {face: self.turns})
+        overlay = bpy.context.scene.synch_overlay
+        overlay.show = overlay.constraints = True
         return True
 
+    def let_go(self, obj):
+        self._costs.tell(obj)
+        return cost_line(obj)
+
     def take_back(self, obj):
+        overlay = bpy.context.scene.synch_overlay
+        overlay.show, overlay.constraints = self._shown
         obj.synch.pins = self._before
 
 

@@ -15,6 +15,7 @@ from ..blender import attributes, groups, meshes
 from ..blender.defect_empties import COLORS as DEFECT_COLORS
 from ..blender.schema import DIRECTION, PHASES, SINGULARITY, SPACING_ERROR
 from ..patterns.loops import faces_of_loop, shown_edge
+from ..settings.pins import parsed
 
 # No more marks or streamlines than this, however dense the mesh.
 GLYPHS, STREAMLINES = 6_000, 250
@@ -31,6 +32,8 @@ WISH_COLORS = {
 # Of lines that are farther apart than asked, nearer, and just right; and from how many times on they are full.
 WIDE_COLOR, NARROW_COLOR, EVEN_COLOR = (0.85, 0.05, 0.03, 0.8), (0.03, 0.12, 0.85, 0.8), (1.0, 1.0, 1.0, 0.8)
 FULL_COLOR_AT = 1.5
+# Of pinned faces around which directions are not to turn.
+UNTURNED_COLOR = (0.45, 0.45, 0.45, 1.0)
 LOOP_COLOR, SPIRAL_COLOR = (1.0, 0.45, 0.0, 0.8), (0.85, 0.0, 0.5, 0.8)
 
 
@@ -80,6 +83,20 @@ def defect_points(obj):
             for chosen, colour in zip((index > 0, index < 0), DEFECT_COLORS[kind], strict=True):
                 found.setdefault(colour, []).append(at[chosen])
     return _not_empty([(np.concatenate(points), colour) for colour, points in found.items()])
+
+
+def pin_points(obj):
+    """The middles of the pinned faces, in the colours of the disclinations that are asked for there, or grey for none;
+    nothing where pins cannot be read."""
+    try:
+        pins = parsed(obj.synch.pins)
+    except SynchError:
+        return []
+    faces = {face: turns for face, turns in pins.items() if 0 <= face < len(obj.data.polygons)}
+    positive, negative = DEFECT_COLORS["disclination"]
+    colours = [positive if turns > 0 else negative if turns < 0 else UNTURNED_COLOR for turns in faces.values()]
+    middles = np.array([obj.data.polygons[face].center for face in faces]).reshape(-1, 3)
+    return [(middles[[other == colour for other in colours]], colour) for colour in dict.fromkeys(colours)]
 
 
 def spacing_errors(obj):

@@ -16,14 +16,22 @@ from ..blender.changes import changes
 from ..blender.registration import keeping
 from ..jobs.shelf import Shelf
 from ..patterns.loops import shown_edge
-from .overlay import constraint_lines, defect_points, direction_lines, direction_marks, loop_faces, spacing_errors
+from .overlay import (
+    constraint_lines,
+    defect_points,
+    direction_lines,
+    direction_marks,
+    loop_faces,
+    pin_points,
+    spacing_errors,
+)
 from .sidebar import SidebarPanel, property_column
 
 # Everything is drawn nearer by this share of its distance, so that it does not fight with the faces.
 NEARER = 2e-3
 # In pixels.
 LINE_WIDTHS = {"MARKS": 1.5, "STREAMLINES": 1.5, "CONSTRAINTS": 3.0}
-POINT_SIZE = 10.0
+POINT_SIZES = {"PINS": 18.0, "DEFECTS": 10.0}
 _SHADERS = {"TRIS": "FLAT_COLOR", "LINES": "POLYLINE_UNIFORM_COLOR", "POINTS": "POINT_UNIFORM_COLOR"}
 
 # In the order of drawing.
@@ -33,6 +41,7 @@ _PARTS = {
     "MARKS": direction_marks,
     "STREAMLINES": direction_lines,
     "CONSTRAINTS": constraint_lines,
+    "PINS": pin_points,
     "DEFECTS": defect_points,
 }
 
@@ -61,9 +70,10 @@ class SynchOverlay(bpy.types.PropertyGroup):
         name="Defects", description="Disclinations and dislocations, in the colours of their empties", default=True
     )
     constraints: BoolProperty(
-        name="Constraints", description="Edges of the constraint list, coloured by what they ask for", default=True
+        name="Constraints",
+        description="Edges of the constraint list, coloured by what they ask for, and pinned faces",
+        default=True,
     )
-
     spacing: BoolProperty(
         name="Spacing Error",
         description="Faces in colours: red where lines are further apart than asked, blue where they are nearer, white "
@@ -76,6 +86,7 @@ class SynchOverlay(bpy.types.PropertyGroup):
         """Names of the parts to draw."""
         chosen = {self.directions}
         chosen |= {part for part in ("DEFECTS", "CONSTRAINTS", "SPACING", "LOOP") if getattr(self, part.lower())}
+        chosen |= {"PINS"} if self.constraints else set()
         return [part for part in _PARTS if part in chosen]
 
 
@@ -125,7 +136,7 @@ def key(obj):
     scale = linear.T @ linear
     proportions = (scale / max(np.trace(scale), np.finfo(float).tiny)).round(3) + 0.0
     rows = tuple((row.where, row.what, row.vertex_group, row.enabled) for row in obj.synch.constraints)
-    settings = obj.synch.symmetry, obj.synch.boundary, obj.synch.vertex_group, rows, shown_edge(obj)
+    settings = obj.synch.symmetry, obj.synch.boundary, obj.synch.vertex_group, rows, shown_edge(obj), obj.synch.pins
     return changes.state(obj.data), proportions.tobytes(), *settings
 
 
@@ -164,7 +175,6 @@ def draw_object(obj, parts, view_matrix, pixel=1.0):
     """Draw parts of an object into the active framebuffer, hidden by what is nearer."""
     gpu.state.blend_set("ALPHA")
     gpu.state.depth_test_set("LESS_EQUAL")
-    gpu.state.point_size_set(POINT_SIZE * pixel)
     with gpu.matrix.push_pop():
         gpu.matrix.load_matrix(view_matrix @ obj.matrix_world)
         for part in parts:
@@ -172,6 +182,8 @@ def draw_object(obj, parts, view_matrix, pixel=1.0):
                 shader = _shader(kind)
                 if kind != "TRIS":
                     shader.uniform_float("color", colour)
+                if kind == "POINTS":
+                    gpu.state.point_size_set(POINT_SIZES[part] * pixel)
                 if kind == "LINES":
                     shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
                     shader.uniform_float("lineWidth", LINE_WIDTHS[part] * pixel)

@@ -7,6 +7,7 @@ from ..blender.meshes import measured_key, refusal
 from ..blender.translations import said, told
 from ..jobs.queue import queue
 from ..patterns.live import live
+from ..patterns.pin_costs import cost_line
 from ..patterns.refine import draw_warning
 from ..settings.fields import MESH_SHARES
 from ..settings.preferences import is_simple, preferences
@@ -43,6 +44,8 @@ def draw_directions(layout, settings, obj, of_quads=False):
             row.operator("synch.pin", text=text, translate=False).turns = turns
         if settings.pins:
             row.operator("synch.unpin", text="", icon="X")
+            if cost_line(obj):
+                column.label(text=cost_line(obj), icon="BLANK1", translate=False)
 
 
 def draw_simple(layout, obj):

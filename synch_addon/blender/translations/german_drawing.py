@@ -89,6 +89,9 @@ DRAWING = {
         "Phasen und Muster werden an den Punkten neu gemacht, die sie hinterlassen"
     ),
     "Pin": "Festsetzen",
+    "pin": "Festpunkt",
+    "pins": "Festpunkte",
+    "{pins}: about {more:+.0%} bending": "{pins}: etwa {more:+.0%} Biegung",
     "Pin a Swirl Point": "Wirbelpunkt festsetzen",
     "Click on the surface to choose around which face directions turn, and how often; drag to move it, Enter ends, Esc "
     "undoes. Solve again, or let Live follow": (

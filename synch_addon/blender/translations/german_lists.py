@@ -142,8 +142,8 @@ OVERLAY = {
     "Disclinations and dislocations, in the colours of their empties": (
         "Disklinationen und Versetzungen, in den Farben ihrer Leerobjekte"
     ),
-    "Edges of the constraint list, coloured by what they ask for": (
-        "Kanten der Liste der Bedingungen, gefärbt nach dem, was sie verlangen"
+    "Edges of the constraint list, coloured by what they ask for, and pinned faces": (
+        "Kanten der Liste von Bedingungen, gefärbt nach dem, was verlangt ist, und festgesetzte Flächen"
     ),
     "Spacing Error": "Abstandsfehler",
     "Faces in colours: red where lines are further apart than asked, blue where they are nearer, white where they are "

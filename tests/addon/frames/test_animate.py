@@ -203,10 +203,11 @@ def test_a_single_solve_takes_the_animation_out():
     assert not obj.modifiers and [a.name for a in obj.data.attributes if "." in a.name[1:]] == ["synch_phase.mine"]
 
 
-def test_relief_and_hidden_subdivision_come_after():
+@pytest.mark.parametrize("is_seen", [False, True])
+def test_relief_and_subdivisions_come_after(is_seen):
     obj = swaying(sphere(), 2)
     smooth = obj.modifiers.new("Subdivision", "SUBSURF")
-    smooth.show_viewport = False
+    smooth.show_viewport = is_seen
     api.animate(obj, frames=(1, 2), spacing=0.7)
     assert [modifier.type for modifier in obj.modifiers] == ["NODES", "SUBSURF"]
     api.relief(obj, height=0.2, level=1)
@@ -215,7 +216,7 @@ def test_relief_and_hidden_subdivision_come_after():
     again = api.animate(obj, frames=(1, 2), spacing=0.7)  # neither the relief nor the frames are in the way
     assert len(again["frames"]) == 2
     assert [modifier.type for modifier in obj.modifiers] == ["NODES", "SUBSURF", "NODES"]
-    assert smooth.show_viewport is False and obj.modifiers[0].show_viewport
+    assert smooth.show_viewport is is_seen and obj.modifiers[0].show_viewport
 
 
 # Refused, cancelled

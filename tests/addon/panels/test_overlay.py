@@ -284,7 +284,7 @@ def test_only_a_visible_mesh_is_shown_and_only_where_the_switch_is_on():
 
 def test_parts_follow_the_switches():
     shown = bpy.context.scene.synch_overlay
-    assert shown.parts == ["MARKS", "CONSTRAINTS", "DEFECTS"]
+    assert shown.parts == ["MARKS", "CONSTRAINTS", "PINS", "DEFECTS"]
     shown.directions, shown.defects, shown.constraints = "STREAMLINES", False, False
     assert shown.parts == ["STREAMLINES"]
     shown.directions = "NONE"

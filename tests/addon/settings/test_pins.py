@@ -10,12 +10,15 @@ import pytest
 
 from synch_fields.core.errors import SettingError, SynchError
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender.defect_empties import COLORS as DEFECT_COLORS
 from synch_fields.synch_addon.operators.pins import SYNCH_OT_pin
+from synch_fields.synch_addon.panels import overlay, overlay_view
 from synch_fields.synch_addon.patterns import memory
 from synch_fields.synch_addon.patterns.picking import PickedSurface
+from synch_fields.synch_addon.patterns.pin_costs import PinCosts, cost_line
 from synch_fields.synch_addon.settings.pins import as_text, parsed
 
-from ..scenes import attribute, quad_sphere, snapshot, sphere, torus
+from ..scenes import attribute, grid, quad_sphere, snapshot, sphere, torus
 
 
 @pytest.mark.parametrize("command, order", [("stripes", 2), ("quads", 4)])
@@ -61,7 +64,8 @@ def test_a_solve_tells_what_other_pins_cost():
 def test_a_click_pins_a_face_and_what_was_pinned_comes_back():
     obj = quad_sphere(9)
     surface = PickedSurface.of(obj)
-    operator = SimpleNamespace(turns=-1)
+    operator, shown = SimpleNamespace(turns=-1), bpy.context.scene.synch_overlay
+    shown.show = shown.constraints = False
     SYNCH_OT_pin.begin(operator, obj)
     rays = [((*(3 * np.array(face.center)),), (*(-np.array(face.center)),)) for face in obj.data.polygons]
     rays = [tuple(map(tuple, ray)) for ray in rays]
@@ -71,10 +75,51 @@ def test_a_click_pins_a_face_and_what_was_pinned_comes_back():
     assert SYNCH_OT_pin.pick(operator, obj, surface, rays[30], False)
     assert parsed(obj.synch.pins) == {8: -1, 30: 0}
     assert not SYNCH_OT_pin.pick(operator, obj, surface, ((9, 9, 9), (1, 0, 0)), False)
+    assert shown.show and "PINS" in shown.parts
     SYNCH_OT_pin.take_back(operator, obj)
-    assert obj.synch.pins == ""
+    assert obj.synch.pins == "" and not shown.show and "PINS" not in shown.parts
     obj.synch.pins = "5=1"
     assert bpy.ops.synch.unpin() == {"FINISHED"} and obj.synch.pins == ""
+
+
+@pytest.mark.parametrize("symmetry, command", [("LINE", "stripes"), ("CROSS", "quads")])
+def test_what_pins_cost_is_told_about_right_before_the_solve(symmetry, command):
+    obj = torus()
+    obj.synch.symmetry = symmetry
+    pins = "10=1,200=-1"
+    getattr(api, command)(obj, spacing=0.5)
+    free = memory.recall(obj).field.bending
+    costs = PinCosts(obj)
+    obj.synch.pins = ""
+    assert costs.tell(obj) == pytest.approx(0, abs=1e-6)
+    obj.synch.pins = pins
+    told = costs.tell(obj)
+    assert f"2 pins: about {told:+.0%} bending" == cost_line(obj)
+    getattr(api, command)(obj, spacing=0.5)
+    true = memory.recall(obj).field.bending / free - 1
+    assert true > 0.1 and 1 + told == pytest.approx(1 + true, rel=0.15)  # first fields have more energy
+    obj.synch.pins = "10=1"
+    assert cost_line(obj) == ""
+
+
+def test_directions_that_do_not_bend_have_no_cost():
+    obj = grid(9)
+    obj.synch.pins = "10=1"
+    assert PinCosts(obj).tell(obj) is None and cost_line(obj) == ""
+
+
+def test_pinned_faces_are_marked_in_the_colours_of_their_disclinations():
+    obj = quad_sphere(9)
+    obj.synch.pins = "7=1,8=-2,30=0,9=3,9999=1"
+    layers = {colour: points for points, colour in overlay.pin_points(obj)}
+    middles = [np.array(face.center) for face in obj.data.polygons]
+    positive, negative = DEFECT_COLORS["disclination"]
+    for colour, faces in ((positive, [7, 9]), (negative, [8]), (overlay.UNTURNED_COLOR, [30])):
+        np.testing.assert_allclose(layers.pop(colour), [middles[face] for face in faces])
+    assert not layers
+    before = overlay_view.key(obj)
+    obj.synch.pins = "what"
+    assert overlay.pin_points(obj) == [] and overlay_view.key(obj) != before
 
 
 @pytest.mark.parametrize("pins, match", [("5", "pin 5= is none"), ("a=1", "a=1"), ("5=x", "5=x"), (7, "give a text")])

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What pins cost, before a pattern is solved: how much more directions bend with them than without.
+
+On larger meshes first fields tell that, which are quick and no more than a hint.
+"""
+
+import json
+from dataclasses import replace
+
+from ...core.solve.solution import FIRST
+from ..blender.translations import counted, said
+from ..jobs.shelf import Shelf
+from ..settings.fields import stored_settings
+from ..settings.pins import on_triangles, parsed
+from .reading import gather, settings_for
+
+# Shares of the last objects, by their pins.
+_told = Shelf(8)
+# Vertices up to which directions are solved for as they will be: in a third of a second there.
+_SOLVED = 3000
+# A bending for each vertex that is as good as none.
+_FLAT = 1e-9
+
+
+class PinCosts:
+    """What pins of an object cost in directions, which are those of what was solved last.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object in object mode
+
+    Raises
+    ------
+    SynchError
+        as of a solve
+    """
+
+    def __init__(self, obj):
+        last = json.loads(obj.synch.result)["command"] if obj.synch.result else "directions"
+        command = last if last in ("quads", "quad_mesh") else "directions"
+        request = gather(command, obj, replace(settings_for(command, obj, stored_settings(obj)), pins=""))
+        if request.given.mesh.vertex_count > _SOLVED:
+            request = replace(request, options=replace(request.options, method=FIRST))
+        self._request = request
+        self._free = self._request.directed().bending
+
+    def tell(self, obj):
+        """How much more directions bend with the object's pins than without, as a share.
+
+        None where free ones do not bend, or are given.
+        """
+        share, pins = None, parsed(obj.synch.pins)
+        if self._free > _FLAT * self._request.given.mesh.vertex_count and self._request.directions is None:
+            asked = on_triangles(pins, self._request.given.polygons, self._request.symmetry)
+            share = replace(self._request, pins=asked).directed().bending / self._free - 1
+        _told.put(obj.session_uid, (obj.synch.pins, share))
+        return share
+
+
+def cost_line(obj):
+    """What :meth:`PinCosts.tell` last told of an object, as a line of the interface, where its pins are still the same;
+    else ""."""
+    pins, share = _told.get(obj.session_uid) or ("", None)
+    if share is None or pins != obj.synch.pins:
+        return ""
+    return said("{pins}: about {more:+.0%} bending", pins=counted(len(parsed(pins)), "pin"), more=share)
