@@ -27,8 +27,8 @@ from synch_fields.synch_addon.looks.samples import add_sample
 from synch_fields.synch_addon.patterns.picking import PickedSurface
 
 DETAILS, SPACINGS = (3, 4), (0.1, 0.15, 0.25)
-# In spacings: from point to point of what is measured, the length of cubics, from where to where neighbours are, and how
-# far from defects.
+# In spacings: from point to point of what is measured, the length of cubics, from where to where neighbours are, and
+# how far from defects.
 STEP, LENGTH, NEAR, AWAY = 0.01, 2, (0.5, 2.5), 1.5
 COLUMNS = (
     Column("spacing", "spacing", ".2f"),

@@ -136,6 +136,9 @@ SHAPES = {
     "{path} has something among its {what} that is no number: export it again": (
         "{path} hat unter {what} etwas, das keine Zahl ist: neu exportieren"
     ),
+    "{path} has {error} among the vertices of its cells: export it again": (
+        "{path} hat {error} unter den Punkten seiner Zellen: neu exportieren"
+    ),
     "{path} has cells whose corners are missing: it was cut short, export it again": (
         "{path} hat Zellen, deren Ecken fehlen: die Datei ist abgeschnitten, neu exportieren"
     ),
