@@ -151,20 +151,23 @@ class _Moves:
         start = self._ends[vertex - 1] if vertex else 0
         old = self.vertices[vertex].copy()
         self.vertices[vertex] = place
-        if not _within_bounds(self.vertices, self._tets[self._order[start : self._ends[vertex]]]):
+        if not within_bounds(self.vertices, self._tets[self._order[start : self._ends[vertex]]]):
             self.vertices[vertex] = old
             return False
         self.done[vertex], self._stays[vertex] = True, for_good
         return True
 
 
-def _within_bounds(vertices, tets):
+def within_bounds(vertices, tets):
     """Whether tetrahedra are positive, and their dihedral angles within ``DIHEDRAL_BOUNDS``."""
     if (signed_volumes(vertices, tets) <= 0).any():
         return False
     a, b, c = np.moveaxis(vertices[tets[:, TET_FACES]], 2, 0)
     normals = np.cross(b - a, c - a)
-    normals /= np.linalg.norm(normals, axis=2, keepdims=True)
+    lengths = np.linalg.norm(normals, axis=2, keepdims=True)
+    if (lengths == 0).any():  # a face without area: the volume is one of rounding
+        return False
+    normals /= lengths
     i, j = np.array(TET_EDGES).T
     cosines = -np.einsum("tex,tex->te", normals[:, i], normals[:, j])
     sharpest, flattest = np.cos(np.radians(DIHEDRAL_BOUNDS))

@@ -7,10 +7,17 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from synch_fields.core.geometry import TriangleMesh
-from synch_fields.core.geometry.filling.features import corners_of, sharp_edges, sharpened, smooth_regions
+from synch_fields.core.geometry.filling.features import (
+    corners_of,
+    sharp_edges,
+    sharpened,
+    smooth_regions,
+    within_bounds,
+)
 from synch_fields.core.geometry.filling.stuffing import DIHEDRAL_BOUNDS, stuffed
 from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
 from synch_fields.core.geometry.nearest import nearest_in_triangles
+from synch_fields.core.geometry.tet_mesh import signed_volumes
 
 from ...meshes import cube, icosphere
 from ...solids import dihedral_angles, enclosed_volume
@@ -96,3 +103,12 @@ def test_the_outline_of_a_part_runs_along_edges_of_the_solid():
         a, b, c = np.moveaxis(triangles[inside.all(axis=1)], 1, 0)
         shares.append(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2 / 0.25)
     assert shares[0] < 0.85 and 0.9 < shares[1] < 1 + 1e-9
+
+
+def test_a_tetrahedron_with_a_face_without_area_is_out_of_bounds():
+    """Three corners on a line to the last bit, and a volume above zero by rounding."""
+    on_a_line = [[0.875, 0.25, 0.125], [1.75, 0.375, 0.75], [3.5, 0.625, 2.0]]
+    apart = [0.2997118905373848, 0.42268722119765845, 0.028319671145462966]
+    vertices, tets = np.array([on_a_line[1], on_a_line[2], apart, on_a_line[0]]), np.array([[0, 1, 2, 3]])
+    assert signed_volumes(vertices, tets)[0] > 0
+    assert not within_bounds(vertices, tets)
