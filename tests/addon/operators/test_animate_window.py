@@ -69,9 +69,9 @@ def test_escape_while_frames_are_read_or_solved_changes_nothing(begun, ticks):
 def test_a_frame_that_cannot_be_read_ends_the_run_in_the_window(begun):
     obj, loop, operator, _ = begun
     loop.send(operator, "TIMER")
-    obj.modifiers.new("Fine", "SUBSURF")
+    obj.modifiers.new("Double", "MIRROR")
     assert loop.run(operator) == {"CANCELLED"} and loop.free and queue.running is None
-    assert operator.reports[-1][0] == {"ERROR"} and operator.reports[-1][1].startswith("frame 2: the modifier Fine")
+    assert operator.reports[-1][0] == {"ERROR"} and operator.reports[-1][1].startswith("frame 2: the modifier Double")
     assert bpy.context.scene.frame_current == 2 and "synch_phase" not in obj.data.attributes
 
 
