@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..geometry.polylines import piece_lengths
+from .moves import needed
 
 # Of the tool, in degrees: nearer to upright, the table keeps its turn.
 _UPRIGHT = 0.05
@@ -39,6 +40,7 @@ def gcode(course, machine):
     """Text of a program.
 
     Five axes move in inverse time (G93): the feed is that of the tip over the part. Extrusion is relative (M83).
+    Points that no move needs (``Machine.tolerance``) are left out, what leads to them is extruded by the next move.
 
     Parameters
     ----------
@@ -52,7 +54,7 @@ def gcode(course, machine):
     moves = _Moves(machine)
     rows = [f"; {len(course.runs)} beads on {len(np.unique(course.layers))} layers", machine.start]
     area, before, last, top = np.pi * machine.filament**2 / 4, None, course.points[0], -np.inf
-    tops = _tops(places, machine)
+    tops, stations = _tops(places, machine), _stations(places, angles, machine)
     for run, stop, layer in zip(course.runs, ends, course.layers, strict=True):
         first = stop - len(run)
         if layer != before:
@@ -67,10 +69,12 @@ def gcode(course, machine):
             rows.append(moves.filament(machine.retraction))
         lengths = piece_lengths(course.points[run])
         sections = (course.widths * course.heights)[run]
-        volumes = machine.flow * (sections[:-1] + sections[1:]) / 2 * lengths
-        for at, length, volume in zip(range(first + 1, stop), lengths, volumes, strict=True):
+        sections = machine.flow * (sections[:-1] + sections[1:]) / 2
+        along, filled = (np.append(0.0, np.cumsum(parts)) for parts in (lengths, sections * lengths))
+        points = needed(along, stations[first:stop], sections, machine.tolerance * course.step)
+        for at, length, volume in zip(points[1:], np.diff(along[points]), np.diff(filled[points]), strict=True):
             if length > 0:
-                rows.append(moves.bead(places[at], angles[at], length, volume / area))
+                rows.append(moves.bead(places[first + at], angles[first + at], length, volume / area))
         if machine.retraction:
             rows.append(moves.filament(-machine.retraction))
         rows.append(moves.rapid(z=places[stop - 1, 2] + machine.lift))
@@ -122,6 +126,12 @@ def _tops(places, machine):
     if not machine.turns:
         return places[:, 2]
     return machine.pivot_z + np.linalg.norm(places - [0, 0, machine.pivot_z], axis=1)
+
+
+def _stations(places, angles, machine):
+    """(n, d) the machine's axes as lengths: those of the table as the ways of the place that is farthest from them."""
+    reach = np.linalg.norm(places - [0, 0, machine.pivot_z], axis=1).max(initial=0)
+    return np.column_stack([places, np.radians(angles) * reach])
 
 
 class _Moves:

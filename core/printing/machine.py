@@ -30,6 +30,7 @@ class Machine:
     feed, travel_feed, retraction_feed : while it extrudes, moves, and draws back
     filament : diameter
     flow : of extrusion, 1 for the volume of the bead
+    tolerance : distance of points from straight moves at which they are left out, as a share of a bead's width
     retraction, lift : length of filament that is drawn back between beads, and how far the tool leaves the bead
     start, end : text before and after the moves
     """
@@ -50,6 +51,7 @@ class Machine:
     retraction_feed: float = 1800.0
     filament: float = 1.75
     flow: float = 1.0
+    tolerance: float = 0.02
     retraction: float = 1.0
     lift: float = 0.5
     start: str = "G21\nG90\nM83\nG28"
@@ -63,7 +65,7 @@ class Machine:
         for name in ("bed_x", "bed_y", "pivot_z"):
             if not math.isfinite(getattr(self, name)):
                 raise SettingError(f"the {name} is {shown(getattr(self, name))}: give a finite number")
-        for name in ("smallest_height", "retraction", "lift"):
+        for name in ("smallest_height", "tolerance", "retraction", "lift"):
             if not 0 <= getattr(self, name) < math.inf:
                 raise SettingError(f"the {name} is {shown(getattr(self, name))}: give a number from 0 on")
         if not self.largest_height > self.smallest_height:

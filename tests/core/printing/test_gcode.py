@@ -8,12 +8,15 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.printing.gcode import Course, gcode
 from synch_fields.core.printing.machine import Machine, read_machine
 
-MACHINE = Machine(start="G21\nG90\nM83", end="M2", pivot_z=40.0, feed=900, retraction=0.8, lift=1.5, filament=2.0)
+MACHINE = Machine(
+    start="G21\nG90\nM83", end="M2", pivot_z=40.0, feed=900, retraction=0.8, lift=1.5, filament=2.0, tolerance=0
+)
 
 
 def read(text):
@@ -88,6 +91,39 @@ def test_the_tip_follows_the_beads_with_their_volume(axes):
 
 
 @pytest.mark.parametrize("axes", ["xyz", "ac", "bc"])
+def test_fewer_moves_stay_near_the_bead_with_its_volume(axes):
+    """A wave over a dome, of 2001 points: places on the part between the states that a reader finds."""
+    x = np.linspace(-8, 8, 2001)
+    points = np.column_stack([x, 2 * np.sin(x / 2), np.sqrt(900 - x**2)])
+    tools = np.column_stack([x, 0 * x, points[:, 2]]) / 30 if axes != "xyz" else np.tile([0.0, 0, 1], (len(x), 1))
+    heights = 0.2 + 0.1 * np.sin(x / 3)
+    course = Course(points, tools, np.full(len(x), 0.5), heights, [np.arange(len(x))], np.array([0]), 0.5)
+    machine = replace(MACHINE, axes=axes, tolerance=0.02)
+    states = read(gcode(course, machine))
+    extruding = [k for k, state in enumerate(states) if state["E"] > 0 and state["F"] != machine.retraction_feed]
+    assert 10 < len(extruding) < 200
+    lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    volumes = 0.5 * (heights[1:] + heights[:-1]) / 2 * lengths
+    assert sum(states[k]["E"] for k in extruding) * np.pi == pytest.approx(volumes.sum(), abs=1e-4)
+    passed = []
+    for k in extruding:
+        for share in np.linspace(0, 1, 200):
+            mixed = {a: (1 - share) * states[k - 1][a] + share * states[k][a] for a in states[k] if a in states[k - 1]
+                     and a in "XYZABC"}  # fmt: skip
+            passed.append(on_part(mixed, machine)[0])
+        # Along each move the height is the bead's to a twentieth.
+        begin, end = on_part(states[k - 1], machine)[0], on_part(states[k], machine)[0]
+        inside = (x[1:] <= end[0] + 1e-3) & (x[:-1] >= begin[0] - 1e-3)
+        section = states[k]["E"] * np.pi / lengths[inside].sum()
+        assert np.abs(0.25 * (heights[1:] + heights[:-1])[inside] - section).max() < 0.055 * section
+    there, _ = cKDTree(passed).query(points)
+    back, _ = cKDTree(points).query(passed)
+    # The tolerance, four digits of the program, and half of what samples are apart.
+    assert max(there.max(), back.max()) < 0.02 * 0.5 + 1e-3 + lengths.max() / 2
+    assert len(read(gcode(course, replace(machine, tolerance=0.1)))) < len(states)
+
+
+@pytest.mark.parametrize("axes", ["xyz", "ac", "bc"])
 def test_between_beads_it_lifts_and_draws_back(axes):
     course, machine = dome(axes), replace(MACHINE, axes=axes)
     states = read(gcode(course, machine))
@@ -129,6 +165,7 @@ def test_a_machine_is_what_its_file_says(tmp_path):
         ("speed = 1", "unknown"),
         ("nozzle_angle = 90", "below 90"),
         ("lift = -1", "from 0 on"),
+        ("tolerance = -0.1", "from 0 on"),
         ("pivot_z = inf", "finite"),
         ("smallest_height = 0.3\nlargest_height = 0.2", "largest_height"),
         ("feed =", "cannot be read"),
