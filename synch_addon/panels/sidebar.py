@@ -8,7 +8,7 @@ from ..blender.translations import said, told
 from ..jobs.queue import queue
 from ..patterns.live import live
 from ..patterns.pin_costs import cost_line
-from ..patterns.refine import draw_warning
+from ..patterns.refine import draw_told, draw_warning
 from ..settings.fields import MESH_SHARES
 from ..settings.preferences import is_simple, preferences
 from .guides import draw_guidance
@@ -62,6 +62,7 @@ def draw_simple(layout, obj):
         column.prop(settings, "faces")
     if simple.kind != "quad_mesh" or not settings.faces:
         draw_automatic(column, settings, "spacing", "automatic_spacing")
+        draw_told(column, simple.kind, obj)
     column.prop(simple, "direction")
     if simple.direction == "AXIS":
         column.row().prop(settings.guide, "axis", expand=True)
@@ -73,6 +74,7 @@ def draw_pattern(layout, settings):
     column = property_column(layout)
     if hasattr(settings, "automatic_spacing"):
         draw_automatic(column, settings, "spacing", "automatic_spacing")
+        draw_told(column, "stripes", settings.id_data)
     else:
         column.prop(settings, "spacing")
     draw_map(column, settings, "SPACING")

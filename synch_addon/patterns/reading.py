@@ -112,14 +112,18 @@ def read_mirrors(given, axes):
 
 
 def automatic_spacing(command, mesh, across=LINES_ACROSS):
-    """About this many stripes or quads across the object, or as many as its edges can carry, but two at least.
+    """About this many stripes or quads across the object, or as many as its edges can carry, but two at least."""
+    size = np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max()
+    return spacing_across(command, size, carried_spacing(mesh.edge_lengths), across)
+
+
+def spacing_across(command, size, finest, across=LINES_ACROSS):
+    """Spacing at which this many stripes or quads cross a size; the finest that a mesh carries, but two at least.
 
     A period has one stripe, and two quads.
     """
-    size = np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max()
     per_period = 2 if PATTERNS.get(command) is quad_pattern else 1
-    spacing = max(per_period * size / across, carried_spacing(mesh.edge_lengths))
-    return float(min(spacing, per_period * size / FEWEST_LINES))
+    return float(min(max(per_period * size / across, finest), per_period * size / FEWEST_LINES))
 
 
 def carried_spacing(lengths):

@@ -20,7 +20,7 @@ from ..blender.translations import said
 from ..jobs.report import versions
 from ..jobs.shelf import Shelf
 from . import memory, write
-from .reading import LINES_ACROSS, carried_spacing
+from .reading import LINES_ACROSS, carried_spacing, spacing_across
 
 # Faces that are looked at, spread over all of them.
 FACES_SEEN = 500
@@ -41,10 +41,12 @@ class MeshDetail:
     Attributes
     ----------
     spacing : the finest one, with what the spacing map does to it
+    finest : the same without the map
     size : longest side of the object
     """
 
     spacing: float
+    finest: float
     size: float
 
 
@@ -85,6 +87,12 @@ def carried(obj):
     counts = len(data.polygons), len(data.loops)
     state = changes.state(data), counts, scale, settings.spacing_map, settings.spacing_range
     return _seen.renewed(obj.session_uid, state, lambda: _look_at(obj))
+
+
+def told_spacing(command, obj):
+    """About what the automatic spacing of a command on an object is, before it runs; None where that is not known."""
+    found = carried(obj) if obj.mode == "OBJECT" else None
+    return None if found is None else spacing_across(command, found.size, found.finest)
 
 
 def missing_levels(obj):
@@ -191,12 +199,21 @@ def draw_warning(layout, obj):
         text = one if across == 1 else said("Coarse mesh: about {count} lines across", count=across)
         column.label(text=text, icon="ERROR")
     else:
-        carries = bpy.utils.units.to_string(
-            bpy.context.scene.unit_settings.system, "LENGTH", found.spacing, precision=3
-        )
-        column.label(text=said("Coarse mesh: carries {spacing}", spacing=carries), icon="ERROR")
+        column.label(text=said("Coarse mesh: carries {spacing}", spacing=_as_length(found.spacing)), icon="ERROR")
     text = said("Subdivide to {count:,} Faces", count=faces_after(obj, levels))
     column.operator("synch.refine", text=text, icon="MOD_SUBSURF").levels = levels
+
+
+def draw_told(column, command, obj):
+    """Say what the automatic spacing of a command is."""
+    told = told_spacing(command, obj) if obj.synch.automatic_spacing else None
+    if told is not None:
+        text = said("About {length} apart", length=_as_length(told))
+        column.label(text=text, icon="BLANK1", translate=False)
+
+
+def _as_length(number):
+    return bpy.utils.units.to_string(bpy.context.scene.unit_settings.system, "LENGTH", number, precision=3)
 
 
 def _is_made(obj):
@@ -215,7 +232,8 @@ def _look_at(obj):
     lengths = np.linalg.norm(rotated[first] - rotated[second], axis=1)
     factors = np.maximum(_factors(obj, vertices.tolist()), 1e-6)
     stretched = np.ptp(points, axis=0) * np.array(obj.matrix_world.to_scale())
-    return MeshDetail(carried_spacing(lengths / factors[first]), float(np.abs(stretched).max()))
+    with_map = carried_spacing(lengths / factors[first])
+    return MeshDetail(with_map, carried_spacing(lengths), float(np.abs(stretched).max()))
 
 
 def _sample(data):

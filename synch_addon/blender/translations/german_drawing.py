@@ -88,6 +88,7 @@ DRAWING = {
         "Das Muster durch die Modifikatoren davor tragen, etwa Unterteilung, Spiegeln und Wandstärke: Richtungen, "
         "Phasen und Muster werden an den Punkten neu gemacht, die sie hinterlassen"
     ),
+    "About {length} apart": "Abstand etwa {length}",
     "Pin": "Festsetzen",
     "pin": "Festpunkt",
     "pins": "Festpunkte",

@@ -63,6 +63,28 @@ def test_what_the_panel_sees_is_what_the_automatic_spacing_takes(build, scale):
     assert refine.carried(obj).spacing == pytest.approx(exact, rel=0.1)
 
 
+@pytest.mark.parametrize("command", ["stripes", "quads"])
+@pytest.mark.parametrize("build", [sphere, tube, grid])
+def test_the_panel_tells_the_automatic_spacing(build, command):
+    obj = build()
+    obj.scale = (3, 0.5, 1)
+    add_group(obj, "finer", range(len(obj.data.vertices)))
+    obj.synch.spacing_map, obj.synch.spacing_range = "finer", 0.25  # multiplies what is told
+    bpy.context.view_layer.update()
+    exact = reading.automatic_spacing(command, meshes.read_mesh(obj).mesh)
+    assert refine.told_spacing(command, obj) == pytest.approx(exact, rel=0.1)
+
+
+def test_what_the_panel_tells_is_a_length_in_the_units_of_the_scene():
+    obj, layout = grid(), Layout()
+    refine.draw_told(layout, "stripes", obj)
+    told = refine.told_spacing("stripes", obj)
+    assert layout.lines == [f"About {100 * told:.3g} cm apart"]
+    obj.synch.automatic_spacing = False
+    refine.draw_told(layout, "stripes", obj)
+    assert len(layout.lines) == 1
+
+
 def test_a_sample_of_many_faces_is_close():
     obj = sphere(5)
     obj.data.transform(((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 3, 0), (0, 0, 0, 1)))
