@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import SettingError, shown
+from ..files.declared import DeclaredFile
 
 # Keys of a row that are not flags: the command, its positional argument, and how many frames a worker gets at once.
 _COMMAND, _INPUT, _CHUNK = "command", "input", "chunk"
@@ -22,14 +23,12 @@ class Row:
     ----------
     arguments : the command line, its command first
     options : what every flag stands for, ready for JSON
-    inputs : paths of files that the result depends on
-    outputs : paths of files that are asked for
+    files : all that are read and written; what a .blend links to is not among them
     """
 
     arguments: tuple[str, ...]
     options: dict
-    inputs: tuple[str, ...]
-    outputs: tuple[str, ...]
+    files: tuple[DeclaredFile, ...]
 
     @property
     def label(self):
@@ -156,7 +155,7 @@ class Keys:
 
     def of(self, row):
         """32 hexadecimal digits."""
-        contents = {path: self._digest(path) for path in row.inputs}
+        contents = {file.path: self._digest(file.path) for file in row.files if not file.is_written}
         told = json.dumps([row.arguments[0], row.options, contents, self._versions], sort_keys=True)
         return hashlib.sha256(told.encode("utf-8", "surrogatepass")).hexdigest()[:32]
 

@@ -107,9 +107,9 @@ class BakeSettings:
         if len(self.maps) > 1 and "map" not in used:
             raise SettingError(f"the name {self.naming!r} is the same for {len(self.maps)} maps: add {{map}}")
 
-    def file_name(self, obj, map_name):
-        """Of a map's file or image."""
-        stem = bpy.path.clean_name(self.naming.format(object=obj.name, map=map_name))
+    def file_name(self, name, map_name):
+        """Of the file or image of a map of an object with this name."""
+        stem = bpy.path.clean_name(self.naming.format(object=name, map=map_name))
         return stem + SUFFIXES[self.file_format]
 
     def depth(self, map_name):

@@ -17,6 +17,7 @@ from pathlib import Path
 import bpy
 
 from ...core.errors import SettingError, SynchError
+from ...core.files.declared import check_clashes, check_inputs, made_folders
 from ...core.files.whole import write_text
 from ...core.keywords import check_text
 from .. import api
@@ -28,15 +29,12 @@ from ..patterns.info import describe
 from ..settings.fields import Settings
 from . import animate, bake, batch, clebsch, fields, layers
 from . import lines as cli_lines
+from .declared_files import DEMO, declared_files
 from .flags import Made, add_input, add_quiet, add_view, saved
 from .interrupts import heard_interrupts
 
 # Exit status of a command that was interrupted, as shells have it.
 INTERRUPTED = 130
-# What the options of all commands call files that are read and files that are written.
-_INPUTS = "input", "constraints"
-_OUTPUTS = "output", "render", "report", "export_mesh", "export_field"
-_OUTPUTS += "export_layers", "export_paths", "export_volume"
 # What is told in one line.
 _REFUSALS = SynchError, MemoryError, OSError, RuntimeError
 
@@ -49,12 +47,13 @@ def main(arguments, loaded=False):
         options = parser.parse_args(own)
     except SystemExit as stop:
         return stop.code or 0
-    of_rows = batch.Way(lambda line: _parsed(parser, line), _outputs_of, _carry_out_row)
+    of_rows = batch.Way(lambda line: _parsed(parser, line), declared_files, _carry_out_row)
     if options.command == "batch" and options.rows == "-":
         return batch.serve(of_rows)
-    clash = _clash(options)
-    if clash:
-        print(f"synch {options.command}: {clash}", file=sys.stderr)
+    try:
+        _check_files(options)
+    except SettingError as error:
+        print(f"synch {options.command}: {error}", file=sys.stderr)
         return 1
     with quiet_stdout() as out, heard_interrupts() as check:
         try:
@@ -67,7 +66,7 @@ def main(arguments, loaded=False):
             print(f"synch {options.command}: interrupted", file=sys.stderr)
             return INTERRUPTED
         except _REFUSALS as error:
-            print(f"synch {options.command}: {_reported(options, error)}", file=sys.stderr)
+            print(f"synch {options.command}: {_reason(error)}", file=sys.stderr)
             return 1
         try:
             print("\n".join(_lines(made)), file=out, flush=True)
@@ -88,22 +87,27 @@ def _at_dashes(arguments):
 
 
 def _carry_out(options, open_object, progress, check):
-    """Carry a command out, and write the report and the picture that are asked for; what was made, with their paths."""
-    for name, value in vars(options).items():
-        if isinstance(value, str):
-            check_text(value, f"the {name.replace('_', ' ')}")
-    made = _COMMANDS[options.command](options, open_object, progress)
-    check()
-    return _delivered(made, options, progress)
+    """Carry a command out, and write the report and the picture that are asked for; what was made, with their paths.
+
+    Errors are SynchError, which the report tells, too, where one is asked for.
+    """
+    files = declared_files(options)
+    with made_folders(files):
+        try:
+            for name, value in vars(options).items():
+                if isinstance(value, str):
+                    check_text(value, f"the {name.replace('_', ' ')}")
+            made = _COMMANDS[options.command](options, open_object, progress)
+            check()
+            return _delivered(made, options, progress)
+        except _REFUSALS as error:
+            raise SynchError(_reported(options, error)) from None
 
 
 def _carry_out_row(options):
     """Carry a command out as a row of a batch; errors are SynchError."""
     with quiet_stdout(), heard_interrupts() as check:
-        try:
-            return _carry_out(options, lambda: _open(options, False), _Progress(check, True), check)
-        except _REFUSALS as error:
-            raise SynchError(_reported(options, error)) from None
+        return _carry_out(options, lambda: _open(options, False), _Progress(check, True), check)
 
 
 def _parsed(parser, arguments):
@@ -114,29 +118,16 @@ def _parsed(parser, arguments):
             options = parser.parse_args(arguments)
     except SystemExit:
         raise SettingError(" ".join(told.getvalue().split()) or "this asks for help, not for a result") from None
-    clash = _clash(options)
-    if clash:
-        raise SettingError(clash)
+    _check_files(options)
     return options
 
 
-def _outputs_of(options):
-    return [path for path in (getattr(options, name, None) for name in _OUTPUTS) if path]
-
-
-def _clash(options):
-    """Why files that are named would overwrite one another, or None."""
-    taken = {}
-    for names in (_INPUTS, _OUTPUTS):
-        for name in names:
-            given = getattr(options, name, None)
-            if not given:
-                continue
-            path, flag = Path(given).resolve(), "the input" if name == "input" else f"--{name.replace('_', '-')}"
-            if path in taken and names is _OUTPUTS:
-                return f"{given}: {flag} and {taken[path]} are the same file, name another one"
-            taken[path] = flag
-    return None
+def _check_files(options):
+    """Refuse files that would overwrite one another, and inputs that are no files; a batch looks at its own itself."""
+    if options.command != "batch":
+        files = declared_files(options)
+        check_clashes(files)
+        check_inputs(files)
 
 
 def _reason(error):
@@ -186,10 +177,8 @@ def _lines(made):
 
 
 def _run_demo(options, _open_object, progress):
-    folder = Path(options.folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, suffix in (("output", ".blend"), ("render", ".png"), ("report", ".json")):
-        setattr(options, name, str(folder / f"demo{suffix}"))
+    for name, file in DEMO.items():
+        setattr(options, name, str(Path(options.folder) / file))
     bpy.ops.wm.read_homefile(use_empty=True)
     obj = add_demo_object()
     report = api.run("stripes", obj, Settings(), progress)

@@ -11,6 +11,7 @@ import pytest
 from synch_fields.core.algebra import workers
 from synch_fields.core.batch.rows import Row
 from synch_fields.synch_addon.command import batch, main
+from synch_fields.synch_addon.command.declared_files import declared_files
 
 from ..scenes import sphere
 from ..ways import run
@@ -95,7 +96,7 @@ class Here:
     def __init__(self, *_):
         self._answers = []
         self._way = batch.Way(
-            lambda line: main._parsed(main._parser(False), line), main._outputs_of, main._carry_out_row
+            lambda line: main._parsed(main._parser(False), line), main.declared_files, main._carry_out_row
         )
 
     def start(self, task):
@@ -176,7 +177,7 @@ def test_all_files_that_a_row_reads_count(tmp_path, monkeypatch):
     parser = main._parser(False)
 
     def inputs(*line):
-        return list(batch._inputs(parser.parse_args(line)))
+        return [file.path for file in declared_files(parser.parse_args(line)) if not file.is_written]
 
     guidance = 'axis:Y=2,file:"b, c.rosy"=3,file:d.rosy'
     found = inputs("stripes", "a.obj", "--guidance", guidance, "--constraints", "e.json")
@@ -185,6 +186,6 @@ def test_all_files_that_a_row_reads_count(tmp_path, monkeypatch):
 
 
 def test_what_a_row_says_aloud_does_not_count():
-    way = batch.Way(lambda line: main._parsed(main._parser(False), line), main._outputs_of, None)
+    way = batch.Way(lambda line: main._parsed(main._parser(False), line), main.declared_files, None)
     rows = [batch._understood(["stripes", "a.obj", *more], way) for more in ([], ["--quiet"], ["--spacing=1"])]
     assert isinstance(rows[0], Row) and rows[0].options == rows[1].options != rows[2].options

@@ -106,10 +106,13 @@ def test_every_place_is_tried_before_the_solve(sphere, tmp_path, monkeypatch, ca
     command = "quad_mesh" if flag == "--export-mesh" else "directions"
     with pytest.raises(AssertionError, match="solved"):
         main([command, str(sphere), "--quiet", flag, str(tmp_path / name)])
-    place = tmp_path / "nowhere" / name
+    with pytest.raises(AssertionError, match="solved"):
+        main([command, str(sphere), "--quiet", flag, str(tmp_path / "new" / name)])
+    assert not (tmp_path / "new").exists(), "the folder was made for nothing"
+    place = sphere / name
     assert main([command, str(sphere), "--quiet", flag, str(place)]) == 1
     (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith(f"synch {command}: ") and str(place.parent) in line and "create it first" in line
+    assert line.startswith(f"synch {command}: {place}: cannot be written (no folder can be made: File exists)")
 
 
 def test_reports_are_json_that_every_reader_takes():

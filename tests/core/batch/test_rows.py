@@ -8,6 +8,7 @@ import pytest
 
 from synch_fields.core.batch.rows import Keys, Row, read_rows, share_of
 from synch_fields.core.errors import SettingError
+from synch_fields.core.files.declared import DeclaredFile
 
 
 def written(path, *rows):
@@ -99,7 +100,7 @@ def test_keys_tell_contents_options_commands_and_versions_apart(tmp_path):
     mesh.write_text("v 0 0 0\n")
 
     def key(command="stripes", versions=("1",), **options):
-        return Keys(versions).of(Row((command,), {"spacing": 1.0} | options, (str(mesh),), ()))
+        return Keys(versions).of(Row((command,), {"spacing": 1.0} | options, (DeclaredFile(str(mesh), "the input"),)))
 
     first = key()
     assert first == key() and len(first) == 32

@@ -17,6 +17,7 @@ from synch_fields.core.batch.run import Planned, plan, run_rows
 from synch_fields.core.batch.sheet import write_sheet
 from synch_fields.core.batch.table import entries, write_tables
 from synch_fields.core.errors import SettingError
+from synch_fields.core.files.declared import DeclaredFile
 
 from .children import COMMAND, begun, rows, told
 
@@ -167,14 +168,15 @@ def test_a_command_that_is_not_there_fails_its_rows(records):
 def understood(arguments):
     if arguments[0] == "wrong":
         raise SettingError("this command is wrong")
-    return Row(tuple(arguments), {"n": arguments[1]}, (), tuple(arguments[2:]))
+    files = [DeclaredFile(path, "--report", is_written=True) for path in arguments[2:]]
+    return Row(tuple(arguments), {"n": arguments[1]}, tuple(files))
 
 
-def test_a_plan_makes_the_folders_and_keeps_what_cannot_be_a_row(tmp_path):
+def test_a_plan_keeps_what_cannot_be_a_row_and_makes_no_folder(tmp_path):
     told = SettingError("no JSON")
     path = tmp_path / "new" / "a.txt"
     planned = plan([["info", "1", str(path)], ["wrong"], told], understood, {})
-    assert path.parent.is_dir()
+    assert not path.parent.exists()
     assert [row.key is None for row in planned] == [False, True, True]
     assert [row.told for row in planned[1:]] == ["this command is wrong", "no JSON"]
 
