@@ -140,7 +140,8 @@ def _keys(file: DeclaredFile) -> tuple[list[int], list[int]]:
     if file.is_numbered:
         stem, suffix = os.path.splitext(name)
         group = _names_below(folder, [stem, suffix])
-        own, others = [("set", group)], [("set", group), ("member", group), *_present(folder, stem, suffix)]
+        own: list[Hashable] = [("set", group)]
+        others: list[Hashable] = [*own, ("member", group), *_present(folder, stem, suffix)]
     else:
         place, found = _place(file.path), _NUMBERED.fullmatch(name)
         groups = [] if found is None else [_names_below(folder, list(found.groups()))]

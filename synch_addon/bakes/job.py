@@ -11,6 +11,7 @@ import numpy as np
 
 from ...core.errors import SettingError, SynchError
 from ...core.extract.cells import cells
+from ...core.files.leftovers import own_name, sweep
 from ..blender import meshes
 from ..blender import phases as blender_phases
 from ..blender.objects import ObjectLink
@@ -77,7 +78,7 @@ def _baking(link, settings):
         report |= {"margin": settings.margin, "samples": settings.samples, "maps": {}, "warnings": []}
         report["uv_map"], coordinates = _layer(obj, settings, report["warnings"])
         is_new = coordinates is None
-        with tempfile.TemporaryDirectory(prefix=".synch_", dir=folder) as temporary:
+        with tempfile.TemporaryDirectory(prefix=own_name(), dir=folder or bpy.app.tempdir) as temporary:
             if is_new:
                 yield "unwrap", 0.0
                 with staged(obj, modifiers=False) as stage:
@@ -115,6 +116,7 @@ def _folder(obj, settings):
         raise SettingError(f"{given}: this folder does not exist, create it first")
     if not os.access(folder, os.W_OK):
         raise SettingError(f"{given}: nothing can be written to this folder, choose another")
+    sweep(folder)
     for name in settings.maps:
         if (folder / settings.file_name(obj.name, name)).is_dir():
             raise SettingError(f"{folder / settings.file_name(obj.name, name)}: this is a folder, choose another name")

@@ -161,7 +161,7 @@ def check_output(path, suffixes):
     check_writable(path)
 
 
-def export_mesh(obj, path, z_up=False):
+def export_mesh(obj, path, z_up=False, written=written_whole):
     """Write one mesh object to a file of its own, in the units of the scene.
 
     Parameters
@@ -169,6 +169,7 @@ def export_mesh(obj, path, z_up=False):
     obj : bpy.types.Object
     path : of a kind in MESH_SUFFIXES
     z_up : coordinates of the world in an .obj file too, whose usual way up is Y; the other kinds have them always
+    written : what a :func:`written_together` yields, for a file of a set
 
     Raises
     ------
@@ -179,7 +180,7 @@ def export_mesh(obj, path, z_up=False):
         other.select_set(other == obj)
     data = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     arrived = partial(is_whole, vertices=len(data.vertices), faces=len(data.polygons))
-    with written_whole(path, arrived) as made:
+    with written(path, arrived) as made:
         try:
             _EXPORTERS[made.suffix.lower()](filepath=str(made), **(_Z_UP if z_up else {}))
         except RuntimeError as error:

@@ -24,6 +24,7 @@ from ...core.files import pictures
 from ...core.files.whole import written_whole
 from ..jobs.report import counted, versions
 from .flags import Made, add_number, add_quiet
+from .process_exit import leave_now
 
 # Arguments of a Python that has Blender as a module that start a warm process.
 _SERVE = "-m", __package__.removesuffix(".synch_addon.command"), "batch", "-"
@@ -146,7 +147,7 @@ def _understood(arguments, way):
 def serve(way):
     """Carry out rows that come by standard input, until it is closed."""
     here = versions() | {"threads": WORKERS}
-    serving.serve(lambda task: _answer(task, way, here))
+    serving.serve(lambda task: _answer(task, way, here), leave_now)
 
 
 def _answer(task, way, here):

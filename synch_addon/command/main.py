@@ -27,20 +27,19 @@ from ..jobs.report import failure, json_text, summary
 from ..looks.demo import add_demo_object
 from ..patterns.info import describe
 from ..settings.fields import Settings
-from . import animate, bake, batch, clebsch, fields, layers
+from . import animate, bake, batch, clebsch, fields, layers, process_exit
 from . import lines as cli_lines
 from .declared_files import DEMO, declared_files
 from .flags import Made, add_input, add_quiet, add_view, saved
-from .interrupts import heard_interrupts
+from .interrupts import Interrupted, heard_interrupts, told_signal
 
-# Exit status of a command that was interrupted, as shells have it.
-INTERRUPTED = 130
 # What is told in one line.
 _REFUSALS = SynchError, MemoryError, OSError, RuntimeError
 
 
 def main(arguments, loaded=False):
     """Run a command line; ``loaded`` tells that Blender has opened the file already. Exit status."""
+    process_exit.begin()
     parser = _parser(loaded)
     own, shared = _at_dashes(arguments)
     try:
@@ -49,7 +48,7 @@ def main(arguments, loaded=False):
         return stop.code or 0
     of_rows = batch.Way(lambda line: _parsed(parser, line), declared_files, _carry_out_row)
     if options.command == "batch" and options.rows == "-":
-        return batch.serve(of_rows)
+        return _serve(of_rows)
     try:
         _check_files(options)
     except SettingError as error:
@@ -62,9 +61,8 @@ def main(arguments, loaded=False):
                 made = batch.run(options, of_rows, shared, progress)
             else:
                 made = _carry_out(options, lambda: _open(options, loaded), progress, check)
-        except KeyboardInterrupt:
-            print(f"synch {options.command}: interrupted", file=sys.stderr)
-            return INTERRUPTED
+        except Interrupted as stop:
+            return told_signal(f"synch {options.command}", *stop.args)
         except _REFUSALS as error:
             print(f"synch {options.command}: {_reason(error)}", file=sys.stderr)
             return 1
@@ -76,6 +74,16 @@ def main(arguments, loaded=False):
     if made.failed:
         print(f"synch {options.command}: {made.failed}", file=sys.stderr)
     return 1 if made.failed else 0
+
+
+def _serve(of_rows):
+    """Be a warm process until standard input is closed, or a signal comes; exit status."""
+    with heard_interrupts():
+        try:
+            batch.serve(of_rows)
+        except Interrupted as stop:
+            return told_signal("synch batch", *stop.args)
+    return 0
 
 
 def _at_dashes(arguments):
