@@ -77,21 +77,28 @@ def _matched(pattern, shared):
 
 
 def _lines(path):
-    with path.open(encoding="utf-8") as file:
+    with path.open("rb") as file:
         for number, line in enumerate(file, 1):
             if not line.strip():
                 continue
             try:
-                yield from _from_line(line)
+                yield from _from_line(_decoded(line))
             except SettingError as error:
                 yield SettingError(f"{path}, line {number}: {error}")
+
+
+def _decoded(line: bytes) -> str:
+    try:
+        return line.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise SettingError(f"this is not UTF-8 ({error}): save the file as UTF-8") from None
 
 
 def _from_line(line) -> Iterator[list[str]]:
     try:
         row = json.loads(line)
     except (ValueError, RecursionError) as error:
-        raise SettingError(f"this is no JSON ({error}): write one object a line") from None
+        raise SettingError(f"this is not JSON ({error}): write one object a line") from None
     if not isinstance(row, dict) or not isinstance(row.get(_COMMAND), str):
         raise SettingError('this is no row: write {"command": "stripes", "input": "mesh.obj", "spacing": 0.05}')
     for part in _ranges(row):
@@ -165,7 +172,7 @@ class Keys:
             try:
                 with open(path, "rb") as file:
                     self._digests[path] = hashlib.file_digest(file, "sha256").hexdigest()
-            except OSError:
+            except (OSError, ValueError):
                 self._digests[path] = None
         return self._digests[path]
 

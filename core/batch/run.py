@@ -6,7 +6,7 @@ import os
 from collections import deque
 from dataclasses import dataclass
 
-from ..errors import SettingError
+from ..errors import SettingError, one_line
 from ..files.declared import FileOwners
 from .rows import Keys
 
@@ -22,7 +22,7 @@ class Planned:
 
     Attributes
     ----------
-    label : what a person calls it
+    label : what a person calls it, in one line
     key : of its record; None where it cannot be a row
     told : JSON of its arguments; the reason why it cannot be a row
     """
@@ -57,9 +57,10 @@ def plan(command_lines, understood, versions, own=()):
                 raise line
             row = understood(line)
         except SettingError as error:
-            rows.append(Planned("" if isinstance(line, SettingError) else " ".join(line[:2]), None, str(error)))
+            label = "" if isinstance(line, SettingError) else " ".join(line[:2])
+            rows.append(Planned(one_line(label), None, str(error)))
             continue
-        rows.append(Planned(row.label, keys.of(row), json.dumps(row.arguments)))
+        rows.append(Planned(one_line(row.label), keys.of(row), json.dumps(row.arguments)))
         for file in row.files:
             found = owners.add(file, len(rows))
             if found is not None:

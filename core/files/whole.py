@@ -7,7 +7,7 @@ from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from pathlib import Path
 
-from ..errors import SettingError
+from ..errors import WriteError
 from .leftovers import own_name, sweep
 
 
@@ -26,7 +26,7 @@ def written_whole(path, is_whole=None):
 
     Raises
     ------
-    SettingError
+    WriteError
         where the file cannot be written, or nothing or only a part of it arrived; nothing has changed then
     """
     with written_together() as written, written(path, is_whole) as made:
@@ -121,7 +121,7 @@ def write_text(path, text):
 
 def unwritten(path, reason):
     """The error of a file that could not be written."""
-    return SettingError(f"{path}: cannot be written ({reason}): make room, or choose another place")
+    return WriteError(f"{path}: cannot be written ({reason}): make room, or choose another place")
 
 
 def check_writable(path):

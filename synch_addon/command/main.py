@@ -10,13 +10,14 @@ was asked for has been written; every failure is one line.
 
 import argparse
 import io
+import os
 import sys
 from contextlib import redirect_stderr
 from pathlib import Path
 
 import bpy
 
-from ...core.errors import SettingError, SynchError
+from ...core.errors import SettingError, SynchError, WriteError, one_line
 from ...core.files.declared import check_clashes, check_inputs, made_folders
 from ...core.files.whole import write_text
 from ...core.keywords import check_text
@@ -145,15 +146,19 @@ def _reason(error):
     if isinstance(error, MemoryError):
         return "there is too little memory for this: allow more, or ask for less on a coarser mesh"
     if isinstance(error, OSError):
-        return f"{error.filename or 'a file'}: {error.strerror or error}"
-    return " ".join(str(error).split())  # what an importer or exporter of Blender reports
+        return one_line(f"{error.filename or 'a file'}: {error.strerror or error}")
+    return one_line(" ".join(str(error).split()))  # what an importer or exporter of Blender reports
 
 
 def _reported(options, error):
-    """What went wrong, which the report tells, too, where one is asked for."""
+    """What went wrong, which the report tells, too, where one is asked for.
+
+    Where a file could not be written, older ones stay, an older report among them.
+    """
     line = _reason(error)
     path = getattr(options, "report", None)
-    if path and files.is_report(path):
+    is_kept = isinstance(error, WriteError) and path and os.path.exists(path)
+    if path and files.is_report(path) and not is_kept:
         settings = {k: v for k, v in vars(options).items() if isinstance(v, str | int | float | None)}
         try:
             _write_json(path, failure(options.command, settings, line))
@@ -178,7 +183,7 @@ def _delivered(made, options, progress):
 def _lines(made):
     """What is printed of what was made."""
     warnings = [f"warning: {line}" for line in made.report.get("warnings", ())]
-    return [*made.lines, *warnings, *(f"wrote {path}" for path in made.written)]
+    return map(one_line, [*made.lines, *warnings, *(f"wrote {path}" for path in made.written)])
 
 
 # Commands
@@ -252,7 +257,7 @@ def _write_json(path, report):
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message):
-        self.exit(2, f"{self.prog}: {message} (see --help)\n")
+        self.exit(2, f"{self.prog}: {one_line(message)} (see --help)\n")
 
 
 def _parser(loaded):

@@ -66,7 +66,7 @@ def test_frames_go_out_in_contiguous_chunks_that_cover_them_once(tmp_path):
 @pytest.mark.parametrize(
     "line, reason",
     [
-        ("{", "line 2: this is no JSON"),
+        ("{", "line 2: this is not JSON"),
         ("[]", "this is no row"),
         ('{"input": "a.obj"}', "this is no row"),
         ('{"command": "animate", "chunk": 4}', "the frames are None"),
