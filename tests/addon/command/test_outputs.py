@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 
+import synch_fields
 from synch_fields.core.tasks.surfaces import SurfaceRequest
 from synch_fields.synch_addon.blender import files
 from synch_fields.synch_addon.command.main import main
@@ -24,7 +25,8 @@ from .. import scenes
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="there are no limits on files there")
 
-ROOT = Path(__file__).resolve().parents[4]
+# The folder that this package is in, for processes that import it, too.
+ROOT = Path(synch_fields.__file__).parents[1]
 # The command line with a limit on the bytes of each file.
 LIMITED = """
 import resource, runpy, sys
