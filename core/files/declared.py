@@ -3,6 +3,7 @@
 
 import os
 import re
+import stat
 import sys
 import unicodedata
 from collections.abc import Hashable, Iterable, Iterator
@@ -11,7 +12,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from ..errors import SettingError
+from ..errors import SettingError, shown
 from .whole import unwritten
 
 # Names of a numbered set such as part_000.stl: what stands before and behind the number.
@@ -82,7 +83,9 @@ def check_clashes(files: Iterable[DeclaredFile]) -> None:
 
 
 def check_inputs(files: Iterable[DeclaredFile]) -> None:
-    """Refuse devices, pipes and the like as inputs, which may never end; what is missing is told where it is read.
+    """Refuse devices and pipes as inputs, which may never end, and names that the system refuses.
+
+    What is missing is told where it is read.
 
     Raises
     ------
@@ -90,9 +93,16 @@ def check_inputs(files: Iterable[DeclaredFile]) -> None:
         naming the file
     """
     for file in files:
-        path = Path(file.path)
-        if not file.is_written and path.exists() and not path.is_file() and not path.is_dir():
-            raise SettingError(f"{path}: {file.flag} is a device or a pipe: name a file")
+        if file.is_written:
+            continue
+        try:
+            mode = os.stat(file.path).st_mode
+        except (FileNotFoundError, NotADirectoryError):
+            continue
+        except OSError as error:
+            raise SettingError(f"{shown(file.path)}: {file.flag} cannot be read: {error.strerror or error}") from None
+        if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
+            raise SettingError(f"{file.path}: {file.flag} is a device or a pipe: name a file")
 
 
 @contextmanager
@@ -119,13 +129,13 @@ def made_folders(files: Iterable[DeclaredFile]) -> Iterator[None]:
 
 def _make_folder(file: DeclaredFile, made: list[Path]) -> None:
     folder = Path(os.path.realpath(file.path)).parent
-    missing = [parent for parent in (folder, *folder.parents) if not parent.is_dir()]
+    missing = [parent for parent in (folder, *folder.parents) if not os.path.isdir(parent)]
     for parent in reversed(missing):
         try:
             parent.mkdir()
             made.append(parent)
         except OSError as error:
-            if not parent.is_dir():  # else another process was faster
+            if not os.path.isdir(parent):  # else another process was faster
                 raise unwritten(file.path, f"no folder can be made: {error.strerror or error}") from None
 
 

@@ -20,10 +20,12 @@ from synch_fields.synch_addon.blender.translations import messages, told
 ROOT = Path(errors.__file__).parents[1]
 GERMAN, WORDS = translations.MESSAGES["de_DE"], translations.WORDS["de_DE"]
 # Rooms of the command line and of Python, which no window reaches.
-UNSEEN = re.compile(r"core/(batch|spread)/|core/problem|core/solve/options_check\.py|synch_addon/command/")
+UNSEEN = re.compile(
+    r"core/(batch|spread)/|core/files/declared|core/problem|core/solve/options_check\.py|synch_addon/command/"
+)
 # What only programs can do wrong, wherever it is said: arrays of other shapes, functions, flags.
 FOR_PROGRAMS = re.compile(r"\bshape\b|--[a-z]|the callback is")
-RAISED = {"SynchError", "MeshError", "SettingError", "ContradictionError", "WorkerGone", "Cancelled"}
+RAISED = {"SynchError", "MeshError", "SettingError", "WriteError", "ContradictionError", "WorkerGone", "Cancelled"}
 # What is put together from "has" or "have", each of which has its sentence.
 BY_NUMBER = {"{} {} {}: {}", "{} {} {}: use {}"}
 # Functions that return or yield such lines, and which are called with them.

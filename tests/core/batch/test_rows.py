@@ -81,6 +81,14 @@ def test_a_line_that_is_no_row_is_told_and_the_others_stay(line, reason, tmp_pat
     assert isinstance(second, SettingError) and reason in str(second) and "rows.jsonl, line 2" in str(second)
 
 
+def test_a_row_that_is_not_utf_8_is_told_and_the_others_stay(tmp_path):
+    path = tmp_path / "rows.jsonl"
+    path.write_bytes(b'\xef\xbb\xbf{"command": "info"}\n{"command": "\xff"}\n{"command": "demo"}\n')
+    first, second, third = read_rows(path)
+    assert (first, third) == (["info"], ["demo"])
+    assert isinstance(second, SettingError) and "line 2: this is not UTF-8" in str(second)
+
+
 @pytest.mark.parametrize(
     "jobs, shared, reason",
     [
