@@ -5,11 +5,14 @@
 A short run belongs to the tests; `make fuzz` goes on for minutes, and keeps the smallest case of what it finds.
 """
 
+import io
 import json
 import os
+import sys
 import tempfile
 import warnings
 from collections import Counter
+from contextlib import chdir, redirect_stderr
 from functools import cache
 from pathlib import Path
 
@@ -23,6 +26,7 @@ from synch_fields.core.files.tets import read_tets
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import files
 from synch_fields.synch_addon.blender.openvdb import module_file
+from synch_fields.synch_addon.command.main import main
 from synch_fields.synch_addon.patterns.job import FieldJob
 from synch_fields.synch_addon.settings.fields import Settings
 
@@ -264,6 +268,94 @@ def test_any_damaged_file_is_read_or_refused(damage):
         path = Path(folder) / f"damaged{suffix}"
         path.write_bytes(content)
         read_or_refused(f"{suffix} files", lambda: read(path) or "read")
+
+
+# Names that files of a suffix are called by: some of them are one file, or belong to one numbered set.
+CALLED = ("a{}", "./a{}", "sub/../a{}", "link{}", "part{}", "part_000{}", "./part_0001{}", "new/b{}", "new/../new/b{}")
+MESHES = (".obj", ".stl", ".ply")
+# Suffixes of the files that a command reads and writes, by their flags; "" is the input.
+FILES = {
+    "info": {"": MESHES, "--report": [".json"]},
+    "stripes": {
+        "": MESHES,
+        "--constraints": [".json"],
+        "--guidance": [".rosy"],
+        "--report": [".json"],
+        "--output": [".blend"],
+        "--export-field": [".rosy"],
+    },
+    "quad_mesh": {"": MESHES, "--constraints": [".json"], "--export-mesh": MESHES, "--report": [".json"]},
+    "layers": {
+        "": MESHES,
+        "--export-layers": MESHES,
+        "--export-mesh": MESHES,
+        "--export-paths": [".csv", ".obj", ".gcode"],
+        "--export-gcode": [".gcode"],
+        "--report": [".json"],
+    },
+}
+# Flags of files that are read, and what makes a command quick.
+READ = ("", "--constraints", "--guidance")
+QUICK = {
+    "stripes": ["--quiet", "--method", "spectral", "--spacing", "0.7"],
+    "quad_mesh": ["--quiet", "--method", "spectral", "--spacing", "0.7", "--smoothing", "0"],
+    "layers": ["--quiet", "--method", "spectral", "--spacing", "1.5", "--size", "0.7"],
+}
+
+
+@st.composite
+def commands(draw):
+    """A command, and the name of a file for some of its flags."""
+    command = draw(st.sampled_from(sorted(FILES)))
+    named = {}
+    for flag, suffixes in FILES[command].items():
+        if not flag or draw(st.booleans()):
+            named[flag] = draw(st.sampled_from(CALLED)).format(draw(st.sampled_from(suffixes)))
+    return command, named
+
+
+@cache
+def given_files():
+    """What is in a folder before a command runs: contents by names."""
+    empty_scene()
+    obj = sphere(1)
+    found = {"a.json": b"[]\n", "a.rosy": b"20\n2\n" + 20 * b"1 0 0\n", "a.csv": b"table", "a.gcode": b"G28"}
+    with tempfile.TemporaryDirectory() as folder:
+        for suffix in MESHES:
+            files.export_mesh(obj, Path(folder) / f"a{suffix}")
+            found[f"a{suffix}"] = found[f"part_000{suffix}"] = (Path(folder) / f"a{suffix}").read_bytes()
+    return found
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links need rights there")
+@fuzzed
+@hypothesis.given(commands())
+def test_no_command_writes_over_a_file_of_its_own(case):
+    command, named = case
+    with tempfile.TemporaryDirectory() as folder, chdir(folder):
+        Path("sub").mkdir()
+        for name, content in given_files().items():
+            Path(name).write_bytes(content)
+            if name.startswith("a."):
+                Path(f"link.{name[2:]}").symlink_to(name)
+        read = {flag: Path(name) for flag, name in named.items() if flag in READ and Path(name).exists()}
+        before = {path: path.read_bytes() for path in read.values()}
+        guided = {flag: f"file:{name}=1" if flag == "--guidance" else name for flag, name in named.items()}
+        flags = [part for flag, name in guided.items() if flag for part in (flag, name)]
+        with redirect_stderr(io.StringIO()) as told:
+            status = main([command, named[""], *flags, *QUICK.get(command, ())])
+        assert "Traceback" not in told.getvalue()
+        assert all(path.read_bytes() == content for path, content in before.items())
+        COUNTS[f"files of {command} {'refused' if status else 'written'}"] += 1
+        if status:
+            assert len(told.getvalue().strip().splitlines()) == 1
+            return
+        written = [Path(name) for flag, name in named.items() if flag not in (*READ, "--export-layers")]
+        layers = Path(named.get("--export-layers", "none"))
+        written += layers.parent.glob(f"{layers.stem}_[0-9][0-9][0-9]*{layers.suffix}")
+        places = {path.resolve(strict=True) for path in written}
+        assert len(places) == len(written) and ("--export-layers" not in named or layers.parent.exists())
+        assert not places & {path.resolve() for path in before}
 
 
 def test_a_fault_anywhere_leaves_the_scene_as_it_was():

@@ -96,7 +96,7 @@ def test_layers_that_cannot_all_be_written_leave_none(tmp_path):
     bpy.ops.mesh.primitive_cone_add(vertices=48)
     cone = tmp_path / "cone.obj"
     files.export_mesh(bpy.context.object, cone)
-    arguments = ["layers", cone, "--spacing", 0.25, "--size", 0.3, "--quiet", "--export-layers", tmp_path / "part.stl"]
+    arguments = ["layers", cone, "--spacing", 0.6, "--size", 0.3, "--quiet", "--export-layers", tmp_path / "part.stl"]
     assert limited(10**9, *arguments).returncode == 0
     before = {path.name: path.read_bytes() for path in tmp_path.glob("part_*")}
     sizes = sorted(map(len, before.values()))
