@@ -8,16 +8,22 @@ import numpy as np
 
 from ...core.files.pictures import is_whole
 from ...core.files.whole import unwritten
+from ...core.settings.bake import MAPS, SUFFIXES
 from ..blender.transaction import assign, at_the_end, keep, set_aside
 from ..nodes.canvas import surface_material
 from ..nodes.materials import append_material
-from .settings import MAPS
 from .shaders import SOURCE, pattern_node, sources
 
 # Custom property of what a bake has made, and may replace: its map, or the object.
 _MADE = "synch_baked"
 # Of the material that is baked: the node that scales its relief, in spacings, and what stands for a missing one.
 _RELIEF_NODE, _RELIEF = "Relief", 0.05
+
+
+def file_name(settings, obj, map_name):
+    """Of a map's file or image, as :class:`BakeSettings` name it."""
+    stem = bpy.path.clean_name(settings.naming.format(object=obj.name, map=map_name))
+    return stem + SUFFIXES[settings.file_format]
 
 
 def save(values, path, settings, map_name, scene):

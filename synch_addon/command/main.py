@@ -19,13 +19,13 @@ import bpy
 from ...core.errors import SettingError, SynchError
 from ...core.files.whole import write_text
 from ...core.keywords import check_text
+from ...core.settings.surface import SurfaceSettings
 from .. import api
 from ..blender import files
 from ..blender.quiet import quiet_stdout
 from ..jobs.report import failure, json_text, summary
 from ..looks.demo import add_demo_object
 from ..patterns.info import describe
-from ..settings.fields import Settings
 from . import animate, bake, batch, clebsch, fields, layers
 from . import lines as cli_lines
 from .flags import Made, add_input, add_quiet, add_view, saved
@@ -192,7 +192,7 @@ def _run_demo(options, _open_object, progress):
         setattr(options, name, str(folder / f"demo{suffix}"))
     bpy.ops.wm.read_homefile(use_empty=True)
     obj = add_demo_object()
-    report = api.run("stripes", obj, Settings(), progress)
+    report = api.run("stripes", obj, SurfaceSettings(), progress)
     return Made(report, summary(report), saved(options), obj)
 
 

@@ -12,10 +12,10 @@ import numpy as np
 
 from ...core.errors import SynchError
 from ...core.keywords import from_names
+from ...core.settings.surface import SurfaceSettings
 from ..blender import attributes, meshes, schema
 from ..blender.transaction import at_the_end, undone_by, whole_or_nothing
 from ..jobs.report import Report
-from ..settings.fields import Settings
 from . import job, memory
 from .read_back import is_apart, read_back
 from .write import SAME
@@ -37,7 +37,7 @@ def keep(obj, name=""):
     result = json.loads(obj.synch.result) if obj.synch.result else {}
     if result.get("command") not in schema.KEPT:
         raise SynchError(f"{obj.name} shows no stripes or quads: solve them first")
-    if is_apart(from_names(Settings, result["settings"]), result):
+    if is_apart(from_names(SurfaceSettings, result["settings"]), result):
         raise SynchError(f"the pattern of {obj.name} has cuts, which attributes of vertices cannot tell: use the seed")
     with meshes.object_mode(obj), whole_or_nothing():
         values = {attribute: attributes.read(obj, attribute) for attribute in schema.KEPT[result["command"]]}

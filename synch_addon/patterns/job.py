@@ -11,9 +11,9 @@ from ..blender import meshes
 from ..blender.objects import ObjectLink, Selection
 from ..blender.transaction import whole_or_nothing
 from ..jobs.report import Report, result_line
+from ..reading.surface import gather, settings_for
 from . import frame_attributes, memory, numbers, quad_mesh, write
 from .curves_read import curves_read
-from .reading import gather, settings_for
 
 
 class FieldJob:

@@ -14,10 +14,10 @@ import numpy as np
 from ...core.errors import SynchError
 from ...core.geometry.carrier import APART
 from ...core.keywords import from_names
+from ...core.settings.surface import SurfaceSettings
 from ..blender import attributes, schema
-from ..settings.fields import Settings
+from ..reading.surface import gather, settings_for
 from . import memory
-from .reading import gather, settings_for
 
 
 def shown_pattern(obj):
@@ -38,7 +38,7 @@ def shown_pattern(obj):
 
 
 def read_back(obj, result, favourite=None):
-    """The Settings, SurfaceRequest, DirectionField and Pattern of attributes on the vertices.
+    """The SurfaceSettings, SurfaceRequest, DirectionField and Pattern of attributes on the vertices.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def read_back(obj, result, favourite=None):
     command = kept.get("command")
     if command not in schema.KEPT or "settings" not in kept:
         raise SynchError(f"{obj.name} has no pattern whose settings are known: solve stripes or quads on it first")
-    settings = settings_for(command, obj, from_names(Settings, kept["settings"]))
+    settings = settings_for(command, obj, from_names(SurfaceSettings, kept["settings"]))
     if is_apart(settings, kept):
         raise SynchError(f"the pattern of {obj.name} has cuts, which its attributes cannot tell: solve it again")
     request = gather(command, obj, _asked_along_edges(settings))
@@ -83,7 +83,7 @@ def is_apart(settings, kept):
 
     Parameters
     ----------
-    settings : Settings
+    settings : SurfaceSettings
     kept : what :func:`report.result_line` keeps of the solve, as a dict
     """
     is_cut = any(row.what == "cut" for row in settings.constraints)
@@ -92,7 +92,7 @@ def is_apart(settings, kept):
 
 def _asked_along_edges(settings):
     """The settings that say how phases change along edges, without what their directions were to follow."""
-    plain = Settings()
+    plain = SurfaceSettings()
     names = ["guidance", "angle", "angle_attribute", "angle_range"]
     if settings.exact_attribute is not None:
         settings = replace(settings, singularities=1.0, pins="")

@@ -19,8 +19,8 @@ from ..blender.transaction import assign, keep, undone_by, whole_or_nothing
 from ..blender.translations import said
 from ..jobs.report import versions
 from ..jobs.shelf import Shelf
+from ..reading.surface import LINES_ACROSS, carried_spacing, spacing_across
 from . import memory, write
-from .reading import LINES_ACROSS, carried_spacing, spacing_across
 
 # Faces that are looked at, spread over all of them.
 FACES_SEEN = 500

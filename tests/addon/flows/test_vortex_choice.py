@@ -12,7 +12,7 @@ import pytest
 from synch_fields.core.defects import wrap
 from synch_fields.core.errors import Cancelled, SynchError
 from synch_fields.core.extract.filaments import Filament
-from synch_fields.core.tasks.flow_settings import ClebschSettings
+from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.core.tasks.flows import Shown
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.flows import memory
@@ -194,7 +194,7 @@ def test_thick_filaments_have_the_other_colour(solved):
 
 def test_the_window_gives_what_a_blocking_run_gives(ring, solved):
     _, lines, report = solved
-    job = job_for(str(ring), ClebschSettings(show="both", **QUICK, opening=100, smoothing=0))
+    job = job_for(str(ring), FlowSettings(show="both", **QUICK, opening=100, smoothing=0))
     work = by_the_worker(job)
     assert work.error is None and 0.9 < work.fraction <= 1
     again = job.write(work.result)
@@ -205,7 +205,7 @@ def test_the_window_gives_what_a_blocking_run_gives(ring, solved):
 
 @pytest.mark.parametrize("stage", ["flow", "relaxation", "rank 2", "vortices"])
 def test_a_cancelled_job_stops_and_writes_nothing(ring, stage):
-    job = job_for(str(ring), ClebschSettings(show="both", **QUICK))
+    job = job_for(str(ring), FlowSettings(show="both", **QUICK))
     before = snapshot()
     seen = []
 
@@ -222,7 +222,7 @@ def test_a_cancelled_job_stops_and_writes_nothing(ring, stage):
 
 def test_progress_grows(ring):
     seen = []
-    job_for(str(ring), ClebschSettings(**QUICK)).request.solve(lambda name, fraction: seen.append(fraction))
+    job_for(str(ring), FlowSettings(**QUICK)).request.solve(lambda name, fraction: seen.append(fraction))
     assert (np.diff(seen) >= -1e-9).all() and seen[-1] <= 1 and len(seen) > 10
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from synch_fields.core.errors import Cancelled, SettingError, SynchError
 from synch_fields.core.fields.clebsch import quantum_for
-from synch_fields.core.tasks.flow_settings import ClebschSettings
+from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command.main import main
 from synch_fields.synch_addon.flows import sequence_job
@@ -206,7 +206,7 @@ def test_what_fails_while_it_is_written_leaves_nothing(folder, monkeypatch):
             raise MemoryError
         return make(name, shown)
 
-    job = job_for(folder / "smoke_####.vdb", ClebschSettings(frames=(1, 2), show="both", **SETTINGS))
+    job = job_for(folder / "smoke_####.vdb", FlowSettings(frames=(1, 2), show="both", **SETTINGS))
     result = job.request.solve()
     before, counts = snapshot(), (len(bpy.data.curves), len(bpy.data.actions))
     monkeypatch.setattr(sequence_job, "make_filaments", breaking)

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
+from synch_fields.core.settings.constraints import PLACES, WISHES, Constraint, wishes_at
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.panels import constraints
 from synch_fields.synch_addon.settings.constraint_list import stored_constraints
-from synch_fields.synch_addon.settings.constraints import PLACES, WISHES, Constraint, wishes_at
 
 from ..rows import OPERATORS, add_row, sheet
 from ..scenes import (
