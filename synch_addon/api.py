@@ -7,11 +7,13 @@ scene as it was. All return the report that the command line writes as JSON.
 
 from dataclasses import replace
 from numbers import Integral
+from typing import Unpack
 
 from ..core.errors import SettingError, SynchError, shown
 from ..core.fields.placement import check_vertices, variation, with_defects
 from ..core.keywords import from_names, taken
 from ..core.settings.bake import BakeSettings
+from ..core.settings.keywords import BakeKeywords, LayerKeywords, LineKeywords, SurfaceKeywords
 from ..core.settings.layers import LayerSettings
 from ..core.settings.lines import LineSettings
 from ..core.settings.surface import SYMMETRY_ORDERS, SurfaceSettings
@@ -44,7 +46,7 @@ from .solids.outputs import layer_volume as layer_volume
 MOST_VARIATIONS = 2**31 - 1
 
 
-def directions(obj, callback=None, **settings):
+def directions(obj, callback=None, **settings: Unpack[SurfaceKeywords]):
     """Solve a direction field on a mesh object and write it as attributes and empties.
 
     Parameters
@@ -65,7 +67,7 @@ def directions(obj, callback=None, **settings):
     return run("directions", obj, from_names(SurfaceSettings, settings), callback)
 
 
-def stripes(obj, callback=None, **settings):
+def stripes(obj, callback=None, **settings: Unpack[SurfaceKeywords]):
     """Solve a stripe pattern along a direction field and write attributes, material and empties.
 
     Parameters, result and errors as :func:`directions`.
@@ -73,7 +75,7 @@ def stripes(obj, callback=None, **settings):
     return run("stripes", obj, from_names(SurfaceSettings, settings), callback)
 
 
-def quads(obj, callback=None, **settings):
+def quads(obj, callback=None, **settings: Unpack[SurfaceKeywords]):
     """Solve a quad pattern along a cross field and write attributes, material and empties.
 
     Parameters, result and errors as :func:`directions`; the symmetry is always that of a cross.
@@ -81,7 +83,7 @@ def quads(obj, callback=None, **settings):
     return run("quads", obj, from_names(SurfaceSettings, settings), callback)
 
 
-def quad_mesh(obj, callback=None, **settings):
+def quad_mesh(obj, callback=None, **settings: Unpack[SurfaceKeywords]):
     """Solve a quad pattern and make the mesh of its grid lines, a new object; the given one is hidden.
 
     Parameters, result and errors as :func:`quads`; the report says in ``quad_mesh`` how good the mesh is, and in its
@@ -95,7 +97,7 @@ def run(command, obj, settings, callback=None):
     return job.run(FieldJob(command, obj, settings), callback)
 
 
-def layers(obj, callback=None, solid=None, **settings):
+def layers(obj, callback=None, solid=None, **settings: Unpack[LayerKeywords]):
     """Fill a closed mesh object and solve evenly spaced layers in it, made as new objects; the given one is hidden.
 
     Parameters
@@ -198,7 +200,7 @@ def trace_quads(obj, smoothing=SurfaceSettings.smoothing):
         return write_quads(obj, request, found, report, Selection.now())
 
 
-def isolines(obj, **settings):
+def isolines(obj, **settings: Unpack[LineKeywords]):
     """Make a curve object of the lines that an object shows: middles or edges of stripes, grid lines of quads.
 
     Parameters
@@ -272,7 +274,7 @@ def carry(obj):
     return {"status": "made", "command": "carry", "object": obj.name, "modifier": made.name, "versions": versions()}
 
 
-def preset(obj, name, callback=None, solve=False, **settings):
+def preset(obj, name, callback=None, solve=False, **settings: Unpack[SurfaceKeywords]):
     """Show one of the :data:`presets.PRESETS` on an object: on its pattern, or on one that is solved for it.
 
     Parameters
@@ -305,7 +307,7 @@ def preset(obj, name, callback=None, solve=False, **settings):
     }
 
 
-def bake(obj, callback=None, **settings):
+def bake(obj, callback=None, **settings: Unpack[BakeKeywords]):
     """Bake what an object's stripes or quads show into image files, or images packed into the .blend.
 
     Parameters

@@ -232,8 +232,7 @@ class LayerSettings(SolverSettings):
     branching: float = setting(
         1.0,
         "Branching",
-        "How much layers may branch to keep their distance: 100 for as much as even distances need, 0 for hardly any "
-        "branches or none",
+        "How much layers may branch to keep their distance: as much as even distances need, or at 0 hardly at all",
         unit=SHARE,
         least=0,
         most=1,

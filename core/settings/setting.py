@@ -14,6 +14,7 @@ the manual's reference.
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields
+from inspect import get_annotations
 from types import UnionType
 from typing import Any, get_args, get_type_hints
 
@@ -161,8 +162,10 @@ class SettingsRecord:
 
 
 def records(kind: type[SettingsRecord]) -> Iterator[tuple[str, Setting]]:
-    """The names of a group's settings and their records, in the order of declaration."""
-    return ((item.name, item.metadata["setting"]) for item in fields(kind))
+    """The names of a group's settings and their records: its own in the order of declaration, then the inherited."""
+    inherited = {name for base in kind.__mro__[1:] for name in get_annotations(base)}
+    ordered = sorted(fields(kind), key=lambda item: item.name in inherited)
+    return ((item.name, item.metadata["setting"]) for item in ordered)
 
 
 def value_type(kind: type[SettingsRecord], name: str) -> type:

@@ -8,7 +8,7 @@ from typing import Any
 from ..errors import SettingError
 from ..keywords import MOST_ROUNDS
 from .constraints import Constraint, from_plain
-from .guidance import Source, parse_guidance
+from .guidance import GUIDES, Source, parse_guidance
 from .pins import parse_pins
 from .setting import ANGLE, FACTOR, LENGTH, NUMBERS, SHARE, SMALLEST, Choice, Variant, setting
 from .solver import SURFACES, SolverSettings
@@ -53,7 +53,8 @@ class SurfaceSettings(SolverSettings):
     guidance: str = setting(
         "smooth",
         "Guidance",
-        "What the directions follow: smooth, or guides KIND:NAME=STRENGTH separated by commas",
+        "What the directions follow: smooth, or guides KIND:NAME=STRENGTH separated by commas; "
+        f"kinds: {', '.join(GUIDES)}",
         commands=SURFACES,
         group="directions",
         placeholder="SPEC",
@@ -109,17 +110,17 @@ class SurfaceSettings(SolverSettings):
     singularities: float | None = setting(
         None,
         "Singularities",
-        "How many singular points directions may have to stay smooth: 100 for as many as the shape's bumps call for, "
-        "0 for the fewest that it allows, where directions bend more and quads vary in size instead",
+        "How many singular points directions may have to stay smooth: all that the shape's bumps call for, or at 0 the "
+        "fewest that it allows, where directions bend more and quads vary in size instead",
         **_SHARE,
         variants={
             "": Variant(1.0, "", ""),
             "quad_mesh": Variant(
                 0.95,
                 "Mesh Singularities",
-                "How many singular points the directions of quad meshes may have to stay smooth: below 100 those go "
-                "that bend the least, and irregular vertices with them; at 0 there are the fewest that the shape "
-                "allows, and quads vary in size instead",
+                "How many singular points the directions of quad meshes may have to stay smooth: with fewer, "
+                "those go that bend the least, and irregular vertices with them; at 0 there are the fewest that the "
+                "shape allows, and quads vary in size instead",
             ),
         },
         commands=SURFACES,
@@ -170,8 +171,8 @@ class SurfaceSettings(SolverSettings):
     branching: float | None = setting(
         None,
         "Branching",
-        "How much lines may branch to keep their distance: 100 for as much as even spacing needs, 0 for hardly any "
-        "branches or none, where lines are nearer to and further from one another instead",
+        "How much lines may branch to keep their distance: as much as even spacing needs, or at 0 hardly at all, where "
+        "lines are nearer to and further from one another instead",
         **_SHARE,
         variants={
             "": Variant(1.0, "", ""),
@@ -179,7 +180,8 @@ class SurfaceSettings(SolverSettings):
                 0.0,
                 "Mesh Branching",
                 "How much the lines of quad meshes may branch to keep their distance: at 0 faces are quads all over "
-                "and vary in size, at 100 their sizes are most even, but faces of five and six corners lie between",
+                "and vary in size; with all branches their sizes are most even, but faces of five and six corners lie "
+                "between",
             ),
         },
         commands=PATTERNS,

@@ -3,10 +3,12 @@
 
 import time
 from pathlib import Path
+from typing import Unpack
 
 from ...core.fields.loops import loop_error
 from ...core.keywords import check_path, from_names
 from ...core.settings.flow import FlowSettings
+from ...core.settings.keywords import FlowKeywords
 from ...core.tasks.flows import FlowRequest
 from ..blender.objects import Selection
 from ..blender.transaction import whole_or_nothing
@@ -49,7 +51,7 @@ class ClebschJob:
             return finish(solved, Filled(told, fill), made, self._start)
 
 
-def clebsch(source, callback=None, **settings):
+def clebsch(source, callback=None, **settings: Unpack[FlowKeywords]):
     """Show the vortices of a flow.
 
     Parameters

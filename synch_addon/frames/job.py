@@ -8,6 +8,7 @@ import math
 from collections.abc import Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from typing import Unpack
 
 import bpy
 import numpy as np
@@ -18,6 +19,7 @@ from ...core.fields.directions import DirectionField
 from ...core.fields.frames import carried_angles
 from ...core.interpolate import face_phases
 from ...core.keywords import check_choice, from_names, taken
+from ...core.settings.keywords import SurfaceKeywords
 from ...core.settings.surface import SYMMETRY_ORDERS, SurfaceSettings
 from ...core.tasks.frames import FramesRequest, fresh, in_frame
 from ..blender import attributes, meshes, modifiers
@@ -71,7 +73,7 @@ class Span:
         return range(self.first, self.last + 1)
 
 
-def animate(obj, callback=None, frames=None, pattern="stripes", hold=HOLD, **settings):
+def animate(obj, callback=None, frames=None, pattern="stripes", hold=HOLD, **settings: Unpack[SurfaceKeywords]):
     """Solve a pattern in each frame of a moving mesh, each frame from the one before; a modifier shows them.
 
     Parameters

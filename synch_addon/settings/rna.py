@@ -27,23 +27,23 @@ _MOST = 2**31 - 1
 _SUBTYPES = {LENGTH: "DISTANCE", ANGLE: "ANGLE", PIXELS: "PIXEL", FILE: "FILE_PATH", FOLDER: "DIR_PATH"}
 
 
-def property_of(kind: type[SettingsRecord], name: str, command: str = "", **more: Any) -> Any:
+def property_of(kind: type[SettingsRecord], setting: str, command: str = "", /, **more: Any) -> Any:
     """Blender's property of a setting.
 
     Parameters
     ----------
     kind : group of settings
-    name : of the setting
+    setting : its name
     command : whose variant of the setting it is, "" for the setting itself
     more : arguments of the property that are not those of the record
     """
-    record = dict(records(kind))[name]
+    record = dict(records(kind))[setting]
     variant = record.variants.get(command)
     given = {
         "name": variant.label if command and variant else record.label,
         "description": variant.tip if command and variant else record.tip,
     }
-    default, of_type = default_of(kind, name, command), value_type(kind, name)
+    default, of_type = default_of(kind, setting, command), value_type(kind, setting)
     if record.choices:
         return EnumProperty(**given | _choices(record, default) | more)
     if of_type is bool:

@@ -14,9 +14,9 @@ from synch_fields.core.errors import SynchError, shown
 from synch_fields.core.settings.bake import BakeSettings
 from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.core.settings.layers import LayerSettings
+from synch_fields.core.settings.lines import LineSettings
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.patterns.lines import LineSettings
 
 from .scenes import snapshot, sphere
 

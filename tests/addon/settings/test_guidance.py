@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError, SynchError
-from synch_fields.core.settings.guidance import Source
+from synch_fields.core.settings.guidance import Source, parse_guidance
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
