@@ -57,7 +57,7 @@ def keywords() -> str:
         parts.append(
             "\n".join([f"class {name.removesuffix('Settings')}Keywords(TypedDict, total=False):", doc, "", *lines])
         )
-    return "\n\n".join(parts).replace("\n\n\nclass", "\n\nclass") + "\n"
+    return "\n\n\n".join(part.strip() for part in parts) + "\n"
 
 
 def _spelled(hint) -> str:
@@ -112,7 +112,7 @@ def _values(kind, setting, record) -> str:
     if "tuple" in hint or "str" in hint:
         return _NAMED.get(record.names, "text")
     unit = f"{record.unit} " if record.unit else ""
-    low = "" if record.least <= -LARGEST else f"{'above' if record.is_open else 'from'} {record.least:g} "
+    low = "" if record.least <= -LARGEST else f"from {record.least:g} "
     high = "" if record.most >= LARGEST else f"to {record.most:.6g}"
     number = "whole number " if "int" in hint else "" if unit else "number "
     return f"{unit}{number}{low}{high}".strip()

@@ -11,7 +11,6 @@ records, ``synch_addon/command/flags.py`` the flags, and ``tools/settings.py`` t
 the manual's reference.
 """
 
-import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from inspect import get_annotations
@@ -68,7 +67,6 @@ class Setting:
     tip : what it does, in one sentence; the tooltip, the help of the flag and the manual say this
     unit : of a number, "" for a plain one
     least, most : the smallest and the largest number
-    is_open : whether the least number itself is refused
     usual : the smallest and the largest number on a slider, None for ``least`` and ``most``
     start : where the slider begins if the default is None
     choices : of a text, or of several texts
@@ -87,7 +85,6 @@ class Setting:
     unit: str = ""
     least: float = -LARGEST
     most: float = LARGEST
-    is_open: bool = False
     usual: tuple[float | None, float | None] = (None, None)
     start: float | None = None
     choices: tuple[Choice, ...] = ()
@@ -116,8 +113,7 @@ class Setting:
         if isinstance(value, bool) or value is None:
             return
         if isinstance(value, int | float):
-            is_above = value > self.least if self.is_open else value >= self.least
-            if not (math.isfinite(value) and is_above and value <= self.most):
+            if not self.least <= value <= self.most:
                 raise SettingError(f"the {label_of(name)} is {shown(value)}: give {self._range(type(value))}")
         elif self.choices and isinstance(value, str):
             if value not in self.choice_names:
@@ -128,14 +124,14 @@ class Setting:
     def _range(self, kind: type) -> str:
         """The numbers that are allowed, for a message."""
         noun = "a whole number" if kind is int else "a share" if self.unit == SHARE else "a number"
-        if self.is_open and self.least == 0 and self.most >= LARGEST:
-            return "a positive number" if kind is float else "a whole number from 1 on"
+        if self.least == SMALLEST and self.most >= LARGEST:
+            return f"a positive number, {SMALLEST:g} or more"
         if self.least <= -LARGEST:
             return "a finite number" if self.most >= LARGEST else f"{noun} up to {self.most:g}"
-        start = f"{noun} {'above' if self.is_open else 'from'} {self.least:g}"
+        start = f"{noun} from {self.least:g}"
         if self.most >= LARGEST:
-            return start if self.is_open else f"{start} on"
-        return f"{start} {'and up ' if self.is_open else ''}to {self.most:.12g}"
+            return f"{start} on"
+        return f"{start} to {self.most:.12g}"
 
 
 def setting(default: Any, label: str, tip: str, **record: Any) -> Any:

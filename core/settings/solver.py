@@ -4,7 +4,7 @@
 from dataclasses import dataclass
 
 from ..keywords import MOST
-from .setting import SECONDS, SHARE, Choice, SettingsRecord, setting
+from .setting import SECONDS, SHARE, SMALLEST, Choice, SettingsRecord, setting
 
 # Commands that solve, and those of them that solve on a surface.
 SURFACES = ("directions", "stripes", "quads", "quad_mesh", "isolines", "animate")
@@ -67,8 +67,7 @@ class SolverSettings(SettingsRecord):
         "Time Limit",
         "Seconds for each solve, after which the best result so far is taken",
         unit=SECONDS,
-        least=0,
-        is_open=True,
+        least=SMALLEST,
         unset="without a limit",
         commands=SOLVING,
     )
