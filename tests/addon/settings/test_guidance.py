@@ -209,7 +209,7 @@ REFUSED = {
     "axis:W": "the axis 'W' is unknown: use X, Y or Z",
     "axis:Z=-1": "the strength of axis:Z is -1.0: give a number from 0 on",
     "axis:Z=nan": "the strength of axis:Z is nan: give",
-    "axis:Z=strong": "the strength 'strong' of axis is no number: write axis=1",
+    "axis:Z=strong": "the strength 'strong' of axis is not a number: write axis=1",
     'gradient:a"b': "the guidance 'gradient:a\"b' cannot be read: write KIND:NAME=STRENGTH",
     "gradient:absent": "has no attribute 'absent': choose a float attribute (it has flat)",
     "gradient:flat": "gradient:flat: the guiding values are the same all over: give them a slope",

@@ -122,7 +122,9 @@ def test_pinned_faces_are_marked_in_the_colours_of_their_disclinations():
     assert overlay.pin_points(obj) == [] and overlay_view.key(obj) != before
 
 
-@pytest.mark.parametrize("pins, match", [("5", "pin 5= is none"), ("a=1", "a=1"), ("5=x", "5=x"), (7, "give a text")])
+@pytest.mark.parametrize(
+    "pins, match", [("5", "pin 5= cannot be read"), ("a=1", "a=1"), ("5=x", "5=x"), (7, "give a text")]
+)
 def test_what_is_no_pin_is_refused(pins, match):
     with pytest.raises(SettingError, match=match):
         api.stripes(sphere(), pins=pins)
