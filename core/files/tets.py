@@ -18,13 +18,12 @@ import numpy as np
 from ..errors import MeshError, SettingError
 from ..geometry.tet_mesh import TetMesh, positive
 from ..graphs import components
+from .border import TEXT_BYTES, border, check_promise, read_bytes, text_numbers, whole_numbers
 
 SUFFIXES = (".mesh", ".vtu")
 # Cells of VTK: a triangle, a tetrahedron, those with a volume that are none, and the quadratic tetrahedron.
 VTK_TRIANGLE, VTK_TET = 5, 10
 VTK_SOLIDS = {11: "voxels", 12: "hexahedra", 13: "prisms", 14: "pyramids", 24: "curved tetrahedra", 42: "polyhedra"}
-# What an array of a damaged .vtu raises while it is read.
-UNREADABLE = (KeyError, ValueError, TypeError, AttributeError, OverflowError, MemoryError, zlib.error)
 MEDIT_SOLIDS = ("Hexahedra", "Hexaedra", "Prisms", "Pyramids", "TetrahedraP2")
 
 
@@ -62,23 +61,18 @@ def read_marked_tets(path):
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise SettingError(f"{path} is no known file of tetrahedra: use the suffix .mesh (MEDIT, text) or .vtu")
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise SettingError(f"{path} cannot be read ({error.strerror}): check the path") from error
-    vertices, tets, triangles, numbers = (_read_medit if suffix == ".mesh" else _read_vtu)(path, content)
-    if not len(tets):
-        raise SettingError(f"{path} has no tetrahedra: export the solid, not its surface")
-    outside = np.flatnonzero(((tets < 0) | (tets >= len(vertices))).any(axis=1))
-    if len(outside):
-        raise SettingError(
-            f"{path}: tetrahedron {outside[0]} names a vertex that is not among the {len(vertices)}: export it again"
-        )
-    try:
+    with border(path):
+        read = _read_medit if suffix == ".mesh" else _read_vtu
+        vertices, tets, triangles, numbers = read(read_bytes(path, TEXT_BYTES))
+        if not len(tets):
+            raise SettingError(f"{path} has no tetrahedra: export the solid, not its surface")
+        outside = np.flatnonzero(((tets < 0) | (tets >= len(vertices))).any(axis=1))
+        if len(outside):
+            raise SettingError(
+                f"tetrahedron {outside[0]} names a vertex that is not among the {len(vertices)}: export it again"
+            )
         mesh = TetMesh(vertices, positive(vertices, tets))
         return _enclosed(mesh, triangles), _marked(triangles, numbers, len(vertices))
-    except MeshError as error:
-        raise MeshError(f"{path}: {error}") from error
 
 
 def _marked(triangles, numbers, count):
