@@ -18,7 +18,13 @@ class SynchError(Exception):
     ----------
     text : one line; characters that would end it are shown as Python writes them
     vertices : (k,) those of the mesh that the text names, where it names any; kept ascending, each once
+
+    Attributes
+    ----------
+    source : the file or the data that the text names, where it comes from a reader; else ""
     """
+
+    source = ""
 
     def __init__(self, text, vertices=()):
         super().__init__(one_line(text))

@@ -17,7 +17,7 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from ..errors import MeshError, SettingError, SynchError, one_line
+from ..errors import MeshError, SettingError, SynchError
 from ..memory import check_memory
 
 # What damaged data raises while it is read. RuntimeError is an encrypted member of an archive, or one of an unknown
@@ -30,6 +30,8 @@ UNREADABLE = (
 _AT_ONCE = 1 << 20
 # Bytes of memory for each byte of a text file while it is read: the file, its text, its parts, and the numbers.
 TEXT_BYTES = 8
+# The same of a file of settings, whose words become Python objects.
+SETTINGS_BYTES = 100
 # The largest whole number that a double tells from its neighbours.
 _LARGEST_WHOLE = 2**53
 
@@ -46,24 +48,29 @@ def border(source, remedy="export it again"):
     Raises
     ------
     SettingError
-        for damaged data, files that cannot be opened, and more data than memory holds; errors of our own stay as they
-        are, and get the source in front where they do not name it
+        for damaged data, files that cannot be opened, and more data than memory holds
+    SynchError
+        of a reader's own, with the source in front where it names none
     """
     try:
         yield
     except SynchError as error:
-        if str(source) in str(error) or type(error) not in (SynchError, SettingError, MeshError):
+        if str(source) in str(error) or type(error) not in (SynchError, SettingError, MeshError) or error.source:
             raise
-        raise type(error)(f"{source}: {error}", error.vertices) from error
+        line, kind, cause = f"{source}: {error}", type(error), error
     except MemoryError as error:
-        raise SettingError(f"{source}: reading it takes more memory than is left: {remedy}") from error
+        line, kind, cause = f"{source}: reading it takes more memory than is left: {remedy}", SettingError, error
     except OSError as error:
-        raise SettingError(f"{source} cannot be read ({error.strerror or error}): check the path") from error
+        line, kind, cause = f"{source} cannot be read ({error.strerror or error}): check the path", SettingError, error
     except RecursionError as error:
-        raise SettingError(f"{source} cannot be read (it is nested too deeply): {remedy}") from error
+        line, kind, cause = f"{source} cannot be read (it is nested too deeply): {remedy}", SettingError, error
     except UNREADABLE as error:
-        reason = one_line(error) or type(error).__name__
-        raise SettingError(f"{source} cannot be read ({reason}): {remedy}") from error
+        line, kind, cause = f"{source} cannot be read ({error or type(error).__name__}): {remedy}", SettingError, error
+    else:
+        return
+    refused = kind(line, getattr(cause, "vertices", ()))
+    refused.source = str(source)
+    raise refused from cause
 
 
 def check_promise(path, size):

@@ -3,9 +3,9 @@
 
 import json
 import math
-from pathlib import Path
 
 from ...core.errors import SettingError
+from ...core.files.border import SETTINGS_BYTES, border, read_text
 from ..settings.constraints import from_plain
 from ..settings.fields import BOUNDARIES, SYMMETRIES, Settings, default_shares
 from ..settings.guidance import KINDS
@@ -109,9 +109,5 @@ def settings_of(options):
 
 
 def _read_constraints(path):
-    try:
-        return from_plain(json.loads(Path(path).read_text(encoding="utf-8")))
-    except SettingError as error:
-        raise SettingError(f"{path}: {error}") from None
-    except (ValueError, RecursionError) as error:  # no JSON or no text, numbers too long or lists too deep to be read
-        raise SettingError(f"{path}: {error}: write a JSON list of rows") from None
+    with border(path, "write a JSON list of rows"):
+        return from_plain(json.loads(read_text(path, SETTINGS_BYTES)))
