@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Settings of vortices as Blender properties: what is solved, kept by the scene, and what is seen, kept by objects."""
 
-import json
 import math
 
 import bpy
@@ -14,12 +13,15 @@ from bpy.props import (
     StringProperty,
 )
 
+from ...core.errors import SynchError
 from ...core.extract.tubes import NORTH
+from ...core.files.json_text import kept, kept_names
 from ...core.tasks.flow_settings import ClebschSettings
 from ..blender.registration import keeping
 from ..settings.solver import METHOD, ROUNDING, SEED, TARGET_GAP, settings_of
 from . import memory
 from .choice import slide
+from .report import VALUES
 
 _DEFAULT = ClebschSettings()
 _OPENING = {
@@ -153,7 +155,10 @@ class SynchVortexLook(bpy.types.PropertyGroup):
     @property
     def source_objects(self):
         """The objects that the flow was read from, as far as they are still there."""
-        names = json.loads(self.sources) if self.sources else []
+        try:
+            names = kept_names(self.sources, f"what {self.id_data.name} keeps")
+        except SynchError:
+            names = []
         return [bpy.data.objects[name] for name in names if name in bpy.data.objects]
 
     @property
@@ -164,8 +169,11 @@ class SynchVortexLook(bpy.types.PropertyGroup):
 
     @property
     def figures(self):
-        """What was found, {} where nothing was."""
-        return json.loads(self.result) if self.result else {}
+        """What was found, {} where nothing was, or where it cannot be read."""
+        try:
+            return kept(self.result, f"what {self.id_data.name} keeps", VALUES)
+        except SynchError:
+            return {}
 
 
 register, unregister = keeping(
