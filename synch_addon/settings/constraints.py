@@ -17,14 +17,12 @@ from ...core.fields.constraints.lines import (
 )
 from ...core.fields.constraints.rows import KINDS
 from ...core.geometry.cut import carried_edges, cut_open
-from ...core.keywords import check_text
+from ...core.keywords import check_size, check_text
 from ..blender import attributes, groups
 from ..blender.strokes import read_strokes
 
 PLACES = ("boundary", "group", "seams", "sharp", "creases", "curve", "attribute")
 WISHES = (*KINDS, "cut")
-# No number of a row is as large as this.
-_MOST = 1e30
 # Places that have a name; the boundary may have the name of a group that restricts it.
 _NAMED = {"group": "a vertex group", "curve": "a curve object", "attribute": "an attribute"}
 
@@ -70,8 +68,7 @@ class Constraint:
                 continue
             if isinstance(value, bool) or not isinstance(value, int | float):
                 raise SettingError(f"the {key} of {self.label} is {shown(value)}: give a number")
-            if not abs(value) < _MOST:
-                raise SettingError(f"the {key} of {self.label} is {shown(value)}: give a finite number")
+            check_size(value, f"the {key} of {self.label}")
         if self.what not in wishes_at(self.where):
             raise SettingError(f"{self.label} is impossible: use one of {', '.join(wishes_at(self.where))} there")
         if self.what == "cut" and self.weight is not None:

@@ -4,7 +4,6 @@
 A guidance is "smooth", or sources ``KIND:NAME=STRENGTH`` as :mod:`core.texts` reads them.
 """
 
-import math
 from dataclasses import dataclass
 from functools import partial
 
@@ -21,6 +20,7 @@ from ...core.fields.guidance.guides import (
     vectors_guide,
 )
 from ...core.tasks.surfaces import PendingGuide
+from ...core.keywords import check_size
 from ...core.texts import items, quoted
 from ..blender import attributes
 from ..blender import groups as blender_groups
@@ -78,8 +78,10 @@ class Source:
             raise SettingError(f"the guidance {self.kind} has no name: write {self.kind}: and {needed}")
         if self.kind == "axis" and self.name not in AXES:
             raise SettingError(f"the axis {self.name!r} is unknown: use {needed}")
-        if self.strength is not None and not (math.isfinite(self.strength) and self.strength >= 0):
-            raise SettingError(f"the strength of {self.label} is {self.strength}: give a number from 0 on")
+        if self.strength is not None:
+            check_size(self.strength, f"the strength of {self.label}")
+            if self.strength < 0:
+                raise SettingError(f"the strength of {self.label} is {self.strength}: give a number from 0 on")
 
     @property
     def label(self):
