@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What can go wrong, in one line that names the element and the remedy."""
 
+import re
+
 import numpy as np
 
 # Characters of a value that errors show.
 _LONGEST = 60
+# Characters that end a line or move the cursor: names of objects and files may have them.
+_CONTROLS = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]")
 
 
 class SynchError(Exception):
@@ -12,12 +16,18 @@ class SynchError(Exception):
 
     Parameters
     ----------
-    text : one line
+    text : one line; characters that would end it are shown as Python writes them
     vertices : (k,) those of the mesh that the text names, where it names any; kept ascending, each once
+
+    Attributes
+    ----------
+    source : the file or the data that the text names, where it comes from a reader; else ""
     """
 
+    source = ""
+
     def __init__(self, text, vertices=()):
-        super().__init__(text)
+        super().__init__(one_line(text))
         self.vertices = np.unique(np.asarray(vertices, int))
 
 
@@ -71,6 +81,11 @@ class AsymmetryError(MeshError):
 
 class Cancelled(SynchError):
     """The user stopped the computation; nothing may be written."""
+
+
+def one_line(text):
+    """A text on one line: characters that would end it, which names may have, as Python writes them."""
+    return _CONTROLS.sub(lambda found: ascii(found[0])[1:-1], str(text).strip())
 
 
 def shown(value):

@@ -14,6 +14,9 @@ from .errors import SettingError, shown
 
 # The largest whole number that files and Blender keep, and how often anything is smoothed.
 MOST, MOST_ROUNDS = 2**63 - 1, 10_000
+# Sizes of numbers that single precision, in which Blender and its files keep them, tells from 0 and from infinity, and
+# whose cubes and squares double precision does. Whether infinity makes sense is for each setting to say.
+LEAST_SIZE, MOST_SIZE = 1e-30, 1e30
 # Of simple fields: what is taken for them, NumPy's kinds included, and what errors ask for.
 _KINDS: dict[type, tuple[Any, str]] = {
     bool: ((bool, np.bool_), "True or False"),
@@ -53,9 +56,20 @@ def taken(name, hint, value):
 
 def _converted(name, kind, value):
     try:
-        return kind(value)
+        number = kind(value)
     except OverflowError:
         raise SettingError(f"the {label_of(name)} is {shown(value)}: give a smaller number") from None
+    if kind is float and abs(number) != math.inf:
+        check_size(number, f"the {label_of(name)}")
+    return number
+
+
+def check_size(number, what):
+    """Refuse a number that is not finite, or whose size is not 0 and not between the least and the most."""
+    if number != 0 and not LEAST_SIZE <= abs(number) <= MOST_SIZE:
+        raise SettingError(
+            f"{what} is {shown(number)}: give 0, or a number between {LEAST_SIZE:g} and {MOST_SIZE:g} in size"
+        )
 
 
 def check_text(text, what):

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import SettingError, shown
+from .border import border, read_bytes
 
 _FORMATS = "ascii", "binary_little_endian", "binary_big_endian"
 _SIZES = {"char": 1, "short": 2, "int": 4, "float": 4, "double": 8} | {"uchar": 1, "ushort": 2, "uint": 4}
@@ -52,13 +53,9 @@ def check_ply(path):
     SettingError
         in one line
     """
-    try:
-        content = Path(path).read_bytes()
+    with border(path):
+        content = read_bytes(path)
         kind, elements, body = _ply_header(content)
-    except OSError as error:
-        raise SettingError(f"{path} cannot be read ({error.strerror}): check the path") from None
-    except ValueError as error:
-        raise SettingError(f"{path} has a header that is none ({error}): export it again") from None
     # The least that an element takes: of text a character and a space for each number, which a list may have none of.
     least = 0
     for count, properties in elements:

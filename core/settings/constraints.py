@@ -4,8 +4,8 @@
 from dataclasses import dataclass, fields
 
 from ..errors import SettingError, shown
-from ..keywords import check_text
-from .setting import LARGEST, Choice
+from ..keywords import check_size, check_text
+from .setting import Choice
 
 PLACES = (
     Choice("boundary", "Boundary", "The open edges of the mesh, or those of a vertex group", "MESH_PLANE"),
@@ -70,8 +70,7 @@ class Constraint:
                 continue
             if isinstance(value, bool) or not isinstance(value, int | float):
                 raise SettingError(f"the {key} of {self.label} is {shown(value)}: give a number")
-            if not abs(value) <= LARGEST:
-                raise SettingError(f"the {key} of {self.label} is {shown(value)}: give a number up to {LARGEST:g}")
+            check_size(value, f"the {key} of {self.label}")
         if self.what not in wishes_at(self.where):
             raise SettingError(f"{self.label} is impossible: use one of {', '.join(wishes_at(self.where))} there")
         if self.what == "cut" and self.weight is not None:

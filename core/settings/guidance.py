@@ -4,10 +4,10 @@
 A guidance is "smooth", or sources ``KIND:NAME=STRENGTH`` as :mod:`core.texts` reads them.
 """
 
-import math
 from dataclasses import dataclass
 
 from ..errors import SettingError
+from ..keywords import check_size
 from ..texts import items, quoted
 
 BOUNDARY = "boundary"
@@ -90,8 +90,10 @@ class Source:
             raise SettingError(f"the guidance {self.kind} has no name: write {self.kind}: and {needed.asks}")
         if self.kind == "axis" and self.name not in AXES:
             raise SettingError(f"the axis {self.name!r} is unknown: use {needed.asks}")
-        if self.strength is not None and not (math.isfinite(self.strength) and self.strength >= 0):
-            raise SettingError(f"the strength of {self.label} is {self.strength}: give a number from 0 on")
+        if self.strength is not None:
+            check_size(self.strength, f"the strength of {self.label}")
+            if self.strength < 0:
+                raise SettingError(f"the strength of {self.label} is {self.strength}: give a number from 0 on")
 
     @property
     def label(self) -> str:

@@ -18,17 +18,15 @@ from types import UnionType
 from typing import Any, get_args, get_type_hints
 
 from ..errors import SettingError, shown
-from ..keywords import label_of, taken
+from ..keywords import LEAST_SIZE, MOST_SIZE, label_of, taken
 
 # Units of numbers: what Python counts in. A panel shows angles in degrees and shares in per cent, the command line
 # angles in degrees.
 LENGTH, ANGLE, SHARE, FACTOR, SECONDS, PIXELS = "scene units", "radians", "share", "factor", "seconds", "pixels"
 # What a text names, so that a panel can suggest names or open a file browser.
 NUMBERS, FILE, FOLDER = "numbers", "file", "folder"
-# The largest number that any setting takes: beyond it, squares overflow in single precision.
-LARGEST = 1e15
-# The smallest length, factor and the like that is told from 0.
-SMALLEST = 1e-15
+# The largest number that any setting takes, and the smallest one that is not 0.
+LARGEST, SMALLEST = MOST_SIZE, LEAST_SIZE
 
 
 @dataclass(frozen=True)
@@ -125,7 +123,7 @@ class Setting:
         """The numbers that are allowed, for a message."""
         noun = "a whole number" if kind is int else "a share" if self.unit == SHARE else "a number"
         if self.least == SMALLEST and self.most >= LARGEST:
-            return f"a positive number, {SMALLEST:g} or more"
+            return "a positive number"
         if self.least <= -LARGEST:
             return "a finite number" if self.most >= LARGEST else f"{noun} up to {self.most:g}"
         start = f"{noun} from {self.least:g}"

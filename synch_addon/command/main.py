@@ -17,13 +17,14 @@ from pathlib import Path
 import bpy
 
 from ...core.errors import SettingError, SynchError
+from ...core.files.json_text import json_text
 from ...core.files.whole import write_text
 from ...core.keywords import check_text
 from ...core.settings.surface import SurfaceSettings
 from .. import api
 from ..blender import files
 from ..blender.quiet import quiet_stdout
-from ..jobs.report import failure, json_text, summary
+from ..jobs.report import failure, summary
 from ..looks.demo import add_demo_object
 from ..patterns.info import describe
 from . import animate, bake, batch, clebsch, fields, layers

@@ -3,9 +3,9 @@
 
 import json
 import math
-from pathlib import Path
 
 from ...core.errors import SettingError
+from ...core.files.border import SETTINGS_BYTES, border, read_text
 from ...core.keywords import label_of
 from ...core.settings.constraints import from_plain
 from ...core.settings.setting import ANGLE, LENGTH, SECONDS, default_of, records, value_type
@@ -111,9 +111,5 @@ def _read(name, record, value):
 
 
 def _read_constraints(path):
-    try:
-        return from_plain(json.loads(Path(path).read_text(encoding="utf-8")))
-    except SettingError as error:
-        raise SettingError(f"{path}: {error}") from None
-    except (ValueError, RecursionError) as error:  # numbers too long, or lists nested too deep
-        raise SettingError(f"{path}: {error}: write a JSON list of rows") from None
+    with border(path, "write a JSON list of rows"):
+        return from_plain(json.loads(read_text(path, SETTINGS_BYTES)))

@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Settings of vortices as Blender properties: what is solved, kept by the scene, and what is seen, kept by objects."""
 
-import json
 import math
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatVectorProperty, IntProperty, StringProperty
 
+from ...core.errors import SynchError
 from ...core.extract.tubes import NORTH
+from ...core.files.json_text import kept, kept_names
 from ...core.settings.flow import FlowSettings
 from ..blender.registration import keeping
 from ..settings.rna import properties_of, property_of, settings_of
 from . import memory
 from .choice import slide
+from .report import VALUES
 
 # Settings that panel and operator have as properties of their own names.
 FLOW_NAMES = (
@@ -83,7 +85,10 @@ class SynchVortexLook(bpy.types.PropertyGroup):
     @property
     def source_objects(self):
         """The objects that the flow was read from, as far as they are still there."""
-        names = json.loads(self.sources) if self.sources else []
+        try:
+            names = kept_names(self.sources, f"what {self.id_data.name} keeps")
+        except SynchError:
+            names = []
         return [bpy.data.objects[name] for name in names if name in bpy.data.objects]
 
     @property
@@ -94,8 +99,11 @@ class SynchVortexLook(bpy.types.PropertyGroup):
 
     @property
     def figures(self):
-        """What was found, {} where nothing was."""
-        return json.loads(self.result) if self.result else {}
+        """What was found, {} where nothing was, or where it cannot be read."""
+        try:
+            return kept(self.result, f"what {self.id_data.name} keeps", VALUES)
+        except SynchError:
+            return {}
 
 
 register, unregister = keeping(

@@ -4,12 +4,12 @@
 On larger meshes first fields tell that, which are quick and no more than a hint.
 """
 
-import json
 from dataclasses import replace
 
 from ...core.settings.pins import parse_pins
 from ...core.solve.solution import FIRST
 from ..blender.translations import counted, said
+from ..jobs.kept_results import shown_result
 from ..jobs.shelf import Shelf
 from ..reading.surface import gather, pinned_triangles, settings_for
 from ..settings.fields import stored_settings
@@ -36,7 +36,7 @@ class PinCosts:
     """
 
     def __init__(self, obj):
-        last = json.loads(obj.synch.result)["command"] if obj.synch.result else "directions"
+        last = shown_result(obj.synch.result).get("command")
         command = last if last in ("quads", "quad_mesh") else "directions"
         request = gather(command, obj, replace(settings_for(command, obj, stored_settings(obj)), pins=""))
         if request.given.mesh.vertex_count > _SOLVED:

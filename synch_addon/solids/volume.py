@@ -41,7 +41,7 @@ def make_volume(obj, layering, path):
     data = bpy.data.volumes.new(f"{obj.name} Volume")
     data.filepath = str(Path(path).absolute())
     made = placed(obj, "volume", data.name, data, layering.matrix)
-    _show(made, layering.pattern.spacings.mean)
+    _show(made, layering.spacing)
     return made
 
 
