@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT / "out" / "tree"))
 
 from synch_fields.core import settings as core_settings  # noqa: E402
-from synch_fields.core.settings.setting import ANGLE, LARGEST, records  # noqa: E402
+from synch_fields.core.settings.setting import ANGLE, LARGEST, SMALLEST, records  # noqa: E402
 
 # What each group of settings is called in the manual.
 TITLES = {
@@ -112,7 +112,7 @@ def _values(kind, setting, record) -> str:
     if "tuple" in hint or "str" in hint:
         return _NAMED.get(record.names, "text")
     unit = f"{record.unit} " if record.unit else ""
-    low = "" if record.least <= -LARGEST else f"from {record.least:g} "
+    low = "" if record.least <= -LARGEST else "above 0 " if record.least == SMALLEST else f"from {record.least:g} "
     high = "" if record.most >= LARGEST else f"to {record.most:.6g}"
     number = "whole number " if "int" in hint else "" if unit else "number "
     return f"{unit}{number}{low}{high}".strip()

@@ -15,10 +15,10 @@ from pathlib import Path
 
 import pytest
 
+from synch_fields.core.files.json_text import json_text
 from synch_fields.core.tasks.surfaces import SurfaceRequest
 from synch_fields.synch_addon.blender import files
 from synch_fields.synch_addon.command.main import main
-from synch_fields.synch_addon.jobs.report import json_text
 
 from .. import scenes
 

@@ -13,8 +13,8 @@ import pytest
 from synch_fields.core.errors import Cancelled, SynchError
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.jobs.kept_results import result_line
 from synch_fields.synch_addon.jobs.queue import queue
-from synch_fields.synch_addon.jobs.report import result_line
 from synch_fields.synch_addon.jobs.worker import Worker
 from synch_fields.synch_addon.panels.solid_view import corners_of
 from synch_fields.synch_addon.patterns import memory
