@@ -44,8 +44,8 @@ def check_mesh(mesh: TriangleMesh, faces: np.ndarray | None = None) -> None:
 
 
 def coarse_places(places, edges):
-    """What is wrong with places whose steps in single precision, in which Blender keeps them, are seen on the edges, and
-    what helps; "" where nothing is.
+    """The line that says that single precision, in which Blender keeps places, is too coarse for the edges between
+    them; "" where it is not.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def coarse_places(places, edges):
         return ""
     return (
         f"coordinates of {largest:.2g} leave steps of {step:.2g} between neighbours in single precision: "
-        "move the vertices to the object's origin"
+        "move the object's vertices to its origin before export"
     )
 
 

@@ -202,7 +202,7 @@ def export_mesh(obj, path, z_up=False):
         return
     coarse = coarse_places(_places(data, matrix), read_all(data.edges, "vertices", 2))
     if coarse:
-        raise SettingError(f"{path}: {coarse} before the export, or write an .obj")
+        raise SettingError(f"{path}: {coarse}, or write an .obj")
     for other in bpy.context.view_layer.objects:
         other.select_set(other == obj)
     with written_whole(path, arrived) as made:
