@@ -12,7 +12,7 @@ import numpy as np
 
 from ...core.errors import SettingError
 from ...core.files.directions import SUFFIXES as FIELD_SUFFIXES
-from ...core.files.meshes import check_ply, is_whole
+from ...core.files.meshes import check_glb, check_ply, is_whole
 from ...core.files.obj_files import ObjMesh, far_centre, write_centred, write_obj
 from ...core.files.whole import check_writable, unwritten, written_whole
 from ...core.geometry.check import coarse_places
@@ -29,6 +29,8 @@ _IMPORTERS = {
 # Memory that an importer takes for each byte of a file, which ends Blender where there is none: a third more than was
 # measured on spheres of 160,000 and a million vertices.
 _BYTES = {".obj": 8, ".ply": 34, ".stl": 4}
+# Headers that are looked at before an importer allocates what they promise.
+_CHECKS = {".ply": check_ply, ".glb": check_glb}
 _EXPORTERS = {
     ".ply": lambda **to: bpy.ops.wm.ply_export(
         export_selected_objects=True, export_uv=False, export_normals=False, export_colors="NONE", **to
@@ -60,8 +62,8 @@ def open_input(path):
         )
     if not Path(path).is_file():
         raise SettingError(f"{path}: no such file")
-    if suffix == ".ply":
-        check_ply(path)
+    if suffix in _CHECKS:
+        _CHECKS[suffix](path)
     check_memory(_BYTES.get(suffix, 0) * Path(path).stat().st_size, str(path), reserved=1.0)
     centre = far_centre(path) if suffix == ".obj" else None
     try:
@@ -71,7 +73,7 @@ def open_input(path):
             else:
                 _read_far(path, centre)
     except RuntimeError as error:
-        reason = " ".join(str(error).removeprefix("Error: ").split())
+        reason = _reason(error)
         raise SettingError(f"{path}: cannot be read ({reason}): export it again") from None
     if suffix == ".blend":
         return
@@ -81,6 +83,13 @@ def open_input(path):
         if not mesh.has_custom_normals:
             mesh.shade_smooth()
             mesh.set_sharp_from_angle(angle=_SHARP)
+
+
+def _reason(error):
+    """What an importer says in one line; of the traceback of one that is written in Python what it ends with."""
+    lines = [line.strip() for line in str(error).removeprefix("Error: ").splitlines()]
+    lines = [line for line in lines if line and not line.startswith("Location: ")]
+    return lines[-1] if any("Traceback" in line for line in lines) else " ".join(lines)
 
 
 def _read(suffix, path):
