@@ -16,7 +16,7 @@ from pathlib import Path
 
 import bpy
 
-from ...core.errors import SettingError, SynchError
+from ...core.errors import SettingError, SynchError, one_line
 from ...core.files.json_text import json_text
 from ...core.files.whole import write_text
 from ...core.keywords import check_text
@@ -147,7 +147,7 @@ def _reason(error):
     if isinstance(error, MemoryError):
         return "there is too little memory for this: allow more, or ask for less on a coarser mesh"
     if isinstance(error, OSError):
-        return f"{error.filename or 'a file'}: {error.strerror or error}"
+        return one_line(f"{error.filename or 'a file'}: {error.strerror or error}")
     return " ".join(str(error).split())  # what an importer or exporter of Blender reports
 
 
@@ -180,7 +180,7 @@ def _delivered(made, options, progress):
 def _lines(made):
     """What is printed of what was made."""
     warnings = [f"warning: {line}" for line in made.report.get("warnings", ())]
-    return [*made.lines, *warnings, *(f"wrote {path}" for path in made.written)]
+    return [one_line(line) for line in (*made.lines, *warnings, *(f"wrote {path}" for path in made.written))]
 
 
 # Commands

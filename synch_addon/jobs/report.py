@@ -12,7 +12,8 @@ import bpy
 import numpy as np
 import scipy
 
-from ...core.errors import name_elements, plural
+from ...core.errors import name_elements, one_line, plural
+from ...core.geometry.check import coarse_places
 from ...core.memory import peak_megabytes
 from ...core.solve.solution import Clock
 from ..blender.meshes import measured_key
@@ -48,7 +49,7 @@ class Report:
 
     def warn(self, line):
         """Add a line that the user should read although the run succeeds."""
-        self.warnings.append(line)
+        self.warnings.append(one_line(line))
 
     def take(self, result):
         """Take over what a result tells beside what was found."""
@@ -63,6 +64,9 @@ class Report:
         self.shape_key = None if key is None else key.name
         for finding in request.given.findings:
             self.warn(finding.line)
+        coarse = coarse_places(request.given.mesh.vertices, request.given.mesh.edges)
+        if coarse:
+            self.warn(coarse)
         loose = request.given.loose_vertices
         if len(loose):
             self.warn(
