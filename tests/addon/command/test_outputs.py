@@ -120,7 +120,7 @@ def test_reports_are_json_that_every_reader_takes():
         raise AssertionError(word)
 
     read = json.loads(text, parse_constant=refuse)
-    assert read == {"settings": {"spacing": "nan", "angle": 1.5}, "gaps": ["inf", "-inf", 0.0, None]}
+    assert read == {"settings": {"spacing": None, "angle": 1.5}, "gaps": [None, None, 0.0, None]}
     assert report["gaps"][0] == float("inf")
 
 
