@@ -353,8 +353,11 @@ def test_help_says_what_quads_are_set_by(capfd):
     assert "quad_mesh a mesh of quads along a cross field" in said("--help")
     quads, quad_mesh = said("quads", "--help"), said("quad_mesh", "--help")
     for text in (quads, quad_mesh):
-        assert "--aspect X spacing along the second direction over that along the first" in text
-        assert "--spacing LENGTH two quads' length" in text and "--symmetry" not in text
+        assert "--aspect X spacing of quads along their second direction over that along the first" in text
+        assert (
+            "--spacing LENGTH distance from one stripe to the next, or length of two quads" in text
+            and "--symmetry" not in text
+        )
     assert "--smoothing N" in quad_mesh and "--smoothing" not in quads
     assert "--export-mesh FILE.obj write the quads as a file (.obj, .ply, .stl)" in quad_mesh
     assert "--aspect" not in said("stripes", "--help")
