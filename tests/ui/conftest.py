@@ -51,12 +51,18 @@ def small_window(tmp_path):
         yield blender
 
 
-@contextmanager
-def _installed(folder, size=SIZE):
-    """A Blender with the extension, as `tools/extension.py` builds it, installed into a folder of its own."""
+def blender_command():
+    """What starts a real Blender; without it, the test is skipped."""
     command = os.environ.get("SYNCH_BLENDER")
     if not command:
         pytest.skip("no Blender with a window: name the command that starts one in SYNCH_BLENDER")
+    return command
+
+
+@contextmanager
+def _installed(folder, size=SIZE):
+    """A Blender with the extension, as `tools/extension.py` builds it, installed into a folder of its own."""
+    command = blender_command()
     if shutil.which("Xvfb") is None:
         pytest.skip("no virtual display: install Xvfb")
     if importlib.util.find_spec("bpy") is None:
