@@ -27,6 +27,7 @@ def test_nothing_is_found_by_a_name_in_english(language, tests, tmp_path):
     paths = [ROOT / "out" / "tree", Path(pytest.__file__).parents[1]]
     environment = {
         **os.environ,
+        "PYTHONPATH": str(paths[0]),  # for the processes that tests start
         "SYNCH_LANGUAGE": language,
         "SYNCH_TEST_PATHS": os.pathsep.join(map(str, paths)),
         "BLENDER_USER_RESOURCES": str(tmp_path),
