@@ -8,7 +8,6 @@ from bpy.props import IntProperty
 
 from ...core.settings.surface import SurfaceSettings
 from .. import api
-from ..blender.translations import said
 from ..patterns import memory
 from ..patterns.numbers import renew_shown
 from ..settings.rna import property_of
@@ -29,8 +28,7 @@ class _SolvedOperator(ReadyOperator):
         """Why there is nothing to be done with what an object shows, or None."""
         if memory.holds(obj):
             return None
-        text = "{name} has no solve in memory (kept for the last {count} objects): solve it first"
-        return said(text, name=obj.name, count=memory.MOST)
+        return f"{obj.name} has no solve in memory (kept for the last {memory.MOST} objects): solve it first"
 
 
 class _VaryingOperator(_SolvedOperator):
@@ -40,7 +38,7 @@ class _VaryingOperator(_SolvedOperator):
     def lacking(cls, obj):
         reason = super().lacking(obj)
         if reason is None and not memory.solve_of(obj).varies:
-            return said("only the semidefinite method finds variations: choose it and solve again")
+            return "only the semidefinite method finds variations: choose it and solve again"
         return reason
 
 
@@ -98,7 +96,7 @@ class SYNCH_OT_place_defect(_VaryingOperator, PickingOperator, bpy.types.Operato
     def lacking(cls, obj):
         reason = super().lacking(obj)
         if reason is None and memory.solve_of(obj).pattern is None:
-            return said("defects are placed in stripes and quads: solve one of them first")
+            return "defects are placed in stripes and quads: solve one of them first"
         return reason
 
     def begin(self, obj):

@@ -7,7 +7,7 @@ from ...core.settings.setting import records
 from ...core.settings.solver import SolverSettings
 from ...core.settings.surface import SurfaceSettings
 from ..blender.meshes import measured_key, refusal
-from ..blender.translations import said, told
+from ..blender.translations import said
 from ..jobs.queue import queue
 from ..patterns.live import live
 from ..patterns.pin_costs import cost_line
@@ -168,8 +168,7 @@ def draw_unready(layout, obj):
     """Say why an object can carry nothing, or that its job is on its way; whether there is either."""
     reason = refusal(obj)
     if reason:
-        line = told(reason)
-        layout.label(text=line[0].upper() + line[1:], icon="INFO", translate=False)
+        layout.label(text=reason[0].upper() + reason[1:], icon="INFO", translate=False)
     elif not obj.visible_get():
         layout.label(text=said("{name} is hidden", name=obj.name), icon="HIDE_ON", translate=False)
     return bool(reason) or queue.holds(obj)
@@ -257,7 +256,7 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
         row.operator("synch.quad_mesh", icon="MOD_REMESH")
         self.layout.prop(context.window_manager, "synch_live", toggle=True, icon="PLAY")
         if live.error:
-            self.layout.label(text=told(live.error), icon="ERROR", translate=False)
+            self.layout.label(text=live.error, icon="ERROR", translate=False)
         draw_warning(self.layout, obj)
         others = len(others_selected(context))
         if others:

@@ -138,7 +138,7 @@ def test_a_choice_that_cannot_be_shown_changes_nothing(solved):
     assert snapshot() == before
     bpy.ops.mesh.primitive_cube_add()
     cube = bpy.context.active_object
-    with pytest.raises(SynchError, match="Cube has no solve in memory"):
+    with pytest.raises(SynchError, match=f"{cube.name} has no solve in memory"):
         api.choose_point(cube, (1, 0, 0))
     bpy.data.objects.remove(cube)
     bpy.data.objects.remove(tubes)
