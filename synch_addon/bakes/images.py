@@ -22,9 +22,9 @@ _SURFACE, _OUTPUT = "ShaderNodeBsdfPrincipled", "ShaderNodeOutputMaterial"
 _RELIEF_NODE, _RELIEF = "Relief", 0.05
 
 
-def file_name(settings, obj, map_name):
-    """Of a map's file or image, as :class:`BakeSettings` name it."""
-    stem = bpy.path.clean_name(settings.naming.format(object=obj.name, map=map_name))
+def file_name(settings, name, map_name):
+    """Of the file or image of a map of an object with this name, as :class:`BakeSettings` have it."""
+    stem = bpy.path.clean_name(settings.naming.format(object=name, map=map_name))
     return stem + SUFFIXES[settings.file_format]
 
 
