@@ -16,7 +16,13 @@ class SynchError(Exception):
     ----------
     text : one line; ends of lines in names that it quotes are escaped
     vertices : (k,) those of the mesh that the text names, where it names any; kept ascending, each once
+
+    Attributes
+    ----------
+    source : the file or the data that the text names, where it comes from a reader; else ""
     """
+
+    source = ""
 
     def __init__(self, text, vertices=()):
         super().__init__(one_line(text))
@@ -25,6 +31,7 @@ class SynchError(Exception):
 
 def one_line(text):
     """A text in one line that every stream takes: control characters and halves of characters are escaped."""
+    text = str(text).strip()
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() or unicodedata.category(c) == "Zs" else ascii(c)[1:-1] for c in text)

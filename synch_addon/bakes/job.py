@@ -12,6 +12,7 @@ import numpy as np
 from ...core.errors import SettingError, SynchError
 from ...core.extract.cells import cells
 from ...core.files.leftovers import own_name, sweep
+from ...core.settings.bake import MAPS, NEW_MAP
 from ..blender import meshes
 from ..blender import phases as blender_phases
 from ..blender.objects import ObjectLink
@@ -20,7 +21,6 @@ from ..jobs.report import versions
 from ..patterns.numbers import numbers_of
 from . import images as bake_images
 from . import index, shaders
-from .settings import MAPS, NEW_MAP
 from .stage import read_uv, staged, write_uv
 
 # How far apart the islands of a new map are at most, in pixels: of a curved surface there are hundreds. In an image
@@ -118,8 +118,9 @@ def _folder(obj, settings):
         raise SettingError(f"{given}: nothing can be written to this folder, choose another")
     sweep(folder)
     for name in settings.maps:
-        if (folder / settings.file_name(obj.name, name)).is_dir():
-            raise SettingError(f"{folder / settings.file_name(obj.name, name)}: this is a folder, choose another name")
+        path = folder / bake_images.file_name(settings, obj.name, name)
+        if path.is_dir():
+            raise SettingError(f"{path}: this is a folder, choose another name")
     return folder
 
 
@@ -186,7 +187,7 @@ def _bake_all(obj, kind, settings, coordinates, folder, report):
             stage.use_map(report["uv_map"], coordinates)
             values = stage.bake(bake_type, glowing(), settings.size, samples, settings.margin)
             for name in wanted:
-                path = folder / settings.file_name(obj.name, name)
+                path = folder / bake_images.file_name(settings, obj.name, name)
                 bake_images.save(values[:, :, channels[name]], path, settings, name, stage.scene)
         _describe(report, wanted, settings, start)
     if "index" in settings.maps:
@@ -195,7 +196,7 @@ def _bake_all(obj, kind, settings, coordinates, folder, report):
         with staged(obj, modifiers=False) as stage:
             found = index.numbers_at(stage, polygons, coordinates, numbering, settings.size, settings.margin)
             values = _numbered(found, numbering.count, settings, report)
-            path = folder / settings.file_name(obj.name, "index")
+            path = folder / bake_images.file_name(settings, obj.name, "index")
             bake_images.save(values[:, :, None], path, settings, "index", stage.scene)
         _describe(report, ["index"], settings, start)
     yield "write", 1.0
@@ -226,7 +227,7 @@ def _kept(obj, settings, temporary, folder, report):
     """Put all files in their places, or pack them; returns the images that the .blend holds, by their maps."""
     images = {}
     for name, entry in report["maps"].items():
-        target = settings.file_name(obj.name, name)
+        target = bake_images.file_name(settings, obj.name, name)
         entry["bytes"] = (temporary / target).stat().st_size
         if folder is None:
             images[name] = bake_images.packed(temporary / target, target, name)

@@ -14,9 +14,11 @@ import bpy
 from ...core.errors import SettingError
 from ...core.files.declared import DeclaredFile
 from ...core.keywords import check_path
-from ..bakes.settings import BakeSettings
-from ..settings.guidance import parse
-from ..solids.settings import LayerGuide
+from ...core.settings.bake import BakeSettings
+from ...core.settings.guidance import parse_guidance
+from ...core.settings.layers import LayerGuide
+from ..bakes.images import file_name
+from .settings import settings_of
 
 # Options of all commands that name one file; the others are declared by functions below.
 READ = {"input": "the input", "constraints": "--constraints", "machine": "--machine"}
@@ -92,7 +94,7 @@ def _guides(options):
         if options.command == "layers":
             guide = LayerGuide.of_text(text)
             return [guide.names[0]] if guide.kind in ("file", "lines") else []
-        return [source.name for source in parse(text) if source.kind == "file"]
+        return [source.name for source in parse_guidance(text) if source.kind == "file"]
     except SettingError:
         return []
 
@@ -112,7 +114,7 @@ def _maps(options):
     """Images of a bake. The name of a file's only object is known once it is open: the file stands for it here."""
     name = options.object or f"object of {os.path.realpath(options.input or bpy.data.filepath)}"
     try:
-        settings = BakeSettings(maps=options.maps, naming=options.name, file_format=options.format)
+        settings = settings_of(options, BakeSettings)
     except SettingError:  # the command itself says what is wrong
         return []
-    return [Path(options.folder) / settings.file_name(name, each) for each in settings.maps]
+    return [Path(options.folder) / file_name(settings, name, each) for each in settings.maps]

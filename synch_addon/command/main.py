@@ -19,15 +19,16 @@ import bpy
 
 from ...core.errors import SettingError, SynchError, WriteError, one_line
 from ...core.files.declared import check_clashes, check_inputs, made_folders
+from ...core.files.json_text import json_text
 from ...core.files.whole import write_text
 from ...core.keywords import check_text
+from ...core.settings.surface import SurfaceSettings
 from .. import api
 from ..blender import files
 from ..blender.quiet import quiet_stdout
-from ..jobs.report import failure, json_text, summary
+from ..jobs.report import failure, summary
 from ..looks.demo import add_demo_object
 from ..patterns.info import describe
-from ..settings.fields import Settings
 from . import animate, bake, batch, clebsch, fields, layers, process_exit
 from . import lines as cli_lines
 from .declared_files import DEMO, declared_files
@@ -194,7 +195,7 @@ def _run_demo(options, _open_object, progress):
         setattr(options, name, str(Path(options.folder) / file))
     bpy.ops.wm.read_homefile(use_empty=True)
     obj = add_demo_object()
-    report = api.run("stripes", obj, Settings(), progress)
+    report = api.run("stripes", obj, SurfaceSettings(), progress)
     return Made(report, summary(report), saved(options), obj)
 
 

@@ -17,10 +17,10 @@ import bpy
 import pytest
 
 import synch_fields
+from synch_fields.core.files.json_text import json_text
 from synch_fields.core.tasks.surfaces import SurfaceRequest
 from synch_fields.synch_addon.blender import files
 from synch_fields.synch_addon.command.main import main
-from synch_fields.synch_addon.jobs.report import json_text
 
 from .. import scenes
 
@@ -159,7 +159,7 @@ def test_reports_are_json_that_every_reader_takes():
         raise AssertionError(word)
 
     read = json.loads(text, parse_constant=refuse)
-    assert read == {"settings": {"spacing": "nan", "angle": 1.5}, "gaps": ["inf", "-inf", 0.0, None]}
+    assert read == {"settings": {"spacing": None, "angle": 1.5}, "gaps": [None, None, 0.0, None]}
     assert report["gaps"][0] == float("inf")
 
 
