@@ -49,6 +49,8 @@ def declared_files(options):
         for path in _frames(options, name) or [getattr(options, name, None)]
         if path
     ]
+    if hasattr(options, "input") and not options.input and bpy.data.filepath:
+        files.append(DeclaredFile(bpy.data.filepath, "the open file"))
     files += [DeclaredFile(path, "the guidance") for path in _guides(options)]
     if options.command == "batch":
         files.append(DeclaredFile(options.rows, "the rows"))

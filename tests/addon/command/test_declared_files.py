@@ -169,6 +169,15 @@ def test_rows_whose_files_clash_are_refused_before_any_runs(rows, reason, tmp_pa
     assert [path.name for path in tmp_path.iterdir()] == ["rows.json"]
 
 
+def test_the_open_file_is_an_input(tmp_path, capfd):
+    scenes.sphere()
+    path = tmp_path / "open.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    before = path.read_bytes()
+    status, _, err = run(capfd, "directions", "--output", path, loaded=True)
+    assert status == 1 and "--output and the open file are the same file" in err and path.read_bytes() == before
+
+
 def test_folders_of_outputs_are_made_by_a_command_as_by_a_batch(tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
     files.export_mesh(scenes.sphere(), tmp_path / "ball.obj")
