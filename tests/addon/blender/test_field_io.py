@@ -213,7 +213,7 @@ def test_what_cannot_be_read_or_written_is_one_line(tmp_path, capfd):
     ):
         with pytest.raises(SynchError, match=message):
             attempt()
-    for name, message in (("field.txt", "must end in .rawfield or .rosy"), ("no/field.rosy", "create it first")):
+    for name, message in (("field.txt", "must end in .rawfield or .rosy"), ("short.rosy/f.rosy", "cannot be written")):
         assert main.main(["directions", "--quiet", "--export-field", str(tmp_path / name)], loaded=True) == 1
         assert message in capfd.readouterr().err
     assert snapshot() == before
