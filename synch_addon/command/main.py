@@ -101,17 +101,17 @@ def _carry_out(options, open_object, progress, check):
 
     Errors are SynchError, which the report tells, too, where one is asked for.
     """
-    files = declared_files(options)
-    with made_folders(files):
-        try:
+    declared = declared_files(options)
+    try:
+        with made_folders(declared):
             for name, value in vars(options).items():
                 if isinstance(value, str):
                     check_text(value, f"the {name.replace('_', ' ')}")
             made = _COMMANDS[options.command](options, open_object, progress)
             check()
             return _delivered(made, options, progress)
-        except _REFUSALS as error:
-            raise SynchError(_reported(options, error)) from None
+    except _REFUSALS as error:
+        raise SynchError(_reported(options, declared, error)) from None
 
 
 def _carry_out_row(options):
@@ -135,9 +135,9 @@ def _parsed(parser, arguments):
 def _check_files(options):
     """Refuse files that would overwrite one another, and inputs that are no files; a batch looks at its own itself."""
     if options.command != "batch":
-        files = declared_files(options)
-        check_clashes(files)
-        check_inputs(files)
+        declared = declared_files(options)
+        check_clashes(declared)
+        check_inputs(declared)
 
 
 def _reason(error):
@@ -151,7 +151,7 @@ def _reason(error):
     return one_line(" ".join(str(error).split()))  # what an importer or exporter of Blender reports
 
 
-def _reported(options, error):
+def _reported(options, declared, error):
     """What went wrong, which the report tells, too, where one is asked for.
 
     Where a file could not be written, older ones stay, an older report among them.
@@ -162,7 +162,8 @@ def _reported(options, error):
     if path and files.is_report(path) and not is_kept:
         settings = {k: v for k, v in vars(options).items() if isinstance(v, str | int | float | None)}
         try:
-            _write_json(path, failure(options.command, settings, line))
+            with made_folders(file for file in declared if file.flag == "--report"):
+                _write_json(path, failure(options.command, settings, line))
         except SettingError as error:
             line += "" if path in line else f" (and no report: {error})"
     return line
