@@ -167,6 +167,11 @@ def errors(log):
     return ["\n".join(lines[max(k - 3, 0) : k + 12]) for k in wrong]
 
 
+def check(blender, done):
+    found = errors(blender.log.read_text(errors="replace"))
+    assert not found, f"after {len(done)} actions, the last ones {done[-12:]}:\n" + "\n\n".join(found)
+
+
 @pytest.mark.parametrize(
     ("log", "count"),
     [
@@ -180,10 +185,17 @@ def test_errors_are_told_from_refusals(log, count):
     assert len(errors(log)) == count
 
 
+def test_an_error_of_a_timer_would_be_found(window):
+    window.run("bpy.app.timers.register(lambda: 1 / 0)")
+    end = time.monotonic() + 60
+    while not errors(window.log.read_text(errors="replace")) and time.monotonic() < end:
+        time.sleep(0.1)
+    assert "ZeroDivisionError" in "".join(errors(window.log.read_text(errors="replace")))
+
+
 @pytest.mark.slow
 def test_no_error_is_printed_while_a_user_works(window_of_its_own):
     blender = window_of_its_own
-    log = blender.folder / "blender.log"
     blender.open_panel()
     random.seed(SEED)
     blender.run(ACTIONS + f"random.seed({SEED})")
@@ -194,6 +206,7 @@ def test_no_error_is_printed_while_a_user_works(window_of_its_own):
             by_hand(blender, done[-1])
         else:
             blender.run(f"{done[-1]}()")
-        found = errors(log.read_text(errors="replace"))
-        assert not found, f"after {len(done)} actions, the last ones {done[-12:]}:\n" + "\n\n".join(found)
+        check(blender, done)
+    blender.quit()  # it prints the rest then
+    check(blender, done)
     print(f"{len(done)} actions in {MINUTES:g} minutes, seed {SEED}")
