@@ -8,10 +8,10 @@ import numpy as np
 
 from ...core.files.pictures import is_whole
 from ...core.files.whole import unwritten
+from ...core.settings.bake import MAPS, SUFFIXES
 from ..blender.transaction import assign, at_the_end, keep, set_aside
 from ..nodes.canvas import find_node, surface_material
 from ..nodes.materials import append_material
-from .settings import MAPS
 from .shaders import SOURCE, pattern_node, sources
 
 # Custom property of what a bake has made, and may replace: its map, or the object.
@@ -20,6 +20,12 @@ _MADE = "synch_baked"
 _SURFACE, _OUTPUT = "ShaderNodeBsdfPrincipled", "ShaderNodeOutputMaterial"
 # Of the material that is baked: the node that scales its relief, in spacings, and what stands for a missing one.
 _RELIEF_NODE, _RELIEF = "Relief", 0.05
+
+
+def file_name(settings, name, map_name):
+    """Of the file or image of a map of an object with this name, as :class:`BakeSettings` have it."""
+    stem = bpy.path.clean_name(settings.naming.format(object=name, map=map_name))
+    return stem + SUFFIXES[settings.file_format]
 
 
 def save(values, path, settings, map_name, scene):

@@ -6,10 +6,10 @@ import bpy
 from bpy.props import StringProperty
 
 from ...core.errors import SynchError
+from ...core.files.json_text import json_text
 from ..blender import meshes
 from ..blender.defect_empties import defect_empties
 from ..blender.translations import said
-from ..jobs.report import json_text
 from ..patterns import memory
 from .ready import PromptOperator, ReadyOperator
 

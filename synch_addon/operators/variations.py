@@ -6,10 +6,11 @@ import random
 import bpy
 from bpy.props import IntProperty
 
+from ...core.settings.surface import SurfaceSettings
 from .. import api
 from ..patterns import memory
 from ..patterns.numbers import renew_shown
-from ..settings.fields import SMOOTHING
+from ..settings.rna import property_of
 from .picking import PickingOperator
 from .ready import PromptOperator, ReadyOperator
 
@@ -64,7 +65,7 @@ class SYNCH_OT_trace_quads(_SolvedOperator, PromptOperator, bpy.types.Operator):
     bl_idname = "synch.trace_quads"
     bl_label = "Mesh of These Quads"
 
-    smoothing: SMOOTHING
+    smoothing: property_of(SurfaceSettings, "smoothing")
 
     def invoke(self, context, _event):
         self.smoothing = context.active_object.synch.smoothing

@@ -41,7 +41,7 @@ def make_volume(obj, layering, path):
     data = bpy.data.volumes.new(f"{obj.name} Volume")
     data.filepath = str(Path(path).absolute())
     made = placed(obj, "volume", data.name, data, layering.matrix)
-    _show(made, layering.pattern.spacings.mean)
+    _show(made, layering.spacing)
     return made
 
 
@@ -62,13 +62,13 @@ def grid_file(voxels, path):
     def is_whole(made):
         try:
             return vdb.read(str(made), GRID).activeVoxelCount() == count
-        except RuntimeError:
+        except Exception:  # the library's own kinds, one for each of its faults
             return False
 
     with written_whole(path, is_whole) as made:
         try:
             vdb.write(str(made), grids=[grid])
-        except RuntimeError as error:
+        except Exception as error:  # as above, where the disk is full for instance
             raise unwritten(path, error) from None
         yield {"voxels": count, "files": [str(path)]}
 

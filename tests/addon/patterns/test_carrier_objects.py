@@ -12,6 +12,7 @@ import pytest
 
 from synch_fields.core.errors import SynchError
 from synch_fields.core.geometry.carrier import KINDS
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import meshes
 from synch_fields.synch_addon.command import main
@@ -19,7 +20,6 @@ from synch_fields.synch_addon.panels.overlay import direction_marks
 from synch_fields.synch_addon.panels.result import FINDINGS, draw_findings
 from synch_fields.synch_addon.patterns import memory
 from synch_fields.synch_addon.patterns.job import FieldJob
-from synch_fields.synch_addon.settings.fields import Settings
 
 from ...corpus.makers import (
     checkerboard,
@@ -337,7 +337,7 @@ def test_every_kind_of_place_has_a_label():
 
 
 def test_a_process_of_its_own_solves_it_too(bad):
-    request = FieldJob("stripes", bad[0], Settings(spacing=0.5)).request
+    request = FieldJob("stripes", bad[0], SurfaceSettings(spacing=0.5)).request
     sent = pickle.loads(pickle.dumps(request, protocol=5))
     np.testing.assert_array_equal(sent.solve().pattern.phases, request.solve().pattern.phases)
 
