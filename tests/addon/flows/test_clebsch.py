@@ -228,11 +228,11 @@ def test_the_command_finds_the_only_flow_of_a_file(tmp_path, capfd):
     name = ball.name  # in the user's language
     status, said = run("several.blend")
     assert status == 1 and f"several flows ({name}, Circle, Circle.001)" in said.err
-    for name in ("Circle", "Circle.001"):
-        bpy.data.objects.remove(bpy.data.objects[name])
+    for other in ("Circle", "Circle.001"):
+        bpy.data.objects.remove(bpy.data.objects[other])
     status, said = run("ball.blend")
-    assert status == 0 and said.out.startswith("clebsch on Icosphere")
-    bpy.data.objects.remove(bpy.data.objects["Icosphere"])
+    assert status == 0 and said.out.startswith(f"clebsch on {name}")
+    bpy.data.objects.remove(bpy.data.objects[name])
     status, said = run("none.blend")
     assert status == 1 and "nothing in the file is a flow (it has Circle.001 Filaments" in said.err
 
