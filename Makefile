@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-slow fuzz ui-test ui-pictures lint extension package install-test matrix docs library bench bench-solver pictures paper thumbnails environment clean
+.PHONY: help demo test test-slow fuzz ui-test soak ui-pictures lint extension package install-test matrix docs library bench bench-solver pictures paper thumbnails environment clean
 
 # The Pythons that a bpy wheel exists for, in order of preference.
 VERSIONS ?= 3.13 3.11
@@ -29,7 +29,8 @@ help:
 	@echo 'make test         the tests, in some minutes'
 	@echo 'make test-slow    the other tests'
 	@echo 'make fuzz         meshes, settings, files and faults at random; MINUTES=60 SEED=0'
-	@echo 'make ui-test      a real Blender window, driven; SYNCH_BLENDER=command starts a Blender, Xvfb has to be there'
+	@echo 'make ui-test      a real Blender window, driven, in English and in German; SYNCH_BLENDER=command starts a Blender, Xvfb has to be there'
+	@echo 'make soak         everyday actions at random in that window, without an error on its console; MINUTES=60 SEED=0'
 	@echo 'make ui-pictures  the same, and its pictures into docs/'
 	@echo 'make lint         ruff (rules and format) and mypy'
 	@echo 'make extension    the zip for Blender in out/; WHEELS=1 bundles SciPy, one zip for each platform'
@@ -66,8 +67,13 @@ SEED ?= 0
 fuzz: environment
 	$(python) tools/fuzz.py $(MINUTES) $(SEED)
 
+# In English, then in German with translated names of new data.
 ui-test: environment
-	$(python) -m pytest -rs tests/ui
+	$(python) -m pytest -rs tests/ui --ignore tests/ui/test_soak.py
+	SYNCH_LANGUAGE=de_DE $(python) -m pytest -rs tests/ui --ignore tests/ui/test_soak.py --ignore tests/ui/test_languages.py
+
+soak: environment
+	SYNCH_SOAK=$(MINUTES) SYNCH_SEED=$(SEED) $(python) -m pytest -rs -s tests/ui/test_soak.py
 
 ui-pictures: ui-test
 	cp out/ui/simple.png out/ui/panel.png out/ui/progress.png out/ui/click_2.png out/ui/click_4.png out/ui/click_5.png docs/

@@ -35,6 +35,10 @@ class Blender:
     command : what starts Blender, as a shell would split it
     screen : Screen
     folder : Path, empty; the user's own, and the way to the Blender inside
+
+    Attributes
+    ----------
+    log : Path, what Blender prints
     """
 
     def __init__(self, command, screen, folder):
@@ -54,8 +58,8 @@ class Blender:
         inside = shutil.copy(Path(__file__).with_name("inside.py"), folder)
         arguments = ["--factory-startup", "--gpu-backend", "opengl", "--enable-event-simulate"]
         arguments += ["--window-geometry", "0", "0", str(width), str(height), "--python", inside]
-        self._log = folder / "blender.log"
-        with self._log.open("wb") as log:
+        self.log = folder / "blender.log"
+        with self.log.open("wb") as log:
             self._process = subprocess.Popen(
                 [*shlex.split(command), *arguments], env=environment, stdout=log, stderr=log
             )
@@ -69,7 +73,7 @@ class Blender:
         end = time.monotonic() + PATIENCE
         while not answer.exists():
             if self._process.poll() is not None or time.monotonic() > end:
-                raise RuntimeError(f"Blender does not answer: {self._log.read_text()[-2000:]}")
+                raise RuntimeError(f"Blender does not answer: {self.log.read_text()[-2000:]}")
             time.sleep(0.01)
         result = json.loads(answer.read_text())
         answer.unlink()
