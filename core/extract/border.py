@@ -73,7 +73,7 @@ def _corners(points, hit, is_vertex):
         chord = points[stop % len(points)] - points[start]
         length = np.linalg.norm(chord)
         away = points[between] - points[start]
-        along = np.clip(away @ chord / max(length, np.finfo(float).tiny) ** 2, 0, 1)
+        along = np.clip(away @ chord / max(length**2, np.finfo(float).tiny), 0, 1)
         bulge = np.linalg.norm(away - along[:, None] * chord, axis=1)
         sharp = between[turns(points, between) > SHARP]
         if len(sharp):

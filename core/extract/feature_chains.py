@@ -108,12 +108,14 @@ def _corner_vertices(quads, features, side, on_rim):
     if len(corners) == 0:
         return {}
     valences = np.bincount(quads.edges[0].ravel(), minlength=len(quads.vertices))
+    of_vertices, of_corners = _pieces(quads, mesh), mesh.pieces[corners]
     wanted = quads_around(mesh, features.edges, corners) + mesh.boundary_vertices[corners]
     pairs = cKDTree(mesh.vertices[corners]).query_ball_tree(cKDTree(quads.vertices), CORNER_REACH * side)
     costs = []
     for place, near in enumerate(pairs):
         for vertex in near:
-            if on_rim[vertex] == mesh.boundary_vertices[corners[place]]:
+            same_piece = of_vertices[vertex] == of_corners[place]
+            if same_piece and on_rim[vertex] == mesh.boundary_vertices[corners[place]]:
                 apart = np.linalg.norm(quads.vertices[vertex] - mesh.vertices[corners[place]]) / side
                 costs.append((apart + VALENCE_COST * abs(valences[vertex] - wanted[place]), place, vertex))
     found: dict[int, int] = {}
@@ -123,6 +125,11 @@ def _corner_vertices(quads, features, side, on_rim):
             found[int(corners[place])] = vertex
             used.add(vertex)
     return found
+
+
+def _pieces(quads, mesh):
+    """(n,) label of the surface's piece that each vertex of the quad mesh is on."""
+    return mesh.pieces[mesh.triangles[quads.triangles, 0]]
 
 
 def _corner_places(features, at_corner):
@@ -167,6 +174,7 @@ def _chain(quads, features, number, side, edges, at_corner, taken, on_rim):
     """
     line, length = features.lines[number], features.lengths[number][-1]
     near = np.unique(np.concatenate(edges))
+    near = near[_pieces(quads, features.mesh)[near] == features.mesh.pieces[line[0]]]
     near = near[_within(quads.vertices[near], features.mesh.vertices[line], LINE_REACH * side + length / len(line))]
     ways, apart = np.full(len(quads.vertices), np.nan), np.full(len(quads.vertices), np.inf)
     ways[near], apart[near] = features.nearest(number, quads.vertices[near])
