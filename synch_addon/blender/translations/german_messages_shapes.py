@@ -310,6 +310,17 @@ SHAPES = {
         "das Vierecksnetz hat {count} Flächen, nicht {wanted}: was es einhalten muss, lässt keinen Abstand, der "
         "näher daran wäre"
     ),
+    "the quad mesh has {count} faces, not {wanted}: each of the {pieces} pieces of the surface has one of its "
+    "own: where they should hang together, use Mesh > Clean Up > Merge by Distance": (
+        "das Vierecksnetz hat {count} Flächen, nicht {wanted}: jedes der {pieces} Stücke der Oberfläche hat eine eigene: "
+        "wo sie zusammenhängen sollten, Netz > Aufräumen > Nach Abstand verschmelzen benutzen"
+    ),
+    "{count} of {count_2} pieces of the surface are too small for the quads and left out: reduce the spacing": (
+        "{count} von {count_2} Stücken der Oberfläche sind zu klein für die Vierecke und fehlen: den Abstand verringern"
+    ),
+    "an internal fault made {what} for {name}: nothing was written, please report it with the file": (
+        "ein innerer Fehler machte {what} für {name}: es wurde nichts geschrieben, bitte mit der Datei melden"
+    ),
     "{count} of {count_2} lines of the boundary and of sharp edges are lost, {lost} of {lengths} in "
     "length: reduce the spacing": (
         "{count} von {count_2} Linien des Rands und scharfer Kanten sind verloren, {lost} von {lengths} der "
