@@ -82,13 +82,14 @@ def on_features(quads, features, side, cut=False):
         usable = edges[(counts == 1) == features.on_boundary[number]]
         made = diagonals[: 0 if features.on_boundary[number] else None]
         chain = _chain(quads, features, number, side, (usable, made), at_corner, taken, on_rim)
-        if chain is None:
+        with_cuts = None if chain is None else _cut(quads, chain[2])
+        if with_cuts is None:
             missed.append(number)
             continue
         vertices, ways, cuts = chain
         lines[vertices], taken[vertices] = number, True
         if len(cuts):
-            quads = _cut(quads, cuts)
+            quads = with_cuts
             edges, counts = quads.edges
             diagonals = _diagonals(quads)
         quads = placed(quads, vertices, *features.at(number, ways))
@@ -155,14 +156,19 @@ def _diagonals(quads):
 
 
 def _cut(quads, pairs):
-    """The quad mesh with the face that holds both vertices cut in two between them, for each of (k, 2) pairs."""
-    faces = [corners.tolist() for corners in np.split(quads.corner_vertices, quads.starts[1:])]
+    """The quad mesh with the face that holds both vertices cut in two between them, for each of (k, 2) pairs; None
+    where one cut takes another's face apart."""
+    faces = [corners.tolist() for corners in np.split(quads.corner_vertices, quads.starts[1:])] if len(pairs) else []
     for pair in pairs.tolist():
-        number = next(k for k, corners in enumerate(faces) if set(pair) <= set(corners))
+        number = next((k for k, corners in enumerate(faces) if set(pair) <= set(corners)), None)
+        if number is None:
+            return None
         corners = faces[number]
         i, j = sorted(corners.index(vertex) for vertex in pair)
         faces[number] = corners[i : j + 1]
         faces.append([*corners[: i + 1], *corners[j:]])
+    if not faces:
+        return quads
     return replace(quads, corner_vertices=np.concatenate(faces), sizes=np.array([len(corners) for corners in faces]))
 
 
