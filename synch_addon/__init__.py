@@ -5,7 +5,7 @@ Packages are rooms on floors: each imports from those below it only (docs/archit
 """
 
 from . import operators, panels
-from .blender import changes, translations
+from .blender import changes, left_defects, translations
 from .command import main
 from .flows import properties as flow_properties
 from .jobs import queue, shelf
@@ -26,6 +26,7 @@ _MODULES = (
     simple,
     shelf,
     changes,
+    left_defects,
     flow_properties,
     queue,
     live,

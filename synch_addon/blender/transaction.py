@@ -140,7 +140,7 @@ def _keep_property(block, key):
 
 
 def _copied(value):
-    """A value of a custom property that stays as it is: Blender frees arrays and groups when others take their place."""
+    """A value of a custom property that stays as it is: Blender frees arrays and groups that others replace."""
     if isinstance(value, IDPropertyGroup):
         return {key: _copied(part) for key, part in value.items()}
     if isinstance(value, IDPropertyArray):

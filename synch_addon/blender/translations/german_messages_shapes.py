@@ -312,8 +312,8 @@ SHAPES = {
     ),
     "the quad mesh has {count} faces, not {wanted}: each of the {pieces} pieces of the surface has one of its "
     "own: where they should hang together, use Mesh > Clean Up > Merge by Distance": (
-        "das Vierecksnetz hat {count} Flächen, nicht {wanted}: jedes der {pieces} Stücke der Oberfläche hat eine eigene: "
-        "wo sie zusammenhängen sollten, Netz > Aufräumen > Nach Abstand verschmelzen benutzen"
+        "das Vierecksnetz hat {count} Flächen, nicht {wanted}: jedes der {pieces} Stücke der Oberfläche hat eine "
+        "eigene: wo sie zusammenhängen sollten, Netz > Aufräumen > Nach Abstand verschmelzen benutzen"
     ),
     "{count} of {count_2} pieces of the surface are too small for the quads and left out: reduce the spacing": (
         "{count} von {count_2} Stücken der Oberfläche sind zu klein für die Vierecke und fehlen: den Abstand verringern"

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The door for new meshes and curves: sound arrays go through unchanged, others are refused before Blender sees them."""
+"""The door for new meshes and curves: sound arrays go through, others are refused before Blender sees them."""
 
 import bpy
 import numpy as np
@@ -51,7 +51,7 @@ def test_a_mesh_may_be_empty_or_have_vertices_alone():
 @pytest.mark.parametrize("name", WRONG)
 def test_what_would_end_blender_is_refused_in_one_line_and_nothing_is_made(name):
     before = list(bpy.data.meshes)
-    with pytest.raises(SynchError, match="internal fault made .* for Wrong: nothing was written") as caught:
+    with pytest.raises(SynchError, match=r"internal fault made .* for Wrong: nothing was written") as caught:
         new_mesh("Wrong", *WRONG[name])
     assert "\n" not in str(caught.value) and list(bpy.data.meshes) == before
 
