@@ -108,6 +108,13 @@ PARTS = {
         "sie trennen mit Netz > Teilen > Flächen & Kanten nach Punkten, oder den Punkt aufreißen (V)"
     ),
     "Mesh > Clean Up > Degenerate Dissolve": "Netz > Aufräumen > Entartetes auflösen",
+    "a curve without points": "eine Kurve ohne Punkte",
+    "faces of {count} corners with the vertices of {given}": "Flächen aus {count} Ecken mit den Punkten von {given}",
+    "a face at vertex {number} of {count}": "eine Fläche am Punkt {number} von {count}",
+    "face {number} with {different} different vertices at {size} corners": (
+        "Fläche {number} mit {different} verschiedenen Punkten an {size} Ecken"
+    ),
+    "point {number} of {count} at a place that is not finite": "Punkt {number} von {count} an einem Ort, der nicht endlich ist",
     "Mesh > Clean Up > Merge by Distance": "Netz > Aufräumen > Nach Abstand verschmelzen",
     "collapse its shortest edge, or mesh the solid again": (
         "seine kürzeste Kante einklappen oder den Körper neu vernetzen"
