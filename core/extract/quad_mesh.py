@@ -58,12 +58,17 @@ class QuadMesh:
 
     @property
     def is_simple(self):
-        """Whether all faces have three corners or more and pass no vertex twice, and no two edges join the same two
-        vertices."""
+        """Whether all faces have three corners or more and pass no vertex twice, no two have the same vertices, and no two
+        edges join the same two."""
+        if self.sizes.min(initial=3) < 3:
+            return False
+        for size in np.unique(self.sizes):
+            of_size = np.sort(self.corner_vertices[self.starts[self.sizes == size, None] + np.arange(size)], axis=1)
+            if len(np.unique(of_size, axis=0)) < len(of_size):
+                return False
         corners = np.column_stack([self.corner_faces, self.corner_vertices])
         ways = np.unique(self.half_edges, axis=0)
-        is_once = len(np.unique(corners, axis=0)) == len(corners) and len(ways) == len(corners)
-        return is_once and self.sizes.min(initial=3) > 2
+        return len(np.unique(corners, axis=0)) == len(corners) and len(ways) == len(corners)
 
     @property
     def edges(self):

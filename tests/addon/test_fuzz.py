@@ -23,7 +23,7 @@ from synch_fields.core.files.tets import read_tets
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import files
 from synch_fields.synch_addon.blender.openvdb import module_file
-from synch_fields.synch_addon.blender.schema import ATTRIBUTES, DIRECTION, KEPT
+from synch_fields.synch_addon.blender.schema import ATTRIBUTES, DIRECTION, PHASES
 from synch_fields.synch_addon.patterns.job import FieldJob
 from synch_fields.synch_addon.settings.fields import Settings
 
@@ -198,7 +198,7 @@ def test_any_attributes_with_our_names_come_back_after_a_fault_and_stop_nothing(
             assert not found, f"{error}: {found}"
             COUNTS["faults beside strange attributes"] += 1
             job.write(result)
-    for own in KEPT.get(command, (DIRECTION,)):
+    for own in (DIRECTION, *(phase.phase for phase in PHASES.get(command, ()))):
         assert (obj.data.attributes[own.name].domain, obj.data.attributes[own.name].data_type) == own.layout
 
 

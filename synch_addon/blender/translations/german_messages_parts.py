@@ -114,7 +114,9 @@ PARTS = {
     "face {number} with {different} different vertices at {size} corners": (
         "Fläche {number} mit {different} verschiedenen Punkten an {size} Ecken"
     ),
-    "point {number} of {count} at a place that is not finite": "Punkt {number} von {count} an einem Ort, der nicht endlich ist",
+    "point {number} of {count} at a place that is not finite": (
+        "Punkt {number} von {count} an einem Ort, der nicht endlich ist"
+    ),
     "Mesh > Clean Up > Merge by Distance": "Netz > Aufräumen > Nach Abstand verschmelzen",
     "collapse its shortest edge, or mesh the solid again": (
         "seine kürzeste Kante einklappen oder den Körper neu vernetzen"

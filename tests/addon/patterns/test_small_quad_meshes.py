@@ -11,7 +11,7 @@ import pytest
 from synch_fields.core.errors import SynchError
 from synch_fields.synch_addon import api
 
-from ..scenes import add_object, attribute, make_active, sphere
+from ..scenes import add_object, attribute, make_active, sphere, torus
 
 SHAPES = {
     "grid": lambda n: bpy.ops.mesh.primitive_grid_add(x_subdivisions=1 + n, y_subdivisions=2),
@@ -98,8 +98,8 @@ def test_a_surface_of_loose_triangles_keeps_them_and_says_what_joins_them():
 
 
 def test_pieces_that_are_too_small_are_told():
-    small, large = sphere(1), sphere(3)
-    small.location, small.scale = (3, 0, 0), (0.02, 0.02, 0.02)
+    small, large = torus(), sphere(3)
+    small.location, small.scale = (3, 0, 0), (0.01, 0.01, 0.01)
     bpy.context.view_layer.update()
     small.select_set(True)
     large.select_set(True)
