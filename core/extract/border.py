@@ -95,7 +95,7 @@ def farthest_added(points, taken, spare, wanted):
     spare : (s,) indices of those that may be added
     wanted : how many there are to be with those taken, as far as there are any to spare
     """
-    added = []
+    added: list[int] = []
     while len(taken) + len(added) < wanted:
         spare = np.setdiff1d(spare, [*taken, *added])
         if len(spare) == 0:

@@ -11,7 +11,7 @@ import pytest
 from synch_fields.core.errors import SynchError
 from synch_fields.synch_addon import api
 
-from ..scenes import add_object, attribute, make_active, sphere, torus
+from ..scenes import add_object, attribute, make_active, sphere
 
 SHAPES = {
     "grid": lambda n: bpy.ops.mesh.primitive_grid_add(x_subdivisions=1 + n, y_subdivisions=2),
@@ -95,16 +95,3 @@ def test_a_surface_of_loose_triangles_keeps_them_and_says_what_joins_them():
     bpy.ops.mesh.remove_doubles()
     bpy.ops.object.mode_set(mode="OBJECT")
     assert checked(obj, faces=10)["quad_mesh"]["faces"] <= 24
-
-
-def test_pieces_that_are_too_small_are_told():
-    small, large = torus(), sphere(3)
-    small.location, small.scale = (3, 0, 0), (0.01, 0.01, 0.01)
-    bpy.context.view_layer.update()
-    small.select_set(True)
-    large.select_set(True)
-    bpy.context.view_layer.objects.active = large
-    bpy.ops.object.transform_apply(location=True, scale=True)
-    bpy.ops.object.join()
-    report = checked(bpy.context.object, spacing=0.8)
-    assert any("1 of 2 pieces of the surface are too small" in line for line in report["warnings"])
