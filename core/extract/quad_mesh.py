@@ -58,8 +58,8 @@ class QuadMesh:
 
     @property
     def is_simple(self):
-        """Whether all faces have three corners or more and pass no vertex twice, no two have the same vertices, and no two
-        edges join the same two."""
+        """Whether all faces have three corners or more and pass no vertex twice, no two of them have the same vertices,
+        and no two edges join the same two."""
         if self.sizes.min(initial=3) < 3:
             return False
         for size in np.unique(self.sizes):

@@ -11,7 +11,7 @@ import pytest
 from synch_fields.core.errors import SynchError
 from synch_fields.synch_addon import api
 
-from ..scenes import add_object, attribute, make_active, sphere
+from ..scenes import add_object, attribute, make_active, sphere, tube
 
 SHAPES = {
     "grid": lambda n: bpy.ops.mesh.primitive_grid_add(x_subdivisions=1 + n, y_subdivisions=2),
@@ -95,3 +95,17 @@ def test_a_surface_of_loose_triangles_keeps_them_and_says_what_joins_them():
     bpy.ops.mesh.remove_doubles()
     bpy.ops.object.mode_set(mode="OBJECT")
     assert checked(obj, faces=10)["quad_mesh"]["faces"] <= 24
+
+
+def test_pieces_that_are_too_small_are_told():
+    small, large = tube(), sphere(3)
+    small.location, small.scale = (3, 0, 0), (0.01, 0.01, 0.01)
+    bpy.context.view_layer.update()
+    small.select_set(True)
+    make_active(large)
+    small.select_set(True)
+    bpy.ops.object.transform_apply(location=True, scale=True)
+    bpy.ops.object.join()
+    told = "1 of 2 pieces of the surface are too small"
+    report = checked(bpy.context.object, spacing=0.8, features=0)
+    assert any(told in line for line in report["warnings"])
