@@ -20,12 +20,12 @@ import pytest
 from synch_fields.core.errors import SynchError
 from synch_fields.core.files.flows import flow_file
 from synch_fields.core.files.tets import read_tets
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import files
 from synch_fields.synch_addon.blender.openvdb import module_file
 from synch_fields.synch_addon.blender.schema import ATTRIBUTES, DIRECTION, PHASES
 from synch_fields.synch_addon.patterns.job import FieldJob
-from synch_fields.synch_addon.settings.fields import Settings
 
 from ..corpus import bad_meshes
 from .faults import differences, fault_at, state
@@ -188,7 +188,7 @@ def test_any_attributes_with_our_names_come_back_after_a_fault_and_stop_nothing(
     for seed, (name, data_type, domain) in enumerate(given):
         add_attribute(obj.data, name, data_type, domain, seed)
     spacing = None if command == "directions" else 0.7
-    job = FieldJob(command, obj, Settings(spacing=spacing, method="spectral"))
+    job = FieldJob(command, obj, SurfaceSettings(spacing=spacing, method="spectral"))
     result, before = job.request.solve(), state()
     with fault_at(number):
         try:
@@ -321,7 +321,7 @@ def test_a_fault_anywhere_leaves_the_scene_as_it_was():
     def check(number, command):
         empty_scene()
         spacing = None if command == "directions" else 0.7
-        job = FieldJob(command, furnished(), Settings(spacing=spacing, method="spectral"))
+        job = FieldJob(command, furnished(), SurfaceSettings(spacing=spacing, method="spectral"))
         result = job.request.solve()
         before = state()
         with fault_at(number):
