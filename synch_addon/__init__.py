@@ -9,7 +9,7 @@ import atexit
 import bpy
 
 from . import operators, panels
-from .blender import changes, translations
+from .blender import changes, left_defects, translations
 from .command import main
 from .flows import properties as flow_properties
 from .jobs import queue, shelf
@@ -30,6 +30,7 @@ _MODULES = (
     simple,
     shelf,
     changes,
+    left_defects,
     flow_properties,
     queue,
     live,

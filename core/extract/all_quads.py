@@ -59,6 +59,11 @@ class Faces:
         for way in _ways(self.corners.pop(number)):
             del self.left[way]
 
+    def put_on(self, quads):
+        """The :class:`QuadMesh` of these faces on the vertices of another one."""
+        faces = list(self.corners.values())
+        return quads.with_faces(np.concatenate(faces), np.array([len(corners) for corners in faces]))
+
     def beside(self, number):
         """The ways along the edges of a face, and the face on the other side of each, None beyond the boundary."""
         return [((a, b), self.left.get((b, a))) for a, b in _ways(self.corners[number])]
@@ -108,7 +113,7 @@ def all_quads(quads, mesh, keep=()):
     for number in [n for n, corners in faces.corners.items() if len(corners) > 4 and len(corners) % 2 == 0]:
         _cut_anew(faces, [_Part((number,), faces.corners[number])])
     _join_doublets(quads, faces)
-    return with_faces(_with_vertices(quads, mesh, faces.vertices[len(quads.vertices) :]), list(faces.corners.values()))
+    return faces.put_on(_with_vertices(quads, mesh, faces.vertices[len(quads.vertices) :]))
 
 
 def _with_vertices(quads, mesh, places):
@@ -121,17 +126,6 @@ def _with_vertices(quads, mesh, places):
         vertices=np.concatenate([quads.vertices, places]),
         triangles=np.concatenate([quads.triangles, triangles]),
         weights=np.concatenate([quads.weights, barycentric(mesh, triangles, places)]),
-    )
-
-
-def with_faces(quads, faces):
-    """The quad mesh with other faces on its vertices, those that no face has left out."""
-    used, corner_vertices = np.unique(np.concatenate(faces), return_inverse=True)
-    return replace(
-        quads,
-        **{name: getattr(quads, name)[used] for name in ("vertices", "triangles", "weights")},
-        corner_vertices=corner_vertices,
-        sizes=np.array([len(corners) for corners in faces]),
     )
 
 

@@ -73,20 +73,36 @@ def _corners(points, hit, is_vertex):
         chord = points[stop % len(points)] - points[start]
         length = np.linalg.norm(chord)
         away = points[between] - points[start]
-        along = np.clip(away @ chord / max(length, np.finfo(float).tiny) ** 2, 0, 1)
+        along = np.clip(away @ chord / max(length**2, np.finfo(float).tiny), 0, 1)
         bulge = np.linalg.norm(away - along[:, None] * chord, axis=1)
-        sharp = between[_turns(points, between) > SHARP]
+        sharp = between[turns(points, between) > SHARP]
         if len(sharp):
             corners += sharp.tolist()
         elif len(bulge) and bulge.max() > BULGE * length:
             corners.append(between[bulge.argmax()])
-    spare = np.setdiff1d(np.flatnonzero(is_vertex), corners)
-    while chosen and len(chosen) + len(corners) < 3 and len(spare):
-        taken = points[[*chosen, *corners]]
-        distances = np.linalg.norm(points[spare, None] - taken, axis=2).min(axis=1)
-        corners.append(spare[distances.argmax()])
-        spare = np.setdiff1d(spare, corners)
+    if chosen:
+        corners += farthest_added(points, [*chosen, *corners], np.flatnonzero(is_vertex), 3)
     return np.array(corners, int)
+
+
+def farthest_added(points, taken, spare, wanted):
+    """Indices of the points, one after another the farthest from those taken, that make up a number of them.
+
+    Parameters
+    ----------
+    points : (p, 3)
+    taken : indices of at least one of them
+    spare : (s,) indices of those that may be added
+    wanted : how many there are to be with those taken, as far as there are any to spare
+    """
+    added: list[int] = []
+    while len(taken) + len(added) < wanted:
+        spare = np.setdiff1d(spare, [*taken, *added])
+        if len(spare) == 0:
+            break
+        distances = np.linalg.norm(points[spare, None] - points[[*taken, *added]], axis=2).min(axis=1)
+        added.append(spare[distances.argmax()])
+    return added
 
 
 def _passed_through(points, hit, is_vertex, places):
@@ -101,7 +117,7 @@ def _passed_through(points, hit, is_vertex, places):
     return through
 
 
-def _turns(points, places):
+def turns(points, places):
     """Angles by which a closed line turns at some of its points."""
     ahead = points[(places + 1) % len(points)] - points[places]
     behind = points[places] - points[places - 1]

@@ -82,13 +82,14 @@ def on_features(quads, features, side, cut=False):
         usable = edges[(counts == 1) == features.on_boundary[number]]
         made = diagonals[: 0 if features.on_boundary[number] else None]
         chain = _chain(quads, features, number, side, (usable, made), at_corner, taken, on_rim)
-        if chain is None:
+        with_cuts = None if chain is None else _cut(quads, chain[2])
+        if with_cuts is None:
             missed.append(number)
             continue
         vertices, ways, cuts = chain
         lines[vertices], taken[vertices] = number, True
         if len(cuts):
-            quads = _cut(quads, cuts)
+            quads = with_cuts
             edges, counts = quads.edges
             diagonals = _diagonals(quads)
         quads = placed(quads, vertices, *features.at(number, ways))
@@ -108,12 +109,14 @@ def _corner_vertices(quads, features, side, on_rim):
     if len(corners) == 0:
         return {}
     valences = np.bincount(quads.edges[0].ravel(), minlength=len(quads.vertices))
+    of_vertices, of_corners = _pieces(quads, mesh), mesh.pieces[corners]
     wanted = quads_around(mesh, features.edges, corners) + mesh.boundary_vertices[corners]
     pairs = cKDTree(mesh.vertices[corners]).query_ball_tree(cKDTree(quads.vertices), CORNER_REACH * side)
     costs = []
     for place, near in enumerate(pairs):
         for vertex in near:
-            if on_rim[vertex] == mesh.boundary_vertices[corners[place]]:
+            same_piece = of_vertices[vertex] == of_corners[place]
+            if same_piece and on_rim[vertex] == mesh.boundary_vertices[corners[place]]:
                 apart = np.linalg.norm(quads.vertices[vertex] - mesh.vertices[corners[place]]) / side
                 costs.append((apart + VALENCE_COST * abs(valences[vertex] - wanted[place]), place, vertex))
     found: dict[int, int] = {}
@@ -123,6 +126,11 @@ def _corner_vertices(quads, features, side, on_rim):
             found[int(corners[place])] = vertex
             used.add(vertex)
     return found
+
+
+def _pieces(quads, mesh):
+    """(n,) label of the surface's piece that each vertex of the quad mesh is on."""
+    return mesh.pieces[mesh.triangles[quads.triangles, 0]]
 
 
 def _corner_places(features, at_corner):
@@ -148,14 +156,19 @@ def _diagonals(quads):
 
 
 def _cut(quads, pairs):
-    """The quad mesh with the face that holds both vertices cut in two between them, for each of (k, 2) pairs."""
-    faces = [corners.tolist() for corners in np.split(quads.corner_vertices, quads.starts[1:])]
+    """The quad mesh with the face that holds both vertices cut in two between them, for each of (k, 2) pairs; None
+    where one cut takes another's face apart."""
+    faces = [corners.tolist() for corners in np.split(quads.corner_vertices, quads.starts[1:])] if len(pairs) else []
     for pair in pairs.tolist():
-        number = next(k for k, corners in enumerate(faces) if set(pair) <= set(corners))
+        number = next((k for k, corners in enumerate(faces) if set(pair) <= set(corners)), None)
+        if number is None:
+            return None
         corners = faces[number]
         i, j = sorted(corners.index(vertex) for vertex in pair)
         faces[number] = corners[i : j + 1]
         faces.append([*corners[: i + 1], *corners[j:]])
+    if not faces:
+        return quads
     return replace(quads, corner_vertices=np.concatenate(faces), sizes=np.array([len(corners) for corners in faces]))
 
 
@@ -167,6 +180,7 @@ def _chain(quads, features, number, side, edges, at_corner, taken, on_rim):
     """
     line, length = features.lines[number], features.lengths[number][-1]
     near = np.unique(np.concatenate(edges))
+    near = near[_pieces(quads, features.mesh)[near] == features.mesh.pieces[line[0]]]
     near = near[_within(quads.vertices[near], features.mesh.vertices[line], LINE_REACH * side + length / len(line))]
     ways, apart = np.full(len(quads.vertices), np.nan), np.full(len(quads.vertices), np.inf)
     ways[near], apart[near] = features.nearest(number, quads.vertices[near])

@@ -213,7 +213,7 @@ class Patches:
         worst = np.full(count, _TINY)
         np.maximum.at(worst, labels, np.abs(off))
         powers = (np.abs(off) / worst[labels]) ** (POWER - 1)
-        totals = np.bincount(labels, powers * np.abs(off) / worst[labels], minlength=count)
+        totals = np.maximum(np.bincount(labels, powers * np.abs(off) / worst[labels], minlength=count), _TINY)
         numbers = np.bincount(labels, minlength=count)
         means = np.maximum(np.sqrt(np.bincount(labels, off**2, minlength=count) / numbers), _TINY)
         slopes = (totals ** (1 / POWER - 1))[labels] * powers * np.sign(off) + SHARE * off / (means * numbers)[labels]

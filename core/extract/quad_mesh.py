@@ -9,6 +9,7 @@ from ..graphs import components
 from ..interpolate import EdgePhases
 from .centred import centred
 from .grid_lines import grid_lines
+from .islands import with_whole_islands
 from .line_graph import LineGraph
 
 # Edges shorter than this part of the middle length are none.
@@ -57,7 +58,14 @@ class QuadMesh:
 
     @property
     def is_simple(self):
-        """Whether no face passes a vertex twice, and no two edges join the same two vertices."""
+        """Whether all faces have three corners or more and pass no vertex twice, no two of them have the same vertices,
+        and no two edges join the same two."""
+        if self.sizes.min(initial=3) < 3:
+            return False
+        for size in np.unique(self.sizes):
+            of_size = np.sort(self.corner_vertices[self.starts[self.sizes == size, None] + np.arange(size)], axis=1)
+            if len(np.unique(of_size, axis=0)) < len(of_size):
+                return False
         corners = np.column_stack([self.corner_faces, self.corner_vertices])
         ways = np.unique(self.half_edges, axis=0)
         return len(np.unique(corners, axis=0)) == len(corners) and len(ways) == len(corners)
@@ -72,6 +80,12 @@ class QuadMesh:
         """V - E + F over all pieces."""
         return len(self.vertices) - len(self.edges[0]) + len(self.sizes)
 
+    def with_faces(self, corner_vertices, sizes):
+        """The quad mesh with other faces on its vertices, those that no face has left out."""
+        used, corner_vertices = np.unique(corner_vertices, return_inverse=True)
+        own = {name: getattr(self, name)[used] for name in ("vertices", "triangles", "weights")}
+        return QuadMesh(**own, corner_vertices=corner_vertices.ravel(), sizes=sizes)
+
 
 def quad_mesh(edge_phases: EdgePhases) -> QuadMesh:
     """The :class:`QuadMesh` of the grid lines of :class:`EdgePhases` with two phases a vertex."""
@@ -80,28 +94,23 @@ def quad_mesh(edge_phases: EdgePhases) -> QuadMesh:
     positions = np.einsum("nk,nkx->nx", lines.weights, mesh.vertices[mesh.triangles[lines.triangles]])
     graph = _with_whole_centres(lines, positions)
     darts, sizes = graph.faces()
-    used, corner_vertices = np.unique(graph.tails[darts], return_inverse=True)
-    quads = QuadMesh(positions[used], lines.triangles[used], lines.weights[used], corner_vertices, sizes)
-    return _without_short_edges(quads)
+    quads = QuadMesh(positions, lines.triangles, lines.weights, graph.tails[darts], sizes)
+    return with_whole_islands(_without_short_edges(quads), mesh)
 
 
 def _without_short_edges(quads):
-    """The quad mesh with the ends of each edge of no length as one vertex: lines that meet at a vertex of the surface
-    were moved aside from it."""
+    """The quad mesh with the ends of each edge of no length as one vertex, and without faces of fewer than three
+    corners: lines that meet at a vertex of the surface were moved aside from it."""
     edges, _ = quads.edges
     lengths = np.linalg.norm(quads.vertices[edges[:, 1]] - quads.vertices[edges[:, 0]], axis=1)
     short = edges[lengths < SHORTEST * np.median(lengths)] if len(edges) else edges
-    if len(short) == 0:
-        return quads
     labels = components(len(quads.vertices), short)
     first = np.unique(labels, return_index=True)[1]
-    corners = labels[quads.corner_vertices]
+    corners = first[labels[quads.corner_vertices]]
     stays = corners != corners[quads.next_corners]
     sizes = np.bincount(quads.corner_faces[stays], minlength=len(quads.sizes))
     stays &= (sizes > 2)[quads.corner_faces]
-    return QuadMesh(
-        quads.vertices[first], quads.triangles[first], quads.weights[first], corners[stays], sizes[sizes > 2]
-    )
+    return quads.with_faces(corners[stays], sizes[sizes > 2])
 
 
 def _with_whole_centres(lines, positions):

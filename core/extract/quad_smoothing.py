@@ -59,6 +59,7 @@ def smoothed(quads, mesh, rows, planes, rounds, only_quads=False):
         quads, chains = on_features(quads, features, _side(quads))
     if only_quads and not planes and (quads.sizes == 4).all():  # halves would be closed in other ways
         quads, chains = _closed(quads, mesh, rows, chains)
+    _check(quads, mesh)
     if rounds == 0:
         return quads
     mates = [partners(quads, unit) for unit in planes]

@@ -8,7 +8,7 @@ three ways; another one of these gives the vertex the edge that it lacks.
 
 import numpy as np
 
-from .all_quads import Faces, edge_of, joined, with_faces
+from .all_quads import Faces, edge_of, joined
 
 # Corners that are off a right angle by more degrees than this are straight, and what a turn has to win of it.
 STRAIGHT, GAIN = 60.0, 10.0
@@ -41,7 +41,7 @@ def turned_edges(quads, normals, keep=()):
         if not any(done):
             break
         turned = True
-    return with_faces(quads, list(faces.corners.values())) if turned else quads
+    return faces.put_on(quads) if turned else quads
 
 
 def _turn(faces, number, valences, wanted):

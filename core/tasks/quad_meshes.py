@@ -30,7 +30,8 @@ def solved_mesh(request, progress=None):
     )
     if request.straighten:
         found = _straightened(request, found, portion(progress, share, 1.0 - share))
-    return replace(found, warnings=(*found.warnings, *_about_lines(request, found), *_about_others(request, found)))
+    said = [line for about in (_about_pieces, _about_lines, _about_others) for line in about(request, found)]
+    return replace(found, warnings=(*found.warnings, *said))
 
 
 def _meshed(request, directions, progress):
@@ -65,7 +66,7 @@ def _meshed(request, directions, progress):
     if not found:
         raise SettingError(f"{request.faces} faces are too few for a quad mesh of this surface: ask for more")
     best = min(found, key=lambda result: abs(len(result.quads.sizes) - request.faces))
-    return replace(best, warnings=(*best.warnings, *_about_faces(len(best.quads.sizes), request.faces)))
+    return replace(best, warnings=(*best.warnings, *_about_faces(request, len(best.quads.sizes))))
 
 
 def _traced(request, directions, progress):
@@ -79,9 +80,29 @@ def _scaled(request, factor):
     return replace(request, spacing=factor * request.spacing, spacings=factor * np.asarray(request.spacings))
 
 
-def _about_faces(count, wanted):
-    if abs(count / wanted - 1) > FAR:
+def _about_faces(request, count):
+    wanted, mesh = request.faces, request.given.mesh
+    if abs(count / wanted - 1) <= FAR:
+        return
+    pieces = len(np.unique(mesh.pieces[mesh.triangles[:, 0]]))
+    if count > wanted and pieces > wanted:
+        yield (
+            f"the quad mesh has {count} faces, not {wanted}: each of the {pieces} pieces of the surface has one of its "
+            f"own: where they should hang together, use Mesh > Clean Up > Merge by Distance"
+        )
+    else:
         yield f"the quad mesh has {count} faces, not {wanted}: what it must keep to leaves no spacing nearer to that"
+
+
+def _about_pieces(request, found):
+    mesh, quads = request.given.mesh, found.quads
+    of_triangles = mesh.pieces[mesh.triangles[:, 0]]
+    all_pieces, kept = np.unique(of_triangles), np.unique(of_triangles[quads.triangles])
+    if len(kept) < len(all_pieces):
+        yield (
+            f"{len(all_pieces) - len(kept)} of {len(all_pieces)} pieces of the surface are too small for the quads and "
+            f"left out: reduce the spacing"
+        )
 
 
 def _about_lines(request, found):

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The pattern of an object read back from its attributes, and the numbers of its stripes or quads over a UV map."""
 
-import bpy
 import numpy as np
 from scipy.ndimage import distance_transform_edt
 
 from ..blender import attributes
+from ..blender.new_geometry import new_mesh
 from .shaders import glowing_attributes
 
 # The largest number of a 16-bit PNG.
@@ -18,9 +18,8 @@ def numbers_at(stage, polygons, coordinates, numbering, size, margin):
     The faces are laid out flat in a stage of their own, as their corners' UV coordinates tell.
     """
     corners = polygons.triangle_corners
-    data = bpy.data.meshes.new("Synch Bake")
     flat = np.column_stack([coordinates[corners.ravel()], np.zeros(corners.size)])
-    data.from_pydata(flat.tolist(), [], np.arange(corners.size).reshape(-1, 3).tolist())
+    data = new_mesh("Synch Bake", flat, np.arange(corners.size).reshape(-1, 3))
     data.uv_layers.new(name="Synch Bake").uv.foreach_set("vector", flat[:, :2].astype(np.float32).ravel())
     stage.obj.modifiers.clear()
     stage.obj.data = data

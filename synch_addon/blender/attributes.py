@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Attributes of a mesh as arrays, read and written."""
 
+from contextlib import suppress
+from itertools import count
+
 import numpy as np
 
 from ...core.errors import SettingError
 from .groups import is_group, read_weights
 from .schema import FORMAT, PREFIX, STAMP, TYPES, layout_of
-from .transaction import store, undone_by
+from .transaction import at_the_end, store, undone_by
 
 # Attributes that mark edges.
 MARKS = {"seams": "uv_seam", "sharp": "sharp_edge", "creases": "crease_edge"}
+# In the names of attributes that leave.
+_numbers = count()
 
 
 def read_all(elements, name, width=1, dtype=np.int32):
@@ -93,8 +98,10 @@ def _read(attribute):
 
 
 def read(obj, attribute):
-    """What :func:`read_values` reads of an attribute of :mod:`.schema`."""
-    return read_values(obj, attribute.name, attribute.domain)
+    """What :func:`read_values` reads of an attribute of :mod:`.schema`, None where it has another type."""
+    found = obj.data.attributes.get(attribute.name)
+    fits = found is not None and (found.domain, found.data_type) == attribute.layout
+    return _read(found) if fits else None
 
 
 def write(obj, attribute, values):
@@ -111,38 +118,45 @@ def write_attribute(obj, name, domain, data_type, values):
         before anything is changed, where values do not fit the domain and the type, or one of ours does not fit
         :mod:`.schema`, or is not finite
     """
-    attributes = obj.data.attributes
-    values = _fitting(name, domain, data_type, attributes.domain_size(domain), np.asarray(values))
-    _keep(obj, name)
-    _put(attributes, name, domain, data_type, values)
-    if name.startswith(PREFIX) and obj.data.get(STAMP) != FORMAT:
-        store(obj.data, STAMP, FORMAT)
-
-
-def _put(attributes, name, domain, data_type, values):
-    attribute = attributes.get(name)
-    if attribute is not None and (attribute.domain, attribute.data_type) != (domain, data_type):
-        attributes.remove(attribute)
-        attribute = None
-    if attribute is None:
-        attribute = attributes.new(name, data_type, domain)
-    attribute.data.foreach_set(TYPES[data_type][2], values.ravel())
-
-
-def _keep(obj, name):
-    """Give an attribute back as it is now, or as missing, where the work fails."""
     mesh = obj.data
-    attribute = mesh.attributes.get(name)
-    if attribute is None:
-        undone_by(mesh, lambda: _remove(mesh.attributes, name))
-    elif attribute.data_type in TYPES:
-        layout, values = (attribute.domain, attribute.data_type), _read(attribute)
-        undone_by(mesh, lambda: _put(mesh.attributes, name, *layout, values))
+    values = _fitting(name, domain, data_type, mesh.attributes.domain_size(domain), np.asarray(values))
+    present = mesh.attributes.get(name)
+    if present is not None and (present.domain, present.data_type) == (domain, data_type):
+        before = _read(present)
+        undone_by(mesh, lambda: _put(mesh, name, before))
+    else:
+        _make_way(mesh, name)
+        undone_by(mesh, lambda: _remove(mesh, name))
+        mesh.attributes.new(name, data_type, domain)
+    _put(mesh, name, values)
+    if name.startswith(PREFIX) and mesh.get(STAMP) != FORMAT:
+        store(mesh, STAMP, FORMAT)
 
 
-def _remove(attributes, name):
-    if name in attributes:
-        attributes.remove(attributes[name])
+def _put(mesh, name, values):
+    attribute = mesh.attributes[name]
+    attribute.data.foreach_set(TYPES[attribute.data_type][2], values.ravel())
+
+
+def _make_way(mesh, name):
+    """Have an attribute, of whatever kind, leave when nothing can fail any more; until then it has another name, which
+    Blender hides, and comes back whole where the work fails."""
+    if name not in mesh.attributes:
+        return
+    hidden = next(free for free in map(".synch_leaving_{}".format, _numbers) if free not in mesh.attributes)
+    mesh.attributes[name].name = hidden
+
+    def give_back():
+        mesh.attributes[hidden].name = name
+
+    undone_by(mesh, give_back)
+    at_the_end(lambda: _remove(mesh, hidden))
+
+
+def _remove(mesh, name):
+    with suppress(ReferenceError):  # the mesh may be gone by then
+        if name in mesh.attributes:
+            mesh.attributes.remove(mesh.attributes[name])
 
 
 def _fitting(name, domain, data_type, count, given):
@@ -159,9 +173,7 @@ def _fitting(name, domain, data_type, count, given):
 
 def remove_attribute(obj, name):
     """Remove an attribute if it is there."""
-    if name in obj.data.attributes:
-        _keep(obj, name)
-        _remove(obj.data.attributes, name)
+    _make_way(obj.data, name)
 
 
 def show_same_maps(obj, made):

@@ -2,7 +2,14 @@
 """Which state meshes and objects are in, for what is computed from them at a redraw and kept until they change."""
 
 import bpy
-from bpy.app.handlers import depsgraph_update_post, load_post, persistent, redo_post, undo_post
+from bpy.app.handlers import (
+    depsgraph_update_post,
+    frame_change_post,
+    load_post,
+    persistent,
+    redo_post,
+    undo_post,
+)
 
 
 class _Changes:
@@ -11,7 +18,7 @@ class _Changes:
 
     def __init__(self):
         self._counts, self._steps = {}, 0
-        self._handlers = [(depsgraph_update_post, self._count)]
+        self._handlers = [(event, self._count) for event in (depsgraph_update_post, frame_change_post)]
         self._handlers += [(event, self._forget) for event in (load_post, undo_post, redo_post)]
 
     def state(self, block):

@@ -75,6 +75,20 @@ def defect_empties(obj) -> list[bpy.types.Object]:
     return [child for child in obj.children if child.type == "EMPTY" and _KIND in child]
 
 
+def orphaned_empties():
+    """The empties whose object is gone: in a collection of an object's defects none has a parent, and no object of its
+    name is there. Empties that a user has freed from their object stay."""
+    found = []
+    for collection in bpy.data.collections:
+        if collection.get(_MARK) != "object" or not collection.is_editable:
+            continue
+        empties = [obj for obj in collection.objects if obj.type == "EMPTY" and _KIND in obj]
+        name = collection.name.removeprefix(f"{COLLECTION_NAME}: ")
+        if not any(empty.parent for empty in empties) and name not in bpy.data.objects:
+            found += empties
+    return found
+
+
 def collection_of_defects(obj):
     """The collection that holds all defect empties of `obj`, where a user has left them there, or None."""
     empties = defect_empties(obj)
@@ -169,6 +183,13 @@ def _new_collection(name, role):
     collection[_MARK] = role
     collection.color_tag = "COLOR_01"
     return collection
+
+
+def remove_collections(collections):
+    """Remove collections of defects that have no content, and then those around them."""
+    for collection in collections:
+        if _MARK in collection:
+            _remove_if_empty(collection)
 
 
 def _remove_if_empty(collection):

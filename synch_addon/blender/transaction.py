@@ -13,6 +13,8 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import bpy
+import numpy as np
+from idprop.types import IDPropertyArray, IDPropertyGroup
 
 from ...core.files.whole import place_beside
 
@@ -125,9 +127,34 @@ def drop(block, key):
 
 
 def _keep_property(block, key):
-    before = block.get(key)
-    before = before.to_dict() if hasattr(before, "to_dict") else before
-    undone_by(block, lambda: block.pop(key, None) if before is None else block.__setitem__(key, before))
+    if key not in block:
+        undone_by(block, lambda: block.pop(key, None))
+        return
+    before, shown = _copied(block[key]), _limits(block, key)
+
+    def give_back():
+        block[key] = before
+        if shown:
+            block.id_properties_ui(key).update(**shown)
+
+    undone_by(block, give_back)
+
+
+def _copied(value):
+    """A value of a custom property that stays as it is: Blender frees arrays and groups that others replace."""
+    if isinstance(value, IDPropertyGroup):
+        return {key: _copied(part) for key, part in value.items()}
+    if isinstance(value, IDPropertyArray):
+        return value.to_list() if value.typecode == "b" else np.array(value)  # an array of NumPy keeps its type
+    return [_copied(part) for part in value] if isinstance(value, list) else value
+
+
+def _limits(block, key):
+    """How a custom property is shown: its limits, its default and the like; empty for a kind that has none."""
+    try:
+        return block.id_properties_ui(key).as_dict()
+    except TypeError:
+        return {}
 
 
 def keep_file(owner, path):

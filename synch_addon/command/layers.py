@@ -10,6 +10,7 @@ from ...core.files.tets import SUFFIXES, read_marked_tets
 from ...core.settings.layers import LayerSettings
 from .. import api
 from ..blender import files
+from ..blender.new_geometry import new_mesh
 from ..jobs.job import run as run_job
 from ..solids.report import summary
 from . import layer_outputs
@@ -63,10 +64,7 @@ def _open_solid(path):
     bpy.ops.wm.read_homefile(use_empty=True)
     boundary, source = solid.boundary_surface
     name = Path(path).stem
-    data = bpy.data.meshes.new(name)
-    data.from_pydata(boundary.vertices.tolist(), [], boundary.triangles.tolist())
-    data.shade_smooth()
-    obj = bpy.data.objects.new(name, data)
+    obj = bpy.data.objects.new(name, new_mesh(name, boundary.vertices, boundary.triangles, smooth=True))
     bpy.context.scene.collection.objects.link(obj)
     bpy.context.view_layer.objects.active = obj
     for mark, triangles in marks.items():

@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from ..blender import attributes
+from ..blender.new_geometry import add_spline, fill_mesh, new_mesh
 from ..blender.schema import COLOR, SPHERE
 from ..blender.transaction import keep, store
 from ..nodes.materials import pattern_material
@@ -33,19 +34,15 @@ def fill_filaments(obj, shown):
     for line in shown.lines:
         parts = [line.course] if shown.unwrapped else line.parts
         for part in parts:
-            spline = data.splines.new("POLY")
-            spline.use_cyclic_u = len(parts) == 1 and line.is_loop
-            points = np.column_stack([part, np.ones(len(part))]).astype(np.float32)
-            spline.points.add(len(points) - 1)
-            spline.points.foreach_set("co", points.ravel())
+            spline = add_spline(data, part, is_closed=len(parts) == 1 and line.is_loop)
             # Thicker where several lie on each other.
             thickness = math.sqrt(line.strength / shown.quantum)
-            spline.points.foreach_set("radius", np.full(len(points), thickness, np.float32))
+            spline.points.foreach_set("radius", np.full(len(part), thickness, np.float32))
 
 
 def make_tubes(name, shown):
     """A mesh object with the tubes."""
-    made = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+    made = bpy.data.objects.new(name, new_mesh(name))
     fill_tubes(made, shown)
     pattern_material(made, "tubes")
     return made
@@ -56,16 +53,7 @@ def fill_tubes(obj, shown):
     data, tubes = obj.data, shown.tubes
     keep(data)
     store(obj, STRENGTH, tubes.strength)
-    data.clear_geometry()
-    corners = len(tubes.triangles) * 3
-    data.vertices.add(len(tubes.vertices))
-    data.loops.add(corners)
-    data.polygons.add(len(tubes.triangles))
-    data.vertices.foreach_set("co", tubes.vertices.astype(np.float32).ravel())
-    data.loops.foreach_set("vertex_index", tubes.triangles.astype(np.int32).ravel())
-    data.polygons.foreach_set("loop_start", np.arange(0, corners, 3, dtype=np.int32))
-    data.update(calc_edges=True)
-    data.shade_smooth()
+    fill_mesh(data, tubes.vertices, tubes.triangles, smooth=True)
     write_sphere(obj, tubes.sphere)
 
 

@@ -12,6 +12,7 @@ from ...core.files.flows import VELOCITY, ArrayFile
 from ...core.geometry.mesh_input import MeshInput
 from ...core.geometry.squares import grid_squares
 from ..blender import attributes, meshes
+from ..blender.new_geometry import new_mesh
 from ..blender.objects import ObjectLink
 from .sources import objects_of
 
@@ -74,9 +75,7 @@ def _of_plane(path):
 
 def plane_object(flow):
     """A new object with the squares and the velocity of a plane, in no scene yet."""
-    data = bpy.data.meshes.new(flow.name)
     faces = flow.given.polygons.corner_vertices.reshape(-1, 4)
-    data.from_pydata(flow.given.mesh.vertices.tolist(), [], faces.tolist())
-    obj = bpy.data.objects.new(flow.name, data)
+    obj = bpy.data.objects.new(flow.name, new_mesh(flow.name, flow.given.mesh.vertices, faces))
     attributes.write_attribute(obj, VELOCITY, "POINT", "FLOAT_VECTOR", flow.velocity)
     return obj

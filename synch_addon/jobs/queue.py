@@ -7,6 +7,7 @@ import bpy
 
 from ...core.errors import Cancelled, SynchError
 from ..blender.objects import ObjectLink
+from ..blender.timers import Timer
 from ..blender.translations import said
 from ..settings.preferences import memory_limit
 from .job import READING, solves_after_pieces
@@ -245,16 +246,15 @@ def _stop(*_):
     queue.stop()
 
 
-def _end_when_idle():
-    return queue.end_when_idle()
+_timer = Timer(queue.end_when_idle, first=_LOOK, is_persistent=True)
 
 
 def register():
     bpy.app.handlers.load_pre.append(_stop)
-    bpy.app.timers.register(_end_when_idle, first_interval=_LOOK, persistent=True)
+    _timer.start()
 
 
 def unregister():
     queue.stop()
-    bpy.app.timers.unregister(_end_when_idle)
+    _timer.stop()
     bpy.app.handlers.load_pre.remove(_stop)

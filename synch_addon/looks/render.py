@@ -16,6 +16,7 @@ from ...core.files.pictures import is_whole
 from ...core.files.whole import unwritten, written_whole
 from ..blender.attributes import read_all
 from ..blender.defect_empties import KINDS, defect_empties
+from ..blender.new_geometry import new_mesh
 from ..blender.transaction import only_for_now
 from ..nodes.canvas import find_node, surface_material
 from ..nodes.stripes import INK_BLUE, WARM_IVORY
@@ -184,9 +185,7 @@ def _add_backdrop(scene, stage, points, camera_place):
     profile = _backdrop_profile(radius, distance)
     vertices = [(side * width, height, toward) for toward, height in profile for side in (-1.0, 1.0)]
     faces = [(2 * k, 2 * k + 1, 2 * k + 3, 2 * k + 2) for k in range(len(profile) - 1)]
-    mesh = bpy.data.meshes.new("Synch Backdrop")
-    mesh.from_pydata(vertices, [], faces)
-    mesh.shade_smooth()
+    mesh = new_mesh("Synch Backdrop", vertices, faces, smooth=True)
     mesh.materials.append(_matte("Synch Backdrop", _BACKDROP_COLOR))
     up = np.array(stage.col[1])
     # A floor exactly at the lowest vertices would flicker under a flat object.
@@ -258,10 +257,7 @@ def _marker_mesh(kind):
     corner = np.arange(along * around).reshape(along, around)
     after = np.roll(corner, -1, axis=1)
     faces = np.stack([corner, corner + around, after + around, after], axis=-1)
-    mesh = bpy.data.meshes.new(f"Synch {kind}")
-    mesh.from_pydata(points.reshape(-1, 3).tolist(), [], faces.reshape(-1, 4).tolist())
-    if kind != "dislocation":
-        mesh.shade_smooth()
+    mesh = new_mesh(f"Synch {kind}", points, faces.reshape(-1, 4), smooth=kind != "dislocation")
     mesh.materials.append(_marker_material())
     return mesh
 

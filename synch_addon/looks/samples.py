@@ -13,6 +13,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ..blender import attributes, groups, meshes
+from ..blender.new_geometry import new_mesh
 from .demo import add_demo_object, apply_modifiers
 
 # What there is: identifier, name, description, icon and number.
@@ -113,9 +114,7 @@ def _bent(points):
 
 def _rounded(name, points, faces, detail):
     """An object of a cage after Catmull-Clark subdivision, with seams in the plane of X and Z."""
-    data = bpy.data.meshes.new(name)
-    data.from_pydata(points.tolist(), [], faces)
-    obj = bpy.data.objects.new(name, data)
+    obj = bpy.data.objects.new(name, new_mesh(name, points, faces))
     bpy.context.collection.objects.link(obj)
     bpy.context.view_layer.objects.active = obj
     obj.select_set(True)

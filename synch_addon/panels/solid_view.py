@@ -5,8 +5,9 @@ Nothing of the scene is changed for it, and it goes as soon as a view draws mate
 """
 
 import bpy
+import numpy as np
 
-from ...core.extract.drawn_phases import drawn_phases
+from ...core.extract.drawn_phases import DrawnTriangles
 from ..blender import attributes, meshes
 from ..blender.changes import changes
 from ..blender.phases import pattern_kind, read_phases
@@ -16,13 +17,15 @@ from .look import look_of
 from .overlay_view import nearer
 from .pattern_shader import DrawnPattern, shaders
 
-# What is kept on the graphics card, of the objects that were drawn last.
-_drawn = Shelf(64)
+# What is kept on the graphics card, of the objects that were drawn last, and the triangles that it was made of.
+_drawn, _triangles = Shelf(64), Shelf(64)
 
 
 def corners_of(obj):
     """What :func:`core.extract.drawn_phases.drawn_phases` gives of what a mesh object shows, in its space, and whether
     it is quads; None where it shows no pattern.
+
+    Where only places have changed since the last time, its triangles and phases are those of then.
 
     Parameters
     ----------
@@ -31,8 +34,18 @@ def corners_of(obj):
     kind = pattern_kind(obj)
     if kind is None or not len(obj.data.polygons):
         return None
-    positions = attributes.read_values(obj, "position", "POINT").astype(float)
-    return *drawn_phases(read_phases(obj, kind), meshes.read_polygons(obj), positions), kind == "quads"
+    phases, polygons = read_phases(obj, kind), meshes.read_polygons(obj)
+    state = [array for part in (*phases, polygons) for array in vars(part).values() if isinstance(array, np.ndarray)]
+    kept = _triangles.get(obj.session_uid)
+    if kept is None or not _are_equal(kept[0], state):
+        kept = state, DrawnTriangles.of(phases, polygons)
+        _triangles.put(obj.session_uid, kept)
+    places = attributes.read_values(obj, "position", "POINT").astype(float)
+    return kept[1].places(places), kept[1].phases, kind == "quads"
+
+
+def _are_equal(first, second):
+    return len(first) == len(second) and all(map(np.array_equal, first, second))
 
 
 def shows(context):

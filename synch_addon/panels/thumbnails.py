@@ -14,6 +14,7 @@ import numpy as np
 from ...core.extract.thumbnails import Seen
 from ...core.fields import Pattern
 from ..blender.defect_empties import COLORS
+from ..blender.timers import Timer
 from ..blender.translations import said
 from ..jobs.shelf import Shelf
 from ..nodes.stripes import INK_BLUE, WARM_IVORY
@@ -60,6 +61,8 @@ class Gallery:
 
     def make_next(self):
         """Make one more, or what all of them are made from; whether there is more to be done."""
+        if len(self.made) >= self.count:
+            return False
         mesh, solution = self.shown.mesh, self.shown.solution
         if self._seen is None:
             self._seen = Seen.of(mesh.vertices, mesh.triangles, PIXELS)
@@ -82,6 +85,7 @@ class _Galleries:
     def __init__(self):
         self._kept, self._wanted = Shelf(memory.MOST), None
         self._icons, self._pictured = None, {}
+        self._timer = Timer(self._make, first=0.05)
 
     def register(self):
         """Begin to keep icons."""
@@ -89,8 +93,7 @@ class _Galleries:
 
     def unregister(self):
         """Make nothing more, and give the icons back."""
-        if bpy.app.timers.is_registered(self._make):
-            bpy.app.timers.unregister(self._make)
+        self._timer.stop()
         self._wanted = None
         bpy.utils.previews.remove(self._icons)
 
@@ -108,8 +111,7 @@ class _Galleries:
             self._kept.put(obj.session_uid, found)
         if len(found.made) < found.count:
             self._wanted = found
-            if not bpy.app.timers.is_registered(self._make):
-                bpy.app.timers.register(self._make, first_interval=0.05)
+            self._timer.start()
         return found
 
     def icon(self, obj, variation):

@@ -14,6 +14,7 @@ import numpy as np
 from mathutils.geometry import interpolate_bezier
 
 from ..blender.changes import changes
+from ..blender.new_geometry import add_spline
 from ..blender.transaction import keep, leave, whole_or_nothing
 
 # What a curve object of strokes has as a custom property.
@@ -201,11 +202,7 @@ def _add_lines(curve, lines):
     """Add a spline through knots in the owner's space for each line."""
     inverse = np.array(_to_owner(curve).inverted())
     for line in lines:
-        spline = curve.data.splines.new("BEZIER")
-        spline.bezier_points.add(len(line) - 1)
-        for knot, place in zip(spline.bezier_points, line @ inverse[:3, :3].T + inverse[:3, 3], strict=True):
-            knot.co = place
-            knot.handle_left_type = knot.handle_right_type = "AUTO"
+        add_spline(curve.data, line @ inverse[:3, :3].T + inverse[:3, 3], "BEZIER")
     _changed(curve)
 
 

@@ -13,6 +13,7 @@ from ...core.extract.isolines import End
 from ...core.extract.isolines import isolines as traced_lines
 from ...core.geometry.barycentric import barycentric
 from ...core.geometry.nearest import NearestTriangles
+from ..blender.new_geometry import add_spline
 from ..jobs.report import counted, versions
 
 # As traced, lines pass vertices of the mesh that lie on them several times: points closer than this are one, in
@@ -80,23 +81,13 @@ def smoothed(lines, times):
 
 def add_splines(data, lines, kind):
     """Add a spline of a kind to a curve for each line, poly splines with the tilt of the surface."""
-    points = np.column_stack([lines.points, np.ones(len(lines.triangles))]).astype(np.float32)
-    tilts = tilts_of(lines).astype(np.float32)
+    points, tilts = lines.points, tilts_of(lines).astype(np.float32)
     for start, size, closed in zip(lines.starts, lines.sizes, lines.closed, strict=True):
         run = slice(start, start + size)
-        spline = data.splines.new(kind.upper())
-        spline.use_cyclic_u = bool(closed)
-        if kind == "bezier":
-            spline.bezier_points.add(size - 1)
-            spline.bezier_points.foreach_set("co", points[run, :3].ravel())
-            for point in spline.bezier_points:
-                point.handle_left_type = point.handle_right_type = "AUTO"
-            continue
-        spline.points.add(size - 1)
-        spline.points.foreach_set("co", points[run].ravel())
+        spline = add_spline(data, points[run], kind.upper(), closed)
         if kind == "poly":
             spline.points.foreach_set("tilt", tilts[run])
-        else:
+        elif kind == "nurbs":
             spline.order_u = min(4, size)
             spline.use_endpoint_u = not closed
 

@@ -18,6 +18,7 @@ from ...core.tasks.live import LiveRequest
 from ...core.tasks.surfaces import SHOWN
 from ..blender import meshes
 from ..blender.objects import ObjectLink
+from ..blender.timers import Timer
 from ..blender.transaction import whole_or_nothing
 from ..jobs.queue import queue
 from ..jobs.report import Report
@@ -212,9 +213,12 @@ def _look():
     return _TICK
 
 
+_timer = Timer(_look, is_persistent=True)
+
+
 def _toggled(manager, _context):
-    if manager.synch_live and not bpy.app.timers.is_registered(_look):
-        bpy.app.timers.register(_look, persistent=True)
+    if manager.synch_live:
+        _timer.start()
 
 
 def register():
@@ -228,7 +232,6 @@ def register():
 
 
 def unregister():
-    if bpy.app.timers.is_registered(_look):
-        bpy.app.timers.unregister(_look)
+    _timer.stop()
     live.clear()
     del bpy.types.WindowManager.synch_live

@@ -10,6 +10,7 @@ from ...core.geometry.barycentric import barycentric
 from ...core.geometry.nearest import NearestTriangles
 from ..blender import attributes, groups, meshes
 from ..blender.defect_empties import defect_empties
+from ..blender.new_geometry import new_mesh
 from ..blender.objects import hide
 from ..blender.schema import PREFIX
 from ..blender.transaction import assign
@@ -23,11 +24,8 @@ _INSIDE = 0.05
 def write(obj, request, quads, selection):
     """Make the object, show it instead of the given one, and return its figures for the report."""
     mesh = request.given.mesh
-    data = bpy.data.meshes.new(f"{obj.data.name} Quads")
-    inverse = np.linalg.inv(request.given.stretch)
-    ends = np.cumsum(quads.sizes)
-    faces = [quads.corner_vertices[start:end].tolist() for start, end in zip(quads.starts, ends, strict=True)]
-    data.from_pydata((quads.vertices @ inverse.T).tolist(), [], faces, shade_flat=False)
+    points = quads.vertices @ np.linalg.inv(request.given.stretch).T
+    data = new_mesh(f"{obj.data.name} Quads", points, quads.corner_vertices, quads.sizes, smooth=True)
     made = bpy.data.objects.new(f"{obj.name} Quads", data)
     # In the same place as the given one: a parent may shear it.
     made.parent, made.parent_type, made.parent_bone = obj.parent, obj.parent_type, obj.parent_bone

@@ -13,6 +13,7 @@ from ...core.files.tool_paths import WRITERS
 from ...core.files.whole import written_together, written_whole
 from ...core.printing.gcode import gcode
 from ..blender.files import MESH_SUFFIXES, check_output, export_mesh
+from ..blender.new_geometry import add_spline, new_mesh
 from ..blender.transaction import at_the_end, leave, only_for_now, set_aside, store, undone_by
 from ..patterns.lines import add_splines
 from .links import SOLID
@@ -66,9 +67,7 @@ def left_behind(path, written):
 def _sheet(layering, triangles):
     """An object of some triangles of the layers."""
     used, corners = np.unique(triangles, return_inverse=True)
-    data = bpy.data.meshes.new("Layer")
-    data.from_pydata(layering.surfaces.vertices[used].tolist(), [], corners.reshape(-1, 3).tolist())
-    obj = bpy.data.objects.new("Layer", data)
+    obj = bpy.data.objects.new("Layer", new_mesh("Layer", layering.surfaces.vertices[used], corners.reshape(-1, 3)))
     obj.matrix_world = Matrix(layering.matrix)
     bpy.context.scene.collection.objects.link(obj)
     bpy.context.view_layer.update()
@@ -117,9 +116,7 @@ def _flaws(paths, runs):
     points, following = paths.lines.points, paths.lines.next
     for run in runs:
         run = run if len(run) > 1 else np.append(run, following[run])
-        spline = data.splines.new("POLY")
-        spline.points.add(len(run) - 1)
-        spline.points.foreach_set("co", np.column_stack([points[run], np.ones(len(run))]).astype(np.float32).ravel())
+        add_spline(data, points[run])
     return data
 
 

@@ -16,6 +16,7 @@ from ...core.geometry.mesh_input import MeshInput
 from ...core.geometry.polygons import Polygons
 from ..blender import attributes, meshes, schema
 from ..blender.defect_empties import KINDS, DefectEmpty, write_defects
+from ..blender.new_geometry import add_spline, new_mesh
 from ..blender.objects import hide
 from ..blender.transaction import assign, at_the_end, drop, leave, store, undone_by
 from ..nodes.layers import curve_material, layer_material
@@ -74,9 +75,7 @@ def _leave_modes(obj):
 def _write_layers(obj, layering):
     """The layers as one mesh object with the face attribute ``synch_layer``."""
     surfaces = layering.surfaces
-    data = bpy.data.meshes.new(f"{obj.data.name} Layers")
-    data.from_pydata(surfaces.vertices.tolist(), [], surfaces.triangles.tolist())
-    data.shade_smooth()
+    data = new_mesh(f"{obj.data.name} Layers", surfaces.vertices, surfaces.triangles, smooth=True)
     made = placed(obj, "layers", f"{obj.name} Layers", data, layering.matrix)
     attributes.write(made, schema.LAYER, surfaces.layers)
     layer_material(made, surfaces.count)
@@ -91,11 +90,7 @@ def _write_curves(obj, layering, spacing):
     data.dimensions, data.bevel_resolution, data.use_fill_caps = "3D", 2, True
     data.bevel_depth = _RADIUS * spacing
     for curve in layering.curves:
-        points = curve.smooth_points
-        spline = data.splines.new("POLY")
-        spline.points.add(len(points) - 1)
-        spline.points.foreach_set("co", np.column_stack([points, np.ones(len(points))]).astype(np.float32).ravel())
-        spline.use_cyclic_u = curve.is_closed
+        add_spline(data, curve.smooth_points, is_closed=curve.is_closed)
     made = placed(obj, "curves", f"{obj.name} Dislocations", data, layering.matrix)
     curve_material(made)
     return made
@@ -105,9 +100,7 @@ def _write_surface(obj, layering, given, phases, warn, spacing):
     """The phase on the given mesh, or on a new object of the solid's boundary; returns the object that has it."""
     if phases.is_own:
         mesh = phases.mesh
-        data = bpy.data.meshes.new(f"{obj.data.name} Surface")
-        data.from_pydata(mesh.vertices.tolist(), [], mesh.triangles.tolist())
-        data.shade_smooth()
+        data = new_mesh(f"{obj.data.name} Surface", mesh.vertices, mesh.triangles, smooth=True)
         shown = placed(obj, "surface", f"{obj.name} Surface", data, layering.matrix)
         given = MeshInput(mesh, Polygons.of_triangles(mesh), np.eye(3), mesh, np.arange(mesh.vertex_count))
     else:

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 # foreach_get's name, type and width of every kind of attribute that Blender's meshes have.
-_LAYOUTS = {
+LAYOUTS = {
     "FLOAT": ("value", np.float32, 1),
     "INT": ("value", np.int32, 1),
     "INT8": ("value", np.int32, 1),
@@ -19,6 +19,10 @@ _LAYOUTS = {
     "BYTE_COLOR": ("color", np.float32, 4),
     "INT32_2D": ("value", np.int32, 2),
     "INT16_2D": ("value", np.int32, 2),
+    "QUATERNION": ("value", np.float32, 4),
+    "FLOAT4X4": ("value", np.float32, 16),
+    "FLOAT4": ("vector", np.float32, 4),
+    "STRING": ("value", bytes, 1),
 }
 
 
@@ -142,10 +146,27 @@ def attribute(obj, name):
 
 
 def _values(found):
-    value_name, dtype, width = _LAYOUTS[found.data_type]
+    value_name, dtype, width = LAYOUTS[found.data_type]
+    if found.data_type == "STRING":  # which Blender gives one by one
+        return np.array([element.value for element in found.data])
     values = np.empty(len(found.data) * width, dtype)
     found.data.foreach_get(value_name, values)
     return values.reshape(-1, width) if width > 1 else values
+
+
+def add_attribute(mesh, name, data_type, domain, seed=0):
+    """Add an attribute of any type with random values; whether this Blender has the type."""
+    if data_type not in bpy.types.Attribute.bl_rna.properties["data_type"].enum_items:
+        return False
+    value_name, dtype, width = LAYOUTS[data_type]
+    found, random = mesh.attributes.new(name, data_type, domain), np.random.default_rng(seed)
+    if data_type == "STRING":
+        for element in found.data:
+            element.value = f"text {random.integers(100)}".encode()
+        return True
+    numbers = random.random(len(found.data) * width)
+    found.data.foreach_set(value_name, numbers if dtype == np.float32 else np.rint(numbers).astype(dtype))
+    return True
 
 
 def set_vectors(obj, name, vectors, domain="POINT"):

@@ -27,12 +27,13 @@ from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import files
 from synch_fields.synch_addon.blender.openvdb import module_file
+from synch_fields.synch_addon.blender.schema import ATTRIBUTES, DIRECTION, PHASES
 from synch_fields.synch_addon.command.main import main
 from synch_fields.synch_addon.patterns.job import FieldJob
 
 from ..corpus import bad_meshes
 from .faults import differences, fault_at, state
-from .scenes import add_group, add_object, furnished, grid, snapshot, sphere
+from .scenes import LAYOUTS, add_attribute, add_group, add_object, furnished, grid, snapshot, sphere
 from .vortex_scenes import write_npz, write_vdb
 
 hypothesis = pytest.importorskip("hypothesis")
@@ -168,6 +169,54 @@ def test_any_settings_are_taken_or_refused(settings, command, name):
     if "some" not in obj.vertex_groups:
         add_group(obj, "some", range(9))
     solved_or_refused("settings", lambda: getattr(api, command)(obj, time_limit=5.0, **settings))
+
+
+@fuzzed
+@hypothesis.given(
+    st.lists(
+        st.tuples(
+            st.sampled_from([known.name for known in ATTRIBUTES]),
+            st.sampled_from(sorted(LAYOUTS)),
+            st.sampled_from(["POINT", "EDGE", "FACE", "CORNER"]),
+        ),
+        min_size=1,
+        max_size=6,
+        unique_by=lambda given: given[0],
+    ),
+    st.sampled_from(["stripes", "quads", "directions"]),
+    st.integers(1, 300),
+)
+def test_any_attributes_with_our_names_come_back_after_a_fault_and_stop_nothing(given, command, number):
+    empty_scene()
+    obj = sphere(2)
+    for seed, (name, data_type, domain) in enumerate(given):
+        add_attribute(obj.data, name, data_type, domain, seed)
+    spacing = None if command == "directions" else 0.7
+    job = FieldJob(command, obj, SurfaceSettings(spacing=spacing, method="spectral"))
+    result, before = job.request.solve(), state()
+    with fault_at(number):
+        try:
+            job.write(result)
+        except MemoryError as error:
+            found = differences(before, state())
+            assert not found, f"{error}: {found}"
+            COUNTS["faults beside strange attributes"] += 1
+            job.write(result)
+    for own in (DIRECTION, *(phase.phase for phase in PHASES.get(command, ()))):
+        assert (obj.data.attributes[own.name].domain, obj.data.attributes[own.name].data_type) == own.layout
+
+
+@fuzzed
+@hypothesis.given(soups() | spoilt(), st.integers(1, 12), st.sampled_from([0.0, 1.0]))
+def test_any_soup_becomes_a_few_quads_or_is_refused(mesh, faces, branching):
+    empty_scene()
+    obj = add_object(*mesh)
+    report = solved_or_refused(
+        "few faces", lambda: api.quad_mesh(obj, faces=faces, branching=branching, time_limit=5.0)
+    )
+    if report is not None:
+        made = bpy.data.objects[report["quad_mesh"]["object"]].data
+        assert made.polygons and all(len(set(p.vertices)) == p.loop_total > 2 for p in made.polygons)
 
 
 @st.composite

@@ -22,6 +22,12 @@ ROOT = Path(__file__).resolve().parents[2]
 FOLDER = os.environ.get("SYNCH_ARCHIVES")
 PLATFORMS = {"linux-x64": "manylinux", "macos-arm64": "macosx", "macos-x64": "macosx", "windows-x64": "win_amd64"}
 THREADS = "core/threads.py"
+# Where arrays become meshes and curves, and the calls that make them.
+DOOR = "synch_addon/blender/new_geometry.py"
+MAKING = (
+    "from_pydata", "meshes.new", "vertices.add", "edges.add", "loops.add", "polygons.add", "splines.new", "points.add",
+    "bezier_points.add", "pointclouds.new", "hair_curves.new", "add_curves",
+)  # fmt: skip
 # Modules that begin threads or open connections, and the standard library's that change where modules come from.
 BESIDE = {"threading", "_thread", "concurrent", "multiprocessing", "asyncio"}
 NETWORK = {"socket", "ssl", "http", "urllib", "ftplib", "smtplib", "xmlrpc", "webbrowser", "requests", "distributed"}
@@ -180,6 +186,17 @@ def test_the_network_is_neither_used_nor_asked_for(zips, trees):
 
 def manifest_of(content):
     return tomllib.loads(content["blender_manifest.toml"].decode())
+
+
+def made(tree):
+    """Calls of a program that make meshes' or curves' data of numbers."""
+    names = [dotted(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)]
+    return [name for name in names if name.endswith(tuple(f".{call}" for call in MAKING))]
+
+
+def test_arrays_become_meshes_and_curves_at_one_door(trees):
+    assert made(ast.parse("data.from_pydata(points, [], faces)")) and made(ast.parse("bpy.data.meshes.new(name)"))
+    assert {name for name, tree in trees.items() if made(tree)} == {DOOR}
 
 
 def test_permissions_are_those_that_the_program_uses(zips, trees):

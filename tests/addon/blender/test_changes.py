@@ -31,6 +31,19 @@ def move(obj):
     obj.location.x = 1.0
 
 
+def bend_in_time(obj):
+    """Go to a frame at which a shape key has another value."""
+    obj.shape_key_add(name="Basis")
+    key = obj.shape_key_add(name="bent")
+    key.data[0].co.z = 1.0
+    for frame in (1, 10):
+        key.value = frame / 10
+        key.keyframe_insert("value", frame=frame)
+    before = state(obj)
+    bpy.context.scene.frame_set(5)
+    assert changes.state(obj.data) != before
+
+
 def add_another(_obj):
     grid().data.update()
 
@@ -41,7 +54,8 @@ def state(obj):
 
 
 @pytest.mark.parametrize(
-    "change, counts", [(edit, True), (weigh, True), (undo, True), (move, False), (add_another, False)]
+    "change, counts",
+    [(edit, True), (weigh, True), (undo, True), (bend_in_time, True), (move, False), (add_another, False)],
 )
 def test_changes_of_a_mesh_count_in_every_file(change, counts):
     obj = grid()

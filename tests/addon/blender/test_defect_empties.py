@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
+from synch_fields.synch_addon.blender import left_defects
 from synch_fields.synch_addon.blender.defect_empties import defect_empties, write_defects
 
 from ..single_faces import FACES, some_defects
@@ -56,3 +57,51 @@ def test_two_objects_keep_their_own_empties_and_hidden_collections_stay_hidden()
     write_defects(first, [])
     assert "Synch Defects: face" not in bpy.data.collections
     assert len(bpy.data.collections["Synch Defects: face.001"].objects) == 3
+
+
+def delete(obj):
+    bpy.ops.object.select_all(action="DESELECT")
+    obj.select_set(True)
+    bpy.ops.object.delete()
+    bpy.context.view_layer.update()
+
+
+def test_empties_of_a_deleted_object_go_and_undo_brings_both_back():
+    obj, other = (FACES["regular quad"].build() for _ in range(2))
+    for one in (obj, other):
+        write_defects(one, some_defects())
+    name, free = obj.name, bpy.data.objects.new("Mine", None)
+    bpy.data.collections[f"Synch Defects: {name}"].objects.link(free)
+    bpy.context.view_layer.update()
+    bpy.ops.ed.undo_push(message="before")
+    delete(obj)
+    bpy.ops.ed.undo_push(message="deleted")
+    assert left_defects._watch._timer.runs
+    left_defects.remove_left_defects()
+    assert len(defect_empties(bpy.data.objects[other.name])) == 3
+    assert {o.name for o in bpy.data.objects if o.type == "EMPTY" and o.parent is None} == {"Mine"}
+    for _ in range(2):
+        bpy.ops.ed.undo()
+        back = bpy.data.objects[name]
+        assert len(defect_empties(back)) == 3
+        assert len(bpy.data.collections[f"Synch Defects: {name}"].objects) == 4
+        bpy.ops.ed.redo()
+        assert name not in bpy.data.objects
+        left_defects.remove_left_defects()
+
+
+def test_empties_that_a_user_frees_from_their_object_stay():
+    obj = FACES["regular quad"].build()
+    write_defects(obj, some_defects())
+    for empty in defect_empties(obj):
+        empty.parent = None
+    left_defects.remove_left_defects()
+    assert sum(o.type == "EMPTY" for o in bpy.data.objects) == 3
+
+
+def test_the_collection_of_a_deleted_object_goes_with_its_empties():
+    obj = FACES["regular quad"].build()
+    write_defects(obj, some_defects())
+    bpy.data.objects.remove(obj)
+    left_defects.remove_left_defects()
+    assert not bpy.data.objects and not bpy.data.collections

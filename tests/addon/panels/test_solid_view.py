@@ -42,6 +42,62 @@ def test_what_modifiers_make_of_the_object_is_read():
     assert len(after) > 3 * len(before)
 
 
+def bent_by_a_shape_key(obj):
+    obj.shape_key_add(name="Basis")
+    key = obj.shape_key_add(name="bent")
+    key.value = 0.0
+    key.data.foreach_set("co", np.float32(scenes.places(obj) * [1, 1, 3]).ravel())
+    return lambda: setattr(key, "value", 1.0)
+
+
+def bent_in_time(obj):
+    bend = bent_by_a_shape_key(obj)
+    key = obj.data.shape_keys.key_blocks["bent"]
+    key.keyframe_insert("value", frame=1)
+    bend()
+    key.keyframe_insert("value", frame=10)
+    bpy.context.scene.frame_set(1)
+    return lambda: bpy.context.scene.frame_set(10)
+
+
+def bent_by_a_lattice(obj):
+    data = bpy.data.lattices.new("Cage")
+    cage = bpy.data.objects.new("Cage", data)
+    bpy.context.collection.objects.link(cage)
+    cage.scale = 4, 4, 4
+    obj.modifiers.new("Cage", "LATTICE").object = cage
+
+    def bend():
+        for point in data.points:
+            point.co_deform = (point.co[0], point.co[1], 2 * point.co[2])
+
+    return bend
+
+
+@pytest.mark.parametrize("prepare", [bent_by_a_shape_key, bent_in_time, bent_by_a_lattice])
+def test_the_ink_follows_the_shape_and_is_made_again_only_when_that_changes(prepare, monkeypatch):
+    obj = scenes.quad_sphere(9)
+    bpy.ops.synch.stripes(spacing=0.5)
+    bend, made, cut = prepare(obj), [], []
+
+    def drawn_of(places, phases, **_):
+        made.append((places, phases))
+        return made[-1]
+
+    monkeypatch.setattr(solid_view, "DrawnPattern", drawn_of)
+    of = solid_view.DrawnTriangles.of
+    monkeypatch.setattr(solid_view.DrawnTriangles, "of", lambda *given: cut.append(1) or of(*given))
+    for _ in range(3):
+        bpy.context.view_layer.update()
+        before = solid_view.drawn(obj, bpy.context.evaluated_depsgraph_get())
+    assert len(made) == 1
+    bend()
+    bpy.context.view_layer.update()
+    places, phases = solid_view.drawn(obj, bpy.context.evaluated_depsgraph_get())
+    assert np.ptp(places[:, 2]) > 1.5 * np.ptp(before[0][:, 2])
+    assert phases is before[1] and len(cut) == 1  # what does not depend on places is as it was
+
+
 def test_only_objects_that_have_a_pattern_and_are_drawn_solid_are_shown():
     obj, plain = scenes.quad_sphere(5), scenes.grid(4)
     bpy.context.view_layer.objects.active = obj

@@ -148,9 +148,12 @@ def test_faces_that_are_no_quads_are_told_where_none_were_asked_for(monkeypatch)
     assert not any(told in line for line in asked(mesh).solve().warnings)
 
     def with_triangles(quads, *_):
-        a, b, c, d = quads.corner_vertices[:4]
-        corners = np.concatenate([[a, b, c, a, c, d], quads.corner_vertices[4:]])
-        return replace(quads, corner_vertices=corners, sizes=np.concatenate([[3, 3], quads.sizes[1:]]))
+        faces = np.split(quads.corner_vertices, quads.starts[1:])
+        number = next(number for number, face in enumerate(faces) if len(face) == 4)
+        a, b, c, d = faces.pop(number)
+        faces += [[a, b, c], [a, c, d]]
+        sizes = np.array([len(face) for face in faces])
+        return replace(quads, corner_vertices=np.concatenate(faces), sizes=sizes)
 
     monkeypatch.setattr(quad_smoothing, "all_quads", with_triangles)
     result = asked(mesh).solve()
