@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What can go wrong, in one line that names the element and the remedy."""
 
-import re
+import unicodedata
 
 import numpy as np
 
 # Characters of a value that errors show.
 _LONGEST = 60
-# Characters that end a line or move the cursor: names of objects and files may have them.
-_CONTROLS = re.compile("[\x00-\x1f\x7f-\x9f\u2028\u2029]")
 
 
 class SynchError(Exception):
@@ -16,7 +14,7 @@ class SynchError(Exception):
 
     Parameters
     ----------
-    text : one line; characters that would end it are shown as Python writes them
+    text : one line; ends of lines in names that it quotes are escaped
     vertices : (k,) those of the mesh that the text names, where it names any; kept ascending, each once
 
     Attributes
@@ -31,12 +29,24 @@ class SynchError(Exception):
         self.vertices = np.unique(np.asarray(vertices, int))
 
 
+def one_line(text):
+    """A text in one line that every stream takes: control characters and halves of characters are escaped."""
+    text = str(text).strip()
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or unicodedata.category(c) == "Zs" else ascii(c)[1:-1] for c in text)
+
+
 class MeshError(SynchError):
     """The mesh cannot carry a field as it is."""
 
 
 class SettingError(SynchError):
     """A setting is out of range or contradicts another."""
+
+
+class WriteError(SettingError):
+    """A file cannot be written; what was there before is as it was."""
 
 
 class ContradictionError(SettingError):
@@ -81,11 +91,6 @@ class AsymmetryError(MeshError):
 
 class Cancelled(SynchError):
     """The user stopped the computation; nothing may be written."""
-
-
-def one_line(text):
-    """A text on one line: characters that would end it, which names may have, as Python writes them."""
-    return _CONTROLS.sub(lambda found: ascii(found[0])[1:-1], str(text).strip())
 
 
 def shown(value):

@@ -52,6 +52,7 @@ def border(source, remedy="export it again"):
     SynchError
         of a reader's own, with the source in front where it names none
     """
+    cause: BaseException
     try:
         yield
     except SynchError as error:

@@ -18,12 +18,12 @@ from ..errors import SettingError
 from ..fields.clebsch import edge_integrals
 from ..geometry.grid import Grid, box_grid
 from ..memory import at_most, machine_bytes
+from ..settings.flow import VELOCITY
 from .border import array_bytes, border, check_promise
 from .openvdb import openvdb_module
 
 SUFFIXES = (".vdb", ".npz")
-# Vector attribute of a mesh, the one that Blender's own liquids have, and names of a volume's.
-VELOCITY = "velocity"
+# Names of a flow's vectors, the first of which Blender's own liquids have.
 _USUAL = (VELOCITY, "vel", "v")
 # Of a vector in single precision.
 _VOXEL_BYTES = 12

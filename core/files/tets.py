@@ -16,7 +16,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from ..errors import MeshError, SettingError
+from ..errors import SettingError
 from ..geometry.tet_mesh import TetMesh, positive
 from ..graphs import components
 from .border import TEXT_BYTES, UNREADABLE, border, check_promise, read_bytes, text_numbers, whole_numbers

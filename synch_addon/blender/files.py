@@ -187,7 +187,7 @@ def check_output(path, suffixes):
     check_writable(path)
 
 
-def export_mesh(obj, path, z_up=False):
+def export_mesh(obj, path, z_up=False, written=written_whole):
     """Write one mesh object to a file of its own, in the units of the scene.
 
     Parameters
@@ -195,6 +195,7 @@ def export_mesh(obj, path, z_up=False):
     obj : bpy.types.Object
     path : of a kind in MESH_SUFFIXES
     z_up : coordinates of the world in an .obj file too, whose usual way up is Y; the other kinds have them always
+    written : what a :func:`written_together` yields, for a file of a set
 
     Raises
     ------
@@ -206,7 +207,7 @@ def export_mesh(obj, path, z_up=False):
     arrived = partial(is_whole, vertices=len(data.vertices), faces=len(data.polygons))
     if suffix == ".obj":
         mesh = _obj_mesh(obj.name, data, matrix if z_up else _Y_UP @ matrix)
-        with written_whole(path, arrived) as made, made.open("w", encoding="ascii", newline="\n") as file:
+        with written(path, arrived) as made, made.open("w", encoding="ascii", newline="\n") as file:
             write_obj(file, mesh)
         return
     coarse = coarse_places(_places(data, matrix), read_all(data.edges, "vertices", 2))
@@ -214,7 +215,7 @@ def export_mesh(obj, path, z_up=False):
         raise SettingError(f"{path}: {coarse}, or write an .obj")
     for other in bpy.context.view_layer.objects:
         other.select_set(other == obj)
-    with written_whole(path, arrived) as made:
+    with written(path, arrived) as made:
         try:
             _EXPORTERS[suffix](filepath=str(made))
         except RuntimeError as error:

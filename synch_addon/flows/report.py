@@ -8,7 +8,6 @@ import numpy as np
 from ...core.files.json_text import NUMBER, json_text
 from ..jobs.report import counted, ending, quality
 
-
 # Of what the panel shows, by its name: what it is where it is missing, and its kind.
 VALUES = {
     "energy": (0.0, NUMBER),

@@ -6,8 +6,8 @@ from ...core.files.border import border
 from ...core.files.json_text import NUMBER, json_text, kept
 from ...core.geometry.carrier import KINDS
 from ...core.keywords import from_names
+from ...core.settings.surface import SurfaceSettings
 from ..blender.schema import FORMAT
-from ..settings.fields import Settings
 
 # Of what is kept, by its name: what it is where it is missing, and its kind.
 _VALUES = {
@@ -57,9 +57,9 @@ def kept_result(line, name):
 
 
 def kept_settings(found, name):
-    """The :class:`Settings` of what :func:`kept_result` gave; errors likewise."""
+    """The :class:`SurfaceSettings` of what :func:`kept_result` gave; errors likewise."""
     with border(f"the result that {name} keeps", "solve it again"):
-        return from_names(Settings, found["settings"])
+        return from_names(SurfaceSettings, found["settings"])
 
 
 def shown_result(line):

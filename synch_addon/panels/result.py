@@ -139,8 +139,8 @@ def draw_favourites(layout, favourites):
 def draw_figures(layout, result, held, faces):
     """Energy, bound, counts, evenness, the spacing that was used, and how many faces there are.
 
-    ``result`` is what :func:`kept_results.result_line` keeps. Where its whole report is held, the lines say in their tooltips
-    what they mean, and copy it when they are clicked.
+    ``result`` is what :func:`kept_results.result_line` keeps. Where its whole report is held, the lines say in their
+    tooltips what they mean, and copy it when they are clicked.
     """
     column = layout.column(align=True)
 

@@ -9,12 +9,10 @@ import bpy
 import numpy as np
 
 from ...core.errors import SynchError
-from ...core.keywords import from_names
 from ..blender import attributes, meshes, schema
 from ..blender.transaction import at_the_end, undone_by, whole_or_nothing
 from ..jobs.kept_results import kept_result, kept_settings
 from ..jobs.report import Report
-from ..settings.fields import Settings
 from . import job, memory
 from .read_back import is_apart, read_back
 from .write import SAME

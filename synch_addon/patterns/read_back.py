@@ -12,11 +12,11 @@ import numpy as np
 
 from ...core.errors import SynchError
 from ...core.geometry.carrier import APART
+from ...core.settings.surface import SurfaceSettings
 from ..blender import attributes, schema
 from ..jobs.kept_results import kept_result, kept_settings
-from ..settings.fields import Settings
+from ..reading.surface import gather, settings_for
 from . import memory
-from .reading import gather, settings_for
 
 
 def shown_pattern(obj):
@@ -37,7 +37,7 @@ def shown_pattern(obj):
 
 
 def read_back(obj, result, favourite=None):
-    """The Settings, SurfaceRequest, DirectionField and Pattern of attributes on the vertices.
+    """The SurfaceSettings, SurfaceRequest, DirectionField and Pattern of attributes on the vertices.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def is_apart(settings, kept):
 
     Parameters
     ----------
-    settings : Settings
+    settings : SurfaceSettings
     kept : what :func:`kept_results.result_line` keeps of the solve, as a dict
     """
     is_cut = any(row.what == "cut" for row in settings.constraints)
@@ -91,7 +91,7 @@ def is_apart(settings, kept):
 
 def _asked_along_edges(settings):
     """The settings that say how phases change along edges, without what their directions were to follow."""
-    plain = Settings()
+    plain = SurfaceSettings()
     names = ["guidance", "angle", "angle_attribute", "angle_range"]
     if settings.exact_attribute is not None:
         settings = replace(settings, singularities=1.0, pins="")

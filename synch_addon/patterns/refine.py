@@ -19,8 +19,8 @@ from ..blender.translations import said
 from ..jobs.kept_results import shown_result
 from ..jobs.report import versions
 from ..jobs.shelf import Shelf
+from ..reading.surface import LINES_ACROSS, carried_spacing, spacing_across
 from . import memory, write
-from .reading import LINES_ACROSS, carried_spacing, spacing_across
 
 # Faces that are looked at, spread over all of them.
 FACES_SEEN = 500

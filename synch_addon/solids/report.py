@@ -26,9 +26,9 @@ def layer_facts(layering):
         "layers": surfaces.count,
         "layer_faces": len(surfaces.triangles),
         "layer_areas": surfaces.areas.tolist(),
-        "spacings": plain({
-            name: getattr(spacings, name) for name in ("mean", "deviation", "thinnest", "thickest", "counted")
-        }),
+        "spacings": plain(
+            {name: getattr(spacings, name) for name in ("mean", "deviation", "thinnest", "thickest", "counted")}
+        ),
         "punctured_tetrahedra": int(pattern.tet_phases.punctured.sum()),
         "dislocation_curves": [
             {

@@ -13,14 +13,10 @@ import pytest
 
 from synch_fields.core.errors import SynchError
 from synch_fields.core.printing.machine import Machine
-from synch_fields.core.tasks.flow_settings import ClebschSettings
+from synch_fields.core.settings import BakeSettings, FlowSettings, LayerSettings, LineSettings, SurfaceSettings
+from synch_fields.core.settings.constraints import Constraint
 from synch_fields.core.tasks.layer_outputs import PathSettings
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.bakes.settings import BakeSettings
-from synch_fields.synch_addon.patterns.lines import LineSettings
-from synch_fields.synch_addon.settings.constraints import Constraint
-from synch_fields.synch_addon.settings.fields import Settings
-from synch_fields.synch_addon.solids.settings import LayerSettings
 
 from ..scenes import grid, sphere
 
@@ -64,12 +60,12 @@ def constrained(_, **given):
 
 
 WORK = {
-    "directions": (Settings, solved_on(lambda: sphere(1), "directions")),
-    "stripes": (Settings, solved_on(lambda: sphere(1), "stripes", spacing=0.7, method="spectral")),
-    "quads": (Settings, solved_on(lambda: sphere(1), "quads", spacing=0.7, method="spectral")),
-    "quad_mesh": (Settings, solved_on(lambda: sphere(1), "quad_mesh", spacing=0.7)),
+    "directions": (SurfaceSettings, solved_on(lambda: sphere(1), "directions")),
+    "stripes": (SurfaceSettings, solved_on(lambda: sphere(1), "stripes", spacing=0.7, method="spectral")),
+    "quads": (SurfaceSettings, solved_on(lambda: sphere(1), "quads", spacing=0.7, method="spectral")),
+    "quad_mesh": (SurfaceSettings, solved_on(lambda: sphere(1), "quad_mesh", spacing=0.7)),
     "layers": (LayerSettings, solved_on(lambda: sphere(1), "layers", spacing=0.7, size=0.4, method="spectral")),
-    "clebsch": (ClebschSettings, clebsch),
+    "clebsch": (FlowSettings, clebsch),
     "isolines": (LineSettings, isolines),
     "bake": (BakeSettings, solved_on(lambda: sphere(1), "bake", folder="/nowhere")),
     "machine": (Machine, toolpaths),

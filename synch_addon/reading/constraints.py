@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The constraint list: rows as plain data, from JSON, and as what the core asks along lines of the mesh."""
+"""What the constraint list asks, read from an object: edges that are cut, and rows along lines of its mesh."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import replace
 
 import numpy as np
 
-from ...core.errors import SettingError, shown
+from ...core.errors import SettingError
 from ...core.fields import Row, boundary_line, line_of_edges
 from ...core.fields.constraints.features import feature_edges, feature_row
 from ...core.fields.constraints.lines import (
@@ -15,91 +15,9 @@ from ...core.fields.constraints.lines import (
     line_of_strokes,
     line_of_vectors,
 )
-from ...core.fields.constraints.rows import KINDS
 from ...core.geometry.cut import carried_edges, cut_open
-from ...core.keywords import check_size, check_text
 from ..blender import attributes, groups
 from ..blender.strokes import read_strokes
-
-PLACES = ("boundary", "group", "seams", "sharp", "creases", "curve", "attribute")
-WISHES = (*KINDS, "cut")
-# Places that have a name; the boundary may have the name of a group that restricts it.
-_NAMED = {"group": "a vertex group", "curve": "a curve object", "attribute": "an attribute"}
-
-
-def wishes_at(where):
-    """What can be asked for at a place: only edges of the mesh can be cut, and an attribute gives no line."""
-    impossible = {"boundary": {"cut"}, "curve": {"cut"}, "attribute": {"cut", "constant"}}.get(where, ())
-    return [what for what in WISHES if what not in impossible]
-
-
-@dataclass(frozen=True)
-class Constraint:
-    """One row of the list.
-
-    Attributes
-    ----------
-    where : "boundary", "group", "seams", "sharp", "creases", "curve" or "attribute"
-    what : "along", "across" or "angle" of directions, "phase" or "constant" of stripes, or "cut": nothing is
-        carried across these edges
-    name : of the vertex group, the curve object or the attribute
-    degrees : the angle from the line, or the phase
-    weight : None for a hard wish, otherwise how strong a soft one is
-    """
-
-    where: str
-    what: str
-    name: str = ""
-    degrees: float = 0.0
-    weight: float | None = None
-
-    def __post_init__(self):
-        for value, choices in ((self.where, PLACES), (self.what, WISHES)):
-            if value not in choices:
-                raise SettingError(f"{self.label} has {value!r}: use one of {', '.join(choices)}")
-        if not isinstance(self.name, str):
-            raise SettingError(f"the name {self.name!r} in {self.where} {self.what} is no text: give a name")
-        check_text(self.name, f"the name in {self.where} {self.what}")
-        if self.where in _NAMED and not self.name:
-            raise SettingError(f"{self.label} has no name: choose {_NAMED[self.where]}")
-        for key in ("degrees", "weight"):
-            value = getattr(self, key)
-            if key == "weight" and value is None:
-                continue
-            if isinstance(value, bool) or not isinstance(value, int | float):
-                raise SettingError(f"the {key} of {self.label} is {shown(value)}: give a number")
-            check_size(value, f"the {key} of {self.label}")
-        if self.what not in wishes_at(self.where):
-            raise SettingError(f"{self.label} is impossible: use one of {', '.join(wishes_at(self.where))} there")
-        if self.what == "cut" and self.weight is not None:
-            raise SettingError(f"{self.label} has a weight: a cut can only be hard")
-
-    @property
-    def label(self):
-        """What the row is called in messages."""
-        return f"the constraint {self.where}{' ' + self.name if self.name else ''} {self.what}"
-
-
-def from_plain(rows):
-    """Constraints from a list of dicts with the attributes of :class:`Constraint` as keys, as JSON gives it."""
-    if not isinstance(rows, list | tuple):
-        raise SettingError("the constraints are no list: give a list of rows such as {'where': 'seams', 'what': 'cut'}")
-    known = [f.name for f in fields(Constraint)]
-    constraints = []
-    for number, row in enumerate(rows, start=1):
-        if isinstance(row, Constraint):
-            constraints.append(row)
-            continue
-        if not isinstance(row, dict) or not {"where", "what"} <= set(row):
-            raise SettingError(f"row {number} is {row!r}: give it a 'where' and a 'what'")
-        for key in row:
-            if key not in known:
-                raise SettingError(f"row {number} has the key {key!r}: use {', '.join(known)}")
-        try:
-            constraints.append(Constraint(**row))
-        except SettingError as error:
-            raise SettingError(f"row {number}: {error}") from None
-    return tuple(constraints)
 
 
 def cut_mesh(obj, given, constraints):

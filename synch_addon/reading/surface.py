@@ -10,15 +10,17 @@ from ...core.fields import quad_pattern
 from ...core.fields.mirror import Mirror, Seam
 from ...core.fields.patterns import check_lengths, check_spacing
 from ...core.geometry.mirror import mirrored_vertices
+from ...core.settings.pins import parse_pins
+from ...core.settings.surface import SYMMETRY_ORDERS
+from ...core.solve import Options
 from ...core.tasks.quad_meshes import smallest_sides, spacing_factor
 from ...core.tasks.surfaces import COARSE_SHARE, PATTERNS, SurfaceRequest
 from ..blender import attributes, meshes
 from ..blender.vertex_maps import read_factors, read_turns
-from ..settings import constraints
 from ..settings.constraint_list import stored_constraints
 from ..settings.fields import default_shares
-from ..settings.guidance import read_guides
-from ..settings.pins import on_triangles, parsed
+from . import constraints
+from .guides import read_guides
 
 # Automatic spacing: this many stripes or quads across the object, and at least this many edges to a period;
 # an object of few edges gets these lines all the same, with a warning.
@@ -84,7 +86,7 @@ def gather(command, obj, settings, base=None, given=None):
         command,
         given,
         settings.symmetry,
-        settings.options,
+        Options.of(settings),
         directions,
         guides,
         turn,
@@ -98,8 +100,29 @@ def gather(command, obj, settings, base=None, given=None):
         settings.branching,
         settings.faces or None,
         settings.straighten,
-        on_triangles(parsed(settings.pins), given.polygons, settings.symmetry),
+        pinned_triangles(parse_pins(settings.pins), given.polygons, settings.symmetry),
     )
+
+
+def pinned_triangles(pins, polygons, symmetry):
+    """Pairs of a triangle and an index, as :class:`DirectionWishes` takes them.
+
+    Parameters
+    ----------
+    pins : dict of turns by faces
+    polygons : Polygons
+    symmetry : "vector", "line" or "cross"
+
+    Raises
+    ------
+    SettingError
+        for a face that does not exist
+    """
+    for face in pins:
+        if not (0 <= face < len(polygons.starts) and polygons.drawn[face]):
+            raise SettingError(f"there is no face {face} to pin: clear the pins, or pin again")
+    order = SYMMETRY_ORDERS[symmetry]
+    return tuple((int(polygons.first_triangles[face]), turns / order) for face, turns in pins.items())
 
 
 def read_mirrors(given, axes):
