@@ -17,6 +17,8 @@ MOST, MOST_ROUNDS = 2**63 - 1, 10_000
 # Sizes of numbers that single precision, in which Blender and its files keep them, tells from 0 and from infinity, and
 # whose cubes and squares double precision does. Whether infinity makes sense is for each setting to say.
 LEAST_SIZE, MOST_SIZE = 1e-30, 1e30
+# Blender has no frame from here on.
+FRAMES_END = 2**20
 # Of simple fields: what is taken for them, NumPy's kinds included, and what errors ask for.
 _KINDS: dict[type, tuple[Any, str]] = {
     bool: ((bool, np.bool_), "True or False"),
@@ -72,6 +74,12 @@ def check_size(number, what):
         raise SettingError(
             f"{what} is {shown(number)}: give 0, or a number between {LEAST_SIZE:g} and {MOST_SIZE:g} in size"
         )
+
+
+def are_frames(first, last):
+    """Whether two values are a first and a last frame of Blender's, in order."""
+    whole = all(isinstance(frame, Integral) and not isinstance(frame, bool) for frame in (first, last))
+    return whole and -FRAMES_END < first <= last < FRAMES_END
 
 
 def check_text(text, what):

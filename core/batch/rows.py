@@ -10,6 +10,7 @@ from pathlib import Path
 
 from ..errors import SettingError, shown
 from ..files.declared import DeclaredFile
+from ..keywords import are_frames
 
 # Keys of a row that are not flags: the command, its positional argument, and how many frames a worker gets at once.
 _COMMAND, _INPUT, _CHUNK = "command", "input", "chunk"
@@ -111,8 +112,8 @@ def _ranges(row):
         return [row]
     row = dict(row)
     chunk, frames = row.pop(_CHUNK), row.get("frames")
-    whole = isinstance(frames, list) and len(frames) == 2 and all(type(frame) is int for frame in [*frames, chunk])
-    if not whole or chunk < 1 or frames[0] > frames[1]:
+    whole = isinstance(frames, list) and len(frames) == 2 and are_frames(*frames) and type(chunk) is int
+    if not whole or chunk < 1:
         raise SettingError(
             f'the frames are {shown(frames)}, the chunk {shown(chunk)}: write "frames": [1, 240], "chunk": 60'
         )

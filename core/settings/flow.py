@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from numbers import Integral, Real
 
 from ..errors import SettingError, shown
-from ..keywords import MOST_ROUNDS
+from ..keywords import FRAMES_END, MOST_ROUNDS, are_frames
 from .setting import SMALLEST, Choice, of_type, setting
 from .solver import SolverSettings
 
@@ -129,8 +129,11 @@ class FlowSettings(SolverSettings):
                     f"the frames are {shown(self.frames)}: give the first and the last one, whole numbers"
                 )
             first, last = self.frames
-            if first > last:
-                raise SettingError(f"the frames {first} to {last} are in the wrong order: give the first one first")
+            if not are_frames(first, last):
+                raise SettingError(
+                    f"the frames are {shown(first)} to {shown(last)}: give the first and the last, in order, "
+                    f"below {FRAMES_END:,}"
+                )
         if self.point is not None:
             if not (of_type(self.point, Real, 3) and all(map(math.isfinite, self.point)) and any(self.point)):
                 raise SettingError(

@@ -30,23 +30,26 @@ def flow_frames(source, first, last, attribute=VELOCITY):
     SettingError
         for a source without frames, and naming the first file that is missing
     """
-    numbers, module = range(first, last + 1), module_file()
+    module = module_file()
     if isinstance(source, str | Path):
-        paths = {frame: _numbered(Path(source), frame) for frame in numbers}
+        path_at = lambda frame: _numbered(Path(source), frame)  # noqa: E731
         name = _MARKS.sub("", Path(source).stem).strip("_.- ") or Path(source).stem
         read = lambda path: flow_file(path, attribute, module)  # noqa: E731
     elif isinstance(source, bpy.types.Object) and source.type == "VOLUME":
         if not source.data.is_sequence:
             raise SettingError(f"the volume {source.name} is no sequence: open its files as one, or solve it as it is")
-        paths, name = {frame: played_file(source.data, frame) for frame in numbers}, source.name
+        path_at, name = lambda frame: played_file(source.data, frame), source.name
         matrix = np.array(source.matrix_world)
         read = lambda path: VolumeFile(path, matrix, name, attribute, module)  # noqa: E731
     else:
         raise SettingError("frames are solved of numbered files and of volumes with a sequence: choose one of these")
-    for frame, path in paths.items():
+    files = []
+    for frame in range(first, last + 1):  # up to the first file that is missing, however long the range is
+        path = path_at(frame)
         if not path.is_file():
             raise SettingError(f"{path}: no such file: frame {frame} of the sequence is missing")
-    return tuple(FrameFile(frame, read(path)) for frame, path in paths.items()), name
+        files.append(FrameFile(frame, read(path)))
+    return tuple(files), name
 
 
 def _numbered(path, frame):

@@ -18,7 +18,7 @@ from ...core.fields import given_directions
 from ...core.fields.directions import DirectionField
 from ...core.fields.frames import carried_angles
 from ...core.interpolate import face_phases
-from ...core.keywords import check_choice, from_names, taken
+from ...core.keywords import are_frames, check_choice, from_names, taken
 from ...core.settings.keywords import SurfaceKeywords
 from ...core.settings.surface import SYMMETRY_ORDERS, SurfaceSettings
 from ...core.tasks.frames import FramesRequest, fresh, in_frame
@@ -37,8 +37,6 @@ from . import nodes
 
 # How strongly a pattern holds on to the frame before. Measured: jumps become slides, for up to 3 % of energy.
 HOLD = 0.1
-# Blender has no frame from here on.
-_LAST = 2**20
 
 
 @dataclass(frozen=True)
@@ -58,8 +56,7 @@ class Span:
     hold: float = HOLD
 
     def __post_init__(self):
-        whole = all(isinstance(frame, int) and abs(frame) < _LAST for frame in (self.first, self.last))
-        if not whole or self.first > self.last:
+        if not are_frames(self.first, self.last):
             raise SettingError(
                 f"the frames are {shown(self.first)} to {shown(self.last)}: give the first and the last, in order"
             )

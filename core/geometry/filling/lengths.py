@@ -10,6 +10,8 @@ from .stuffing import MOST_CUBES, estimated_bytes, estimated_tets
 
 # A solid has about so many tetrahedra where no size is given.
 AUTOMATIC_TETS = 100_000
+# And its box no more cubes than this, which take some seconds.
+AUTOMATIC_CUBES = 10_000_000
 # More than that take hours, and more memory than most machines have.
 MOST_TETS = 4_000_000
 # Measured while layers are solved, for 20 000 to 500 000 tetrahedra: 1600 to 2100.
@@ -130,7 +132,7 @@ def estimate(measures, size=None):
     measures : SurfaceDistance or :class:`Measures`
     size : scene units
     """
-    size = _size_of(measures, AUTOMATIC_TETS) if size is None else size
+    size = max(_size_of(measures, AUTOMATIC_TETS), _coarse_size(measures, AUTOMATIC_CUBES)) if size is None else size
     tets = estimated_tets(measures.volume, size, measures.area)
     return Estimate(size, tets, max(SOLVED_BYTES * tets, estimated_bytes(tets, measures.bounds, size)))
 
@@ -156,5 +158,9 @@ def _refuse_size(distance, size):
 
 def _smallest_size(distance):
     """The size that makes as many tetrahedra or cubes as there may be."""
-    cubes = np.prod(np.ptp(distance.bounds, axis=0)) / MOST_CUBES
-    return max(_size_of(distance, MOST_TETS), 1.1 * cubes ** (1 / 3))
+    return max(_size_of(distance, MOST_TETS), _coarse_size(distance, MOST_CUBES))
+
+
+def _coarse_size(measures, cubes):
+    """The size that makes about so many cubes in the surface's box, of which long bodies that lie aslant fill little."""
+    return 1.1 * float(np.prod(np.ptp(measures.bounds, axis=0)) / cubes) ** (1 / 3)

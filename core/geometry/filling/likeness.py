@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...errors import MeshError, SettingError
-from .stuffing import NothingInside, estimated_tets, stuffed
+from .stuffing import NothingInside, estimated_cubes, estimated_tets, stuffed
 
 # Share of the surface that may be farther from the solid than so many sizes, found at so many places.
 LOST_AREA, FAR, PLACES = 0.05, 1.5, 4000
@@ -19,8 +19,9 @@ LOOSE_VOLUME = 0.05
 # Holes that the solid may have and the surface has not, where a gap is closed, or lack, where one is too narrow. They
 # are told about.
 MOST_HOLES = 20
-# What is tried for a size that fits.
-FINER, MOST_TRIED = 0.7, 500_000
+# What is tried for a size that fits: the factor from one to the next, and the most tetrahedra and cubes, which take
+# some seconds each.
+FINER, MOST_TRIED, MOST_TRIED_CUBES = 0.7, 500_000, 10_000_000
 
 
 def filled_alike(distance, size):
@@ -36,13 +37,15 @@ def filled_alike(distance, size):
     SettingError
         for a size that makes another body than the surface encloses, with one that does not, where one is found
     MeshError
-        as :func:`stuffed`, and where none up to ``MOST_TRIED`` tetrahedra does
+        as :func:`stuffed`, and where none up to ``MOST_TRIED`` tetrahedra and ``MOST_TRIED_CUBES`` cubes does
     """
     solid, flaw = _filled(distance, size)
     if flaw is None:
         return solid
     finer = float(f"{FINER * size:.2g}")  # as it is written, so that what is given is what was tried
-    while (count := estimated_tets(distance.volume, finer, distance.area)) <= MOST_TRIED:
+    while (
+        count := estimated_tets(distance.volume, finer, distance.area)
+    ) <= MOST_TRIED and estimated_cubes(distance.bounds, finer) <= MOST_TRIED_CUBES:
         if _filled(distance, finer)[1] is None:
             raise SettingError(
                 f"tetrahedra of size {size:.3g} are too large: {flaw}; give a size of {finer:g}, which makes about "
@@ -50,8 +53,8 @@ def filled_alike(distance, size):
             )
         finer = float(f"{FINER * finer:.2g}")
     raise MeshError(
-        f"tetrahedra of size {size:.3g} are too large for the thin parts of the surface: {flaw}, and up to "
-        f"{MOST_TRIED:,} smaller ones would not do: thicken these parts, or give a size below {finer:g}"
+        f"tetrahedra of size {size:.3g} are too large for the thin parts of the surface: {flaw}, and sizes above "
+        f"{finer:g} would not do: thicken these parts, or give a size of {finer:g} or below"
     )
 
 

@@ -221,17 +221,18 @@ def estimated_tets(volume, size, area=0.0):
 
 def estimated_bytes(tets, bounds, size):
     """Memory at most, while so many tetrahedra are made in a box and connected, without what is solved on them."""
-    return round(BYTES_PER_TET * tets + BYTES_PER_CUBE * _cubes(bounds, size))
+    return round(BYTES_PER_TET * tets + BYTES_PER_CUBE * estimated_cubes(bounds, size))
 
 
-def _cubes(bounds, size):
+def estimated_cubes(bounds, size):
+    """Number of cubes of the lattice around a box."""
     return float(np.prod(np.ptp(np.asarray(bounds, float), axis=0) / size + 2))
 
 
 def _refuse_size(bounds, size):
     if not (np.isfinite(size) and size > 0):
         raise SettingError(f"a size of {size} makes no tetrahedra: choose a positive length")
-    cubes = _cubes(bounds, size)
+    cubes = estimated_cubes(bounds, size)
     if not cubes < MOST_CUBES:
         fitting = size * (cubes / MOST_CUBES) ** (1 / 3)
         raise SettingError(f"a size of {size:g} makes {cubes:.1e} cubes: choose one above {fitting:.2g}")

@@ -1,0 +1,132 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes far from the origin and tiny ones: solved in their own frame, written with all their digits."""
+
+import json
+
+import bpy
+import numpy as np
+import pytest
+
+from synch_fields.core.errors import MeshError, SettingError
+from synch_fields.core.files.digits import number_format
+from synch_fields.core.files.obj_files import far_centre
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender import files
+from synch_fields.synch_addon.command.main import main
+
+from .scenes import add_object, sphere
+
+FAR = np.array([512002.87, 5403003.61, 216.4])
+
+
+def ball():
+    """Vertices and faces of a sphere of radius 4 that no file has rounded, around the origin."""
+    obj = sphere(3)
+    places = 4.0 * np.array([vertex.co[:] for vertex in obj.data.vertices])
+    return places, [list(face.vertices) for face in obj.data.polygons]
+
+
+def write(path, places, faces):
+    rows = ["o far ball", *("v " + " ".join(map(repr, place)) for place in places.tolist())]
+    path.write_text("\n".join([*rows, *("f " + " ".join(str(k + 1) for k in face) for face in faces)]) + "\n")
+
+
+def rows(path, keyword):
+    lines = path.read_text().splitlines()
+    return [line.split()[1:] for line in lines if line.startswith(f"{keyword} ")]
+
+
+def places_of(path):
+    return np.array(rows(path, "v"), float)
+
+
+def test_a_mesh_far_from_the_origin_is_solved_in_its_own_frame_and_written_back(tmp_path):
+    places, faces = ball()
+    reports = []
+    for name, shift in (("near", np.zeros(3)), ("far", FAR)):
+        write(tmp_path / f"{name}.obj", places + shift, faces)
+        outputs = ["--export-mesh", str(tmp_path / f"{name}_quads.obj"), "--report", str(tmp_path / f"{name}.json")]
+        assert main(["quad_mesh", str(tmp_path / f"{name}.obj"), "--faces", "300", "--quiet", *outputs]) == 0
+        reports.append(json.loads((tmp_path / f"{name}.json").read_text()))
+    near, far = reports
+    assert near["quad_mesh"]["faces"] == far["quad_mesh"]["faces"] and far["warnings"] == near["warnings"]
+    assert near["energy"] == pytest.approx(far["energy"], rel=1e-3)
+    made = places_of(tmp_path / "far_quads.obj")
+    assert np.abs(np.linalg.norm(made - FAR, axis=1) - 4).max() < 0.1
+    assert len(np.unique(made, axis=0)) == len(made)
+
+
+def test_what_is_read_far_away_is_written_as_it_was(tmp_path):
+    places, faces = ball()
+    write(tmp_path / "ball.obj", places + FAR, faces)
+    obj = files.opened(tmp_path / "ball.obj")
+    files.export_mesh(obj, tmp_path / "again.obj")
+    assert np.abs(places_of(tmp_path / "again.obj") - (places + FAR)).max() < 2e-6
+    assert obj.name == "far ball"
+    assert far_centre(tmp_path / "ball.obj") is not None
+    write(tmp_path / "ball.obj", places + [30, 0, 0], faces)
+    assert far_centre(tmp_path / "ball.obj") is None
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+def test_obj_files_have_as_many_places_as_the_mesh(tmp_path, size):
+    places, faces = ball()
+    places = (places * size).astype(np.float32)
+    obj = add_object(places, faces)
+    files.export_mesh(obj, tmp_path / "ball.obj", z_up=True)
+    written = places_of(tmp_path / "ball.obj")
+    np.testing.assert_array_equal(written.astype(np.float32), places)
+    corners = [[int(word.split("/")[0]) - 1 for word in face] for face in rows(tmp_path / "ball.obj", "f")]
+    assert corners == faces
+
+
+def test_obj_files_carry_normals_uv_and_the_side_of_mirrored_objects(tmp_path):
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=8, ring_count=6)
+    obj = bpy.context.object
+    obj.name = "a\nb  c"
+    obj.data.shade_smooth()
+    obj.scale = (-1, 2, 1)
+    bpy.context.view_layer.update()
+    files.export_mesh(obj, tmp_path / "ball.obj")
+    assert "\no a_b_c\n" in (tmp_path / "ball.obj").read_text()
+    files.open_input(tmp_path / "ball.obj")
+    back = bpy.context.scene.objects[0].data
+    assert len(back.uv_layers) == 1 and back.has_custom_normals and all(face.use_smooth for face in back.polygons)
+    inwards = [face.normal.dot(face.center) for face in back.polygons]
+    assert min(inwards) > 0
+    assert min(corner.vector.dot(back.vertices[loop.vertex_index].co) for corner, loop in zip(
+        back.corner_normals, back.loops, strict=True
+    )) > 0
+
+
+def test_single_precision_that_has_destroyed_a_shape_is_named():
+    places, faces = ball()
+    obj = add_object(places / 8 + FAR, faces)
+    line = r"coordinates of 5.4e\+06 leave steps of 0.5 between neighbours in single precision: move the object's"
+    with pytest.raises(MeshError, match=line):
+        api.stripes(obj)
+
+
+def test_single_precision_that_is_seen_is_told(tmp_path):
+    places, faces = ball()
+    obj = add_object(places * 8 + FAR, faces)
+    report = api.stripes(obj, method="spectral")
+    assert any("leave steps of 0.5" in line for line in report["warnings"])
+    for suffix in (".stl", ".ply"):
+        with pytest.raises(SettingError, match="leave steps of 0.5 .*, or write an .obj"):
+            files.export_mesh(obj, tmp_path / f"ball{suffix}")
+
+
+def test_numbers_have_nine_digits_of_the_extent():
+    assert number_format(np.array([[0, 0, 0], [1e-6, 0, 0]])) == "%.9g"
+    assert number_format(np.array([[5e6, 0, 0], [5e6 + 8, 0, 0]])) == "%.15g"
+    assert number_format(np.empty((0, 3))) == "%.9g"
+
+
+def test_names_with_line_ends_stay_in_one_line(tmp_path):
+    obj = add_object(np.zeros((3, 3)), [[0, 1, 2]])
+    obj.name = "two\nlines\x1b[2J"
+    with pytest.raises(Exception, match=r"two\\nlines\\x1b\[2J") as caught:
+        api.vary(obj, 1)
+    assert "\n" not in str(caught.value)
