@@ -1,8 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""An environment that works is left as it is, and what is missing in one is installed alone."""
+"""A bare machine gets an environment, or one line that says what it lacks; one that works is left as it is."""
 
+import ast
 import importlib.util
+import re
 import subprocess
 import sys
 from importlib import metadata
@@ -14,12 +16,18 @@ ROOT = Path(__file__).resolve().parents[1]
 EXTRAS = "blender", "test", "lint"
 
 
-@pytest.fixture
-def tool(tmp_path, monkeypatch):
-    """tools/environment.py as a module, for a checkout elsewhere, with what it would have pip do."""
-    spec = importlib.util.spec_from_file_location("environment", ROOT / "tools" / "environment.py")
+def loaded(name):
+    """A script of tools/ as a module."""
+    spec = importlib.util.spec_from_file_location(name, ROOT / "tools" / f"{name}.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture
+def tool(tmp_path, monkeypatch):
+    """tools/requirements.py as a module, for a checkout elsewhere, with what it would have pip do."""
+    module = loaded("requirements")
     (tmp_path / "pyproject.toml").write_bytes((ROOT / "pyproject.toml").read_bytes())
     monkeypatch.setattr(module, "ROOT", tmp_path)
     module.asked = []
@@ -85,3 +93,156 @@ def test_a_checkout_that_was_moved_is_found_again(tool, tmp_path):
     place.symlink_to(tmp_path / "gone")
     tool.link()
     assert place.resolve() == tmp_path.resolve()
+
+
+# Of Debian 12 and 13.
+ALL_PACKAGES = "libx11-6 libxext6 libxrender1 libxfixes3 libxi6 libxkbcommon0 libsm6 libice6 libgl1"
+
+
+@pytest.fixture
+def bare(monkeypatch, tmp_path):
+    """tools/environment.py on a machine without apt-get, Pythons and libraries; ``calls`` are what it would run."""
+    module = loaded("environment")
+    module.calls = []
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(module, "loads", lambda library: False)
+    monkeypatch.setattr(module, "answer", lambda command, program: "")
+    monkeypatch.setattr(module.sys, "platform", "linux")
+    monkeypatch.setattr(module.subprocess, "call", lambda command, **_settings: module.calls.append(command) or 0)
+    return module
+
+
+def provide_apt_get(folder):
+    (folder / "apt-get").write_text("#!/bin/sh\n")
+    (folder / "apt-get").chmod(0o755)
+
+
+def line_of(capsys):
+    """The one line that an error prints."""
+    (line,) = capsys.readouterr().err.splitlines()
+    return line
+
+
+def test_missing_libraries_are_named_before_anything_is_made(bare, capsys, tmp_path, monkeypatch):
+    assert bare.main(["--venv", str(tmp_path / "venv"), "blender"]) == 1
+    assert "install the packages of libX11.so.6, libXext.so.6" in line_of(capsys)
+    provide_apt_get(tmp_path)
+    monkeypatch.setattr(bare.os, "geteuid", lambda: 1000, raising=False)
+    assert bare.main(["--venv", str(tmp_path / "venv"), "bpy==4.5.15"]) == 1
+    assert line_of(capsys).endswith(f"run: sudo apt-get install -y {ALL_PACKAGES}")
+    assert not bare.calls and not (tmp_path / "venv").exists()
+
+
+def test_root_installs_what_is_missing_and_nothing_else(bare, tmp_path, monkeypatch):
+    provide_apt_get(tmp_path)
+    there = {"libX11.so.6", "libXext.so.6", "libXi.so.6", "libSM.so.6", "libICE.so.6", "libGL.so.1"}
+    monkeypatch.setattr(bare, "loads", lambda library: library in there)
+    monkeypatch.setattr(bare.os, "geteuid", lambda: 0, raising=False)
+    with pytest.raises(bare.SetupError, match="could not install libxrender1 libxfixes3 libxkbcommon0"):
+        bare.provide_libraries()
+    assert [command[2] for command in bare.calls] == ["update", "install"]
+    assert bare.calls[1][-3:] == ["libxrender1", "libxfixes3", "libxkbcommon0"]
+    monkeypatch.setattr(bare, "apt_get", lambda *_arguments: there.update(bare.LIBRARIES) or 0)
+    bare.provide_libraries()
+    assert not bare.missing_libraries()
+
+
+def test_an_environment_without_blender_needs_no_libraries(bare, capsys, tmp_path):
+    assert bare.main(["--venv", str(tmp_path / "venv"), "--only", "docs"]) == 1
+    assert "no Python runs" in line_of(capsys)
+
+
+def answers(tool, pythons):
+    """What Pythons of these names answer, "VERSION without venv" being one that makes no environments."""
+
+    def answer(command, program):
+        version, _, lacks = pythons.get(" ".join(command), "").partition(" ")
+        return "" if lacks and program == tool.WITH_VENV else version
+
+    return answer
+
+
+@pytest.mark.parametrize(
+    "pythons, named, said",
+    [
+        ({}, None, "Python 3.13 or 3.11 is needed.*no Python runs: install one, or name it"),
+        ({"python3": "3.12"}, None, "Python 3.13 or 3.11 is needed.*only 3.12 runs"),
+        ({"python3": "3.13"}, "python3.99", "python3.99 does not run"),
+        (
+            {"python3.13": "3.13 without venv"},
+            None,
+            "Python 3.13 lacks its modules venv.*python3.13-venv",
+        ),
+    ],
+)
+def test_a_line_says_which_python_is_missing(bare, pythons, named, said, monkeypatch):
+    monkeypatch.setattr(bare, "answer", answers(bare, pythons))
+    with pytest.raises(bare.SetupError, match=said):
+        bare.find_python(["3.13", "3.11"], named)
+
+
+def test_the_best_python_that_can_make_environments_is_found(bare, monkeypatch):
+    pythons = {"python3.13": "3.13 without venv", "python3.11": "3.11", "python3": "3.11"}
+    monkeypatch.setattr(bare, "answer", answers(bare, pythons))
+    assert bare.find_python(["3.13", "3.11"]) == ["python3.11"]
+    monkeypatch.setattr(bare, "answer", answers(bare, pythons | {"python3": "3.13"}))
+    assert bare.find_python(["3.13", "3.11"]) == ["python3"]
+    assert bare.find_python(["3.11"], "python3.11") == ["python3.11"]
+
+
+def test_an_environment_of_another_python_is_kept_and_named(bare, capsys, tmp_path, monkeypatch):
+    python = str(bare.python_of(tmp_path))
+    monkeypatch.setattr(bare, "answer", answers(bare, {python: "3.11"}))
+    assert bare.main(["--venv", str(tmp_path), "--versions", "3.13"]) == 1
+    assert line_of(capsys).endswith("has Python 3.11 instead of 3.13: remove it or name another")
+    assert bare.main(["--venv", str(tmp_path), "test"]) == 0
+    assert bare.calls == [[python, str(ROOT / "tools" / "requirements.py"), "test"]]
+
+
+# Part of every Linux that runs Python.
+EVERYWHERE = re.compile(r"ld-linux|linux-vdso|lib(c|m|dl|rt|util|pthread|gcc_s|stdc\+\+)\.so")
+
+
+def libraries_of(path):
+    """Paths by names of the system's libraries that a file links to, and these to others."""
+    output = subprocess.run(["ldd", path], capture_output=True, text=True, check=True).stdout
+    found = re.findall(r"^\s*(\S+) => (\S+)", output, re.MULTILINE)
+    return {name: place for name, place in found if "/bpy/" not in place and not EVERYWHERE.match(name)}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere Blender's module needs no libraries of the system")
+def test_the_libraries_are_those_that_blender_links_to():
+    """Each in the list is needed, and what else is needed comes with one in the list."""
+    needed = libraries_of(importlib.util.find_spec("bpy").origin)
+    listed = loaded("environment").LIBRARIES.keys()
+    assert listed <= needed.keys()
+    assert needed.keys() == set(listed).union(*(libraries_of(needed[name]) for name in listed))
+
+
+def test_a_target_runs_its_programs_until_one_fails(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "tools")
+    make = loaded("make")
+    statuses, ran = [0, 0, 3], []
+    monkeypatch.setattr(make.environment, "complete", lambda options, names: ran.append(names) or 0)
+    monkeypatch.setattr(
+        make.subprocess, "call", lambda command, **_settings: ran.append(command[1:]) or statuses.pop(0)
+    )
+    assert make.main(["test", "tests/core", "-x", "--blender", "5.0.1"]) == 0
+    assert make.main(["lint"]) == 3
+    assert ran[0] == ["blender", "test", "lint", "bpy==5.0.1"]
+    assert ran[1] == ["-m", "pytest", "-m", "not slow", "tests/core", "-x"]
+    assert [command[1] for command in ran[3:]] == ["ruff", "ruff"]
+    statuses.append(1)
+    assert make.main(["demo"]) == 1 and not statuses
+
+
+def test_make_calls_the_script_for_each_of_its_targets(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT / "tools")
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    called = re.findall(r"^([\w -]+):\n\t@\$\(make\) \$@", makefile, re.MULTILINE)
+    assert set(" ".join(called).split()) == loaded("make").TARGETS.keys()
+
+
+@pytest.mark.parametrize("name", ["environment", "make"])
+def test_scripts_that_any_python_starts_have_its_syntax(name):
+    ast.parse((ROOT / "tools" / f"{name}.py").read_text(encoding="utf-8"), feature_version=(3, 8))
