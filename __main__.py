@@ -7,6 +7,7 @@ import shutil
 import signal
 import sys
 from contextlib import suppress
+from importlib.util import find_spec
 
 try:
     import resource
@@ -26,7 +27,7 @@ def run():
     heard = []
     signal.signal(signal.SIGINT, lambda *_: heard.append(True))
     _open_what_is_closed()
-    if not _has_space():
+    if not _has_blender() or not _has_space():
         return 1
     from . import register, unregister
     from .synch_addon.command.main import INTERRUPTED, main
@@ -52,6 +53,14 @@ def _leave(status):
         with suppress(OSError, ValueError):
             stream.flush()
     os._exit(status)
+
+
+def _has_blender():
+    """Whether Blender's module is installed; a line says how to install it where it is not."""
+    if find_spec("bpy") is not None:
+        return True
+    print('synch: Blender is missing: pip install "synch_fields[blender]", on Python 3.11 or 3.13', file=sys.stderr)
+    return False
 
 
 def _has_space():

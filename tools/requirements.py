@@ -26,12 +26,14 @@ ENOUGH = {"bpy": SpecifierSet(">=4.5")}
 
 
 def main(arguments: list[str]) -> int:
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    read = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    project = read["project"]
+    lists = project["optional-dependencies"] | read["dependency-groups"]
     chosen = {Requirement(text).name: text for text in arguments if "=" in text}
     is_alone = "--only" in arguments
     wanted = [] if is_alone else [*project["dependencies"]]
-    for extra in arguments:
-        wanted += project["optional-dependencies"].get(extra, [])
+    for name in arguments:
+        wanted += lists.get(name, [])
     wanted = [text for text in wanted if Requirement(text).name not in chosen]
     link()
     lacking = [*missing(wanted, ENOUGH), *missing(chosen.values(), {})]

@@ -5,15 +5,14 @@ import json
 import math
 import platform
 import time
-import tomllib
 from copy import copy
 from dataclasses import asdict, replace
-from pathlib import Path
 
 import bpy
 import numpy as np
 import scipy
 
+from ... import __version__
 from ...core.errors import name_elements, plural
 from ...core.memory import peak_megabytes
 from ...core.solve.solution import Clock
@@ -21,9 +20,6 @@ from ..blender.meshes import measured_key
 from ..blender.modifiers import changing_modifiers
 from ..blender.schema import FORMAT
 from ..settings.fields import default_shares
-
-_MANIFEST = Path(__file__).parents[2] / "blender_manifest.toml"
-VERSION = tomllib.loads(_MANIFEST.read_text(encoding="utf-8"))["version"]
 
 
 class Report:
@@ -204,7 +200,7 @@ def quality(solution):
 def versions():
     """Versions of everything that a result may depend on."""
     return {
-        "synch_fields": VERSION,
+        "synch_fields": __version__,
         "blender": bpy.app.version_string,
         "python": platform.python_version(),
         "numpy": np.__version__,
