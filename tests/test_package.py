@@ -19,6 +19,14 @@ ROOT = Path(__file__).resolve().parents[1]
 PARTS = "core", "synch_addon", "examples"
 EXAMPLES = sorted(path.stem for path in (ROOT / "examples").glob("[a-z]*.py") if path.stem != "shapes")
 
+BUILD = """
+import sys
+from pathlib import Path
+from package import python_packages
+
+python_packages(Path(sys.argv[1]))
+"""
+
 SOLVE = """
 import sys
 from pathlib import Path
@@ -118,10 +126,7 @@ def pip(*arguments):
 def packages(tmp_path_factory):
     """The sdist and the wheel that a release has, the wheel built from the sdist."""
     folder = tmp_path_factory.mktemp("packages")
-    code = (
-        "import sys; from pathlib import Path; from package import python_packages; python_packages(Path(sys.argv[1]))"
-    )
-    run(sys.executable, "-c", code, folder, cwd=ROOT / "tools")
+    run(sys.executable, "-c", BUILD, folder, cwd=ROOT / "tools")
     return folder
 
 
@@ -183,10 +188,7 @@ def test_pictures_and_links_of_the_readme_are_absolute_in_the_package(wheel):
 
 
 def test_the_package_is_the_same_to_the_last_byte_again(packages, tmp_path):
-    code = (
-        "import sys; from pathlib import Path; from package import python_packages; python_packages(Path(sys.argv[1]))"
-    )
-    run(sys.executable, "-c", code, tmp_path, cwd=ROOT / "tools")
+    run(sys.executable, "-c", BUILD, tmp_path, cwd=ROOT / "tools")
     for path in packages.iterdir():
         assert path.read_bytes() == (tmp_path / path.name).read_bytes(), path.name
 
