@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-slow fuzz ui-test ui-pictures lint extension package install-test matrix docs library bench bench-solver pictures paper thumbnails environment clean
+.PHONY: help demo test test-slow fuzz ui-test ui-pictures lint extension package install-test matrix docs library bench bench-solver pictures paper thumbnails environment lock latest clean
 
 VENV ?= .venv
 # The Pythons that may be used, in order of preference; those that Blender has a module for where it is empty.
@@ -12,6 +12,7 @@ PYTHON ?=
 # The Blenders that are tested as modules, and the Python that each has a wheel for.
 BLENDERS ?= 4.5.15 5.0.1 5.2.3
 python_of = $(if $(filter 4.% 5.0.%,$(1)),3.11,3.13)
+each_python = $(addprefix $(1),$(sort $(foreach b,$(BLENDERS),$(call python_of,$(b)))))
 # Where the real meshes lie (spot, fertility, stanford-bunny ... from public collections); tests do without.
 MESHES ?= ../shared/meshes
 
@@ -35,7 +36,7 @@ help:
 	@echo 'make ui-pictures  the same, and its pictures into docs/'
 	@echo 'make lint         ruff (rules and format) and mypy'
 	@echo 'make extension    the zip for Blender in out/; WHEELS=1 bundles SciPy, one zip for each platform'
-	@echo 'make package      all of a release in out/package: zips of all platforms, a repository of extensions, the wheel of core'
+	@echo 'make package      all of a release in out/package: zips of all platforms, a repository of extensions, the package of Python'
 	@echo 'make install-test the release into fresh Blenders: enable, use, disable, uninstall; SYNCH_BLENDER=command for a real one'
 	@echo 'make matrix       all tests on each Blender: $(BLENDERS); deprecation warnings are failures'
 	@echo 'make docs         the manual as a site in out/site, by MkDocs in an environment of its own; strict: a dead link is an error'
@@ -46,6 +47,8 @@ help:
 	@echo 'make paper        what is missing of the paper reproduced, docs/paper, in about an hour; MESHES=folder holds the meshes'
 	@echo 'make thumbnails   those that the extension ships'
 	@echo 'make environment  $(VENV) with Blender as a Python module; the other targets make it on demand'
+	@echo 'make latest       the tests with the newest versions of all that is installed, on each Python'
+	@echo 'make lock         requirements/: the versions that environments get, from the newest that work together'
 	@echo 'make clean        remove outputs and caches, keep the environment'
 	@echo 'Settings: PYTHON=path/to/python3.13, VENV=folder'
 
@@ -69,6 +72,20 @@ ui-test: environment
 
 ui-pictures: ui-test
 	cp out/ui/simple.png out/ui/panel.png out/ui/progress.png out/ui/click_2.png out/ui/click_4.png out/ui/click_5.png docs/
+
+# Written from environments with the newest versions, to be tested before they are committed.
+lock: $(call each_python,lock-)
+
+lock-%:
+	rm -rf out/lock-$*
+	$(start) tools/environment.py --venv out/lock-$* --versions $* --latest blender batch test docs lint package
+	out/lock-$*/bin/python tools/requirements.py --lock
+	rm -rf out/lock-$*
+
+latest: $(call each_python,latest-)
+
+latest-%:
+	$(make) test --venv .venv-latest-$* --versions $* --latest
 
 extension:
 	@$(make) $@ $(settings) $(if $(WHEELS),--wheels)

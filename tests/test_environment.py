@@ -7,13 +7,16 @@ import importlib.util
 import re
 import subprocess
 import sys
+import tomllib
 from importlib import metadata
+from itertools import chain
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 EXTRAS = "blender", "test", "lint"
+LOCKED = "--constraint", str(ROOT / "requirements" / "python{}.{}.txt".format(*sys.version_info))
 
 
 def loaded(name):
@@ -56,25 +59,46 @@ def test_an_environment_that_works_is_left_as_it_is(tool, monkeypatch):
 @pytest.mark.parametrize("there, asked", [(None, "scipy>=1.17"), ("1.16.0", "scipy>=1.17")])
 def test_what_is_missing_or_too_old_is_installed_alone(tool, monkeypatch, there, asked):
     has(monkeypatch, synch_fields="0.0.1", scipy=there)
-    assert tool.main(("test",)) == 0 and tool.asked == [("install", asked)]
+    assert tool.main(("test",)) == 0 and tool.asked == [("install", *LOCKED, asked)]
 
 
 def test_the_program_is_installed_where_there_is_none(tool, monkeypatch):
     has(monkeypatch, synch_fields=None, scipy="1.16.0")
     assert tool.main(EXTRAS) == 0
-    assert tool.asked == [("install", "scipy>=1.17", "--editable", str(tool.ROOT))]
+    assert tool.asked == [("install", *LOCKED, "scipy>=1.17", "--editable", str(tool.ROOT))]
 
 
 def test_the_manual_needs_nothing_else(tool, monkeypatch):
     has(monkeypatch, synch_fields=None, scipy=None, mkdocs=None, **{"mkdocs-material": "9.8.1"})
-    assert tool.main(["--only", "docs"]) == 0 and tool.asked == [("install", "mkdocs==1.6.1")]
+    assert tool.main(["--only", "docs"]) == 0 and tool.asked == [("install", *LOCKED, "mkdocs==1.6.1")]
 
 
 def test_another_blender_than_the_pinned_one_is_chosen_by_its_version(tool, monkeypatch):
     has(monkeypatch, synch_fields="0.0.1", bpy="4.5.15")
     for _ in range(2):
-        assert tool.main((*EXTRAS, "bpy==5.0.1")) == 0 and tool.asked == [("install", "bpy==5.0.1")]
+        assert tool.main((*EXTRAS, "bpy==5.0.1")) == 0 and tool.asked == [("install", *LOCKED, "bpy==5.0.1")]
         has(monkeypatch, synch_fields="0.0.1", bpy="5.0.1")
+
+
+def test_the_newest_versions_are_installed_where_they_are_asked_for(tool, monkeypatch):
+    has(monkeypatch, synch_fields="0.0.1", bpy="5.0.1")
+    assert tool.main(("--latest", "lint")) == 0
+    (asked,) = tool.asked
+    assert asked[:4] == ("install", "--upgrade", "--upgrade-strategy", "eager")
+    assert asked[4:] == ("numpy>=1.26.4", "scipy>=1.17", "threadpoolctl>=3.5", "ruff==0.17.*", "mypy==2.4.*")
+
+
+def test_the_versions_in_the_lock_are_those_that_the_project_accepts(tool):
+    """On both Pythons, for whatever an environment of the project or of its manual gets."""
+    read = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    groups = [*read["dependency-groups"].values(), read["project"]["dependencies"]]
+    for version in loaded("environment").VERSIONS:
+        text = (ROOT / "requirements" / f"python{version}.txt").read_text(encoding="utf-8")
+        locked = dict(re.findall(r"^([\w.-]+)==(.+)$", text, re.MULTILINE))
+        locked = {name.lower().replace("_", "-"): found for name, found in locked.items()}
+        assert "bpy" not in locked
+        for requirement in map(tool.Requirement, chain.from_iterable(groups)):
+            assert requirement.specifier.contains(locked[requirement.name.lower()]), requirement
 
 
 def test_the_code_that_runs_is_that_of_the_checkout(tool, tmp_path):
@@ -229,7 +253,7 @@ def test_a_target_runs_its_programs_until_one_fails(monkeypatch):
     )
     assert make.main(["test", "tests/core", "-x", "--blender", "5.0.1"]) == 0
     assert make.main(["lint"]) == 3
-    assert ran[0] == ["blender", "test", "lint", "bpy==5.0.1"]
+    assert ran[0] == ["blender", "test", "lint", "package", "bpy==5.0.1"]
     assert ran[1] == ["-m", "pytest", "-m", "not slow", "tests/core", "-x"]
     assert [command[1] for command in ran[3:]] == ["ruff", "ruff"]
     statuses.append(1)

@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Make the environment of a checkout, or complete it, on a machine that has a Python and nothing else.
 
-    python3 tools/environment.py [--venv .venv] [--versions "3.13 3.11"] [--python PATH] [--only] NAME ...
+    python3 tools/environment.py [--venv .venv] [--versions "3.13 3.11"] [--python PATH] [--latest] [--only] NAME ...
 
 A NAME is an extra or a dependency group of pyproject.toml, or a requirement such as bpy==5.2.3. With --only, neither
-the program nor its own dependencies are installed. This script runs on any Python 3.8 or later; it looks for one that
-Blender has a module for, and for the libraries which that links to, before anything is downloaded.
+the program nor its own dependencies are installed; with --latest, the newest versions instead of those that
+requirements/ lists. This script runs on any Python 3.8 or later. It looks for one that Blender has a module for, and for
+the libraries which that links to, before anything is downloaded.
 """
 
 from __future__ import annotations
@@ -58,6 +59,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--venv", type=lambda text: Path(text).absolute(), default=ROOT / ".venv", metavar="DIR")
     parser.add_argument("--versions", default=" ".join(VERSIONS), help="accepted Pythons, the best first")
     parser.add_argument("--python", metavar="PATH", help="the Python to use, instead of the first that is found")
+    parser.add_argument("--latest", action="store_true", help="the newest versions, instead of those in requirements/")
 
 
 def complete(options: argparse.Namespace, names: list[str]) -> int:
@@ -69,7 +71,8 @@ def complete(options: argparse.Namespace, names: list[str]) -> int:
     except SetupError as error:
         print(f"environment: {error}", file=sys.stderr)
         return 1
-    return subprocess.call([str(executable), str(ROOT / "tools" / "requirements.py"), *names])
+    latest = ["--latest"] if options.latest else []
+    return subprocess.call([str(executable), str(ROOT / "tools" / "requirements.py"), *latest, *names])
 
 
 def provide_python(folder: Path, versions: list[str], named: str | None) -> Path:

@@ -28,7 +28,7 @@ TARGETS = {
     "lint": [["-m", "ruff", "check"], ["-m", "ruff", "format", "--check"], ["-m", "mypy", "core"]],
     "extension": [["tools/extension.py"]],
 }
-NAMES = ["blender", "test", "lint"]
+NAMES = ["blender", "test", "lint", "package"]
 
 
 def main(arguments: list[str]) -> int:
