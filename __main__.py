@@ -3,10 +3,9 @@
 """The command line: python -m synch_fields."""
 
 import os
-import shutil
 import signal
 import sys
-from contextlib import suppress
+import traceback
 from importlib.util import find_spec
 
 try:
@@ -20,39 +19,29 @@ LEAST_SPACE = 1.75 * 2**30
 
 
 def run():
-    """The exit status of the command line.
+    """Run the command line and end this process.
 
-    While Blender is imported an interrupt is only noted: what it raises there may be lost, or end in a crash.
+    While Blender is imported a signal is only noted: what it raises there may be lost, or end in a crash.
     """
     heard = []
-    signal.signal(signal.SIGINT, lambda *_: heard.append(True))
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda number, _frame: heard.append(number))
     _open_what_is_closed()
     if not _has_blender() or not _has_space():
-        return 1
-    from . import register, unregister
-    from .synch_addon.command.main import INTERRUPTED, main
+        sys.exit(1)
+    from . import register
+    from .synch_addon.command.interrupts import told_signal
+    from .synch_addon.command.main import main
+    from .synch_addon.command.process_exit import leave
 
-    register()  # a .blend keeps the object's constraints in properties of ours
+    status = 1
     try:
-        if heard:
-            print("synch: interrupted", file=sys.stderr)
-        status = INTERRUPTED if heard else main(sys.argv[1:])
+        register()  # a .blend keeps the object's constraints in properties of ours
+        status = told_signal("synch", heard[0]) if heard else main(sys.argv[1:])
+    except Exception:  # a fault of ours
+        traceback.print_exc()
     finally:
-        unregister()  # Blender 4.5 crashes at its exit where classes are left
-    if status == INTERRUPTED:
-        _leave(status)
-    return status
-
-
-def _leave(status):
-    """End at once: Blender's own exit may abort while threads of what was interrupted still run."""
-    import bpy
-
-    shutil.rmtree(bpy.app.tempdir, ignore_errors=True)
-    for stream in filter(None, (sys.stdout, sys.stderr)):
-        with suppress(OSError, ValueError):
-            stream.flush()
-    os._exit(status)
+        leave(status)
 
 
 def _has_blender():
@@ -85,4 +74,4 @@ def _open_what_is_closed():
             os.open(os.devnull, os.O_RDWR)
 
 
-sys.exit(run())
+run()

@@ -19,9 +19,9 @@ import bpy
 import synch_fields
 from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.parcels import packed
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon.jobs.worker import Worker
 from synch_fields.synch_addon.patterns.job import FieldJob
-from synch_fields.synch_addon.settings.fields import Settings
 
 _TICK = 0.01
 COLUMNS = (
@@ -110,7 +110,7 @@ def _request(vertices):
     bpy.ops.wm.read_homefile(use_empty=True)
     subdivisions = round((len(bin((vertices - 2) // 10)) - 3) / 2) + 1
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=subdivisions)
-    return FieldJob("stripes", bpy.context.object, Settings(spacing=0.1)).request
+    return FieldJob("stripes", bpy.context.object, SurfaceSettings(spacing=0.1)).request
 
 
 def _size(parts):

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What can go wrong, in one line that names the element and the remedy."""
 
+import unicodedata
+
 import numpy as np
 
 # Characters of a value that errors show.
@@ -12,13 +14,27 @@ class SynchError(Exception):
 
     Parameters
     ----------
-    text : one line
+    text : one line; ends of lines in names that it quotes are escaped
     vertices : (k,) those of the mesh that the text names, where it names any; kept ascending, each once
+
+    Attributes
+    ----------
+    source : the file or the data that the text names, where it comes from a reader; else ""
     """
 
+    source = ""
+
     def __init__(self, text, vertices=()):
-        super().__init__(text)
+        super().__init__(one_line(text))
         self.vertices = np.unique(np.asarray(vertices, int))
+
+
+def one_line(text):
+    """A text in one line that every stream takes: control characters and halves of characters are escaped."""
+    text = str(text).strip()
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or unicodedata.category(c) == "Zs" else ascii(c)[1:-1] for c in text)
 
 
 class MeshError(SynchError):
@@ -27,6 +43,10 @@ class MeshError(SynchError):
 
 class SettingError(SynchError):
     """A setting is out of range or contradicts another."""
+
+
+class WriteError(SettingError):
+    """A file cannot be written; what was there before is as it was."""
 
 
 class ContradictionError(SettingError):

@@ -14,6 +14,9 @@ from .errors import SettingError, shown
 
 # The largest whole number that files and Blender keep, and how often anything is smoothed.
 MOST, MOST_ROUNDS = 2**63 - 1, 10_000
+# Sizes of numbers that single precision, in which Blender and its files keep them, tells from 0 and from infinity, and
+# whose cubes and squares double precision does. Whether infinity makes sense is for each setting to say.
+LEAST_SIZE, MOST_SIZE = 1e-30, 1e30
 # Of simple fields: what is taken for them, NumPy's kinds included, and what errors ask for.
 _KINDS: dict[type, tuple[Any, str]] = {
     bool: ((bool, np.bool_), "True or False"),
@@ -46,16 +49,29 @@ def taken(name, hint, value):
         return value
     for kind in kinds:
         if isinstance(value, _KINDS[kind][0]) and (kind is bool or not isinstance(value, bool | np.bool_)):
-            return check_text(value, f"the {_label(name)}") if kind is str else _converted(name, kind, value)
+            return check_text(value, f"the {label_of(name)}") if kind is str else _converted(name, kind, value)
     asked = " or ".join(_KINDS[kind][1] for kind in kinds)
-    raise SettingError(f"the {_label(name)} is {shown(value)}: give {asked}")
+    raise SettingError(f"the {label_of(name)} is {shown(value)}: give {asked}")
 
 
 def _converted(name, kind, value):
     try:
-        return kind(value)
+        number = kind(value)
     except OverflowError:
-        raise SettingError(f"the {_label(name)} is {shown(value)}: give a smaller number") from None
+        raise SettingError(f"the {label_of(name)} is {shown(value)}: give a smaller number") from None
+    if kind is float and abs(number) != math.inf:
+        check_size(number, f"the {label_of(name)}")
+    return number
+
+
+def check_size(number, what):
+    """Refuse a number that is not finite, or whose size is not 0 and not between the least and the most."""
+    if not math.isfinite(number):
+        raise SettingError(f"{what} is {shown(number)}: give a finite number")
+    if number != 0 and not LEAST_SIZE <= abs(number) <= MOST_SIZE:
+        raise SettingError(
+            f"{what} is {shown(number)}: give 0, or a number between {LEAST_SIZE:g} and {MOST_SIZE:g} in size"
+        )
 
 
 def check_text(text, what):
@@ -80,7 +96,7 @@ def check_choice(settings, name, choices):
     """Refuse a value that is none of the choices."""
     value = getattr(settings, name)
     if value not in choices:
-        raise SettingError(f"the {_label(name)} {shown(value)} is unknown: use one of {', '.join(choices)}")
+        raise SettingError(f"the {label_of(name)} {shown(value)} is unknown: use one of {', '.join(choices)}")
 
 
 def check_whole(settings, *names, most=MOST):
@@ -89,7 +105,7 @@ def check_whole(settings, *names, most=MOST):
         value = getattr(settings, name)
         if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value <= most:
             upwards = "on" if most == MOST else f"to {most}"
-            raise SettingError(f"the {_label(name)} is {shown(value)}: give a whole number from 0 {upwards}")
+            raise SettingError(f"the {label_of(name)} is {shown(value)}: give a whole number from 0 {upwards}")
 
 
 def check_positive(settings, *names, optional=()):
@@ -97,8 +113,9 @@ def check_positive(settings, *names, optional=()):
     for name in (*names, *(name for name in optional if getattr(settings, name) is not None)):
         value = getattr(settings, name)
         if not isinstance(value, int | float) or not 0 < value < math.inf:
-            raise SettingError(f"the {_label(name)} is {shown(value)}: give a positive number")
+            raise SettingError(f"the {label_of(name)} is {shown(value)}: give a positive number")
 
 
-def _label(name):
+def label_of(name):
+    """A setting's name as messages write it."""
     return name.replace("_", " ")

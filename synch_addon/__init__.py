@@ -4,6 +4,10 @@
 Packages are rooms on floors: each imports from those below it only (docs/architecture.md).
 """
 
+import atexit
+
+import bpy
+
 from . import operators, panels
 from .blender import changes, translations
 from .command import main
@@ -38,8 +42,11 @@ _MODULES = (
 def register():
     for module in _MODULES:
         module.register()
+    if bpy.app.module:
+        atexit.register(unregister)  # Blender as a module crashes at its exit where classes are left
 
 
 def unregister():
+    atexit.unregister(unregister)
     for module in reversed(_MODULES):
         module.unregister()

@@ -7,14 +7,18 @@ scene as it was. All return the report that the command line writes as JSON.
 
 from dataclasses import replace
 from numbers import Integral
+from typing import Unpack
 
 from ..core.errors import SettingError, SynchError, shown
-from ..core.fields.directions import SYMMETRIES
 from ..core.fields.placement import check_vertices, variation, with_defects
 from ..core.keywords import from_names, taken
+from ..core.settings.bake import BakeSettings
+from ..core.settings.keywords import BakeKeywords, LayerKeywords, LineKeywords, SurfaceKeywords
+from ..core.settings.layers import LayerSettings
+from ..core.settings.lines import LineSettings
+from ..core.settings.surface import SYMMETRY_ORDERS, SurfaceSettings
 from ..core.tasks.surfaces import SurfaceResult
 from .bakes.job import BakeJob
-from .bakes.settings import BakeSettings
 from .blender import field_files, meshes
 from .blender.objects import Selection
 from .blender.transaction import whole_or_nothing
@@ -33,25 +37,23 @@ from .patterns.numbers import number_stripes as number_stripes
 from .patterns.read_back import shown_pattern
 from .patterns.refine import refine as refine
 from .patterns.relief import add_relief
-from .settings.fields import Settings
 from .solids.job import LayerJob
 from .solids.outputs import layer_export as layer_export
 from .solids.outputs import layer_toolpaths as layer_toolpaths
 from .solids.outputs import layer_volume as layer_volume
-from .solids.settings import LayerSettings
 
 # The largest number that a slider of Blender holds.
 MOST_VARIATIONS = 2**31 - 1
 
 
-def directions(obj, callback=None, **settings):
+def directions(obj, callback=None, **settings: Unpack[SurfaceKeywords]):
     """Solve a direction field on a mesh object and write it as attributes and empties.
 
     Parameters
     ----------
     obj : bpy.types.Object
     callback : callable(stage, fraction) -> bool, optional; False cancels
-    settings : see :class:`Settings`; spacing does not count
+    settings : see :class:`SurfaceSettings`; spacing does not count
 
     Returns
     -------
@@ -62,40 +64,40 @@ def directions(obj, callback=None, **settings):
     SynchError
         with one line that names the element and the remedy; nothing is written
     """
-    return run("directions", obj, from_names(Settings, settings), callback)
+    return run("directions", obj, from_names(SurfaceSettings, settings), callback)
 
 
-def stripes(obj, callback=None, **settings):
+def stripes(obj, callback=None, **settings: Unpack[SurfaceKeywords]):
     """Solve a stripe pattern along a direction field and write attributes, material and empties.
 
     Parameters, result and errors as :func:`directions`.
     """
-    return run("stripes", obj, from_names(Settings, settings), callback)
+    return run("stripes", obj, from_names(SurfaceSettings, settings), callback)
 
 
-def quads(obj, callback=None, **settings):
+def quads(obj, callback=None, **settings: Unpack[SurfaceKeywords]):
     """Solve a quad pattern along a cross field and write attributes, material and empties.
 
     Parameters, result and errors as :func:`directions`; the symmetry is always that of a cross.
     """
-    return run("quads", obj, from_names(Settings, settings), callback)
+    return run("quads", obj, from_names(SurfaceSettings, settings), callback)
 
 
-def quad_mesh(obj, callback=None, **settings):
+def quad_mesh(obj, callback=None, **settings: Unpack[SurfaceKeywords]):
     """Solve a quad pattern and make the mesh of its grid lines, a new object; the given one is hidden.
 
     Parameters, result and errors as :func:`quads`; the report says in ``quad_mesh`` how good the mesh is, and in its
     ``object`` what it is called.
     """
-    return run("quad_mesh", obj, from_names(Settings, settings), callback)
+    return run("quad_mesh", obj, from_names(SurfaceSettings, settings), callback)
 
 
 def run(command, obj, settings, callback=None):
-    """Run a command by its name, with ready :class:`Settings`."""
+    """Run a command by its name, with ready :class:`SurfaceSettings`."""
     return job.run(FieldJob(command, obj, settings), callback)
 
 
-def layers(obj, callback=None, solid=None, **settings):
+def layers(obj, callback=None, solid=None, **settings: Unpack[LayerKeywords]):
     """Fill a closed mesh object and solve evenly spaced layers in it, made as new objects; the given one is hidden.
 
     Parameters
@@ -175,7 +177,7 @@ def show_again(obj, shown):
         write_again(obj, replace(shown, request=memory.recall(obj).request))
 
 
-def trace_quads(obj, smoothing=Settings.smoothing):
+def trace_quads(obj, smoothing=SurfaceSettings.smoothing):
     """Make the mesh of the quads that an object shows, variations and placed defects included, without another solve.
 
     Parameters
@@ -186,7 +188,7 @@ def trace_quads(obj, smoothing=Settings.smoothing):
     Result and errors as :func:`quad_mesh`.
     """
     meshes.refuse(obj)
-    smoothing = from_names(Settings, {"smoothing": smoothing}).smoothing
+    smoothing = from_names(SurfaceSettings, {"smoothing": smoothing}).smoothing
     with meshes.object_mode(obj), whole_or_nothing():
         solved = memory.recall(obj)
         if solved.request.command != "quads":
@@ -198,7 +200,7 @@ def trace_quads(obj, smoothing=Settings.smoothing):
         return write_quads(obj, request, found, report, Selection.now())
 
 
-def isolines(obj, **settings):
+def isolines(obj, **settings: Unpack[LineKeywords]):
     """Make a curve object of the lines that an object shows: middles or edges of stripes, grid lines of quads.
 
     Parameters
@@ -216,7 +218,7 @@ def isolines(obj, **settings):
         with one line that names the element and the remedy; nothing is made
     """
     meshes.refuse(obj)
-    settings = from_names(line_object.LineSettings, settings)
+    settings = from_names(LineSettings, settings)
     with meshes.object_mode(obj), whole_or_nothing():
         return line_object.write(obj, *shown_pattern(obj), settings)
 
@@ -272,7 +274,7 @@ def carry(obj):
     return {"status": "made", "command": "carry", "object": obj.name, "modifier": made.name, "versions": versions()}
 
 
-def preset(obj, name, callback=None, solve=False, **settings):
+def preset(obj, name, callback=None, solve=False, **settings: Unpack[SurfaceKeywords]):
     """Show one of the :data:`presets.PRESETS` on an object: on its pattern, or on one that is solved for it.
 
     Parameters
@@ -281,7 +283,7 @@ def preset(obj, name, callback=None, solve=False, **settings):
     name : "zebra", "corduroy", "wood-cut", "knit", "cane" or "fingerprint"
     callback : callable(stage, fraction) -> bool, optional; False cancels the solve
     solve : solve the pattern that the preset is made for, also where the object has one that can show it
-    settings : of the solve, in place of the preset's; see :class:`Settings`
+    settings : of the solve, in place of the preset's; see :class:`SurfaceSettings`
 
     Returns
     -------
@@ -296,7 +298,7 @@ def preset(obj, name, callback=None, solve=False, **settings):
     needed = presets.solve_for(obj, name, taken("solve", bool, solve) or bool(settings))
     solved = None
     if needed is not None:
-        solved = run(needed.pop("command"), obj, from_names(Settings, needed | settings), callback)
+        solved = run(needed.pop("command"), obj, from_names(SurfaceSettings, needed | settings), callback)
     shown = presets.show(obj, name, bool(settings.get("assign_material")))
     return {"status": "shown", "command": "preset", "object": obj.name, "preset": name} | {
         "material": shown.name,
@@ -305,7 +307,7 @@ def preset(obj, name, callback=None, solve=False, **settings):
     }
 
 
-def bake(obj, callback=None, **settings):
+def bake(obj, callback=None, **settings: Unpack[BakeKeywords]):
     """Bake what an object's stripes or quads show into image files, or images packed into the .blend.
 
     Parameters
@@ -374,8 +376,8 @@ def export_field(obj, path, symmetry="line"):
         with one line that names the element and the remedy; nothing is written
     """
     meshes.refuse(obj)
-    if taken("symmetry", str, symmetry) not in SYMMETRIES:
-        raise SettingError(f"symmetry {shown(symmetry)} is unknown: use one of {', '.join(SYMMETRIES)}")
+    if taken("symmetry", str, symmetry) not in SYMMETRY_ORDERS:
+        raise SettingError(f"symmetry {shown(symmetry)} is unknown: use one of {', '.join(SYMMETRY_ORDERS)}")
     with meshes.object_mode(obj):
         field_files.export_directions(obj, path, symmetry)
 

@@ -6,8 +6,8 @@
 
 A NAME is an extra or a dependency group of pyproject.toml, or a requirement such as bpy==5.2.3. With --only, neither
 the program nor its own dependencies are installed; with --latest, the newest versions instead of those that
-requirements/ lists. This script runs on any Python 3.8 or later. It looks for one that Blender has a module for, and for
-the libraries which that links to, before anything is downloaded.
+requirements/ lists. This script runs on any Python 3.8 or later. It looks for one that Blender has a module for, and
+for the libraries which that links to, before anything is downloaded.
 """
 
 from __future__ import annotations

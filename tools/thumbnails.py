@@ -68,8 +68,7 @@ def spacing_across(obj, kind, across=ACROSS):
 
 def clay():
     """A plain material."""
-    material = surface_material("Clay")
-    surface = material.node_tree.nodes["Principled BSDF"]
+    material, surface, _ = surface_material("Clay")
     surface.inputs["Base Color"].default_value, surface.inputs["Roughness"].default_value = CLAY, ROUGHNESS
     return material
 

@@ -42,6 +42,8 @@ class Crew:
     def end(self):
         """End all processes at once."""
         for hand in self._hands:
+            hand.dismiss()
+        for hand in self._hands:
             self._tasks.put(None)
             hand.end()
         for thread in self._threads:

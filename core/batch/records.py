@@ -4,8 +4,13 @@
 import json
 from pathlib import Path
 
-from ..errors import SettingError
+from ..errors import SettingError, one_line
 from ..files.whole import write_text
+
+# Figures of a record, which need not have them, and what it has to have: its kinds.
+NUMBERS = "energy", "lower_bound", "gap", "nodes", "disclinations", "dislocations", "warnings", "memory_mb"
+_DONE = {"files": dict, "seconds": float | int}
+_FAILED = {"tries": int, "reason": str}
 
 
 class Records:
@@ -24,12 +29,12 @@ class Records:
 
     def done(self, key):
         """The record of a row that is done and whose files are as they were written, or None."""
-        record = _read(self._path("done", key))
+        record = _read(self._path("done", key), _DONE)
         return record if record is not None and all(map(_is_there, record["files"].items())) else None
 
     def failed(self, key):
         """The record of a row that has failed, or None."""
-        return _read(self._path("failed", key))
+        return _read(self._path("failed", key), _FAILED)
 
     def keep_done(self, key, record, files):
         """Keep that a row is done; returns the record with the sizes of its files, relative to the working folder."""
@@ -40,7 +45,7 @@ class Records:
 
     def keep_failed(self, key, tries, reason):
         """Keep how often a row was tried, and why it failed last."""
-        self._write("failed", key, {"tries": tries, "reason": reason})
+        self._write("failed", key, {"tries": tries, "reason": one_line(reason)})
 
     def thumbnail(self, key):
         """Where the small picture of a row goes."""
@@ -69,16 +74,21 @@ class Records:
         write_text(self._path(kind, key), json.dumps(record) + "\n")
 
 
-def _read(path):
+def _read(path, kinds):
+    """A record whose entries have the kinds that they should; None where it is missing or spoiled."""
     try:
-        return json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        record = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
         return None
+    if not isinstance(record, dict) or not kinds.keys() <= record.keys():
+        return None
+    kinds = dict.fromkeys(NUMBERS, float | int | None) | kinds
+    return record if all(isinstance(record[name], kind) for name, kind in kinds.items() if name in record) else None
 
 
 def _is_there(named):
     path, size = named
     try:
         return Path(path).stat().st_size == size
-    except OSError:
+    except (OSError, ValueError):  # it is gone, or the record has a name that no file can have
         return False

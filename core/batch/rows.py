@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import SettingError, shown
+from ..files.declared import DeclaredFile
 
 # Keys of a row that are not flags: the command, its positional argument, and how many frames a worker gets at once.
 _COMMAND, _INPUT, _CHUNK = "command", "input", "chunk"
@@ -22,14 +23,12 @@ class Row:
     ----------
     arguments : the command line, its command first
     options : what every flag stands for, ready for JSON
-    inputs : paths of files that the result depends on
-    outputs : paths of files that are asked for
+    files : all that are read and written; what a .blend links to is not among them
     """
 
     arguments: tuple[str, ...]
     options: dict
-    inputs: tuple[str, ...]
-    outputs: tuple[str, ...]
+    files: tuple[DeclaredFile, ...]
 
     @property
     def label(self):
@@ -78,21 +77,28 @@ def _matched(pattern, shared):
 
 
 def _lines(path):
-    with path.open(encoding="utf-8") as file:
+    with path.open("rb") as file:
         for number, line in enumerate(file, 1):
             if not line.strip():
                 continue
             try:
-                yield from _from_line(line)
+                yield from _from_line(_decoded(line))
             except SettingError as error:
                 yield SettingError(f"{path}, line {number}: {error}")
+
+
+def _decoded(line: bytes) -> str:
+    try:
+        return line.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise SettingError(f"this is not UTF-8 ({error}): save the file as UTF-8") from None
 
 
 def _from_line(line) -> Iterator[list[str]]:
     try:
         row = json.loads(line)
     except (ValueError, RecursionError) as error:
-        raise SettingError(f"this is no JSON ({error}): write one object a line") from None
+        raise SettingError(f"this is not JSON ({error}): write one object a line") from None
     if not isinstance(row, dict) or not isinstance(row.get(_COMMAND), str):
         raise SettingError('this is no row: write {"command": "stripes", "input": "mesh.obj", "spacing": 0.05}')
     for part in _ranges(row):
@@ -156,7 +162,7 @@ class Keys:
 
     def of(self, row):
         """32 hexadecimal digits."""
-        contents = {path: self._digest(path) for path in row.inputs}
+        contents = {file.path: self._digest(file.path) for file in row.files if not file.is_written}
         told = json.dumps([row.arguments[0], row.options, contents, self._versions], sort_keys=True)
         return hashlib.sha256(told.encode("utf-8", "surrogatepass")).hexdigest()[:32]
 
@@ -166,7 +172,7 @@ class Keys:
             try:
                 with open(path, "rb") as file:
                     self._digests[path] = hashlib.file_digest(file, "sha256").hexdigest()
-            except OSError:
+            except (OSError, ValueError):
                 self._digests[path] = None
         return self._digests[path]
 

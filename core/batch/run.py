@@ -5,13 +5,15 @@ import json
 import os
 from collections import deque
 from dataclasses import dataclass
-from pathlib import Path
 
-from ..errors import SettingError
+from ..errors import SettingError, one_line
+from ..files.declared import FileOwners
 from .rows import Keys
 
 # Seconds between two looks at whether the batch is interrupted.
 _LOOK = 0.2
+# Owner of the batch's own files; those of rows have their numbers, from 1 on.
+_BATCH = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,7 +22,7 @@ class Planned:
 
     Attributes
     ----------
-    label : what a person calls it
+    label : what a person calls it, in one line
     key : of its record; None where it cannot be a row
     told : JSON of its arguments; the reason why it cannot be a row
     """
@@ -30,53 +32,58 @@ class Planned:
     told: str
 
 
-def plan(command_lines, understood, versions):
-    """The :class:`Planned` rows of a batch; folders of their files are made.
+def plan(command_lines, understood, versions, own=()):
+    """The :class:`Planned` rows of a batch.
 
     Parameters
     ----------
     command_lines : of texts, or of the error of a row that is none, as :func:`.rows.read_rows` gives them
     understood : callable(arguments) -> Row; raises SettingError
     versions : of everything that a result depends on
+    own : :class:`DeclaredFile` of the batch itself
 
     Raises
     ------
     SettingError
-        where two rows write the same file
+        where a row writes what another one, or the batch, reads or writes
     """
-    keys, folders = Keys(versions), set()
+    keys, owners = Keys(versions), FileOwners()
     rows: list[Planned] = []
-    writers: dict[int, int] = {}
+    for file in own:
+        owners.add(file, _BATCH)
     for line in command_lines:
         try:
             if isinstance(line, SettingError):
                 raise line
             row = understood(line)
         except SettingError as error:
-            rows.append(Planned("" if isinstance(line, SettingError) else " ".join(line[:2]), None, str(error)))
+            label = "" if isinstance(line, SettingError) else " ".join(line[:2])
+            rows.append(Planned(one_line(label), None, str(error)))
             continue
-        rows.append(Planned(row.label, keys.of(row), json.dumps(row.arguments)))
-        for path in row.outputs:
-            whole = os.path.abspath(path)
-            other = writers.setdefault(hash(whole), len(rows))
-            if other != len(rows):
-                raise SettingError(
-                    f"rows {other} and {len(rows)} both write {path}: give each a name of its own, "
-                    "with {stem} for the input's name, {first} and {last} for a chunk's frames"
-                )
-            folders.add(os.path.dirname(whole))
+        rows.append(Planned(one_line(row.label), keys.of(row), json.dumps(row.arguments)))
+        for file in row.files:
+            found = owners.add(file, len(rows))
+            if found is not None:
+                raise _clash(file, len(rows), *found)
     if not rows:
         raise SettingError("there are no rows: write one JSON object a line")
-    for folder in folders:
-        _make(folder)
     return rows
 
 
-def _make(folder):
-    try:
-        Path(folder).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise SettingError(f"{folder}: cannot be made ({error.strerror}): choose another place") from None
+def _clash(file, row, other, writes):
+    """The error of a file that a row shares with another one, which writes or reads it, or with the batch."""
+    if other == _BATCH:
+        does = "writes" if file.is_written else "reads"
+        return SettingError(f"row {row} {does} {file.path}, a file of the batch itself: name another one")
+    if file.is_written and writes:
+        return SettingError(
+            f"rows {other} and {row} both write {file.path}: give each a name of its own, "
+            "with {stem} for the input's name, {first} and {last} for a chunk's frames"
+        )
+    writer, reader = (row, other) if file.is_written else (other, row)
+    return SettingError(
+        f"row {reader} reads {file.path}, which row {writer} writes: rows run in any order, so make two batches of them"
+    )
 
 
 def run_rows(rows, records, crew, retries, versions, progress, limit=None):

@@ -11,6 +11,7 @@ import queue
 import signal
 import subprocess
 import sys
+from contextlib import suppress
 
 from ..threads import Event, Lock, begun
 
@@ -20,33 +21,34 @@ _TASKS = 1000
 # What Dask tells its workers' memory: each array of some size would be given back and asked for again, which doubles
 # the time of a solve.
 _NOT_FOR_SOLVES = "MALLOC_TRIM_THRESHOLD_"
-# Seconds that a process has to end after its pipe has broken.
-_FAREWELL = 10
+# Seconds that a process has to end after its pipe has broken, and that it may take to clean up when it is not needed.
+_FAREWELL, _CLEANING = 10, 2
 
 
-def serve(answer):
+def serve(answer, leave=os._exit):
     """Answer tasks until standard input is closed, which ends this process whatever it is doing.
 
     Parameters
     ----------
     answer : callable(task) -> dict that JSON takes
+    leave : callable(status) that ends this process from any of its threads
     """
     out = os.fdopen(os.dup(1), "w", encoding="utf-8")
     into = os.fdopen(os.dup(0), "r", encoding="utf-8")
     os.dup2(2, 1)  # what Blender prints does not get among the answers
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     tasks: queue.SimpleQueue = queue.SimpleQueue()
-    begun(_read, into, tasks)
+    begun(_read, into, tasks, leave)
     while True:
         print(_MARK + json.dumps(answer(json.loads(tasks.get()))), file=out, flush=True)
 
 
-def _read(into, tasks):
+def _read(into, tasks, leave):
     try:
         for line in into:
             tasks.put(line)
     finally:
-        os._exit(0)
+        leave(0)
 
 
 class Hand:
@@ -86,11 +88,16 @@ class Hand:
             return {"failed": f"it took longer than {task['limit']:g} s"}
         return {"failed": _last_words(child)} if answer is None else answer
 
-    def end(self):
-        """End the process at once, and start none again."""
+    def dismiss(self):
+        """Tell the process to end, and start none again."""
         with self._lock:
             self._is_ended = True
-            _end(self._child)
+            _dismiss(self._child)
+
+    def end(self):
+        """End the process, and start none again."""
+        self.dismiss()
+        _end(self._child)
 
     def _ready(self):
         with self._lock:
@@ -133,15 +140,23 @@ def _end_late(child, seconds, answered, late):
         child.kill()
 
 
+def _dismiss(child):
+    """Close a child's standard input, upon which it cleans up and ends."""
+    if child is not None:
+        with suppress(OSError, ValueError):  # what was not read, or is being written
+            child.stdin.close()
+
+
 def _end(child):
     if child is not None:
-        child.kill()
-        child.wait()
-        for pipe in (child.stdin, child.stdout):
-            try:
-                pipe.close()
-            except OSError:  # what was not read
-                pass
+        _dismiss(child)
+        try:
+            child.wait(_CLEANING)
+        except subprocess.TimeoutExpired:
+            child.kill()
+            child.wait()
+        with suppress(OSError):
+            child.stdout.close()
 
 
 def _last_words(child):

@@ -54,7 +54,7 @@ def write_sheet(path, title, rows, records):
     found = _Figures()
     kept = heapq.nlargest(_MOST, map(found.ranked, entries(rows, records)), key=lambda ranked: ranked[:2])
     shown = sorted((entry for _, _, entry in kept), key=lambda entry: entry["row"])
-    with written_whole(path) as made, made.open("w", encoding="utf-8") as file:
+    with written_whole(path) as made, made.open("w", encoding="utf-8", errors="backslashreplace") as file:
         file.write(f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{escape(title)}</title>')
         file.write(f"<style>{_STYLE}</style><h1>{escape(title)}</h1>{found.tiles()}")
         if found.count > len(shown):
@@ -130,6 +130,7 @@ def _card(entry, thumbnail):
 
 
 def _told(entry):
+    """Lines of a card: what, and HTML."""
     if "nodes" in entry:
         yield "vertices", f"{entry['nodes']:,}"
     if "energy" in entry:
@@ -139,7 +140,7 @@ def _told(entry):
         yield "gap", f'{entry["gap"]:.1%} <span class="{kind}">{kind}</span>'
     defects = [entry.get(name) for name in ("disclinations", "dislocations")]
     if None not in defects:
-        yield "defects", f"{defects[0]} + {defects[1]}"
+        yield "defects", escape(f"{defects[0]} + {defects[1]}")
     if entry.get("warnings"):
-        yield "warnings", entry["warnings"]
+        yield "warnings", escape(str(entry["warnings"]))
     yield "time", _time(entry["seconds"])

@@ -10,6 +10,8 @@ from ..files.whole import written_whole
 FIGURES = "status", "energy", "lower_bound", "gap", "certificate", "nodes"
 COUNTS = "disclinations", "dislocations", "warnings"
 _COLUMNS = ("row", "label", "state", *FIGURES, *COUNTS, "seconds", "memory_mb", "tries", "reason", "files")
+# What formulas of spreadsheets begin with.
+_OF_FORMULAS = "=", "+", "-", "@", "\t", "\r"
 # What a table says of a row that nobody has done yet.
 OPEN = "open"
 
@@ -47,6 +49,11 @@ def entries(rows, records):
             yield entry | {"state": OPEN, "reason": "nobody has tried it yet"}
 
 
+def _cell(value):
+    """A cell of a .csv file that no spreadsheet takes for a formula: texts are marked as such by an apostrophe."""
+    return f"'{value}" if isinstance(value, str) and value.startswith(_OF_FORMULAS) else value
+
+
 def write_tables(folder, rows, records):
     """Write summary.csv and summary.json; returns their paths and how many rows are done.
 
@@ -58,7 +65,7 @@ def write_tables(folder, rows, records):
     table, listed, done = folder / "summary.csv", folder / "summary.json", 0
     with written_whole(table) as csv_path, written_whole(listed) as json_path:
         with (
-            csv_path.open("w", newline="", encoding="utf-8") as rows_file,
+            csv_path.open("w", newline="", encoding="utf-8", errors="backslashreplace") as rows_file,
             json_path.open("w", encoding="utf-8") as file,
         ):
             writer = csv.DictWriter(rows_file, _COLUMNS, extrasaction="ignore")
@@ -68,6 +75,7 @@ def write_tables(folder, rows, records):
                 done += entry["state"] == "done"
                 file.write(before + json.dumps(entry))
                 before = ",\n"
-                writer.writerow(entry | {"files": " ".join(entry.get("files", ()))})
+                cells = entry | {"files": " ".join(entry.get("files", ()))}
+                writer.writerow({name: _cell(value) for name, value in cells.items()})
             file.write("\n]\n")
     return [str(table), str(listed)], done

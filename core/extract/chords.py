@@ -15,11 +15,15 @@ from .levels import GRID
 MOST = 10_000_000
 
 
+class TooManyLines(SettingError):
+    """More lines than are drawn."""
+
+
 def refuse_more(count, what, power):
     """Refuse more than :data:`MOST`, whose number goes by a power of the lines' density; the error says what fits."""
     if count > MOST:
         factor = 1.05 * (count / MOST) ** (1 / power)
-        raise SettingError(
+        raise TooManyLines(
             f"{what} {count:.2g} times, and more than {MOST:.2g} are not drawn: make the spacing {factor:.3g} times as "
             "large"
         )

@@ -137,7 +137,7 @@ def _corner_places(features, at_corner):
 
 def _diagonals(quads):
     """(d, 2) vertices between which faces can be cut in two: corners of one that no edge and no other face joins."""
-    across = []
+    across = [np.empty((0, 2), int)]
     for size in np.unique(quads.sizes):
         corners = quads.corner_vertices[quads.starts[quads.sizes == size, None] + np.arange(size)]
         across += [corners[:, [i, j]] for i in range(size) for j in range(i + 2, size - (i == 0))]

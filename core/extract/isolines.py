@@ -20,7 +20,7 @@ from ..errors import SettingError
 from ..geometry import TriangleMesh
 from ..graphs import components, ragged_arange
 from ..interpolate import EdgePhases
-from .chords import chord_ends, chords_of, crossings_of, on_rim, rims_of
+from .chords import MOST, chord_ends, chords_of, crossings_of, on_rim, rims_of
 from .fans import moved_aside, split_at_disclinations
 from .levels import GRID, stripe_levels
 
@@ -129,6 +129,11 @@ class Isolines:
         """
         traced, starts = self.steps, self.starts
         lengths = np.bincount(self.numbers, traced, len(self.sizes))
+        if lengths.sum() / distance > MOST:
+            raise SettingError(
+                f"points at a distance of {distance:g} on lines {lengths.sum():.3g} long are more than {MOST:.0e}: "
+                f"make it {lengths.sum() / MOST:.2g} or more"
+            )
         counts = np.maximum(np.rint(lengths / distance).astype(int), np.where(self.closed, 3, 1))
         sizes = counts + ~self.closed
         line, place = ragged_arange(sizes)

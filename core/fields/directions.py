@@ -17,6 +17,7 @@ from ..errors import SettingError
 from ..geometry import TriangleMesh
 from ..monitor import Callback
 from ..problem import SynchronizationProblem, Targets, joined_targets
+from ..settings.surface import SYMMETRY_ORDERS
 from ..sheets import matchings
 from ..solve import Options, Solution, solve
 from ..solve.following import Follower
@@ -28,7 +29,6 @@ from .frames import carried_angles, in_sheets_of, next_solution
 from .guidance.guides import Guide, blended
 from .mirror import LEAN, Mirror, on_mirror, snapped, split_links, with_loops
 
-SYMMETRIES = {"vector": 1, "line": 2, "cross": 4}
 # How many times the smallest quads the largest are, where flattening alone would have it: exact square quads vary
 # tenfold and more on animals' legs. The share of the area on either side that does not tell.
 LARGEST_RATIO, _RARE = 2.5, 0.01
@@ -175,7 +175,7 @@ def direction_problem(
 
 def _posed(mesh, symmetry, wishes):
     """The problem, and where its connection is calmed what its constraints tell of the turns and the correction."""
-    if symmetry not in SYMMETRIES.values():
+    if symmetry not in SYMMETRY_ORDERS.values():
         raise SettingError(f"symmetry {symmetry!r} is unknown: use 1 (vector), 2 (line) or 4 (cross)")
     check_share(wishes.singularities, "singularities")
     # Calmed turns are read along the mesh's own edges.

@@ -26,6 +26,9 @@ from .frames import next_solution
 from .growth import Growth
 from .mirror import LEAN, on_mirror, snapped, split_links, with_loops
 
+# Spacings that are a smaller share of the object than this are finer than double precision tells phases apart.
+_FINEST = 1e-9
+
 
 @dataclass(frozen=True)
 class Pattern:
@@ -92,7 +95,7 @@ class Pattern:
 
 
 def check_spacing(places, spacing, what="stripe"):
-    """Refuse a spacing that nothing fits in.
+    """Refuse a spacing that nothing fits in, and one that is too fine for double precision.
 
     Parameters
     ----------
@@ -105,6 +108,11 @@ def check_spacing(places, spacing, what="stripe"):
     if spacing.min() > extent:
         raise SettingError(
             f"the spacing {spacing.min():g} is larger than the object ({extent:g}): no {what} would fit, reduce it"
+        )
+    if spacing.min() < _FINEST * extent:
+        raise SettingError(
+            f"the spacing {spacing.min():g} is finer than numbers tell places on an object of {extent:g} apart: "
+            f"give one from {_FINEST * extent:.1g} on"
         )
 
 

@@ -16,10 +16,13 @@ import numpy as np
 from ..errors import SettingError
 from ..fields.guidance.face_directions import averaged_in_faces, face_frames
 from ..fields.guidance.guides import face_guide
+from .border import border, check_promise, read_text
 from .whole import written_whole
 
 SUFFIXES = (".rawfield", ".rosy")
 
+# Memory that a line of a file takes beside its text while it is read, and rows whose words are read at once.
+_LINE_BYTES, _ROWS_AT_ONCE = 200, 4096
 # Vectors of a set that miss equal turns by more than this (as a cosine) cannot be told by one of them.
 UNEQUAL = 1e-3
 
@@ -61,19 +64,19 @@ def read_field(path):
     """
     path = Path(path)
     read_header = _raw_header if _known_suffix(path) == ".rawfield" else _rosy_header
-    try:
-        text = path.read_text(encoding="ascii")
-    except OSError as error:
-        raise SettingError(f"{path} cannot be read ({error.strerror}): check the path") from error
-    except UnicodeDecodeError as error:
-        raise SettingError(f"{path} is not a text file: export the field again, as text") from error
-    lines = [(number, line.split()) for number, line in enumerate(text.splitlines(), 1) if line.strip()]
-    symmetry, count, width, rows = read_header(path, lines)
-    if len(rows) != count:
-        raise SettingError(
-            f"{path} promises {count} faces and has {len(rows)} lines of vectors: it was cut short, export it again"
-        )
-    return FaceField(symmetry, _numbers(path, rows, 3 * width).reshape(count, width, 3))
+    with border(path):
+        try:
+            text = read_text(path, encoding="ascii")
+        except UnicodeDecodeError as error:
+            raise SettingError(f"{path} is not a text file: export the field again, as text") from error
+        check_promise(path, _LINE_BYTES * text.count("\n"))
+        lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip()]
+        symmetry, count, width, rows = read_header(path, lines)
+        if len(rows) != count:
+            raise SettingError(
+                f"{path} promises {count} faces and has {len(rows)} lines of vectors: it was cut short, export it again"
+            )
+        return FaceField(symmetry, _numbers(path, rows, 3 * width).reshape(count, width, 3))
 
 
 def write_field(path, face_field):
@@ -194,29 +197,34 @@ def _rosy_header(path, lines):
 def _whole_numbers(path, lines, wanted, remedy):
     if not lines:
         raise SettingError(f"{path} ends before its header: {remedy}")
-    number, words = lines[0]
+    number, line = lines[0]
+    words = line.split()
     if len(words) != wanted or not all(re.fullmatch(r"0*[1-9]\d{0,9}", word) for word in words):
         raise SettingError(f"{path}, line {number}: {' '.join(words)[:40]!r} is no header, {remedy}")
     return [int(word) for word in words]
 
 
 def _numbers(path, rows, width):
-    """(rows, width) finite floats."""
-    for number, words in rows:
-        if len(words) != width:
-            raise SettingError(
-                f"{path}, line {number}: {len(words)} numbers where {width} are needed, "
-                "three for each vector of the face"
-            )
-    try:
-        values = np.array([words for _, words in rows], float)
-    except ValueError:
-        values = np.array([[_number(word) for word in words] for _, words in rows])
-    bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
-    if len(bad):
-        number, words = rows[bad[0]]
-        raise SettingError(f"{path}, line {number}: {' '.join(words)[:40]!r} is not all finite numbers, correct it")
-    return values
+    """(rows, width) finite floats; the words of a part of the rows at once."""
+    parts = []
+    for first in range(0, len(rows), _ROWS_AT_ONCE):
+        part = [(number, line.split()) for number, line in rows[first : first + _ROWS_AT_ONCE]]
+        for number, words in part:
+            if len(words) != width:
+                raise SettingError(
+                    f"{path}, line {number}: {len(words)} numbers where {width} are needed, "
+                    "three for each vector of the face"
+                )
+        try:
+            found = np.array([words for _, words in part], float)
+        except ValueError:
+            found = np.array([[_number(word) for word in words] for _, words in part])
+        bad = np.flatnonzero(~np.isfinite(found).all(axis=1))
+        if len(bad):
+            number, words = part[bad[0]]
+            raise SettingError(f"{path}, line {number}: {' '.join(words)[:40]!r} is not all finite numbers, correct it")
+        parts.append(found)
+    return np.concatenate(parts)
 
 
 def _number(word):

@@ -5,11 +5,11 @@ A source says what is to be read and can be pickled; its ``read()`` gives the fl
 ``integrals(grid)`` and ``warnings``, lines that the user should read.
 """
 
-import struct
-import zlib
+import math
 from dataclasses import dataclass
 from pathlib import Path
-from zipfile import BadZipFile, ZipFile
+from typing import NamedTuple
+from zipfile import ZipFile
 
 import numpy as np
 from scipy.ndimage import map_coordinates
@@ -18,11 +18,12 @@ from ..errors import SettingError
 from ..fields.clebsch import edge_integrals
 from ..geometry.grid import Grid, box_grid
 from ..memory import at_most, machine_bytes
+from ..settings.flow import VELOCITY
+from .border import array_bytes, border, check_promise
 from .openvdb import openvdb_module
 
 SUFFIXES = (".vdb", ".npz")
-# Vector attribute of a mesh, the one that Blender's own liquids have, and names of a volume's.
-VELOCITY = "velocity"
+# Names of a flow's vectors, the first of which Blender's own liquids have.
 _USUAL = (VELOCITY, "vel", "v")
 # Of a vector in single precision.
 _VOXEL_BYTES = 12
@@ -38,8 +39,8 @@ _PLACES = {
 }
 # Array that says which nodes lie in obstacles.
 SOLID = "solid"
-# What reading a damaged archive raises; RuntimeError is an encrypted member, or one of an unknown compression.
-_DAMAGED = (ValueError, OSError, EOFError, KeyError, RuntimeError, BadZipFile, zlib.error, struct.error)
+# No transform of a volume has a number as large as this.
+_FARTHEST = 1e30
 
 
 def flow_file(path, attribute=VELOCITY, module=None):
@@ -106,13 +107,10 @@ class ArrayFile:
     def is_plane(self):
         """Whether the velocity has the shape of one in a plane, as its header says; False where that cannot be read."""
         try:
-            with ZipFile(self.path) as archive, archive.open("velocity.npy") as file:
-                version = np.lib.format.read_magic(file)
-                read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-                shape, _, _ = read(file)
-        except _DAMAGED:
+            with border(self.path), ZipFile(self.path) as archive:
+                return len(_headers(archive)["velocity"].shape) == 3
+        except (SettingError, KeyError):
             return False
-        return len(shape) == 3
 
     def read(self):
         """The :class:`GridFlow`.
@@ -120,50 +118,87 @@ class ArrayFile:
         Raises
         ------
         SettingError
-            in one line, for a file that is no such flow
+            in one line, for a file that is not such a flow
         """
-        arrays = self._arrays()
+        with border(self.path, "write it with numpy.savez"):
+            arrays = self._arrays()
         velocity = arrays["velocity"]
         grid = Grid(velocity.shape[:-1], **{name: arrays[name] for name in (*_PLACES, SOLID) if name in arrays})
         return GridFlow(grid, np.where(grid.solid[..., None], 0, velocity).reshape(-1, velocity.shape[-1]))
 
     def _arrays(self):
-        path = self.path
-        try:
-            found = _read_arrays(path)
-        except (*_DAMAGED, MemoryError) as error:
-            raise SettingError(f"{path}: {error}: write it with numpy.savez") from None
-        if "velocity" not in found:
-            have = ", ".join(found) or "nothing"
-            raise SettingError(f"{path}: has no array 'velocity' (it has {have}): save the flow under that name")
-        velocity = found["velocity"]
-        if velocity.ndim not in (3, 4) or velocity.shape[-1] != velocity.ndim - 1:
-            raise SettingError(f"{path}: velocity has the shape {velocity.shape}: use (nx, ny, nz, 3) or (nx, ny, 2)")
-        if velocity.dtype.kind not in "fiu":
-            raise SettingError(f"{path}: velocity holds {velocity.dtype} values: save it as floating-point numbers")
-        for name in _PLACES.keys() & found.keys():
-            (kinds, wanted), given, axes = _PLACES[name], found[name], velocity.ndim - 1
+        """The arrays of a flow by their names; nothing is read before the headers of all of them are sound."""
+        with self.path.open("rb") as file:
+            if file.read(len(np.lib.format.MAGIC_PREFIX)) == np.lib.format.MAGIC_PREFIX:
+                raise SettingError("a single array without a name: write it with numpy.savez")
+        with ZipFile(self.path) as archive:
+            headers = _headers(archive)
+            if "velocity" not in headers:
+                have = ", ".join(name.removesuffix(".npy") for name in archive.namelist()) or "nothing"
+                raise SettingError(f"has no array 'velocity' (it has {have}): save the flow under that name")
+            _check_headers(headers)
+            check_promise(self.path, 2 * sum(array_bytes(header.shape, header.dtype) for header in headers.values()))
+            found = {name: _read_member(archive, name) for name in headers}
+        axes = found["velocity"].ndim - 1
+        for name, (kinds, wanted) in _PLACES.items():
+            given = found.get(name)
+            if given is None:
+                continue
             if given.dtype.kind not in kinds or given.shape not in ((), (1,), (axes,)) or not np.isfinite(given).all():
-                has = given.tolist() if given.size < 4 else f"of the shape {given.shape}"
-                raise SettingError(f"{path}: {name} is {has!r}: give {wanted}, or {axes} of them")
-        solid = found.get(SOLID)
-        if solid is not None and (solid.dtype.kind not in "biu" or solid.shape != velocity.shape[:-1]):
-            has = f"{solid.dtype} values of the shape {solid.shape}"
-            raise SettingError(f"{path}: {SOLID} has {has}: give true or false for each node of the velocity")
+                raise SettingError(f"{name} is {given.tolist()!r}: give {wanted}, or {axes} of them")
         return found
 
 
-def _read_arrays(path):
-    with path.open("rb") as file:
-        arrays = np.load(file, allow_pickle=False)
-        if not isinstance(arrays, np.lib.npyio.NpzFile):
-            raise ValueError("a single array without a name")
-        with arrays:
-            found = {name: arrays[name] for name in arrays.files}
-    for name, array in found.items():
-        if not isinstance(array, np.ndarray):
-            raise ValueError(f"its member {name} is no array")
+class _Header(NamedTuple):
+    """Shape and type of an array that a file promises."""
+
+    shape: tuple[int, ...]
+    dtype: np.dtype
+
+
+def _headers(archive):
+    """The :class:`_Header` of each array of an archive that a flow has, by its name."""
+    members, found = archive.namelist(), {}
+    for name in ("velocity", *_PLACES, SOLID):
+        if f"{name}.npy" in members:
+            with archive.open(f"{name}.npy") as file:
+                try:
+                    version = np.lib.format.read_magic(file)
+                except ValueError:
+                    raise SettingError(f"its member {name} is not an array: write it with numpy.savez") from None
+                is_old = version == (1, 0)
+                read = np.lib.format.read_array_header_1_0 if is_old else np.lib.format.read_array_header_2_0
+                shape, _, dtype = read(file)
+                promised, there = file.tell() + array_bytes(shape, dtype), archive.getinfo(f"{name}.npy").file_size
+                if promised != there:
+                    raise SettingError(
+                        f"its member {name} promises {promised} bytes and has {there}: write it with numpy.savez"
+                    )
+            found[name] = _Header(shape, dtype)
     return found
+
+
+def _check_headers(headers):
+    """Refuse arrays of shapes and types that no flow has."""
+    shape, dtype = headers["velocity"]
+    if len(shape) not in (3, 4) or shape[-1] != len(shape) - 1:
+        raise SettingError(f"velocity has the shape {shape}: use (nx, ny, nz, 3) or (nx, ny, 2)")
+    if dtype.kind not in "fiu":
+        raise SettingError(f"velocity holds {dtype} values: save it as floating-point numbers")
+    for name in _PLACES.keys() & headers.keys():
+        if math.prod(headers[name].shape) > 3:
+            raise SettingError(
+                f"{name} is of the shape {headers[name].shape}: give {_PLACES[name][1]}, or {shape[-1]} of them"
+            )
+    solid = headers.get(SOLID)
+    if solid is not None and (solid.dtype.kind not in "biu" or solid.shape != shape[:-1]):
+        has = f"{solid.dtype} values of the shape {solid.shape}"
+        raise SettingError(f"{SOLID} has {has}: give true or false for each node of the velocity")
+
+
+def _read_member(archive, name):
+    with archive.open(f"{name}.npy") as file:
+        return np.lib.format.read_array(file, allow_pickle=False)
 
 
 @dataclass(frozen=True)
@@ -233,6 +268,11 @@ class VolumeFile:
         path, vdb = self.path, openvdb_module(self.module)
         if not path.is_file():
             raise SettingError(f"{path}: no such file")
+        with border(path, "choose an OpenVDB file"):
+            return self._read(vdb)
+
+    def _read(self, vdb):
+        path = self.path
         try:
             with self._limited():
                 chosen, warnings = _vector_grid(path, vdb.readAllGridMetadata(str(path)), self.attribute)
@@ -240,26 +280,27 @@ class VolumeFile:
         except SettingError:
             raise
         except MemoryError:
-            raise SettingError(
-                f"{path}: reading it takes more memory than a sound file of its size: export it again"
-            ) from None
+            raise SettingError("reading it takes more memory than a sound file of its size: export it again") from None
         except Exception as error:  # the reader's library raises whatever it likes at damaged files
-            raise SettingError(f"{path}: {error}: choose an OpenVDB file") from None
+            raise SettingError(f"{error}: choose an OpenVDB file") from None
         low, high = found.evalActiveVoxelBoundingBox()
         counts = np.array(high, float) - low + 1
         if counts.prod() * _VOXEL_BYTES > machine_bytes() / 2:
             size = " x ".join(f"{count:.0f}" for count in counts)
             raise SettingError(
-                f"{path}: the grid {found.name} spans {size} voxels, more than memory holds: remove what lies far away"
+                f"the grid {found.name} spans {size} voxels, more than memory holds: remove what lies far away"
             )
         counts = counts.astype(int)
         if found.activeVoxelCount() == 0 or (counts < 2).any():
-            raise SettingError(f"{path}: the grid {found.name} is empty: export a frame that has a flow")
+            raise SettingError(f"the grid {found.name} is empty: export a frame that has a flow")
         values = np.empty((*counts, 3), np.float32)
         found.copyToArray(values, ijk=low)
         if not np.isfinite(values).all():
-            raise SettingError(f"{path}: the grid {found.name} has voxels that are not numbers: mend the simulation")
-        to_world = self.matrix @ _index_to_world(found)
+            raise SettingError(f"the grid {found.name} has voxels that are not numbers: mend the simulation")
+        own = _index_to_world(found)
+        if not (np.abs(own) < _FARTHEST).all():
+            raise SettingError(f"the grid {found.name} has a transform that is not finite: export it again")
+        to_world = self.matrix @ own
         stretches = np.linalg.svd(to_world[:3, :3], compute_uv=False)
         if not stretches[-1] > _FLAT * stretches[0]:
             raise SettingError(f"the volume {self.name} is scaled to nothing along an axis: give it another scale")

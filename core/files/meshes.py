@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mesh files, looked at without a mesh: whether an .obj, .ply or .stl holds all that it should, and whether a .ply has
-a header that its reader survives."""
+"""Mesh files, looked at without a mesh: whether an .obj, .ply or .stl holds all that it should, and whether a .ply or
+.glb has a header that its reader survives."""
 
+import json
 import re
+import struct
 from pathlib import Path
 
 import numpy as np
 
 from ..errors import SettingError, shown
+from .border import border, check_promise, read_bytes
 
 _FORMATS = "ascii", "binary_little_endian", "binary_big_endian"
 _SIZES = {"char": 1, "short": 2, "int": 4, "float": 4, "double": 8} | {"uchar": 1, "ushort": 2, "uint": 4}
@@ -16,6 +19,10 @@ _COUNTS = {"char": "i1", "uchar": "u1", "int8": "i1", "uint8": "u1", "short": "i
 _COUNTS |= {"int16": "i2", "uint16": "u2", "int": "i4", "uint": "u4", "int32": "i4", "uint32": "u4"}
 # Bytes before the triangles of an .stl file, the last four of which count them, and of a triangle.
 _STL_HEADER, _STL_TRIANGLE = 84, 50
+# Bytes before the JSON of a .glb file, the numbers of each element of its arrays by their types, and the memory that
+# Blender's importer takes for each of them.
+_GLB_HEADER, _GLB_BYTES = 20, 16
+_GLB_TYPES = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 
 
 def is_whole(path, vertices, faces):
@@ -52,13 +59,9 @@ def check_ply(path):
     SettingError
         in one line
     """
-    try:
-        content = Path(path).read_bytes()
+    with border(path):
+        content = read_bytes(path)
         kind, elements, body = _ply_header(content)
-    except OSError as error:
-        raise SettingError(f"{path} cannot be read ({error.strerror}): check the path") from None
-    except ValueError as error:
-        raise SettingError(f"{path} has a header that is none ({error}): export it again") from None
     # The least that an element takes: of text a character and a space for each number, which a list may have none of.
     least = 0
     for count, properties in elements:
@@ -66,6 +69,20 @@ def check_ply(path):
         least += count * sum(sizes)
     if least > len(body) + 1:
         raise SettingError(f"{path} promises more than {len(content)} bytes hold: it was cut short, export it again")
+
+
+def check_glb(path):
+    """Refuse a .glb file whose accessors promise more than memory holds; errors as :func:`check_ply`."""
+    with border(path):
+        content = read_bytes(path)
+        magic, _, _, length, kind = struct.unpack_from("<4sIII4s", content)
+        if (magic, kind) != (b"glTF", b"JSON"):
+            raise ValueError("it does not begin with glTF and its JSON")
+        found = json.loads(content[_GLB_HEADER : _GLB_HEADER + length])
+        promised = 0
+        for accessor in found.get("accessors", []):
+            promised += abs(int(accessor["count"])) * _GLB_TYPES[accessor["type"]]
+        check_promise(path, _GLB_BYTES * promised)
 
 
 def _ply_header(content):

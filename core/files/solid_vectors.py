@@ -13,7 +13,8 @@ import numpy as np
 
 from ..errors import SettingError
 from ..geometry.tet_mesh import TetMesh
-from .tets import UNREADABLE, VTK_TET, medit_sections, read_tets, vtu_array, vtu_root
+from .border import TEXT_BYTES, border, read_bytes, text_numbers
+from .tets import VTK_TET, medit_sections, read_tets, vtu_array, vtu_arrays, vtu_root, vtu_sizes
 
 SUFFIXES = (".vtu", ".sol")
 # Numbers of MEDIT's types of fields.
@@ -52,10 +53,12 @@ def read_vectors(path, name=""):
     path = Path(path)
     if path.suffix.lower() not in SUFFIXES:
         raise SettingError(f"{path}: vectors in solids are read from {' and '.join(SUFFIXES)} files")
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise SettingError(f"{path} cannot be read ({error.strerror}): check the path") from error
+    with border(path):
+        return _read(path, name)
+
+
+def _read(path, name):
+    content = read_bytes(path, TEXT_BYTES)
     is_vtu = path.suffix.lower() == ".vtu"
     mesh = read_tets(path if is_vtu else path.with_suffix(".mesh"))
     fields = _of_vtu(path, content) if is_vtu else _of_sol(path, content)
@@ -81,17 +84,16 @@ def _of_vtu(path, content):
     found: dict[tuple, list] = {}
     pieces = list(root.iter("Piece"))
     for piece in pieces:
-        try:
+        points, cells = vtu_sizes(piece)
+        with vtu_arrays():
             types = next(a for a in piece.iterfind("Cells/DataArray") if a.get("Name") == "types")
-            is_tet = vtu_array(root, appended, types) == VTK_TET
-            for place in ("PointData", "CellData"):
+            is_tet = vtu_array(root, appended, types, cells) == VTK_TET
+            for place, count in (("PointData", points), ("CellData", cells)):
                 for array in piece.iterfind(f"{place}/DataArray"):
                     if "Float" in array.get("type", "") and array.get("NumberOfComponents") == "3":
-                        values = vtu_array(root, appended, array).reshape(-1, 3).astype(float)
+                        values = vtu_array(root, appended, array, 3 * count).reshape(-1, 3).astype(float)
                         key = str(array.get("Name")), place == "PointData"
                         found.setdefault(key, []).append(values if key[1] else values[is_tet])
-        except (*UNREADABLE, IndexError, StopIteration) as error:
-            raise SettingError(f"{path} has an array that cannot be read ({error}): export it again") from error
     return {key: np.concatenate(parts) for key, parts in found.items() if len(parts) == len(pieces)}
 
 
@@ -103,10 +105,10 @@ def _of_sol(path, content):
         if keyword not in sections:
             continue
         try:
-            count, number, *rest = sections[keyword]
-            widths = [_WIDTHS[int(kind)] for kind in rest[: int(number)]]
+            count, number, *rest = text_numbers(sections[keyword]).tolist()
+            widths = [_WIDTHS[kind] for kind in rest[: int(number)]]
             rows = np.array(rest[int(number) :], float).reshape(int(count), sum(widths))
-        except (ValueError, KeyError) as error:
+        except (ValueError, KeyError, OverflowError) as error:
             raise SettingError(f"{path}: {keyword} cannot be read ({error}): export it again") from error
         for field, (width, end) in enumerate(zip(widths, np.cumsum(widths), strict=True)):
             if width == 3:

@@ -10,21 +10,23 @@
 import re
 import zlib
 from base64 import b64decode
+from contextlib import contextmanager
 from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 
-from ..errors import MeshError, SettingError
+from ..errors import SettingError
 from ..geometry.tet_mesh import TetMesh, positive
 from ..graphs import components
+from .border import TEXT_BYTES, UNREADABLE, border, check_promise, read_bytes, text_numbers, whole_numbers
 
 SUFFIXES = (".mesh", ".vtu")
 # Cells of VTK: a triangle, a tetrahedron, those with a volume that are none, and the quadratic tetrahedron.
 VTK_TRIANGLE, VTK_TET = 5, 10
 VTK_SOLIDS = {11: "voxels", 12: "hexahedra", 13: "prisms", 14: "pyramids", 24: "curved tetrahedra", 42: "polyhedra"}
-# What an array of a damaged .vtu raises while it is read.
-UNREADABLE = (KeyError, ValueError, TypeError, AttributeError, OverflowError, MemoryError, zlib.error)
+# Memory of the arrays of a point and of a cell of a .vtu file while they are read: each twice for a moment.
+_POINT_BYTES, _CELL_BYTES = 48, 128
 MEDIT_SOLIDS = ("Hexahedra", "Hexaedra", "Prisms", "Pyramids", "TetrahedraP2")
 
 
@@ -62,23 +64,18 @@ def read_marked_tets(path):
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise SettingError(f"{path} is no known file of tetrahedra: use the suffix .mesh (MEDIT, text) or .vtu")
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        raise SettingError(f"{path} cannot be read ({error.strerror}): check the path") from error
-    vertices, tets, triangles, numbers = (_read_medit if suffix == ".mesh" else _read_vtu)(path, content)
-    if not len(tets):
-        raise SettingError(f"{path} has no tetrahedra: export the solid, not its surface")
-    outside = np.flatnonzero(((tets < 0) | (tets >= len(vertices))).any(axis=1))
-    if len(outside):
-        raise SettingError(
-            f"{path}: tetrahedron {outside[0]} names a vertex that is not among the {len(vertices)}: export it again"
-        )
-    try:
+    with border(path):
+        read = _read_medit if suffix == ".mesh" else _read_vtu
+        vertices, tets, triangles, numbers = read(path, read_bytes(path, TEXT_BYTES))
+        if not len(tets):
+            raise SettingError(f"{path} has no tetrahedra: export the solid, not its surface")
+        outside = np.flatnonzero(((tets < 0) | (tets >= len(vertices))).any(axis=1))
+        if len(outside):
+            raise SettingError(
+                f"tetrahedron {outside[0]} names a vertex that is not among the {len(vertices)}: export it again"
+            )
         mesh = TetMesh(vertices, positive(vertices, tets))
         return _enclosed(mesh, triangles), _marked(triangles, numbers, len(vertices))
-    except MeshError as error:
-        raise MeshError(f"{path}: {error}") from error
 
 
 def _marked(triangles, numbers, count):
@@ -107,55 +104,47 @@ def _enclosed(mesh, triangles):
 
 
 def medit_sections(path, content):
-    """Words after each keyword of a MEDIT file of dimension 3."""
+    """The text after each keyword of a MEDIT file of dimension 3."""
     try:
         text = re.sub(r"#.*", "", content.decode("ascii"))
     except UnicodeDecodeError as error:
         raise SettingError(f"{path} is not a text file: export it as ASCII .mesh") from error
     # Words of three letters and more are keywords; digits come before the letter of a number.
     parts = re.split(r"\b([A-Za-z]\w{2,})", text)
-    sections = dict(zip(parts[1::2], (rows.split() for rows in parts[2::2]), strict=True))
+    sections = dict(zip(parts[1::2], parts[2::2], strict=True))
     if "MeshVersionFormatted" not in sections:
         raise SettingError(f"{path} is no MEDIT file: it lacks MeshVersionFormatted, export it again")
-    if sections.get("Dimension", ["3"]) != ["3"]:
+    if sections.get("Dimension", "3").strip() != "3":
         raise SettingError(f"{path} is flat: export a solid of dimension 3")
     return sections
 
 
 def _read_medit(path, content):
     sections = medit_sections(path, content)
-    if not sections.get("Vertices"):
+    if not sections.get("Vertices", "").strip():
         raise SettingError(f"{path} is no MEDIT file: it lacks Vertices, export it again")
     for name in MEDIT_SOLIDS:
-        if len(sections.get(name, [])) > 1:
+        if len(sections.get(name, "").split(None, 2)) > 1:
             raise SettingError(f"{path} has {name}: split all cells into straight tetrahedra")
-    vertices = medit_rows(path, "Vertices", sections["Vertices"], 3)[:, :3]
+    vertices = medit_rows("Vertices", sections["Vertices"], 3)[:, :3]
     try:
-        tets = _whole(medit_rows(path, "Tetrahedra", sections.get("Tetrahedra", ["0"]), 4))[:, :4]
-        rows = _whole(medit_rows(path, "Triangles", sections.get("Triangles", ["0"]), 3))
+        tets = whole_numbers(medit_rows("Tetrahedra", sections.get("Tetrahedra", "0"), 4))[:, :4]
+        rows = whole_numbers(medit_rows("Triangles", sections.get("Triangles", "0"), 3))
     except ValueError as error:
         raise SettingError(f"{path} has {error} among the vertices of its cells: export it again") from error
     return vertices, tets - 1, rows[:, :3] - 1, {"ref": rows[:, 3]}
 
 
-def _whole(values):
-    """The same as whole numbers, int64; ValueError where some is none that a double tells from its neighbours."""
-    wrong = ~((np.abs(values) < 2**53) & (values == np.rint(values)))
-    if values.dtype.kind == "f" and wrong.any():
-        raise ValueError(f"the number {values[wrong][0]:g}")
-    return values.astype(np.int64)
-
-
-def medit_rows(path, name, words, width):
+def medit_rows(name, text, width):
     """(count, width + 1) numbers of a section, the last ones the references that end its rows."""
     try:
-        count = int(words[0])
-        numbers = np.array(words[1:], float)
-    except (ValueError, IndexError) as error:
-        raise SettingError(f"{path} has something among its {name} that is no number: export it again") from error
+        count, *rest = text.split(None, 1)
+        count, numbers = int(count), text_numbers(*rest or [""])
+    except (ValueError, OverflowError) as error:
+        raise SettingError(f"something among its {name} is not a number: export it again") from error
     if count < 0 or len(numbers) != count * (width + 1):
         raise SettingError(
-            f"{path} promises {count} {name} of {width + 1} numbers and has {len(numbers)} numbers: "
+            f"it promises {count} {name} of {width + 1} numbers and has {len(numbers)} numbers: "
             "it was cut short, export it again"
         )
     return numbers.reshape(count, width + 1)
@@ -165,22 +154,24 @@ def _read_vtu(path, content):
     root, appended = vtu_root(path, content)
     points, tets, triangles = [np.zeros((0, 3))], [np.zeros((0, 4), np.int64)], [np.zeros((0, 3), np.int64)]
     count, marks = 0, []
+    check_vtu_sizes(path, root)
     for piece in root.iter("Piece"):
-        try:
-            here = vtu_array(root, appended, piece.find("Points/DataArray")).reshape(-1, 3)
+        vertices, cells = vtu_sizes(piece)
+        with vtu_arrays():
+            here = vtu_array(root, appended, piece.find("Points/DataArray"), 3 * vertices).reshape(-1, 3)
             arrays = {a.get("Name"): a for a in piece.iterfind("Cells/DataArray")}
-            names = ("connectivity", "offsets", "types")
-            corners, ends, types = (_whole(vtu_array(root, appended, arrays[name])) for name in names)
+            ends, types = (
+                whole_numbers(vtu_array(root, appended, arrays[name], cells)) for name in ("offsets", "types")
+            )
+            corners = whole_numbers(vtu_array(root, appended, arrays["connectivity"], ends.max(initial=0)))
             values = {
-                str(a.get("Name")): vtu_array(root, appended, a)
+                str(a.get("Name")): vtu_array(root, appended, a, cells)
                 for a in piece.iterfind("CellData/DataArray")
                 if "Int" in a.get("type", "") and a.get("NumberOfComponents", "1") == "1"
             }
-        except UNREADABLE as error:
-            raise SettingError(f"{path} has an array that cannot be read ({error}): export it again") from error
         for kind in VTK_SOLIDS.keys() & set(types.tolist()):
             raise SettingError(f"{path} has {VTK_SOLIDS[kind]}: split all cells into straight tetrahedra")
-        if len(ends) != len(types) or (ends < 0).any() or (ends > len(corners)).any():
+        if (ends < 0).any():
             raise SettingError(f"{path} has cells whose corners are missing: it was cut short, export it again")
         sizes = np.diff(ends, prepend=0)
         if (sizes[types == VTK_TET] != 4).any() or (sizes[types == VTK_TRIANGLE] != 3).any():
@@ -188,12 +179,36 @@ def _read_vtu(path, content):
         points.append(here)
         tets.append(corners[ends[types == VTK_TET][:, None] + np.arange(-4, 0)] + count)
         triangles.append(corners[ends[types == VTK_TRIANGLE][:, None] + np.arange(-3, 0)] + count)
-        marks.append({name: found[types == VTK_TRIANGLE] for name, found in values.items() if len(found) == len(types)})
+        marks.append({name: found[types == VTK_TRIANGLE] for name, found in values.items()})
         count += len(here)
     # What all pieces have.
     shared = set.intersection(*map(set, marks)) if marks else set()
     numbers = {name: np.concatenate([mark[name] for mark in marks]) for name in sorted(shared)}
     return np.concatenate(points), np.concatenate(tets), np.concatenate(triangles), numbers
+
+
+@contextmanager
+def vtu_arrays():
+    """Say of what damaged arrays of a .vtu file raise inside that it is an array that cannot be read."""
+    try:
+        yield
+    except (*UNREADABLE, MemoryError) as error:
+        raise SettingError(f"it has an array that cannot be read ({error}): export it again") from error
+
+
+def vtu_sizes(piece):
+    """The numbers of points and of cells that a piece of a .vtu file promises."""
+    with vtu_arrays():
+        points, cells = (int(piece.get(f"NumberOf{name}")) for name in ("Points", "Cells"))
+        if min(points, cells) < 0:
+            raise ValueError(f"{points} points, {cells} cells")
+        return points, cells
+
+
+def check_vtu_sizes(path, root):
+    """Refuse a file whose pieces promise more points and cells than memory holds."""
+    sizes = [vtu_sizes(piece) for piece in root.iter("Piece")]
+    check_promise(path, sum(_POINT_BYTES * points + _CELL_BYTES * cells for points, cells in sizes))
 
 
 def vtu_root(path, content):
@@ -218,14 +233,15 @@ def _without_raw_data(content):
     return content[:first], content[first + 1 : last], content[last:]
 
 
-def vtu_array(root, appended, array):
-    """The numbers of an array of a .vtu file, in a row; one of ``UNREADABLE`` is raised for a damaged one."""
+def vtu_array(root, appended, array, count):
+    """The numbers of an array of a .vtu file, in a row; one of ``UNREADABLE`` is raised for a damaged one, and for one
+    that holds another count of numbers than there should be, before it is unpacked."""
     order = ">" if root.get("byte_order") == "BigEndian" else "<"
     kinds = {"Float": "f", "Int": "i", "UInt": "u"}
     name = array.get("type", "")
     dtype = np.dtype(f"{order}{kinds[name.rstrip('0123456789')]}{int(re.sub('[^0-9]', '', name)) // 8}")
     if array.get("format") == "ascii":
-        return np.array((array.text or "").split(), dtype)
+        return _counted(text_numbers(array.text or "", dtype), count)
     compressor = root.get("compressor")
     if compressor not in (None, "", "vtkZLibDataCompressor"):
         raise ValueError(f"compressed by {compressor}, use zlib")
@@ -235,13 +251,21 @@ def vtu_array(root, appended, array):
         stored, raw = "".join((array.text or "").split()).encode("ascii"), False
     header = np.dtype(order + {"UInt32": "u4", "UInt64": "u8"}[root.get("header_type", "UInt32")])
     unpack = _compressed if compressor else _plain
-    return np.frombuffer(unpack(stored, header, raw), dtype)
+    return _counted(np.frombuffer(unpack(stored, header, raw, int(count) * dtype.itemsize), dtype), count)
 
 
-def _plain(stored, header, raw):
+def _counted(numbers, count):
+    if len(numbers) != count:
+        raise ValueError(f"{len(numbers)} numbers where {count} are promised")
+    return numbers
+
+
+def _plain(stored, header, raw, wanted):
     """Bytes after a header that says how many; in base64 the two make one stream, or one each."""
     width = header.itemsize
     size = int(np.frombuffer(_bytes(stored, 0, width, raw), header)[0])
+    if size != wanted:
+        raise ValueError(f"{size} bytes where {wanted} are promised")
     if raw:
         return _bytes(stored, width, size, raw)
     alone = _characters(width)
@@ -250,11 +274,13 @@ def _plain(stored, header, raw):
     return _bytes(stored, 0, width + size, raw)[width:]
 
 
-def _compressed(stored, header, raw):
+def _compressed(stored, header, raw, wanted):
     """Blocks after a header of their number, their size, the last one's size and the compressed size of each."""
     blocks = int(np.frombuffer(_bytes(stored, 0, header.itemsize, raw), header)[0])
     width = (3 + blocks) * header.itemsize
     size, last, *lengths = (int(number) for number in np.frombuffer(_bytes(stored, 0, width, raw), header)[1:])
+    if blocks and (blocks - 1) * size + (last or size) != wanted:
+        raise ValueError(f"{blocks} blocks of {size} bytes where {wanted} bytes are promised")
     packed = _bytes(stored, width if raw else _characters(width), sum(lengths), raw)
     found, place = [], 0
     for number, length in enumerate(lengths, 1):

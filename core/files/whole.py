@@ -2,12 +2,13 @@
 """Files that are written whole or not at all: what was there before stays until its successor is complete."""
 
 import os
-import secrets
 import shutil
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
+from functools import partial
 from pathlib import Path
 
-from ..errors import SettingError
+from ..errors import WriteError
+from .leftovers import own_name, sweep
 
 
 @contextmanager
@@ -25,32 +26,91 @@ def written_whole(path, is_whole=None):
 
     Raises
     ------
-    SettingError
+    WriteError
         where the file cannot be written, or nothing or only a part of it arrived; nothing has changed then
     """
+    with written_together() as written, written(path, is_whole) as made:
+        yield made
+
+
+@contextmanager
+def written_together():
+    """Write several files, which take their places together once all are complete, or none of them does.
+
+    Yields a function that writes one of them as :func:`written_whole` does, with the same arguments and errors.
+    """
+    waiting: list[tuple[str | Path, Path, Path]] = []
+    try:
+        yield partial(_written_beside, waiting)
+        _take_places(waiting)
+    finally:
+        for _, _, made in waiting:
+            made.unlink(missing_ok=True)
+
+
+@contextmanager
+def _written_beside(waiting, path, is_whole=None):
+    """Write a file beside its place, and add it to those that wait for their places."""
     target = Path(path).resolve()
     if target.is_dir():
         raise unwritten(path, "this is a folder")
     is_device = target.exists() and not target.is_file()
     if is_device and is_whole is not None:
         raise unwritten(path, "this is no file, and nobody could tell whether all of it arrived")
-    made = Path(path).absolute() if is_device else _beside(target)
+    made = Path(path).absolute() if is_device else place_beside(target)
     try:
-        try:
-            yield made
-            if is_device:
-                return
-            if not made.is_file() or not made.stat().st_size:
-                raise unwritten(path, "nothing arrived")
-            if is_whole is not None and not is_whole(made):
-                raise unwritten(path, "only a part arrived")
-            _finish(made, target)
-        finally:
-            if not is_device:
-                with suppress(OSError):
-                    made.unlink(missing_ok=True)
-    except OSError as error:
-        raise unwritten(path, error.strerror or error) from None
+        yield made
+        if is_device:
+            return
+        if not made.is_file() or not made.stat().st_size:
+            raise unwritten(path, "nothing arrived")
+        if is_whole is not None and not is_whole(made):
+            raise unwritten(path, "only a part arrived")
+        with made.open("r+b") as file:  # everything is on the disk before an older file goes
+            os.fsync(file.fileno())
+    except BaseException as error:
+        if not is_device:
+            with suppress(OSError):
+                made.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            raise unwritten(path, error.strerror or error) from None
+        raise
+    waiting.append((path, target, made))
+
+
+def _take_places(waiting):
+    """Put complete files in their places, or give back what was there before where that fails."""
+    with ExitStack() as undo:
+        for number, (path, target, made) in enumerate(waiting, 1):
+            try:
+                if target.exists():
+                    shutil.copymode(target, made)
+                if number < len(waiting):  # what is replaced last is replaced or not
+                    undo.enter_context(_given_back(target))
+                os.replace(made, target)
+            except OSError as error:
+                raise unwritten(path, error.strerror or error) from None
+
+
+@contextmanager
+def _given_back(target):
+    """Give a file back as it was, should work inside fail."""
+    kept = place_beside(target)
+    try:
+        os.link(target, kept)
+    except FileNotFoundError:
+        kept = None
+    except OSError:  # no links there
+        shutil.copy2(target, kept)
+    try:
+        yield
+    except BaseException:
+        with suppress(OSError):
+            target.unlink() if kept is None else os.replace(kept, target)
+        raise
+    finally:
+        if kept is not None:
+            kept.unlink(missing_ok=True)
 
 
 def write_text(path, text):
@@ -61,7 +121,7 @@ def write_text(path, text):
 
 def unwritten(path, reason):
     """The error of a file that could not be written."""
-    return SettingError(f"{path}: cannot be written ({reason}): make room, or choose another place")
+    return WriteError(f"{path}: cannot be written ({reason}): make room, or choose another place")
 
 
 def check_writable(path):
@@ -69,7 +129,7 @@ def check_writable(path):
     target = Path(path).resolve()
     if target.exists() and not target.is_file():
         return
-    probe = _beside(target)
+    probe = place_beside(target)
     try:
         probe.touch(exist_ok=False)
         probe.unlink()
@@ -77,15 +137,7 @@ def check_writable(path):
         raise unwritten(path, error.strerror or error) from None
 
 
-def _beside(target):
-    """A name that nobody else takes, in the same folder and with the same suffix."""
-    return target.with_name(f".synch-{secrets.token_hex(8)}{target.suffix}")
-
-
-def _finish(made, target):
-    """Everything is on the disk before the older file goes, whose permissions are kept."""
-    with made.open("r+b") as file:
-        os.fsync(file.fileno())
-    if target.exists():
-        shutil.copymode(target, made)
-    os.replace(made, target)
+def place_beside(target):
+    """A place that nobody else takes, in the same folder and with the same suffix; what was left there is swept."""
+    sweep(target.parent)
+    return target.with_name(own_name(target.suffix))

@@ -9,6 +9,8 @@ from .triangle_mesh import TriangleMesh
 
 # A face whose area is below this share of its longest edge squared has no usable plane.
 FLAT_FACE = 1e-12
+# Steps of single precision that are a larger share of the edges than this are told of.
+COARSE_STEP = 0.02
 
 
 def check_mesh(mesh: TriangleMesh, faces: np.ndarray | None = None) -> None:
@@ -38,6 +40,30 @@ def check_mesh(mesh: TriangleMesh, faces: np.ndarray | None = None) -> None:
         mesh.fan_corner_counts != corners,
         "faces that touch only at this point",
         "separate them with Mesh > Split > Faces & Edges by Vertices, or rip the vertex (V)",
+    )
+
+
+def coarse_places(places, edges):
+    """The line that says that single precision, in which Blender keeps places, is too coarse for the edges between
+    them; "" where it is not.
+
+    Parameters
+    ----------
+    places : (n, 3)
+    edges : (e, 2)
+    """
+    known = edges[np.isfinite(places[edges]).all(axis=(1, 2))]
+    lengths = np.linalg.norm(np.diff(places[known], axis=1)[:, 0], axis=1)
+    lengths = lengths[lengths > 0]
+    if len(lengths) == 0:
+        return ""
+    largest = float(np.abs(places[known]).max())
+    step = float(np.spacing(np.float32(min(largest, np.finfo(np.float32).max))))
+    if step <= COARSE_STEP * np.median(lengths):
+        return ""
+    return (
+        f"coordinates of {largest:.2g} leave steps of {step:.2g} between neighbours in single precision: "
+        "move the object's vertices to its origin before export"
     )
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import SettingError, shown
+from ..files.border import SETTINGS_BYTES, border, read_text
 from ..keywords import check_choice, check_path, check_positive, from_names, take_all
 
 AXES = ("xyz", "ac", "bc")
@@ -91,13 +92,5 @@ def read_machine(path):
     path = Path(check_path(path, "the machine's file"))
     if path.suffix.lower() != SUFFIX:
         raise SettingError(f"{path}: a machine's file must end in {SUFFIX}")
-    try:
-        values = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise SettingError(f"{path}: cannot be read ({error.strerror or error}): choose another file") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise SettingError(f"{path}: cannot be read ({error}): write lines such as feed = 1200") from None
-    try:
-        return from_names(Machine, values)
-    except SettingError as error:
-        raise SettingError(f"{path}: {error}") from None
+    with border(path, "write lines such as feed = 1200"):
+        return from_names(Machine, tomllib.loads(read_text(path, SETTINGS_BYTES)))

@@ -4,7 +4,11 @@
 import numpy as np
 
 from ..errors import SettingError
-from .solution import DESCENT, FIRST, METHODS, ROUNDINGS, SMALLEST_GAP, Options, Solution
+from ..settings.setting import records
+from ..settings.solver import SolverSettings
+from .solution import DESCENT, FIRST, METHODS, Options, Solution
+
+_RECORDS = dict(records(SolverSettings))
 
 
 def check_options(options, problem, start):
@@ -23,15 +27,8 @@ def check_options(options, problem, start):
         raise SettingError("the method 'descent' goes on from a start: give one")
     if options.method not in (*METHODS, DESCENT, FIRST):
         raise SettingError(f"method {options.method!r} is unknown: use one of {', '.join(METHODS)}")
-    if options.rounding not in ROUNDINGS:
-        raise SettingError(f"rounding {options.rounding!r} is unknown: use one of {', '.join(ROUNDINGS)}")
-    if not SMALLEST_GAP <= options.target_gap < 1:
-        raise SettingError(
-            f"the target gap is {options.target_gap:g}: give a share from {SMALLEST_GAP:g}, the smallest that double "
-            "precision reaches, to 1, such as 0.001"
-        )
-    if options.time_limit is not None and not options.time_limit > 0:
-        raise SettingError(f"the time limit is {options.time_limit:g} s: give a positive number of seconds")
+    for name in ("rounding", "target_gap", "time_limit"):
+        _RECORDS[name].check(name, getattr(options, name))
     if start is not None:
         _check_start(problem, start, options)
 

@@ -3,17 +3,18 @@
 
 import time
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import Enum, StrEnum
 
 import numpy as np
 
-METHODS = ("sdp", "spectral", "diffusion")
+from ..settings import solver
+from ..settings.solver import SolverSettings
+
+METHODS: tuple[str, ...] = tuple(choice.name for choice in solver.METHODS)
 DESCENT = "descent"
 FIRST = "first"
-ROUNDINGS = ("continuation", "polish", "random", "svd")
-# The smallest target gap: it was reached on all meshes that were tried, 1e-8 on three of four problems.
-SMALLEST_GAP = 1e-6
+ROUNDINGS: tuple[str, ...] = tuple(choice.name for choice in solver.ROUNDINGS)
 
 
 class Certificate(StrEnum):
@@ -72,20 +73,25 @@ class Options:
         projections (Eq. 29); "polish", the best of those followed by descent; "continuation", the default,
         with rounds of a seeded continuation before
     target_gap : relative gap between the relaxation's value and its lower bound at which "sdp" stops, from
-        :data:`SMALLEST_GAP` to 1; it says nothing of what rounding adds
+        :data:`core.settings.solver.SMALLEST_GAP` to 1; it says nothing of what rounding adds
     samples : random projections tried, at least 1; not for the rounding "svd"
     seed : of every random choice, 0 or more; the same seed gives the same result to the last digit
     time_limit : seconds after which the best so far is returned, with the status ``TIME_LIMIT``; None for no limit
     long_proofs : whether bounds are proved that take more than some ten seconds to prove, as far as memory reaches
     """
 
-    method: str = "sdp"
-    rounding: str = "continuation"
-    target_gap: float = 1e-2
+    method: str = SolverSettings.method
+    rounding: str = SolverSettings.rounding
+    target_gap: float = SolverSettings.target_gap
     samples: int = 64
-    seed: int = 0
-    time_limit: float | None = None
+    seed: int = SolverSettings.seed
+    time_limit: float | None = SolverSettings.time_limit
     long_proofs: bool = False
+
+    @classmethod
+    def of(cls, settings: SolverSettings) -> "Options":
+        """The options that settings stand for."""
+        return cls(**{item.name: getattr(settings, item.name) for item in fields(SolverSettings)})
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,8 @@ from ..fields.clebsch_frames import following_map, following_sphere
 from ..files.flows import ArrayFile, GridFlow, VolumeFile
 from ..geometry.grid import Grid, box_grid
 from ..monitor import Monitor, portion
-from .flow_settings import ClebschSettings
+from ..settings.flow import FlowSettings
+from ..solve import Options
 from .flows import FlowResult, Shown, check_grid, check_resolution, showing
 
 # Bytes that the maps of a frame take for each node, and those that the maps of all frames may take.
@@ -80,7 +81,7 @@ class SequenceRequest:
     Attributes
     ----------
     files : FrameFile of each frame
-    settings : ClebschSettings
+    settings : FlowSettings
 
     Raises
     ------
@@ -89,7 +90,7 @@ class SequenceRequest:
     """
 
     files: tuple[FrameFile, ...]
-    settings: ClebschSettings
+    settings: FlowSettings
 
     def __post_init__(self):
         check_resolution(self.settings.resolution)
@@ -141,7 +142,7 @@ class SequenceRequest:
 
     def _solved(self, file, grid, quantum, found, sphere, progress):
         """The maps of a frame, from those of the frame before if there is one, and warnings of its flow."""
-        flow, options = file.source.read(), self.settings.options
+        flow, options = file.source.read(), Options.of(self.settings)
         integrals = Monitor(progress).during(lambda: flow.integrals(grid))
         of_map, of_sphere = portion(progress, 0.0, 0.8), portion(progress, 0.8, 0.15)
         if found is None:

@@ -27,8 +27,8 @@ from ..files.flows import ArrayFile, VolumeFile
 from ..geometry.mesh_input import MeshInput
 from ..geometry.surface import Surface
 from ..monitor import Monitor, portion
+from ..settings.flow import FlowSettings
 from ..solve import Options
-from .flow_settings import ClebschSettings
 
 # Radius of a filament's tube, and of the cores of curves that tubes can be around, in cells of the grid.
 _THICKNESS, _CORE_OF_TUBES = 0.25, 2.0
@@ -134,7 +134,7 @@ class FlowResult:
         quantum = settings.quantum
         if quantum is None:
             quantum = quantum_for(grid, integrals, settings.count)
-        found = clebsch_map(grid, integrals, quantum, settings.options, portion(progress, 0.0, 0.8))
+        found = clebsch_map(grid, integrals, quantum, Options.of(settings), portion(progress, 0.0, 0.8))
         sphere = spherical_map(found, portion(progress, 0.8, 0.2)) if settings.method == "sdp" else None
         return cls(found, sphere, found, None, None, (), {"sphere": sphere.seconds} if sphere else {}).seeing(settings)
 
@@ -166,7 +166,7 @@ class FlowRequest:
     Attributes
     ----------
     source : what the flow is read from
-    settings : ClebschSettings
+    settings : FlowSettings
 
     Raises
     ------
@@ -175,7 +175,7 @@ class FlowRequest:
     """
 
     source: ArrayFile | VolumeFile | FilamentCurves
-    settings: ClebschSettings
+    settings: FlowSettings
 
     def __post_init__(self):
         check_resolution(self.settings.resolution)
@@ -277,12 +277,12 @@ class SurfaceFlowRequest:
     ----------
     given : the mesh
     velocity : (n, 3) at its vertices, of which the tangential part counts
-    settings : ClebschSettings
+    settings : FlowSettings
     """
 
     given: MeshInput
     velocity: np.ndarray
-    settings: ClebschSettings
+    settings: FlowSettings
 
     @property
     def shared(self):

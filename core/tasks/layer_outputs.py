@@ -72,11 +72,16 @@ class Layering:
         """The TetMesh."""
         return self.pattern.mesh
 
+    @property
+    def spacing(self):
+        """Mean distance of the layers; the solid's diagonal where no two of them follow one another."""
+        mean = float(self.pattern.spacings.mean)
+        return mean if math.isfinite(mean) else float(np.linalg.norm(np.ptp(self.solid.vertices, axis=0)))
+
     def paths(self, settings):
         """The :class:`PathsRequest` of :class:`PathSettings`."""
-        step = self.pattern.spacings.mean if settings.step is None else settings.step
-        spacing = float(self.pattern.spacings.mean)
-        return PathsRequest(self.surfaces, self.solid, self.matrix, float(step), spacing, settings)
+        step = self.spacing if settings.step is None else settings.step
+        return PathsRequest(self.surfaces, self.solid, self.matrix, float(step), self.spacing, settings)
 
     def voxels(self, resolution):
         """The :class:`VoxelsRequest` of so many voxels along the longest side; too many in all are refused."""

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..errors import Cancelled, ContradictionError, SettingError, SynchError
+from ..extract.chords import TooManyLines
 from ..extract.quad_loops import quad_loops
 from ..extract.quad_smoothing import lost_lines
 from ..fields.growth import Growth
@@ -49,6 +50,8 @@ def _meshed(request, directions, progress):
             found.append(_traced(_scaled(request, float(factor)), directions, portion(progress, start, share)))
         except ContradictionError:
             raise
+        except TooManyLines as error:
+            raise SettingError(f"{request.faces} faces are too many for this mesh ({error}): ask for fewer") from None
         except SettingError:  # quads as large as that are no mesh
             bounds[1] = factor
             factor = np.sqrt(np.prod(bounds)) if bounds[0] > 0 else factor / 2

@@ -24,12 +24,13 @@ from ..fields import (
     stripe_pattern,
 )
 from ..fields.alignment import along_curvature
-from ..fields.directions import SYMMETRIES, known_directions
+from ..fields.directions import known_directions
 from ..fields.growth import COARSE_SHARE, Growth
 from ..fields.mirror import Mirror
 from ..fields.patterns import known_pattern
 from ..geometry.mesh_input import MeshInput
 from ..monitor import Monitor, portion
+from ..settings.surface import SYMMETRY_ORDERS
 from ..solve import Options
 from ..solve.solution import FIRST, Clock
 from .quad_meshes import solved_mesh
@@ -165,7 +166,7 @@ class SurfaceRequest:
 
     def directed(self, progress=None, before=None, follower=None):
         """The :class:`DirectionField`, turned by its angle; from the one of the frame before, if there is one."""
-        mesh, symmetry = self.given.mesh, SYMMETRIES[self.symmetry]
+        mesh, symmetry = self.given.mesh, SYMMETRY_ORDERS[self.symmetry]
         if self.directions is not None:
             return given_directions(mesh, symmetry, self.directions).turned(self.turn)
         start = None if self.start is None else self.start[0]
@@ -210,7 +211,7 @@ class SurfaceRequest:
 
     def known(self, vectors, phases):
         """The DirectionField and the Pattern of (n, 3) directions and (k n,) complex phases that were solved for."""
-        mesh, symmetry = self.given.mesh, SYMMETRIES[self.symmetry]
+        mesh, symmetry = self.given.mesh, SYMMETRY_ORDERS[self.symmetry]
         wishes = DirectionWishes((), self.rows, self.mirrors, self.singularities, self.pins)
         field = known_directions(mesh, symmetry, vectors, wishes)
         return field, known_pattern(mesh, field, self.spacings, phases, self.rows, self.mirrors, self.branching)

@@ -8,16 +8,24 @@ import numpy as np
 
 from ...core.files.pictures import is_whole
 from ...core.files.whole import unwritten
+from ...core.settings.bake import MAPS, SUFFIXES
 from ..blender.transaction import assign, at_the_end, keep, set_aside
-from ..nodes.canvas import surface_material
+from ..nodes.canvas import find_node, surface_material
 from ..nodes.materials import append_material
-from .settings import MAPS
 from .shaders import SOURCE, pattern_node, sources
 
 # Custom property of what a bake has made, and may replace: its map, or the object.
 _MADE = "synch_baked"
+# The kinds of nodes that are kept.
+_SURFACE, _OUTPUT = "ShaderNodeBsdfPrincipled", "ShaderNodeOutputMaterial"
 # Of the material that is baked: the node that scales its relief, in spacings, and what stands for a missing one.
 _RELIEF_NODE, _RELIEF = "Relief", 0.05
+
+
+def file_name(settings, name, map_name):
+    """Of the file or image of a map of an object with this name, as :class:`BakeSettings` have it."""
+    stem = bpy.path.clean_name(settings.naming.format(object=name, map=map_name))
+    return stem + SUFFIXES[settings.file_format]
 
 
 def save(values, path, settings, map_name, scene):
@@ -120,27 +128,20 @@ def _is_made_for(material, obj):
 
 
 def _new_material(obj, source):
-    material = surface_material(f"{obj.name} Baked")
+    material, surface, _ = surface_material(f"{obj.name} Baked")
     material[_MADE] = obj.name
     if source is not None:
         material[SOURCE] = source
-        shader = _node(source, "BSDF_PRINCIPLED")
+        shader = find_node(source.node_tree, _SURFACE)
         if shader:
-            roughness = shader.inputs["Roughness"].default_value
-            _node(material, "BSDF_PRINCIPLED").inputs["Roughness"].default_value = roughness
+            surface.inputs["Roughness"].default_value = shader.inputs["Roughness"].default_value
     return material
-
-
-def _node(material, kind):
-    nodes = material.node_tree.nodes if material and material.node_tree else ()
-    return next((node for node in nodes if node.type == kind), None)
 
 
 def _fill(material, obj, images, uv_map, with_displacement):
     """Build the tree of a material of images anew; its shader stays as it is."""
     tree = material.node_tree
-    surface = _node(material, "BSDF_PRINCIPLED") or tree.nodes.new("ShaderNodeBsdfPrincipled")
-    output = _node(material, "OUTPUT_MATERIAL") or tree.nodes.new("ShaderNodeOutputMaterial")
+    surface, output = (find_node(tree, kind) or tree.nodes.new(kind) for kind in (_SURFACE, _OUTPUT))
     tree.links.new(surface.outputs[0], output.inputs["Surface"])
     for node in list(tree.nodes):
         if node not in (surface, output):

@@ -11,6 +11,8 @@ import numpy as np
 
 from ...core.errors import SettingError, SynchError
 from ...core.extract.cells import cells
+from ...core.files.leftovers import own_name, sweep
+from ...core.settings.bake import MAPS, NEW_MAP
 from ..blender import meshes
 from ..blender import phases as blender_phases
 from ..blender.objects import ObjectLink
@@ -19,7 +21,6 @@ from ..jobs.report import versions
 from ..patterns.numbers import numbers_of
 from . import images as bake_images
 from . import index, shaders
-from .settings import MAPS, NEW_MAP
 from .stage import read_uv, staged, write_uv
 
 # How far apart the islands of a new map are at most, in pixels: of a curved surface there are hundreds. In an image
@@ -77,7 +78,7 @@ def _baking(link, settings):
         report |= {"margin": settings.margin, "samples": settings.samples, "maps": {}, "warnings": []}
         report["uv_map"], coordinates = _layer(obj, settings, report["warnings"])
         is_new = coordinates is None
-        with tempfile.TemporaryDirectory(prefix=".synch_", dir=folder) as temporary:
+        with tempfile.TemporaryDirectory(prefix=own_name(), dir=folder or bpy.app.tempdir) as temporary:
             if is_new:
                 yield "unwrap", 0.0
                 with staged(obj, modifiers=False) as stage:
@@ -115,9 +116,11 @@ def _folder(obj, settings):
         raise SettingError(f"{given}: this folder does not exist, create it first")
     if not os.access(folder, os.W_OK):
         raise SettingError(f"{given}: nothing can be written to this folder, choose another")
+    sweep(folder)
     for name in settings.maps:
-        if (folder / settings.file_name(obj, name)).is_dir():
-            raise SettingError(f"{folder / settings.file_name(obj, name)}: this is a folder, choose another name")
+        path = folder / bake_images.file_name(settings, obj.name, name)
+        if path.is_dir():
+            raise SettingError(f"{path}: this is a folder, choose another name")
     return folder
 
 
@@ -184,7 +187,7 @@ def _bake_all(obj, kind, settings, coordinates, folder, report):
             stage.use_map(report["uv_map"], coordinates)
             values = stage.bake(bake_type, glowing(), settings.size, samples, settings.margin)
             for name in wanted:
-                path = folder / settings.file_name(obj, name)
+                path = folder / bake_images.file_name(settings, obj.name, name)
                 bake_images.save(values[:, :, channels[name]], path, settings, name, stage.scene)
         _describe(report, wanted, settings, start)
     if "index" in settings.maps:
@@ -193,7 +196,7 @@ def _bake_all(obj, kind, settings, coordinates, folder, report):
         with staged(obj, modifiers=False) as stage:
             found = index.numbers_at(stage, polygons, coordinates, numbering, settings.size, settings.margin)
             values = _numbered(found, numbering.count, settings, report)
-            path = folder / settings.file_name(obj, "index")
+            path = folder / bake_images.file_name(settings, obj.name, "index")
             bake_images.save(values[:, :, None], path, settings, "index", stage.scene)
         _describe(report, ["index"], settings, start)
     yield "write", 1.0
@@ -224,7 +227,7 @@ def _kept(obj, settings, temporary, folder, report):
     """Put all files in their places, or pack them; returns the images that the .blend holds, by their maps."""
     images = {}
     for name, entry in report["maps"].items():
-        target = settings.file_name(obj, name)
+        target = bake_images.file_name(settings, obj.name, name)
         entry["bytes"] = (temporary / target).stat().st_size
         if folder is None:
             images[name] = bake_images.packed(temporary / target, target, name)

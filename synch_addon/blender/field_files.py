@@ -7,10 +7,11 @@ import bpy
 import numpy as np
 
 from ...core.errors import MeshError, SettingError, name_elements
-from ...core.fields.directions import SYMMETRIES, DirectionField, given_directions
+from ...core.fields.directions import DirectionField, given_directions
 from ...core.files.directions import FaceField, from_vertices, read_field, to_vertices, write_field
 from ...core.geometry import mesh_input
 from ...core.keywords import check_path
+from ...core.settings.surface import SYMMETRY_ORDERS
 from . import attributes, meshes
 from .schema import DIRECTION
 
@@ -54,7 +55,7 @@ def import_directions(obj, path):
     """
     given = meshes.read_mesh(obj)
     symmetry, compute = read_guide(given, path)
-    names = {number: name for name, number in SYMMETRIES.items()}
+    names = {number: name for name, number in SYMMETRY_ORDERS.items()}
     if symmetry not in names:
         raise SettingError(f"{path} has {symmetry} directions a face: import fields of 1, 2 or 4")
     guide = compute()
@@ -82,7 +83,7 @@ def export_directions(obj, path, symmetry):
     path = bpy.path.abspath(check_path(path))
     given = meshes.read_mesh(obj)
     check_triangles(given.polygons)
-    number = SYMMETRIES[symmetry]
+    number = SYMMETRY_ORDERS[symmetry]
     angles = given_directions(given.mesh, number, attributes.read_vectors(obj, DIRECTION.name, given)).angles
     found = from_vertices(given.mesh, number, angles).vectors
     vectors = np.zeros((len(given.polygons.starts), *found.shape[1:]))

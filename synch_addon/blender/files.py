@@ -2,6 +2,7 @@
 """Files in and out for the command line, by Blender's own importers."""
 
 import math
+import tempfile
 from functools import partial
 from pathlib import Path
 
@@ -11,8 +12,10 @@ import numpy as np
 
 from ...core.errors import SettingError
 from ...core.files.directions import SUFFIXES as FIELD_SUFFIXES
-from ...core.files.meshes import check_ply, is_whole
+from ...core.files.meshes import check_glb, check_ply, is_whole
+from ...core.files.obj_files import ObjMesh, far_centre, write_centred, write_obj
 from ...core.files.whole import check_writable, unwritten, written_whole
+from ...core.geometry.check import coarse_places
 from ...core.memory import check_memory
 from .attributes import read_all
 from .quiet import quiet_stderr
@@ -26,15 +29,17 @@ _IMPORTERS = {
 # Memory that an importer takes for each byte of a file, which ends Blender where there is none: a third more than was
 # measured on spheres of 160,000 and a million vertices.
 _BYTES = {".obj": 8, ".ply": 34, ".stl": 4}
+# Headers that are looked at before an importer allocates what they promise.
+_CHECKS = {".ply": check_ply, ".glb": check_glb}
 _EXPORTERS = {
-    ".obj": lambda **to: bpy.ops.wm.obj_export(export_selected_objects=True, export_materials=False, **to),
     ".ply": lambda **to: bpy.ops.wm.ply_export(
         export_selected_objects=True, export_uv=False, export_normals=False, export_colors="NONE", **to
     ),
     ".stl": lambda **to: bpy.ops.wm.stl_export(export_selected_objects=True, **to),
 }
-_Z_UP = {"forward_axis": "Y", "up_axis": "Z"}
-MESH_SUFFIXES = tuple(_EXPORTERS)
+MESH_SUFFIXES = (".obj", *_EXPORTERS)
+# What an .obj file's axes are where it has Y up: of the world's.
+_Y_UP = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
 # Formats that keep one normal and one UV for each vertex, and so tear a surface at every seam and sharp edge.
 _TORN = (".glb", ".ply")
 # Files without normals are shown smooth, apart from edges bent by more than this.
@@ -57,14 +62,18 @@ def open_input(path):
         )
     if not Path(path).is_file():
         raise SettingError(f"{path}: no such file")
-    if suffix == ".ply":
-        check_ply(path)
+    if suffix in _CHECKS:
+        _CHECKS[suffix](path)
     check_memory(_BYTES.get(suffix, 0) * Path(path).stat().st_size, str(path), reserved=1.0)
+    centre = far_centre(path) if suffix == ".obj" else None
     try:
         with quiet_stderr():
-            _read(suffix, str(Path(path).resolve()))
+            if centre is None:
+                _read(suffix, str(Path(path).resolve()))
+            else:
+                _read_far(path, centre)
     except RuntimeError as error:
-        reason = " ".join(str(error).removeprefix("Error: ").split())
+        reason = _reason(error)
         raise SettingError(f"{path}: cannot be read ({reason}): export it again") from None
     if suffix == ".blend":
         return
@@ -74,6 +83,13 @@ def open_input(path):
         if not mesh.has_custom_normals:
             mesh.shade_smooth()
             mesh.set_sharp_from_angle(angle=_SHARP)
+
+
+def _reason(error):
+    """What an importer says in one line; of the traceback of one that is written in Python what it ends with."""
+    lines = [line.strip() for line in str(error).removeprefix("Error: ").splitlines()]
+    lines = [line for line in lines if line and not line.startswith("Location: ")]
+    return lines[-1] if any("Traceback" in line for line in lines) else " ".join(lines)
 
 
 def _read(suffix, path):
@@ -86,6 +102,16 @@ def _read(suffix, path):
 
         addon_utils.enable("io_scene_gltf2")
     _IMPORTERS[suffix](path)
+
+
+def _read_far(path, centre):
+    """Import an .obj file that is far from the origin, its vertices relative to a centre at which its objects are."""
+    with tempfile.TemporaryDirectory(prefix="synch_") as folder:
+        near = Path(folder) / Path(path).name
+        write_centred(path, centre, near)
+        _read(".obj", str(near))
+    for obj in bpy.context.scene.objects:
+        obj.location = _Y_UP[:3, :3].T @ centre
 
 
 def _weld(mesh):
@@ -161,7 +187,7 @@ def check_output(path, suffixes):
     check_writable(path)
 
 
-def export_mesh(obj, path, z_up=False):
+def export_mesh(obj, path, z_up=False, written=written_whole):
     """Write one mesh object to a file of its own, in the units of the scene.
 
     Parameters
@@ -169,21 +195,55 @@ def export_mesh(obj, path, z_up=False):
     obj : bpy.types.Object
     path : of a kind in MESH_SUFFIXES
     z_up : coordinates of the world in an .obj file too, whose usual way up is Y; the other kinds have them always
+    written : what a :func:`written_together` yields, for a file of a set
 
     Raises
     ------
     SettingError
         where the file cannot be written
     """
+    seen = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    data, matrix, suffix = seen.data, np.array(seen.matrix_world, float), Path(path).suffix.lower()
+    arrived = partial(is_whole, vertices=len(data.vertices), faces=len(data.polygons))
+    if suffix == ".obj":
+        mesh = _obj_mesh(obj.name, data, matrix if z_up else _Y_UP @ matrix)
+        with written(path, arrived) as made, made.open("w", encoding="ascii", newline="\n") as file:
+            write_obj(file, mesh)
+        return
+    coarse = coarse_places(_places(data, matrix), read_all(data.edges, "vertices", 2))
+    if coarse:
+        raise SettingError(f"{path}: {coarse}, or write an .obj")
     for other in bpy.context.view_layer.objects:
         other.select_set(other == obj)
-    data = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    arrived = partial(is_whole, vertices=len(data.vertices), faces=len(data.polygons))
-    with written_whole(path, arrived) as made:
+    with written(path, arrived) as made:
         try:
-            _EXPORTERS[made.suffix.lower()](filepath=str(made), **(_Z_UP if z_up else {}))
+            _EXPORTERS[suffix](filepath=str(made))
         except RuntimeError as error:
             raise unwritten(path, " ".join(str(error).split())) from None
+
+
+def _places(data, matrix):
+    return read_all(data.vertices, "co", 3, np.float32).astype(float) @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def _obj_mesh(name, data, matrix):
+    """The :class:`ObjMesh` of a mesh that a (4, 4) matrix places; a mirrored one has its faces the other way round."""
+    sizes, linear = read_all(data.polygons, "loop_total"), matrix[:3, :3]
+    order, ends = np.arange(len(data.loops)), np.cumsum(sizes)
+    if np.linalg.det(linear) < 0:
+        order = np.repeat(2 * ends - sizes - 1, sizes) - order
+    normals = read_all(data.corner_normals, "vector", 3, np.float32)[order] @ np.linalg.pinv(linear)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    uv = data.uv_layers.active
+    return ObjMesh(
+        name,
+        _places(data, matrix),
+        read_all(data.loops, "vertex_index")[order],
+        sizes,
+        read_all(data.polygons, "use_smooth", 1, bool),
+        np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0),
+        None if uv is None else read_all(uv.uv, "vector", 2, np.float32)[order].astype(float),
+    )
 
 
 def is_report(path):

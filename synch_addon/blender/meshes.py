@@ -11,7 +11,7 @@ import numpy as np
 from ...core.errors import MeshError, SynchError
 from ...core.geometry import TriangleMesh
 from ...core.geometry.carrier import carrier, finite_places
-from ...core.geometry.check import check_mesh
+from ...core.geometry.check import check_mesh, coarse_places
 from ...core.geometry.mesh_input import MeshInput
 from ...core.geometry.polygons import Polygons
 from .attributes import read_all, read_values
@@ -92,6 +92,9 @@ def read_mesh(obj, base=None, strict=False):
         if strict or mesh.triangle_count == 0:
             raise
         found = carrier(mesh, polygons)
+        coarse = coarse_places(mesh.vertices, mesh.edges)
+        if coarse and "flat_faces" in {finding.name for finding in found.findings}:
+            raise MeshError(f"{obj.name} has lost its shape: {coarse}") from None
         places = found.mesh, found.polygons, stretch, found.mesh, found.source
         across = found.across if len(found.across) else None
         return MeshInput(*places, found.findings, found.own, across, across)

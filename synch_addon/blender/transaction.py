@@ -8,12 +8,13 @@ more. Outside all of these do what they are asked to, for good and at once.
 """
 
 import os
-import secrets
 import shutil
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import bpy
+
+from ...core.files.whole import place_beside
 
 # Behind the name of what leaves, whose name something new may take.
 _LEAVING = " (leaving)"
@@ -135,7 +136,7 @@ def keep_file(owner, path):
     What is no file, such as a device, is left alone.
     """
     place = Path(path).resolve()
-    kept = place.with_name(f".synch-{secrets.token_hex(8)}{place.suffix}")
+    kept = place_beside(place)
     if not place.exists():
         undone_by(owner, lambda: place.unlink(missing_ok=True))
         return

@@ -3,6 +3,7 @@
 
 import bpy
 
+from ...core.settings.surface import SurfaceSettings
 from ..blender import files
 from ..frames.job import HOLD, run_animate
 from ..jobs.report import counted
@@ -21,13 +22,13 @@ def add_parser(commands):
     add_choice(command, "--pattern", ("stripes", "quads"), "stripes")
     command.add_argument("--frames", nargs=2, type=int, metavar=("FIRST", "LAST"), help="default: the scene's")
     add_number(command, "--hold", HOLD, "how strongly the pattern holds on to the frame before")
-    add_settings(command, "animate")
+    add_settings(command, SurfaceSettings, "animate")
     add_outputs(command, "energies, defects and changes of each frame")
 
 
 def run(options, open_object, progress):
     """Run the command."""
-    settings = settings_of(options)
+    settings = settings_of(options, SurfaceSettings, assign_material=True)
     files.check_outputs(options.output, report=options.report)
     obj = open_object()
     scene = bpy.context.scene

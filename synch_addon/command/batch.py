@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command ``batch`` of the command line: many commands in warm processes of this machine or of a Dask cluster."""
 
-import glob
 import os
 import re
 import sys
@@ -25,13 +24,12 @@ from ...core.files import pictures
 from ...core.files.whole import written_whole
 from ..jobs.report import counted, versions
 from .flags import Made, add_number, add_quiet
+from .process_exit import leave_now
 
 # Arguments of a Python that has Blender as a module that start a warm process.
 _SERVE = "-m", __package__.removesuffix(".synch_addon.command"), "batch", "-"
 # Pixels across a picture of the contact sheet, and its quality.
 _SMALL, _QUALITY = 320, 82
-# Files that a guidance names.
-_GUIDES = re.compile(r'file:("(?:[^"]|"")*"|[^,="]+)')
 # Flags that do not change what a row gives.
 _UNSAID = "command", "quiet"
 
@@ -42,12 +40,12 @@ class Way(NamedTuple):
     Attributes
     ----------
     parse : callable(arguments) -> options; raises SettingError
-    outputs : callable(options) -> paths of the files that are asked for
+    files : callable(options) -> the :class:`DeclaredFile` of all that is read and written
     carry_out : callable(options) -> Made, its files written; raises SynchError
     """
 
     parse: object
-    outputs: object
+    files: object
     carry_out: object
 
 
@@ -96,8 +94,10 @@ def _run(options, way, shared, progress):
         raise SettingError(f"--limit is {options.limit:g}: give seconds above 0")
     started = time.monotonic()
     needed = versions() | {"threads": min(options.threads, MOST_WORKERS)}
-    folder = Path(options.folder or Path("out", _name(options.rows)))
-    rows = plan(read_rows(options.rows, shared), lambda line: _understood(line, way), needed)
+    options.folder = options.folder or str(Path("out", _name(options.rows)))
+    folder = Path(options.folder)
+    own = way.files(options)
+    rows = plan(read_rows(options.rows, shared), lambda line: _understood(line, way), needed, own)
     rows = share_of(rows, options.share) if options.share else rows
     records = Records(folder)
     records.make_folders()
@@ -138,20 +138,7 @@ def _understood(arguments, way):
     if options.command == "batch":
         raise SettingError("a row cannot be a batch: write its rows here")
     told = {name: value for name, value in vars(options).items() if name not in _UNSAID}
-    return Row(tuple(arguments), told, tuple(_inputs(options)), tuple(way.outputs(options)))
-
-
-def _inputs(options):
-    """Files that a result depends on. What a .blend links to is not among them."""
-    given = str(getattr(options, "input", None) or "")
-    if "#" in given:
-        yield from sorted(glob.glob(re.sub("#+", "*", glob.escape(given))))
-    elif given:
-        yield given
-    if getattr(options, "constraints", None):
-        yield options.constraints
-    for name in _GUIDES.findall(getattr(options, "guidance", None) or ""):
-        yield name[1:-1].replace('""', '"') if name.startswith('"') else name.strip()
+    return Row(tuple(arguments), told, tuple(way.files(options)))
 
 
 # The other side
@@ -160,7 +147,7 @@ def _inputs(options):
 def serve(way):
     """Carry out rows that come by standard input, until it is closed."""
     here = versions() | {"threads": WORKERS}
-    serving.serve(lambda task: _answer(task, way, here))
+    serving.serve(lambda task: _answer(task, way, here), leave_now)
 
 
 def _answer(task, way, here):

@@ -4,19 +4,20 @@
 import bpy
 
 from ...core.errors import SettingError
-from ...core.tasks.flow_settings import SHOWN, ClebschSettings
+from ...core.settings.flow import FlowSettings
 from .. import api
 from ..blender import files
 from ..blender.modifiers import is_of_filaments
 from ..flows.files import SUFFIXES
-from ..flows.job import clebsch
+from ..flows.job import job_for
 from ..flows.report import summary
-from .flags import Made, add_choice, add_number, add_outputs, add_solver, add_strict, saved
+from ..jobs.job import run as run_job
+from .flags import Made, add_outputs, saved
+from .settings import add_settings, settings_of
 
 
 def add_parser(commands):
     """Add the command to the parser's."""
-    default = ClebschSettings()
     command = commands.add_parser(
         "clebsch", help="vortex filaments or tubes of a flow", description="Show the vortices of a flow."
     )
@@ -24,39 +25,10 @@ def add_parser(commands):
     command.add_argument(
         "--object", nargs="+", metavar="NAME", help="volume, mesh, or curves that stand for filaments, of a .blend file"
     )
-    command.add_argument(
-        "--core", type=float, metavar="CELLS", help="radius of curves' vorticity; by default 0.5, and 2 with tubes"
-    )
-    command.add_argument(
-        "--attribute",
-        default=default.attribute,
-        metavar="NAME",
-        help="velocity on a mesh's vertices, or grid of a volume (%(default)s)",
-    )
-    add_choice(command, "--show", SHOWN, default.show)
-    add_number(command, "--resolution", default.resolution, "nodes along the longest side, but for .npz files", "N")
-    add_number(command, "--count", default.count, "filaments through the plane with most vorticity")
-    command.add_argument("--quantum", type=float, metavar="H", help="circulation of one filament; goes before --count")
-    command.add_argument(
-        "--point", nargs=3, type=float, metavar=("X", "Y", "Z"), help="of the sphere, from which it is seen"
-    )
-    add_number(command, "--opening", default.opening, "width of tubes", "DEG")
-    add_number(command, "--smoothing", default.smoothing, "of what is shown", "N")
-    command.add_argument(
-        "--unwrapped", action="store_true", help="draw filaments on beyond the sides of a periodic box"
-    )
-    command.add_argument(
-        "--frames",
-        nargs=2,
-        type=int,
-        metavar=("FIRST", "LAST"),
-        help="a range of a sequence: files with # for each digit of the number, smoke_####.vdb, or a volume's",
-    )
+    add_settings(command, FlowSettings, "clebsch")
     command.add_argument(
         "--export-filaments", metavar="FILE.vtp", help=f"write filaments in one piece each ({', '.join(SUFFIXES)})"
     )
-    add_strict(command)
-    add_solver(command)
     add_outputs(command, "energies, bounds, filaments and times")
 
 
@@ -89,7 +61,7 @@ def run(options, _open_object, progress):
         files.check_output(options.export_filaments, SUFFIXES)
         if options.show == "tubes" or options.frames:
             raise SettingError("--export-filaments writes the filaments of one frame: give --show filaments or both")
-    settings = {name: getattr(options, name) for name in ClebschSettings.__dataclass_fields__}
+    settings = settings_of(options, FlowSettings)
     source = options.input
     if str(options.input).lower().endswith(".blend"):
         files.open_input(options.input)
@@ -97,8 +69,7 @@ def run(options, _open_object, progress):
         source = source[0] if len(source) == 1 else source
     else:
         bpy.ops.wm.read_homefile(use_empty=True)
-    settings["frames"] = tuple(options.frames) if options.frames else None
-    report = clebsch(source, progress, **settings)
+    report = run_job(job_for(source, settings), progress)
     written = saved(options)
     if options.export_filaments:
         written += api.filament_export(bpy.data.objects[report["object"]], options.export_filaments)["files"]

@@ -3,6 +3,7 @@
 
 import bpy
 
+from ...core.settings.surface import QUADS, SurfaceSettings
 from .. import api
 from ..blender import files
 from ..blender.field_files import check_triangles
@@ -24,7 +25,7 @@ def add_parsers(commands):
     for name, tip in COMMANDS.items():
         command = commands.add_parser(name, help=tip, description=f"Solve {tip} on a mesh.")
         add_input(command)
-        add_settings(command, name)
+        add_settings(command, SurfaceSettings, name)
         makes_mesh = name == "quad_mesh"
         if not makes_mesh:  # which writes no directions on the mesh
             command.add_argument(
@@ -34,9 +35,14 @@ def add_parsers(commands):
         add_outputs(command, "energies, bounds, defects and times", "the result", quads)
 
 
+def _cross(command):
+    """The symmetry of quads, which have no flag for it."""
+    return {"symmetry": "cross"} if command in QUADS else {}
+
+
 def run(options, open_object, progress):
     """Run one of the commands."""
-    settings = settings_of(options)
+    settings = settings_of(options, SurfaceSettings, assign_material=True, **_cross(options.command))
     mesh, field = (getattr(options, name, None) for name in ("export_mesh", "export_field"))
     files.check_outputs(options.output, options.render, options.report, field, mesh)
     obj = open_object()

@@ -5,12 +5,7 @@ from typing import NamedTuple
 
 import bpy
 
-from ...core.errors import SettingError
-from ...core.solve import METHODS, ROUNDINGS
-from ...core.solve.solution import SMALLEST_GAP
-from ...core.tasks.settings import SolverSettings
 from ..blender import files
-from ..settings.solver import RANGE
 
 
 class Made(NamedTuple):
@@ -40,9 +35,9 @@ def add_number(command, flag, default, tip, metavar="X", **more):
     command.add_argument(flag, type=kind, default=default, metavar=metavar, help=f"{tip} (%(default)s)", **more)
 
 
-def add_choice(command, flag, choices, default, tip=""):
+def add_choice(command, flag, choices, default, tip="", **more):
     """Add a flag for one of some choices, whose help tells the default."""
-    command.add_argument(flag, choices=choices, default=default, help=f"{tip} (%(default)s)".lstrip())
+    command.add_argument(flag, choices=choices, default=default, help=f"{tip} (%(default)s)".lstrip(), **more)
 
 
 def add_input(command):
@@ -76,52 +71,6 @@ def add_outputs(command, told, picture="", mesh=""):
 
 def add_quiet(command):
     command.add_argument("--quiet", action="store_true", help="no progress on stderr")
-
-
-def add_strict(command):
-    command.add_argument("--strict", action="store_true", help="refuse meshes that are no surface as they are")
-
-
-def add_solver(command):
-    """Flags of :class:`SolverSettings`."""
-    default = SolverSettings()
-    add_choice(command, "--method", METHODS, default.method, "sdp proves a bound, spectral is fast")
-    rounded = "how sdp comes to a field: svd and random as they are, polish and continuation go on to less energy"
-    add_choice(command, "--rounding", ROUNDINGS, default.rounding, rounded)
-    add_number(command, "--seed", default.seed, "of every random choice", "N")
-    bracketed = f"how closely the relaxation's optimum is bracketed, from {SMALLEST_GAP:g}"
-    add_number(command, "--target-gap", default.target_gap, bracketed)
-    command.add_argument("--time-limit", type=float, metavar="SECONDS", help="for each solve")
-
-
-def add_spacing(command, between):
-    """Flags of a spacing between two of what is named, as :func:`spacing_of` reads them."""
-    command.add_argument("--spacing", type=float, metavar="LENGTH", help=f"{between}; default: automatic")
-    command.add_argument(
-        "--spacing-map",
-        default="",
-        metavar="NAME",
-        help="float attribute, a factor on the spacing, or vertex group, which takes it from 1 to the range",
-    )
-    command.add_argument(
-        "--spacing-range",
-        type=float,
-        metavar="X",
-        help=f"factor where the vertex group's weight is 1 ({RANGE:g})",
-    )
-
-
-def solver_of(options):
-    """The settings of the solver, as a dict."""
-    return {name: getattr(options, name) for name in SolverSettings.__annotations__}
-
-
-def spacing_of(options):
-    """The settings of the spacing, as a dict."""
-    if options.spacing_range is not None and not options.spacing_map:
-        raise SettingError("the spacing range belongs to a spacing map: add --spacing-map NAME")
-    factor = {} if options.spacing_range is None else {"spacing_range": options.spacing_range}
-    return {"spacing": options.spacing, "spacing_map": options.spacing_map} | factor
 
 
 def saved(options):

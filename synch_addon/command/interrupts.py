@@ -1,29 +1,43 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ctrl-C on the command line."""
+"""Ctrl-C and SIGTERM on the command line: both end a command in one line, with nothing half written left behind."""
 
 import signal
-from contextlib import contextmanager
+import sys
+from contextlib import ExitStack, contextmanager
+
+# What is said of a signal; the exit status is 128 and its number, as shells have it.
+_WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
+
+
+class Interrupted(KeyboardInterrupt):
+    """A signal has asked for the end of the command; its one argument is the signal's number."""
 
 
 @contextmanager
 def heard_interrupts():
-    """Hear Ctrl-C inside; yields a function that raises KeyboardInterrupt once it was heard.
+    """Hear signals inside; yields a function that raises :class:`Interrupted` once one was heard.
 
     Blender prints and forgets what is raised in functions that it calls: an interrupt that comes there has to be asked
     for afterwards.
     """
     heard = []
 
-    def hear(_number, _frame):
-        heard.append(True)
-        raise KeyboardInterrupt
+    def hear(number, _frame):
+        heard.append(number)
+        raise Interrupted(number)
 
     def check():
         if heard:
-            raise KeyboardInterrupt
+            raise Interrupted(heard[0])
 
-    before = signal.signal(signal.SIGINT, hear)
-    try:
+    with ExitStack() as before:
+        for number in _WORDS:
+            older = signal.signal(number, hear)
+            before.callback(signal.signal, number, older if older is not None else signal.SIG_DFL)
         yield check
-    finally:
-        signal.signal(signal.SIGINT, before if before is not None else signal.SIG_DFL)
+
+
+def told_signal(what, number):
+    """Print that something has been ended by a signal; the exit status."""
+    print(f"{what}: {_WORDS[number]}", file=sys.stderr)
+    return 128 + number

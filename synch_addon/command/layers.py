@@ -7,27 +7,14 @@ import bpy
 import numpy as np
 
 from ...core.files.tets import SUFFIXES, read_marked_tets
+from ...core.settings.layers import LayerSettings
 from .. import api
 from ..blender import files
 from ..jobs.job import run as run_job
 from ..solids.report import summary
-from ..solids.settings import KINDS, NUMBERS, WISHES, LayerSettings
 from . import layer_outputs
-from .flags import (
-    Made,
-    add_choice,
-    add_input,
-    add_number,
-    add_outputs,
-    add_solver,
-    add_spacing,
-    add_strict,
-    saved,
-    solver_of,
-    spacing_of,
-)
-
-_DEFAULT = LayerSettings()
+from .flags import Made, add_input, add_outputs, saved
+from .settings import add_settings, settings_of
 
 
 def add_parser(commands):
@@ -38,47 +25,14 @@ def add_parser(commands):
         description="Solve layers in the solid that a closed mesh encloses, or in one of tetrahedra (.mesh, .vtu).",
     )
     add_input(command)
-    command.add_argument(
-        "--guidance",
-        default=_DEFAULT.guidance,
-        metavar="KIND:NAME",
-        help=f"what the layers follow; kinds: {', '.join(KINDS)}; harmonic:LOW:HIGH (%(default)s)",
-    )
-    command.add_argument(
-        "--groups",
-        default=_DEFAULT.groups,
-        metavar="NAME=WISH,...",
-        help=f"what is asked on vertex groups' faces or on the boundary: {' or '.join(WISHES)}",
-    )
-    add_spacing(command, "between layers")
-    command.add_argument(
-        "--size", type=float, metavar="LENGTH", help="longest edge of the tetrahedra; default: automatic"
-    )
-    tip = "share of the branches that even distances need, from 0 (hardly any or none) to 1"
-    add_number(command, "--branching", _DEFAULT.branching, tip)
-    for name in ("smallest", "largest"):
-        tip = f"{name} distance between layers; default: the machine's, if it has one"
-        command.add_argument(f"--{name}-height", type=float, metavar="LENGTH", help=tip)
-    add_choice(command, "--numbers", NUMBERS, _DEFAULT.numbers, "what counts as one layer")
-    add_strict(command)
-    add_solver(command)
+    add_settings(command, LayerSettings, "layers", smallest_height=None, largest_height=None)
     layer_outputs.add_arguments(command)
     add_outputs(command, "energies, spacings, curves and times", "the layers", "all layers as one mesh")
 
 
 def run(options, open_object, progress):
     """Run the command."""
-    settings = LayerSettings(
-        options.guidance,
-        options.groups,
-        branching=options.branching,
-        size=options.size,
-        numbers=options.numbers,
-        strict=options.strict,
-        **layer_outputs.heights_of(options),
-        **spacing_of(options),
-        **solver_of(options),
-    )
+    settings = settings_of(options, LayerSettings, **layer_outputs.heights_of(options))
     files.check_outputs(options.output, options.render, options.report, mesh=options.export_mesh)
     layer_outputs.check(options)
     if options.input and Path(options.input).suffix.lower() in SUFFIXES:

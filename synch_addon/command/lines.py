@@ -6,14 +6,14 @@ from dataclasses import asdict
 import bpy
 
 from ...core.errors import SettingError
+from ...core.settings.lines import LineSettings
+from ...core.settings.surface import SurfaceSettings
 from .. import api
 from ..blender import files
 from ..jobs.report import summary
-from ..patterns.lines import SPLINES, LineSettings, summary_line
-from .flags import Made, add_choice, add_input, add_number, add_outputs, saved
+from ..patterns.lines import summary_line
+from .flags import Made, add_choice, add_input, add_outputs, saved
 from .settings import add_settings, settings_of
-
-_DEFAULT = LineSettings()
 
 
 def add_parser(commands):
@@ -25,22 +25,15 @@ def add_parser(commands):
     )
     add_input(command)
     add_choice(command, "--pattern", ("stripes", "quads"), "stripes", "whose lines")
-    add_settings(command, "isolines")
-    width = "part of a period that is stripe, whose edges are drawn; 0: middles of stripes, 1: of gaps"
-    add_number(command, "--width", _DEFAULT.width, width)
-    distance = "between the points of a line, in spacings; 0: where it crosses the mesh's edges"
-    add_number(command, "--distance", _DEFAULT.distance, distance)
-    smoothing = "how often points move to the middle of their neighbours"
-    add_number(command, "--smoothing", _DEFAULT.smoothing, smoothing, "N", dest="line_smoothing")
-    add_number(command, "--radius", _DEFAULT.radius, "of tubes around the lines, in spacings; 0: none")
-    add_choice(command, "--spline", SPLINES, _DEFAULT.spline)
+    add_settings(command, SurfaceSettings, "isolines")
+    add_settings(command, LineSettings, "isolines")
     add_outputs(command, "energies, bounds, defects, lines and times", "the tubes", "the tubes as a mesh")
 
 
 def run(options, open_object, progress):
     """Run the command."""
-    settings = settings_of(options)
-    lines = LineSettings(options.width, options.distance, options.line_smoothing, options.radius, options.spline)
+    settings = settings_of(options, SurfaceSettings, assign_material=True)
+    lines = settings_of(options, LineSettings)
     if lines.radius == 0 and (options.render or options.export_mesh):
         raise SettingError("lines without a radius have no faces to show or write: give --radius a part of the spacing")
     if lines.width and options.pattern == "quads":

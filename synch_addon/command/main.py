@@ -10,51 +10,51 @@ was asked for has been written; every failure is one line.
 
 import argparse
 import io
+import os
 import sys
 from contextlib import redirect_stderr
 from pathlib import Path
 
 import bpy
 
-from ...core.errors import SettingError, SynchError
+from ...core.errors import SettingError, SynchError, WriteError, one_line
+from ...core.files.declared import check_clashes, check_inputs, made_folders
+from ...core.files.json_text import json_text
 from ...core.files.whole import write_text
 from ...core.keywords import check_text
+from ...core.settings.surface import SurfaceSettings
 from .. import api
 from ..blender import files
 from ..blender.quiet import quiet_stdout
-from ..jobs.report import failure, json_text, summary
+from ..jobs.report import failure, summary
 from ..looks.demo import add_demo_object
 from ..patterns.info import describe
-from ..settings.fields import Settings
-from . import animate, bake, batch, clebsch, fields, layers
+from . import animate, bake, batch, clebsch, fields, layers, process_exit
 from . import lines as cli_lines
+from .declared_files import DEMO, declared_files
 from .flags import Made, add_input, add_quiet, add_view, saved
-from .interrupts import heard_interrupts
+from .interrupts import Interrupted, heard_interrupts, told_signal
 
-# Exit status of a command that was interrupted, as shells have it.
-INTERRUPTED = 130
-# What the options of all commands call files that are read and files that are written.
-_INPUTS = "input", "constraints"
-_OUTPUTS = "output", "render", "report", "export_mesh", "export_field"
-_OUTPUTS += "export_layers", "export_paths", "export_volume"
 # What is told in one line.
 _REFUSALS = SynchError, MemoryError, OSError, RuntimeError
 
 
 def main(arguments, loaded=False):
     """Run a command line; ``loaded`` tells that Blender has opened the file already. Exit status."""
+    process_exit.begin()
     parser = _parser(loaded)
     own, shared = _at_dashes(arguments)
     try:
         options = parser.parse_args(own)
     except SystemExit as stop:
         return stop.code or 0
-    of_rows = batch.Way(lambda line: _parsed(parser, line), _outputs_of, _carry_out_row)
+    of_rows = batch.Way(lambda line: _parsed(parser, line), declared_files, _carry_out_row)
     if options.command == "batch" and options.rows == "-":
-        return batch.serve(of_rows)
-    clash = _clash(options)
-    if clash:
-        print(f"synch {options.command}: {clash}", file=sys.stderr)
+        return _serve(of_rows)
+    try:
+        _check_files(options)
+    except SettingError as error:
+        print(f"synch {options.command}: {error}", file=sys.stderr)
         return 1
     with quiet_stdout() as out, heard_interrupts() as check:
         try:
@@ -63,11 +63,10 @@ def main(arguments, loaded=False):
                 made = batch.run(options, of_rows, shared, progress)
             else:
                 made = _carry_out(options, lambda: _open(options, loaded), progress, check)
-        except KeyboardInterrupt:
-            print(f"synch {options.command}: interrupted", file=sys.stderr)
-            return INTERRUPTED
+        except Interrupted as stop:
+            return told_signal(f"synch {options.command}", *stop.args)
         except _REFUSALS as error:
-            print(f"synch {options.command}: {_reported(options, error)}", file=sys.stderr)
+            print(f"synch {options.command}: {_reason(error)}", file=sys.stderr)
             return 1
         try:
             print("\n".join(_lines(made)), file=out, flush=True)
@@ -79,6 +78,16 @@ def main(arguments, loaded=False):
     return 1 if made.failed else 0
 
 
+def _serve(of_rows):
+    """Be a warm process until standard input is closed, or a signal comes; exit status."""
+    with heard_interrupts():
+        try:
+            batch.serve(of_rows)
+        except Interrupted as stop:
+            return told_signal("synch batch", *stop.args)
+    return 0
+
+
 def _at_dashes(arguments):
     """A command line, and what stands after two dashes in one of ``batch``: the command of its rows."""
     if arguments[:1] != ["batch"] or "--" not in arguments:
@@ -88,22 +97,27 @@ def _at_dashes(arguments):
 
 
 def _carry_out(options, open_object, progress, check):
-    """Carry a command out, and write the report and the picture that are asked for; what was made, with their paths."""
-    for name, value in vars(options).items():
-        if isinstance(value, str):
-            check_text(value, f"the {name.replace('_', ' ')}")
-    made = _COMMANDS[options.command](options, open_object, progress)
-    check()
-    return _delivered(made, options, progress)
+    """Carry a command out, and write the report and the picture that are asked for; what was made, with their paths.
+
+    Errors are SynchError, which the report tells, too, where one is asked for.
+    """
+    files = declared_files(options)
+    with made_folders(files):
+        try:
+            for name, value in vars(options).items():
+                if isinstance(value, str):
+                    check_text(value, f"the {name.replace('_', ' ')}")
+            made = _COMMANDS[options.command](options, open_object, progress)
+            check()
+            return _delivered(made, options, progress)
+        except _REFUSALS as error:
+            raise SynchError(_reported(options, error)) from None
 
 
 def _carry_out_row(options):
     """Carry a command out as a row of a batch; errors are SynchError."""
     with quiet_stdout(), heard_interrupts() as check:
-        try:
-            return _carry_out(options, lambda: _open(options, False), _Progress(check, True), check)
-        except _REFUSALS as error:
-            raise SynchError(_reported(options, error)) from None
+        return _carry_out(options, lambda: _open(options, False), _Progress(check, True), check)
 
 
 def _parsed(parser, arguments):
@@ -114,29 +128,16 @@ def _parsed(parser, arguments):
             options = parser.parse_args(arguments)
     except SystemExit:
         raise SettingError(" ".join(told.getvalue().split()) or "this asks for help, not for a result") from None
-    clash = _clash(options)
-    if clash:
-        raise SettingError(clash)
+    _check_files(options)
     return options
 
 
-def _outputs_of(options):
-    return [path for path in (getattr(options, name, None) for name in _OUTPUTS) if path]
-
-
-def _clash(options):
-    """Why files that are named would overwrite one another, or None."""
-    taken = {}
-    for names in (_INPUTS, _OUTPUTS):
-        for name in names:
-            given = getattr(options, name, None)
-            if not given:
-                continue
-            path, flag = Path(given).resolve(), "the input" if name == "input" else f"--{name.replace('_', '-')}"
-            if path in taken and names is _OUTPUTS:
-                return f"{given}: {flag} and {taken[path]} are the same file, name another one"
-            taken[path] = flag
-    return None
+def _check_files(options):
+    """Refuse files that would overwrite one another, and inputs that are no files; a batch looks at its own itself."""
+    if options.command != "batch":
+        files = declared_files(options)
+        check_clashes(files)
+        check_inputs(files)
 
 
 def _reason(error):
@@ -146,15 +147,19 @@ def _reason(error):
     if isinstance(error, MemoryError):
         return "there is too little memory for this: allow more, or ask for less on a coarser mesh"
     if isinstance(error, OSError):
-        return f"{error.filename or 'a file'}: {error.strerror or error}"
-    return " ".join(str(error).split())  # what an importer or exporter of Blender reports
+        return one_line(f"{error.filename or 'a file'}: {error.strerror or error}")
+    return one_line(" ".join(str(error).split()))  # what an importer or exporter of Blender reports
 
 
 def _reported(options, error):
-    """What went wrong, which the report tells, too, where one is asked for."""
+    """What went wrong, which the report tells, too, where one is asked for.
+
+    Where a file could not be written, older ones stay, an older report among them.
+    """
     line = _reason(error)
     path = getattr(options, "report", None)
-    if path and files.is_report(path):
+    is_kept = isinstance(error, WriteError) and path and os.path.exists(path)
+    if path and files.is_report(path) and not is_kept:
         settings = {k: v for k, v in vars(options).items() if isinstance(v, str | int | float | None)}
         try:
             _write_json(path, failure(options.command, settings, line))
@@ -179,20 +184,18 @@ def _delivered(made, options, progress):
 def _lines(made):
     """What is printed of what was made."""
     warnings = [f"warning: {line}" for line in made.report.get("warnings", ())]
-    return [*made.lines, *warnings, *(f"wrote {path}" for path in made.written)]
+    return map(one_line, [*made.lines, *warnings, *(f"wrote {path}" for path in made.written)])
 
 
 # Commands
 
 
 def _run_demo(options, _open_object, progress):
-    folder = Path(options.folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    for name, suffix in (("output", ".blend"), ("render", ".png"), ("report", ".json")):
-        setattr(options, name, str(folder / f"demo{suffix}"))
+    for name, file in DEMO.items():
+        setattr(options, name, str(Path(options.folder) / file))
     bpy.ops.wm.read_homefile(use_empty=True)
     obj = add_demo_object()
-    report = api.run("stripes", obj, Settings(), progress)
+    report = api.run("stripes", obj, SurfaceSettings(), progress)
     return Made(report, summary(report), saved(options), obj)
 
 
@@ -255,7 +258,7 @@ def _write_json(path, report):
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message):
-        self.exit(2, f"{self.prog}: {message} (see --help)\n")
+        self.exit(2, f"{self.prog}: {one_line(message)} (see --help)\n")
 
 
 def _parser(loaded):

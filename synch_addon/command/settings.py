@@ -1,117 +1,115 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings of fields and patterns as flags of the command line."""
+"""Settings as flags of the command line, made from their records, and back to plain settings."""
 
 import json
 import math
-from pathlib import Path
 
 from ...core.errors import SettingError
-from ..settings.constraints import from_plain
-from ..settings.fields import BOUNDARIES, SYMMETRIES, Settings, default_shares
-from ..settings.guidance import KINDS
-from .flags import add_choice, add_number, add_solver, add_spacing, add_strict, solver_of, spacing_of
+from ...core.files.border import SETTINGS_BYTES, border, read_text
+from ...core.keywords import label_of
+from ...core.settings.constraints import from_plain
+from ...core.settings.setting import ANGLE, LENGTH, SECONDS, default_of, records, value_type
+from .flags import add_choice
+
+# What the help of a flag shows in place of a value, by the unit or by the type of its setting.
+_PLACEHOLDERS = {LENGTH: "LENGTH", SECONDS: "SECONDS", ANGLE: "DEG", int: "N", float: "X", str: "NAME"}
+_SEVERAL = {tuple[float, float, float]: ("X", "Y", "Z"), tuple[int, int]: ("FIRST", "LAST")}
 
 
-def add_settings(command, name):
-    """Add the flags that a command of a name has to its parser."""
-    default, shares = Settings(), default_shares(name)
-    of_quads = name in ("quads", "quad_mesh")
-    if name != "directions":
-        add_spacing(command, "two quads' length" if of_quads else "between stripes")
-    if of_quads:
-        aspect = "spacing along the second direction over that along the first, which is nearer to X"
-        add_number(command, "--aspect", default.aspect, aspect)
+def add_settings(command, kind, name, **defaults):
+    """Add a flag for each setting of a group that a command has.
+
+    Parameters
+    ----------
+    command : parser of the command
+    kind : class of the settings
+    name : of the command
+    defaults : of flags whose default is not that of the setting, by the setting's name
+    """
+    for setting, record in records(kind):
+        if name in record.commands:
+            default = defaults[setting] if setting in defaults else default_of(kind, setting, name)
+            _add_flag(command, setting, record, value_type(kind, setting), default)
+
+
+def _add_flag(command, setting, record, of_type, default):
+    flag, tip = f"--{(record.flag or setting).replace('_', '-')}", _help(record)
+    if of_type is bool:
+        command.add_argument(flag, dest=setting, action="store_true", help=tip)
+    elif record.choices and of_type is str:
+        add_choice(command, flag, record.choice_names, default, tip, dest=setting)
+    elif of_type in _SEVERAL:
+        names, number = _SEVERAL[of_type], of_type.__args__[0]
+        command.add_argument(
+            flag, dest=setting, nargs=len(names), type=number, metavar=names, help=_with_default(tip, record, None)
+        )
     else:
-        symmetry = "what is the same at a point; cross for directions only"
-        add_choice(command, "--symmetry", tuple(SYMMETRIES), default.symmetry, symmetry)
-    if name == "quad_mesh":
-        features = "boundaries and edges that bend by more than this stay edges; 0 for none"
-        add_number(command, "--features", math.degrees(default.features), features, "DEG")
-        smoothing = "how often vertices move to where faces are nearer to squares, on the surface"
-        add_number(command, "--smoothing", default.smoothing, smoothing, "N")
-        faces = "about how many faces, whatever the spacing; 0 for as many as that gives"
-        add_number(command, "--faces", default.faces, faces, "N")
-        command.add_argument("--straighten", action="store_true", help="look for shorter loops of quads")
-    if name != "directions":
-        tip = "share of the branches that even spacing needs, from 0 (hardly any or none) to 1"
-        add_number(command, "--branching", shares["branching"], tip)
-    tip = "share of the shape's unevenness answered by singular points, from 0 (as few as can be) to 1"
-    add_number(command, "--singularities", shares["singularities"], tip)
-    command.add_argument(
-        "--guidance",
-        default=default.guidance,
-        metavar="SPEC",
-        help=f"smooth, or sources KIND:NAME=STRENGTH separated by commas; kinds: {', '.join(KINDS)} (%(default)s)",
-    )
-    command.add_argument(
-        "--angle", type=float, default=0.0, metavar="DEG", help="turn the directions, counterclockwise"
-    )
-    command.add_argument(
-        "--angle-attribute",
-        default="",
-        metavar="NAME",
-        help="float attribute, radians from vertex to vertex on top, or vertex group, which takes them to the range",
-    )
-    command.add_argument(
-        "--angle-range", type=float, metavar="DEG", help="angle where the vertex group's weight is 1 (57.3)"
-    )
-    boundary = "what directions do at open edges; phase: a line lies exactly on them"
-    add_choice(command, "--boundary", BOUNDARIES, default.boundary, boundary)
-    command.add_argument("--vertex-group", default="", metavar="NAME", help="restrict the boundary to this group")
-    command.add_argument(
-        "--mirror", default="", metavar="AXES", help="X, Y, Z or several: the result is its own mirror image in them"
-    )
-    command.add_argument(
-        "--pins",
-        metavar="FACE=TURNS,...",
-        help="faces around which directions turn so often, in halves for lines and quarters for crosses; default: "
-        "those stored with the object",
-    )
-    add_strict(command)
-    command.add_argument(
-        "--constraints", metavar="ROWS.json", help="a list of rows; default: the list stored with the object"
-    )
-    add_solver(command)
+        if record.unit == ANGLE and default is not None:
+            default = round(math.degrees(default), 4)
+        if record.choices:
+            default, tip = ",".join(default), f"{tip}: some of {','.join(record.choice_names)}"
+        if record.part_of:  # so that it can be told whether it was given
+            tip, default = f"{tip} ({default:g})", None
+        else:
+            tip = _with_default(tip, record, default)
+        number = of_type if of_type in (int, float) else str
+        placeholder = record.placeholder or _PLACEHOLDERS.get(record.unit) or _PLACEHOLDERS[number]
+        command.add_argument(flag, dest=setting, type=number, default=default, metavar=placeholder, help=tip)
 
 
-def settings_of(options):
-    """The :class:`Settings` that the flags stand for."""
-    if options.vertex_group and options.boundary == "free":
+def _help(record):
+    """The tip as a line of help, whose sentences begin with a small letter."""
+    tip = record.tip.replace("%", "%%")
+    return tip if tip[1:2].isupper() else tip[:1].lower() + tip[1:]
+
+
+def _with_default(tip, record, default):
+    if default not in (None, ""):
+        return f"{tip} (%(default)s)"
+    return f"{tip}; default: {record.unset}" if record.unset else tip
+
+
+def settings_of(options, kind, **apart):
+    """The settings of a group that the flags of a command stand for; ``apart`` are values that are given otherwise.
+
+    Raises
+    ------
+    SettingError
+        for values that are not allowed, alone or together
+    """
+    values = {}
+    for name, record in records(kind):
+        if name in apart or not hasattr(options, name) or options.command not in record.commands:
+            continue
+        value = getattr(options, name)
+        if record.part_of:
+            if value is None:
+                continue
+            if not getattr(options, record.part_of):
+                raise SettingError(
+                    f"the {label_of(name)} belongs to a {label_of(record.part_of)}: "
+                    f"add --{record.part_of.replace('_', '-')} NAME"
+                )
+        values[name] = _read(name, record, value)
+    if values.get("vertex_group") and values.get("boundary") == "free":
         raise SettingError(
-            f"the vertex group {options.vertex_group!r} restricts the boundary, which is free: "
+            f"the vertex group {values['vertex_group']!r} restricts the boundary, which is free: "
             "add --boundary along, across or phase"
         )
-    if options.angle_range is not None and not options.angle_attribute:
-        raise SettingError("the angle range belongs to an angle attribute: add --angle-attribute NAME")
-    names = ("aspect", "smoothing", "faces", "straighten", "branching")
-    only_some = {name: getattr(options, name) for name in names if hasattr(options, name)}
-    if hasattr(options, "features"):
-        only_some["features"] = math.radians(options.features)
-    if options.angle_range is not None:
-        only_some["angle_range"] = math.radians(options.angle_range)
-    return Settings(
-        symmetry=getattr(options, "symmetry", "cross"),
-        guidance=options.guidance,
-        angle=math.radians(options.angle),
-        angle_attribute=options.angle_attribute,
-        boundary=options.boundary,
-        vertex_group=options.vertex_group,
-        mirror=options.mirror.upper(),
-        singularities=options.singularities,
-        pins=options.pins,
-        constraints=_read_constraints(options.constraints) if options.constraints else None,
-        **(spacing_of(options) if hasattr(options, "spacing") else {}),
-        **only_some,
-        **solver_of(options),
-        assign_material=True,
-        strict=options.strict,
-    )
+    return kind(**values | apart)
+
+
+def _read(name, record, value):
+    """A flag's value as the setting has it."""
+    if name == "constraints":
+        return None if value is None else _read_constraints(value)
+    if name == "mirror":
+        return value.upper()
+    if record.unit == ANGLE:
+        return math.radians(value)
+    return tuple(value) if isinstance(value, list) else value
 
 
 def _read_constraints(path):
-    try:
-        return from_plain(json.loads(Path(path).read_text(encoding="utf-8")))
-    except SettingError as error:
-        raise SettingError(f"{path}: {error}") from None
-    except (ValueError, RecursionError) as error:  # no JSON or no text, numbers too long or lists too deep to be read
-        raise SettingError(f"{path}: {error}: write a JSON list of rows") from None
+    with border(path, "write a JSON list of rows"):
+        return from_plain(json.loads(read_text(path, SETTINGS_BYTES)))

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The choice of a point of the sphere after a solve: other filaments and tubes of the same flow, without solving."""
 
-import json
 import time
 from dataclasses import replace
 from functools import partial
@@ -10,6 +9,7 @@ import bpy
 
 from ...core.errors import SynchError
 from ...core.extract.tubes import NORTH
+from ...core.files.json_text import json_text
 from ..blender.objects import no_object
 from ..blender.transaction import assign, at_the_end, undone_by, whole_or_nothing
 from . import memory
@@ -36,7 +36,7 @@ def finish(solved, filled, objects, start):
         at_the_end(lambda: [memory.shown_filaments.put(obj, kept) for obj in objects])
     if hasattr(bpy.types.Object, "synch_vortices"):  # as long as the extension is registered
         for obj in objects:
-            assign(obj.synch_vortices, "sources", json.dumps(solved.sources))
+            assign(obj.synch_vortices, "sources", json_text(solved.sources))
             _set_sliders(obj.synch_vortices, solved.settings, result_line(report))
     return report
 
@@ -92,7 +92,7 @@ def _shown(obj, settings):
     """The settings with the look that an object has now: an undo changes that, but not what is kept of the solve."""
     if not hasattr(bpy.types.Object, "synch_vortices"):  # the extension is not registered
         return settings
-    return replace(settings, **obj.synch_vortices.figures["look"])
+    return replace(settings, **obj.synch_vortices.figures.get("look", {}))
 
 
 def _set_sliders(look, settings, line):

@@ -3,10 +3,12 @@
 
 import time
 from pathlib import Path
+from typing import Unpack
 
 from ...core.fields.loops import loop_error
 from ...core.keywords import check_path, from_names
-from ...core.tasks.flow_settings import ClebschSettings
+from ...core.settings.flow import FlowSettings
+from ...core.settings.keywords import FlowKeywords
 from ...core.tasks.flows import FlowRequest
 from ..blender.objects import Selection
 from ..blender.transaction import whole_or_nothing
@@ -49,7 +51,7 @@ class ClebschJob:
             return finish(solved, Filled(told, fill), made, self._start)
 
 
-def clebsch(source, callback=None, **settings):
+def clebsch(source, callback=None, **settings: Unpack[FlowKeywords]):
     """Show the vortices of a flow.
 
     Parameters
@@ -57,7 +59,7 @@ def clebsch(source, callback=None, **settings):
     source : path of a .vdb or .npz file, #### for the numbers of frames; a volume object, a mesh object with faces, a
         curve object, or a list of curve objects
     callback : callable(stage, fraction) -> bool, optional; False cancels
-    settings : see :class:`ClebschSettings`
+    settings : see :class:`FlowSettings`
 
     Returns
     -------
@@ -68,7 +70,7 @@ def clebsch(source, callback=None, **settings):
     SynchError
         with one line that says what is wrong and the remedy; nothing is written
     """
-    return run(job_for(source, from_names(ClebschSettings, settings)), callback)
+    return run(job_for(source, from_names(FlowSettings, settings)), callback)
 
 
 def job_for(source, settings):

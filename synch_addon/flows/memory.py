@@ -4,7 +4,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ...core.tasks.flow_settings import ClebschSettings
+from ...core.settings.flow import FlowSettings
 from ...core.tasks.flows import FlowResult
 from ..jobs.shelf import ObjectShelf
 
@@ -16,7 +16,7 @@ class SolvedFlow:
     Attributes
     ----------
     name : of what the flow was read from
-    settings : ClebschSettings
+    settings : FlowSettings
     result : FlowResult
     fill : callable(result, settings, objects) that shows a result in the objects and returns the :class:`Filled`
     objects : session numbers of all that show it
@@ -24,7 +24,7 @@ class SolvedFlow:
     """
 
     name: str
-    settings: ClebschSettings
+    settings: FlowSettings
     result: FlowResult
     fill: Callable
     objects: tuple[int, ...]

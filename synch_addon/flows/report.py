@@ -1,12 +1,29 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the report, the panel and the command line say of a solved flow."""
 
-import json
 from dataclasses import asdict, replace
 
 import numpy as np
 
+from ...core.files.json_text import NUMBER, json_text
 from ..jobs.report import counted, ending, quality
+
+# Of what the panel shows, by its name: what it is where it is missing, and its kind.
+VALUES = {
+    "energy": (0.0, NUMBER),
+    "gap": (None, NUMBER),
+    "certificate": (None, str),
+    "nodes": (0, int),
+    "quantum": (0.0, NUMBER),
+    "vorticity_share": (None, NUMBER),
+    "seconds": (0.0, NUMBER),
+    "look": ({}, dict),
+    "filaments": (None, int),
+    "closed": (None, int),
+    "length": (None, NUMBER),
+    "tubes": (None, int),
+    "vortices": (None, int),
+}
 
 
 def report_of(solved, filled, objects, start):
@@ -60,7 +77,7 @@ def result_line(report):
         line["tubes"] = report["tubes"]["pieces"]
     if "vortices" in report:
         line["vortices"] = len(report["vortices"])
-    return json.dumps(line)
+    return json_text(line)
 
 
 def summary(report):

@@ -8,16 +8,19 @@ import math
 from collections.abc import Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from typing import Unpack
 
 import bpy
 import numpy as np
 
 from ...core.errors import MeshError, SettingError, SynchError, shown
 from ...core.fields import given_directions
-from ...core.fields.directions import SYMMETRIES, DirectionField
+from ...core.fields.directions import DirectionField
 from ...core.fields.frames import carried_angles
 from ...core.interpolate import face_phases
 from ...core.keywords import check_choice, from_names, taken
+from ...core.settings.keywords import SurfaceKeywords
+from ...core.settings.surface import SYMMETRY_ORDERS, SurfaceSettings
 from ...core.tasks.frames import FramesRequest, fresh, in_frame
 from ..blender import attributes, meshes, modifiers
 from ..blender.defect_empties import write_defects
@@ -29,8 +32,7 @@ from ..jobs.job import run
 from ..jobs.report import Report
 from ..nodes.materials import pattern_material
 from ..patterns import frame_attributes, memory, numbers, write
-from ..patterns.reading import gather, settings_for
-from ..settings.fields import Settings
+from ..reading.surface import gather, settings_for
 from . import nodes
 
 # How strongly a pattern holds on to the frame before. Measured: jumps become slides, for up to 3 % of energy.
@@ -71,7 +73,7 @@ class Span:
         return range(self.first, self.last + 1)
 
 
-def animate(obj, callback=None, frames=None, pattern="stripes", hold=HOLD, **settings):
+def animate(obj, callback=None, frames=None, pattern="stripes", hold=HOLD, **settings: Unpack[SurfaceKeywords]):
     """Solve a pattern in each frame of a moving mesh, each frame from the one before; a modifier shows them.
 
     Parameters
@@ -80,7 +82,7 @@ def animate(obj, callback=None, frames=None, pattern="stripes", hold=HOLD, **set
     callback : callable(stage, fraction) -> bool, optional; False cancels
     frames : first and last frame; None for the scene's
     pattern, hold : see :class:`Span`
-    settings : see :class:`Settings`
+    settings : see :class:`SurfaceSettings`
 
     Returns the report, whose ``frames`` are figures of each; errors as :func:`api.directions`.
     """
@@ -88,11 +90,11 @@ def animate(obj, callback=None, frames=None, pattern="stripes", hold=HOLD, **set
     frames = (scene.frame_start, scene.frame_end) if frames is None else frames
     if not isinstance(frames, Sequence) or len(frames) != 2:
         raise SettingError(f"the frames are {shown(frames)}: give the first and the last one")
-    return run_animate(obj, from_names(Settings, settings), frames, pattern, hold, callback)
+    return run_animate(obj, from_names(SurfaceSettings, settings), frames, pattern, hold, callback)
 
 
 def run_animate(obj, settings, frames, pattern, hold, callback=None):
-    """Animate with ready :class:`Settings`."""
+    """Animate with ready :class:`SurfaceSettings`."""
     return run(AnimationJob(obj, settings, Span(*frames, pattern, hold)), callback)
 
 
@@ -241,7 +243,7 @@ def _rest_directions(obj, settings, span, base):
     if settings.exact_attribute is None:
         return None
     request = gather(span.pattern, obj, settings, base)
-    return given_directions(request.given.mesh, SYMMETRIES[settings.symmetry], request.directions)
+    return given_directions(request.given.mesh, SYMMETRY_ORDERS[settings.symmetry], request.directions)
 
 
 def _following(request, rest):

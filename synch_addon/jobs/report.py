@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The report of a run: what was asked, found and written, ready for JSON."""
 
-import json
-import math
 import platform
 import time
 from copy import copy
@@ -13,12 +11,12 @@ import numpy as np
 import scipy
 
 from ... import __version__
-from ...core.errors import name_elements, plural
+from ...core.errors import name_elements, one_line, plural
+from ...core.geometry.check import coarse_places
 from ...core.memory import peak_megabytes
 from ...core.solve.solution import Clock
 from ..blender.meshes import measured_key
 from ..blender.modifiers import changing_modifiers
-from ..blender.schema import FORMAT
 from ..settings.fields import default_shares
 
 
@@ -47,7 +45,7 @@ class Report:
 
     def warn(self, line):
         """Add a line that the user should read although the run succeeds."""
-        self.warnings.append(line)
+        self.warnings.append(one_line(line))
 
     def take(self, result):
         """Take over what a result tells beside what was found."""
@@ -62,6 +60,9 @@ class Report:
         self.shape_key = None if key is None else key.name
         for finding in request.given.findings:
             self.warn(finding.line)
+        coarse = coarse_places(request.given.mesh.vertices, request.given.mesh.edges)
+        if coarse:
+            self.warn(coarse)
         loose = request.given.loose_vertices
         if len(loose):
             self.warn(
@@ -261,27 +262,6 @@ def _loops(made):
     if before is None:
         return line
     return f"{line} ({counted(before['spirals'], 'spiral')} and {before['longest_loop']} before they were straightened)"
-
-
-def result_line(report):
-    """What the panel shows of a report, and the settings with which it can be read back, as JSON."""
-    names = ("command", "energy", "lower_bound", "gap", "certificate", "status", "nodes", "carrier")
-    counts = {kind: len(report[kind]) for kind in ("disclinations", "dislocations")}
-    kept = {"seconds": report["times"]["total"], "settings": report["settings"], "evenness": report.get("evenness")}
-    return json.dumps({"format": FORMAT} | {name: report[name] for name in names} | counts | kept)
-
-
-def json_text(report, indent=None):
-    """A report as JSON that every reader takes: numbers that are none, as refused settings may be, become words."""
-    return json.dumps(_finite(report), indent=indent, allow_nan=False)
-
-
-def _finite(value):
-    if isinstance(value, dict):
-        return {key: _finite(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(item) for item in value]
-    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def counted(count, noun):

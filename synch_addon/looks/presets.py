@@ -14,7 +14,7 @@ from ..blender.transaction import whole_or_nothing
 from ..nodes.materials import new_material, show_material
 from ..nodes.stripe_profiles import NUMBER
 from ..patterns import memory, numbers
-from ..patterns.reading import automatic_spacing
+from ..reading.surface import automatic_spacing
 from . import looks
 
 # Custom property of a material: the preset that it was made for.

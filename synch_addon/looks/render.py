@@ -17,7 +17,7 @@ from ...core.files.whole import unwritten, written_whole
 from ..blender.attributes import read_all
 from ..blender.defect_empties import KINDS, defect_empties
 from ..blender.transaction import only_for_now
-from ..nodes.canvas import surface_material
+from ..nodes.canvas import find_node, surface_material
 from ..nodes.stripes import INK_BLUE, WARM_IVORY
 
 # Part of the picture that stays free at each edge.
@@ -203,8 +203,7 @@ def _backdrop_profile(radius, distance):
 
 
 def _matte(name, color):
-    material = surface_material(name)
-    surface = material.node_tree.nodes["Principled BSDF"]
+    material, surface, _ = surface_material(name)
     surface.inputs["Base Color"].default_value = color
     surface.inputs["Roughness"].default_value = 1.0
     surface.inputs["Specular IOR Level"].default_value = 0.0
@@ -223,7 +222,7 @@ def _add_lights(scene, stage, points):
     world = bpy.data.worlds.new("Synch World")
     if world.node_tree is None:
         world.use_nodes = True
-    background = world.node_tree.nodes["Background"]
+    background = find_node(world.node_tree, "ShaderNodeBackground")
     background.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
     background.inputs["Strength"].default_value = _WORLD_STRENGTH
     scene.world = world
@@ -268,8 +267,7 @@ def _marker_mesh(kind):
 
 
 def _marker_material():
-    material = surface_material("Synch Marker")
-    surface = material.node_tree.nodes["Principled BSDF"]
+    material, surface, _ = surface_material("Synch Marker")
     info = material.node_tree.nodes.new("ShaderNodeObjectInfo")
     for name in ("Base Color", "Emission Color"):
         material.node_tree.links.new(info.outputs["Color"], surface.inputs[name])

@@ -264,17 +264,28 @@ def _new_socket(tree, socket, direction):
         item.default_value = socket.default
 
 
+def find_node(tree, kind):
+    """The first node of a kind, such as "ShaderNodeBackground", in a tree; None without one, or without a tree.
+
+    Nodes are found by their kind, since Blender translates their names.
+    """
+    return next((node for node in (tree.nodes if tree else ()) if node.bl_idname == kind), None)
+
+
 def surface_material(name):
-    """A new material with a Principled BSDF; beside an active volume, Blender would make one for volumes."""
+    """A new material with its Principled BSDF and its output node, which are all that it has.
+
+    Blender's own new materials have other nodes where a volume is active.
+    """
     material = bpy.data.materials.new(name)
     if material.node_tree is None:
         material.use_nodes = True
     nodes = material.node_tree.nodes
-    if "Principled BSDF" not in nodes:
-        nodes.clear()
-        surface, output = nodes.new("ShaderNodeBsdfPrincipled"), nodes.new("ShaderNodeOutputMaterial")
-        material.node_tree.links.new(surface.outputs["BSDF"], output.inputs["Surface"])
-    return material
+    nodes.clear()
+    surface, output = nodes.new("ShaderNodeBsdfPrincipled"), nodes.new("ShaderNodeOutputMaterial")
+    output.location = (300, 0)
+    material.node_tree.links.new(surface.outputs["BSDF"], output.inputs["Surface"])
+    return material, surface, output
 
 
 class GeometryCanvas(Canvas):

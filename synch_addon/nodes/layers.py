@@ -71,10 +71,9 @@ def layers_group():
 
 
 def _new_layer_material():
-    material = surface_material(LAYERS_NAME)
+    material, surface, output = surface_material(LAYERS_NAME)
     material.diffuse_color = _COLORS[1][1]
     tree = material.node_tree
-    surface, output = tree.nodes["Principled BSDF"], tree.nodes["Material Output"]
     surface.inputs["Roughness"].default_value = 0.55
     surface.location, output.location = (60, 0), (560, 0)
     group = tree.nodes.new("ShaderNodeGroup")
@@ -105,9 +104,8 @@ def _new_layer_material():
 
 
 def _new_curve_material():
-    material = surface_material(CURVES_NAME)
+    material, surface, _ = surface_material(CURVES_NAME)
     material.diffuse_color = _CURVE_COLOR
-    surface = material.node_tree.nodes["Principled BSDF"]
     surface.inputs["Base Color"].default_value = _CURVE_COLOR
     surface.inputs["Roughness"].default_value = 0.4
     return material

@@ -86,7 +86,7 @@ def new_material(name, kind, draw) -> bpy.types.Material:
     values for inputs of a Principled BSDF, and with them "Height" and "Relief", the height in spacings where that is 1.
     """
     kind = _KINDS[kind]
-    material = surface_material(name)
+    material, surface, output = surface_material(name)
     # Solid viewport shading cannot show patterns; a calm colour there is better than white.
     material.diffuse_color, material.roughness = WARM_IVORY, 0.6
     tree = material.node_tree
@@ -98,7 +98,6 @@ def new_material(name, kind, draw) -> bpy.types.Material:
     distance = (spacing * relief).named("Relief")
     depth = 1 + max(value.depth for value in (height, distance))
     bump = canvas.node("ShaderNodeBump", depth, inputs={"Height": height, "Distance": distance, "Strength": 0.6})
-    surface, output = tree.nodes["Principled BSDF"], tree.nodes["Material Output"]
     for number, node in enumerate((surface, output), start=1):
         node.location = (bump.location.x + 220 * number + 80 * (number > 1), 0)
     tree.links.new(bump.outputs["Normal"], surface.inputs["Normal"])

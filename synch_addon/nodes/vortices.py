@@ -132,11 +132,10 @@ def filament_material():
     for material in bpy.data.materials:
         if material.library is None and material.get(FILAMENTS):
             return material
-    material = surface_material(FILAMENTS)
+    material, surface, _ = surface_material(FILAMENTS)
     material[FILAMENTS] = True
     material.diffuse_color = _BRASS
     tree = material.node_tree
-    surface = tree.nodes["Principled BSDF"]
     surface.inputs["Metallic"].default_value, surface.inputs["Roughness"].default_value = 0.55, 0.32
     color = tree.nodes.new("ShaderNodeAttribute")
     color.attribute_name, color.location = COLOR, (-220, 180)

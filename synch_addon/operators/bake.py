@@ -3,10 +3,10 @@
 
 import bpy
 
+from ...core.settings.bake import BakeSettings
 from ..bakes.job import BakeJob
-from ..bakes.settings import BakeProperties, BakeSettings
-from ..panels.bakes import draw_bake
-from ..settings.solver import settings_of
+from ..panels.bakes import BAKE_NAMES, BakeProperties, draw_bake
+from ..settings.rna import settings_of
 from .field_operator import BackgroundOperator
 from .ready import PatternOperator
 
@@ -18,12 +18,12 @@ class SYNCH_OT_bake(PatternOperator, BackgroundOperator, BakeProperties, bpy.typ
     bl_label = "Bake"
 
     def _take(self, context):
-        for name in BakeProperties.__annotations__:
+        for name in BAKE_NAMES:
             setattr(self, name, getattr(context.scene.synch_bake, name))
         self.unwrap |= not context.active_object.data.uv_layers
 
     def _job(self, context):
-        settings = settings_of(BakeSettings, self, BakeProperties, file_format=self.file_format)
+        settings = settings_of(BakeSettings, self, BAKE_NAMES)
         return BakeJob(context.active_object, settings)
 
     def _headline(self, report):

@@ -5,7 +5,6 @@ import bpy
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper
 
-from ..blender.translations import told
 from ..flows import memory
 from ..flows.choice import choose_point
 from ..flows.chosen import flow_of
@@ -33,7 +32,7 @@ class SYNCH_OT_clebsch(BackgroundOperator, VortexProperties, bpy.types.Operator)
         elif queue.holds(None):
             reason = "vortices are being solved: wait for them, or cancel them"
         if reason:
-            cls.poll_message_set(told(reason))
+            cls.poll_message_set(reason)
         return reason is None
 
     def draw(self, context):

@@ -22,7 +22,7 @@ class SYNCH_OT_copy_settings(bpy.types.Operator):
         if not can_set(context.active_object):
             return False
         if not others_selected(context):
-            cls.poll_message_set(said("select other meshes too: they get the settings of the active one"))
+            cls.poll_message_set("select other meshes too: they get the settings of the active one")
             return False
         return True
 

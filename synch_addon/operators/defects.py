@@ -6,10 +6,10 @@ import bpy
 from bpy.props import StringProperty
 
 from ...core.errors import SynchError
+from ...core.files.json_text import json_text
 from ..blender import meshes
 from ..blender.defect_empties import defect_empties
 from ..blender.translations import said
-from ..jobs.report import json_text
 from ..patterns import memory
 from .ready import PromptOperator, ReadyOperator
 
@@ -39,7 +39,7 @@ class _DefectOperator(ReadyOperator):
     @classmethod
     def lacking(cls, obj):
         if not defect_empties(obj):
-            return said("{name} has no defects: its field is continuous, or not solved yet", name=obj.name)
+            return f"{obj.name} has no defects: its field is continuous, or not solved yet"
         return None
 
 
@@ -121,7 +121,7 @@ class SYNCH_OT_copy_report(ReadyOperator, bpy.types.Operator):
     @classmethod
     def lacking(cls, obj):
         if not memory.holds(obj):
-            return said("the report is kept while the file stays open: solve again to have one")
+            return "the report is kept while the file stays open: solve again to have one"
         return None
 
     def execute(self, context):

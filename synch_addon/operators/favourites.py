@@ -5,7 +5,6 @@ import bpy
 from bpy.props import StringProperty
 
 from ..blender.phases import pattern_kind
-from ..blender.translations import said
 from ..patterns import favourites
 from .ready import PromptOperator, ReadyOperator
 
@@ -20,7 +19,7 @@ class _FavouriteOperator(ReadyOperator, PromptOperator):
     @classmethod
     def lacking(cls, obj):
         """Why there is nothing to be done with an object's favourites, or None."""
-        return None if obj.synch.favourites else said("{name} has no favourites: keep a variation first", name=obj.name)
+        return None if obj.synch.favourites else f"{obj.name} has no favourites: keep a variation first"
 
 
 class SYNCH_OT_keep_favourite(_FavouriteOperator, bpy.types.Operator):
@@ -33,7 +32,7 @@ the file was saved and opened"""
     @classmethod
     def lacking(cls, obj):
         if pattern_kind(obj) is None or not obj.synch.result:
-            return said("{name} shows no pattern: solve stripes or quads on it first", name=obj.name)
+            return f"{obj.name} shows no pattern: solve stripes or quads on it first"
         return None
 
     def make(self, context):

@@ -6,9 +6,10 @@ from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
 from ...core.files.directions import SUFFIXES
+from ...core.settings.surface import SurfaceSettings
 from .. import api
 from ..blender.schema import DIRECTION
-from ..settings.fields import SYMMETRY
+from ..settings.rna import property_of
 from .ready import PromptOperator, ReadyOperator
 
 _PATTERN = ";".join("*" + suffix for suffix in SUFFIXES)
@@ -41,7 +42,7 @@ class SYNCH_OT_export_field(_FieldFileOperator, ExportHelper, bpy.types.Operator
     bl_label = "Export Direction Field"
 
     filename_ext = SUFFIXES[0]
-    symmetry: SYMMETRY
+    symmetry: property_of(SurfaceSettings, "symmetry")
 
     def invoke(self, context, event):
         self.symmetry = context.active_object.synch.symmetry

@@ -12,7 +12,7 @@ from bpy.props import IntProperty, StringProperty
 
 from ...core.errors import Cancelled, SynchError
 from .. import api
-from ..blender.translations import said, told
+from ..blender.translations import said
 from ..jobs.job import run
 from ..jobs.queue import queue
 from ..jobs.report import counted
@@ -85,9 +85,9 @@ class BackgroundOperator:
         try:
             return step(context)
         except Cancelled as stop:
-            self.report({"INFO"}, told(str(stop)))
+            self.report({"INFO"}, str(stop))
         except SynchError as error:
-            self.report({"ERROR"}, told(str(error)))
+            self.report({"ERROR"}, str(error))
             target = self._target(context)
             if len(error.vertices) and target is not None:
                 api.select(target, error.vertices)
@@ -129,7 +129,7 @@ class BackgroundOperator:
 
     def _announce(self, report):
         for warning in report.get("warnings", ()):
-            self.report({"WARNING"}, told(warning))
+            self.report({"WARNING"}, warning)
         self.report({"INFO"}, self._headline(report))
         return {"FINISHED"}
 

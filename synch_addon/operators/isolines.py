@@ -2,67 +2,32 @@
 """Operators that make something of the active object's pattern: a curve object of its lines, relief, and what carries
 it through modifiers."""
 
-import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
+from dataclasses import asdict
 
+import bpy
+from bpy.props import BoolProperty, FloatProperty, IntProperty
+
+from ...core.settings.lines import LineSettings
+from ...core.settings.setting import records
 from .. import api
 from ..jobs.report import counted
-from ..patterns.lines import LineSettings
+from ..settings.rna import properties_of, settings_of
 from .ready import PatternOperator, PromptOperator
 
-_DEFAULT = LineSettings()
+LINE_NAMES = tuple(name for name, _ in records(LineSettings))
+LineProperties = properties_of(LineSettings, LINE_NAMES)
 
 
-class SYNCH_OT_isolines(PatternOperator, PromptOperator, bpy.types.Operator):
+class SYNCH_OT_isolines(PatternOperator, PromptOperator, LineProperties, bpy.types.Operator):
     """Make a curve object of the lines of the pattern: stripes by their middles or edges, quads by their grid"""
 
     bl_idname = "synch.isolines"
     bl_label = "Lines as Curves"
     bl_options = {"REGISTER", "UNDO", "PRESET"}
 
-    width: FloatProperty(
-        name="Width",
-        description="Part of a period that is stripe and whose edges are drawn; 0 for the middles of stripes, "
-        "1 for those of gaps. Quads have grid lines: 0",
-        default=_DEFAULT.width,
-        min=0.0,
-        max=1.0,
-    )
-    distance: FloatProperty(
-        name="Distance",
-        description="Between the points of a line, in spacings; 0 for where it crosses the mesh's edges",
-        default=_DEFAULT.distance,
-        min=0.0,
-        soft_max=1.0,
-    )
-    smoothing: IntProperty(
-        name="Smoothing",
-        description="How often points move to the middle of their neighbours, before they are put back on the surface",
-        default=_DEFAULT.smoothing,
-        min=0,
-        soft_max=50,
-    )
-    radius: FloatProperty(
-        name="Radius",
-        description="Of tubes around the lines, in spacings; 0 for none",
-        default=_DEFAULT.radius,
-        min=0.0,
-        soft_max=0.5,
-    )
-    spline: EnumProperty(
-        name="Spline",
-        description="What the lines are made of",
-        items=[
-            ("POLY", "Poly", "Straight from point to point, with the tilt of the surface: ribbons lie on it"),
-            ("BEZIER", "Bezier", "Smooth through the points"),
-            ("NURBS", "NURBS", "Smooth along the points"),
-        ],
-        default=_DEFAULT.spline.upper(),
-    )
-
     def make(self, context):
-        settings = {name: getattr(self, name) for name in ("width", "distance", "smoothing", "radius")}
-        report = api.isolines(context.active_object, spline=self.spline.lower(), **settings)
+        settings = settings_of(LineSettings, self, LINE_NAMES)
+        report = api.isolines(context.active_object, **asdict(settings))
         return f"{report['object']}: {counted(report['lines'], 'line')}"
 
 

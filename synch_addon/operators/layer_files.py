@@ -7,7 +7,6 @@ from bpy_extras.io_utils import ExportHelper
 
 from ...core.tasks.layer_outputs import FILLS, PathSettings
 from .. import api
-from ..blender.translations import said, told
 from ..jobs.queue import queue
 from ..jobs.report import counted
 from ..solids import memory
@@ -50,9 +49,9 @@ class _LayerOperator:
         if not memory.holds_layers(obj):
             reason = f"no layers of {name} are in memory ({memory.KEPT_SOLIDS}): solve them first"
         elif queue.holds(obj):
-            reason = said("{name} is being solved: wait for it, or cancel it", name=name)
+            reason = f"{name} is being solved: wait for it, or cancel it"
         if reason:
-            cls.poll_message_set(told(reason))
+            cls.poll_message_set(reason)
         return reason is None
 
 
@@ -90,7 +89,7 @@ class SYNCH_OT_layer_export(_LayerOperator, PromptOperator, ExportHelper, bpy.ty
     def make(self, context):
         report = api.layer_export(context.active_object, self.filepath, self.together)
         for line in report["warnings"]:
-            self.report({"WARNING"}, told(line))
+            self.report({"WARNING"}, line)
         files = report["files"]
         return f"wrote {files[0]}" if len(files) == 1 else f"wrote {len(files)} layers, {files[0]} the lowest"
 

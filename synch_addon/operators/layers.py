@@ -4,12 +4,12 @@
 import bpy
 from bpy.props import StringProperty
 
+from ...core.settings.layers import LayerSettings
 from .. import api
-from ..settings.solver import settings_of
+from ..settings.rna import settings_of
 from ..solids.links import solid_of
-from ..solids.properties import LENGTHS, LayerProperties, stored_groups, stored_guidance
+from ..solids.properties import LAYER_NAMES, LENGTHS, LayerProperties, stored_groups, stored_guidance
 from ..solids.report import headline
-from ..solids.settings import LayerSettings
 from .field_operator import ObjectOperator
 
 
@@ -32,7 +32,7 @@ class SYNCH_OT_layers(ObjectOperator, LayerProperties, bpy.types.Operator):
     def _take(self, context):
         stored = self._target(context).synch_layering
         self.guidance, self.groups = stored_guidance(stored), stored_groups(stored)
-        for name in LayerProperties.__annotations__:
+        for name in LAYER_NAMES:
             if name in LENGTHS and getattr(stored, LENGTHS[name]):
                 self.properties.property_unset(name)
             else:
@@ -41,7 +41,7 @@ class SYNCH_OT_layers(ObjectOperator, LayerProperties, bpy.types.Operator):
     def _job(self, context):
         lengths = {name: getattr(self, name) if self.properties.is_property_set(name) else None for name in LENGTHS}
         apart = {"guidance": self.guidance, "groups": self.groups, **lengths}
-        return api.layer_job(self._target(context), settings_of(LayerSettings, self, LayerProperties, **apart))
+        return api.layer_job(self._target(context), settings_of(LayerSettings, self, LAYER_NAMES, **apart))
 
     def _announce(self, report):
         for name in LENGTHS:
@@ -54,5 +54,5 @@ class SYNCH_OT_layers(ObjectOperator, LayerProperties, bpy.types.Operator):
     def draw(self, context):
         column = self.layout.column()
         column.use_property_split = True
-        for name in ("guidance", "groups", *LayerProperties.__annotations__):
+        for name in ("guidance", "groups", *LAYER_NAMES):
             column.prop(self, name)

@@ -18,7 +18,7 @@ class SYNCH_OT_show_loop(PickingOperator, bpy.types.Operator):
 
     @classmethod
     def lacking(cls, obj):
-        return said("leave edit mode: loops are shown in object mode") if obj.mode == "EDIT" else None
+        return "leave edit mode: loops are shown in object mode" if obj.mode == "EDIT" else None
 
     def begin(self, obj):
         overlay = bpy.context.scene.synch_overlay

@@ -5,7 +5,6 @@ import bpy
 from bpy.props import EnumProperty
 
 from ..blender.groups import is_group
-from ..blender.translations import told
 from ..panels.row_operators import can_set
 from ..settings.painting import MAPS
 
@@ -34,7 +33,7 @@ class SYNCH_OT_paint_map(bpy.types.Operator):
         name = chosen.of(obj)
         if name in obj.data.attributes:
             line = f"{name} is an attribute, and vertex groups are painted: empty the field for a new one"
-            self.report({"ERROR"}, told(line))
+            self.report({"ERROR"}, line)
             return {"CANCELLED"}
         bpy.ops.object.mode_set(mode="OBJECT")  # in edit mode groups cannot be changed
         if not (name and is_group(obj, name)):

@@ -6,7 +6,7 @@ from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_
 
 from ...core.errors import SynchError
 from ..blender import meshes
-from ..blender.translations import said, told
+from ..blender.translations import said
 from ..patterns.picking import PickedSurface
 from .field_operator import navigates, over_sidebar
 from .ready import ReadyOperator
@@ -41,7 +41,7 @@ class PickingOperator(ReadyOperator):
 
     def invoke(self, context, _event):
         if context.region is None or context.region.type != "WINDOW":
-            self.report({"ERROR"}, told("this is done by clicks in a 3D view: run it with the mouse over one"))
+            self.report({"ERROR"}, "this is done by clicks in a 3D view: run it with the mouse over one")
             return {"CANCELLED"}
         obj = context.active_object
         try:
@@ -49,7 +49,7 @@ class PickingOperator(ReadyOperator):
                 self.begin(obj)
                 self._surface = PickedSurface.of(obj)
         except SynchError as error:
-            self.report({"ERROR"}, told(str(error)))
+            self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         self._object_name = obj.name
         self._picked = self._held = False
@@ -63,7 +63,7 @@ class PickingOperator(ReadyOperator):
         try:
             result = self._step(context, event)
         except SynchError as error:
-            self.report({"ERROR"}, told(str(error)))
+            self.report({"ERROR"}, str(error))
             result = {"FINISHED"} if self._picked else {"CANCELLED"}
         except Exception:
             self.cancel(context)
@@ -107,7 +107,7 @@ class PickingOperator(ReadyOperator):
         try:
             done = self.pick(obj, self._surface, ray, is_moved)
         except SynchError as error:
-            self.report({"ERROR"}, told(str(error)))
+            self.report({"ERROR"}, str(error))
             return False
         self._picked |= done
         context.area.tag_redraw()

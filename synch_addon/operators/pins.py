@@ -4,9 +4,9 @@
 import bpy
 from bpy.props import IntProperty
 
+from ...core.settings.pins import parse_pins, text_of_pins
 from ..panels.row_operators import RowOperator
 from ..patterns.pin_costs import PinCosts, cost_line
-from ..settings.pins import as_text, parsed
 from .picking import PickingOperator
 
 
@@ -37,7 +37,7 @@ Esc undoes. Solve again, or let Live follow"""
             return False
         if not is_moved:
             self._others = obj.synch.pins
-        obj.synch.pins = as_text(parsed(self._others) | {face: self.turns})
+        obj.synch.pins = text_of_pins(parse_pins(self._others) | {face: self.turns})
         overlay = bpy.context.scene.synch_overlay
         overlay.show = overlay.constraints = True
         return True

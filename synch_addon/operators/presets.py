@@ -6,7 +6,6 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from .. import api
 from ..blender.phases import pattern_kind
-from ..blender.translations import said
 from ..jobs.report import counted
 from ..looks import assets, presets
 from ..panels.presets import PRESET
@@ -99,7 +98,7 @@ class SYNCH_OT_number_stripes(ReadyOperator, PromptOperator, bpy.types.Operator)
     @classmethod
     def lacking(cls, obj):
         if pattern_kind(obj) != "stripes":
-            return said("{name} has no stripes: solve them first", name=obj.name)
+            return f"{obj.name} has no stripes: solve them first"
         return None
 
     def make(self, context):

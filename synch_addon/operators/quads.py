@@ -4,7 +4,7 @@
 import bpy
 
 from ..panels.sidebar import draw_directions, draw_faces, draw_pattern, draw_quad_mesh, draw_quads
-from ..settings.fields import MESH_BRANCHING, MESH_SHARES, MESH_SINGULARITIES, SettingProperties
+from ..settings.fields import MESH_NAMES, MeshProperties, SettingProperties
 from .field_operator import FieldOperator
 
 
@@ -22,17 +22,14 @@ class SYNCH_OT_quads(FieldOperator, SettingProperties, bpy.types.Operator):
         draw_faces(self.layout, self)
 
 
-class SYNCH_OT_quad_mesh(FieldOperator, SettingProperties, bpy.types.Operator):
+class SYNCH_OT_quad_mesh(FieldOperator, MeshProperties, SettingProperties, bpy.types.Operator):
     """Make a new mesh of quads along the grid lines of a quad pattern, and hide the active one"""
 
     bl_idname = "synch.quad_mesh"
     bl_label = "Quad Mesh"
     command = "quad_mesh"
 
-    stored_as = {name: f"mesh_{name}" for name in MESH_SHARES}
-
-    branching: MESH_BRANCHING
-    singularities: MESH_SINGULARITIES
+    stored_as = MESH_NAMES
 
     def draw(self, context):
         draw_directions(self.layout, self, context.active_object, of_quads=True)

@@ -5,7 +5,6 @@ missing: in one line, which greys them out where it is known beforehand."""
 from ...core.errors import SynchError
 from ..blender.meshes import refusal
 from ..blender.phases import pattern_kind
-from ..blender.translations import said, told
 from ..jobs.queue import queue
 
 
@@ -16,7 +15,7 @@ class PromptOperator:
         try:
             line = self.make(context)
         except SynchError as error:
-            self.report({"ERROR"}, told(str(error)))
+            self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         self.report({"INFO"}, line)
         return {"FINISHED"}
@@ -29,7 +28,7 @@ class ReadyOperator:
     def poll(cls, context):
         reason = _unready(context) or cls.lacking(context.active_object)
         if reason:
-            cls.poll_message_set(told(reason))
+            cls.poll_message_set(reason)
         return reason is None
 
     @classmethod
@@ -44,7 +43,7 @@ class PatternOperator(ReadyOperator):
     @classmethod
     def lacking(cls, obj):
         if pattern_kind(obj) is None:
-            return said("{name} has no pattern: solve stripes or quads on it first", name=obj.name)
+            return f"{obj.name} has no pattern: solve stripes or quads on it first"
         return None
 
 
@@ -52,9 +51,9 @@ def _unready(context):
     """Why the active object cannot be worked on now, in one line, or None."""
     reason = refusal(context.active_object)
     if reason is None and context.mode not in {"OBJECT", "EDIT_MESH"}:
-        reason = said("leave the present mode: fields are solved in object or edit mode")
+        reason = "leave the present mode: fields are solved in object or edit mode"
     if reason is None and queue.holds(context.active_object):
-        reason = said("{name} is being solved: wait for it, or cancel it", name=context.active_object.name)
+        reason = f"{context.active_object.name} is being solved: wait for it, or cancel it"
     if reason is None and queue.holds_window:
-        reason = said("something is being read or baked: wait for it, or cancel it with Esc")
+        reason = "something is being read or baked: wait for it, or cancel it with Esc"
     return reason

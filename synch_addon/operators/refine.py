@@ -5,7 +5,6 @@ import bpy
 from bpy.props import IntProperty
 
 from .. import api
-from ..blender.translations import said
 from ..patterns import refine
 from .ready import PromptOperator, ReadyOperator
 
@@ -29,7 +28,7 @@ shape. UV maps, groups and attributes go over; a pattern on it has to be solved 
     @classmethod
     def lacking(cls, obj):
         if obj.data.shape_keys:
-            return said("{name} has shape keys, which subdivision would lose: apply them first", name=obj.name)
+            return f"{obj.name} has shape keys, which subdivision would lose: apply them first"
         return None
 
     def make(self, context):

@@ -5,7 +5,6 @@ import bpy
 from bpy.props import EnumProperty, FloatProperty, IntProperty
 from bpy_extras.object_utils import AddObjectHelper, add_object_align_init
 
-from ..blender.translations import said
 from ..looks import samples
 
 
@@ -36,7 +35,7 @@ class SYNCH_OT_add_sample(AddObjectHelper, bpy.types.Operator):
     @classmethod
     def poll(cls, context):
         if context.mode != "OBJECT":
-            cls.poll_message_set(said("leave the present mode: samples are added in object mode"))
+            cls.poll_message_set("leave the present mode: samples are added in object mode")
         return context.mode == "OBJECT"
 
     def execute(self, context):

@@ -13,7 +13,7 @@ from ...core.errors import SynchError
 from ...core.geometry.drawn import evened, needed, parts
 from ...core.geometry.polylines import polyline_length, resampled
 from ..blender.meshes import refusal
-from ..blender.translations import said, told
+from ..blender.translations import said
 from ..panels.strokes import view
 from ..patterns import guide_strokes
 from ..patterns.picking import PickedSurface
@@ -41,20 +41,20 @@ class StrokeOperator:
     def poll(cls, context):
         reason = refusal(context.active_object)
         if reason is None and context.mode != "OBJECT":
-            reason = said("leave the present mode: strokes are drawn in object mode")
+            reason = "leave the present mode: strokes are drawn in object mode"
         if reason:
-            cls.poll_message_set(told(reason))
+            cls.poll_message_set(reason)
         return reason is None
 
     def invoke(self, context, event):
         if context.region is None or context.region.type != "WINDOW":
-            self.report({"ERROR"}, told("strokes are drawn in a 3D view: drag in one"))
+            self.report({"ERROR"}, "strokes are drawn in a 3D view: drag in one")
             return {"CANCELLED"}
         obj = context.active_object
         try:
             self._surface = PickedSurface.of(obj)
         except SynchError as error:
-            self.report({"ERROR"}, told(str(error)))
+            self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         self._object_name, self._last = obj.name, None
         view.rest()

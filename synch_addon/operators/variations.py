@@ -6,11 +6,11 @@ import random
 import bpy
 from bpy.props import IntProperty
 
+from ...core.settings.surface import SurfaceSettings
 from .. import api
-from ..blender.translations import said
 from ..patterns import memory
 from ..patterns.numbers import renew_shown
-from ..settings.fields import SMOOTHING
+from ..settings.rna import property_of
 from .picking import PickingOperator
 from .ready import PromptOperator, ReadyOperator
 
@@ -28,8 +28,7 @@ class _SolvedOperator(ReadyOperator):
         """Why there is nothing to be done with what an object shows, or None."""
         if memory.holds(obj):
             return None
-        text = "{name} has no solve in memory (kept for the last {count} objects): solve it first"
-        return said(text, name=obj.name, count=memory.MOST)
+        return f"{obj.name} has no solve in memory (kept for the last {memory.MOST} objects): solve it first"
 
 
 class _VaryingOperator(_SolvedOperator):
@@ -39,7 +38,7 @@ class _VaryingOperator(_SolvedOperator):
     def lacking(cls, obj):
         reason = super().lacking(obj)
         if reason is None and not memory.solve_of(obj).varies:
-            return said("only the semidefinite method finds variations: choose it and solve again")
+            return "only the semidefinite method finds variations: choose it and solve again"
         return reason
 
 
@@ -66,7 +65,7 @@ class SYNCH_OT_trace_quads(_SolvedOperator, PromptOperator, bpy.types.Operator):
     bl_idname = "synch.trace_quads"
     bl_label = "Mesh of These Quads"
 
-    smoothing: SMOOTHING
+    smoothing: property_of(SurfaceSettings, "smoothing")
 
     def invoke(self, context, _event):
         self.smoothing = context.active_object.synch.smoothing
@@ -97,7 +96,7 @@ class SYNCH_OT_place_defect(_VaryingOperator, PickingOperator, bpy.types.Operato
     def lacking(cls, obj):
         reason = super().lacking(obj)
         if reason is None and memory.solve_of(obj).pattern is None:
-            return said("defects are placed in stripes and quads: solve one of them first")
+            return "defects are placed in stripes and quads: solve one of them first"
         return reason
 
     def begin(self, obj):

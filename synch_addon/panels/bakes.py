@@ -3,10 +3,15 @@
 
 import bpy
 
-from ..bakes.settings import BakeProperties
+from ...core.settings.bake import BakeSettings
+from ...core.settings.setting import records
 from ..blender.phases import pattern_kind
 from ..blender.registration import keeping
-from .sidebar import SettingsPanel, property_column
+from ..settings.rna import properties_of
+from .sidebar import SettingsPanel, draw_settings, property_column
+
+BAKE_NAMES = tuple(name for name, _ in records(BakeSettings))
+BakeProperties = properties_of(BakeSettings, BAKE_NAMES)
 
 
 class SynchBake(BakeProperties, bpy.types.PropertyGroup):
@@ -33,17 +38,14 @@ def draw_bake(layout, settings, obj):
     """Settings of a bake; ``settings`` are the scene's or an operator's."""
     layout.column(align=True).grid_flow(columns=3, align=True).prop(settings, "maps")
     column = property_column(layout)
-    for name in ("size", "margin", "samples"):
-        column.prop(settings, name)
+    draw_settings(column, settings, BakeSettings, "bake")
     if obj.data.uv_layers:
         column.prop_search(settings, "uv_map", obj.data, "uv_layers", icon="GROUP_UVS")
         column.prop(settings, "unwrap")
     else:
         column.label(text="No UV map: Smart UV Project makes one", icon="INFO")
     column.prop(settings, "folder", placeholder="in the .blend")
-    column.prop(settings, "naming")
-    column.prop(settings, "file_format")
-    column.prop(settings, "material")
+    draw_settings(column, settings, BakeSettings, "files")
     row = column.row()
     row.enabled = settings.material and "HEIGHT" in settings.maps
     row.prop(settings, "displacement")

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The panel "Layers" of the sidebar tab, and the operators that add and remove its groups."""
 
+from functools import partial
+
 import bpy
 import numpy as np
 
 from ...core.geometry.filling.lengths import EDGES_PER_LAYER, Measures, estimate
+from ...core.settings.layers import LayerSettings
 from ..blender.attributes import read_all
 from ..blender.translations import said
 from ..jobs.shelf import Shelf
@@ -15,6 +18,7 @@ from .row_operators import RemoveRow, RowOperator
 from .sidebar import (
     SidebarPanel,
     draw_automatic,
+    draw_settings,
     draw_solver,
     draw_unready,
     property_column,
@@ -59,12 +63,9 @@ def draw_layers(layout, stored):
             line.prop(row, "offset", text="")
         line.operator("synch.layer_group_remove", text="", icon="X").number = number
     layout.operator("synch.layer_group_add", icon="ADD")
-    column = property_column(layout)
-    for name, automatic in LENGTHS.items():
-        draw_automatic(column, stored, name, automatic)
-    draw_map(column, stored, "LAYERS")
-    for name in ("branching", "smallest_height", "largest_height", "numbers"):
-        column.prop(stored, name)
+    own = {name: partial(draw_automatic, settings=stored, name=name, automatic=LENGTHS[name]) for name in LENGTHS}
+    own["spacing_map"] = partial(draw_map, settings=stored, target="LAYERS")
+    draw_settings(property_column(layout), stored, LayerSettings, "layers", own)
     draw_solver(layout, stored)
 
 

@@ -10,12 +10,12 @@ import numpy as np
 
 from ...core.errors import SynchError
 from ...core.extract import direction_glyphs, evenly_traced
-from ...core.fields.directions import SYMMETRIES
+from ...core.settings.pins import parse_pins
+from ...core.settings.surface import SYMMETRY_ORDERS
 from ..blender import attributes, groups, meshes
 from ..blender.defect_empties import COLORS as DEFECT_COLORS
 from ..blender.schema import DIRECTION, PHASES, SINGULARITY, SPACING_ERROR
 from ..patterns.loops import faces_of_loop, shown_edge
-from ..settings.pins import parsed
 
 # No more marks or streamlines than this, however dense the mesh.
 GLYPHS, STREAMLINES = 6_000, 250
@@ -55,7 +55,7 @@ def _directions(obj, draw):
         vectors = attributes.read_vectors(obj, DIRECTION.name, given)
     except SynchError:  # the mesh was edited, and cannot carry a field any more
         return []
-    segments = draw(given.mesh, vectors, SYMMETRIES[obj.synch.symmetry.lower()])
+    segments = draw(given.mesh, vectors, SYMMETRY_ORDERS[obj.synch.symmetry.lower()])
     return [(segments @ np.linalg.inv(given.stretch).T, DIRECTION_COLOR)]
 
 
@@ -89,7 +89,7 @@ def pin_points(obj):
     """The middles of the pinned faces, in the colours of the disclinations that are asked for there, or grey for none;
     nothing where pins cannot be read."""
     try:
-        pins = parsed(obj.synch.pins)
+        pins = parse_pins(obj.synch.pins)
     except SynchError:
         return []
     faces = {face: turns for face, turns in pins.items() if 0 <= face < len(obj.data.polygons)}

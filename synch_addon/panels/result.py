@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The box "Result" of the sidebar tab: what the last solve found, its variations, its defects."""
 
-import json
-
 import bpy
 
 from ..blender.defect_empties import collection_of_defects
 from ..blender.modifiers import carries, changing_modifiers
 from ..blender.translations import counted, said
+from ..jobs.kept_results import shown_result
 from ..patterns import memory
 from ..settings.preferences import is_simple
 from .look import draw_look
@@ -39,12 +38,12 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        result = context.active_object.synch.result if super().poll(context) else ""
-        return bool(result) and not (is_simple() and json.loads(result)["command"] == "quad_mesh")
+        result = shown_result(context.active_object.synch.result) if super().poll(context) else {}
+        return bool(result) and not (is_simple() and result["command"] == "quad_mesh")
 
     def draw(self, context):
         synch = context.active_object.synch
-        result = json.loads(synch.result)
+        result = shown_result(context.active_object.synch.result)
         if result["command"] != "directions":
             draw_shading(self.layout, context)
             draw_look(self.layout, context.active_object)
@@ -132,15 +131,16 @@ def draw_favourites(layout, favourites):
         row = column.row(align=True)
         row.operator("synch.show_favourite", text="", icon="HIDE_OFF").name = favourite.name
         row.prop(favourite, "name", text="")
-        row.label(text=f"{json.loads(favourite.result)['energy']:.4g}")
+        energy = shown_result(favourite.result).get("energy")
+        row.label(text="" if energy is None else f"{energy:.4g}")
         row.operator("synch.remove_favourite", text="", icon="X").name = favourite.name
 
 
 def draw_figures(layout, result, held, faces):
     """Energy, bound, counts, evenness, the spacing that was used, and how many faces there are.
 
-    ``result`` is what :func:`report.result_line` keeps. Where its whole report is held, the lines say in their tooltips
-    what they mean, and copy it when they are clicked.
+    ``result`` is what :func:`kept_results.result_line` keeps. Where its whole report is held, the lines say in their
+    tooltips what they mean, and copy it when they are clicked.
     """
     column = layout.column(align=True)
 

@@ -3,13 +3,16 @@
 
 import bpy
 
+from ...core.settings.setting import records
+from ...core.settings.solver import SolverSettings
+from ...core.settings.surface import SurfaceSettings
 from ..blender.meshes import measured_key, refusal
-from ..blender.translations import said, told
+from ..blender.translations import said
 from ..jobs.queue import queue
 from ..patterns.live import live
 from ..patterns.pin_costs import cost_line
 from ..patterns.refine import draw_told, draw_warning
-from ..settings.fields import MESH_SHARES
+from ..settings.fields import MESH_NAMES
 from ..settings.preferences import is_simple, preferences
 from .guides import draw_guidance
 from .painting import draw_map, draw_painting
@@ -20,32 +23,66 @@ from .setting_presets import SYNCH_PT_presets
 SHOWN_JOBS = 5
 
 
+def draw_settings(column, settings, kind, group, own=None):
+    """Draw the settings of a group of the panel, in the order of their declaration.
+
+    Parameters
+    ----------
+    column : UILayout
+    settings : the object's, or an operator's
+    kind : class of the settings
+    group : of the panel, as the records have it
+    own : by name, callables (column) that draw a setting in a way of their own
+    """
+    own = own or {}
+    for name, record in records(kind):
+        if record.group != group or record.part_of:
+            continue
+        if name in own:
+            own[name](column)
+        else:
+            column.prop(settings, name)
+
+
 def draw_directions(layout, settings, obj, of_quads=False):
     """Settings of the direction field; ``settings`` are the object's or an operator's. Quads have no symmetry."""
+
+    def draw_symmetry(column):
+        if not of_quads:
+            column.prop(settings, "symmetry")
+
+    def draw_guides(column):
+        if hasattr(settings, "guides"):
+            draw_guidance(column, settings)
+        else:
+            column.prop(settings, "guidance")
+
+    def draw_group(column):
+        if settings.boundary != "FREE":
+            column.prop_search(settings, "vertex_group", obj, "vertex_groups")
+
+    def draw_mirror(column):
+        row = column.row(align=True, heading="Mirror")
+        for number, axis in enumerate("XYZ"):
+            row.prop(settings, "mirror", index=number, text=axis, toggle=True)
+
     column = property_column(layout)
-    if not of_quads:
-        column.prop(settings, "symmetry")
-    if hasattr(settings, "guides"):
-        draw_guidance(column, settings)
-    else:
-        column.prop(settings, "guidance")
-    column.prop(settings, "angle")
-    draw_map(column, settings, "ANGLE")
-    column.prop(settings, "boundary")
-    if settings.boundary != "FREE":
-        column.prop_search(settings, "vertex_group", obj, "vertex_groups")
-    row = column.row(align=True, heading="Mirror")
-    for number, axis in enumerate("XYZ"):
-        row.prop(settings, "mirror", index=number, text=axis, toggle=True)
-    column.prop(settings, "singularities")
+    own = {"symmetry": draw_symmetry, "guidance": draw_guides, "vertex_group": draw_group, "mirror": draw_mirror}
+    own["angle_attribute"] = lambda column: draw_map(column, settings, "ANGLE")
+    draw_settings(column, settings, SurfaceSettings, "directions", own)
     if hasattr(settings, "pins"):
-        row = column.row(align=True, heading="Pin")
-        for turns, text in ((1, "+"), (-1, "−"), (0, "0")):
-            row.operator("synch.pin", text=text, translate=False).turns = turns
-        if settings.pins:
-            row.operator("synch.unpin", text="", icon="X")
-            if cost_line(obj):
-                column.label(text=cost_line(obj), icon="BLANK1", translate=False)
+        draw_pins(column, settings, obj)
+
+
+def draw_pins(column, settings, obj):
+    """Buttons that pin faces, and what the pins cost."""
+    row = column.row(align=True, heading="Pin")
+    for turns, text in ((1, "+"), (-1, "−"), (0, "0")):
+        row.operator("synch.pin", text=text, translate=False).turns = turns
+    if settings.pins:
+        row.operator("synch.unpin", text="", icon="X")
+        if cost_line(obj):
+            column.label(text=cost_line(obj), icon="BLANK1", translate=False)
 
 
 def draw_simple(layout, obj):
@@ -71,14 +108,16 @@ def draw_simple(layout, obj):
 
 def draw_pattern(layout, settings):
     """Settings of a pattern, below those of the directions."""
-    column = property_column(layout)
-    if hasattr(settings, "automatic_spacing"):
-        draw_automatic(column, settings, "spacing", "automatic_spacing")
-        draw_told(column, "stripes", settings.id_data)
-    else:
-        column.prop(settings, "spacing")
-    draw_map(column, settings, "SPACING")
-    column.prop(settings, "branching")
+
+    def draw_spacing(column):
+        if hasattr(settings, "automatic_spacing"):
+            draw_automatic(column, settings, "spacing", "automatic_spacing")
+            draw_told(column, "stripes", settings.id_data)
+        else:
+            column.prop(settings, "spacing")
+
+    own = {"spacing": draw_spacing, "spacing_map": lambda column: draw_map(column, settings, "SPACING")}
+    draw_settings(property_column(layout), settings, SurfaceSettings, "pattern", own)
 
 
 def draw_automatic(column, settings, name, automatic):
@@ -90,35 +129,31 @@ def draw_automatic(column, settings, name, automatic):
 
 def draw_faces(layout, settings):
     """Which faces show the pattern."""
-    property_column(layout).prop(settings, "assign_material")
+    draw_settings(property_column(layout), settings, SurfaceSettings, "faces")
 
 
 def draw_quads(layout, settings):
     """What only quads have."""
-    column = property_column(layout)
-    column.prop(settings, "aspect")
+    draw_settings(property_column(layout), settings, SurfaceSettings, "quads")
 
 
 def draw_quad_mesh(layout, settings):
-    """Settings of the mesh of quads; operators have one of each share."""
+    """Settings of the mesh of quads; an object keeps some of them apart from those of patterns."""
     column = property_column(layout)
-    column.prop(settings, "faces")
-    column.prop(settings, "features")
-    column.prop(settings, "smoothing")
-    column.prop(settings, "straighten")
-    for name in MESH_SHARES:
-        if hasattr(settings, f"mesh_{name}"):
-            column.prop(settings, f"mesh_{name}")
+    draw_settings(column, settings, SurfaceSettings, "quad_mesh")
+    for name in MESH_NAMES.values():
+        if hasattr(settings, name):
+            column.prop(settings, name)
 
 
 def draw_solver(layout, settings):
     """Settings of the solver."""
-    column = property_column(layout)
-    column.prop(settings, "method")
-    column.prop(settings, "seed")
-    if settings.method == "SDP":
-        column.prop(settings, "rounding")
-        column.prop(settings, "target_gap")
+
+    def only_of_sdp(name):
+        return lambda column: settings.method == "SDP" and column.prop(settings, name)
+
+    own = {name: only_of_sdp(name) for name in ("rounding", "target_gap")}
+    draw_settings(property_column(layout), settings, SolverSettings, "solver", own)
 
 
 def property_column(layout):
@@ -133,8 +168,7 @@ def draw_unready(layout, obj):
     """Say why an object can carry nothing, or that its job is on its way; whether there is either."""
     reason = refusal(obj)
     if reason:
-        line = told(reason)
-        layout.label(text=line[0].upper() + line[1:], icon="INFO", translate=False)
+        layout.label(text=reason[0].upper() + reason[1:], icon="INFO", translate=False)
     elif not obj.visible_get():
         layout.label(text=said("{name} is hidden", name=obj.name), icon="HIDE_ON", translate=False)
     return bool(reason) or queue.holds(obj)
@@ -222,7 +256,7 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
         row.operator("synch.quad_mesh", icon="MOD_REMESH")
         self.layout.prop(context.window_manager, "synch_live", toggle=True, icon="PLAY")
         if live.error:
-            self.layout.label(text=told(live.error), icon="ERROR", translate=False)
+            self.layout.label(text=live.error, icon="ERROR", translate=False)
         draw_warning(self.layout, obj)
         others = len(others_selected(context))
         if others:

@@ -7,7 +7,6 @@ from bpy.props import IntProperty
 from ...core.errors import SynchError
 from .. import api
 from ..blender.registration import keeping
-from ..blender.translations import told
 from ..patterns import memory
 
 
@@ -19,7 +18,7 @@ def _show_variation(slider, context):
     try:
         api.vary(obj, slider.variation)
     except SynchError as error:
-        line = told(str(error))
+        line = str(error)
         memory.show_line(obj, obj.synch.result, memory.solve_of(obj).number)
         if context.window is not None and not bpy.app.background:
             context.window_manager.popup_menu(

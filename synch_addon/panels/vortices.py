@@ -37,7 +37,7 @@ class SYNCH_PT_vortex_result(SidebarPanel, bpy.types.Panel):
     @classmethod
     def poll(cls, context):
         obj = context.active_object
-        return super().poll(context) and obj is not None and bool(obj.synch_vortices.result)
+        return super().poll(context) and obj is not None and bool(obj.synch_vortices.figures)
 
     def draw(self, context):
         obj = context.active_object
@@ -90,12 +90,12 @@ def draw_figures(layout, found):
         column.label(text=said("Proved: no map saves more than {gap:.0%}", gap=found["gap"]), icon="CHECKMARK")
     elif found["certificate"] == "estimated":
         column.label(text=said("About {gap:.0%} above the bound", gap=found["gap"]), icon="QUESTION")
-    if "filaments" in found:
+    if found["filaments"] is not None:
         closed = said("{closed} closed, {length:.3g} long in all", closed=found["closed"], length=found["length"])
         column.label(text=f"{counted(found['filaments'], 'filament')}, {closed}", icon="CURVE_DATA")
-    if "vortices" in found:
+    if found["vortices"] is not None:
         column.label(text=counted(found["vortices"], "vortex"), icon="DOT")
-    if "tubes" in found:
+    if found["tubes"] is not None:
         column.label(text=counted(found["tubes"], "tube"), icon="MESH_CYLINDER")
     share = found["vorticity_share"]
     if share is not None:

@@ -22,7 +22,7 @@ def curves_read(obj, settings):
     Parameters
     ----------
     obj : bpy.types.Object
-    settings : Settings, with the constraint list
+    settings : SurfaceSettings, with the constraint list
 
     Returns
     -------

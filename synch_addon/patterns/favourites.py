@@ -5,17 +5,14 @@ A favourite is the directions and the phases at the vertices (:mod:`.read_back`)
 some bytes a vertex.
 """
 
-import json
-
 import bpy
 import numpy as np
 
 from ...core.errors import SynchError
-from ...core.keywords import from_names
 from ..blender import attributes, meshes, schema
 from ..blender.transaction import at_the_end, undone_by, whole_or_nothing
+from ..jobs.kept_results import kept_result, kept_settings
 from ..jobs.report import Report
-from ..settings.fields import Settings
 from . import job, memory
 from .read_back import is_apart, read_back
 from .write import SAME
@@ -34,10 +31,10 @@ def keep(obj, name=""):
         with one line that names the element and the remedy; nothing is kept
     """
     meshes.refuse(obj)
-    result = json.loads(obj.synch.result) if obj.synch.result else {}
+    result = kept_result(obj.synch.result, obj.name)
     if result.get("command") not in schema.KEPT:
         raise SynchError(f"{obj.name} shows no stripes or quads: solve them first")
-    if is_apart(from_names(Settings, result["settings"]), result):
+    if is_apart(kept_settings(result, obj.name), result):
         raise SynchError(f"the pattern of {obj.name} has cuts, which attributes of vertices cannot tell: use the seed")
     with meshes.object_mode(obj), whole_or_nothing():
         values = {attribute: attributes.read(obj, attribute) for attribute in schema.KEPT[result["command"]]}
@@ -55,7 +52,7 @@ def keep(obj, name=""):
 
 
 def show(obj, name):
-    """Show a favourite; returns what :func:`report.result_line` keeps of it, as a dict.
+    """Show a favourite; returns what :func:`kept_results.result_line` keeps of it, as a dict.
 
     Where it comes from the solve that is in memory, that stays there, and the slider goes on from it.
 
@@ -78,7 +75,7 @@ def show(obj, name):
         else:
             job.show(obj, request, field, pattern, Report(request.command, obj, settings))
             memory.show_line(obj, result, favourite.variation)
-    return json.loads(obj.synch.result)
+    return kept_result(obj.synch.result, obj.name)
 
 
 def remove(obj, name):

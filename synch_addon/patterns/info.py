@@ -7,7 +7,7 @@ from ...core.errors import MeshError
 from ...core.graphs import components
 from ..blender.meshes import read_mesh
 from ..jobs.report import versions
-from .reading import COARSE_SHARE, EDGES_PER_PERIOD, automatic_spacing
+from ..reading.surface import COARSE_SHARE, EDGES_PER_PERIOD, automatic_spacing
 
 
 def describe(obj):

@@ -10,10 +10,11 @@ from ...core.errors import SynchError
 from ..blender import meshes
 from ..blender.objects import ObjectLink, Selection
 from ..blender.transaction import whole_or_nothing
-from ..jobs.report import Report, result_line
+from ..jobs.kept_results import result_line
+from ..jobs.report import Report
+from ..reading.surface import gather, settings_for
 from . import frame_attributes, memory, numbers, quad_mesh, write
 from .curves_read import curves_read
-from .reading import gather, settings_for
 
 
 class FieldJob:

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Isolines of a pattern as a curve object: tubes, wires or ribbons that lie on the surface."""
 
-import math
 from collections import Counter
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 
 import bpy
 import numpy as np
@@ -14,10 +13,7 @@ from ...core.extract.isolines import End
 from ...core.extract.isolines import isolines as traced_lines
 from ...core.geometry.barycentric import barycentric
 from ...core.geometry.nearest import NearestTriangles
-from ...core.keywords import MOST_ROUNDS, check_choice, check_whole, take_all
 from ..jobs.report import counted, versions
-
-SPLINES = ("poly", "bezier", "nurbs")
 
 # As traced, lines pass vertices of the mesh that lie on them several times: points closer than this are one, in
 # spacings.
@@ -26,38 +22,6 @@ _SAME = 1e-4
 _STEP = 0.5
 # Below this sum of its components in X and Y, a tangent is vertical to Blender's Z-up frames.
 _VERTICAL = 1e-4
-
-
-@dataclass(frozen=True)
-class LineSettings:
-    """Settings of the operator, the command line and the API alike; lengths are in spacings.
-
-    Attributes
-    ----------
-    width : the part of a period that is stripe and whose edges are drawn; 0 for the middles of stripes, 1 for those of
-        gaps; quads have grid lines, and 0
-    distance : between the points of a line; 0 for where it crosses the mesh's edges
-    smoothing : how often points move to the middle of their neighbours, before they are put back on the surface
-    radius : of tubes around the lines; 0 for none
-    spline : "poly", whose tilt follows the surface, or "bezier" or "nurbs", which are smooth between the points
-    """
-
-    width: float = 0.0
-    distance: float = 0.1
-    smoothing: int = 6
-    radius: float = 0.1
-    spline: str = "poly"
-
-    def __post_init__(self):
-        take_all(self)
-        for name in ("width", "distance", "radius"):
-            value = getattr(self, name)
-            if not 0 <= value < math.inf:
-                raise SettingError(f"the {name} is {value!r}: give a number from 0 on")
-        if self.width > 1:
-            raise SettingError(f"the width is {self.width:g}: give a part of a period from 0 (middles) to 1 (of gaps)")
-        check_whole(self, "smoothing", most=MOST_ROUNDS)
-        check_choice(self, "spline", SPLINES)
 
 
 def write(obj, request, pattern, settings):

@@ -21,11 +21,11 @@ from ..blender.objects import ObjectLink
 from ..blender.transaction import whole_or_nothing
 from ..jobs.queue import queue
 from ..jobs.report import Report
+from ..reading.surface import gather, settings_for
 from ..settings.fields import stored_settings
 from . import memory
 from .curves_read import curves_read
 from .job import write_result
-from .reading import gather, settings_for
 
 # Seconds between two looks; after which a solve is ended if something else is asked for; of rest that end a change.
 _TICK, _PATIENCE, _REST = 0.03, 0.7, 0.6

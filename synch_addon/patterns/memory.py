@@ -106,7 +106,7 @@ class _States:
 
 
 def show_line(obj, line, number):
-    """Say at the object which state it shows, by what :func:`report.result_line` keeps of it, and set the slider."""
+    """Say at the object which state it shows, by what :func:`kept_results.result_line` keeps, and set the slider."""
     if hasattr(obj, "synch"):  # as long as the extension is registered
         assign(obj.synch, "result", "")  # so that setting the slider asks for nothing
         assign(obj.synch_shown, "variation", number)

@@ -4,15 +4,15 @@
 On larger meshes first fields tell that, which are quick and no more than a hint.
 """
 
-import json
 from dataclasses import replace
 
+from ...core.settings.pins import parse_pins
 from ...core.solve.solution import FIRST
 from ..blender.translations import counted, said
+from ..jobs.kept_results import shown_result
 from ..jobs.shelf import Shelf
+from ..reading.surface import gather, pinned_triangles, settings_for
 from ..settings.fields import stored_settings
-from ..settings.pins import on_triangles, parsed
-from .reading import gather, settings_for
 
 # Shares of the last objects, by their pins.
 _told = Shelf(8)
@@ -36,7 +36,7 @@ class PinCosts:
     """
 
     def __init__(self, obj):
-        last = json.loads(obj.synch.result)["command"] if obj.synch.result else "directions"
+        last = shown_result(obj.synch.result).get("command")
         command = last if last in ("quads", "quad_mesh") else "directions"
         request = gather(command, obj, replace(settings_for(command, obj, stored_settings(obj)), pins=""))
         if request.given.mesh.vertex_count > _SOLVED:
@@ -49,9 +49,9 @@ class PinCosts:
 
         None where free ones do not bend, or are given.
         """
-        share, pins = None, parsed(obj.synch.pins)
+        share, pins = None, parse_pins(obj.synch.pins)
         if self._free > _FLAT * self._request.given.mesh.vertex_count and self._request.directions is None:
-            asked = on_triangles(pins, self._request.given.polygons, self._request.symmetry)
+            asked = pinned_triangles(pins, self._request.given.polygons, self._request.symmetry)
             share = replace(self._request, pins=asked).directed().bending / self._free - 1
         _told.put(obj.session_uid, (obj.synch.pins, share))
         return share
@@ -63,4 +63,4 @@ def cost_line(obj):
     pins, share = _told.get(obj.session_uid) or ("", None)
     if share is None or pins != obj.synch.pins:
         return ""
-    return said("{pins}: about {more:+.0%} bending", pins=counted(len(parsed(pins)), "pin"), more=share)
+    return said("{pins}: about {more:+.0%} bending", pins=counted(len(parse_pins(pins)), "pin"), more=share)

@@ -6,18 +6,17 @@ ask for there, which is what the solver was asked for. Fewer branches or singula
 something else, to which the constraints belong.
 """
 
-import json
 from dataclasses import replace
 
 import numpy as np
 
 from ...core.errors import SynchError
 from ...core.geometry.carrier import APART
-from ...core.keywords import from_names
+from ...core.settings.surface import SurfaceSettings
 from ..blender import attributes, schema
-from ..settings.fields import Settings
+from ..jobs.kept_results import kept_result, kept_settings
+from ..reading.surface import gather, settings_for
 from . import memory
-from .reading import gather, settings_for
 
 
 def shown_pattern(obj):
@@ -38,12 +37,12 @@ def shown_pattern(obj):
 
 
 def read_back(obj, result, favourite=None):
-    """The Settings, SurfaceRequest, DirectionField and Pattern of attributes on the vertices.
+    """The SurfaceSettings, SurfaceRequest, DirectionField and Pattern of attributes on the vertices.
 
     Parameters
     ----------
     obj : bpy.types.Object in object mode
-    result : what the object keeps of their solve, see :func:`report.result_line`
+    result : what the object keeps of their solve, see :func:`kept_results.result_line`
     favourite : number of the one that the attributes are of, None for what the object shows
 
     Returns
@@ -56,17 +55,17 @@ def read_back(obj, result, favourite=None):
         where an attribute is missing or of a newer version, or the surface is apart, so that second sides have phases
         of their own
     """
-    kept = json.loads(result) if result else {}
-    found = max(kept.get("format", 1), obj.data.get(schema.STAMP, 1))
+    kept, stamp = kept_result(result, obj.name), obj.data.get(schema.STAMP, 1)
+    found = max(kept.get("format", 1), stamp if isinstance(stamp, int) else 1)
     if found > schema.FORMAT:
         raise SynchError(
             f"the pattern of {obj.name} is of a newer Synch Fields (format {found}, this one reads up to "
             f"{schema.FORMAT}): update the extension, or solve it again"
         )
     command = kept.get("command")
-    if command not in schema.KEPT or "settings" not in kept:
+    if command not in schema.KEPT or kept["settings"] is None:
         raise SynchError(f"{obj.name} has no pattern whose settings are known: solve stripes or quads on it first")
-    settings = settings_for(command, obj, from_names(Settings, kept["settings"]))
+    settings = settings_for(command, obj, kept_settings(kept, obj.name))
     if is_apart(settings, kept):
         raise SynchError(f"the pattern of {obj.name} has cuts, which its attributes cannot tell: solve it again")
     request = gather(command, obj, _asked_along_edges(settings))
@@ -83,8 +82,8 @@ def is_apart(settings, kept):
 
     Parameters
     ----------
-    settings : Settings
-    kept : what :func:`report.result_line` keeps of the solve, as a dict
+    settings : SurfaceSettings
+    kept : what :func:`kept_results.result_line` keeps of the solve, as a dict
     """
     is_cut = any(row.what == "cut" for row in settings.constraints)
     return is_cut or any(name in APART for name in kept.get("carrier", {}))
@@ -92,7 +91,7 @@ def is_apart(settings, kept):
 
 def _asked_along_edges(settings):
     """The settings that say how phases change along edges, without what their directions were to follow."""
-    plain = Settings()
+    plain = SurfaceSettings()
     names = ["guidance", "angle", "angle_attribute", "angle_range"]
     if settings.exact_attribute is not None:
         settings = replace(settings, singularities=1.0, pins="")

@@ -4,7 +4,6 @@
 The panel asks at every redraw, so that the answer is kept until a mesh changes, and costs the same for any mesh.
 """
 
-import json
 import math
 from dataclasses import dataclass
 
@@ -17,10 +16,11 @@ from ..blender import attributes, groups, meshes
 from ..blender.changes import changes
 from ..blender.transaction import assign, keep, undone_by, whole_or_nothing
 from ..blender.translations import said
+from ..jobs.kept_results import shown_result
 from ..jobs.report import versions
 from ..jobs.shelf import Shelf
+from ..reading.surface import LINES_ACROSS, carried_spacing, spacing_across
 from . import memory, write
-from .reading import LINES_ACROSS, carried_spacing, spacing_across
 
 # Faces that are looked at, spread over all of them.
 FACES_SEEN = 500
@@ -218,7 +218,7 @@ def _as_length(number):
 
 def _is_made(obj):
     """Whether an object is a mesh of quads that was made of another one."""
-    return bool(obj.synch.result) and json.loads(obj.synch.result)["command"] == "quad_mesh"
+    return shown_result(obj.synch.result).get("command") == "quad_mesh"
 
 
 def _look_at(obj):

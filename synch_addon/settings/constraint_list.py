@@ -6,29 +6,18 @@ import math
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
 
+from ...core.settings.constraints import PLACES, WISHES, Constraint, wishes_at
 from ..blender.strokes import SOURCE_TYPES
 from ..blender.translations import OURS
-from .constraints import Constraint, wishes_at
-from .guide_list import suggest_numbers, suggest_vectors
-from .solver import ANGLE
+from .rna import identifier_of
+from .suggestions import suggest_numbers, suggest_vectors
 
-_PLACES = (
-    ("BOUNDARY", "Boundary", "The open edges of the mesh, or those of a vertex group", "MESH_PLANE"),
-    ("GROUP", "Vertex Group", "The chains of edges, areas and points of a vertex group", "GROUP_VERTEX"),
-    ("SEAMS", "Seams", "Edges marked as seams", "UV_EDGESEL"),
-    ("SHARP", "Sharp Edges", "Edges marked as sharp", "MOD_EDGESPLIT"),
-    ("CREASES", "Creases", "Edges with a crease", "MOD_SUBSURF"),
-    ("CURVE", "Curve", "A curve or drawn strokes of another object, projected to the surface", "CURVE_DATA"),
-    ("ATTRIBUTE", "Attribute", "Vertices, each with a direction or a phase of its own", "SPREADSHEET"),
-)
-_WISHES = (
-    ("ALONG", "Along", "Stripes run along the line, or along the attribute's vectors"),
-    ("ACROSS", "Across", "Stripes meet the line at a right angle"),
-    ("ANGLE", "Angle", "Stripes meet the line at an angle"),
-    ("PHASE", "Phase", "A stripe lies on the line: its middle at 0°, the middle of a gap at 180°"),
-    ("CONSTANT", "Same Phase", "The line follows one stripe, at a distance from its middle that is left free"),
-    ("CUT", "Cut", "Nothing is carried across: the panels on both sides have patterns of their own"),
-)
+_ANGLE = {"subtype": "ANGLE", "soft_min": -math.pi, "soft_max": math.pi}
+
+_PLACES = [
+    (identifier_of(place.name), place.label, place.tip, place.icon, number) for number, place in enumerate(PLACES)
+]
+_WISHES = [(identifier_of(wish.name), wish.label, wish.tip) for wish in WISHES]
 
 
 def _keep_possible(row, context):
@@ -53,7 +42,7 @@ class SynchConstraint(bpy.types.PropertyGroup):
         name="Where",
         description="Where something is asked for",
         translation_context=OURS,
-        items=[(*item, k) for k, item in enumerate(_PLACES)],
+        items=_PLACES,
         update=_keep_possible,
     )
     what: EnumProperty(name="Ask For", description="What is asked for there", items=_WISHES)
@@ -69,11 +58,11 @@ class SynchConstraint(bpy.types.PropertyGroup):
         description="Vector attribute on the vertices; for phases a float attribute, in radians, or a vertex group",
         search=_suggest_attributes,
     )
-    angle: FloatProperty(name="Angle", description="From the line, counterclockwise seen from outside", **ANGLE)
+    angle: FloatProperty(name="Angle", description="From the line, counterclockwise seen from outside", **_ANGLE)
     phase: FloatProperty(
         name="Phase",
         description="0° is the middle of a stripe, 180° the middle of a gap; it grows to the left of the line",
-        **ANGLE,
+        **_ANGLE,
     )
     soft: BoolProperty(name="Soft", description="Draw the pattern towards this, instead of holding it exactly")
     weight: FloatProperty(

@@ -4,54 +4,14 @@
 import bpy
 from bpy.props import EnumProperty, FloatProperty, StringProperty
 
-from ..blender.strokes import SOURCE_TYPES
-from .guidance import AXES, BOUNDARY, Source
+from ...core.settings.guidance import AXES, BOUNDARY, GUIDES, Source
+from .rna import identifier_of
+from .suggestions import suggest_numbers, suggest_origins, suggest_uv_maps, suggest_vectors
 
-# (kind, label, tip, the property that holds its name or None)
-_KINDS = (
-    ("curvature-max", "Largest Curvature", "Across ridges: where the surface bends most", None),
-    ("curvature-min", "Smallest Curvature", "Along ridges: where the surface bends least", None),
-    ("gradient", "Gradient", "Where a float attribute or vertex group grows", "numbers"),
-    ("contour", "Contour", "Along the lines on which a float attribute or vertex group is constant", "numbers"),
-    ("distance", "Away From", "Away from a vertex group, a curve or the boundary, on the shortest way", "origin"),
-    ("offset", "Around", "Along the lines of equal distance from a vertex group, a curve or the boundary", "origin"),
-    ("axis", "Axis", "An axis of the object, projected to the surface", "axis"),
-    ("uv-u", "UV U", "Where the first coordinate of a UV map grows", "uv_map"),
-    ("uv-v", "UV V", "Where the second coordinate of a UV map grows", "uv_map"),
-    ("attribute", "Attribute", "A vector attribute on the vertices, projected to the surface", "vectors"),
-    ("file", "File", "A field file of another program: .rawfield or .rosy", "path"),
-)
-_PLAIN_KINDS = {kind.upper().replace("-", "_"): kind for kind, *_ in _KINDS}
+_KINDS = {identifier_of(kind): kind for kind in GUIDES}
 # The property with a guide's name, for each kind of guide that has one.
-NAME_PROPERTIES = {kind.upper().replace("-", "_"): prop for kind, _, _, prop in _KINDS if prop}
-GUIDE_ITEMS = [(kind.upper().replace("-", "_"), label, tip) for kind, label, tip, _ in _KINDS]
-
-
-def _point_attributes(obj, data_type):
-    """Names of an object's attributes of a type on the vertices."""
-    return [a.name for a in obj.data.attributes if (a.domain, a.data_type) == ("POINT", data_type) and a.name[0] != "."]
-
-
-def suggest_numbers(properties, context, text):
-    """Float attributes and vertex groups of the active object, for the search of a property."""
-    obj = context.active_object
-    return [*_point_attributes(obj, "FLOAT"), *(group.name for group in obj.vertex_groups)]
-
-
-def suggest_vectors(properties, context, text):
-    """Vector attributes of the active object, for the search of a property."""
-    return [name for name in _point_attributes(context.active_object, "FLOAT_VECTOR") if name != "position"]
-
-
-def _suggest_origins(properties, context, text):
-    obj = context.active_object
-    sources = [other.name for other in context.scene.objects if other.type in SOURCE_TYPES and other != obj]
-    return [*(group.name for group in obj.vertex_groups), BOUNDARY, *sources]
-
-
-def _suggest_uv_maps(properties, context, text):
-    return [layer.name for layer in context.active_object.data.uv_layers]
-
+NAME_PROPERTIES = {identifier_of(kind): guide.names for kind, guide in GUIDES.items() if guide.names}
+GUIDE_ITEMS = [(identifier_of(kind), guide.label, guide.tip) for kind, guide in GUIDES.items()]
 
 AXIS = EnumProperty(
     name="Axis",
@@ -73,10 +33,10 @@ class SynchGuide(bpy.types.PropertyGroup):
         name="From",
         description="Vertex group, curve object, or the word boundary",
         default=BOUNDARY,
-        search=_suggest_origins,
+        search=suggest_origins,
     )
     axis: AXIS
-    uv_map: StringProperty(name="UV Map", description="Empty for the active UV map", search=_suggest_uv_maps)
+    uv_map: StringProperty(name="UV Map", description="Empty for the active UV map", search=suggest_uv_maps)
     vectors: VECTORS
     path: StringProperty(name="File", description="A .rawfield or .rosy file of this mesh", subtype="FILE_PATH")
     strength: FloatProperty(
@@ -90,7 +50,7 @@ class SynchGuide(bpy.types.PropertyGroup):
     def source(self, kind, strength):
         """The plain source of a kind, with this guide's name for it."""
         name = getattr(self, NAME_PROPERTIES[kind]) if kind in NAME_PROPERTIES else ""
-        return Source(_PLAIN_KINDS[kind], name, strength)
+        return Source(_KINDS[kind], name, strength)
 
 
 def stored_guidance(stored):

@@ -5,10 +5,10 @@ import math
 from typing import NamedTuple
 
 import bpy
-from bpy.props import FloatProperty
 
+from ...core.settings.surface import SurfaceSettings
 from ..blender.registration import keeping
-from .solver import ANGLE, FACTOR
+from .rna import property_of
 
 
 class PaintedMap(NamedTuple):
@@ -87,19 +87,21 @@ def _set_angle(_group, angle):
 class SynchBrush(bpy.types.PropertyGroup):
     """What the brush of weight paint mode paints into a map, in its units."""
 
-    factor: FloatProperty(
+    factor: property_of(
+        SurfaceSettings,
+        "spacing_range",
         name="Brush",
         description="Factor on the spacing that the brush paints, between 1 and the range",
         get=_get_factor,
         set=_set_factor,
-        **FACTOR,
     )
-    angle: FloatProperty(
+    angle: property_of(
+        SurfaceSettings,
+        "angle_range",
         name="Brush",
         description="Angle that the brush paints, between 0 and the range",
         get=_get_angle,
         set=_set_angle,
-        **ANGLE,
     )
 
 

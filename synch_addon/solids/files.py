@@ -10,7 +10,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ...core.files.tool_paths import WRITERS
-from ...core.files.whole import written_whole
+from ...core.files.whole import written_together, written_whole
 from ...core.printing.gcode import gcode
 from ..blender.files import MESH_SUFFIXES, check_output, export_mesh
 from ..blender.transaction import at_the_end, leave, only_for_now, set_aside, store, undone_by
@@ -38,20 +38,20 @@ def export_layers(layering, path, together=False):
     check_output(path, MESH_SUFFIXES)
     surfaces = layering.surfaces
     digits = max(3, len(str(surfaces.count - 1)))
-    written = []
+    numbers = [None] if together else range(surfaces.count)
+    targets = [path if number is None else path.with_stem(f"{path.stem}_{number:0{digits}d}") for number in numbers]
     selected, active = bpy.context.selected_objects, bpy.context.view_layer.objects.active
     try:
-        for number in [None] if together else range(surfaces.count):
-            chosen = slice(None) if number is None else surfaces.layers == number
-            target = path if number is None else path.with_stem(f"{path.stem}_{number:0{digits}d}")
-            with only_for_now():
-                export_mesh(_sheet(layering, surfaces.triangles[chosen]), target, z_up=True)
-            written.append(str(target))
+        with written_together() as written:
+            for number, target in zip(numbers, targets, strict=True):
+                chosen = slice(None) if number is None else surfaces.layers == number
+                with only_for_now():
+                    export_mesh(_sheet(layering, surfaces.triangles[chosen]), target, z_up=True, written=written)
     finally:
         for obj in bpy.context.view_layer.objects:
             obj.select_set(obj in selected)
         bpy.context.view_layer.objects.active = active
-    return written
+    return [str(target) for target in targets]
 
 
 def left_behind(path, written):

@@ -12,9 +12,9 @@ from ...core.files.solid_vectors import read_vectors
 from ...core.geometry import TriangleMesh
 from ...core.geometry.check import check_mesh
 from ...core.keywords import check_path
+from ...core.settings.guidance import AXES, BOUNDARY
 from ..blender import attributes
 from ..blender.strokes import SOURCE_TYPES, polylines
-from ..settings.guidance import AXES, BOUNDARY
 from .surface import read_area
 
 

@@ -5,7 +5,9 @@ import bpy
 import numpy as np
 
 from ...core.errors import SynchError
+from ...core.fields.limits import Limits
 from ...core.geometry.filling.lengths import Lengths
+from ...core.solve import Options
 from ...core.tasks.layer_outputs import Layering
 from ...core.tasks.solids import AskedArea, SolidGuide, SolidRequest
 from ..blender import meshes
@@ -82,7 +84,8 @@ def _read(obj, settings, solid):
         factors = read_factors(obj, given, settings.spacing_map, settings.spacing_range)
         lowest = float(factors.min())
     lengths = _lengths(distance, settings, settings.spacing, solid, lowest)
-    within = float(settings.limits.clipped(lengths.spacing))
+    limits = Limits(*settings.heights)
+    within = float(limits.clipped(lengths.spacing))
     if within != lengths.spacing:
         lengths = _lengths(distance, settings, within, solid, lowest)
     return SolidRequest(
@@ -92,9 +95,9 @@ def _read(obj, settings, solid):
         tuple(asked),
         lengths,
         factors,
-        settings.options,
+        Options.of(settings),
         settings.branching,
-        settings.limits,
+        limits,
         settings.numbers == "levels",
     )
 

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ...core.fields.evenness import quantiles
+from ...core.files.json_text import plain
 from ...core.geometry.polylines import around, polyline_length
 from ..jobs.report import counted
 
@@ -25,9 +26,9 @@ def layer_facts(layering):
         "layers": surfaces.count,
         "layer_faces": len(surfaces.triangles),
         "layer_areas": surfaces.areas.tolist(),
-        "spacings": {
-            name: getattr(spacings, name) for name in ("mean", "deviation", "thinnest", "thickest", "counted")
-        },
+        "spacings": plain(
+            {name: getattr(spacings, name) for name in ("mean", "deviation", "thinnest", "thickest", "counted")}
+        ),
         "punctured_tetrahedra": int(pattern.tet_phases.punctured.sum()),
         "dislocation_curves": [
             {

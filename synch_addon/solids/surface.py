@@ -7,9 +7,9 @@ from ...core.errors import MeshError, SettingError, name_elements, shown
 from ...core.geometry.filling.closed_surface import Area, ClosedSurface
 from ...core.geometry.filling.surface_distance import SurfaceDistance, check_closed
 from ...core.geometry.tet_mesh import TetMesh
+from ...core.settings.guidance import BOUNDARY
 from ..blender import groups, meshes
 from ..blender.bvh import surface_tree
-from ..settings.guidance import BOUNDARY
 
 # How far the boundary of a given solid may be from the object's surface, as a share of its size.
 _FITTING = 1e-3

@@ -41,7 +41,7 @@ def make_volume(obj, layering, path):
     data = bpy.data.volumes.new(f"{obj.name} Volume")
     data.filepath = str(Path(path).absolute())
     made = placed(obj, "volume", data.name, data, layering.matrix)
-    _show(made, layering.pattern.spacings.mean)
+    _show(made, layering.spacing)
     return made
 
 
@@ -62,13 +62,13 @@ def grid_file(voxels, path):
     def is_whole(made):
         try:
             return vdb.read(str(made), GRID).activeVoxelCount() == count
-        except RuntimeError:
+        except Exception:  # the library's own kinds, one for each of its faults
             return False
 
     with written_whole(path, is_whole) as made:
         try:
             vdb.write(str(made), grids=[grid])
-        except RuntimeError as error:
+        except Exception as error:  # as above, where the disk is full for instance
             raise unwritten(path, error) from None
         yield {"voxels": count, "files": [str(path)]}
 
@@ -81,8 +81,8 @@ def _show(made, spacing):
     else:
         factor = made.get(SPACING, spacing) / spacing
         for material in made.data.materials:
-            node = material and material.node_tree and material.node_tree.nodes.get(_DENSITY)
-            if node:
+            tree = material and material.node_tree
+            for node in (node for node in (tree.nodes if tree else ()) if node.name == _DENSITY):
                 socket = node.inputs["To Max"]
                 before = socket.default_value
                 undone_by(material, partial(setattr, socket, "default_value", before))
@@ -92,10 +92,9 @@ def _show(made, spacing):
 
 def _new_material(spacing):
     """Sheets where the pattern is near 1; the density goes with the spacing."""
-    material = surface_material(MATERIAL)
+    material, surface, output = surface_material(MATERIAL)
     tree = material.node_tree
-    output = tree.nodes["Material Output"]
-    tree.nodes.remove(tree.nodes["Principled BSDF"])
+    tree.nodes.remove(surface)
     pattern = tree.nodes.new("ShaderNodeAttribute")
     pattern.attribute_name, pattern.location = GRID, (-640, 0)
     density = tree.nodes.new("ShaderNodeMapRange")

@@ -1,6 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tests inside Blender: the extension registered once from the source tree, a clean scene before each test."""
+"""Tests inside Blender: the extension registered once from the source tree, a clean scene before each test.
+
+SYNCH_LANGUAGE names a language of Blender, such as de_DE, in which they run, with the names of new data translated.
+A Blender as a module has English alone; `tests/ui/test_languages.py` runs these tests in a real one.
+"""
 
 import importlib.util
 import os
@@ -44,8 +48,13 @@ def pytest_pycollect_makemodule(module_path, parent):
 @pytest.fixture(scope="session")
 def extension():
     """The package `synch_fields`, registered in this Blender from the source tree."""
+    import bpy
+
     import synch_fields
 
+    view = bpy.context.preferences.view
+    view.language = os.environ.get("SYNCH_LANGUAGE", view.language)
+    view.use_translate_new_dataname = True
     synch_fields.register()
     yield synch_fields
     synch_fields.unregister()

@@ -128,7 +128,7 @@ FACES = {
 
 def show_socket(obj, socket_name):
     """Make the object glow with (1 + value) / 2 of one output of the stripes group."""
-    material = surface_material("probe")
+    material, *_ = surface_material("probe")
     tree = material.node_tree
     tree.nodes.clear()
     group = tree.nodes.new("ShaderNodeGroup")

@@ -6,14 +6,14 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.core.tasks.flow_settings import ClebschSettings
+from synch_fields.core.settings.flow import FlowSettings
+from synch_fields.core.settings.layers import LayerSettings
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.flows.job import job_for
 from synch_fields.synch_addon.frames.job import AnimationJob, Span
 from synch_fields.synch_addon.patterns import favourites
 from synch_fields.synch_addon.patterns.job import FieldJob
-from synch_fields.synch_addon.settings.fields import Settings
-from synch_fields.synch_addon.solids.settings import LayerSettings
 
 from .faults import check_faults
 from .scenes import add_curve, furnished, places, quad_sphere, set_vectors, sphere
@@ -40,7 +40,7 @@ def written(make):
 def field(command, **settings):
     """A field on an object with materials, groups, a twin, and faces that have to be split."""
     obj = furnished()
-    return written(lambda: FieldJob(command, obj, Settings(**ROUGH, **settings)))
+    return written(lambda: FieldJob(command, obj, SurfaceSettings(**ROUGH, **settings)))
 
 
 def again():
@@ -49,25 +49,25 @@ def again():
     api.animate(obj, frames=(1, 2), spacing=0.6, **ROUGH)
     api.stripes(obj, spacing=0.6, **ROUGH)
     api.number_stripes(obj)
-    return written(lambda: FieldJob("stripes", obj, Settings(spacing=0.7, **ROUGH)))
+    return written(lambda: FieldJob("stripes", obj, SurfaceSettings(spacing=0.7, **ROUGH)))
 
 
 def quads_after_stripes():
     obj = quad_sphere(4)
     api.stripes(obj, spacing=0.6, **ROUGH)
-    return written(lambda: FieldJob("quads", obj, Settings(spacing=0.7, **ROUGH)))
+    return written(lambda: FieldJob("quads", obj, SurfaceSettings(spacing=0.7, **ROUGH)))
 
 
 def frames():
     obj = sphere(2)
     api.stripes(obj, spacing=0.6, **ROUGH)
-    return written(lambda: AnimationJob(obj, Settings(spacing=0.6, **ROUGH), Span(1, 2)))
+    return written(lambda: AnimationJob(obj, SurfaceSettings(spacing=0.6, **ROUGH), Span(1, 2)))
 
 
 def frames_again():
     obj = sphere(2)
     api.animate(obj, frames=(1, 3), spacing=0.6, **ROUGH)
-    return written(lambda: AnimationJob(obj, Settings(spacing=0.6, **ROUGH), Span(1, 2)))
+    return written(lambda: AnimationJob(obj, SurfaceSettings(spacing=0.6, **ROUGH), Span(1, 2)))
 
 
 def layers():
@@ -84,20 +84,20 @@ def layers_again():
 def flow():
     turn = np.linspace(0, 2 * np.pi, 25)[:-1]
     ring = add_curve(np.column_stack([np.cos(turn), np.sin(turn), 0 * turn]), "Ring", cyclic=True)
-    return written(lambda: job_for(ring, ClebschSettings(quantum=1.0, resolution=12, target_gap=0.1, show="both")))
+    return written(lambda: job_for(ring, FlowSettings(quantum=1.0, resolution=12, target_gap=0.1, show="both")))
 
 
 def surface_flow():
     obj = sphere(2)
     set_vectors(obj, "velocity", np.cross([0, 0, 1], places(obj)))
-    return written(lambda: job_for(obj, ClebschSettings(quantum=1.2, target_gap=0.1, show="tubes")))
+    return written(lambda: job_for(obj, FlowSettings(quantum=1.2, target_gap=0.1, show="tubes")))
 
 
 def rings(folder):
     """A sequence of two frames."""
     for frame in (1, 2):
         write_npz(folder / f"ring_{frame}.npz", 0.1 * frame)
-    return written(lambda: job_for(folder / "ring_#.npz", ClebschSettings(frames=(1, 2), show="both", **QUICK)))
+    return written(lambda: job_for(folder / "ring_#.npz", FlowSettings(frames=(1, 2), show="both", **QUICK)))
 
 
 def chosen(folder):

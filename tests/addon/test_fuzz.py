@@ -20,11 +20,11 @@ import pytest
 from synch_fields.core.errors import SynchError
 from synch_fields.core.files.flows import flow_file
 from synch_fields.core.files.tets import read_tets
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import files
 from synch_fields.synch_addon.blender.openvdb import module_file
 from synch_fields.synch_addon.patterns.job import FieldJob
-from synch_fields.synch_addon.settings.fields import Settings
 
 from ..corpus import bad_meshes
 from .faults import differences, fault_at, state
@@ -272,7 +272,7 @@ def test_a_fault_anywhere_leaves_the_scene_as_it_was():
     def check(number, command):
         empty_scene()
         spacing = None if command == "directions" else 0.7
-        job = FieldJob(command, furnished(), Settings(spacing=spacing, method="spectral"))
+        job = FieldJob(command, furnished(), SurfaceSettings(spacing=spacing, method="spectral"))
         result = job.request.solve()
         before = state()
         with fault_at(number):

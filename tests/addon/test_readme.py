@@ -14,11 +14,11 @@ import pytest
 
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.geometry import TriangleMesh
+from synch_fields.core.settings.constraints import from_plain
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import meshes
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.looks import render
-from synch_fields.synch_addon.settings.constraints import from_plain
 
 from . import vortex_scenes
 

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What reviews of the extension platform refuse is not in the zip: each rule is read from the zip itself.
+"""What reviews of the extension platform refuse, and lookups by translated names, are not in the zip: each rule is read
+from the zip itself.
 
 SYNCH_ARCHIVES names a folder with the zips of a release and their wheels; without it, the one without wheels is built.
 """
@@ -26,6 +27,9 @@ BESIDE = {"threading", "_thread", "concurrent", "multiprocessing", "asyncio"}
 NETWORK = {"socket", "ssl", "http", "urllib", "ftplib", "smtplib", "xmlrpc", "webbrowser", "requests", "distributed"}
 IMPORTING = {"imp", "site", "runpy", "pip", "ensurepip"}
 RUNNING = {"eval", "exec", "compile", "__import__"}
+# Collections of Blender's data whose new members get names in the user's language; nodes are looked for apart.
+NAMED = {"objects", "materials", "meshes", "collections", "children", "worlds", "scenes", "modifiers", "constraints"}
+NAMED |= {"uv_layers", "vertex_groups", "key_blocks", "color_attributes", "brushes", "workspaces", "screens", "layers"}
 BINARIES = {".so", ".pyd", ".dll", ".dylib", ".exe", ".pyc", ".bat", ".sh"}
 
 
@@ -92,6 +96,48 @@ def refused(tree):
             if dotted(whole) in ("sys.path", "sys.modules", "sys.meta_path"):
                 found.append(dotted(whole))
     return found
+
+
+def found_by_name(tree):
+    """Lookups of what Blender names in the user's language: nodes by any name, other data by a literal one."""
+    found = []
+    for node in ast.walk(tree):
+        match node:
+            case ast.Subscript(value=ast.Attribute(attr=owner), slice=key):
+                pass
+            case ast.Call(func=ast.Attribute(attr="get" | "find", value=ast.Attribute(attr=owner)), args=[key, *_]):
+                pass
+            case ast.Compare(left=key, ops=[ast.In() | ast.NotIn()], comparators=[ast.Attribute(attr=owner)]):
+                pass
+            case _:
+                continue
+        kind = type(getattr(key, "value", None))
+        if (owner == "nodes" and kind is not int and not isinstance(key, ast.Slice)) or (
+            owner in NAMED and kind is str
+        ):
+            found.append(ast.unparse(node))
+    return found
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "tree.nodes['Material Output']",
+        "tree.nodes[name]",
+        "tree.nodes.get(name)",
+        "'Principled BSDF' in tree.nodes",
+        "bpy.data.objects['Cube']",
+        "obj.data.uv_layers.get('UVMap')",
+        "obj.modifiers['Remesh']",
+    ],
+)
+def test_lookups_by_translated_names_would_be_found(code):
+    assert found_by_name(ast.parse(code))
+
+
+def test_nothing_is_found_by_a_name_that_blender_translates(trees):
+    addon = {name: tree for name, tree in trees.items() if name.startswith("synch_addon/")}
+    assert {name: found for name, tree in addon.items() if (found := found_by_name(tree))} == {}
 
 
 @pytest.mark.parametrize(

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SynchError, shown
-from synch_fields.core.tasks.flow_settings import ClebschSettings
+from synch_fields.core.settings.bake import BakeSettings
+from synch_fields.core.settings.flow import FlowSettings
+from synch_fields.core.settings.layers import LayerSettings
+from synch_fields.core.settings.lines import LineSettings
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.bakes.settings import BakeSettings
-from synch_fields.synch_addon.patterns.lines import LineSettings
-from synch_fields.synch_addon.settings.fields import Settings
-from synch_fields.synch_addon.solids.settings import LayerSettings
 
 from .scenes import snapshot, sphere
 
@@ -39,11 +39,11 @@ WRONG = [
 ] + ["", "x" * 5000, "a\ud800", "\0", {}, {"a": 1}, object(), np.array([1.5, 2]), np.float32(np.nan)]
 # What each function takes as keywords besides those that it names.
 SETTINGS = {
-    "stripes": Settings,
+    "stripes": SurfaceSettings,
     "layers": LayerSettings,
     "isolines": LineSettings,
     "bake": BakeSettings,
-    "clebsch": ClebschSettings,
+    "clebsch": FlowSettings,
 }
 # Arguments without which a function cannot be called.
 NEEDED = {

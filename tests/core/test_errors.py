@@ -36,3 +36,8 @@ def test_renumbered_errors_name_the_new_vertices(name):
     error = pickle.loads(pickle.dumps(ERRORS[name])).renumbered(np.arange(10) + 100)
     np.testing.assert_array_equal(error.vertices, ERRORS[name].vertices + 100)
     assert str(error.vertices[0]) in str(error)
+
+
+def test_errors_are_one_line_whatever_they_name():
+    error = SynchError("a\nb\r\u2028\ud800\x1b\u00a0·ü: cannot be read")
+    assert str(error) == "a\\nb\\r\\u2028\\ud800\\x1b\u00a0·ü: cannot be read"

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A Blender with a window, driven as a user does it: read by its texts, clicked, typed at.
 
+Tests name labels in English; they are looked for in the window's language.
 Places are pixels of the window, x to the right and y up from the bottom left, as Blender's events count.
 """
 
@@ -100,8 +101,8 @@ class Blender:
     def places(self, text, kind="UI", tab=False):
         """Where a region shows a text, (k, 2) middles, the topmost first; the names of tabs are read downwards."""
         x, y, _, height = self.region(kind)
-        found = reading.places(self.picture(kind), self._template(text, tab))
-        return found * (1, -1) + (x, y + height)
+        found = self._places(self.picture(kind), text, tab)
+        return found[found[:, 1].argsort(kind="stable")] * (1, -1) + (x, y + height)
 
     def shows(self, text, kind="UI"):
         """Whether a region shows a text."""
@@ -109,7 +110,15 @@ class Blender:
 
     def reads(self, picture, text):
         """Whether a picture shows a text."""
-        return len(reading.places(picture, self._template(text, False))) > 0
+        return len(self._places(picture, text)) > 0
+
+    def says(self, text, **parts):
+        """A text with parts in braces as the extension puts it together, in the window's language."""
+        return self.value(f"part('blender.translations').said({text!r}, **{parts!r})")
+
+    def counts(self, count, noun):
+        """Such as "2 line ends", in the window's language."""
+        return self.value(f"part('blender.translations').counted({count}, {noun!r})")
 
     def wait_for(self, text, kind="UI", tab=False, last=False):
         """Wait for a region to show a text; returns its middle, the topmost or the last if there are several."""
@@ -207,6 +216,10 @@ class Blender:
                 write_png(picture := self.folder / "missing.png", self.screen.picture())
                 raise TimeoutError(f"waited {PATIENCE} s for {wish}; the screen then: {picture}")
             time.sleep(0.05)
+
+    def _places(self, picture, text, tab=False):
+        labels = self.value(f"labels({text!r})")
+        return np.concatenate([reading.places(picture, self._template(label, tab)) for label in labels])
 
     def _drawn(self, text, tab):
         drawn = np.array(self.value(f"drawn_text({text!r}, {_POINTS})"), np.uint8)

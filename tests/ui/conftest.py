@@ -4,7 +4,9 @@
 
 SYNCH_BLENDER is the command that starts a Blender whose Python has SciPy: `blender`, or a wrapper around one in a
 container that sees the folder of temporary files (TMPDIR) under the same path, and the display. Xvfb has to be on the
-PATH. Where one of them is missing, the tests are skipped. The pictures that they take are left in out/ui.
+PATH. Where one of them is missing, the tests are skipped. SYNCH_LANGUAGE names the language of the window, such as
+de_DE, in which new data gets translated names too. The pictures that the tests take are left in out/ui, in a folder of
+the language if it is another one than English.
 """
 
 import importlib.util
@@ -21,6 +23,10 @@ from .screen import Screen, write_png
 
 ROOT = Path(__file__).resolve().parents[2]
 SIZE = 1400, 1000
+ENGLISH = "en_US"
+LANGUAGE = os.environ.get("SYNCH_LANGUAGE", ENGLISH)
+SPEAK = f"view_of_user = bpy.context.preferences.view; view_of_user.language = {LANGUAGE!r}; "
+SPEAK += "view_of_user.use_translate_new_dataname = True"
 
 
 @pytest.fixture(scope="session")
@@ -51,12 +57,18 @@ def small_window(tmp_path):
         yield blender
 
 
-@contextmanager
-def _installed(folder, size=SIZE):
-    """A Blender with the extension, as `tools/extension.py` builds it, installed into a folder of its own."""
+def blender_command():
+    """What starts a real Blender; without it, the test is skipped."""
     command = os.environ.get("SYNCH_BLENDER")
     if not command:
         pytest.skip("no Blender with a window: name the command that starts one in SYNCH_BLENDER")
+    return command
+
+
+@contextmanager
+def _installed(folder, size=SIZE):
+    """A Blender with the extension, as `tools/extension.py` builds it, installed into a folder of its own."""
+    command = blender_command()
     if shutil.which("Xvfb") is None:
         pytest.skip("no virtual display: install Xvfb")
     if importlib.util.find_spec("bpy") is None:
@@ -68,6 +80,7 @@ def _installed(folder, size=SIZE):
             install = "bpy.ops.extensions.package_install_files"
             blender.run(f"{install}(filepath={_built(folder)!r}, repo='user_default', enable_on_install=True)")
             blender.run("part('settings.preferences').preferences().panel = 'ADVANCED'")
+            blender.run(SPEAK)
             yield blender
         finally:
             blender.close()
@@ -93,17 +106,18 @@ def panel(blender):
 
 @pytest.fixture
 def as_delivered(blender):
-    """The window with the panel that a new user has, the simple one, in English, its tab not opened yet."""
+    """The window with the panel that a new user has, the simple one, its tab not opened yet."""
     choice = "part('settings.preferences').preferences().panel = {!r}"
     blender.run(choice.format("SIMPLE"))
     yield blender
-    blender.run(choice.format("ADVANCED") + "; bpy.context.preferences.view.language = 'en_US'")
+    blender.run(choice.format("ADVANCED"))
+    blender.run(SPEAK)
 
 
 @pytest.fixture
 def keep():
     """Keeps a picture: keep(name, picture)."""
-    folder = ROOT / "out" / "ui"
+    folder = ROOT / "out" / "ui" / ("" if LANGUAGE == ENGLISH else LANGUAGE)
     folder.mkdir(parents=True, exist_ok=True)
     return lambda name, picture: write_png(folder / f"{name}.png", picture)
 

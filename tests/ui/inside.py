@@ -77,6 +77,11 @@ def drawn_text(text, points):
     return np.array(pixels, np.uint8).reshape(height, width, 4)[::-1, :, 0].tolist()
 
 
+def labels(text):
+    """How the interface may show a text in its language: Blender looks labels of operators up apart from others."""
+    return sorted({bpy.app.translations.pgettext(text, context) for context in ("*", "Operator", "Synch")})
+
+
 def part(name):
     """A module of the extension, such as "jobs.queue"."""
     return sys.modules[f"bl_ext.user_default.synch_fields.synch_addon.{name}"]
@@ -132,7 +137,7 @@ def time_cancelling():
 
 
 _scope = {"bpy": bpy, "os": os, "seconds": []}
-_helpers = event, area, view, region, window_region, drawn_text, part, active, state, pixel, time_cancelling
+_helpers = event, labels, area, view, region, window_region, drawn_text, part, active, state, pixel, time_cancelling
 _scope |= {helper.__name__: helper for helper in _helpers}
 
 

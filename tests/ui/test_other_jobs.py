@@ -27,7 +27,7 @@ bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 4
 bpy.ops.ed.undo_push(message="ball")
 """
 JOBS = {
-    "Layers": (CUBE, "'Cube Layers' in bpy.data.objects"),
+    "Layers": (CUBE, "any(o.name.endswith(' Layers') for o in bpy.data.objects)"),
     "Vortices": (CIRCLE, "any(o.name.endswith(' Filaments') for o in bpy.data.objects)"),
     "Animation": (SWELLING, "'synch_phase.4' in active().data.attributes"),
 }

@@ -32,6 +32,3 @@ def test_one_button_and_the_thumbnails_of_what_it_made(simple, keep):
     simple.click(f"{cost}·{defects}")
     simple.until("active().synch_shown.variation == 1")
     keep("simple_variation", simple.picture())
-    simple.run("bpy.context.preferences.view.language = 'de_DE'")
-    simple.wait_for("Erweitert")
-    keep("simple_de_DE", simple.picture("UI"))

@@ -27,6 +27,19 @@ def result(blender):
     return json.loads(blender.value("active().synch.result"))
 
 
+def figures(blender, found):
+    """What the box "Result" shows of a result."""
+    energy = blender.says("Energy {energy:.4g}", energy=found["energy"])
+    return "Result", blender.counts(found["disclinations"], "swirl point"), energy
+
+
+def offer_to_subdivide(blender):
+    """What the button says that subdivides the active object."""
+    refine = "part('patterns.refine')"
+    count = blender.value(f"{refine}.faces_after(active(), {refine}.offered_levels(active()))")
+    return blender.says("Subdivide to {count:,} Faces", count=count)
+
+
 def bar_length(picture):
     """Pixels of the longest blue run of any line, where a progress bar is."""
     blue = picture[..., 2].astype(int) - picture[..., 0] > _BLUE
@@ -56,7 +69,7 @@ def test_stripes_show_progress_and_then_their_result(panel, keep):
     assert len(lengths) >= 3, f"the bar was seen at the lengths {sorted(lengths)}"
     keep("progress", max(seen, key=bar_length))
     found = result(panel)
-    for text in ("Result", f"{found['disclinations']} swirl points", f"Energy {found['energy']:.4g}"):
+    for text in figures(panel, found):
         assert panel.shows(text), text
     kinds = panel.value("[e['synch_kind'] for e in active().children]")
     assert kinds.count("disclination") == found["disclinations"]
@@ -129,7 +142,7 @@ def test_variation_slider_shows_other_patterns_without_a_solve(panel):
     assert after["attributes"]["synch_phase"] != before["attributes"]["synch_phase"]
     assert after["attributes"]["position"] == before["attributes"]["position"]
     assert result(panel)["lower_bound"] == json.loads(before["result"])["lower_bound"] <= result(panel)["energy"]
-    panel.wait_for(f"Energy {result(panel)['energy']:.4g}")
+    panel.wait_for(panel.says("Energy {energy:.4g}", energy=result(panel)["energy"]))
     panel.run("active().synch_shown.variation = 0")
     assert panel.value("state()['attributes']") == before["attributes"]
     assert number > 0
@@ -245,7 +258,7 @@ def test_results_are_found_again_after_bake_save_and_load(panel, keep):
     assert {"synch_phase", "synch_direction", "synch_index"} <= before["attributes"].keys()
     assert "Synch Stripes" in before["materials"] and len(before["children"]) > 0
     panel.scroll_to("Synch Fields", up=True)
-    for text in ("Result", f"{found['disclinations']} swirl points", f"Energy {found['energy']:.4g}"):
+    for text in figures(panel, found):
         assert panel.shows(text), text
     panel.click("Stripes")  # what needs a solve comes back with one
     panel.wait_for("Variation")
@@ -267,7 +280,7 @@ def test_five_clicks_from_suzanne_to_a_striped_render(as_delivered, keep):
     assert not stripes_are_seen(blender.picture("WINDOW"))
     blender.open_panel()  # 1: the key N; 2: the tab
     keep("click_2", blender.picture("UI")[:340])
-    blender.click("Subdivide to")  # 3
+    blender.click(offer_to_subdivide(blender))  # 3
     blender.until("len(active().data.polygons) > 5000")
     blender.click("Stripes")  # 4
     blender.wait_for("Rendered")

@@ -13,9 +13,10 @@ import numpy as np
 
 from ...errors import ContradictionError, SettingError
 from ...problem import Targets
+from ...settings.constraints import WISHES
 from .lines import Line, joined
 
-KINDS = ("along", "across", "angle", "phase", "constant")
+KINDS = tuple(wish.name for wish in WISHES if wish.name != "cut")
 GRID = "grid"
 # A vertex whose stations disagree by more than this (as a mean of unit powers) is left free:
 # at a right angle a line cannot run along both sides, though a cross can.

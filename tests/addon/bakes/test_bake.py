@@ -11,6 +11,7 @@ from synch_fields.core.extract.stripe_numbers import SLOTS
 from synch_fields.core.interpolate import TURN, evaluate
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import attributes, meshes
+from synch_fields.synch_addon.nodes.canvas import surface_material
 from synch_fields.synch_addon.patterns import memory
 
 from ..baked import PATTERNS, SIZE, SOFTNESS, bake, inside_of, patterned, phases_at, picture, rasterised
@@ -190,10 +191,8 @@ def test_margin_goes_on_beyond_the_islands(tmp_path):
 
 def test_mask_is_on_all_faces_and_colour_is_that_of_each_material(tmp_path):
     obj = patterned()
-    red = bpy.data.materials.new("Red")
-    if red.node_tree is None:
-        red.use_nodes = True
-    red.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (1, 0, 0, 1)
+    red, surface, _ = surface_material("Red")
+    surface.inputs["Base Color"].default_value = (1, 0, 0, 1)
     obj.data.materials.append(red)
     half = np.arange(len(obj.data.polygons)) % 2
     attributes.write_attribute(obj, "material_index", "FACE", "INT", half)

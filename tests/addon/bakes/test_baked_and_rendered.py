@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from synch_fields.synch_addon.bakes.shaders import pattern_node
+from synch_fields.synch_addon.nodes.canvas import find_node
 
 from ..baked import PATTERNS, bake, patterned, picture, rasterised
 from ..scenes import add_object, attribute
@@ -32,10 +33,10 @@ def glowing(material):
     """A copy of a material that glows with what it links to its shader as base colour, and nothing else."""
     copy = material.copy()
     tree = copy.node_tree
-    (link,) = tree.nodes["Principled BSDF"].inputs["Base Color"].links
+    (link,) = find_node(tree, "ShaderNodeBsdfPrincipled").inputs["Base Color"].links
     glow = tree.nodes.new("ShaderNodeEmission")
     tree.links.new(link.from_socket, glow.inputs["Color"])
-    tree.links.new(glow.outputs[0], tree.nodes["Material Output"].inputs["Surface"])
+    tree.links.new(glow.outputs[0], find_node(tree, "ShaderNodeOutputMaterial").inputs["Surface"])
     return copy
 
 

@@ -10,9 +10,9 @@ import pytest
 
 from synch_fields.core.errors import SynchError
 from synch_fields.core.files.directions import FaceField, read_field, write_field
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
-from synch_fields.synch_addon.settings.fields import Settings
 from synch_fields.synch_addon.settings.guide_list import stored_guidance
 
 from ..scenes import attribute, directions, grid, snapshot, sphere, torus
@@ -96,7 +96,7 @@ def test_operators_read_and_write_and_the_settings_follow(suffix, tmp_path):
     assert (obj.synch.symmetry, stored_guidance(obj.synch)) == ("CROSS", "attribute:synch_direction")
     imported = directions(obj)
     assert misses(obj, imported, before, "cross").max() < 4
-    api.run("directions", obj, Settings("cross", stored_guidance(obj.synch)))
+    api.run("directions", obj, SurfaceSettings(symmetry="cross", guidance=stored_guidance(obj.synch)))
     np.testing.assert_allclose(misses(obj, directions(obj), imported, "cross"), 0, atol=0.05)
 
 

@@ -70,7 +70,7 @@ def test_packed_images_and_their_material_are_saved(striped, tmp_path, capfd):
 FAILURES = {
     "no pattern": (["--object", "Plain", "--folder", "."], "Plain has no pattern: solve stripes or quads on it first"),
     "no UV map": (["--object", "Ball", "--folder", "."], "has no UV map: choose one of its maps (none yet)"),
-    "folder": (["--object", "Ball", "--unwrap", "--folder", "nowhere"], "nowhere: this folder does not exist"),
+    "folder": (["--object", "Ball", "--unwrap", "--folder", "/dev/null"], "no folder can be made"),
     "nowhere": (["--object", "Ball", "--unwrap"], "the images have nowhere to go: add --folder"),
     "map": (["--object", "Ball", "--maps", "colour,smell", "--folder", "."], "the map 'smell' is unknown"),
     "size": (["--object", "Ball", "--size", "3", "--folder", "."], "the size is 3: give a whole number from 16"),

@@ -3,6 +3,7 @@
 """The command batch: rows of the command line in warm processes, as they are without it."""
 
 import json
+import os
 from pathlib import Path
 
 import bpy
@@ -11,9 +12,12 @@ import pytest
 from synch_fields.core.algebra import workers
 from synch_fields.core.batch.rows import Row
 from synch_fields.synch_addon.command import batch, main
+from synch_fields.synch_addon.command.declared_files import declared_files
 
 from ..scenes import sphere
 from ..ways import run
+
+SUMMARY = "out/rows.batch/summary.csv"
 
 
 @pytest.fixture(scope="module")
@@ -95,7 +99,7 @@ class Here:
     def __init__(self, *_):
         self._answers = []
         self._way = batch.Way(
-            lambda line: main._parsed(main._parser(False), line), main._outputs_of, main._carry_out_row
+            lambda line: main._parsed(main._parser(False), line), main.declared_files, main._carry_out_row
         )
 
     def start(self, task):
@@ -176,7 +180,7 @@ def test_all_files_that_a_row_reads_count(tmp_path, monkeypatch):
     parser = main._parser(False)
 
     def inputs(*line):
-        return list(batch._inputs(parser.parse_args(line)))
+        return [file.path for file in declared_files(parser.parse_args(line)) if not file.is_written]
 
     guidance = 'axis:Y=2,file:"b, c.rosy"=3,file:d.rosy'
     found = inputs("stripes", "a.obj", "--guidance", guidance, "--constraints", "e.json")
@@ -185,6 +189,60 @@ def test_all_files_that_a_row_reads_count(tmp_path, monkeypatch):
 
 
 def test_what_a_row_says_aloud_does_not_count():
-    way = batch.Way(lambda line: main._parsed(main._parser(False), line), main._outputs_of, None)
+    way = batch.Way(lambda line: main._parsed(main._parser(False), line), main.declared_files, None)
     rows = [batch._understood(["stripes", "a.obj", *more], way) for more in ([], ["--quiet"], ["--spacing=1"])]
     assert isinstance(rows[0], Row) and rows[0].options == rows[1].options != rows[2].options
+
+
+# Rows that no batch can do, as they stand in a file.
+POISON = [
+    b'{"command": "=cmd|\' /C calc\'!A0", "input": "@SUM(1)"}',
+    b'{"command": "stripes", "input": "<script>alert(1)</script>.obj"}',
+    b'{"command":',
+    b"[1, 2]",
+    b"null",
+    b"[" * 100_000,
+    b'{"command": "info", "input": "' + b"9" * 10_000 + b'.obj"}',
+    b'{"command": "info", "input": {"a": 1}}',
+    b'{"command": "batch", "input": "-"}',
+    b'{"command": "info", "help": true}',
+    b'{"command": ""}',
+    b'{"command": "--help"}',
+    b'{"command": "info", "input": "ball.obj", "": "x"}',
+    b'{"command": "info", "input": "ball\\u0000.obj"}',
+    b'{"command": "info", "input": "ball\\ud800.obj"}',
+    b'{"command": "info", "input": "ball.obj", "object": "\\udfff"}',
+    b'{"command": "info", "input": "ball.obj", "report": "a\\u0000b.json"}',
+    b'{"command": "info", "input": "a\\nb.obj"}',
+    b'{"command": "info", "input": "ball\xff.obj"}',
+    b'{"command": "info", "input": "pipe.obj"}',
+    b'{"command": "stripes", "input": "ball.obj", "constraints": "pipe.obj"}',
+    b'{"command": "stripes", "input": "ball.obj", "guidance": "file:/dev/zero"}',
+    b'{"command": "layers", "input": "ball.obj", "machine": "/dev/zero"}',
+    b'{"command": "info", "input": "ball.obj", "report": "ball.obj/r.json"}',
+    b'{"command": "stripes", "input": "ball.obj", "spacing": NaN}',
+    b'{"command": "stripes", "input": "ball.obj", "method": "spectral", "seed": 1' + b"0" * 300 + b"}",
+    b'{"command": "animate", "input": "ball.obj", "frames": [1, 2], "chunk": 0}',
+]
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes")
+def test_rows_of_every_bad_kind_fail_alone(ball, tmp_path, monkeypatch, capfd):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(batch, "Crew", Here)
+    Path("ball.obj").write_bytes(ball.read_bytes())
+    os.mkfifo("pipe.obj")
+    good = b'{"command": "info", "input": "ball.obj", "report": "new/%d.json"}'
+    Path("rows.jsonl").write_bytes(b"\n".join([good % 1, *POISON, good % 2]))
+    status, out, err = run(capfd, "batch", "rows.jsonl", "--threads", batch.WORKERS, "--retries", 0, "--quiet")
+    assert status == 1 and err.strip().endswith(f"{len(POISON)} of {len(POISON) + 2} rows failed, see {SUMMARY}")
+    assert out.startswith(f"{len(POISON) + 2} rows: 2 done")
+    table = json.loads(Path("out/rows.batch/summary.json").read_text())
+    assert [row["state"] for row in table] == ["done", *["failed"] * len(POISON), "done"]
+    for row in table[1:-1]:
+        assert row["reason"] and row["reason"].isprintable() and row["label"].isprintable(), row
+        assert "Error" not in row["reason"].split(":")[0], row
+    assert sorted(os.listdir("new")) == ["1.json", "2.json"]
+    sheet = Path("out/rows.batch/sheet.html").read_text()
+    assert "<script" not in sheet and sheet.count("<tr><td>") == len(POISON)
+    assert "\n'=cmd" not in Path(SUMMARY).read_text() and ",'=cmd" in Path(SUMMARY).read_text()

@@ -202,7 +202,7 @@ FAILURES = {
     "missing file": (["stripes", "absent.obj"], "absent.obj: no such file"),
     "unknown kind": (["stripes", "model.fbx"], "cannot be read: use .blend, .obj, .ply, .stl, .glb"),
     "wrong output": (["stripes", "BALL", "--output", "out.obj"], "must end in .blend"),
-    "output without a folder": (["stripes", "BALL", "--output", "nowhere/out.blend"], "create it first"),
+    "output in a file": (["stripes", "BALL", "--output", "report.json/out.blend"], "cannot be written"),
     "wrong picture": (["stripes", "BALL", "--render", "out.jpg"], "must end in .png"),
     "unknown guidance": (["stripes", "BALL", "--guidance", "wind"], "use one of smooth"),
     "negative seed": (["directions", "BALL", "--seed", "-4"], "the seed is -4"),

@@ -13,18 +13,21 @@ import subprocess
 import sys
 from pathlib import Path
 
+import bpy
 import pytest
 
+import synch_fields
+from synch_fields.core.files.json_text import json_text
 from synch_fields.core.tasks.surfaces import SurfaceRequest
 from synch_fields.synch_addon.blender import files
 from synch_fields.synch_addon.command.main import main
-from synch_fields.synch_addon.jobs.report import json_text
 
 from .. import scenes
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="there are no limits on files there")
 
-ROOT = Path(__file__).resolve().parents[4]
+# The folder that this package is in, for processes that import it, too.
+ROOT = Path(synch_fields.__file__).parents[1]
 # The command line with a limit on the bytes of each file.
 LIMITED = """
 import resource, runpy, sys
@@ -76,6 +79,39 @@ def test_a_full_disk_loses_no_file(sphere, tmp_path, flag, name):
     assert (tmp_path / name).read_text() == "old" and len(list(tmp_path.iterdir())) == 2
 
 
+def test_a_full_disk_that_has_room_for_a_failure_keeps_the_older_report(sphere, tmp_path):
+    """The report that cannot be written is longer than one that says so."""
+    report = tmp_path / "out.json"
+    report.write_text("old")
+    arguments = ["stripes", sphere, "--spacing", 0.2, "--method", "spectral", "--quiet", "--report", report]
+    found = limited(3000, *arguments)
+    assert found.returncode == 1 and "out.json: cannot be written" in found.stderr, found.stderr
+    assert report.read_text() == "old" and len(list(tmp_path.iterdir())) == 2
+    assert limited(10**6, *arguments).returncode == 0
+    assert report.stat().st_size > 3000
+
+
+def test_layers_that_cannot_all_be_written_leave_none(tmp_path):
+    """Of a cone, whose layers have files of other lengths."""
+    bpy.ops.mesh.primitive_cone_add(vertices=48)
+    cone = tmp_path / "cone.obj"
+    files.export_mesh(bpy.context.object, cone)
+    arguments = ["layers", cone, "--spacing", 0.25, "--size", 0.3, "--quiet", "--export-layers", tmp_path / "part.stl"]
+    assert limited(10**9, *arguments).returncode == 0
+    before = {path.name: path.read_bytes() for path in tmp_path.glob("part_*")}
+    sizes = sorted(map(len, before.values()))
+    assert sizes[0] < sizes[-1], "all layers are of one length"
+    (tmp_path / "part_000.stl").write_bytes(b"old")
+    found = limited(sizes[-1] - 1, *arguments)
+    assert found.returncode == 1 and "cannot be written" in found.stderr and ".synch-" not in found.stderr
+    assert (tmp_path / "part_000.stl").read_bytes() == b"old"
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted([*before, "cone.obj"])
+    for path in tmp_path.glob("part_*"):
+        path.unlink()
+    assert limited(sizes[-1] - 1, *arguments).returncode == 1
+    assert [path.name for path in tmp_path.iterdir()] == ["cone.obj"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
@@ -106,10 +142,13 @@ def test_every_place_is_tried_before_the_solve(sphere, tmp_path, monkeypatch, ca
     command = "quad_mesh" if flag == "--export-mesh" else "directions"
     with pytest.raises(AssertionError, match="solved"):
         main([command, str(sphere), "--quiet", flag, str(tmp_path / name)])
-    place = tmp_path / "nowhere" / name
+    with pytest.raises(AssertionError, match="solved"):
+        main([command, str(sphere), "--quiet", flag, str(tmp_path / "new" / name)])
+    assert not (tmp_path / "new").exists(), "the folder was made for nothing"
+    place = sphere / name
     assert main([command, str(sphere), "--quiet", flag, str(place)]) == 1
     (line,) = capsys.readouterr().err.splitlines()
-    assert line.startswith(f"synch {command}: ") and str(place.parent) in line and "create it first" in line
+    assert line.startswith(f"synch {command}: {place}: cannot be written (no folder can be made: File exists)")
 
 
 def test_reports_are_json_that_every_reader_takes():
@@ -120,7 +159,7 @@ def test_reports_are_json_that_every_reader_takes():
         raise AssertionError(word)
 
     read = json.loads(text, parse_constant=refuse)
-    assert read == {"settings": {"spacing": "nan", "angle": 1.5}, "gaps": ["inf", "-inf", 0.0, None]}
+    assert read == {"settings": {"spacing": None, "angle": 1.5}, "gaps": [None, None, 0.0, None]}
     assert report["gaps"][0] == float("inf")
 
 

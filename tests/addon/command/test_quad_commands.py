@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import Cancelled, SynchError
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.looks import render
 from synch_fields.synch_addon.patterns import job as field_job
-from synch_fields.synch_addon.settings.fields import Settings
 
 from ..loop import by_the_worker
 from ..quad_meshes import corner_vertices, half_edges, made_from
@@ -182,7 +182,7 @@ def test_cancelled_run_changes_nothing(operator, calls):
 @pytest.mark.parametrize("operator", OPERATORS)
 def test_a_job_of_the_window_gives_what_a_blocking_run_gives(operator):
     obj = sphere()
-    work = by_the_worker(field_job.FieldJob(operator, obj, Settings(spacing=SPACING)))
+    work = by_the_worker(field_job.FieldJob(operator, obj, SurfaceSettings(spacing=SPACING)))
     assert work.error is None and work.fraction > 0.8
     assert len(bpy.data.objects) == 1 and "synch_pattern" not in obj.data.attributes
     work.job.write(work.result)
@@ -197,7 +197,7 @@ def test_a_job_of_the_window_gives_what_a_blocking_run_gives(operator):
 @pytest.mark.parametrize("operator", OPERATORS)
 def test_a_mesh_that_changed_meanwhile_is_not_written(operator):
     obj = sphere()
-    job = field_job.FieldJob(operator, obj, Settings(spacing=SPACING))
+    job = field_job.FieldJob(operator, obj, SurfaceSettings(spacing=SPACING))
     result = job.request.solve()
     obj.data.vertices[3].co.x += 0.1
     before = everything()
@@ -353,8 +353,11 @@ def test_help_says_what_quads_are_set_by(capfd):
     assert "quad_mesh a mesh of quads along a cross field" in said("--help")
     quads, quad_mesh = said("quads", "--help"), said("quad_mesh", "--help")
     for text in (quads, quad_mesh):
-        assert "--aspect X spacing along the second direction over that along the first" in text
-        assert "--spacing LENGTH two quads' length" in text and "--symmetry" not in text
+        assert "--aspect X spacing of quads along their second direction over that along the first" in text
+        assert (
+            "--spacing LENGTH distance from one stripe to the next, or length of two quads" in text
+            and "--symmetry" not in text
+        )
     assert "--smoothing N" in quad_mesh and "--smoothing" not in quads
     assert "--export-mesh FILE.obj write the quads as a file (.obj, .ply, .stl)" in quad_mesh
     assert "--aspect" not in said("stripes", "--help")

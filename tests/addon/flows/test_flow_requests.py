@@ -12,7 +12,7 @@ import pytest
 
 from synch_fields.core.errors import SettingError, SynchError
 from synch_fields.core.parcels import Unpacker, packed
-from synch_fields.core.tasks.flow_settings import ClebschSettings
+from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.flows.job import job_for
 
@@ -46,7 +46,7 @@ def asked(kind, folder):
         for frame in (1, 2):
             write_vdb(folder / f"s_{frame}.vdb", 0.1 * frame)
         source, settings = folder / "s_#.vdb", settings | {"frames": (1, 2)}
-    return job_for(source, ClebschSettings(**settings))
+    return job_for(source, FlowSettings(**settings))
 
 
 def numbers(result):
@@ -88,7 +88,7 @@ def test_a_process_without_blender_reads_and_solves_a_volume(tmp_path):
 
 def test_a_damaged_file_is_refused_in_the_solve_in_one_line(tmp_path):
     (tmp_path / "text.vdb").write_text("no volume")
-    request = unpickled(job_for(tmp_path / "text.vdb", ClebschSettings()).request)
+    request = unpickled(job_for(tmp_path / "text.vdb", FlowSettings()).request)
     with pytest.raises(SettingError, match=r"text\.vdb.*choose an OpenVDB file") as caught:
         request.solve()
     assert "\n" not in str(caught.value) and str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)

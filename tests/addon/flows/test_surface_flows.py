@@ -10,7 +10,7 @@ import pytest
 
 from synch_fields.core.errors import MeshError, SettingError, SynchError
 from synch_fields.core.files.flows import ArrayFile
-from synch_fields.core.tasks.flow_settings import ClebschSettings
+from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import meshes
 from synch_fields.synch_addon.blender.defect_empties import defect_empties
@@ -155,7 +155,7 @@ def test_what_is_no_flow_is_refused_and_changes_nothing(tmp_path):
     other = bpy.context.active_object
     with pytest.raises(SettingError, match="choose it alone"):
         clebsch([obj, other])
-    job = job_for(obj, ClebschSettings(quantum=2.0))
+    job = job_for(obj, FlowSettings(quantum=2.0))
     result = job.request.solve()
     obj.data.vertices[0].co.x += 0.1
     with pytest.raises(SettingError, match="has changed since"):
@@ -177,7 +177,7 @@ def test_what_is_no_flow_is_refused_and_changes_nothing(tmp_path):
 
 def test_a_plane_that_fails_while_it_is_written_leaves_nothing(disk, monkeypatch):
     bpy.ops.mesh.primitive_cube_add()
-    job = job_for(disk, ClebschSettings(quantum=QUANTUM, method="spectral"))
+    job = job_for(disk, FlowSettings(quantum=QUANTUM, method="spectral"))
     result = job.request.solve()
     before = snapshot()
     paint = surface_job.pattern_material
@@ -195,7 +195,7 @@ def test_only_the_header_of_a_flow_in_space_is_read_at_first(tmp_path, disk, mon
     assert ArrayFile(disk).is_plane and surface_flow(disk, "").name == "disk"
     monkeypatch.setattr(np, "load", None)
     assert surface_flow(tmp_path / "space.npz", "") is None
-    assert job_for(tmp_path / "space.npz", ClebschSettings())
+    assert job_for(tmp_path / "space.npz", FlowSettings())
 
 
 def test_a_periodic_plane_is_shown_open_and_said_so(tmp_path):

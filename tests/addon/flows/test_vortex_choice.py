@@ -12,7 +12,7 @@ import pytest
 from synch_fields.core.defects import wrap
 from synch_fields.core.errors import Cancelled, SynchError
 from synch_fields.core.extract.filaments import Filament
-from synch_fields.core.tasks.flow_settings import ClebschSettings
+from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.core.tasks.flows import Shown
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.flows import memory
@@ -133,12 +133,12 @@ def test_a_choice_that_cannot_be_shown_changes_nothing(solved):
     for wrong, message in (((0, 0, 0), "not all 0"), ((1, 0), "three numbers")):
         with pytest.raises(SynchError, match=message):
             api.choose_point(lines, wrong)
-    with pytest.raises(SynchError, match="opening is 200 degrees"):
+    with pytest.raises(SynchError, match="the opening is 200"):
         api.choose_point(lines, (1, 0, 0), opening=200)
     assert snapshot() == before
     bpy.ops.mesh.primitive_cube_add()
     cube = bpy.context.active_object
-    with pytest.raises(SynchError, match="Cube has no solve in memory"):
+    with pytest.raises(SynchError, match=f"{cube.name} has no solve in memory"):
         api.choose_point(cube, (1, 0, 0))
     bpy.data.objects.remove(cube)
     bpy.data.objects.remove(tubes)
@@ -194,7 +194,7 @@ def test_thick_filaments_have_the_other_colour(solved):
 
 def test_the_window_gives_what_a_blocking_run_gives(ring, solved):
     _, lines, report = solved
-    job = job_for(str(ring), ClebschSettings(show="both", **QUICK, opening=100, smoothing=0))
+    job = job_for(str(ring), FlowSettings(show="both", **QUICK, opening=100, smoothing=0))
     work = by_the_worker(job)
     assert work.error is None and 0.9 < work.fraction <= 1
     again = job.write(work.result)
@@ -205,7 +205,7 @@ def test_the_window_gives_what_a_blocking_run_gives(ring, solved):
 
 @pytest.mark.parametrize("stage", ["flow", "relaxation", "rank 2", "vortices"])
 def test_a_cancelled_job_stops_and_writes_nothing(ring, stage):
-    job = job_for(str(ring), ClebschSettings(show="both", **QUICK))
+    job = job_for(str(ring), FlowSettings(show="both", **QUICK))
     before = snapshot()
     seen = []
 
@@ -222,7 +222,7 @@ def test_a_cancelled_job_stops_and_writes_nothing(ring, stage):
 
 def test_progress_grows(ring):
     seen = []
-    job_for(str(ring), ClebschSettings(**QUICK)).request.solve(lambda name, fraction: seen.append(fraction))
+    job_for(str(ring), FlowSettings(**QUICK)).request.solve(lambda name, fraction: seen.append(fraction))
     assert (np.diff(seen) >= -1e-9).all() and seen[-1] <= 1 and len(seen) > 10
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from synch_fields.core.errors import Cancelled, SettingError, SynchError
 from synch_fields.core.fields.clebsch import quantum_for
-from synch_fields.core.tasks.flow_settings import ClebschSettings
+from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command.main import main
 from synch_fields.synch_addon.flows import sequence_job
@@ -171,7 +171,7 @@ def test_what_is_no_sequence_is_refused_in_one_line(folder, tmp_path):
     for source, frames, message in (
         (folder / "smoke_####.vdb", (2, 5), "smoke_0004.vdb: no such file: frame 4 of the sequence is missing"),
         (folder / "smoke_0001.vdb", (1, 2), "mark where the number of a frame stands"),
-        (folder / "smoke_####.vdb", (3, 1), "the frames 3 to 1 are none"),
+        (folder / "smoke_####.vdb", (3, 1), "the frames 3 to 1 are in the wrong order"),
         (tmp_path / "a#.npz", (1, 2), "its grid is not that of a1.npz"),
         (tmp_path / "b#.vdb", (1, 1), "b1.vdb.*choose an OpenVDB file"),
     ):
@@ -206,7 +206,7 @@ def test_what_fails_while_it_is_written_leaves_nothing(folder, monkeypatch):
             raise MemoryError
         return make(name, shown)
 
-    job = job_for(folder / "smoke_####.vdb", ClebschSettings(frames=(1, 2), show="both", **SETTINGS))
+    job = job_for(folder / "smoke_####.vdb", FlowSettings(frames=(1, 2), show="both", **SETTINGS))
     result = job.request.solve()
     before, counts = snapshot(), (len(bpy.data.curves), len(bpy.data.actions))
     monkeypatch.setattr(sequence_job, "make_filaments", breaking)

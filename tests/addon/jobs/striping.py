@@ -4,9 +4,9 @@
 
 import os
 
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.operators import field_operator
-from synch_fields.synch_addon.settings.fields import Settings
 
 from ..loop import Recorded
 
@@ -18,7 +18,7 @@ class Stripes(Recorded, field_operator.FieldOperator):
 
     def __init__(self, **settings):
         super().__init__()
-        self.settings, self.spacing = Settings(**{"spacing": 0.4} | settings), 0.0
+        self.settings, self.spacing = SurfaceSettings(**{"spacing": 0.4} | settings), 0.0
 
     def _settings(self):
         return self.settings

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import Cancelled, SynchError
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.jobs.kept_results import result_line
 from synch_fields.synch_addon.jobs.queue import queue
-from synch_fields.synch_addon.jobs.report import result_line
 from synch_fields.synch_addon.jobs.worker import Worker
 from synch_fields.synch_addon.panels.solid_view import corners_of
 from synch_fields.synch_addon.patterns import memory
 from synch_fields.synch_addon.patterns.job import FieldJob
-from synch_fields.synch_addon.settings.fields import Settings
 
 from ..loop import BESIDE, begun
 from ..scenes import attribute, grid, set_vectors, snapshot, sphere
@@ -213,7 +213,7 @@ def test_results_on_the_way_are_pictures_of_their_phases():
     obj = sphere(4)
     obj.scale = 1, 2, 3
     bpy.context.view_layer.update()
-    job = FieldJob("stripes", obj, Settings(spacing=0.4))
+    job = FieldJob("stripes", obj, SurfaceSettings(spacing=0.4))
     shown = []
     found = job.request.solve_showing(shown.append)
     energies = [result.pattern.solution.energy for result in (*shown, found)]
@@ -233,7 +233,7 @@ def test_results_on_the_way_are_pictures_of_their_phases():
 
 @pytest.mark.parametrize("command, settings", [("directions", {}), ("stripes", {"method": "spectral"})])
 def test_nothing_is_shown_where_there_is_nothing_better_to_come(command, settings):
-    request = FieldJob(command, sphere(), Settings(spacing=0.4, **settings)).request
+    request = FieldJob(command, sphere(), SurfaceSettings(spacing=0.4, **settings)).request
     shown = []
     request.solve_showing(shown.append)
     assert shown == []
@@ -326,7 +326,7 @@ def test_an_object_whose_job_waits_is_refused_whatever_asks():
     obj = sphere()
     loop, operator = begun(Stripes())
     with pytest.raises(SynchError, match="is being solved"):
-        queue.add(FieldJob("quads", obj, Settings(spacing=0.5)), "Quads")
+        queue.add(FieldJob("quads", obj, SurfaceSettings(spacing=0.5)), "Quads")
     assert len(queue.works) == 1 and loop.send(operator, "ESC", "PRESS") == {"CANCELLED"}
 
 

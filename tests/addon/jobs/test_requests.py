@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from synch_fields.core.parcels import Unpacker, packed
+from synch_fields.core.settings.constraints import Constraint
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon.frames.job import AnimationJob, Span
 from synch_fields.synch_addon.patterns.job import FieldJob
-from synch_fields.synch_addon.settings.constraints import Constraint
-from synch_fields.synch_addon.settings.fields import Settings
 
 from ..moving import swaying
 from ..scenes import add_group, quad_sphere, sphere
@@ -90,7 +90,7 @@ REQUESTS = {
 def test_a_request_that_went_through_a_pipe_gives_the_same(command):
     obj = quad_sphere(9)
     add_group(obj, "half", attribute_above(obj))
-    request = FieldJob(command, obj, Settings(spacing=0.5, **REQUESTS[command])).request
+    request = FieldJob(command, obj, SurfaceSettings(spacing=0.5, **REQUESTS[command])).request
     copy = through_a_pipe(request)
     assert copy.shared[0] is not request.shared[0]
     assert not [value for value in everything_in(request).values() if of_blender(value)]
@@ -107,7 +107,7 @@ def attribute_above(obj):
 
 
 def test_frames_that_went_through_a_pipe_give_the_same():
-    job = AnimationJob(swaying(sphere(3)), Settings(spacing=0.5), Span(1, 3))
+    job = AnimationJob(swaying(sphere(3)), SurfaceSettings(spacing=0.5), Span(1, 3))
     while job.advance() is not None:
         pass
     request = job.request

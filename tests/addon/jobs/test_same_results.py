@@ -10,11 +10,11 @@ import bpy
 import numpy as np
 import pytest
 
+from synch_fields.core.settings.layers import LayerSettings
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.patterns.job import FieldJob
-from synch_fields.synch_addon.settings.fields import Settings
-from synch_fields.synch_addon.solids.settings import LayerSettings
 
 from ..loop import by_the_worker
 from ..scenes import attribute, quad_sphere
@@ -32,7 +32,7 @@ def from_the_window(command, obj):
     if command == "layers":
         job = api.layer_job(obj, LayerSettings(**settings_of(command)))
     else:
-        job = FieldJob(command, obj, Settings(**settings_of(command)))
+        job = FieldJob(command, obj, SurfaceSettings(**settings_of(command)))
     work = by_the_worker(job)
     assert work.error is None, work.error
     job.write(work.result)

@@ -10,11 +10,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon.jobs import queue as queue_module
 from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.jobs.worker import Worker, WorkerGone
 from synch_fields.synch_addon.patterns.job import FieldJob
-from synch_fields.synch_addon.settings.fields import Settings
 
 from ..loop import begun
 from ..scenes import snapshot, sphere
@@ -148,7 +148,7 @@ def asked_for(request, monkeypatch):
 
 
 def test_a_fault_in_the_child_is_told_with_its_place(monkeypatch):
-    broken = replace(FieldJob("stripes", sphere(), Settings(spacing=0.4)).request, spacings="wide")
+    broken = replace(FieldJob("stripes", sphere(), SurfaceSettings(spacing=0.4)).request, spacings="wide")
     loop, operator = asked_for(broken, monkeypatch)
     with pytest.raises(RuntimeError, match=r"(?s)in the process that solves:.*Traceback.*ValueError"):
         loop.run(operator)
@@ -166,7 +166,7 @@ def test_a_request_that_cannot_be_read_gives_one_line(monkeypatch):
 
 def test_requests_are_read_by_the_thread_that_loads_modules(monkeypatch):
     """Two threads that import at once may wait for one another."""
-    request = FieldJob("stripes", sphere(), Settings(spacing=0.4)).request
+    request = FieldJob("stripes", sphere(), SurfaceSettings(spacing=0.4)).request
     loop, operator = asked_for(replace(request, spacings=ReadByMainThread()), monkeypatch)
     assert loop.run(operator) == {"FINISHED"}
 
@@ -187,7 +187,7 @@ def test_what_came_before_the_end_of_the_child_counts(monkeypatch):
     worker = Worker(2**33)
     while not worker.is_ready:
         worker.exchange()
-    worker.ask(FieldJob("directions", sphere(), Settings()).request)
+    worker.ask(FieldJob("directions", sphere(), SurfaceSettings()).request)
     while worker._outgoing:
         worker.exchange()
     worker._child.stdin.close()
@@ -204,7 +204,7 @@ def test_megabytes_are_handed_over_in_few_looks():
     worker = Worker(2**33)
     while not worker.is_ready:
         worker.exchange()
-    request = replace(FieldJob("directions", sphere(), Settings()).request, turn=np.zeros(8_000_000))
+    request = replace(FieldJob("directions", sphere(), SurfaceSettings()).request, turn=np.zeros(8_000_000))
     worker.ask(request)
     ticks = 0
     while worker._outgoing:

@@ -8,6 +8,7 @@ import pytest
 
 from synch_fields.synch_addon.blender.schema import PHASES
 from synch_fields.synch_addon.nodes import stripes as nodes
+from synch_fields.synch_addon.nodes.canvas import find_node
 from synch_fields.synch_addon.nodes.materials import pattern_material
 
 from ..single_faces import FACES, PIXELS, Face, differences, point_samples, show_socket
@@ -134,9 +135,10 @@ def test_inner_group_reads_other_attributes(tmp_path):
     obj = face.build()
     obj.data.attributes["synch_phase"].name = "synch_phase_x"
     renamed = PHASES["stripes"][0]._replace(phase=PHASES["quads"][0].phase)
-    show_socket(obj, "Cosine").node_tree = nodes.phase_group("Synch Phase x", renamed)
+    group = show_socket(obj, "Cosine")
+    group.node_tree = nodes.phase_group("Synch Phase x", renamed)
     tree = obj.data.materials[0].node_tree
-    tree.links.new(tree.nodes["Group"].outputs["Cosine"], tree.nodes["Math"].inputs[0])
+    tree.links.new(group.outputs["Cosine"], find_node(tree, "ShaderNodeMath").inputs[0])
     assert differences(face, point_samples(tmp_path)).max() < 2e-4
 
 

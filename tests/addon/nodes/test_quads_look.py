@@ -67,7 +67,7 @@ def points_of(polygons, uv):
 
 def baked(obj, outputs, **inputs):
     """(PIXELS, PIXELS, 3) values of up to three outputs of the group over the unfolded faces."""
-    material = surface_material("probe")
+    material, *_ = surface_material("probe")
     tree = material.node_tree
     tree.nodes.clear()
     group = tree.nodes.new("ShaderNodeGroup")

@@ -8,13 +8,13 @@ import bpy
 import numpy as np
 import pytest
 
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.frames.job import AnimationJob, Span
 from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.operators.animate import SYNCH_OT_animate
 from synch_fields.synch_addon.operators.field_operator import BackgroundOperator
-from synch_fields.synch_addon.settings.fields import Settings
 
 from ..loop import Loop, Recorded
 from ..moving import seen, stored_frames, swaying
@@ -28,7 +28,7 @@ class Animate(Recorded, BackgroundOperator):
     _headline = SYNCH_OT_animate._headline
 
     def _job(self, context):
-        return AnimationJob(context.active_object, Settings(spacing=0.7), Span(1, 3))
+        return AnimationJob(context.active_object, SurfaceSettings(spacing=0.7), Span(1, 3))
 
 
 @pytest.fixture

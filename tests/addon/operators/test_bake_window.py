@@ -8,9 +8,9 @@ from types import SimpleNamespace
 import bpy
 import pytest
 
+from synch_fields.core.settings.bake import BakeSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.bakes.job import BakeJob
-from synch_fields.synch_addon.bakes.settings import BakeSettings
 from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.operators.bake import SYNCH_OT_bake
 from synch_fields.synch_addon.operators.field_operator import BackgroundOperator

@@ -5,7 +5,7 @@
 import bpy
 import pytest
 
-from synch_fields.core.tasks.flow_settings import ClebschSettings
+from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.synch_addon.flows.job import job_for
 from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.operators.clebsch import SYNCH_OT_clebsch
@@ -27,7 +27,7 @@ class Vortices(Recorded, BackgroundOperator):
 
     def __init__(self, source, **settings):
         super().__init__()
-        self.source, self.settings = source, ClebschSettings(**settings)
+        self.source, self.settings = source, FlowSettings(**settings)
 
     def _job(self, context):
         return job_for(self.source, self.settings)

@@ -11,9 +11,9 @@ import pytest
 from scipy.spatial import cKDTree
 
 from synch_fields.core.errors import SettingError
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.patterns.reading import gather
-from synch_fields.synch_addon.settings.fields import Settings
+from synch_fields.synch_addon.reading.surface import gather
 
 from ..quad_meshes import made_from
 from ..scenes import set_numbers
@@ -100,7 +100,7 @@ def test_features_are_long_enough_for_the_spacing_beside_them():
     """A fine part of a map of spacings makes no features of what is too short for the quads elsewhere."""
     obj = object_of(block)
     set_numbers(obj, "map", np.where(places(obj)[:, 0] < -0.5, 1.0, 12.0))
-    plain = Settings(symmetry="cross", constraints=(), spacing=0.4)
+    plain = SurfaceSettings(symmetry="cross", constraints=(), spacing=0.4)
     for spacing_map, edges in (("", 12), ("map", 8)):
         (row,) = gather("quad_mesh", obj, replace(plain, spacing_map=spacing_map)).rows
         assert len(row.line.links) == edges * 15

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import MeshError, SettingError, SynchError
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.settings.fields import Settings
 
 from ..continuity import largest_jump
 from ..quad_meshes import corner_vertices, mixed_sphere, part
@@ -189,12 +189,12 @@ def test_a_cut_tears_the_pattern_there_and_nowhere_else():
 @pytest.mark.parametrize("first, last", [("quads", "stripes"), ("stripes", "quads"), ("quads", "quads")])
 def test_the_last_of_stripes_and_quads_is_all_that_is_left(first, last, build):
     obj = build()
-    api.run(last, obj, Settings(spacing=0.3))
+    api.run(last, obj, SurfaceSettings(spacing=0.3))
     expected = values(obj), sorted(e.name for e in empties(obj)), [s.material.name for s in obj.material_slots]
     bpy.ops.wm.read_homefile(use_empty=True)
     obj = build()
-    api.run(first, obj, Settings(spacing=0.22))
-    api.run(last, obj, Settings(spacing=0.3))
+    api.run(first, obj, SurfaceSettings(spacing=0.22))
+    api.run(last, obj, SurfaceSettings(spacing=0.3))
     found = values(obj), sorted(e.name for e in empties(obj)), [s.material.name for s in obj.material_slots]
     assert found == expected
 

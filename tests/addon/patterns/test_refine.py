@@ -9,7 +9,8 @@ import pytest
 from synch_fields.core.errors import SynchError
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import groups, meshes
-from synch_fields.synch_addon.patterns import reading, refine
+from synch_fields.synch_addon.patterns import refine
+from synch_fields.synch_addon.reading import surface as reading
 
 from ..scenes import (
     add_group,

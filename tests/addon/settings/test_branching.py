@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SynchError
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import meshes
 from synch_fields.synch_addon.frames.job import AnimationJob, Span
@@ -18,7 +19,6 @@ from synch_fields.synch_addon.operators.quads import SYNCH_OT_quad_mesh, SYNCH_O
 from synch_fields.synch_addon.patterns import favourites, memory
 from synch_fields.synch_addon.patterns.job import FieldJob
 from synch_fields.synch_addon.patterns.read_back import read_back
-from synch_fields.synch_addon.settings.fields import Settings
 
 from ..moving import moving, stored_frames, swaying, turned
 from ..scenes import add_group, attribute, bent, empties, grid, quad_sphere, sphere
@@ -77,7 +77,7 @@ def test_what_is_not_asked_for_is_everything_but_in_quad_meshes():
         ("quad_mesh", 0.0, 0.95),
         ("directions", None, 1.0),
     ):
-        request = FieldJob(command, obj, Settings(spacing=0.2)).request
+        request = FieldJob(command, obj, SurfaceSettings(spacing=0.2)).request
         assert (request.branching, request.singularities) == (branching, singularities)
     obj = lumps()
     report = api.quad_mesh(obj, spacing=0.2)
@@ -175,7 +175,7 @@ def test_the_command_line_refuses_what_is_no_share(tmp_path, capfd):
 
 def test_frames_have_them():
     obj = swaying(hills(), 2)
-    job = AnimationJob(obj, Settings(spacing=0.2, branching=0.25, singularities=0.5), Span(1, 2))
+    job = AnimationJob(obj, SurfaceSettings(spacing=0.2, branching=0.25, singularities=0.5), Span(1, 2))
     while job.advance() is not None:
         pass
     assert [(r.branching, r.singularities) for r in job.request.requests] == [(0.25, 0.5)] * 2

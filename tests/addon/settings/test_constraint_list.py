@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
+from synch_fields.core.settings.constraints import PLACES, WISHES, Constraint, wishes_at
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.panels import constraints
 from synch_fields.synch_addon.settings.constraint_list import stored_constraints
-from synch_fields.synch_addon.settings.constraints import PLACES, WISHES, Constraint, wishes_at
 
 from ..rows import OPERATORS, add_row, sheet
 from ..scenes import (
@@ -50,10 +50,10 @@ def test_rows_become_constraints():
     assert stored_constraints(obj)[2].name == "Renamed"
 
 
-@pytest.mark.parametrize("where", PLACES)
+@pytest.mark.parametrize("where", [place.name for place in PLACES])
 def test_only_what_is_possible_is_offered_and_kept(where):
     row = add_row(sheet())
-    for what in WISHES:
+    for what in (wish.name for wish in WISHES):
         row.where, row.what = "SEAMS", what.upper()
         row.where = where.upper()
         possible = what in wishes_at(where)
@@ -284,7 +284,7 @@ def test_command_line_of_plain_python_reads_the_stored_list(file, tmp_path):
             '[{"where": "seams",\n "what" "cut"}]',
             "Expecting ':' delimiter: line 2 column 9 (char 28): write a JSON list",
         ),
-        ('{"where": "seams", "what": "cut"}', "the constraints are no list: give a list of rows"),
+        ('{"where": "seams", "what": "cut"}', "the constraints are not a list: give a list of rows"),
         ('[{"where": "seams", "what": "cut"}, {"what": "cut"}]', "row 2 is {'what': 'cut'}: give it a 'where'"),
         ('[{"where": "seams", "what": "dance"}]', "row 1: the constraint seams dance has 'dance': use one of along"),
         (f'[{{"where": "seams", "what": "phase", "value": 1{"0" * 5000}}}]', "write a JSON list of rows"),

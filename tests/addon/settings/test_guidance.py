@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError, SynchError
+from synch_fields.core.settings.guidance import Source, parse_guidance
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
-from synch_fields.synch_addon.settings.fields import Settings
-from synch_fields.synch_addon.settings.guidance import Source, parse
 from synch_fields.synch_addon.settings.guide_list import GUIDE_ITEMS, stored_guidance
 
 from ..scenes import (
@@ -193,10 +193,10 @@ def test_curvature_counts_by_its_square_and_an_axis_by_its_share_of_the_area():
 def test_guidance_is_read(text, expected):
     if expected is None:
         with pytest.raises(SettingError, match="cannot be read"):
-            parse(text)
+            parse_guidance(text)
     else:
-        assert parse(text) == expected
-        assert parse(",".join(map(str, expected)) or "smooth") == expected
+        assert parse_guidance(text) == expected
+        assert parse_guidance(",".join(map(str, expected)) or "smooth") == expected
 
 
 REFUSED = {
@@ -209,7 +209,7 @@ REFUSED = {
     "axis:W": "the axis 'W' is unknown: use X, Y or Z",
     "axis:Z=-1": "the strength of axis:Z is -1.0: give a number from 0 on",
     "axis:Z=nan": "the strength of axis:Z is nan: give",
-    "axis:Z=strong": "the strength 'strong' of axis is no number: write axis=1",
+    "axis:Z=strong": "the strength 'strong' of axis is not a number: write axis=1",
     'gradient:a"b': "the guidance 'gradient:a\"b' cannot be read: write KIND:NAME=STRENGTH",
     "gradient:absent": "has no attribute 'absent': choose a float attribute (it has flat)",
     "gradient:flat": "gradient:flat: the guiding values are the same all over: give them a slope",
@@ -298,7 +298,7 @@ def test_the_panels_guide_is_what_the_button_follows():
         obj.synch.guidance = kind
         assert stored_guidance(obj.synch) == text
     obj.synch.guidance = "CONTOUR"
-    api.run("directions", obj, Settings("vector", stored_guidance(obj.synch)))
+    api.run("directions", obj, SurfaceSettings(symmetry="vector", guidance=stored_guidance(obj.synch)))
     np.testing.assert_allclose(directions(obj) @ (-1, 2, 0), np.sqrt(5), rtol=1e-4)
 
 
@@ -314,7 +314,7 @@ def test_a_blend_is_kept_in_the_file_and_followed(tmp_path):
     assert bpy.ops.synch.guide_remove(number=2) == {"CANCELLED"}
     obj = save_and_reopen(tmp_path / "blend.blend", obj.name)
     assert stored_guidance(obj.synch) == "axis:X=1,axis:Y=3"
-    api.run("directions", obj, Settings("vector", stored_guidance(obj.synch)))
+    api.run("directions", obj, SurfaceSettings(symmetry="vector", guidance=stored_guidance(obj.synch)))
     np.testing.assert_allclose(directions(obj) @ (1, 3, 0), np.sqrt(10), rtol=1e-4)
 
 

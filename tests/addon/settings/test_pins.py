@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError, SynchError
+from synch_fields.core.settings.pins import parse_pins, text_of_pins
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender.defect_empties import COLORS as DEFECT_COLORS
 from synch_fields.synch_addon.operators.pins import SYNCH_OT_pin
@@ -16,7 +17,6 @@ from synch_fields.synch_addon.panels import overlay, overlay_view
 from synch_fields.synch_addon.patterns import memory
 from synch_fields.synch_addon.patterns.picking import PickedSurface
 from synch_fields.synch_addon.patterns.pin_costs import PinCosts, cost_line
-from synch_fields.synch_addon.settings.pins import as_text, parsed
 
 from ..scenes import attribute, grid, quad_sphere, snapshot, sphere, torus
 
@@ -26,7 +26,7 @@ from ..scenes import attribute, grid, quad_sphere, snapshot, sphere, torus
 def test_solves_have_the_turns_that_were_asked_for(build, command, order):
     obj = build()
     pins = {10: 1, 200: -1}
-    report = getattr(api, command)(obj, spacing=0.5, pins=as_text(pins))
+    report = getattr(api, command)(obj, spacing=0.5, pins=text_of_pins(pins))
     found = {defect["face"]: defect["index"] for defect in report["disclinations"]}
     if build is sphere:  # each of its faces is one triangle
         assert {face: found[face] * order for face in pins} == pins
@@ -73,7 +73,7 @@ def test_a_click_pins_a_face_and_what_was_pinned_comes_back():
     assert SYNCH_OT_pin.pick(operator, obj, surface, rays[8], True)  # dragged there
     operator.turns = 0
     assert SYNCH_OT_pin.pick(operator, obj, surface, rays[30], False)
-    assert parsed(obj.synch.pins) == {8: -1, 30: 0}
+    assert parse_pins(obj.synch.pins) == {8: -1, 30: 0}
     assert not SYNCH_OT_pin.pick(operator, obj, surface, ((9, 9, 9), (1, 0, 0)), False)
     assert shown.show and "PINS" in shown.parts
     SYNCH_OT_pin.take_back(operator, obj)
@@ -122,7 +122,9 @@ def test_pinned_faces_are_marked_in_the_colours_of_their_disclinations():
     assert overlay.pin_points(obj) == [] and overlay_view.key(obj) != before
 
 
-@pytest.mark.parametrize("pins, match", [("5", "pin 5= is none"), ("a=1", "a=1"), ("5=x", "5=x"), (7, "give a text")])
+@pytest.mark.parametrize(
+    "pins, match", [("5", "pin 5= cannot be read"), ("a=1", "a=1"), ("5=x", "5=x"), (7, "give a text")]
+)
 def test_what_is_no_pin_is_refused(pins, match):
     with pytest.raises(SettingError, match=match):
         api.stripes(sphere(), pins=pins)

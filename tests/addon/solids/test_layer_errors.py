@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import MeshError, SettingError, SynchError
-from synch_fields.synch_addon import api
-from synch_fields.synch_addon.solids.settings import (
+from synch_fields.core.settings.layers import (
     Flush,
     LayerGuide,
     LayerSettings,
     groups_of_text,
     text_of_groups,
 )
+from synch_fields.synch_addon import api
 
 from ...corpus.makers import boxes, fans, klein_bottle
 from ..scenes import add_group, add_object, attribute, grid, make_active, places, snapshot, tube

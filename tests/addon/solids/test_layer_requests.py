@@ -8,11 +8,11 @@ import pytest
 
 from synch_fields.core.errors import Cancelled, SynchError
 from synch_fields.core.parcels import Unpacker, packed
+from synch_fields.core.settings.layers import LayerSettings
 from synch_fields.core.tasks.layer_outputs import PathSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.jobs.job import run
 from synch_fields.synch_addon.solids import memory, objects, outputs, volume
-from synch_fields.synch_addon.solids.settings import LayerSettings
 
 from ...core.solids import block as tetrahedra
 from ..plain import solved_apart, unpickled

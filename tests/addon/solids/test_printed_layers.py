@@ -127,7 +127,8 @@ def test_vectors_of_a_file_guide_layers(tmp_path, capfd):
     cells = array("offsets", "Int64", 4 * np.arange(1, solid.tet_count + 1))
     cells += array("types", "UInt8", [10] * solid.tet_count) + array("connectivity", "Int64", corners.split())
     (tmp_path / "block.vtu").write_text(
-        '<VTKFile type="UnstructuredGrid"><UnstructuredGrid><Piece><PointData>'
+        '<VTKFile type="UnstructuredGrid"><UnstructuredGrid>'
+        f'<Piece NumberOfPoints="{solid.vertex_count}" NumberOfCells="{solid.tet_count}"><PointData>'
         f"{points}</PointData><Points>{array('Points', 'Float64', solid.vertices, 3)}</Points><Cells>{cells}</Cells>"
         "</Piece></UnstructuredGrid></VTKFile>"
     )

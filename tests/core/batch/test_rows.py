@@ -8,6 +8,7 @@ import pytest
 
 from synch_fields.core.batch.rows import Keys, Row, read_rows, share_of
 from synch_fields.core.errors import SettingError
+from synch_fields.core.files.declared import DeclaredFile
 
 
 def written(path, *rows):
@@ -65,7 +66,7 @@ def test_frames_go_out_in_contiguous_chunks_that_cover_them_once(tmp_path):
 @pytest.mark.parametrize(
     "line, reason",
     [
-        ("{", "line 2: this is no JSON"),
+        ("{", "line 2: this is not JSON"),
         ("[]", "this is no row"),
         ('{"input": "a.obj"}', "this is no row"),
         ('{"command": "animate", "chunk": 4}', "the frames are None"),
@@ -78,6 +79,14 @@ def test_a_line_that_is_no_row_is_told_and_the_others_stay(line, reason, tmp_pat
     first, second, third = read_rows(written(tmp_path / "rows.jsonl", {"command": "info"}, line, {"command": "demo"}))
     assert (first, third) == (["info"], ["demo"])
     assert isinstance(second, SettingError) and reason in str(second) and "rows.jsonl, line 2" in str(second)
+
+
+def test_a_row_that_is_not_utf_8_is_told_and_the_others_stay(tmp_path):
+    path = tmp_path / "rows.jsonl"
+    path.write_bytes(b'\xef\xbb\xbf{"command": "info"}\n{"command": "\xff"}\n{"command": "demo"}\n')
+    first, second, third = read_rows(path)
+    assert (first, third) == (["info"], ["demo"])
+    assert isinstance(second, SettingError) and "line 2: this is not UTF-8" in str(second)
 
 
 @pytest.mark.parametrize(
@@ -99,7 +108,7 @@ def test_keys_tell_contents_options_commands_and_versions_apart(tmp_path):
     mesh.write_text("v 0 0 0\n")
 
     def key(command="stripes", versions=("1",), **options):
-        return Keys(versions).of(Row((command,), {"spacing": 1.0} | options, (str(mesh),), ()))
+        return Keys(versions).of(Row((command,), {"spacing": 1.0} | options, (DeclaredFile(str(mesh), "the input"),)))
 
     first = key()
     assert first == key() and len(first) == 32

@@ -17,6 +17,7 @@ from synch_fields.core.batch.run import Planned, plan, run_rows
 from synch_fields.core.batch.sheet import write_sheet
 from synch_fields.core.batch.table import entries, write_tables
 from synch_fields.core.errors import SettingError
+from synch_fields.core.files.declared import DeclaredFile
 
 from .children import COMMAND, begun, rows, told
 
@@ -167,14 +168,15 @@ def test_a_command_that_is_not_there_fails_its_rows(records):
 def understood(arguments):
     if arguments[0] == "wrong":
         raise SettingError("this command is wrong")
-    return Row(tuple(arguments), {"n": arguments[1]}, (), tuple(arguments[2:]))
+    files = [DeclaredFile(path, "--report", is_written=True) for path in arguments[2:]]
+    return Row(tuple(arguments), {"n": arguments[1]}, tuple(files))
 
 
-def test_a_plan_makes_the_folders_and_keeps_what_cannot_be_a_row(tmp_path):
+def test_a_plan_keeps_what_cannot_be_a_row_and_makes_no_folder(tmp_path):
     told = SettingError("no JSON")
     path = tmp_path / "new" / "a.txt"
     planned = plan([["info", "1", str(path)], ["wrong"], told], understood, {})
-    assert path.parent.is_dir()
+    assert not path.parent.exists()
     assert [row.key is None for row in planned] == [False, True, True]
     assert [row.told for row in planned[1:]] == ["this command is wrong", "no JSON"]
 
@@ -185,6 +187,77 @@ def test_two_rows_that_write_the_same_file_are_refused(tmp_path):
         plan(lines, understood, {})
     with pytest.raises(SettingError, match="there are no rows"):
         plan([], understood, {})
+
+
+@pytest.mark.parametrize("spoiled", ["[]", "5", "{}", "null", '{"files": 5, "seconds": 1}', "[" * 10**5, "{", "\ud800"])
+def test_spoiled_records_count_as_not_there(records, tmp_path, spoiled):
+    wanted = rows("write", "write")
+    run(wanted, records)
+    for kind in ("done", "failed"):
+        path = records.folder / kind / wanted[0].key[:2] / f"{wanted[0].key}.json"
+        path.write_text(spoiled, encoding="utf-8", errors="surrogatepass")
+    assert states(wanted, records) == ["open", "done"]
+    assert run(wanted, records) == (1, 1)
+
+
+def test_records_of_names_that_no_file_has_count_as_not_there(records):
+    key = "0" * 32
+    records.keep_done(key, {"seconds": 1.0}, [])
+    path = records.folder / "done" / "00" / f"{key}.json"
+    assert records.done(key)
+    path.write_text('{"files": {"a\\u0000b": 1}, "seconds": 1}')
+    assert records.done(key) is None
+    path.write_text('{"files": {}, "seconds": 1, "energy": "<b>"}')
+    assert records.done(key) is None
+
+
+def test_tables_and_sheets_take_any_text_and_run_none(records, tmp_path):
+    """Cells that spreadsheets would take for formulas, tags, and halves of characters."""
+    labels = [
+        "=cmd|' /C calc'!A0",
+        "@SUM(1)",
+        "+1",
+        "-x.blend",
+        "\tx",
+        "<img src=x onerror=alert(1)>",
+        "\ud800",
+        "plain",
+    ]
+    wanted = [Planned(label, None, f"=reason of {label}") for label in labels]
+    (table, _), done = write_tables(records.folder, wanted, records)
+    assert done == 0
+    with open(table, newline="", encoding="utf-8") as file:
+        lines = list(csv.DictReader(file))
+    assert [line["label"] for line in lines[:5]] == [f"'{label}" for label in labels[:5]]
+    assert [line["label"] for line in lines[5:]] == [labels[5], "\\ud800", "plain"]
+    assert all(line["reason"].startswith("'=reason") for line in lines)
+    write_sheet(tmp_path / "sheet.html", "<Rows>", wanted, records)
+    assert "<img" not in (tmp_path / "sheet.html").read_text()
+
+
+def test_numbers_below_zero_stay_numbers_in_the_table(records):
+    (row,) = rows("write")
+    records.keep_done(row.key, {"seconds": 1.0, "energy": -2.5, "warnings": 3}, [])
+    (table, _), _ = write_tables(records.folder, [row], records)
+    with open(table, newline="") as file:
+        assert [line["energy"] for line in csv.DictReader(file)] == ["-2.5"]
+
+
+def test_warnings_on_a_card_are_escaped(records, tmp_path):
+    class Spoiled:
+        """Records of a row whose warnings are no number."""
+
+        def done(self, key):
+            return {"files": {}, "seconds": 1.0, "warnings": "<em>", "certificate": "<u>", "gap": 0.1}
+
+        def failed(self, key):
+            return None
+
+        thumbnail = records.thumbnail
+
+    write_sheet(tmp_path / "sheet.html", "", rows("write"), Spoiled())
+    text = (tmp_path / "sheet.html").read_text()
+    assert "<em>" not in text and "&lt;em&gt;" in text and "<u>" not in text
 
 
 def test_equal_rows_are_done_once(records, tmp_path):

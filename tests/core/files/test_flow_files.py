@@ -34,7 +34,7 @@ def test_a_member_that_is_no_array_is_named(tmp_path):
     path = tmp_path / "flow.npz"
     with ZipFile(path, "w") as archive:
         archive.writestr("velocity.npy", b"not an array at all")
-    assert "its member velocity is no array" in refusal(path)
+    assert "its member velocity is not an array" in refusal(path)
 
 
 def test_damaged_files_are_refused_wherever_the_damage_is(sound):

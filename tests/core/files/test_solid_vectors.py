@@ -51,7 +51,8 @@ def vtu(points, cells):
         ],
     }
     inside = "".join(f"<{name}>{''.join(parts)}</{name}>" for name, parts in data.items())
-    return f'<VTKFile type="UnstructuredGrid"><UnstructuredGrid><Piece>{inside}</Piece></UnstructuredGrid></VTKFile>'
+    piece = f'<Piece NumberOfPoints="{SOLID.vertex_count}" NumberOfCells="{len(types)}">{inside}</Piece>'
+    return f'<VTKFile type="UnstructuredGrid"><UnstructuredGrid>{piece}</UnstructuredGrid></VTKFile>'
 
 
 def test_vectors_of_medit_are_read(tmp_path):

@@ -107,7 +107,7 @@ def test_only_what_triangles_enclose_is_the_solid(tmp_path, skin):
         (medit(tets="Tetrahedra\n0\n"), SettingError, "has no tetrahedra"),
         (medit(tets=TETS.replace("\n2\n", "\n3\n", 1)), SettingError, "promises 3 Tetrahedra of 5 numbers and has 10"),
         (medit(points=POINTS.replace("1 0 0 1", "1 0 0")), SettingError, "promises 5 Vertices of 4 numbers"),
-        (medit(points=POINTS.replace("1 0 0 1", "1 0 a 1")), SettingError, "Vertices that is no number"),
+        (medit(points=POINTS.replace("1 0 0 1", "1 0 a 1")), SettingError, "among its Vertices is not a number"),
         (medit(tets=TETS.replace("5 6", "9 6")), SettingError, "tetrahedron 1 names a vertex that is not among the 5"),
         (medit(tets=TETS.replace("5 6", "0 6")), SettingError, "tetrahedron 1 names a vertex"),
         (medit(tets=TETS.replace("5 6", "99999999999999999999999 6")), SettingError, "has the number 1e\\+23 among"),
@@ -228,15 +228,15 @@ def test_broken_vtu_files_are_refused_in_one_line(tmp_path, change, words):
 
 
 def test_blocks_that_are_longer_than_promised_are_not_unpacked(tmp_path):
-    """A hundred megabytes of zeros in a block of 1000 bytes: no more than that is made of it."""
+    """A hundred megabytes of zeros in a block of 1440 bytes: no more than that is made of it."""
     vtu, bomb = Vtu("zlib"), zlib.compress(bytes(100_000_000))
     whole = vtu.text(block())
-    vtu.packed = lambda values: (np.array([1, 1000, 0, len(bomb)], vtu.header).tobytes(), bomb)
+    vtu.packed = lambda values: (np.array([1, 1440, 0, len(bomb)], vtu.header).tobytes(), bomb)
     points = vtu.array("Points", np.zeros(3)).encode()
     text = re.sub(rb'<DataArray[^<]*Name="Points".*?</DataArray>', lambda _: points, whole, flags=re.DOTALL)
     path = written(tmp_path, text, "solid.vtu")
     tracemalloc.start()
-    with pytest.raises(SettingError, match="a block of other than the 1000 bytes that are promised"):
+    with pytest.raises(SettingError, match="a block of other than the 1440 bytes that are promised"):
         read_tets(path)
     assert tracemalloc.get_traced_memory()[1] < 20_000_000
     tracemalloc.stop()

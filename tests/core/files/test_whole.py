@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Files are written whole or not at all, and their checks see where one was cut off."""
 
+import errno
+import itertools
 import os
 import stat
 import struct
@@ -14,7 +16,7 @@ import pytest
 from synch_fields.core.errors import SettingError
 from synch_fields.core.files import meshes, pictures
 from synch_fields.core.files.directions import FaceField, write_field
-from synch_fields.core.files.whole import check_writable, write_text, written_whole
+from synch_fields.core.files.whole import check_writable, write_text, written_together, written_whole
 
 
 @pytest.fixture
@@ -102,6 +104,58 @@ def test_a_field_that_cannot_be_written_leaves_the_older_one(tmp_path):
     with pytest.raises(SettingError, match="turn"):
         write_field(path, FaceField(4, np.ones((2, 4, 3))))
     assert path.read_text() == "old"
+
+
+# Sets of files
+
+
+def write_set(folder, *texts):
+    """Write numbered files together; a text of None fails as a full disk does."""
+    with written_together() as written:
+        for number, text in enumerate(texts):
+            with written(folder / f"part_{number:03d}.txt") as made:
+                if text is None:
+                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(made))
+                made.write_text(text)
+
+
+def contents(folder):
+    return {path.name: path.read_text() for path in folder.iterdir()}
+
+
+def test_a_set_takes_its_places_together(tmp_path):
+    write_set(tmp_path, "a", "b", "c")
+    before = contents(tmp_path)
+    assert before == {"part_000.txt": "a", "part_001.txt": "b", "part_002.txt": "c"}
+    with pytest.raises(SettingError, match=r"part_002\.txt: cannot be written \(No space left on device\)"):
+        write_set(tmp_path, "x", "y", None)
+    with pytest.raises(SettingError, match="nothing arrived"):
+        write_set(tmp_path, "x", "", "z", "u")
+    assert contents(tmp_path) == before
+    write_set(tmp_path, "x", "y")
+    assert contents(tmp_path) == {"part_000.txt": "x", "part_001.txt": "y", "part_002.txt": "c"}
+
+
+@pytest.mark.parametrize("links", [True, False])
+@pytest.mark.parametrize("moment", range(3))
+def test_a_set_whose_files_cannot_all_take_their_places_leaves_the_older_ones(tmp_path, monkeypatch, moment, links):
+    write_set(tmp_path, "a", "b")
+    replace, count = os.replace, itertools.count()
+
+    def failing(made, target):
+        if next(count) == moment:
+            raise OSError(errno.EIO, os.strerror(errno.EIO))
+        replace(made, target)
+
+    def no_links(*_):
+        raise OSError(errno.EPERM, os.strerror(errno.EPERM))
+
+    if not links:
+        monkeypatch.setattr(os, "link", no_links)
+    monkeypatch.setattr(os, "replace", failing)
+    with pytest.raises(SettingError, match=rf"part_00{moment}\.txt: cannot be written"):
+        write_set(tmp_path, "x", "y", "new")
+    assert contents(tmp_path) == {"part_000.txt": "a", "part_001.txt": "b"}
 
 
 # Files that were cut off

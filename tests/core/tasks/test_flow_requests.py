@@ -9,8 +9,8 @@ from synch_fields.core.errors import Cancelled, SettingError
 from synch_fields.core.fields.biot_savart import FilamentCurves, filament_velocity
 from synch_fields.core.files.flows import ArrayFile
 from synch_fields.core.geometry.grid import Grid, box_grid
+from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.core.tasks.flow_sequences import FrameFile, SequenceRequest
-from synch_fields.core.tasks.flow_settings import ClebschSettings
 from synch_fields.core.tasks.flows import FlowRequest, check_grid
 
 from ..flows import ring_curve
@@ -42,12 +42,12 @@ def distance(points, height=0.0):
 
 
 def test_filaments_and_tubes_of_arrays_are_around_their_ring(ring_file):
-    result = FlowRequest(ring_file(0.1), ClebschSettings(**QUICK, quantum=0.5)).solve()
+    result = FlowRequest(ring_file(0.1), FlowSettings(**QUICK, quantum=0.5)).solve()
     assert 1 <= len(result.shown.lines) <= 4  # the ring's circulation is 2
     assert all(distance(line.points, 0.1) < 3 for line in result.shown.lines)
     assert len(result.shown.tubes.vertices) and distance(result.shown.tubes.vertices, 0.1) < 4
     assert result.linked is not None
-    again = result.again(ClebschSettings(**QUICK, quantum=0.5, point=(0.0, 0.0, -1.0)))
+    again = result.again(FlowSettings(**QUICK, quantum=0.5, point=(0.0, 0.0, -1.0)))
     assert again.found is result.found and again.linked is None
     assert distance(again.shown.tubes.vertices, 0.1) < 4
     assert not np.array_equal(again.shown.tubes.vertices, result.shown.tubes.vertices)
@@ -56,7 +56,7 @@ def test_filaments_and_tubes_of_arrays_are_around_their_ring(ring_file):
 
 def test_curves_are_solved_as_the_flow_around_them():
     curves = FilamentCurves("Ring", ((ring_curve(RADIUS), 1.0),), 2.0)
-    settings = ClebschSettings(resolution=NODES, seed=1, count=2.0)
+    settings = FlowSettings(resolution=NODES, seed=1, count=2.0)
     result = FlowRequest(curves, settings).solve()
     # What passes the plane is the curve's circulation, less what its own smooth flow leaves to the box.
     assert result.found.quantum == pytest.approx(0.5, rel=0.35)
@@ -67,15 +67,15 @@ def test_curves_are_solved_as_the_flow_around_them():
 
 def test_thin_cores_few_filaments_and_many_are_warned_of(ring_file):
     thin = FilamentCurves("Ring", ((ring_curve(RADIUS), 1.0),), 0.5)
-    found = FlowRequest(thin, ClebschSettings(**QUICK, core=0.5)).solve()
+    found = FlowRequest(thin, FlowSettings(**QUICK, core=0.5)).solve()
     assert [w for w in found.warnings if w.startswith("tubes have an inside from a core of 2 cells on, and it is 0.5")]
-    alone = FlowRequest(ring_file(), ClebschSettings(resolution=NODES, quantum=40.0)).solve()
+    alone = FlowRequest(ring_file(), FlowSettings(resolution=NODES, quantum=40.0)).solve()
     (line,) = [warning for warning in alone.warnings if warning.startswith("a filament of 40 has ")]
     suggested = float(line.split("with a circulation of ")[1].split()[0])
     assert suggested in [40 / 2**halving for halving in range(1, 7)]
-    spectral = ClebschSettings(resolution=NODES, quantum=suggested, method="spectral")
+    spectral = FlowSettings(resolution=NODES, quantum=suggested, method="spectral")
     assert FlowRequest(ring_file(), spectral).solve().shown.lines
-    twice = ClebschSettings(resolution=NODES, quantum=2 * suggested, method="spectral")
+    twice = FlowSettings(resolution=NODES, quantum=2 * suggested, method="spectral")
     assert not FlowRequest(ring_file(), twice).solve().shown.lines
     assert "the map has no filaments: ask for more filaments, or a smaller circulation of each" in alone.warnings
 
@@ -83,7 +83,7 @@ def test_thin_cores_few_filaments_and_many_are_warned_of(ring_file):
 def test_a_sequence_follows_the_ring_and_keeps_its_quantum(ring_file):
     files = tuple(FrameFile(frame, ring_file(0.05 * frame)) for frame in (1, 2, 3))
     stages = []
-    result = SequenceRequest(files, ClebschSettings(**QUICK, count=4.0)).solve(
+    result = SequenceRequest(files, FlowSettings(**QUICK, count=4.0)).solve(
         lambda stage, fraction: stages.append((stage, fraction)) or True
     )
     assert [frame.frame for frame in result.frames] == [1, 2, 3]
@@ -98,31 +98,31 @@ def test_a_sequence_follows_the_ring_and_keeps_its_quantum(ring_file):
 
 def test_warnings_of_a_sequence_name_their_frames(ring_file):
     files = tuple(FrameFile(frame, ring_file(0.05 * frame)) for frame in (4, 5))
-    result = SequenceRequest(files, ClebschSettings(resolution=NODES, quantum=40.0)).solve()
+    result = SequenceRequest(files, FlowSettings(resolution=NODES, quantum=40.0)).solve()
     assert [line for line in result.warnings if line.startswith("frames 4, 5: the map has no filaments")]
 
 
 def test_a_sequence_is_cancelled_on_its_way(ring_file):
     files = tuple(FrameFile(frame, ring_file(0.05 * frame)) for frame in (1, 2))
     with pytest.raises(Cancelled):
-        SequenceRequest(files, ClebschSettings(**QUICK)).solve(lambda stage, fraction: "frame 2" not in stage)
+        SequenceRequest(files, FlowSettings(**QUICK)).solve(lambda stage, fraction: "frame 2" not in stage)
 
 
 def test_frames_need_the_same_grid_and_some_vorticity(ring_file, tmp_path):
     files = FrameFile(1, ring_file()), FrameFile(2, ring_file(shift=0.5))
     with pytest.raises(SettingError, match=r"ring_0.0_0.5.npz: its grid is not that of ring_0.0_0.0.npz"):
-        SequenceRequest(files, ClebschSettings(**QUICK)).solve()
+        SequenceRequest(files, FlowSettings(**QUICK)).solve()
     still = ring_file(0.4, velocity=np.ones((9, 9, 9, 3)))
     with pytest.raises(SettingError, match="no frame has vorticity"):
-        SequenceRequest((FrameFile(1, still),), ClebschSettings(**QUICK)).solve()
+        SequenceRequest((FrameFile(1, still),), FlowSettings(**QUICK)).solve()
 
 
 def test_what_cannot_be_asked_of_sequences_is_refused(ring_file):
     files = (FrameFile(1, ring_file()),)
     with pytest.raises(SettingError, match="use the method sdp"):
-        SequenceRequest(files, ClebschSettings(resolution=NODES, method="spectral"))
+        SequenceRequest(files, FlowSettings(resolution=NODES, method="spectral"))
     with pytest.raises(SettingError, match="a resolution of 7 nodes shows no vortex"):
-        SequenceRequest(files, ClebschSettings(resolution=7))
+        SequenceRequest(files, FlowSettings(resolution=7))
 
 
 def test_grids_in_a_plane_and_too_large_ones_are_refused():
@@ -136,8 +136,8 @@ def test_grids_in_a_plane_and_too_large_ones_are_refused():
     "settings, told",
     [
         ({"frames": (1, 2, 3)}, "the frames are (1, 2, 3): give the first and the last one, whole numbers"),
-        ({"frames": (3, 2)}, "the frames 3 to 2 are none"),
-        ({"opening": 180.0}, "the whole sphere has 180"),
+        ({"frames": (3, 2)}, "the frames 3 to 2 are in the wrong order"),
+        ({"opening": 180.0}, "to 179.9"),
         ({"point": (0, 0, 0)}, "the point of the sphere is (0, 0, 0)"),
         ({"point": (0, 0, np.nan)}, "the point of the sphere is (0, 0, nan)"),
         ({"show": "tubes", "method": "spectral"}, "come from the relaxation"),
@@ -148,11 +148,11 @@ def test_grids_in_a_plane_and_too_large_ones_are_refused():
 )
 def test_settings_that_contradict_or_are_none_are_refused(settings, told):
     with pytest.raises(SettingError) as error:
-        ClebschSettings(**settings)
+        FlowSettings(**settings)
     assert told in str(error.value)
 
 
 def test_a_point_is_numbers_and_cores_are_wider_where_tubes_are_shown():
-    assert ClebschSettings(point=[1, 0, 0]).point == (1.0, 0.0, 0.0)
-    assert [ClebschSettings(show=show).core_cells for show in ("filaments", "tubes")] == [0.5, 2.0]
-    assert ClebschSettings(core=3.0).core_cells == 3.0
+    assert FlowSettings(point=[1, 0, 0]).point == (1.0, 0.0, 0.0)
+    assert [FlowSettings(show=show).core_cells for show in ("filaments", "tubes")] == [0.5, 2.0]
+    assert FlowSettings(core=3.0).core_cells == 3.0

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""JSON that every reader takes: reports as they are written, and what an object has kept of them as it is read."""
+
+import json
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from .border import border
+
+# Kinds of values that :func:`kept` knows besides types, dicts of kinds, and lists of kinds.
+NUMBER = (int, float)
+
+
+def json_text(value, indent=None):
+    """A report as JSON; see :func:`plain`."""
+    return json.dumps(plain(value), indent=indent, allow_nan=False)
+
+
+def plain(value):
+    """The same of what JSON has: numbers and arrays of NumPy become Python's, and numbers that are not finite None."""
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {key: plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def kept(text, source, kinds):
+    """A dict that a property of an object or a file has kept as JSON, checked, since others can write there.
+
+    Parameters
+    ----------
+    text : str, "" for an empty dict
+    source : what has kept it, for the error
+    kinds : dict of the values that are known, by their names, each a default and its kind: a type or several, a dict of
+        kinds by name, or a list of as many kinds; other names stay as they are, and None may take the place of a value
+        whose default it is
+
+    Returns
+    -------
+    dict with all names of ``kinds``; {} for ""
+
+    Raises
+    ------
+    SettingError
+        naming the source and the first value that is of another kind
+    """
+    if not text:
+        return {}
+    with border(source, "solve it again"):
+        found = json.loads(text)
+        if not isinstance(found, dict):
+            raise ValueError("it is not a table of names and values")
+        found = {name: default for name, (default, _) in kinds.items()} | found
+        for name, (default, kind) in kinds.items():
+            if not (found[name] is None and default is None):
+                _check(found[name], kind, name)
+        return found
+
+
+def kept_names(text, source):
+    """A list of names that a property has kept as JSON; [] for ""; errors as :func:`kept`."""
+    if not text:
+        return []
+    with border(source, "solve it again"):
+        names = json.loads(text)
+        _check(names, [str] * len(names), "list")
+        return names
+
+
+def _check(value, kind, name):
+    """Refuse a value of another kind."""
+    if isinstance(kind, dict):
+        right = isinstance(value, dict)
+        parts = [(value.get(key, None), own, key) for key, own in kind.items()] if right else []
+    elif isinstance(kind, list):
+        right = isinstance(value, list) and len(value) == len(kind)
+        parts = [(item, own, name) for item, own in zip(value, kind, strict=True)] if right else []
+    else:
+        right = isinstance(value, kind) and not isinstance(value, bool)
+        right = right and not (isinstance(value, float) and not math.isfinite(value))
+        parts = []
+    if not right:
+        raise ValueError(f"its {name} is of another kind")
+    for part in parts:
+        _check(*part)

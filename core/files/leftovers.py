@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Names of temporary files that tell whose they are, so that another process can remove what a killed one has left."""
+
+import os
+import platform
+import re
+import secrets
+import shutil
+import sys
+import zlib
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+
+# The machine, the process, when that one began, and a random part.
+_NAME = re.compile(r"\.synch-([0-9a-f]{8})-(\d+)-(\d+)-[0-9a-f]{16}")
+_SINCE_UNKNOWN = "0"
+# What Windows says of a process that runs, and what it has to be asked for.
+_STILL_ACTIVE, _QUERY_LIMITED = 259, 0x1000
+
+
+def own_name(suffix: str = "") -> str:
+    """A file name that nobody else takes, and that tells this process."""
+    return f".synch-{_machine()}-{os.getpid()}-{_since(os.getpid())}-{secrets.token_hex(8)}{suffix}"
+
+
+@cache
+def sweep(folder: Path) -> None:
+    """Remove what killed processes of this user on this machine have left in a folder, once for each folder."""
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            if _is_left_behind(entry):
+                _remove(entry)
+
+
+def mark(folder: Path) -> None:
+    """Leave a file in a folder of another program that tells that it is this process's; see :func:`sweep_marked`."""
+    with suppress(OSError):
+        (folder / own_name()).touch()
+
+
+def sweep_marked(folder: Path, prefix: str) -> None:
+    """Remove folders inside of a folder that killed processes have marked, and whose names have a prefix."""
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.name.startswith(prefix) and entry.is_dir(follow_symlinks=False) and _has_ended_mark(entry):
+                _remove(entry)
+
+
+def _has_ended_mark(folder: os.DirEntry[str]) -> bool:
+    with suppress(OSError), os.scandir(folder) as entries:
+        return any(map(_is_left_behind, entries))
+    return False
+
+
+def _is_left_behind(entry: os.DirEntry[str]) -> bool:
+    """Whether something was made by a process of this user on this machine that has ended."""
+    found = _NAME.match(entry.name)
+    if found is None or found[1] != _machine():
+        return False
+    try:
+        is_own = not hasattr(os, "getuid") or entry.stat(follow_symlinks=False).st_uid == os.getuid()
+    except OSError:  # another process was faster
+        return False
+    return is_own and _since(int(found[2])) != found[3]
+
+
+def _remove(entry: os.DirEntry[str]) -> None:
+    with suppress(OSError):
+        if entry.is_dir(follow_symlinks=False):
+            shutil.rmtree(entry, ignore_errors=True)
+        else:
+            os.unlink(entry)
+
+
+@cache
+def _machine() -> str:
+    """Eight digits of where the numbers of processes mean the same: a machine since it was started, or a container."""
+    try:
+        told = Path("/proc/sys/kernel/random/boot_id").read_text() + os.readlink("/proc/self/ns/pid")
+    except OSError:  # not Linux
+        told = platform.node()
+    return f"{zlib.crc32(told.encode()):08x}"
+
+
+def _since(process: int) -> str | None:
+    """When a process began, "0" where the system does not tell; None where it has ended."""
+    if sys.platform == "win32":
+        return _SINCE_UNKNOWN if _runs_on_windows(process) else None
+    try:
+        told = Path(f"/proc/{process}/stat").read_text(errors="replace")
+    except OSError:
+        if Path("/proc/self/stat").exists():
+            return None
+    else:
+        state, *more = told.rpartition(")")[2].split()
+        return None if state in "ZX" else more[18]
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return None
+    except (OSError, OverflowError):  # another user's
+        pass
+    return _SINCE_UNKNOWN
+
+
+def _runs_on_windows(process: int) -> bool:
+    import ctypes
+
+    kernel = ctypes.windll.kernel32  # type: ignore[attr-defined]
+    handle = kernel.OpenProcess(_QUERY_LIMITED, False, process)
+    if not handle:
+        return False
+    code = ctypes.c_ulong()
+    told = kernel.GetExitCodeProcess(handle, ctypes.byref(code))
+    kernel.CloseHandle(handle)
+    return not told or code.value == _STILL_ACTIVE

@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What can be set, declared once: each group of settings is a frozen dataclass whose fields are records."""
+
+from .bake import BakeSettings
+from .flow import FlowSettings
+from .layers import LayerSettings
+from .lines import LineSettings
+from .setting import Choice, Setting, SettingsRecord, records, setting
+from .solver import SolverSettings
+from .surface import SurfaceSettings
+
+__all__ = [
+    "BakeSettings",
+    "Choice",
+    "FlowSettings",
+    "LayerSettings",
+    "LineSettings",
+    "Setting",
+    "SettingsRecord",
+    "SolverSettings",
+    "SurfaceSettings",
+    "records",
+    "setting",
+]

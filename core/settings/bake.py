@@ -1,0 +1,189 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings of a bake: which maps, and how they are kept."""
+
+import string
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from ..errors import SettingError, shown
+from ..keywords import check_path
+from .setting import FOLDER, PIXELS, Choice, SettingsRecord, setting
+
+BAKES = ("bake",)
+
+
+class MapKind(NamedTuple):
+    """How a map is kept.
+
+    Attributes
+    ----------
+    is_grey : one channel, not three
+    png_depth, exr_depth : bits of a channel
+    meaning : of its values
+    is_color : whether the values are colours
+    """
+
+    is_grey: bool
+    png_depth: str
+    exr_depth: str
+    meaning: str
+    is_color: bool = False
+
+
+# In the order in which they are baked. The names are those of files and flags too.
+MAPS = {
+    "mask": MapKind(True, "8", "16", "the factor of the pattern: 1 in a stripe or on a line, 0 elsewhere"),
+    "colour": MapKind(False, "8", "16", "base colour of what is rendered", is_color=True),
+    "height": MapKind(True, "16", "32", "height of the pattern, from 0 to 1"),
+    "normal": MapKind(False, "8", "16", "tangent space normal of what is rendered, bump included; +X +Y +Z"),
+    "phase": MapKind(False, "16", "32", "two values of the phase from -1 to 1, kept as (1 + value) / 2"),
+    "index": MapKind(True, "16", "32", "number of the stripe or quad, from 1 on; PNG: over 65535"),
+}
+_MAPS = (
+    Choice("mask", "Mask", "1 in a stripe or on a line, 0 elsewhere, on all faces", "MOD_MASK"),
+    Choice("colour", "Color", "The base color of what is rendered", "COLOR"),
+    Choice("height", "Height", "Height of the pattern from 0 to 1, with 16 bits", "MOD_DISPLACE"),
+    Choice("normal", "Normal", "Tangent space normals of what is rendered, with its bump", "NORMALS_FACE"),
+    Choice("phase", "Phase", "Cosine and size of the sine of the phase; of quads, both cosines in order", "FORCE_WIND"),
+    Choice("index", "Index", "A number for each stripe or quad; a stripe ends at defects", "LINENUMBERS_ON"),
+)
+_FORMATS = (
+    Choice("PNG", "PNG", "8 bits, and 16 for height, phase and index"),
+    Choice("EXR", "OpenEXR", "Floating-point numbers: 16 bits, and 32 for height, phase and index"),
+)
+SUFFIXES = {"PNG": ".png", "EXR": ".exr"}
+# The UV map that is made where none is named.
+NEW_MAP = "Synch Bake"
+
+
+@dataclass(frozen=True, kw_only=True)
+class BakeSettings(SettingsRecord):
+    """What is baked, and where it goes."""
+
+    maps: tuple[str, ...] = setting(
+        ("colour", "normal", "height"),
+        "Maps",
+        "Images to bake; click with Shift to choose several",
+        choices=_MAPS,
+        commands=BAKES,
+    )
+    size: int = setting(
+        1024,
+        "Size",
+        "Width and height of the images in pixels",
+        unit=PIXELS,
+        least=16,
+        most=16384,
+        usual=(None, 8192),
+        commands=BAKES,
+        group="bake",
+    )
+    margin: int = setting(
+        16,
+        "Margin",
+        "How far the image goes on beyond the edges of UV islands, so that no background shows at seams",
+        unit=PIXELS,
+        least=0,
+        most=16384,
+        usual=(None, 64),
+        commands=BAKES,
+        group="bake",
+    )
+    samples: int = setting(
+        16,
+        "Samples",
+        "For each pixel: more make edges smoother and take longer",
+        least=1,
+        most=4096,
+        usual=(None, 64),
+        commands=BAKES,
+        group="bake",
+    )
+    uv_map: str = setting(
+        "",
+        "UV Map",
+        "Where on the image each face is; empty for the active map",
+        unset="the active one",
+        commands=BAKES,
+    )
+    unwrap: bool = setting(
+        False,
+        "Smart UV Project",
+        f"Make the UV map if the mesh does not have it; where none is named, {NEW_MAP!r}",
+        commands=BAKES,
+    )
+    folder: str = setting(
+        "",
+        "Folder",
+        "Where the files go; empty to pack the images into the .blend",
+        names=FOLDER,
+        unset="packed into the .blend of --output",
+        commands=BAKES,
+    )
+    naming: str = setting(
+        "{object}_{map}",
+        "Name",
+        "Of each file or image; {object} and {map} are filled in",
+        commands=BAKES,
+        group="files",
+        flag="name",
+    )
+    file_format: str = setting(
+        "PNG", "Format", "Kind of the images", choices=_FORMATS, commands=BAKES, group="files", flag="format"
+    )
+    material: bool = setting(
+        False,
+        "Material of Images",
+        "Show the images in place of the pattern; its material is kept, and is what the next bake shows",
+        commands=BAKES,
+        group="files",
+    )
+    displacement: bool = setting(
+        False,
+        "Displacement",
+        "Let the new material displace the surface by the height when it is rendered",
+        commands=BAKES,
+    )
+
+    def __post_init__(self) -> None:
+        self._take_maps()
+        super().__post_init__()
+        if self.margin > self.size:
+            raise SettingError(f"the margin is {self.margin}: give a whole number from 0 to {self.size}")
+        if self.material and not {"colour", "normal", "height"} & set(self.maps):
+            raise SettingError("a material shows colour, normal or height: add one of them to the maps")
+        if self.displacement and not (self.material and "height" in self.maps):
+            raise SettingError("displacement is made by a material of the height: ask for both")
+        check_path(self.folder, "the folder")
+        self._check_name()
+
+    def _take_maps(self) -> None:
+        """The maps in the order in which they are baked; they may be given as a text with commas."""
+        names = self.maps.split(",") if isinstance(self.maps, str) else self.maps
+        if not isinstance(names, list | tuple):
+            raise SettingError(f"the maps are {shown(names)}: give names such as colour,normal")
+        for name in names:
+            if not isinstance(name, str) or name not in MAPS:
+                raise SettingError(f"the map {shown(name)} is unknown: use one or more of {', '.join(MAPS)}")
+        object.__setattr__(self, "maps", tuple(name for name in MAPS if name in names))
+        if not self.maps:
+            raise SettingError(f"no map is asked for: choose one or more of {', '.join(MAPS)}")
+
+    def _check_name(self) -> None:
+        try:
+            used = {field for _, field, _, _ in string.Formatter().parse(self.naming) if field is not None}
+            if used <= {"object", "map"}:
+                self.naming.format(object="", map="")
+        except ValueError:
+            used = {self.naming}
+        if used - {"object", "map"} or not self.naming.strip() or set(self.naming) & set("/\\"):
+            raise SettingError(
+                f"the name {shown(self.naming)} cannot be filled in: use letters, {{object}} and {{map}}"
+            )
+        if len(self.maps) > 1 and "map" not in used:
+            raise SettingError(f"the name {self.naming!r} is the same for {len(self.maps)} maps: add {{map}}")
+
+    def depth(self, map_name: str) -> str:
+        """Bits of a channel of a map."""
+        kind = MAPS[map_name]
+        return kind.png_depth if self.file_format == "PNG" else kind.exr_depth

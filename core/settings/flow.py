@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings of the vortices of a flow."""
+
+import math
+from dataclasses import dataclass
+from numbers import Integral, Real
+
+from ..errors import SettingError, shown
+from ..keywords import MOST_ROUNDS
+from .setting import SMALLEST, Choice, of_type, setting
+from .solver import SolverSettings
+
+VORTICES = ("clebsch",)
+# What a flow is called where no name is given.
+VELOCITY = "velocity"
+# Radius of the cores of curves in cells, and where tubes are shown.
+_CORE, _CORE_OF_TUBES = 0.5, 2.0
+_SHOWN = (
+    Choice("filaments", "Filaments", "Curves that carry the same circulation each"),
+    Choice("tubes", "Tubes", "Surfaces around the vorticity, coloured by the map; by the method Semidefinite"),
+    Choice("both", "Both", "Filaments and tubes, of one solve"),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FlowSettings(SolverSettings):
+    """What is shown of a flow, besides how its map is solved."""
+
+    show: str = setting("filaments", "Show", "How vortices are shown", choices=_SHOWN, commands=VORTICES, group="flow")
+    resolution: int = setting(
+        48,
+        "Resolution",
+        "Nodes of the grid along its longest side; a NumPy file has a grid of its own",
+        least=2,
+        most=10_000,
+        usual=(8, 128),
+        commands=VORTICES,
+        group="flow",
+    )
+    count: float = setting(
+        4.0,
+        "Filaments",
+        "So many through the plane with most vorticity",
+        least=SMALLEST,
+        usual=(0.1, 32),
+        commands=VORTICES,
+    )
+    quantum: float | None = setting(
+        None,
+        "Circulation",
+        "Of one filament, in the units of the velocity times length",
+        least=SMALLEST,
+        start=1.0,
+        usual=(1e-6, 100),
+        unset="the number of filaments decides",
+        commands=VORTICES,
+        placeholder="H",
+    )
+    core: float | None = setting(
+        None,
+        "Core",
+        "Radius over which the vorticity of curves is spread, in cells; "
+        "0 for half a cell, and two where tubes are shown",
+        least=SMALLEST,
+        usual=(None, 6),
+        unset="0.5, and 2 where tubes are shown",
+        commands=VORTICES,
+        placeholder="CELLS",
+    )
+    attribute: str = setting(
+        VELOCITY,
+        "Attribute",
+        "Velocity on the vertices of the chosen mesh, which then shows the map itself, or grid of a volume",
+        commands=VORTICES,
+        group="flow",
+    )
+    point: tuple[float, float, float] | None = setting(
+        None,
+        "Point",
+        "Point of the sphere: filaments are where the map shows its antipode, tubes around that",
+        unset="the filaments of least energy",
+        commands=VORTICES,
+    )
+    opening: float = setting(
+        60.0,
+        "Width",
+        "How much of the sphere is inside a tube, degrees around the chosen point's antipode",
+        least=SMALLEST,
+        most=179.9,
+        usual=(1, 179),
+        commands=VORTICES,
+        placeholder="DEG",
+    )
+    smoothing: int = setting(
+        5,
+        "Smoothing",
+        "How often points of filaments and tubes move to the middle of their neighbours",
+        least=0,
+        most=MOST_ROUNDS,
+        usual=(None, 20),
+        commands=VORTICES,
+    )
+    unwrapped: bool = setting(
+        False,
+        "Unwrapped",
+        "Draw filaments in one piece where they leave a periodic box, instead of in parts that lie in it",
+        commands=VORTICES,
+        group="flow",
+    )
+    frames: tuple[int, int] | None = setting(
+        None,
+        "Frames",
+        "First and last frame of a sequence: files with # for each digit of the number, smoke_####.vdb, or a volume's",
+        unset="what the source shows now",
+        commands=VORTICES,
+    )
+    strict: bool = setting(
+        False,
+        "Strict",
+        "Refuse meshes that are not a surface, instead of solving on a repaired copy",
+        commands=VORTICES,
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.frames is not None:
+            if not of_type(self.frames, Integral, 2):
+                raise SettingError(
+                    f"the frames are {shown(self.frames)}: give the first and the last one, whole numbers"
+                )
+            first, last = self.frames
+            if first > last:
+                raise SettingError(f"the frames {first} to {last} are in the wrong order: give the first one first")
+        if self.point is not None:
+            if not (of_type(self.point, Real, 3) and all(map(math.isfinite, self.point)) and any(self.point)):
+                raise SettingError(
+                    f"the point of the sphere is {shown(self.point)}: give three numbers that are not all 0"
+                )
+            object.__setattr__(self, "point", tuple(map(float, self.point)))
+        if (self.show != "filaments" or self.point is not None) and self.method != "sdp":
+            raise SettingError("tubes and points of the sphere come from the relaxation: use the method sdp")
+
+    @property
+    def core_cells(self) -> float:
+        """Radius of the cores of curves in cells."""
+        return self.core or (_CORE if self.show == "filaments" else _CORE_OF_TUBES)

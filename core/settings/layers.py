@@ -1,0 +1,304 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings of layers in a solid, and the texts in which guides and groups are written."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from ..errors import SettingError
+from ..texts import items, quoted
+from .guidance import AXES, BOUNDARY
+from .setting import LENGTH, SHARE, SMALLEST, Choice, setting
+from .solver import SolverSettings
+from .surface import SPACING_MAP, SPACING_RANGE
+
+LAYERS = ("layers",)
+
+
+@dataclass(frozen=True)
+class LayerGuideKind:
+    """A kind of guide of layers.
+
+    Attributes
+    ----------
+    label, tip : as the panel shows it
+    names : properties of the panel that hold its names
+    asks : for each name, in messages
+    optional : how many of the last names may be missing
+    """
+
+    label: str
+    tip: str
+    names: tuple[str, ...]
+    asks: tuple[str, ...]
+    optional: int = 0
+
+
+_GROUP = "a vertex group"
+_VECTOR_FILE: dict[str, Any] = {
+    "names": ("file", "array"),
+    "asks": ("a .vtu or .sol file", "one of its arrays"),
+    "optional": 1,
+}
+LAYER_GUIDES = {
+    "axis": LayerGuideKind("Axis", "An axis of the object: flat layers", ("axis",), ("X, Y or Z",)),
+    "harmonic": LayerGuideKind(
+        "Between Groups",
+        "From one vertex group's faces to another's, along a harmonic function",
+        ("low", "high"),
+        (_GROUP, "another one"),
+    ),
+    "distance": LayerGuideKind(
+        "Away From",
+        "Away from a vertex group's faces, from the whole surface, or from another mesh",
+        ("origin",),
+        (f"{_GROUP}, a mesh object, or {BOUNDARY}",),
+    ),
+    "curve": LayerGuideKind("Along Curve", "Along a curve object: layers cross it", ("curve",), ("a curve object",)),
+    "around": LayerGuideKind(
+        "Around Curve", "Away from a curve object: layers lie around it like skins", ("curve",), ("a curve object",)
+    ),
+    "attribute": LayerGuideKind(
+        "Attribute",
+        "A vector attribute on the vertices, extended into the solid",
+        ("vectors",),
+        ("a vector attribute",),
+    ),
+    "file": LayerGuideKind("File", "Vectors in a solid, on points or cells of a .vtu or .sol file", **_VECTOR_FILE),
+    "lines": LayerGuideKind(
+        "File of Lines",
+        "The same for vectors of either sign, such as principal stresses",
+        **_VECTOR_FILE,
+    ),
+}
+# What a group of the boundary may ask for.
+HELD, CONSTANT = "layer", "constant"
+LAYER_WISHES = (
+    Choice(HELD, "Layer on It", "A layer lies exactly on these faces"),
+    Choice(CONSTANT, "Parallel", "Layers run along each piece of these faces, at whichever distance"),
+)
+_NUMBERS = (
+    Choice("pieces", "Of Pieces", "Each connected piece has a number of its own, from the bottom"),
+    Choice("levels", "Of Levels", "Pieces at one height have one number, each body's from its lowest layer on"),
+)
+
+
+@dataclass(frozen=True)
+class LayerGuide:
+    """What layers follow.
+
+    Attributes
+    ----------
+    kind : a key of :data:`LAYER_GUIDES`
+    names : of the axis, vertex groups, object or attribute
+    """
+
+    kind: str
+    names: tuple[str, ...]
+
+    @classmethod
+    def of_text(cls, text: str) -> "LayerGuide":
+        """From text such as ``axis:Z`` or ``harmonic:Bottom:Top``, as :mod:`core.texts` reads it."""
+        (kind, *given), *more = items(text, "guidance", "KIND:NAME:NAME")
+        names = [name for name in given if name is not None]
+        if kind not in LAYER_GUIDES:
+            raise SettingError(f"the guidance {kind!r} is unknown: use one of {', '.join(LAYER_GUIDES)}")
+        needed = LAYER_GUIDES[kind]
+        fewest, most = len(needed.asks) - needed.optional, len(needed.asks)
+        if more or not fewest <= len(names) <= most or not all(names):
+            raise SettingError(f"the guidance {text!r} is incomplete: write {kind}:, {', :, '.join(needed.asks)}")
+        if kind == "axis" and names[0] not in AXES:
+            raise SettingError(f"the axis {names[0]!r} is unknown: use X, Y or Z")
+        return cls(kind, tuple(names))
+
+    def __str__(self) -> str:
+        return ":".join([self.kind, *map(quoted, self.names)])
+
+
+@dataclass(frozen=True)
+class Flush:
+    """What is asked of the layers on a vertex group's faces, or on the whole boundary.
+
+    Attributes
+    ----------
+    group : name of the vertex group, or "boundary"
+    wish : "layer" (one lies exactly on it) or "constant" (the same phase on each piece of it, whichever)
+    offset : from 0 to below 1, of a layer: how far the group lies above the last layer, 0 for on it
+    """
+
+    group: str
+    wish: str
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.offset < 1 or (self.offset and self.wish != HELD):
+            raise SettingError(
+                f"the offset {self.offset:g} of the group {self.group!r} is not allowed: write {HELD}:0 to {HELD}:0.99"
+            )
+        wishes = [wish.name for wish in LAYER_WISHES]
+        if self.wish not in wishes:
+            raise SettingError(
+                f"the wish {self.wish!r} of the group {self.group!r} is unknown: use {' or '.join(wishes)}"
+            )
+
+    def __str__(self) -> str:
+        return f"{quoted(self.group)}={self.wish}" + (f":{self.offset:g}" if self.offset else "")
+
+    @property
+    def phase(self) -> float | None:
+        """Radians of the phase on the group, None where the solver chooses it."""
+        return math.tau * self.offset if self.wish == HELD else None
+
+
+def groups_of_text(text: str) -> tuple[Flush, ...]:
+    """The groups of text such as ``Top=layer:0.5,Bottom=constant``, empty for none."""
+    rows = []
+    found = items(text, "groups", "NAME=WISH")
+    for group, wish in found if found != [("", None)] else ():
+        if not group or wish is None:
+            named = group or f"={wish}"
+            raise SettingError(f"the group {named!r} lacks its name or its wish: write NAME=layer or NAME=constant")
+        wish, _, offset = wish.partition(":")
+        try:
+            rows.append(Flush(group, wish.strip(), float(offset or 0)))
+        except ValueError:
+            raise SettingError(
+                f"the offset {offset!r} of the group {group!r} is not a number: write {HELD}:0.5 for half a layer"
+            ) from None
+    return tuple(rows)
+
+
+def text_of_groups(groups: "tuple[Flush, ...] | list[Flush]") -> str:
+    """The text that :func:`groups_of_text` reads."""
+    return ",".join(str(row) for row in groups)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LayerSettings(SolverSettings):
+    """What is asked of layers in a solid, besides how they are solved."""
+
+    guidance: str = setting(
+        "axis:Z",
+        "Guidance",
+        f"What the layers follow, such as axis:Z or harmonic:Bottom:Top; kinds: {', '.join(LAYER_GUIDES)}",
+        commands=LAYERS,
+        placeholder="KIND:NAME",
+    )
+    groups: str = setting(
+        "",
+        "Groups",
+        "What is asked on vertex groups' faces or on the boundary, such as Top=layer,Bottom=constant",
+        commands=LAYERS,
+        placeholder="NAME=WISH,...",
+    )
+    spacing: float | None = setting(
+        None,
+        "Spacing",
+        "Distance from one layer to the next; the object's scale counts",
+        unit=LENGTH,
+        least=SMALLEST,
+        start=0.1,
+        usual=(1e-4, None),
+        unset="as many layers as the resolution carries, forty at most",
+        commands=LAYERS,
+        group="layers",
+    )
+    size: float | None = setting(
+        None,
+        "Resolution",
+        "Longest edge of the tetrahedra that fill the object, at most half the spacing",
+        unit=LENGTH,
+        least=SMALLEST,
+        start=0.05,
+        usual=(1e-4, None),
+        unset="about a hundred thousand tetrahedra, or more where the spacing needs them",
+        commands=LAYERS,
+        group="layers",
+    )
+    spacing_map: str = setting(
+        "",
+        "Spacing Map",
+        "Float attribute, a factor on the spacing, or vertex group, which takes it from 1 to the range",
+        **SPACING_MAP | {"group": "layers"},
+        commands=LAYERS,
+    )
+    spacing_range: float = setting(
+        2.0,
+        "Range",
+        "Factor on the spacing where the vertex group's weight is 1",
+        **SPACING_RANGE | {"group": "layers"},
+        commands=LAYERS,
+    )
+    branching: float = setting(
+        1.0,
+        "Branching",
+        "How much layers may branch to keep their distance: as much as even distances need, or at 0 hardly at all",
+        unit=SHARE,
+        least=0,
+        most=1,
+        commands=LAYERS,
+        group="layers",
+    )
+    smallest_height: float = setting(
+        0.0,
+        "Smallest Height",
+        "Of a layer: with limits they branch as little as keeps to these; 0 for none",
+        unit=LENGTH,
+        least=0,
+        commands=LAYERS,
+        group="layers",
+    )
+    largest_height: float = setting(
+        0.0,
+        "Largest Height",
+        "Of a layer, above the smallest one; 0 for none",
+        unit=LENGTH,
+        least=0,
+        commands=LAYERS,
+        group="layers",
+    )
+    numbers: str = setting(
+        "pieces",
+        "Numbers",
+        "What counts as one layer: in the attribute, in files and where paths are ordered",
+        choices=_NUMBERS,
+        commands=LAYERS,
+        group="layers",
+    )
+    strict: bool = setting(
+        False,
+        "Strict",
+        "Refuse meshes that are not a surface, instead of filling a repaired copy",
+        commands=LAYERS,
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        LayerGuide.of_text(self.guidance)
+        groups_of_text(self.groups)
+        low, high = self.heights
+        if not low < high:
+            raise SettingError(
+                f"no layer is between {low:g} and {high:g} high: give a smallest height from 0 on, and a largest one "
+                "above it"
+            )
+        if self.spacing is not None and not low <= self.spacing <= high:
+            raise SettingError(
+                f"the spacing {self.spacing:g} is not between the heights {low:g} and {high:g}: give one that is, "
+                "or none"
+            )
+
+    @property
+    def heights(self) -> tuple[float, float]:
+        """The smallest and the largest height of a layer, 0 and infinity where there is no limit."""
+        return self.smallest_height, self.largest_height or math.inf
+
+    @property
+    def guide(self) -> LayerGuide:
+        """What the layers follow."""
+        return LayerGuide.of_text(self.guidance)
+
+    @property
+    def flush(self) -> tuple[Flush, ...]:
+        """What is asked of parts of the boundary."""
+        return groups_of_text(self.groups)

@@ -1,0 +1,277 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings of directions, stripes, quads and quad meshes on a surface."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from ..errors import SettingError
+from ..keywords import MOST_ROUNDS
+from .constraints import Constraint, from_plain
+from .guidance import GUIDES, Source, parse_guidance
+from .pins import parse_pins
+from .setting import ANGLE, FACTOR, LENGTH, NUMBERS, SHARE, SMALLEST, Choice, Variant, setting
+from .solver import SURFACES, SolverSettings
+
+# Commands with a pattern, and those of them with quads.
+PATTERNS = tuple(command for command in SURFACES if command != "directions")
+QUADS = ("quads", "quad_mesh")
+# How many directions at a point count as the same one.
+SYMMETRY_ORDERS = {"vector": 1, "line": 2, "cross": 4}
+
+_SYMMETRIES = (
+    Choice("vector", "Vector", "One direction at each point"),
+    Choice("line", "Line", "A direction and its opposite count as the same, as for stripes and hatching"),
+    Choice("cross", "Cross", "Four directions at right angles, as for quads"),
+)
+_BOUNDARIES = (
+    Choice("free", "Free", "Nothing is asked of the boundary"),
+    Choice("along", "Along", "Directions run along the boundary"),
+    Choice("across", "Across", "Directions meet the boundary at a right angle"),
+    Choice("phase", "Line on It", "Directions run along the boundary and a stripe or grid line lies exactly on it"),
+)
+_TURN = {"unit": ANGLE, "usual": (-math.pi, math.pi)}
+_ANY_FACTOR = {"unit": FACTOR, "least": 1e-3, "usual": (0.25, 4.0)}
+_SHARE = {"unit": SHARE, "least": 0, "most": 1}
+# Settings of the spacing that surfaces and solids share.
+SPACING_MAP: dict[str, Any] = {"names": NUMBERS, "group": "pattern"}
+SPACING_RANGE: dict[str, Any] = {**_ANY_FACTOR, "part_of": "spacing_map", "group": "pattern"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurfaceSettings(SolverSettings):
+    """What is asked of a direction field and of a pattern along it, besides how they are solved."""
+
+    symmetry: str = setting(
+        "line",
+        "Symmetry",
+        "What is the same at a point: one direction, a line or a cross",
+        choices=_SYMMETRIES,
+        commands=tuple(command for command in SURFACES if command not in QUADS),
+        group="directions",
+    )
+    guidance: str = setting(
+        "smooth",
+        "Guidance",
+        "What the directions follow: smooth, or guides KIND:NAME=STRENGTH separated by commas; "
+        f"kinds: {', '.join(GUIDES)}",
+        commands=SURFACES,
+        group="directions",
+        placeholder="SPEC",
+    )
+    angle: float = setting(
+        0.0,
+        "Angle",
+        "Turn the directions by this angle, counterclockwise seen from outside",
+        **_TURN,
+        commands=SURFACES,
+        group="directions",
+    )
+    angle_attribute: str = setting(
+        "",
+        "Angle Map",
+        "Float attribute, radians added to the angle, or vertex group, which adds from 0 to the range",
+        names=NUMBERS,
+        commands=SURFACES,
+        group="directions",
+    )
+    angle_range: float = setting(
+        1.0,
+        "Angle Range",
+        "Angle that is added where the vertex group's weight is 1",
+        **_TURN,
+        part_of="angle_attribute",
+        commands=SURFACES,
+        group="directions",
+    )
+    boundary: str = setting(
+        "free",
+        "Boundary",
+        "What happens at open edges",
+        choices=_BOUNDARIES,
+        commands=SURFACES,
+        group="directions",
+    )
+    vertex_group: str = setting(
+        "",
+        "Vertex Group",
+        "Restrict the boundary to open edges with both ends in this group",
+        commands=SURFACES,
+        group="directions",
+    )
+    mirror: str = setting(
+        "",
+        "Mirror",
+        "Make the pattern its own mirror image in these axes of the object, whose mesh has to be symmetric",
+        commands=SURFACES,
+        group="directions",
+        placeholder="AXES",
+    )
+    singularities: float | None = setting(
+        None,
+        "Singularities",
+        "How many singular points directions may have to stay smooth: all that the shape's bumps call for, or at 0 the "
+        "fewest that it allows, where directions bend more and quads vary in size instead",
+        **_SHARE,
+        variants={
+            "": Variant(1.0, "", ""),
+            "quad_mesh": Variant(
+                0.95,
+                "Mesh Singularities",
+                "How many singular points the directions of quad meshes may have to stay smooth: with fewer, "
+                "those go that bend the least, and irregular vertices with them; at 0 there are the fewest that the "
+                "shape allows, and quads vary in size instead",
+            ),
+        },
+        commands=SURFACES,
+        group="directions",
+    )
+    constraints: tuple[Constraint, ...] | None = setting(
+        None,
+        "Constraints",
+        "What is asked of the pattern along lines of the mesh, as a JSON file of rows",
+        unset="the object's own list",
+        commands=SURFACES,
+        placeholder="ROWS.json",
+    )
+    pins: str | None = setting(
+        None,
+        "Pins",
+        "Faces around which directions turn as often as is said here, in halves for lines and quarters for crosses",
+        unset="the object's own pins",
+        commands=SURFACES,
+        placeholder="FACE=TURNS,...",
+    )
+    spacing: float | None = setting(
+        None,
+        "Spacing",
+        "Distance from one stripe to the next, or length of two quads; the object's scale counts",
+        unit=LENGTH,
+        least=SMALLEST,
+        start=0.1,
+        usual=(1e-4, None),
+        unset="about forty lines across the object, or as many as the mesh can carry",
+        commands=PATTERNS,
+        group="pattern",
+    )
+    spacing_map: str = setting(
+        "",
+        "Spacing Map",
+        "Float attribute, a factor on the spacing, or vertex group, which takes it from 1 to the range",
+        **SPACING_MAP,
+        commands=PATTERNS,
+    )
+    spacing_range: float = setting(
+        2.0,
+        "Range",
+        "Factor on the spacing where the vertex group's weight is 1",
+        **SPACING_RANGE,
+        commands=PATTERNS,
+    )
+    branching: float | None = setting(
+        None,
+        "Branching",
+        "How much lines may branch to keep their distance: as much as even spacing needs, or at 0 hardly at all, where "
+        "lines are nearer to and further from one another instead",
+        **_SHARE,
+        variants={
+            "": Variant(1.0, "", ""),
+            "quad_mesh": Variant(
+                0.0,
+                "Mesh Branching",
+                "How much the lines of quad meshes may branch to keep their distance: at 0 faces are quads all over "
+                "and vary in size; with all branches their sizes are most even, but faces of five and six corners lie "
+                "between",
+            ),
+        },
+        commands=PATTERNS,
+        group="pattern",
+    )
+    aspect: float = setting(
+        1.0,
+        "Aspect",
+        "Spacing of quads along their second direction over that along the first, the one nearer to X; only where the "
+        "two never change places around a disclination",
+        **_ANY_FACTOR,
+        commands=QUADS,
+        group="quads",
+    )
+    faces: int = setting(
+        0,
+        "Face Count",
+        "About how many faces the quad mesh is to have, whatever the spacing; 0 for as many as that gives",
+        least=0,
+        most=10_000_000,
+        usual=(None, 100_000),
+        commands=("quad_mesh",),
+        group="quad_mesh",
+    )
+    features: float = setting(
+        math.radians(40),
+        "Feature Angle",
+        "Boundaries and edges at which faces bend by more than this angle, or that are marked sharp, stay edges of the "
+        "quad mesh; 0 for none of them",
+        unit=ANGLE,
+        least=0,
+        most=math.pi,
+        commands=("quad_mesh",),
+        group="quad_mesh",
+    )
+    smoothing: int = setting(
+        10,
+        "Smoothing",
+        "How often the quad mesh's vertices move to where faces are nearer to squares, on the surface",
+        least=0,
+        most=MOST_ROUNDS,
+        usual=(None, 20),
+        commands=("quad_mesh",),
+        group="quad_mesh",
+    )
+    straighten: bool = setting(
+        False,
+        "Straighten",
+        "Look for a quad mesh of shorter loops and fewer spirals among variations and with fewer singularities; takes "
+        "two to three times as long",
+        commands=("quad_mesh",),
+        group="quad_mesh",
+    )
+    assign_material: bool = setting(
+        False,
+        "Assign to All Faces",
+        "Show the pattern on all faces, also on an object with several materials",
+        group="faces",
+    )
+    strict: bool = setting(
+        False,
+        "Strict",
+        "Refuse meshes that are not a surface, instead of solving on a repaired copy",
+        commands=SURFACES,
+    )
+
+    def __post_init__(self) -> None:
+        if self.constraints is not None:
+            object.__setattr__(self, "constraints", from_plain(self.constraints))
+        super().__post_init__()
+        if set(self.mirror) - set("XYZ"):
+            raise SettingError(f"the mirror is {self.mirror!r}: use axes of X, Y and Z, such as X or XY")
+        parse_guidance(self.guidance)
+        parse_pins(self.pins or "")
+
+    @property
+    def all_constraints(self) -> tuple[Constraint, ...]:
+        """The constraint list with what is asked of the boundary."""
+        listed = self.constraints or ()
+        if self.boundary == "free":
+            return listed
+        return (Constraint("boundary", self.boundary, self.vertex_group), *listed)
+
+    @property
+    def sources(self) -> tuple[Source, ...]:
+        """The sources of guidance, none for "smooth"."""
+        return parse_guidance(self.guidance)
+
+    @property
+    def exact_attribute(self) -> str | None:
+        """Name of the vector attribute whose directions are taken exactly as they are, or None."""
+        exact = [source.name for source in self.sources if source.kind == "attribute" and source.strength is None]
+        return exact[0] if exact and len(self.sources) == 1 else None

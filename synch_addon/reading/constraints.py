@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the constraint list asks, read from an object: edges that are cut, and rows along lines of its mesh."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...core.errors import SettingError
+from ...core.fields import Row, boundary_line, line_of_edges
+from ...core.fields.constraints.features import feature_edges, feature_row
+from ...core.fields.constraints.lines import (
+    group_edges,
+    line_of_group,
+    line_of_points,
+    line_of_strokes,
+    line_of_vectors,
+)
+from ...core.geometry.cut import carried_edges, cut_open
+from ..blender import attributes, groups
+from ..blender.strokes import read_strokes
+
+
+def cut_mesh(obj, given, constraints):
+    """The :class:`MeshInput` with the edges apart that a row cuts."""
+    cutting = [c for c in constraints if c.what == "cut"]
+    if not cutting:
+        return given
+    edges = np.unique(np.concatenate([_edges(obj, given, c) for c in cutting]))
+    mesh, source = cut_open(given.mesh, edges)
+    polygons, linked = given.polygons.with_triangles(mesh.triangles), given.linked
+    if linked is not None:
+        linked = linked[~np.isin(given.mesh.triangle_edges.ravel()[linked], edges).any(axis=1)]
+    return replace(given, mesh=mesh, polygons=polygons, source=given.source[source], linked=linked)
+
+
+def rows_of(obj, given, constraints):
+    """The core's rows for all constraints but cuts, on the mesh as it may have been cut."""
+    return tuple(_row(obj, given, c) for c in constraints if c.what != "cut")
+
+
+def feature_rows(obj, given, angle, sides):
+    """The row for the boundary and the sharp edges of the uncut mesh, none where there are none.
+
+    Parameters
+    ----------
+    angle : radians between two faces beyond which their edge is sharp; marked ones always are
+    sides : (n,) length of a quad's side at each vertex, a few of which make a feature
+    """
+    marked = given.edges_of(attributes.read_marked_edges(obj, "sharp"))
+    faces = given.polygons.triangle_faces
+    edges = feature_edges(given.uncut, angle, sides[: given.uncut.vertex_count], marked, faces)
+    return (feature_row(given.mesh, carried_edges(given.uncut, given.mesh, edges)),) if len(edges) else ()
+
+
+def _row(obj, given, constraint):
+    value = np.radians(constraint.degrees)
+    if constraint.where == "attribute":
+        line, phases = _line_of_attribute(obj, given, constraint)
+        value = value if phases is None else value + phases
+    else:
+        line = _line(obj, given, constraint)
+    return Row(line, constraint.what, value, constraint.weight, constraint.label)
+
+
+def _line(obj, given, constraint):
+    if constraint.where == "curve":
+        return line_of_strokes(given.mesh, read_strokes(obj, constraint.name, given))
+    group = groups.read_group(obj, constraint.name) if constraint.name else None
+    if constraint.where == "boundary":
+        try:
+            members = None if group is None else group[_own(given)]
+            line = boundary_line(given.uncut, members, given.boundary_edges)
+        except SettingError as error:
+            raise SettingError(f"{constraint.label}: {error}, or remove the row") from None
+        edges = given.uncut.edges_between(*line.links.T)
+    elif constraint.where == "group":
+        return line_of_group(given.mesh, group[given.source])
+    else:
+        edges = _edges(obj, given, constraint)
+    return line_of_edges(given.mesh, carried_edges(given.uncut, given.mesh, edges))
+
+
+def _edges(obj, given, constraint):
+    """Indices of edges of the uncut mesh."""
+    if constraint.where == "group":
+        members = groups.read_group(obj, constraint.name)
+        edges = group_edges(given.uncut, members[_own(given)])
+        remedy = f"add both ends of at least one to {constraint.name!r}"
+    else:
+        edges = given.edges_of(attributes.read_marked_edges(obj, constraint.where))
+        remedy = {"seams": "Mark Seam", "sharp": "Mark Sharp", "creases": "Edge Crease"}[constraint.where]
+        remedy = f"mark edges with {remedy} first"
+    if len(edges) == 0:
+        raise SettingError(f"{constraint.label} holds no edge: {remedy}, or remove the row")
+    return edges
+
+
+def _own(given):
+    """The object's vertex that each of the whole surface was."""
+    return given.source[: given.uncut.vertex_count]
+
+
+def _line_of_attribute(obj, given, constraint):
+    """A field of directions, or of phases, as unlinked points, and the phases."""
+    phases = None
+    if constraint.what == "phase":
+        numbers = attributes.read_numbers(obj, constraint.name, given, outside=np.nan)
+        line = line_of_points(given.mesh, np.flatnonzero(np.isfinite(numbers)))
+        phases = numbers[line.nodes]
+    else:
+        line = line_of_vectors(given.mesh, attributes.read_vectors(obj, constraint.name, given))
+    if len(line.vertices) == 0:
+        kind = "tangential vector" if phases is None else "number"
+        raise SettingError(f"{constraint.label} holds nowhere: give one vertex at least a {kind}, or remove the row")
+    return line, phases

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a run is asked: everything that is read from the scene before anything is solved."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...core.errors import AsymmetryError, SettingError
+from ...core.fields import quad_pattern
+from ...core.fields.mirror import Mirror, Seam
+from ...core.fields.patterns import check_lengths, check_spacing
+from ...core.geometry.mirror import mirrored_vertices
+from ...core.settings.pins import parse_pins
+from ...core.settings.surface import SYMMETRY_ORDERS
+from ...core.solve import Options
+from ...core.tasks.quad_meshes import smallest_sides, spacing_factor
+from ...core.tasks.surfaces import COARSE_SHARE, PATTERNS, SurfaceRequest
+from ..blender import attributes, meshes
+from ..blender.vertex_maps import read_factors, read_turns
+from ..settings.constraint_list import stored_constraints
+from ..settings.fields import default_shares
+from . import constraints
+from .guides import read_guides
+
+# Automatic spacing: this many stripes or quads across the object, and at least this many edges to a period;
+# an object of few edges gets these lines all the same, with a warning.
+LINES_ACROSS = 40
+EDGES_PER_PERIOD = 4
+FEWEST_LINES = 2
+
+
+def settings_for(command, obj, settings):
+    """The settings that count for a command on an object; refuses what it cannot do."""
+    shares = {name: share for name, share in default_shares(command).items() if getattr(settings, name) is None}
+    settings = replace(settings, **shares)
+    if command == "directions":
+        settings = replace(settings, spacing=None, spacing_map="", branching=None)
+    elif PATTERNS[command] is quad_pattern:
+        settings = replace(settings, symmetry="cross")
+    elif settings.symmetry == "cross":
+        raise SettingError("stripes need a vector or line field: set the symmetry to vector or line")
+    if settings.constraints is None:
+        settings = replace(settings, constraints=stored_constraints(obj))
+    if settings.pins is None:
+        settings = replace(settings, pins=obj.synch.pins if hasattr(obj, "synch") else "")
+    return settings
+
+
+def gather(command, obj, settings, base=None, given=None):
+    """The :class:`SurfaceRequest` of what settings ask for on an object in object mode; refuses what cannot be.
+
+    Its surface is made of the same faces as a base, a MeshInput, where there is one; ``given`` is the MeshInput of the
+    object as it is, where that has been read before, with the same cuts.
+    """
+    if given is None:
+        given = constraints.cut_mesh(obj, meshes.read_mesh(obj, base, settings.strict), settings.constraints)
+    spacing = automatic_spacing(command, given.mesh) if settings.spacing is None else settings.spacing
+    spacings, turn, directions, guides = spacing, settings.angle, None, ()
+    if settings.spacing_map:
+        spacings = spacing * read_factors(obj, given, settings.spacing_map, settings.spacing_range)
+    if settings.symmetry == "cross" and settings.aspect != 1:
+        spacings = np.reshape(spacings, (-1, 1)) * [1.0, settings.aspect]
+    if command == "quad_mesh" and settings.faces:
+        check_lengths(spacings)
+        factor = spacing_factor(given.mesh, spacings, settings.faces)
+        spacing, spacings = factor * spacing, factor * spacings
+    else:
+        check_spacing(given.mesh.vertices[np.unique(given.mesh.triangles)], spacings)
+    if settings.angle_attribute:
+        turn = turn + read_turns(obj, given, settings.angle_attribute, settings.angle_range)
+    if settings.exact_attribute is None:
+        guides = read_guides(obj, given, settings.symmetry, settings.sources)
+    else:
+        directions = attributes.read_vectors(obj, settings.exact_attribute, given)
+    for row in settings.all_constraints:
+        if PATTERNS.get(command) is quad_pattern and row.where == "attribute" and row.what == "phase":
+            raise SettingError(f"{row.label} gives one phase a vertex, and quads have two: remove the row")
+    rows = constraints.rows_of(obj, given, settings.all_constraints)
+    if command == "quad_mesh" and settings.features > 0:
+        sides = smallest_sides(given.mesh, spacings)
+        rows += constraints.feature_rows(obj, given, settings.features, sides)
+    mirrors = read_mirrors(given, settings.mirror)
+    if given.seam is not None:
+        mirrors += (Seam.of(given.mesh, given.seam, rows),)
+    return SurfaceRequest(
+        command,
+        given,
+        settings.symmetry,
+        Options.of(settings),
+        directions,
+        guides,
+        turn,
+        rows,
+        mirrors,
+        spacing,
+        spacings,
+        tuple(map("XYZ".index, settings.mirror)),
+        settings.smoothing,
+        settings.singularities,
+        settings.branching,
+        settings.faces or None,
+        settings.straighten,
+        pinned_triangles(parse_pins(settings.pins), given.polygons, settings.symmetry),
+    )
+
+
+def pinned_triangles(pins, polygons, symmetry):
+    """Pairs of a triangle and an index, as :class:`DirectionWishes` takes them.
+
+    Parameters
+    ----------
+    pins : dict of turns by faces
+    polygons : Polygons
+    symmetry : "vector", "line" or "cross"
+
+    Raises
+    ------
+    SettingError
+        for a face that does not exist
+    """
+    for face in pins:
+        if not (0 <= face < len(polygons.starts) and polygons.drawn[face]):
+            raise SettingError(f"there is no face {face} to pin: clear the pins, or pin again")
+    order = SYMMETRY_ORDERS[symmetry]
+    return tuple((int(polygons.first_triangles[face]), turns / order) for face, turns in pins.items())
+
+
+def read_mirrors(given, axes):
+    """Mirrors in the object's axes, as letters, through its origin."""
+    numbers = sorted("XYZ".index(letter) for letter in set(axes))
+    try:
+        return tuple(Mirror.of(given.mesh, mirrored_vertices(given.mesh, given.polygons, n), n) for n in numbers)
+    except AsymmetryError as error:
+        raise error.renumbered(given.source) from None
+
+
+def automatic_spacing(command, mesh, across=LINES_ACROSS):
+    """About this many stripes or quads across the object, or as many as its edges can carry, but two at least."""
+    size = np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max()
+    return spacing_across(command, size, carried_spacing(mesh.edge_lengths), across)
+
+
+def spacing_across(command, size, finest, across=LINES_ACROSS):
+    """Spacing at which this many stripes or quads cross a size; the finest that a mesh carries, but two at least.
+
+    A period has one stripe, and two quads.
+    """
+    per_period = 2 if PATTERNS.get(command) is quad_pattern else 1
+    return float(min(max(per_period * size / across, finest), per_period * size / FEWEST_LINES))
+
+
+def carried_spacing(lengths):
+    """The finest spacing for (e,) lengths of edges: four edges to it as a rule, and two where they are longest."""
+    median, long = np.quantile(lengths, [0.5, 1 - COARSE_SHARE])
+    return float(max(EDGES_PER_PERIOD * median, 2 * long))

@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every process of the command line ends, with its status, whatever ran in it, and leaves nothing behind."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import bpy
+import pytest
+
+import synch_fields
+from synch_fields.core.batch import serving
+from synch_fields.synch_addon.blender import files
+
+from .. import scenes
+
+# The folder that this package is in, for processes that import it, too.
+ROOT = Path(synch_fields.__file__).parents[1]
+COMMAND = [sys.executable, "-m", "synch_fields"]
+# Seconds in which a command ends; one that does not end waits for ever.
+LONG = 120
+
+
+@pytest.fixture
+def temporary(tmp_path):
+    """A folder for temporary files that the test's processes have alone."""
+    folder = tmp_path / "temporary"
+    folder.mkdir()
+    return folder
+
+
+@pytest.fixture
+def place(temporary):
+    return {
+        "env": {name: value for name, value in os.environ.items() if name != "OCIO"}
+        | {"PYTHONPATH": str(ROOT), "TMPDIR": str(temporary), "TMP": str(temporary), "TEMP": str(temporary)},
+        "stdout": subprocess.PIPE,
+        "stderr": subprocess.PIPE,
+        "text": True,
+    }
+
+
+@pytest.fixture
+def ball(tmp_path):
+    path = tmp_path / "ball.obj"
+    files.export_mesh(scenes.sphere(), path)
+    return path
+
+
+def test_a_file_with_a_python_driver_is_worked_on_and_the_process_ends(tmp_path, temporary, place):
+    obj = scenes.sphere(2)
+    obj.driver_add("location", 0).driver.expression = "len(str(frame))"
+    path, report = tmp_path / "driver.blend", tmp_path / "out.json"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    arguments = ["stripes", path, "--method", "spectral", "--report", report, "--quiet"]
+    done = subprocess.run([*COMMAND, *map(str, arguments)], timeout=LONG, check=False, **place)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(report.read_text())["status"] and "Traceback" not in done.stderr
+    assert list(temporary.iterdir()) == []
+
+
+@pytest.mark.parametrize(("last", "status"), [("", 0), ("sys.exit(3)", 3), ("raise ValueError", 1)])
+def test_a_script_that_has_registered_ends_with_its_own_status(place, last, status):
+    code = f"import sys, bpy, synch_fields\nsynch_fields.register()\nprint('done', flush=True)\n{last}"
+    done = subprocess.run([sys.executable, "-c", code], timeout=LONG, check=False, **place)
+    assert (done.returncode, done.stdout) == (status, "done\n"), done.stderr
+
+
+def test_a_script_may_register_and_unregister_several_times(place):
+    code = "import synch_fields as s\ns.register(); s.unregister(); s.register(); s.unregister()"
+    done = subprocess.run([sys.executable, "-c", code], timeout=LONG, check=False, **place)
+    assert done.returncode == 0, done.stderr
+
+
+def test_what_other_modules_do_at_the_end_is_done(ball, tmp_path, place):
+    """Such as saving what tests have covered."""
+    code = """
+        import atexit, pathlib, runpy, sys
+        atexit.register(pathlib.Path(sys.argv.pop(1)).touch)
+        runpy.run_module("synch_fields", run_name="__main__")
+    """
+    arguments = [tmp_path / "saved", "info", ball]
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(code), *map(str, arguments)], timeout=LONG, check=False, **place
+    )
+    assert done.returncode == 0 and (tmp_path / "saved").exists()
+
+
+def test_a_fault_of_ours_is_shown_and_the_status_is_1(ball, temporary, place):
+    code = """
+        import runpy, sys
+        from synch_fields.synch_addon.command import main
+        main.main = lambda arguments: 1 / 0
+        runpy.run_module("synch_fields", run_name="__main__")
+    """
+    done = subprocess.run([sys.executable, "-c", textwrap.dedent(code)], timeout=LONG, check=False, **place)
+    assert done.returncode == 1 and "ZeroDivisionError" in done.stderr and list(temporary.iterdir()) == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="processes are ended at once there")
+@pytest.mark.parametrize(("number", "status", "word"), [("SIGTERM", 143, "terminated"), ("SIGINT", 130, "interrupted")])
+def test_a_signal_ends_a_command_in_one_line_and_leaves_nothing(ball, tmp_path, temporary, place, number, status, word):
+    arguments = ["stripes", ball, "--spacing", 0.05, "--output", tmp_path / "new" / "out.blend"]
+    process = subprocess.Popen([*COMMAND, *map(str, arguments)], **place)
+    process.stderr.readline()
+    process.send_signal(getattr(signal, number))
+    _, errors = process.communicate(timeout=LONG)
+    assert process.returncode == status, errors
+    assert "Traceback" not in errors and errors.splitlines()[-1] == f"synch stripes: {word}"
+    assert sorted(os.listdir(tmp_path)) == ["ball.obj", "temporary"] and list(temporary.iterdir()) == []
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the system does not tell when a process began")
+def test_the_next_command_removes_the_temporary_folder_of_a_killed_one(ball, temporary, place):
+    process = subprocess.Popen([*COMMAND, "stripes", str(ball), "--spacing", "0.05"], **place)
+    process.stderr.readline()
+    process.kill()
+    process.communicate()
+    assert [path.name[:8] for path in temporary.iterdir()] == ["blender_"]
+    other = temporary / "blender_other"
+    other.mkdir()
+    assert subprocess.run([*COMMAND, "info", str(ball)], timeout=LONG, check=False, **place).returncode == 0
+    assert list(temporary.iterdir()) == [other]
+
+
+def test_a_warm_process_that_is_not_needed_leaves_nothing(temporary, place, monkeypatch):
+    for name, value in place["env"].items():
+        monkeypatch.setenv(name, value)
+    hand = serving.Hand([*COMMAND, "batch", "-"], 1)
+    task = {"key": "0" * 32, "arguments": ["info"], "working_folder": ".", "folder": ".", "versions": {"numpy": "0"}}
+    assert "numpy is " in hand.ask(task)["failed"]
+    hand.end()
+    assert hand._child.returncode == 0 and list(temporary.iterdir()) == []
