@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-slow fuzz ui-test ui-pictures lint extension package install-test matrix docs library bench bench-solver pictures paper thumbnails environment lock latest clean
+.PHONY: help demo test test-slow fuzz ui-test ui-pictures lint extension package install-test wheel-test matrix docs library bench bench-solver pictures paper thumbnails environment lock latest clean
 
 VENV ?= .venv
 # The Pythons that may be used, in order of preference; those that Blender has a module for where it is empty.
@@ -38,6 +38,7 @@ help:
 	@echo 'make extension    the zip for Blender in out/; WHEELS=1 bundles SciPy, one zip for each platform'
 	@echo 'make package      all of a release in out/package: zips of all platforms, a repository of extensions, the package of Python'
 	@echo 'make install-test the release into fresh Blenders: enable, use, disable, uninstall; SYNCH_BLENDER=command for a real one'
+	@echo 'make wheel-test   the package of Python, in a fresh environment of each Python: examples, Python of README and manual'
 	@echo 'make matrix       all tests on each Blender: $(BLENDERS); deprecation warnings are failures'
 	@echo 'make docs         the manual as a site in out/site, by MkDocs in an environment of its own; strict: a dead link is an error'
 	@echo 'make library      the library of assets that the extension ships; needs Blender 4.5: VENV=.venv-3.11'
@@ -103,6 +104,20 @@ install-test-%:
 	$(start) tools/environment.py --venv out/blender-$* --versions $(call python_of,$*) --only bpy==$*
 	out/blender-$*/bin/python tools/install_test.py out/package/extensions
 	rm -rf out/blender-$*
+
+# The package of Python as a user has it: nothing of the checkout is on the path.
+wheel-test: $(call each_python,wheel-test-)
+
+wheel-test-%: export PYTHONPATH :=
+wheel-test-%:
+	rm -rf out/wheel-$*
+	$(start) tools/environment.py --venv out/wheel-$* --versions $* --only blender test package
+	out/wheel-$*/bin/python tools/package.py --python --output-dir out/wheel-$*/made
+	out/wheel-$*/bin/python -m twine check --strict out/wheel-$*/made/synch_fields-*
+	out/wheel-$*/bin/python -m pip install --quiet --constraint requirements/python$*.txt out/wheel-$*/made/*.whl
+	for example in examples/[a-z]*.py; do out/wheel-$*/bin/python -I "$$example" || exit 1; done
+	out/wheel-$*/bin/python -m pytest -q tests/addon/test_readme.py -k test_python_runs
+	rm -rf out/wheel-$*
 
 matrix: $(BLENDERS:%=matrix-%)
 

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The packages as a user of Python gets them: complete, typed, and they work where nothing of the checkout is."""
 
+import hashlib
 import re
 import shutil
 import subprocess
@@ -22,9 +23,10 @@ EXAMPLES = sorted(path.stem for path in (ROOT / "examples").glob("[a-z]*.py") if
 BUILD = """
 import sys
 from pathlib import Path
-from package import python_packages
+from package import python_packages, recipe
 
 python_packages(Path(sys.argv[1]))
+recipe(Path(sys.argv[1]))
 """
 
 SOLVE = """
@@ -189,13 +191,33 @@ def test_pictures_and_links_of_the_readme_are_absolute_in_the_package(wheel):
 
 def test_the_package_is_the_same_to_the_last_byte_again(packages, tmp_path):
     run(sys.executable, "-c", BUILD, tmp_path, cwd=ROOT / "tools")
-    for path in packages.iterdir():
+    for path in packages.glob("*.*"):
         assert path.read_bytes() == (tmp_path / path.name).read_bytes(), path.name
 
 
 def test_an_index_of_packages_accepts_both(packages):
     pytest.importorskip("twine")
-    run(sys.executable, "-m", "twine", "check", "--strict", *packages.iterdir())
+    run(sys.executable, "-m", "twine", "check", "--strict", *packages.glob("*.*"))
+
+
+def test_conda_accepts_the_recipes(packages):
+    """That of the checkout, and that of a release with its checksum; both say what pyproject.toml says."""
+    recipes = pytest.importorskip("rattler_build")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text(encoding="utf-8"))
+    for path in (ROOT / "packaging" / "conda" / "recipe.yaml", packages / "conda" / "recipe.yaml"):
+        (found,) = recipes.Stage0Recipe.from_file(path).render()
+        said = found.recipe.to_dict()
+        assert said["package"]["version"] == manifest["version"]
+        assert said["about"]["license"] == project["license"]
+        assert said["about"]["summary"] == project["description"]
+        assert said["about"]["repository"].rstrip("/") == project["urls"]["Repository"]
+        needed = {line.replace(" ", "") for line in said["requirements"]["run"]}
+        assert needed == {*project["dependencies"], f"python{project['requires-python']}"}
+    (source,) = said["source"]
+    (sdist,) = packages.glob("*.tar.gz")
+    assert source["url"].endswith(f"/v{manifest['version']}/{sdist.name}")
+    assert source["sha256"] == hashlib.sha256(sdist.read_bytes()).hexdigest()
 
 
 def test_without_blender_the_command_line_says_what_to_install(wheel, tmp_path):

@@ -2,12 +2,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Everything of a release, from the files as they are; prints the paths of what it makes.
 
-    python tools/package.py [--output-dir out/package]
+    python tools/package.py [--python] [--output-dir out/package]
+
+With --python, only the package of Python and the recipe are made.
+
 
 extensions/            a static repository of extensions: a zip for each platform, index.json, index.html. A web server
                        or a folder can serve it; Blender takes the address of index.json, http: or file:
 synch_fields-*.tar.gz  the package of Python as source, and
 synch_fields-*.whl     as a wheel that is built from that
+conda/recipe.yaml      the recipe of conda that builds from that source, at the place where a release has it
 SHA256SUMS             of all of them
 
 Two runs on the same files give the same bytes.
@@ -23,6 +27,7 @@ import subprocess
 import sys
 import tarfile
 import tempfile
+import tomllib
 from pathlib import Path
 from urllib.parse import urlencode
 
@@ -52,13 +57,17 @@ ROW = '<li><a href="{link}">{platforms}</a> (Python {pythons}, {size:.0f} MB, sh
 def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(description="Make all packages of a release.")
     parser.add_argument("--output-dir", type=Path, default=ROOT / "out" / "package", metavar="DIR")
-    folder = parser.parse_args(arguments).output_dir
+    parser.add_argument("--python", action="store_true", help="only the package of Python and the recipe")
+    options = parser.parse_args(arguments)
+    folder = options.output_dir
     try:
         shutil.rmtree(folder, ignore_errors=True)  # an older version would be listed, too
-        made = [*repository(folder / "extensions"), *python_packages(folder)]
+        made = [] if options.python else repository(folder / "extensions")
+        made += python_packages(folder)
     except BuildError as error:
         print(f"package: {error}", file=sys.stderr)
         return 1
+    made.append(recipe(folder))
     made.append(checksums(folder, made))
     print(*made, sep="\n")
     return 0
@@ -133,6 +142,20 @@ def repack_tar(archive: Path, target: Path) -> None:
             plain = tarfile.TarInfo(entry.name)
             plain.type, plain.size, plain.mode = entry.type, entry.size, 0o755 if entry.isdir() else 0o644
             packed.addfile(plain, source.extractfile(entry) if entry.isfile() else None)
+
+
+def recipe(folder: Path) -> Path:
+    """The recipe of the checkout, with the source of a release in place of the checkout."""
+    (sdist,) = folder.glob("*.tar.gz")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    name = sdist.name.replace(sdist.name.split("-")[1].removesuffix(".tar.gz"), "${{ version }}")
+    address = f"{project['urls']['Repository']}/releases/download/v${{{{ version }}}}/{name}"
+    text = (ROOT / "packaging" / "conda" / "recipe.yaml").read_text(encoding="utf-8")
+    source = f"url: {address}\n  sha256: {hashlib.sha256(sdist.read_bytes()).hexdigest()}\n"
+    made = folder / "conda" / "recipe.yaml"
+    made.parent.mkdir()
+    made.write_text(text.replace("path: ../..\n", source), encoding="utf-8")
+    return made
 
 
 def checksums(folder: Path, files: list[Path]) -> Path:
