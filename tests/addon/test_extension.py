@@ -120,12 +120,14 @@ def test_zip_holds_the_program_and_nothing_else(archive):
         "blender_manifest.toml",
     }
     assert not [name for name in names if "__pycache__" in name]
-    files = [
-        path for path in (ROOT / "synch_addon").rglob("*") if path.is_file() and path.suffix not in (".py", ".pyc")
-    ]
+    files = [path for path in (ROOT / "synch_addon").rglob("*") if path.suffix not in ("", ".py", ".pyc")]
     data = {path.relative_to(ROOT).as_posix() for path in files}
     assert {Path(name).suffix for name in data} == {".blend", ".png", ".po", ".txt"}
     assert names - code - {"__init__.py", "__main__.py", "LICENSE", "blender_manifest.toml"} == data
+    expected = manifest()
+    del expected["wheels"], expected["platforms"], expected["build"]
+    assert {key: packed_manifest[key] for key in expected} == expected
+    assert not {"wheels", "platforms"} & packed_manifest.keys()
 
 
 def test_two_builds_are_the_same_to_the_last_byte(archive, tmp_path):
