@@ -2,26 +2,29 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-slow fuzz ui-test soak ui-pictures lint extension package install-test matrix docs library bench bench-solver pictures paper thumbnails environment clean
+.PHONY: help demo test test-slow fuzz ui-test soak ui-pictures lint extension package install-test wheel-test matrix docs library bench bench-solver pictures paper thumbnails environment lock latest clean
 
-# The Pythons that a bpy wheel exists for, in order of preference.
-VERSIONS ?= 3.13 3.11
 VENV ?= .venv
+# The Pythons that may be used, in order of preference; those that Blender has a module for where it is empty.
+VERSIONS ?=
+# The Python that the environment is made with, where it is not to be looked for.
+PYTHON ?=
 # The Blenders that are tested as modules, and the Python that each has a wheel for.
 BLENDERS ?= 4.5.15 5.0.1 5.2.3
 python_of = $(if $(filter 4.% 5.0.%,$(1)),3.11,3.13)
+each_python = $(addprefix $(1),$(sort $(foreach b,$(BLENDERS),$(call python_of,$(b)))))
 # Where the real meshes lie (spot, fertility, stanford-bunny ... from public collections); tests do without.
 MESHES ?= ../shared/meshes
 
-# A candidate counts when it runs (a pyenv shim may exist and fail), is a wanted version and can make environments.
-pyenv_folder = $(or $(PYENV_ROOT),$(HOME)/.pyenv)/versions
-pyenv_pythons = $(foreach v,$(VERSIONS),$(wildcard $(pyenv_folder)/$(v).*/bin/python))
-PYTHON ?= $(VERSIONS:%=python%) python3 $(pyenv_pythons)
-check_python = import ensurepip, sys, venv; "%d.%d" % sys.version_info[:2] in sys.argv or sys.exit(1); print(sys.executable)
-find_python = $(shell for p in $(PYTHON); do "$$p" -c '$(check_python)' $(VERSIONS) 2>/dev/null && break; done)
+# Any Python starts the scripts that look for the right one and make the environment.
+starters = $(if $(PYTHON),"$(PYTHON)") python3 $(VERSIONS:%=python%) python3.13 python3.11 python
+find_start = $(shell for p in $(starters); do "$$p" -c 'import argparse' 2>/dev/null && echo "$$p" && break; done)
+start = "$(or $(find_start),$(error no Python found: install Python 3.13 or name it with PYTHON=path))"
+settings = --venv "$(VENV)" $(if $(VERSIONS),--versions "$(VERSIONS)") $(if $(PYTHON),--python "$(PYTHON)")
+make = $(start) tools/make.py
 
 python = $(VENV)/bin/python
-# The code that runs is this checkout's, whichever one the environment was made for: tools/environment.py makes the link.
+# The code that runs is this checkout's, whichever one the environment was made for: tools/requirements.py makes the link.
 export PYTHONPATH := $(CURDIR)/out/tree
 
 help:
@@ -34,8 +37,9 @@ help:
 	@echo 'make ui-pictures  the same, and its pictures into docs/'
 	@echo 'make lint         ruff (rules and format) and mypy'
 	@echo 'make extension    the zip for Blender in out/; WHEELS=1 bundles SciPy, one zip for each platform'
-	@echo 'make package      all of a release in out/package: zips of all platforms, a repository of extensions, the wheel of core'
+	@echo 'make package      all of a release in out/package: zips of all platforms, a repository of extensions, the package of Python'
 	@echo 'make install-test the release into fresh Blenders: enable, use, disable, uninstall; SYNCH_BLENDER=command for a real one'
+	@echo 'make wheel-test   the package of Python, in a fresh environment of each Python: examples, Python of README and manual'
 	@echo 'make matrix       all tests on each Blender: $(BLENDERS); deprecation warnings are failures'
 	@echo 'make docs         the manual as a site in out/site, by MkDocs in an environment of its own; strict: a dead link is an error'
 	@echo 'make library      the library of assets that the extension ships; needs Blender 4.5: VENV=.venv-3.11'
@@ -45,21 +49,19 @@ help:
 	@echo 'make paper        what is missing of the paper reproduced, docs/paper, in about an hour; MESHES=folder holds the meshes'
 	@echo 'make thumbnails   those that the extension ships'
 	@echo 'make environment  $(VENV) with Blender as a Python module; the other targets make it on demand'
+	@echo 'make latest       the tests with the newest versions of all that is installed, on each Python'
+	@echo 'make lock         requirements/: the versions that environments get, from the newest that work together'
 	@echo 'make clean        remove outputs and caches, keep the environment'
 	@echo 'Settings: PYTHON=path/to/python3.13, VENV=folder'
 
-demo: environment
-	mkdir -p out
-	$(python) -m synch_fields demo
+demo test-slow lint environment:
+	@$(make) $@ $(settings) $(BPY:%=--blender %)
 
 # Runs on several Blenders may share what is the same on all: SHARE=1/2 and SHARE=2/2.
 SHARE ?= 1/1
 
-test: environment
-	$(python) -m pytest -m 'not slow' --share $(SHARE)
-
-test-slow: environment
-	$(python) -m pytest -m slow
+test:
+	@$(make) $@ $(settings) $(BPY:%=--blender %) --share $(SHARE)
 
 MINUTES ?= 10
 SEED ?= 0
@@ -78,13 +80,22 @@ soak: environment
 ui-pictures: ui-test
 	cp out/ui/simple.png out/ui/panel.png out/ui/progress.png out/ui/click_2.png out/ui/click_4.png out/ui/click_5.png docs/
 
-lint: environment
-	$(python) -m ruff check
-	$(python) -m ruff format --check
-	$(python) -m mypy core
+# Written from environments with the newest versions, to be tested before they are committed.
+lock: $(call each_python,lock-)
 
-extension: environment
-	$(python) tools/extension.py $(if $(WHEELS),--wheels)
+lock-%:
+	rm -rf out/lock-$*
+	$(start) tools/environment.py --venv out/lock-$* --versions $* --latest blender batch test docs lint package
+	out/lock-$*/bin/python tools/requirements.py --lock
+	rm -rf out/lock-$*
+
+latest: $(call each_python,latest-)
+
+latest-%:
+	$(make) test --venv .venv-latest-$* --versions $* --latest
+
+extension:
+	@$(make) $@ $(settings) $(if $(WHEELS),--wheels)
 
 package: environment
 	$(python) tools/package.py
@@ -96,10 +107,23 @@ install-test: package $(BLENDERS:%=install-test-%)
 # Nothing but Blender is in these environments.
 install-test-%:
 	rm -rf out/blender-$*
-	$(MAKE) out/blender-$*/bin/python VENV=out/blender-$* VERSIONS=$(call python_of,$*)
-	out/blender-$*/bin/python -m pip install --quiet --disable-pip-version-check bpy==$*
+	$(start) tools/environment.py --venv out/blender-$* --versions $(call python_of,$*) --only bpy==$*
 	out/blender-$*/bin/python tools/install_test.py out/package/extensions
 	rm -rf out/blender-$*
+
+# The package of Python as a user has it: nothing of the checkout is on the path.
+wheel-test: $(call each_python,wheel-test-)
+
+wheel-test-%: export PYTHONPATH :=
+wheel-test-%:
+	rm -rf out/wheel-$*
+	$(start) tools/environment.py --venv out/wheel-$* --versions $* --only blender test package
+	out/wheel-$*/bin/python tools/package.py --python --output-dir out/wheel-$*/made
+	out/wheel-$*/bin/python -m twine check --strict out/wheel-$*/made/synch_fields-*
+	out/wheel-$*/bin/python -m pip install --quiet --constraint requirements/python$*.txt out/wheel-$*/made/*.whl
+	for example in examples/[a-z]*.py; do out/wheel-$*/bin/python -I "$$example" || exit 1; done
+	out/wheel-$*/bin/python -m pytest -q tests/addon/test_readme.py -k test_python_runs
+	rm -rf out/wheel-$*
 
 matrix: $(BLENDERS:%=matrix-%)
 
@@ -108,8 +132,7 @@ matrix-%:
 	$(MAKE) test test-slow VENV=.venv-blender-$* BPY=$* VERSIONS=$(call python_of,$*)
 
 docs:
-	@test -x .venv-docs/bin/python || $(MAKE) .venv-docs/bin/python VENV=.venv-docs
-	@.venv-docs/bin/python tools/environment.py --only docs
+	@$(start) tools/environment.py --venv .venv-docs --only docs
 	NO_MKDOCS_2_WARNING=1 .venv-docs/bin/python -m mkdocs build --strict
 
 library: environment
@@ -141,15 +164,6 @@ paper: environment
 
 thumbnails: environment
 	$(python) tools/thumbnails.py
-
-environment:
-	@test -x $(python) || $(MAKE) $(python)
-	@$(python) tools/environment.py blender test lint $(BPY:%=bpy==%)
-
-$(python):
-	$(eval found := $(find_python))
-	$(if $(found),,$(error no working Python $(subst $() , or ,$(strip $(VERSIONS))) found: install one or name it with PYTHON=path))
-	"$(found)" -m venv $(VENV)
 
 clean:
 	rm -rf out build *.egg-info .pytest_cache .ruff_cache .mypy_cache

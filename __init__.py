@@ -6,6 +6,8 @@ Blender loads this package as an extension and calls `register`. Plain Python im
 which needs NumPy and SciPy only; importing the package never imports bpy.
 """
 
+__version__ = "0.1.0"
+
 
 def register() -> None:
     """Add the operators, panels and commands to Blender."""

@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 import traceback
+from importlib.util import find_spec
 
 try:
     import resource
@@ -26,7 +27,7 @@ def run():
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda number, _frame: heard.append(number))
     _open_what_is_closed()
-    if not _has_space():
+    if not _has_blender() or not _has_space():
         sys.exit(1)
     from . import register
     from .synch_addon.command.interrupts import told_signal
@@ -41,6 +42,14 @@ def run():
         traceback.print_exc()
     finally:
         leave(status)
+
+
+def _has_blender():
+    """Whether Blender's module is installed; a line says how to install it where it is not."""
+    if find_spec("bpy") is not None:
+        return True
+    print('synch: Blender is missing: pip install "synch_fields[blender]", on Python 3.11 or 3.13', file=sys.stderr)
+    return False
 
 
 def _has_space():

@@ -20,7 +20,7 @@ from synch_fields.bench.command import arguments
 from synch_fields.bench.measure import spent
 from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.solve import Options, solve
-from synch_fields.examples.max_cut import cut_problem, read_graph
+from synch_fields.examples.max_cut import cut_problem, cylinder, read_graph
 
 # Nodes around and along of the grids, and of the bipartite tori.
 GRIDS = ((10, 500), (12, 830), (14, 1430))
@@ -91,16 +91,6 @@ def cut_of(solution, edges, weights):
     """Weight of the edges between nodes of different signs."""
     signs = solution.phases[:, 0]
     return weights[signs[edges[:, 0]] != signs[edges[:, 1]]].sum()
-
-
-def cylinder(around, along, seed, closed=False):
-    """Number of nodes of a square grid that is closed around, and along if ``closed``; its edges, those around first;
-    weights 1 or -1 at random."""
-    number = np.arange(around * along).reshape(along, around)
-    between = np.column_stack([number.ravel(), np.roll(number, -1, 0).ravel()])
-    edges = np.concatenate([np.column_stack([number.ravel(), np.roll(number, -1, 1).ravel()]), between])
-    edges = edges if closed else edges[:-around]
-    return number.size, edges, np.random.default_rng(seed).choice([-1.0, 1.0], len(edges))
 
 
 def triangulation(count):

@@ -7,7 +7,9 @@ An edge of positive weight asks for opposite signs, x_j = -x_i, one of negative 
 4 |w_ij| where it does not get them, so that the cut is the sum of the positive weights less a fourth of the energy. The
 energy's lower bound is an upper bound of every cut.
 
-    python examples/max_cut.py GRAPH.txt     in the format of the Gset graphs: nodes and edges, then i j weight, from 1
+    python examples/max_cut.py [GRAPH.txt]    in the format of the Gset graphs: nodes and edges, i j weight, from 1
+
+Without a file, the graph is a grid on a torus, with weights 1 and -1 drawn at random.
 """
 
 import sys
@@ -31,6 +33,16 @@ def read_graph(path):
     return int(count), table[:, :2].astype(int) - 1, table[:, 2]
 
 
+def cylinder(around, along, seed, closed=False):
+    """Number of nodes of a square grid that is closed around, and along if ``closed``; its edges, those around first;
+    weights 1 or -1 at random."""
+    number = np.arange(around * along).reshape(along, around)
+    between = np.column_stack([number.ravel(), np.roll(number, -1, 0).ravel()])
+    edges = np.concatenate([np.column_stack([number.ravel(), np.roll(number, -1, 1).ravel()]), between])
+    edges = edges if closed else edges[:-around]
+    return number.size, edges, np.random.default_rng(seed).choice([-1.0, 1.0], len(edges))
+
+
 def cut_problem(count, edges, weights):
     """The problem whose energy is four times what a cut falls short of the sum of the positive weights."""
     transports = -np.sign(weights).reshape(-1, 1, 1)
@@ -38,8 +50,8 @@ def cut_problem(count, edges, weights):
     return SynchronizationProblem(Connection(count, edges, np.abs(weights), transports))
 
 
-def main(path, target_gap=1e-3):
-    count, edges, weights = read_graph(path)
+def main(path=None, target_gap=1e-3):
+    count, edges, weights = read_graph(path) if path else cylinder(20, 20, seed=0, closed=True)
     begin = time.perf_counter()
     solution = solve(cut_problem(count, edges, weights), Options(target_gap=target_gap))
     signs = solution.phases[:, 0]

@@ -1,7 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The wheel as a user of plain Python gets it: core, nothing else, typed, and it works where nothing else is."""
+"""The packages as a user of Python gets them: complete, typed, and they work where nothing of the checkout is."""
 
+import hashlib
 import re
 import shutil
 import subprocess
@@ -12,10 +13,21 @@ import venv
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-NOT_SHIPPED = shutil.ignore_patterns(".*", "build", "out", "wheels", "library", "*.egg-info", "__pycache__")
+PARTS = "core", "synch_addon", "examples"
+EXAMPLES = sorted(path.stem for path in (ROOT / "examples").glob("[a-z]*.py") if path.stem != "shapes")
+
+BUILD = """
+import sys
+from pathlib import Path
+from package import python_packages, recipe
+
+python_packages(Path(sys.argv[1]))
+recipe(Path(sys.argv[1]))
+"""
 
 SOLVE = """
 import sys
@@ -46,13 +58,14 @@ import importlib, pkgutil, sys
 import synch_fields
 from importlib.metadata import requires, version
 
-for module in pkgutil.walk_packages(synch_fields.__path__, "synch_fields."):
-    if ".spread." not in module.name:  # by MPI and PETSc, which are there or not
-        importlib.import_module(module.name)
+for part in "core", "examples":
+    for module in pkgutil.walk_packages([f"{synch_fields.__path__[0]}/{part}"], f"synch_fields.{part}."):
+        if ".spread." not in module.name:  # by MPI and PETSc, which are there or not
+            importlib.import_module(module.name)
 assert not {"bpy", "synch_fields.synch_addon", "synch_fields.__main__"} & sys.modules.keys()
 needed = {line.split(">")[0] for line in requires("synch_fields") if "extra" not in line}
 assert needed == {"numpy", "scipy", "threadpoolctl"}, needed
-print(version("synch_fields"))
+assert version("synch_fields") == synch_fields.__version__
 """
 
 TYPED = """
@@ -112,33 +125,124 @@ def pip(*arguments):
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory):
-    """What `pip wheel .` makes of the files of the project, without those of earlier builds."""
-    folder = tmp_path_factory.mktemp("wheel")
-    shutil.copytree(ROOT, folder / "source", ignore=NOT_SHIPPED)
-    pip("wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", folder, folder / "source")
-    return next(folder.glob("*.whl"))
+def packages(tmp_path_factory):
+    """The sdist and the wheel that a release has, the wheel built from the sdist."""
+    folder = tmp_path_factory.mktemp("packages")
+    run(sys.executable, "-c", BUILD, folder, cwd=ROOT / "tools")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def wheel(packages):
+    (found,) = packages.glob("*.whl")
+    return found
+
+
+def environment(folder, wheel):
+    """The Python of a fresh environment that has the wheel and nothing else."""
+    builder = venv.EnvBuilder()
+    builder.create(folder)
+    executable = builder.ensure_directories(folder).env_exe
+    pip("--python", executable, "install", "--no-deps", "--no-index", wheel)
+    return executable
 
 
 @pytest.fixture(scope="module")
 def python(wheel, tmp_path_factory):
     """A fresh environment's Python, in isolated mode: the wheel, and what is installed here for it to depend on."""
-    folder = tmp_path_factory.mktemp("environment")
-    environment = venv.EnvBuilder()
-    environment.create(folder)
-    executable = environment.ensure_directories(folder).env_exe
-    pip("--python", executable, "install", "--no-deps", "--no-index", wheel)
+    executable = environment(tmp_path_factory.mktemp("environment"), wheel)
     # A folder that a .pth file names is searched last, and its own .pth files, that of this checkout too, are not read.
     installed = run(executable, "-c", "import sysconfig; print(sysconfig.get_path('purelib'))").strip()
     Path(installed, "dependencies.pth").write_text(sysconfig.get_path("purelib"))
     return executable, "-I"
 
 
-def test_wheel_holds_core_and_nothing_else(wheel):
+def test_wheel_holds_every_file_of_the_program(wheel):
     with zipfile.ZipFile(wheel) as content:
         packed = {name for name in content.namelist() if ".dist-info/" not in name}
-    expected = {path.relative_to(ROOT).as_posix() for path in (ROOT / "core").rglob("*.py")}
-    assert packed == {f"synch_fields/{name}" for name in expected | {"__init__.py", "py.typed"}}
+    files = [path for part in PARTS for path in (ROOT / part).rglob("*") if path.is_file()]
+    expected = {path.relative_to(ROOT).as_posix() for path in files if "__pycache__" not in path.parts}
+    assert packed == {f"synch_fields/{name}" for name in expected | {"__init__.py", "__main__.py", "py.typed"}}
+
+
+def test_one_version_and_one_address_everywhere(wheel):
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text(encoding="utf-8"))
+    citation = dict(re.findall(r"^([\w-]+): (.*)$", (ROOT / "CITATION.cff").read_text(encoding="utf-8"), re.MULTILINE))
+    assert manifest["version"] == citation["version"] == wheel.name.split("-")[1]
+    assert f"## {manifest['version']}" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert project["urls"]["Repository"] == manifest["website"] == citation["repository-code"]
+    assert {author["name"] for author in project["authors"]} == {manifest["maintainer"]}
+
+
+def test_pictures_and_links_of_the_readme_are_absolute_in_the_package(wheel):
+    with zipfile.ZipFile(wheel) as content:
+        (metadata,) = [name for name in content.namelist() if name.endswith("/METADATA")]
+        text = content.read(metadata).decode()
+    repository = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["urls"]["Repository"]
+    links = re.findall(r"(!?)\[[^\]\n]*\]\(([^)]*)\)", text)
+    assert len(links) > 10
+    for mark, target in links:
+        assert target.startswith(("https://", "#")), target
+        if target.startswith(repository):
+            kind, _, place = target.removeprefix(f"{repository}/").partition("/HEAD/")
+            assert kind == ("raw" if mark else "blob") and (ROOT / place.partition("#")[0]).exists(), target
+
+
+def test_the_package_is_the_same_to_the_last_byte_again(packages, tmp_path):
+    run(sys.executable, "-c", BUILD, tmp_path, cwd=ROOT / "tools")
+    for path in packages.glob("*.*"):
+        assert path.read_bytes() == (tmp_path / path.name).read_bytes(), path.name
+
+
+def test_an_index_of_packages_accepts_both(packages):
+    pytest.importorskip("twine")
+    run(sys.executable, "-m", "twine", "check", "--strict", *packages.glob("*.*"))
+
+
+def test_conda_accepts_the_recipes(packages):
+    """That of the checkout, and that of a release with its checksum; both say what pyproject.toml says."""
+    recipes = pytest.importorskip("rattler_build")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text(encoding="utf-8"))
+    for path in (ROOT / "packaging" / "conda" / "recipe.yaml", packages / "conda" / "recipe.yaml"):
+        (found,) = recipes.Stage0Recipe.from_file(path).render()
+        said = found.recipe.to_dict()
+        assert said["package"]["version"] == manifest["version"]
+        assert said["about"]["license"] == project["license"]
+        assert said["about"]["summary"] == project["description"]
+        assert said["about"]["repository"].rstrip("/") == project["urls"]["Repository"]
+        needed = {line.replace(" ", "") for line in said["requirements"]["run"]}
+        assert needed == {*project["dependencies"], f"python{project['requires-python']}"}
+    (source,) = said["source"]
+    (sdist,) = packages.glob("*.tar.gz")
+    assert source["url"].endswith(f"/v{manifest['version']}/{sdist.name}")
+    assert source["sha256"] == hashlib.sha256(sdist.read_bytes()).hexdigest()
+
+
+def test_without_blender_the_command_line_says_what_to_install(wheel, tmp_path):
+    python = environment(tmp_path / "alone", wheel)
+    result = subprocess.run([python, "-I", "-m", "synch_fields", "info", "x.obj"], capture_output=True, text=True)
+    line = 'synch: Blender is missing: pip install "synch_fields[blender]", on Python 3.11 or 3.13\n'
+    assert (result.returncode, result.stdout, result.stderr) == (1, "", line)
+
+
+def test_with_blender_the_command_line_solves(python, tmp_path):
+    pytest.importorskip("bpy")
+    along = np.linspace(0, 1, 9)
+    corners = [f"v {x} {y} {x * y}" for y in along for x in along]
+    faces = [f"f {k + 1} {k + 2} {k + 11} {k + 10}" for k in range(72) if k % 9 < 8]
+    (tmp_path / "saddle.obj").write_text("\n".join([*corners, *faces, ""]))
+    command = "-m", "synch_fields", "stripes", "saddle.obj", "--spacing", "0.2", "--output", "out.blend", "--quiet"
+    assert "stripes on" in run(*python, *command, cwd=tmp_path)
+    assert (tmp_path / "out.blend").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_examples_run_from_the_wheel_without_files(python, name, tmp_path):
+    """The file is one that a user has copied from the repository."""
+    shutil.copy(ROOT / "examples" / f"{name}.py", tmp_path)
+    assert len(re.findall(r"\d+", run(*python, f"{name}.py", cwd=tmp_path))) > 2
 
 
 def test_core_of_the_wheel_solves_without_blender(python, tmp_path):
@@ -146,8 +250,7 @@ def test_core_of_the_wheel_solves_without_blender(python, tmp_path):
 
 
 def test_every_module_of_the_wheel_loads_without_blender(python, tmp_path):
-    manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text(encoding="utf-8"))
-    assert run(*python, "-c", IMPORT_ALL, cwd=tmp_path).strip() == manifest["version"]
+    run(*python, "-c", IMPORT_ALL, cwd=tmp_path)
 
 
 def test_public_names_of_the_wheel_are_typed_for_others(python, tmp_path):

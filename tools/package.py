@@ -2,30 +2,43 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Everything of a release, from the files as they are; prints the paths of what it makes.
 
-    python tools/package.py [--output-dir out/package]
+    python tools/package.py [--python] [--output-dir out/package]
+
+With --python, only the package of Python and the recipe are made.
+
 
 extensions/            a static repository of extensions: a zip for each platform, index.json, index.html. A web server
                        or a folder can serve it; Blender takes the address of index.json, http: or file:
-synch_fields-*.whl     the package of plain Python: core alone
+synch_fields-*.tar.gz  the package of Python as source, and
+synch_fields-*.whl     as a wheel that is built from that
+conda/recipe.yaml      the recipe of conda that builds from that source, at the place where a release has it
 SHA256SUMS             of all of them
 
 Two runs on the same files give the same bytes.
 """
 
 import argparse
+import gzip
 import hashlib
 import html
 import json
 import shutil
 import subprocess
 import sys
+import tarfile
 import tempfile
+import tomllib
 from pathlib import Path
 from urllib.parse import urlencode
 
 from extension import ROOT, BuildError, blender_ext, build, first_error, repack
 
-SOURCES = ("pyproject.toml", "setup.py", "blender_manifest.toml", "LICENSE", "py.typed", "__init__.py", "core")
+# What the package of Python is built from.
+SOURCES = (
+    *("pyproject.toml", "setup.py", "MANIFEST.in", "README.md", "CHANGELOG.md", "CITATION.cff", "LICENSE"),
+    *("blender_manifest.toml", "py.typed", "__init__.py", "__main__.py", "core", "synch_addon", "examples"),
+)
+BUILD_SDIST = "import sys; from setuptools.build_meta import build_sdist; build_sdist(sys.argv[1])"
 PAGE = """<!DOCTYPE html>
 <html lang="en">
 <meta charset="utf-8">
@@ -44,13 +57,17 @@ ROW = '<li><a href="{link}">{platforms}</a> (Python {pythons}, {size:.0f} MB, sh
 def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(description="Make all packages of a release.")
     parser.add_argument("--output-dir", type=Path, default=ROOT / "out" / "package", metavar="DIR")
-    folder = parser.parse_args(arguments).output_dir
+    parser.add_argument("--python", action="store_true", help="only the package of Python and the recipe")
+    options = parser.parse_args(arguments)
+    folder = options.output_dir
     try:
         shutil.rmtree(folder, ignore_errors=True)  # an older version would be listed, too
-        made = [*repository(folder / "extensions"), wheel(folder)]
+        made = [] if options.python else repository(folder / "extensions")
+        made += python_packages(folder)
     except BuildError as error:
         print(f"package: {error}", file=sys.stderr)
         return 1
+    made.append(recipe(folder))
     made.append(checksums(folder, made))
     print(*made, sep="\n")
     return 0
@@ -87,8 +104,9 @@ def page_of(entries: list[dict]) -> str:
     return PAGE.format(version=first["version"], oldest=first["blender_version_min"], rows="\n".join(rows))
 
 
-def wheel(folder: Path) -> Path:
-    """The wheel of core, made of a copy: what earlier builds left in the tree does not get in."""
+def python_packages(folder: Path) -> list[Path]:
+    """The sdist, made of a copy so that nothing of earlier builds gets in, and the wheel that pip builds from it."""
+    folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as place:
         source = Path(place, "source")
         source.mkdir()
@@ -97,14 +115,47 @@ def wheel(folder: Path) -> Path:
                 shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
             else:
                 shutil.copy(ROOT / name, source)
-        command = [sys.executable, "-m", "pip", "--disable-pip-version-check", "wheel", "--quiet", "--no-deps"]
-        command += ["--no-build-isolation", "--wheel-dir", place, str(source)]
-        result = subprocess.run(command, capture_output=True, text=True)
-        if result.returncode:
-            raise BuildError(f"pip could not make the wheel: {first_error(result.stdout + result.stderr)}")
-        (made,) = Path(place).glob("*.whl")
-        repack(made, folder / made.name)
-        return folder / made.name
+        run_python("-c", BUILD_SDIST, place, cwd=source)
+        (sdist,) = Path(place).glob("*.tar.gz")
+        pip = ["-m", "pip", "--disable-pip-version-check", "wheel", "--quiet", "--no-deps", "--no-build-isolation"]
+        run_python(*pip, "--wheel-dir", place, str(sdist), cwd=source)
+        (wheel,) = Path(place).glob("*.whl")
+        repack_tar(sdist, folder / sdist.name)
+        repack(wheel, folder / wheel.name)
+        return [folder / sdist.name, folder / wheel.name]
+
+
+def run_python(*arguments: str, cwd: Path) -> None:
+    result = subprocess.run([sys.executable, *arguments], cwd=cwd, capture_output=True, text=True)
+    if result.returncode:
+        raise BuildError(f"the package of Python cannot be built: {first_error(result.stdout + result.stderr)}")
+
+
+def repack_tar(archive: Path, target: Path) -> None:
+    """Copy a .tar.gz with its entries in order, without times, owners and the modes of this machine."""
+    with (
+        tarfile.open(archive) as source,
+        gzip.GzipFile(target, "wb", mtime=0) as compressed,
+        tarfile.open(fileobj=compressed, mode="w", format=tarfile.PAX_FORMAT) as packed,
+    ):
+        for entry in sorted(source.getmembers(), key=lambda entry: entry.name):
+            plain = tarfile.TarInfo(entry.name)
+            plain.type, plain.size, plain.mode = entry.type, entry.size, 0o755 if entry.isdir() else 0o644
+            packed.addfile(plain, source.extractfile(entry) if entry.isfile() else None)
+
+
+def recipe(folder: Path) -> Path:
+    """The recipe of the checkout, with the source of a release in place of the checkout."""
+    (sdist,) = folder.glob("*.tar.gz")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    name = sdist.name.replace(sdist.name.split("-")[1].removesuffix(".tar.gz"), "${{ version }}")
+    address = f"{project['urls']['Repository']}/releases/download/v${{{{ version }}}}/{name}"
+    text = (ROOT / "packaging" / "conda" / "recipe.yaml").read_text(encoding="utf-8")
+    source = f"url: {address}\n  sha256: {hashlib.sha256(sdist.read_bytes()).hexdigest()}\n"
+    made = folder / "conda" / "recipe.yaml"
+    made.parent.mkdir()
+    made.write_text(text.replace("path: ../..\n", source), encoding="utf-8")
+    return made
 
 
 def checksums(folder: Path, files: list[Path]) -> Path:

@@ -74,7 +74,7 @@ def _write_rows(file, keyword, values, form):
 
 
 def far_centre(path):
-    """(3,) the centre of a file's vertices where these are far from the origin, as single precision keeps it; else None.
+    """(3,) the centre of a file's vertices in single precision, where it is far from the origin; else None.
 
     Raises
     ------

@@ -3,15 +3,14 @@
 
 import platform
 import time
-import tomllib
 from copy import copy
 from dataclasses import asdict, replace
-from pathlib import Path
 
 import bpy
 import numpy as np
 import scipy
 
+from ... import __version__
 from ...core.errors import name_elements, one_line, plural
 from ...core.geometry.check import coarse_places
 from ...core.memory import peak_megabytes
@@ -19,9 +18,6 @@ from ...core.solve.solution import Clock
 from ..blender.meshes import measured_key
 from ..blender.modifiers import changing_modifiers
 from ..settings.fields import default_shares
-
-_MANIFEST = Path(__file__).parents[2] / "blender_manifest.toml"
-VERSION = tomllib.loads(_MANIFEST.read_text(encoding="utf-8"))["version"]
 
 
 class Report:
@@ -205,7 +201,7 @@ def quality(solution):
 def versions():
     """Versions of everything that a result may depend on."""
     return {
-        "synch_fields": VERSION,
+        "synch_fields": __version__,
         "blender": bpy.app.version_string,
         "python": platform.python_version(),
         "numpy": np.__version__,

@@ -5,6 +5,7 @@
 import ast
 import importlib.util
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -47,8 +48,13 @@ phase = bpy.context.object.data.attributes["synch_phase"]
 values = [element.value for element in phase.data]
 assert max(values) - min(values) > 1, "the phase is constant"
 assert "synch_fields" not in sys.modules, "the extension imports the pip package instead of itself"
+{{IMPORT}}
+assert api.stripes(bpy.context.object)["command"] == "stripes" and api.__name__.startswith("{MODULE}.")
 print(phase.domain, phase.data_type, module.__file__)
 """
+# The manual says how the functions are imported from the zip and from the package.
+IMPORT = re.search(r"^try:\n.*\nexcept .*\n.*\n", (ROOT / "docs" / "scripting.md").read_text("utf-8"), re.MULTILINE)[0]
+USE = USE.replace("{IMPORT}", IMPORT)
 
 
 def run(*arguments, **environment):
@@ -114,15 +120,10 @@ def test_zip_holds_the_program_and_nothing_else(archive):
         "blender_manifest.toml",
     }
     assert not [name for name in names if "__pycache__" in name]
-    thumbnails = ROOT / "synch_addon/looks/thumbnails"
-    pictures = {path.relative_to(ROOT).as_posix() for path in [*thumbnails.glob("*.png"), thumbnails / "LICENSE.txt"]}
-    library = {"LICENSE.txt", "blender_assets.cats.txt", "synch_fields.blend"}
-    assert pictures and names - code - {
-        "__init__.py",
-        "__main__.py",
-        "LICENSE",
-        "blender_manifest.toml",
-    } == pictures | {f"synch_addon/looks/library/{name}" for name in library}
+    files = [path for path in (ROOT / "synch_addon").rglob("*") if path.suffix not in ("", ".py", ".pyc")]
+    data = {path.relative_to(ROOT).as_posix() for path in files}
+    assert {Path(name).suffix for name in data} == {".blend", ".png", ".po", ".txt"}
+    assert names - code - {"__init__.py", "__main__.py", "LICENSE", "blender_manifest.toml"} == data
     expected = manifest()
     del expected["wheels"], expected["platforms"], expected["build"]
     assert {key: packed_manifest[key] for key in expected} == expected
