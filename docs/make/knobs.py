@@ -43,13 +43,13 @@ def knob(picture, place, name, value):
 
 
 def button(picture, place, name, pressed):
-    """Draw a button with its name on it; pressed, 0 to 1, is how far its colours are turned round."""
+    """Draw a button with its name on it; in the colours of a pressed one or not."""
     x, y = _grid(picture, place)
     half, radius = 36, 15
     away = np.hypot(x - np.clip(x, -half, half), y) - radius
     _paint(picture, NAVY, 0.3 * _soft(np.hypot(x - np.clip(x, -half, half), y - 3) - radius, 7))
-    _paint(picture, WHITE + pressed * (NAVY - WHITE), _soft(away, 0.7))
-    write(picture, place, name, NAVY + pressed * (WHITE - NAVY))
+    _paint(picture, NAVY if pressed else WHITE, _soft(away, 0.7))
+    write(picture, place, name, WHITE if pressed else NAVY)
 
 
 def write(picture, place, text, color):

@@ -91,11 +91,16 @@ class Blender:
         return self.value(f"region({kind!r})")
 
     def picture(self, kind=None):
-        """What the screen, or a region of the 3D view, shows: (height, width, 3) bytes, first row on top."""
+        """What the screen, or a region of the 3D view, shows: (height, width, 3) bytes, first row on top.
+
+        Of the view itself, WINDOW, only what the sidebar does not cover.
+        """
         picture = self.screen.picture()
         if kind is None:
             return picture
         x, y, width, height = self.region(kind)
+        if kind == "WINDOW" and self.region("UI")[2] > 1:
+            width = self.region("UI")[0] - x
         top = self.screen.size[1] - y - height
         return picture[top : top + height, x : x + width]
 
