@@ -12,7 +12,7 @@ from mkdocs.structure.files import File
 
 ROOT = Path(__file__).resolve().parent.parent
 # Files by the pages that they become.
-OUTSIDE = {"benchmarks.md": "bench/README.md", "changelog.md": "CHANGELOG.md"}
+OUTSIDE = {"benchmarks.md": "bench/README.md", "changelog.md": "CHANGELOG.md", "contributing.md": "CONTRIBUTING.md"}
 
 
 def on_files(files, config):
@@ -24,5 +24,5 @@ def on_files(files, config):
 
 def on_page_markdown(markdown, page, config, files):
     for target, source in OUTSIDE.items():
-        markdown = markdown.replace(f"](../{source}", f"]({target}")
+        markdown = re.sub(rf"\]\((\.\./)?{re.escape(source)}", f"]({target}", markdown)
     return markdown

@@ -22,14 +22,30 @@ def make_pictures(parser, pictures):
     synch_fields.unregister()
 
 
+def pixels_of(path):
+    """(height, width, 4) values of an image file, 0 to 1, rows from the top."""
+    image = bpy.data.images.load(str(path))
+    try:
+        values = np.empty(4 * image.size[0] * image.size[1], np.float32)
+        image.pixels.foreach_get(values)
+        return values.reshape(image.size[1], image.size[0], 4)[::-1].copy()
+    finally:
+        bpy.data.images.remove(image)
+
+
+def save_pixels(path, pixels, kind="PNG", quality=90):
+    """Write (height, width, 3) values from 0 to 1, rows from the top, as an image file of one of Blender's kinds."""
+    height, width, _ = pixels.shape
+    image = bpy.data.images.new("Pixels", width, height)
+    try:
+        image.pixels.foreach_set(np.dstack([pixels[::-1], np.ones((height, width))]).astype(np.float32).ravel())
+        image.file_format = kind
+        image.save(filepath=str(Path(path).absolute()), quality=quality)
+    finally:
+        bpy.data.images.remove(image)
+
+
 def beside(pictures, path, vertical=False):
     """One picture of several of the same size, from left to right or from top to bottom."""
-    loaded = [bpy.data.images.load(str(picture)) for picture in pictures]
-    width, height = loaded[0].size
-    pixels = [np.array(image.pixels).reshape(height, width, 4) for image in loaded]
-    # Rows of pixels go from below upwards.
-    whole = np.concatenate(pixels[::-1], axis=0) if vertical else np.concatenate(pixels, axis=1)
-    image = bpy.data.images.new("whole", whole.shape[1], whole.shape[0])
-    image.pixels = whole.ravel()
-    image.filepath_raw, image.file_format = str(path.absolute()), "PNG"
-    image.save()
+    pixels = [pixels_of(picture)[..., :3] for picture in pictures]
+    save_pixels(path, np.concatenate(pixels, axis=0 if vertical else 1))

@@ -56,31 +56,47 @@ def render_picture(
     if path.suffix.lower() not in _FORMATS:
         raise SettingError(f"cannot write a picture to {path.name}: use one of {', '.join(_FORMATS)}")
     with only_for_now():
-        scene = bpy.data.scenes.new("Synch Picture")
-        scene.frame_set(bpy.context.scene.frame_current)
-        shown = _stand_in(obj, scene)
-        if edges:
-            _draw_edges(shown)
-        matrix, points = _evaluate(shown, scene)
-        extent = _add_markers(defect_empties(obj), matrix, points, scene) if markers else points
-        orientation = _orientation(view)
-        camera = _add_camera(scene, orientation, extent, resolution)
-        stage = _stage(orientation)
-        _add_backdrop(scene, stage, points, camera.matrix_world.translation)
-        _add_lights(scene, stage, points)
-        with written_whole(path, is_whole) as made:
-            _set_up_render(scene, made, resolution, samples)
-            try:
-                bpy.ops.render.render(write_still=True, scene=scene.name)
-            except RuntimeError as error:
-                raise unwritten(path, str(error).splitlines()[0]) from error
+        scene, _ = picture_scene(obj, resolution=resolution, markers=markers, edges=edges, view=view)
+        render_scene(scene, path, resolution, samples)
     return path
 
 
-def _stand_in(obj, scene):
+def picture_scene(obj, *, resolution, markers, edges, view):
+    """Make the scene of a picture: backdrop, lights, a camera that fits, and a copy of `obj` that shares its mesh.
+
+    Arguments as of :func:`render_picture`. Returns the scene and the copy. Raises MeshError for an object without
+    faces. Called inside :func:`only_for_now`, which removes the scene again.
+    """
+    scene = bpy.data.scenes.new("Synch Picture")
+    scene.frame_set(bpy.context.scene.frame_current)
+    shown = stand_in(obj, scene, edges)
+    matrix, points = _evaluate(shown, scene)
+    extent = _add_markers(defect_empties(obj), matrix, points, scene) if markers else points
+    orientation = _orientation(view)
+    camera = _add_camera(scene, orientation, extent, resolution)
+    stage = _stage(orientation)
+    _add_backdrop(scene, stage, points, camera.matrix_world.translation)
+    _add_lights(scene, stage, points)
+    return scene, shown
+
+
+def render_scene(scene, path, resolution, samples):
+    """Render a picture's scene to an image file; arguments and errors as of :func:`render_picture`."""
+    with written_whole(path, is_whole) as made:
+        _set_up_render(scene, made, resolution, samples)
+        try:
+            bpy.ops.render.render(write_still=True, scene=scene.name)
+        except RuntimeError as error:
+            raise unwritten(path, str(error).splitlines()[0]) from error
+
+
+def stand_in(obj, scene, edges):
+    """Link a visible copy of an object into a picture's scene, with a rod along every edge where `edges` asks for it."""
     copy = obj.copy()
     copy.hide_render = copy.hide_viewport = False
     scene.collection.objects.link(copy)
+    if edges:
+        _draw_edges(copy)
     return copy
 
 

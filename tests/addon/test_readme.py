@@ -23,9 +23,9 @@ from synch_fields.synch_addon.looks import render
 from . import vortex_scenes
 
 ROOT = Path(__file__).resolve().parents[2]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
 MANUAL = ROOT / "docs"
-PAGES = {"README": README} | {path.stem: path.read_text(encoding="utf-8") for path in sorted(MANUAL.glob("*.md"))}
+PATHS = {path.stem: path for path in (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(MANUAL.glob("*.md")))}
+PAGES = {name: path.read_text(encoding="utf-8") for name, path in PATHS.items()}
 _BLOCK = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 FENCED = [(name, *block) for name, page in PAGES.items() for block in _BLOCK.findall(page)]
 PYTHON = [pytest.param(text, id=name) for name, language, text in FENCED if language == "python"]
@@ -149,18 +149,18 @@ def test_command_line_runs(line, folder, capfd):
 
 def test_make_targets_are_there():
     targets = re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
-    asked_for = set(re.findall(r"(?:`|^)make ([\w-]+)", README, re.MULTILINE))
+    asked_for = set(re.findall(r"(?:`|^)make ([\w-]+)", PAGES["README"] + PAGES["CONTRIBUTING"], re.MULTILINE))
     assert asked_for and asked_for <= set(targets)
 
 
 @pytest.mark.parametrize("name", PAGES)
 def test_links_lead_to_files_and_headings(name):
-    page, here = PAGES[name], ROOT if name == "README" else MANUAL
+    page, here = PAGES[name], PATHS[name].parent
     named = re.findall(r"`((?:docs|bench|core|tools|tests|\.ci)/[\w./-]*)`", page)
     assert not [place for place in named if not (ROOT / place).exists()]
     for link in re.findall(r"\]\(([^)]+)\)", page):
         target, _, heading = link.partition("#")
-        path = (here / target).resolve() if target else here / f"{name}.md"
+        path = (here / target).resolve() if target else PATHS[name]
         assert path.exists(), link
         if heading:
             titles = re.findall(r"^#+ (.*)", path.read_text(encoding="utf-8"), re.MULTILINE)
@@ -189,4 +189,9 @@ def test_every_message_of_the_page_is_one_that_the_program_says():
 
 def test_the_manual_lists_every_page():
     listed = set(re.findall(r"- (\w+\.md)", (ROOT / "mkdocs.yml").read_text(encoding="utf-8")))
-    assert listed == {f"{name}.md" for name in PAGES if name != "README"} | {"benchmarks.md", "changelog.md"}
+    outside = {"benchmarks.md", "changelog.md", "contributing.md"}
+    assert listed == {path.name for path in PATHS.values() if path.parent == MANUAL} | outside
+
+
+def test_the_readme_is_short():
+    assert len(PAGES["README"].split()) <= 800

@@ -23,6 +23,8 @@ from .screen import write_png
 
 # Seconds after which what is waited for counts as missing, and that an event needs to reach the window.
 PATIENCE, SETTLING = 300, 0.3
+# Mean difference of bytes up to which two pictures are the same: samples are still added to what is rendered.
+_SAME = 0.2
 # Points of the interface's font.
 _POINTS = 11
 
@@ -94,11 +96,16 @@ class Blender:
         return self.value(f"region({kind!r})")
 
     def picture(self, kind=None):
-        """What the screen, or a region of the 3D view, shows: (height, width, 3) bytes, first row on top."""
+        """What the screen, or a region of the 3D view, shows: (height, width, 3) bytes, first row on top.
+
+        Of the view itself, WINDOW, only what the sidebar does not cover.
+        """
         picture = self.screen.picture()
         if kind is None:
             return picture
         x, y, width, height = self.region(kind)
+        if kind == "WINDOW" and self.region("UI")[2] > 1:
+            width = self.region("UI")[0] - x
         top = self.screen.size[1] - y - height
         return picture[top : top + height, x : x + width]
 
@@ -133,15 +140,26 @@ class Blender:
         self.move(self.wait_for(place, kind, tab, last) if isinstance(place, str) else place)
         self.press("LEFTMOUSE")
 
-    def wait_to_see(self, condition, kind):
-        """Wait for the picture of a region, which is drawn again and again, to fulfil a condition; returns it."""
+    def wait_to_see(self, condition, kind, still=0.0):
+        """Wait for the picture of a region, which is drawn again and again, to fulfil a condition; returns it.
+
+        With ``still``, the picture must not change for that many seconds either: while shaders compile, which may take
+        half a minute, Blender shows what was there before, or objects without their materials.
+        """
+        last, since = None, time.monotonic()
 
         def seen():
+            nonlocal last, since
             self.run("area().tag_redraw()")
-            return condition(self.picture(kind))
+            picture = self.picture(kind)
+            if last is None or last.shape != picture.shape or _difference(last, picture) > _SAME:
+                since = time.monotonic()
+            last = picture
+            return time.monotonic() >= since + still and condition(picture)
 
         self._until(seen, condition.__doc__)
-        return self.picture(kind)
+        return last
+
 
     def drag(self, places, button="LEFTMOUSE", **modifiers):
         """Press a button at the first of some places, move to the others, let it go; modifiers: ctrl, shift, alt."""
@@ -228,3 +246,8 @@ class Blender:
     def _drawn(self, text, tab):
         drawn = np.array(self.value(f"drawn_text({text!r}, {_POINTS})"), np.uint8)
         return np.rot90(drawn, -1) if tab else drawn
+
+
+def _difference(first, second):
+    """The mean difference of two pictures of bytes."""
+    return np.abs(first.astype(int) - second).mean()

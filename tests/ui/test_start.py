@@ -12,7 +12,7 @@ IDLE = "part('jobs.queue').queue.running is None"
 
 def test_the_first_page_from_suzanne_to_stripes_a_texture_and_quads(as_delivered, keep, tmp_path):
     blender = as_delivered
-    blender.run("bpy.ops.mesh.primitive_monkey_add()")
+    blender.run("bpy.ops.mesh.primitive_monkey_add(); bpy.ops.object.shade_smooth()")
     blender.open_panel()
     blender.click(offer_to_subdivide(blender))
     blender.until("len(active().data.polygons) > 5000")

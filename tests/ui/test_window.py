@@ -274,7 +274,7 @@ def stripes_are_seen(picture):
 def test_five_clicks_from_suzanne_to_a_striped_render(as_delivered, keep):
     """With nothing but what the panel says: the click list of the README."""
     blender = as_delivered
-    blender.run("bpy.ops.mesh.primitive_monkey_add()")
+    blender.run("bpy.ops.mesh.primitive_monkey_add(); bpy.ops.object.shade_smooth()")
     blender.run("from mathutils import Euler; view().view_rotation = Euler((1.15, 0, 0.95)).to_quaternion()")
     blender.run("view().view_distance = 6")
     assert not stripes_are_seen(blender.picture("WINDOW"))
@@ -286,5 +286,6 @@ def test_five_clicks_from_suzanne_to_a_striped_render(as_delivered, keep):
     blender.wait_for("Rendered")
     keep("click_4", blender.picture("UI")[:340])
     blender.click("Rendered")  # 5
-    picture = blender.wait_to_see(stripes_are_seen, "WINDOW")
+    blender.until("area().spaces[0].shading.type in ('MATERIAL', 'RENDERED')")
+    picture = blender.wait_to_see(stripes_are_seen, "WINDOW", still=5)
     keep("click_5", picture[220:680, 300:830])

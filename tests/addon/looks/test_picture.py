@@ -54,7 +54,7 @@ def test_subject_stands_where_its_parents_and_modifiers_put_it():
     obj.rotation_euler.z = 0.5
     obj.modifiers.new("thick", "SOLIDIFY").thickness = 0.25
     scene = bpy.data.scenes.new("other")
-    matrix, points = render._evaluate(render._stand_in(obj, scene), scene)
+    matrix, points = render._evaluate(render.stand_in(obj, scene, edges=False), scene)
     turn = np.array([[np.cos(0.5), -np.sin(0.5)], [np.sin(0.5), np.cos(0.5)]])
     expected = CONVEX_QUAD @ turn.T * (3, 1) + (5, 0)
     assert np.allclose(np.array(matrix)[:3, 3], (5, 0, 1))
