@@ -105,7 +105,7 @@ def write_centred(path, centre, target):
 
 
 def _places(found, most=None):
-    places = []
+    places: list[tuple[bytes, ...]] = []
     for place in found:
         if most is not None and len(places) == most:
             break

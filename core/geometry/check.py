@@ -58,7 +58,7 @@ def coarse_places(places, edges):
     if len(lengths) == 0:
         return ""
     largest = float(np.abs(places[known]).max())
-    step = float(np.spacing(np.float32(min(largest, np.finfo(np.float32).max))))
+    step = float(np.spacing(np.float32(min(largest, float(np.finfo(np.float32).max)))))
     if step <= COARSE_STEP * np.median(lengths):
         return ""
     return (

@@ -107,9 +107,7 @@ class Film:
         places = [(way, 0.0) for way in ways] + [(1.0, way) for way in ways[1:]]
         waves = [self._waves(*place) for place in places]
         steps = np.arange(BETWEEN * (len(places) - 1) + 1) / BETWEEN
-        return [
-            (self._inked_where(_between(waves, step)), (*_between(places, step), 0.0), SHORT) for step in steps
-        ]
+        return [(self._inked_where(_between(waves, step)), (*_between(places, step), 0.0), SHORT) for step in steps]
 
     def _waves(self, first, second):
         """cos θ in each pixel after the knobs went to shares of their ways, and -1 beside the object."""

@@ -91,7 +91,7 @@ def render_scene(scene, path, resolution, samples):
 
 
 def stand_in(obj, scene, edges):
-    """Link a visible copy of an object into a picture's scene, with a rod along every edge where `edges` asks for it."""
+    """Link a visible copy of an object into a picture's scene, with a rod along every edge if `edges` asks for it."""
     copy = obj.copy()
     copy.hide_render = copy.hide_viewport = False
     scene.collection.objects.link(copy)

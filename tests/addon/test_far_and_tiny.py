@@ -95,9 +95,13 @@ def test_obj_files_carry_normals_uv_and_the_side_of_mirrored_objects(tmp_path):
     assert len(back.uv_layers) == 1 and back.has_custom_normals and all(face.use_smooth for face in back.polygons)
     inwards = [face.normal.dot(face.center) for face in back.polygons]
     assert min(inwards) > 0
-    assert min(corner.vector.dot(back.vertices[loop.vertex_index].co) for corner, loop in zip(
-        back.corner_normals, back.loops, strict=True
-    )) > 0
+    assert (
+        min(
+            corner.vector.dot(back.vertices[loop.vertex_index].co)
+            for corner, loop in zip(back.corner_normals, back.loops, strict=True)
+        )
+        > 0
+    )
 
 
 def test_single_precision_that_has_destroyed_a_shape_is_named():
@@ -114,7 +118,7 @@ def test_single_precision_that_is_seen_is_told(tmp_path):
     report = api.stripes(obj, method="spectral")
     assert any("leave steps of 0.5" in line for line in report["warnings"])
     for suffix in (".stl", ".ply"):
-        with pytest.raises(SettingError, match="leave steps of 0.5 .*, or write an .obj"):
+        with pytest.raises(SettingError, match=r"leave steps of 0\.5 .*, or write an \.obj"):
             files.export_mesh(obj, tmp_path / f"ball{suffix}")
 
 

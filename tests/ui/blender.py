@@ -160,7 +160,6 @@ class Blender:
         self._until(seen, condition.__doc__)
         return last
 
-
     def drag(self, places, button="LEFTMOUSE", **modifiers):
         """Press a button at the first of some places, move to the others, let it go; modifiers: ctrl, shift, alt."""
         self.move(places[0])

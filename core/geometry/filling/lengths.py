@@ -162,5 +162,5 @@ def _smallest_size(distance):
 
 
 def _coarse_size(measures, cubes):
-    """The size that makes about so many cubes in the surface's box, of which long bodies that lie aslant fill little."""
+    """The size that makes about so many cubes in the surface's box, of which long slanting bodies fill little."""
     return 1.1 * float(np.prod(np.ptp(measures.bounds, axis=0)) / cubes) ** (1 / 3)

@@ -43,9 +43,9 @@ def filled_alike(distance, size):
     if flaw is None:
         return solid
     finer = float(f"{FINER * size:.2g}")  # as it is written, so that what is given is what was tried
-    while (
-        count := estimated_tets(distance.volume, finer, distance.area)
-    ) <= MOST_TRIED and estimated_cubes(distance.bounds, finer) <= MOST_TRIED_CUBES:
+    while (count := estimated_tets(distance.volume, finer, distance.area)) <= MOST_TRIED and estimated_cubes(
+        distance.bounds, finer
+    ) <= MOST_TRIED_CUBES:
         if _filled(distance, finer)[1] is None:
             raise SettingError(
                 f"tetrahedra of size {size:.3g} are too large: {flaw}; give a size of {finer:g}, which makes about "
