@@ -158,6 +158,7 @@ pictures: demo
 	$(python) docs/make/vortices.py --folder docs
 	$(python) docs/make/printing.py $(MESHES) --folder docs
 	$(python) docs/make/animation.py --folder docs
+	$(python) docs/make/front.py $(MESHES) --folder docs
 
 paper: environment
 	$(python) docs/make/paper.py $(MESHES)
