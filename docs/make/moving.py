@@ -18,6 +18,7 @@ import numpy as np
 
 import synch_fields
 from synch_fields.bench.command import arguments
+from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.docs.make import knobs, webp
 from synch_fields.docs.make.gallery import opened
 from synch_fields.docs.make.sheets import pixels_of, save_pixels
@@ -27,7 +28,6 @@ from synch_fields.synch_addon.looks.render import picture_scene, render_scene, s
 from synch_fields.synch_addon.nodes.canvas import surface_material
 from synch_fields.synch_addon.nodes.stripes import STRIPES_NAME
 from synch_fields.synch_addon.patterns import memory
-from synch_fields.synch_addon.settings.fields import Settings
 
 SHAPE, VIEW = "spot", (215, 12)
 # Pixels of what is rendered, of which columns are cut off at the left: the knobs stand at the right.
@@ -82,7 +82,7 @@ class Film:
 
     def __init__(self, obj, folder):
         self.obj, self.folder, self._size = obj, folder, max(obj.dimensions)
-        self._settings = Settings(guidance="curvature-min")
+        self._settings = SurfaceSettings(guidance="curvature-min")
         self._phases = np.ones(1)
         self._solve(0.0, 0.0)
         self._lit, self._shown = picture_scene(obj, resolution=(WIDTH, HEIGHT), markers=False, edges=False, view=VIEW)
@@ -158,9 +158,10 @@ def flat_scene(obj, camera):
     scene.collection.objects.link(camera)
     scene.camera = camera
     slot = stand_in(obj, scene, edges=False).material_slots[0]
-    slot.link, slot.material = "OBJECT", surface_material("Waves")
+    slot.link = "OBJECT"
+    slot.material, surface, _ = surface_material("Waves")
     tree = slot.material.node_tree
-    surface, pattern, half, color = tree.nodes["Principled BSDF"], *map(tree.nodes.new, WAVE_NODES)
+    pattern, half, color = map(tree.nodes.new, WAVE_NODES)
     pattern.node_tree = bpy.data.node_groups[STRIPES_NAME]
     half.operation, half.inputs[1].default_value, half.inputs[2].default_value = "MULTIPLY_ADD", 0.5, 0.5
     color.inputs["Green"].default_value = 1.0
