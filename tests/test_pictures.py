@@ -122,7 +122,8 @@ def test_a_view_whose_shaders_still_compile_is_found():
     view = np.full((460, 530, 3), 0.24)
     y, x = np.mgrid[:460, :530]
     view[np.abs(np.hypot(x - 265, y - 230) - 150) < 1.5] = (1.0, 0.6, 0.1)
-    assert len(faults(view, EXPECTED["docs/click_5.png"])) == 3
+    found = faults(view, EXPECTED["docs/click_5.png"])
+    assert {"ink: 0.000", "ivory: 0.000", "one colour on 99%"} <= set(found)
 
 
 def test_the_moving_picture_is_small_and_moves():
