@@ -159,6 +159,7 @@ pictures: demo
 	$(python) docs/make/printing.py $(MESHES) --folder docs
 	$(python) docs/make/animation.py --folder docs
 	$(python) docs/make/front.py $(MESHES) --folder docs
+	$(python) docs/make/moving.py $(MESHES) --folder docs
 
 paper: environment
 	$(python) docs/make/paper.py $(MESHES)

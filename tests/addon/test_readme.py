@@ -148,7 +148,8 @@ def test_command_line_runs(line, folder, capfd):
 
 
 def test_make_targets_are_there():
-    targets = re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+    rules = re.findall(r"^([\w -]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+    targets = " ".join(rules).split()
     asked_for = set(re.findall(r"(?:`|^)make ([\w-]+)", PAGES["README"] + PAGES["CONTRIBUTING"], re.MULTILINE))
     assert asked_for and asked_for <= set(targets)
 
