@@ -68,12 +68,14 @@ def _converted(name, kind, value):
 
 def check_size(number, what):
     """Refuse a number that is not finite, or whose size is not 0 and not between the least and the most."""
-    if not math.isfinite(number):
-        raise SettingError(f"{what} is {shown(number)}: give a finite number")
     if number != 0 and not LEAST_SIZE <= abs(number) <= MOST_SIZE:
-        raise SettingError(
-            f"{what} is {shown(number)}: give 0, or a number between {LEAST_SIZE:g} and {MOST_SIZE:g} in size"
+        is_small = abs(number) < LEAST_SIZE
+        asked = (
+            f"give 0, or a number between {LEAST_SIZE:g} and {MOST_SIZE:g} in size"
+            if is_small
+            else "give a finite number"
         )
+        raise SettingError(f"{what} is {shown(number)}: {asked}")
 
 
 def are_frames(first, last):

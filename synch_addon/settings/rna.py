@@ -14,6 +14,7 @@ from ...core.settings.setting import (
     NUMBERS,
     PIXELS,
     SHARE,
+    SMALLEST,
     Setting,
     SettingsRecord,
     default_of,
@@ -80,7 +81,13 @@ def _number(record: Setting, of_type: type, default: Any) -> dict[str, Any]:
     low, high = record.usual
     if record.unit == SHARE and record.most == 1:
         return {"default": 100.0 * start, "min": 0.0, "max": 100.0, "subtype": "PERCENTAGE", "precision": 0}
-    scale = {"default": start or 0, "min": record.least, "max": record.most, "soft_min": low, "soft_max": high}
+    scale = {
+        "default": start or 0,
+        "min": None if record.least == SMALLEST else record.least,
+        "max": record.most,
+        "soft_min": low,
+        "soft_max": high,
+    }
     if of_type is int:
         scale = {
             name: value if value is None else round(max(min(value, _MOST), -_MOST)) for name, value in scale.items()

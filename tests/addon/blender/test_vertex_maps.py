@@ -111,7 +111,7 @@ def test_spacing_maps_that_are_of_no_use_are_refused(capfd):
     for settings, message in (
         ({"spacing_map": "map"}, "'map' of Grid is of no use at vertices 3, 5: give a positive factor on the spacing"),
         ({"spacing_map": "absent"}, "has no attribute 'absent': choose a float attribute (it has map)"),
-        ({"spacing_map": "map", "spacing_range": 0.0}, "the spacing range is 0.0: give a positive number"),
+        ({"spacing_map": "map", "spacing_range": 0.0}, "the spacing range is 0.0: give a number from 0.001 on"),
         ({"spacing_range": "wide"}, "the spacing range is 'wide': give a number"),
     ):
         with pytest.raises(SynchError) as refused:

@@ -171,7 +171,7 @@ def test_what_is_no_sequence_is_refused_in_one_line(folder, tmp_path):
     for source, frames, message in (
         (folder / "smoke_####.vdb", (2, 5), "smoke_0004.vdb: no such file: frame 4 of the sequence is missing"),
         (folder / "smoke_0001.vdb", (1, 2), "mark where the number of a frame stands"),
-        (folder / "smoke_####.vdb", (3, 1), "the frames 3 to 1 are in the wrong order"),
+        (folder / "smoke_####.vdb", (3, 1), "the frames are 3 to 1: give the first and the last, in order"),
         (tmp_path / "a#.npz", (1, 2), "its grid is not that of a1.npz"),
         (tmp_path / "b#.vdb", (1, 1), "b1.vdb.*choose an OpenVDB file"),
     ):

@@ -301,7 +301,7 @@ def test_taking_the_extension_out_leaves_no_handler_behind():
 
     before = handlers()
     ours = [h for h in before if h.__module__ == changes.__name__]
-    assert len(ours) == 4
+    assert len(ours) == 5
     synch_addon.unregister()
     try:
         assert not [h for h in handlers() if h in ours]

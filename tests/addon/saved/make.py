@@ -15,8 +15,8 @@ import bpy
 import numpy as np
 
 import synch_fields
+from synch_fields import __version__ as VERSION
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.jobs.report import VERSION
 from synch_fields.synch_addon.patterns import favourites
 
 FACTS = ("command", "energy", "lower_bound", "disclinations", "dislocations")

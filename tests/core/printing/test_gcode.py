@@ -161,7 +161,7 @@ def test_a_machine_is_what_its_file_says(tmp_path):
     [
         ('axes = "xyzab"', "use one of xyz, ac, bc"),
         ("feed = 0", "positive"),
-        ("feed = nan", "positive"),
+        ("feed = nan", "finite"),
         ("speed = 1", "unknown"),
         ("nozzle_angle = 90", "below 90"),
         ("lift = -1", "from 0 on"),

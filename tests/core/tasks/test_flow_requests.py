@@ -136,7 +136,7 @@ def test_grids_in_a_plane_and_too_large_ones_are_refused():
     "settings, told",
     [
         ({"frames": (1, 2, 3)}, "the frames are (1, 2, 3): give the first and the last one, whole numbers"),
-        ({"frames": (3, 2)}, "the frames 3 to 2 are in the wrong order"),
+        ({"frames": (3, 2)}, "the frames are 3 to 2: give the first and the last, in order"),
         ({"opening": 180.0}, "to 179.9"),
         ({"point": (0, 0, 0)}, "the point of the sphere is (0, 0, 0)"),
         ({"point": (0, 0, np.nan)}, "the point of the sphere is (0, 0, nan)"),
