@@ -21,7 +21,7 @@ LEAST_SPACE = 1.75 * 2**30
 def run():
     """Run the command line and end this process.
 
-    While Blender is imported a signal is only noted: what it raises there may be lost, or end in a crash.
+    A signal that comes while Blender is imported is handled afterwards: an exception there could be lost, or crash it.
     """
     heard = []
     for number in (signal.SIGINT, signal.SIGTERM):

@@ -7,7 +7,7 @@ from pathlib import Path
 from ..errors import SettingError, one_line
 from ..files.whole import write_text
 
-# Figures of a record, which need not have them, and what it has to have: its kinds.
+# Types of the optional figures of a record, and of the entries that it must have.
 NUMBERS = "energy", "lower_bound", "gap", "nodes", "disclinations", "dislocations", "warnings", "memory_mb"
 _DONE = {"files": dict, "seconds": float | int}
 _FAILED = {"tries": int, "reason": str}

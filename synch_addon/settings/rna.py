@@ -133,10 +133,3 @@ def _plain(record: Setting, value: Any) -> Any:
         by_identifier = {identifier_of(name): name for name in record.choice_names}
         return by_identifier[value] if isinstance(value, str) else tuple(map(by_identifier.get, value))
     return value / 100 if record.unit == SHARE and record.most == 1 else value
-
-
-def value_for(record: Setting, value: Any) -> Any:
-    """A setting's value as its property has it."""
-    if record.choices:
-        return identifier_of(value) if isinstance(value, str) else set(map(identifier_of, value))
-    return 100 * value if record.unit == SHARE and record.most == 1 else value
