@@ -71,9 +71,7 @@ def check_size(number, what):
     if number == 0 or LEAST_SIZE <= abs(number) <= MOST_SIZE:
         return
     is_finite = abs(number) < math.inf  # math.isfinite does not take whole numbers of hundreds of digits
-    asked = (
-        f"give 0, or a number between {LEAST_SIZE:g} and {MOST_SIZE:g} in size" if is_finite else "give a finite number"
-    )
+    asked = f"0, or a number between {LEAST_SIZE:g} and {MOST_SIZE:g} in size" if is_finite else "a finite number"
     raise SettingError(f"{what} is {shown(number)}: give {asked}")
 
 
