@@ -113,4 +113,5 @@ def test_automatic_spacing_is_always_accepted():
 def test_spacing_does_not_count_for_directions():
     sphere()
     assert bpy.ops.synch.directions(spacing=1e9) == {"FINISHED"}
-    assert bpy.ops.synch.directions(spacing=-1) == {"FINISHED"}
+    with pytest.raises(RuntimeError, match=r"the spacing is -1\.0: give a positive number"):  # no command allows it
+        bpy.ops.synch.directions(spacing=-1)
