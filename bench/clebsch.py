@@ -16,7 +16,7 @@ import numpy as np
 from synch_fields.bench.command import arguments
 from synch_fields.bench.grids import QUANTA, trefoil_grid, trefoil_velocity
 from synch_fields.bench.tables import Column, print_table
-from synch_fields.core.extract.filaments import filaments
+from synch_fields.core.extract.vortices.filaments import filaments
 from synch_fields.core.fields.clebsch import circulations, clebsch_map, edge_integrals, quantum_for
 from synch_fields.core.fields.loops import loop_error
 from synch_fields.core.interpolate import TURN

@@ -13,8 +13,8 @@ import numpy as np
 
 from synch_fields.bench.command import arguments
 from synch_fields.bench.tables import Column, print_table
-from synch_fields.core.extract.filaments import Filament, filaments
-from synch_fields.core.extract.knots import linked
+from synch_fields.core.extract.vortices.filaments import Filament, filaments
+from synch_fields.core.extract.vortices.linking_numbers import linked
 from synch_fields.core.fields.biot_savart import filament_integrals
 from synch_fields.core.fields.clebsch import clebsch_map, edge_integrals, quantum_for
 from synch_fields.core.geometry.grid import Grid, box_grid

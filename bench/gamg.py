@@ -18,7 +18,7 @@ from synch_fields.bench.spread import problem_of
 from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.algebra.metric import Hierarchy, Metric
 from synch_fields.core.solve import Options, solve
-from synch_fields.core.solve.stage import LIFTED_SHIFT
+from synch_fields.core.solve.methods.stage import LIFTED_SHIFT
 
 MOST_STEPS, TOLERANCE = 400, 1e-6
 COLUMNS = (

@@ -33,9 +33,9 @@ from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.algebra.workers import solving
 from synch_fields.core.geometry.mesh_input import MeshInput
 from synch_fields.core.geometry.polygons import Polygons
+from synch_fields.core.solution import FIRST
 from synch_fields.core.solve import Options, solve
-from synch_fields.core.solve.following import Follower
-from synch_fields.core.solve.solution import FIRST
+from synch_fields.core.solve.warm_start import Follower
 from synch_fields.core.tasks.live import LiveRequest
 from synch_fields.core.tasks.surfaces import SurfaceRequest
 

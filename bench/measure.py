@@ -14,9 +14,9 @@ import numpy as np
 
 from synch_fields.core.algebra.workers import solving
 from synch_fields.core.solve import Options, solve
-from synch_fields.core.solve.certificate import provable_width
-from synch_fields.core.solve.stage import Workspace
-from synch_fields.core.solve.staircase import start_rank
+from synch_fields.core.solve.methods.certificate import provable_width
+from synch_fields.core.solve.methods.stage import Workspace
+from synch_fields.core.solve.methods.staircase import start_rank
 
 # CPU seconds from one product to the next where they are timed in between.
 BETWEEN = 0.5

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Memory that solves take, beside what is estimated before (core/solve/footprint.py).
+"""Memory that solves take, beside what is estimated before (core/solve/methods/memory_estimate.py).
 
     python bench/memory.py [PROBLEM ...]
 
@@ -25,8 +25,8 @@ from synch_fields.core.fields.layers import layer_problem
 from synch_fields.core.fields.quads import quad_problem
 from synch_fields.core.geometry.filling.stuffing import stuffed
 from synch_fields.core.solve import Options, solve
-from synch_fields.core.solve.certificate import provable_width
-from synch_fields.core.solve.footprint import proof_bytes, search_bytes
+from synch_fields.core.solve.methods.certificate import provable_width
+from synch_fields.core.solve.methods.memory_estimate import proof_bytes, search_bytes
 
 SIZES = {
     "stripes 40": (10, 32, 63, 100),

@@ -8,8 +8,8 @@ import numpy as np
 
 from synch_fields.core.errors import MeshError
 from synch_fields.core.geometry import TriangleMesh
-from synch_fields.core.geometry.carrier import carrier
 from synch_fields.core.geometry.check import check_mesh
+from synch_fields.core.geometry.manifold_repair import carrier
 from synch_fields.core.geometry.polygons import Polygons
 
 

@@ -4,8 +4,8 @@
 import numpy as np
 
 from synch_fields.core.errors import MeshError
-from synch_fields.core.extract.quad_mesh import QuadMesh
-from synch_fields.core.extract.quad_quality import corner_angles, quality
+from synch_fields.core.extract.quads.measure.quality import corner_angles, quality
+from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.check import check_mesh
 from synch_fields.core.geometry.nearest import NearestTriangles

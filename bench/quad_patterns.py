@@ -18,7 +18,7 @@ from synch_fields.bench.quad_measures import longest_side
 from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.errors import MeshError
 from synch_fields.core.fields import direction_field, quad_pattern
-from synch_fields.core.fields.growth import Growth
+from synch_fields.core.fields.target_one_form import Growth
 from synch_fields.core.solve import Options
 
 # Periods along the longest side.

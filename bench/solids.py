@@ -17,8 +17,8 @@ from scipy.spatial import cKDTree
 from synch_fields.bench.command import arguments
 from synch_fields.bench.solid_shapes import ring, solid_bunny, stuffed_bunny
 from synch_fields.bench.tables import Column, print_table
-from synch_fields.core.extract.defect_curves import defect_curves
-from synch_fields.core.extract.layer_surfaces import layer_surfaces
+from synch_fields.core.extract.layers.defect_curves import defect_curves
+from synch_fields.core.extract.layers.surfaces import layer_surfaces
 from synch_fields.core.fields.guidance.potentials import harmonic_function
 from synch_fields.core.fields.guidance.solids import gradient_directions
 from synch_fields.core.fields.layers import LayerPattern, SolidGrowth, solve_layers

@@ -18,7 +18,7 @@ import bpy
 
 import synch_fields
 from synch_fields.bench.tables import Column, print_table
-from synch_fields.core.parcels import packed
+from synch_fields.core.process.ipc import packed
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon.jobs.worker import Worker
 from synch_fields.synch_addon.patterns.job import FieldJob

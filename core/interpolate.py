@@ -17,7 +17,7 @@ point is
   the rim.
 
 From face to face only cos(theta) is continuous for stripes, and for quads the pair {cos(theta_x), cos(theta_y)},
-so that their product is: sheets may differ by a turn (:mod:`core.sheets`), values by 2 pi.
+so that their product is: sheets may differ by a turn (:mod:`core.matchings`), values by 2 pi.
 """
 
 from dataclasses import dataclass, replace
@@ -27,7 +27,7 @@ import numpy as np
 
 from .defects import wrap
 from .geometry import TriangleMesh
-from .sheets import after_turns
+from .matchings import after_turns
 
 TURN = 2 * np.pi
 
@@ -41,7 +41,7 @@ class EdgePhases:
     mesh : TriangleMesh
     arguments : (n, k) radians
     changes : (e, k) radians from the lower to the higher vertex, for the phases of the lower
-    matchings : (e,) how the phases go over into those of the higher vertex (see :mod:`core.sheets`)
+    matchings : (e,) how the phases go over into those of the higher vertex (see :mod:`core.matchings`)
     """
 
     mesh: TriangleMesh

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from .algebra.held import HERE, Held
+from .algebra.reductions import HERE, Held
 from .connection import Fibre
 
 # What rounding alone makes of the quadratic form <x, L x>, and the energy as a sum of squares below which the fit is

@@ -16,7 +16,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from .algebra.blocks import block_matrix, scaled
-from .algebra.frames import nearest
+from .algebra.orthonormal import nearest
 from .connection import Connection, Fibre, as_matrices, circle_transports, compose, make_arrays
 from .errors import SettingError
 from .gauge import balance

@@ -3,7 +3,7 @@
 
 None runs beside Blender while somebody works in it. They run
 
-- in a child process, which is no Blender: that of a solve for the window (``core.worker``);
+- in a child process, which is no Blender: that of a solve for the window (``core.process.child``);
 - in a Blender that is blocked, by a solve that a script, the redo panel or the command line waits for: they share its
   work and are joined before the call returns. Only where a script's callback or Ctrl-C stops it, a factorization, which
   cannot be interrupted, is left behind until it is done; the command line ends its process then;

@@ -14,7 +14,7 @@ import sys
 
 import numpy as np
 
-from synch_fields.core.extract.filaments import filaments
+from synch_fields.core.extract.vortices.filaments import filaments
 from synch_fields.core.fields.biot_savart import filament_velocity
 from synch_fields.core.fields.clebsch import clebsch_map, edge_integrals
 from synch_fields.core.geometry.grid import Grid

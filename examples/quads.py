@@ -11,7 +11,7 @@ both are one problem on a cover of the surface.
 
 import sys
 
-from synch_fields.core.extract.quad_mesh import quad_mesh
+from synch_fields.core.extract.quads.trace.quad_mesh import quad_mesh
 from synch_fields.core.fields import direction_field, quad_pattern
 from synch_fields.examples.shapes import torus
 

@@ -12,7 +12,8 @@ from . import operators, panels
 from .blender import changes, left_defects, translations
 from .command import main
 from .flows import properties as flow_properties
-from .jobs import queue, shelf
+from .jobs import lru_cache as shelf
+from .jobs import queue
 from .patterns import live
 from .settings import constraint_list, favourite_list, fields, guide_list, painting, preferences, simple, strokes
 from .solids import properties as layer_properties

@@ -11,13 +11,13 @@ from typing import Unpack
 
 from ..core.errors import SettingError, SynchError, shown
 from ..core.fields.placement import check_vertices, variation, with_defects
-from ..core.keywords import from_names, taken
 from ..core.settings.bake import BakeSettings
 from ..core.settings.keywords import BakeKeywords, LayerKeywords, LineKeywords, SurfaceKeywords
 from ..core.settings.layers import LayerSettings
 from ..core.settings.lines import LineSettings
 from ..core.settings.surface import SYMMETRY_ORDERS, SurfaceSettings
 from ..core.tasks.surfaces import SurfaceResult
+from ..core.validation import from_names, taken
 from .bakes.job import BakeJob
 from .blender import field_files, meshes
 from .blender.objects import Selection

@@ -71,8 +71,8 @@ assert version("synch_fields") == synch_fields.__version__
 TYPED = """
 import numpy as np
 from synch_fields.core.connection import Connection, circle_transports, levi_civita
-from synch_fields.core.extract.isolines import isolines
-from synch_fields.core.extract.quad_mesh import quad_mesh
+from synch_fields.core.extract.lines.isolines import isolines
+from synch_fields.core.extract.quads.trace.quad_mesh import quad_mesh
 from synch_fields.core.fields import direction_field, given_directions, quad_pattern, stripe_pattern
 from synch_fields.core.geometry import TriangleMesh, check_mesh
 from synch_fields.core.problem import SynchronizationProblem

@@ -14,7 +14,7 @@ from ..connection import compose
 
 # An edge is strong when its weight is at least this share of the geometric mean of the two diagonals, or, in graphs
 # of many neighbours, this share of the largest beside it at either end. Half the first takes 11 % more products of the
-# relaxation, twice of it 7 % fewer, but on one of twelve 67 % more (measured as in :mod:`core.solve.staircase`).
+# relaxation, twice of it 7 % fewer, but on one of twelve 67 % more (measured as in `staircase`).
 STRENGTH, STRONGEST = 0.05, 0.5
 # A hub (ground, leader of a merged group) is a row with this many times the entries of the mean one.
 HUB = 10

@@ -19,8 +19,8 @@ from scipy.sparse import csr_matrix, diags_array
 from .blocks import block_diagonal
 from .coarsening import aggregates, hubs
 from .factorization import factorize, has_positive_pivots
-from .held import HERE
 from .products import SharedRows
+from .reductions import HERE
 
 # Share of the stiffness below which a shift drowns in single precision.
 SMALLEST_SHIFT = 1e-6
@@ -28,7 +28,7 @@ SMALLEST_SHIFT = 1e-6
 SMALLEST_LEVEL = 200
 STAGNATION = 0.7
 # Damped Jacobi smoothing: the part of the spectrum that it damps evenly, below the largest eigenvalue; 0.15 does as
-# well for the relaxation, 0.5 takes 6 % more products (measured as in :mod:`core.solve.staircase`). One step
+# well for the relaxation, 0.5 takes 6 % more products (measured as in :mod:`core.solve.methods.staircase`). One step
 # before and after is faster in all than Chebyshev polynomials of degree 2 or 3, which save few steps.
 SMOOTHED_PART = 0.3
 POWER_STEPS = 10

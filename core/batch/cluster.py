@@ -12,7 +12,7 @@ from collections import defaultdict
 
 from ..errors import SettingError
 from ..threads import Lock
-from .serving import Hand
+from .child_loop import Hand
 
 # Seconds in which a scheduler has to answer.
 _PATIENCE = 15

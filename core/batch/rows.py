@@ -10,7 +10,7 @@ from pathlib import Path
 
 from ..errors import SettingError, shown
 from ..files.declared import DeclaredFile
-from ..keywords import are_frames
+from ..validation import are_frames
 
 # Keys of a row that are not flags: the command, its positional argument, and how many frames a worker gets at once.
 _COMMAND, _INPUT, _CHUNK = "command", "input", "chunk"

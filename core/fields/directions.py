@@ -15,17 +15,17 @@ from ..connection import Connection, circle_transports, levi_civita
 from ..defects import Defect, disclination_numbers, list_defects
 from ..errors import SettingError
 from ..geometry import TriangleMesh
+from ..matchings import matchings
 from ..monitor import Callback
 from ..problem import SynchronizationProblem, Targets, joined_targets
 from ..settings.surface import SYMMETRY_ORDERS
-from ..sheets import matchings
 from ..solve import Options, Solution, solve
-from ..solve.following import Follower
-from .calming import ROUGH, calming, check_share, known_turns, surface_circulation
+from ..solve.warm_start import Follower
+from .animation import carried_angles, in_sheets_of, next_solution
 from .constraints.groups import contracted, joined_links, without_contradictions
 from .constraints.rows import Row, direction_targets
+from .curl_removal import ROUGH, calming, check_share, known_turns, surface_circulation
 from .evenness import quantiles
-from .frames import carried_angles, in_sheets_of, next_solution
 from .guidance.guides import Guide, blended
 from .mirror import LEAN, Mirror, on_mirror, snapped, split_links, with_loops
 
@@ -44,7 +44,7 @@ class DirectionWishes:
     rows : Rows of the constraint list
     mirrors : reflections that leave the field as it is
     singularities : share of the curvature's unevenness that counts, from 0 to 1: fewer disclinations below 1, down to
-        the fewest that the surface's topology allows (see :mod:`.calming`)
+        the fewest that the surface's topology allows (see :mod:`.curl_removal`)
     pins : pairs of a triangle and the index of the disclination that is to be there, a multiple of 1 / symmetry: 0 for
         none
     """
@@ -73,7 +73,7 @@ class DirectionField:
     solution : Solution, or None for directions that were given
     problem : SynchronizationProblem that it solves, or None
     turn : radians, one or (n,), by which all directions were turned after the solve
-    correction : (e,) what calmed the turns of the powers along the edges (see :mod:`.calming`); None for nothing
+    correction : (e,) what calmed the turns of the powers along the edges (see :mod:`.curl_removal`); None for nothing
     scale : one, or (n,) factor on the spacing of quads that keeps them near square
     """
 
@@ -155,7 +155,7 @@ class DirectionField:
 
     @property
     def matchings(self):
-        """(e,) see :func:`core.sheets.matchings`."""
+        """(e,) see :func:`core.matchings.matchings`."""
         return matchings(self.mesh, self.angles, self.symmetry, self.correction)
 
     @property
@@ -273,7 +273,7 @@ def direction_field(
     wishes : DirectionWishes, optional
     options, callback : see :func:`core.solve.solve`
     before : DirectionField on another shape of the mesh, optional: the field is then the one that descent reaches
-        from there, in its sheets (see :mod:`.frames`)
+        from there, in its sheets (see :mod:`.animation`)
     follower : Follower that goes some steps from there only, optional
     start : (n,) radians, optional: without a field before, the whole solve starts from these directions
     """

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..sheets import after_turns
+from ..matchings import after_turns
 from .guidance.face_directions import face_gradients, half_edges
 
 # Shares of the area that the figures tell of.

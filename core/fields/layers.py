@@ -14,8 +14,8 @@ from ..interpolate import TURN, EdgePhases
 from ..interpolate_solid import TetPhases, face_numbers, tet_phases
 from ..problem import SynchronizationProblem
 from ..solve import Solution, solve
-from .calming import check_share, closed_in_solid, known_turns
 from .constraints.groups import Links, contracted, fixed_phases, joined_links
+from .curl_removal import check_share, closed_in_solid, known_turns
 from .evenness import quantiles
 from .guidance.potentials import potential
 from .patterns import check_spacing
@@ -82,7 +82,7 @@ class SolidGrowth:
     ----------
     mesh : TetMesh
     rates : (n, 3) phase per unit length: 2 pi / spacing, in the direction in which the layers follow one another
-    correction : (e,) what is added to the changes to calm them (see :mod:`.calming`); None for nothing
+    correction : (e,) what is added to the changes to calm them (see :mod:`.curl_removal`); None for nothing
     """
 
     mesh: TetMesh
@@ -230,7 +230,7 @@ def layer_problem(mesh, directions, spacing, groups=(), branching=1.0):
     spacing : distance between layers in the solid's units, or (n,) one at each vertex
     groups : LayerGroups; the boundary is free elsewhere
     branching : share of the growth's curl that is asked for, from 0 to 1: fewer and shorter curves where layers branch
-        below 1, for distances that vary more (see :mod:`.calming`)
+        below 1, for distances that vary more (see :mod:`.curl_removal`)
 
     Raises
     ------

@@ -2,7 +2,7 @@
 """Layers whose distance stays between limits, such as the lowest and the highest bead that a nozzle lays.
 
 Even layers branch, and where one ends it is pinched between those beside it. With a smaller share of the branches
-(:mod:`.calming`) fewer end, and distances vary more. In between there is a share with the least outside of the
+(:mod:`.curl_removal`) fewer end, and distances vary more. In between there is a share with the least outside of the
 limits, which is searched for. What is left there, for instance between groups that are no whole number of layers apart,
 is asked to be wider, or narrower, by what it is off.
 """

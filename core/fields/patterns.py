@@ -15,16 +15,16 @@ from ..geometry import TriangleMesh
 from ..interpolate import EdgePhases, face_phases
 from ..problem import SynchronizationProblem, joined_targets
 from ..solve import Solution, solve
-from .calming import check_share
+from .animation import next_solution
 from .constraints.features import loops_at, with_grid_lines
 from .constraints.groups import TOLERANCE, joined_links
 from .constraints.phase_rows import phase_constraints
 from .constraints.rows import GRID
 from .constraints.strips import widened
+from .curl_removal import check_share
 from .evenness import Evenness, evenness
-from .frames import next_solution
-from .growth import Growth
 from .mirror import LEAN, on_mirror, snapped, split_links, with_loops
+from .target_one_form import Growth
 
 # Spacings that are a smaller share of the object than this are finer than double precision tells phases apart.
 _FINEST = 1e-9
@@ -137,7 +137,7 @@ def pattern_problem(mesh, field, spacing, rows=(), mirrors=(), branching=1.0):
     rows : Rows of the constraint list; those of the kinds "phase" and "constant" count
     mirrors : Mirrors that leave the pattern as it is
     branching : share of the growth's curl that is asked for, from 0 to 1: fewer dislocations below 1, for a spacing
-        that varies more (see :mod:`.calming`)
+        that varies more (see :mod:`.curl_removal`)
     """
     return _posed(mesh, field, spacing, rows, mirrors, branching)[1]
 
@@ -186,7 +186,7 @@ def solve_pattern(
     Parameters
     ----------
     before : Pattern on another shape of the mesh along a field in the same sheets, or anything else with its phases,
-        optional: the pattern is then the one that descent reaches from there (see :mod:`.frames`)
+        optional: the pattern is then the one that descent reaches from there (see :mod:`.animation`)
     hold : how strongly the phases are drawn to those before, per mass and in units of 1 / spacing^2
     follower : Follower that goes some steps from the pattern before only, optional
     start : (k n,) complex phases, optional: without a pattern before, the whole solve starts from these

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 from ..errors import SettingError
 from ..geometry.triangle_mesh import TriangleMesh
 from ..monitor import Callback
-from ..solve.following import Follower
-from ..solve.solution import Options
+from ..solution import Options
+from ..solve.warm_start import Follower
 from .constraints.rows import Row
 from .directions import DirectionField
 from .mirror import Mirror

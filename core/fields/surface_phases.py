@@ -9,7 +9,7 @@ from ..geometry import TriangleMesh
 from ..geometry.nearest import NearestTriangles, nearest_in_triangles
 from ..interpolate import EdgePhases
 from ..interpolate_solid import evaluate_in_tets
-from .growth import COARSE_SHARE
+from .target_one_form import COARSE_SHARE
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@
 import numpy as np
 
 from ..graphs import components
-from .touching import corner_links
 from .triangle_mesh import TriangleMesh
+from .vertex_splitting import corner_links
 
 
 def cut_open(mesh, edges):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import TriangleMesh
-from .carrier import Finding, seam_ends
+from .manifold_repair import Finding, seam_ends
 from .polygons import Polygons
 
 

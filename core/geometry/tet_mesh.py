@@ -12,8 +12,8 @@ import numpy as np
 
 from ..errors import MeshError, name_elements
 from ..graphs import components
-from .touching import separated_fans
 from .triangle_mesh import TriangleMesh
+from .vertex_splitting import separated_fans
 
 # Corners of the six edges of a tetrahedron, and of its four faces: face k is opposite to corner k and counterclockwise
 # from outside where the tetrahedron is positive.

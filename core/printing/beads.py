@@ -5,14 +5,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..extract.isolines import End, Isolines
-from ..extract.toolpaths import rim_distances, toolpaths
+from ..extract.layers.toolpaths import rim_distances, toolpaths
+from ..extract.lines.isolines import End, Isolines
 from ..geometry.barycentric import barycentric
 from ..geometry.nearest import NearestTriangles
 from ..graphs import components, ragged_arange
 from .coverage import REACH, BeadDistances, covered_share
-from .fine import refined
-from .middle import beads_through, medial_beads
+from .medial_axis import beads_through, medial_beads
+from .subdivision import refined
 
 # Longest edge of the triangles that contours are found on, in steps, and the most triangles.
 _SIZE, _MOST_TRIANGLES = 0.4, 1_500_000

@@ -6,7 +6,7 @@ import numpy as np
 from ..geometry import TriangleMesh
 from ..geometry.nearest import NearestTriangles
 from .coverage import MIDDLES
-from .fine import refined
+from .subdivision import refined
 
 # Farther than this from the next layer, in spacings, a place of the surface is not on it.
 FAR = 0.05

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..graphs import pairs_within
-from .fine import refined
+from .subdivision import refined
 
 # What is below beside layers: the end of the solid, and nothing as far as it was looked for.
 OUTSIDE, NOTHING = -1, -2

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..errors import SettingError, shown
 from ..files.border import SETTINGS_BYTES, border, read_text
-from ..keywords import check_choice, check_path, check_positive, from_names, take_all
+from ..validation import check_choice, check_path, check_positive, from_names, take_all
 
 AXES = ("xyz", "ac", "bc")
 SUFFIX = ".toml"

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..extract.isolines import Isolines
+from ..extract.lines.isolines import Isolines
 from .gcode import Course
 from .heights import NOTHING, OUTSIDE, Below, below
 from .machine import Machine

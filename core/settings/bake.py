@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ..errors import SettingError, shown
-from ..keywords import check_path
+from ..validation import check_path
 from .setting import FOLDER, PIXELS, Choice, SettingsRecord, setting
 
 BAKES = ("bake",)

@@ -4,7 +4,7 @@
 from dataclasses import dataclass, fields
 
 from ..errors import SettingError, shown
-from ..keywords import check_size, check_text
+from ..validation import check_size, check_text
 from .setting import Choice
 
 PLACES = (

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from numbers import Integral, Real
 
 from ..errors import SettingError, shown
-from ..keywords import FRAMES_END, MOST_ROUNDS, are_frames
+from ..validation import FRAMES_END, MOST_ROUNDS, are_frames
 from .setting import SMALLEST, Choice, of_type, setting
 from .solver import SolverSettings
 

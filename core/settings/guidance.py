@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Guides of directions on a surface, as text such as ``curvature-max=2,axis:Z``.
 
-A guidance is "smooth", or sources ``KIND:NAME=STRENGTH`` as :mod:`core.texts` reads them.
+A guidance is "smooth", or sources ``KIND:NAME=STRENGTH`` as :mod:`core.spec_parser` reads them.
 """
 
 from dataclasses import dataclass
 
 from ..errors import SettingError
-from ..keywords import check_size
-from ..texts import items, quoted
+from ..spec_parser import items, quoted
+from ..validation import check_size
 
 BOUNDARY = "boundary"
 AXES = ("X", "Y", "Z")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..errors import SettingError
-from ..texts import items, quoted
+from ..spec_parser import items, quoted
 from .guidance import AXES, BOUNDARY
 from .setting import LENGTH, SHARE, SMALLEST, Choice, setting
 from .solver import SolverSettings
@@ -98,7 +98,7 @@ class LayerGuide:
 
     @classmethod
     def of_text(cls, text: str) -> "LayerGuide":
-        """From text such as ``axis:Z`` or ``harmonic:Bottom:Top``, as :mod:`core.texts` reads it."""
+        """From text such as ``axis:Z`` or ``harmonic:Bottom:Top``, as :mod:`core.spec_parser` reads it."""
         (kind, *given), *more = items(text, "guidance", "KIND:NAME:NAME")
         names = [name for name in given if name is not None]
         if kind not in LAYER_GUIDES:

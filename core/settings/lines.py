@@ -3,7 +3,7 @@
 
 from dataclasses import dataclass
 
-from ..keywords import MOST_ROUNDS
+from ..validation import MOST_ROUNDS
 from .setting import Choice, SettingsRecord, setting
 
 LINES = ("isolines",)

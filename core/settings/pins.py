@@ -8,7 +8,7 @@ crosses; 0 for none.
 from collections.abc import Mapping
 
 from ..errors import SettingError
-from ..texts import items
+from ..spec_parser import items
 
 
 def parse_pins(text: str) -> dict[int, int]:

@@ -18,7 +18,7 @@ from types import UnionType
 from typing import Any, get_args, get_type_hints
 
 from ..errors import SettingError, shown
-from ..keywords import LEAST_SIZE, MOST_SIZE, label_of, taken
+from ..validation import LEAST_SIZE, MOST_SIZE, label_of, taken
 
 # Units of numbers: what Python counts in. A panel shows angles in degrees and shares in per cent, the command line
 # angles in degrees.

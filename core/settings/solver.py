@@ -3,7 +3,7 @@
 
 from dataclasses import dataclass
 
-from ..keywords import MOST
+from ..validation import MOST
 from .setting import SECONDS, SHARE, SMALLEST, Choice, SettingsRecord, setting
 
 # Commands that solve, and those of them that solve on a surface.

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..errors import SettingError
-from ..keywords import MOST_ROUNDS
+from ..validation import MOST_ROUNDS
 from .constraints import Constraint, from_plain
 from .guidance import GUIDES, Source, parse_guidance
 from .pins import parse_pins

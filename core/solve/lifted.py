@@ -14,9 +14,9 @@ import numpy as np
 from ..algebra.workers import solving
 from ..errors import SettingError
 from ..monitor import Monitor, OutOfTime
-from .descent import descend
-from .spheres import Lifted, gaussian
-from .stage import Workspace
+from .methods.descent import descend
+from .methods.manifolds import Lifted, gaussian
+from .methods.stage import Workspace
 
 # Descents at a given rank end when the predicted relative decrease is below this share of the target gap, or after so
 # many steps.

@@ -6,7 +6,7 @@ import numpy as np
 from ..errors import SettingError
 from ..settings.setting import records
 from ..settings.solver import SolverSettings
-from .solution import DESCENT, FIRST, METHODS, Options, Solution
+from ..solution import DESCENT, FIRST, METHODS, Options, Solution
 
 _RECORDS = dict(records(SolverSettings))
 

@@ -13,18 +13,18 @@ from ..algebra.workers import solving
 from ..memory import check_memory
 from ..monitor import Callback, Monitor, OutOfTime
 from ..problem import SynchronizationProblem
-from . import rounding
-from .diffusion import diffuse
-from .first import first_field
-from .footprint import connection_bytes
+from ..solution import DESCENT, FIRST, Certificate, Clock, Options, Solution, Status, relative_gap
+from .batched.components import solve_together
+from .batched.parts import PartResult, Start, combine
+from .methods import rounding
+from .methods.diffusion import diffuse
+from .methods.initial_field import first_field
+from .methods.manifolds import fields_of, random_columns
+from .methods.memory_estimate import connection_bytes
+from .methods.spectral import smallest_eigenpair
+from .methods.stage import Workspace
+from .methods.staircase import MAX_RANK, relax, start_rank
 from .options_check import check_options
-from .parts import PartResult, Start, combine
-from .solution import DESCENT, FIRST, Certificate, Clock, Options, Solution, Status, relative_gap
-from .spectral import smallest_eigenpair
-from .spheres import fields_of, random_columns
-from .stage import Workspace
-from .staircase import MAX_RANK, relax, start_rank
-from .together import solve_together
 
 DIFFUSION_STARTS = 8
 DIFFUSION_TIMES = 0.5 ** np.arange(11)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Relax a connection of which every process holds a part, by the search of :mod:`core.solve.staircase` itself.
+"""Relax a connection of which every process holds a part, by the search of :mod:`core.solve.methods.staircase` itself.
 
 Only sums, products and the hierarchy are those of all processes, so that value and bound are what one process finds. No
 factorization proves a bound here: it is estimated.
@@ -11,12 +11,12 @@ import numpy as np
 
 from ..algebra.workers import solving
 from ..monitor import SILENT
-from ..solve.descent import descend
-from ..solve.rounding import CANDIDATE_SHIFT, random_directions
-from ..solve.solution import Clock, Options
-from ..solve.spheres import CirclesByFields
-from ..solve.stage import Stage
-from ..solve.staircase import Relaxation, relax
+from ..solution import Clock, Options
+from ..solve.methods.descent import descend
+from ..solve.methods.manifolds import CirclesByFields
+from ..solve.methods.rounding import CANDIDATE_SHIFT, random_directions
+from ..solve.methods.stage import Stage
+from ..solve.methods.staircase import Relaxation, relax
 from .hierarchy import SpreadHierarchy
 from .parts import piece_of
 
@@ -26,7 +26,7 @@ TOLERANCE, STEPS = 1e-5, 100
 
 
 class _Workspace:
-    """As :class:`core.solve.stage.Workspace`."""
+    """As :class:`core.solve.methods.stage.Workspace`."""
 
     def __init__(self, piece, whole):
         self.piece, self.matrix = piece, piece.matrix

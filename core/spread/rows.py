@@ -14,8 +14,8 @@ from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
-from ..algebra.held import Held
 from ..algebra.metric import scaled
+from ..algebra.reductions import Held
 
 
 class HeldByAll(Held):

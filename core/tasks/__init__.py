@@ -3,7 +3,7 @@
 
 A request is a frozen dataclass of arrays and plain values, read from a scene beforehand. Its method
 ``solve(progress)`` gives the result and needs nothing else: no Blender, no file that is open, no state of the process.
-Both can be pickled, so that a process of its own may do the work (:mod:`..worker`).
+Both can be pickled, so that a process of its own may do the work (:mod:`..process.child`).
 
 ``progress`` is a callable(stage, fraction) or None; a false answer other than None cancels with
 :class:`..errors.Cancelled`. What the work should tell the user is in the result's ``warnings``, and how long its parts

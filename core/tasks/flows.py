@@ -8,9 +8,9 @@ from numbers import Integral
 import numpy as np
 
 from ..errors import SettingError
-from ..extract.filaments import Filament, filaments
-from ..extract.knots import Linked, linked
-from ..extract.tubes import Tubes, vortex_tubes
+from ..extract.vortices.filaments import Filament, filaments
+from ..extract.vortices.linking_numbers import Linked, linked
+from ..extract.vortices.tubes import Tubes, vortex_tubes
 from ..fields.biot_savart import FilamentCurves
 from ..fields.clebsch import (
     MOST_QUANTA,

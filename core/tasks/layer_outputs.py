@@ -7,17 +7,17 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..errors import SettingError, shown
-from ..extract.defect_curves import DefectCurve
-from ..extract.layer_surfaces import LayerSurfaces
-from ..extract.voxels import points_inside
+from ..extract.layers.defect_curves import DefectCurve
+from ..extract.layers.surfaces import LayerSurfaces
+from ..extract.layers.voxels import points_inside
 from ..fields.layers import LayerPattern
 from ..geometry.tet_mesh import TetMesh
 from ..interpolate_solid import TetPhases, evaluate_in_tets
-from ..keywords import check_choice, taken
 from ..monitor import Monitor
 from ..printing.beads import contour_beads, plane_beads
 from ..printing.machine import Machine
 from ..printing.plan import PrintPlan, print_plan
+from ..validation import check_choice, taken
 
 FILLS = ("contour", "across-x", "across-y", "across-z")
 # A microsecond and four bytes each.

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..fields import DirectionField
 from ..monitor import portion
-from ..solve.following import Follower
+from ..solve.warm_start import Follower
 from .surfaces import SurfaceRequest
 
 

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 
 from ..errors import Cancelled, ContradictionError, SettingError, SynchError
-from ..extract.chords import TooManyLines
-from ..extract.quad_loops import quad_loops
-from ..extract.quad_smoothing import lost_lines
-from ..fields.growth import Growth
+from ..extract.lines.edge_crossings import TooManyLines
+from ..extract.quads.finishing import lost_lines
+from ..extract.quads.measure.loops import quad_loops
+from ..fields.target_one_form import Growth
 from ..monitor import Monitor, portion
 
 # Share by which the number of faces may miss without more tries and without a warning, and how often one is made.

@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import SettingError
-from ..extract.curve_ends import CurveEnd, curve_ends
-from ..extract.defect_curves import DefectCurve, defect_curves
-from ..extract.layer_surfaces import LayerSurfaces, layer_surfaces
+from ..extract.layers.curve_ends import CurveEnd, curve_ends
+from ..extract.layers.defect_curves import DefectCurve, defect_curves
+from ..extract.layers.surfaces import LayerSurfaces, layer_surfaces
 from ..fields.filled_surface import FilledSurface
-from ..fields.growth import COARSE_SHARE
 from ..fields.guidance.solids import extended_directions, have_directions
 from ..fields.layers import LayerPattern, SolidGrowth
 from ..fields.limits import ENOUGH, Limits, solve_within
 from ..fields.surface_phases import SurfacePhases, surface_phases
+from ..fields.target_one_form import COARSE_SHARE
 from ..geometry.filling.closed_surface import Area, ClosedSurface
 from ..geometry.filling.lengths import SOLVED_BYTES, Estimate, Lengths, estimate
 from ..geometry.tet_mesh import TetMesh
@@ -24,8 +24,8 @@ from ..interpolate import TURN
 from ..memory import check_memory
 from ..monitor import Monitor, portion
 from ..printing.flush import FAR, far_share
+from ..solution import Clock
 from ..solve import Options
-from ..solve.solution import Clock
 
 # A solid that has lost more than this share of the surface's volume has lost a part that can be seen.
 LOST_VOLUME = 0.1

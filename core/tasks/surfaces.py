@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import ContradictionError, SettingError
-from ..extract.drawn_phases import drawn_phases
-from ..extract.quad_mesh import QuadMesh, quad_mesh
-from ..extract.quad_smoothing import smoothed
+from ..extract.pictures.drawn_phases import drawn_phases
+from ..extract.quads.finishing import smoothed
+from ..extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
 from ..fields import (
     DirectionField,
     DirectionWishes,
@@ -25,14 +25,14 @@ from ..fields import (
 )
 from ..fields.alignment import along_curvature
 from ..fields.directions import known_directions
-from ..fields.growth import COARSE_SHARE, Growth
 from ..fields.mirror import Mirror
 from ..fields.patterns import known_pattern
+from ..fields.target_one_form import COARSE_SHARE, Growth
 from ..geometry.mesh_input import MeshInput
 from ..monitor import Monitor, portion
 from ..settings.surface import SYMMETRY_ORDERS
+from ..solution import FIRST, Clock
 from ..solve import Options
-from ..solve.solution import FIRST, Clock
 from .quad_meshes import solved_mesh
 
 # What a command solves along its directions; "directions" stops before.
@@ -274,7 +274,7 @@ class SurfaceResult:
     warnings : lines that the user should read
     seconds : that parts of the work took which solutions do not tell, by their names
     settled : settings, by their names, with which the result was made in place of those that were asked for
-    loops_before : figures of the quad mesh's loops before they were straightened (see :mod:`core.extract.quad_loops`)
+    loops_before : figures of the quad mesh's loops before they were straightened (:mod:`..extract.quads.measure.loops`)
     """
 
     field: DirectionField

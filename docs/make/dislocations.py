@@ -7,7 +7,7 @@ import numpy as np
 
 from synch_fields.bench.solid_shapes import wedge
 from synch_fields.bench.tables import Column
-from synch_fields.core.extract.defect_curves import defect_curves
+from synch_fields.core.extract.layers.defect_curves import defect_curves
 from synch_fields.core.fields.layers import LayerPattern, SolidGrowth, solve_layers
 from synch_fields.core.geometry.tet_mesh import TetMesh
 from synch_fields.docs.make.figures import add_mesh

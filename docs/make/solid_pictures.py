@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 
-from synch_fields.core.extract.defect_curves import defect_curves
+from synch_fields.core.extract.layers.defect_curves import defect_curves
 from synch_fields.docs.make.sheets import beside as side_by_side
 from synch_fields.docs.make.solid_cuts import boundary, cut_away, lowest
 from synch_fields.synch_addon.looks.render import render_picture

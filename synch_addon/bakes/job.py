@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 
 from ...core.errors import SettingError, SynchError
-from ...core.extract.cells import cells
+from ...core.extract.quads.trace.cells import cells
 from ...core.files.leftovers import own_name, sweep
 from ...core.settings.bake import MAPS, NEW_MAP
 from ..blender import meshes

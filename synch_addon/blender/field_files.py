@@ -10,8 +10,8 @@ from ...core.errors import MeshError, SettingError, name_elements
 from ...core.fields.directions import DirectionField, given_directions
 from ...core.files.directions import FaceField, from_vertices, read_field, to_vertices, write_field
 from ...core.geometry import mesh_input
-from ...core.keywords import check_path
 from ...core.settings.surface import SYMMETRY_ORDERS
+from ...core.validation import check_path
 from . import attributes, meshes
 from .schema import DIRECTION
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from ...core.errors import MeshError, SynchError
 from ...core.geometry import TriangleMesh
-from ...core.geometry.carrier import carrier, finite_places
 from ...core.geometry.check import check_mesh, coarse_places
+from ...core.geometry.manifold_repair import carrier, finite_places
 from ...core.geometry.mesh_input import MeshInput
 from ...core.geometry.polygons import Polygons
 from .attributes import read_all, read_values

@@ -12,8 +12,8 @@ from typing import NamedTuple
 import bpy
 
 from ...core.algebra.workers import MOST_WORKERS, WORKERS
-from ...core.batch import serving
-from ...core.batch.crew import Crew
+from ...core.batch import child_loop as serving
+from ...core.batch.process_pool import Crew
 from ...core.batch.records import Records
 from ...core.batch.rows import Row, read_rows, share_of
 from ...core.batch.run import plan, run_rows

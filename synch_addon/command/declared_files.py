@@ -13,10 +13,10 @@ import bpy
 
 from ...core.errors import SettingError
 from ...core.files.declared import DeclaredFile
-from ...core.keywords import check_path
 from ...core.settings.bake import BakeSettings
 from ...core.settings.guidance import parse_guidance
 from ...core.settings.layers import LayerGuide
+from ...core.validation import check_path
 from ..bakes.images import file_name
 from .settings import settings_of
 

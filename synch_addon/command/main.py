@@ -21,8 +21,8 @@ from ...core.errors import SettingError, SynchError, WriteError, one_line
 from ...core.files.declared import check_clashes, check_inputs, made_folders
 from ...core.files.json_text import json_text
 from ...core.files.whole import write_text
-from ...core.keywords import check_text
 from ...core.settings.surface import SurfaceSettings
+from ...core.validation import check_text
 from .. import api
 from ..blender import files
 from ..blender.quiet import quiet_stdout

@@ -6,9 +6,9 @@ import math
 
 from ...core.errors import SettingError
 from ...core.files.border import SETTINGS_BYTES, border, read_text
-from ...core.keywords import label_of
 from ...core.settings.constraints import from_plain
 from ...core.settings.setting import ANGLE, LENGTH, SECONDS, default_of, records, value_type
+from ...core.validation import label_of
 from .flags import add_choice
 
 # What the help of a flag shows in place of a value, by the unit or by the type of its setting.

@@ -8,7 +8,7 @@ from functools import partial
 import bpy
 
 from ...core.errors import SynchError
-from ...core.extract.tubes import NORTH
+from ...core.extract.vortices.tubes import NORTH
 from ...core.files.json_text import json_text
 from ..blender.objects import no_object
 from ..blender.transaction import assign, at_the_end, undone_by, whole_or_nothing

@@ -8,7 +8,7 @@ import bpy
 from ...core.errors import SynchError
 from ...core.files.filaments import WRITERS
 from ...core.files.whole import write_text
-from ...core.keywords import check_path
+from ...core.validation import check_path
 from ..blender.files import check_output
 from ..blender.objects import no_object
 from .memory import shown_filaments

@@ -6,10 +6,10 @@ from pathlib import Path
 from typing import Unpack
 
 from ...core.fields.loops import loop_error
-from ...core.keywords import check_path, from_names
 from ...core.settings.flow import FlowSettings
 from ...core.settings.keywords import FlowKeywords
 from ...core.tasks.flows import FlowRequest
+from ...core.validation import check_path, from_names
 from ..blender.objects import Selection
 from ..blender.transaction import whole_or_nothing
 from ..jobs.job import run

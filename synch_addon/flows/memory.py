@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ...core.settings.flow import FlowSettings
 from ...core.tasks.flows import FlowResult
-from ..jobs.shelf import ObjectShelf
+from ..jobs.lru_cache import ObjectShelf
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatVectorProperty, IntProperty, StringProperty
 
 from ...core.errors import SynchError
-from ...core.extract.tubes import NORTH
+from ...core.extract.vortices.tubes import NORTH
 from ...core.files.json_text import kept, kept_names
 from ...core.settings.flow import FlowSettings
 from ..blender.registration import keeping

@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from ...core.errors import SettingError
-from ...core.extract.filaments import vortices
+from ...core.extract.vortices.filaments import vortices
 from ...core.interpolate import EdgePhases
 from ...core.tasks.flows import SurfaceFlowRequest
 from ..blender import attributes, meshes, schema

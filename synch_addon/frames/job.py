@@ -15,13 +15,13 @@ import numpy as np
 
 from ...core.errors import MeshError, SettingError, SynchError, shown
 from ...core.fields import given_directions
+from ...core.fields.animation import carried_angles
 from ...core.fields.directions import DirectionField
-from ...core.fields.frames import carried_angles
 from ...core.interpolate import face_phases
-from ...core.keywords import are_frames, check_choice, from_names, taken
 from ...core.settings.keywords import SurfaceKeywords
 from ...core.settings.surface import SYMMETRY_ORDERS, SurfaceSettings
-from ...core.tasks.frames import FramesRequest, fresh, in_frame
+from ...core.tasks.animation import FramesRequest, fresh, in_frame
+from ...core.validation import are_frames, check_choice, from_names, taken
 from ..blender import attributes, meshes, modifiers
 from ..blender.defect_empties import write_defects
 from ..blender.modifiers import hidden

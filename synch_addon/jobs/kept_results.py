@@ -4,9 +4,9 @@
 from ...core.errors import SynchError
 from ...core.files.border import border
 from ...core.files.json_text import NUMBER, json_text, kept
-from ...core.geometry.carrier import KINDS
-from ...core.keywords import from_names
+from ...core.geometry.manifold_repair import KINDS
 from ...core.settings.surface import SurfaceSettings
+from ...core.validation import from_names
 from ..blender.schema import FORMAT
 
 # Of what is kept, by its name: what it is where it is missing, and its kind.

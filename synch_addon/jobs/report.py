@@ -14,7 +14,7 @@ from ... import __version__
 from ...core.errors import name_elements, one_line, plural
 from ...core.geometry.check import coarse_places
 from ...core.memory import peak_megabytes
-from ...core.solve.solution import Clock
+from ...core.solution import Clock
 from ..blender.meshes import measured_key
 from ..blender.modifiers import changing_modifiers
 from ..settings.fields import default_shares

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The parent's side of the process that solves: a child of Blender's own Python, see :mod:`core.worker`.
+"""The parent's side of the process that solves: a child of Blender's own Python, see :mod:`core.process.child`.
 
 Nothing here runs beside Blender: what the child says is read from a pipe when it is asked for, and what it is told is
 written as fast as it reads, some hundredths of a second at a time. (On Windows writing waits for the child, which reads
@@ -17,9 +17,9 @@ from pathlib import Path
 import bpy
 
 from ...core.errors import SynchError
-from ...core.parcels import MARK, BrokenParcel, Unpacker, packed
+from ...core.process.child import TOO_MUCH_MEMORY, UNREADABLE
+from ...core.process.ipc import MARK, BrokenParcel, Unpacker, packed
 from ...core.tasks import versions
-from ...core.worker import TOO_MUCH_MEMORY, UNREADABLE
 
 # Seconds that one look at the pipes takes at most, and bytes that are read at once.
 _SLICE, _CHUNK = 0.02, 1 << 20
@@ -92,11 +92,11 @@ class Worker:
         self._kept = getattr(request, "kept", ())
 
     def tell(self, message, shared=()):
-        """Begin to tell it something, see :mod:`core.worker`."""
+        """Begin to tell it something, see :mod:`core.process.child`."""
         self._outgoing.extend(memoryview(part).cast("B") for part in packed(message, shared))
 
     def exchange(self):
-        """Go on telling, and hear what it says; returns its messages, see :mod:`core.worker`.
+        """Go on telling, and hear what it says; returns its messages, see :mod:`core.process.child`.
 
         Raises
         ------

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import bpy
 
 from ...core.errors import SettingError, shown
-from ...core.keywords import taken
+from ...core.validation import taken
 from ..blender import meshes
 from ..blender.phases import pattern_kind
 from ..blender.transaction import whole_or_nothing

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where a point is in its stripe, and how high the stripe is there: shared by shaders and geometry nodes.
 
-The phase says how far a point is from the middle of its stripe, on a side whose name may change from face to face. What
-`synch_number` and `synch_along` add, where stripes were numbered (:mod:`core.extract.stripe_numbers`), is which stripe
+The phase says how far a point is from the middle of its stripe, on a side whose name may change from face to face.
+Where stripes were numbered (`core/extract/lines/stripe_numbers.py`), `synch_number` and `synch_along` say which stripe
 it is, which side, and how far along it the point is.
 """
 
 import math
 from typing import NamedTuple
 
-from ...core.extract.stripe_numbers import SLOTS
+from ...core.extract.lines.stripe_numbers import SLOTS
 from ..blender import schema
 from .canvas import Expression
 

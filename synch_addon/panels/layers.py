@@ -10,7 +10,7 @@ from ...core.geometry.filling.lengths import EDGES_PER_LAYER, Measures, estimate
 from ...core.settings.layers import LayerSettings
 from ..blender.attributes import read_all
 from ..blender.translations import said
-from ..jobs.shelf import Shelf
+from ..jobs.lru_cache import Shelf
 from ..solids.links import solid_of
 from ..solids.properties import GUIDE_NAMES, LENGTHS, OPTIONAL_NAMES
 from .painting import draw_map

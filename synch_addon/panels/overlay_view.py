@@ -14,7 +14,7 @@ from mathutils import Matrix
 
 from ..blender.changes import changes
 from ..blender.registration import keeping
-from ..jobs.shelf import Shelf
+from ..jobs.lru_cache import Shelf
 from ..patterns.loops import shown_edge
 from .overlay import (
     constraint_lines,

@@ -7,12 +7,12 @@ Nothing of the scene is changed for it, and it goes as soon as a view draws mate
 import bpy
 import numpy as np
 
-from ...core.extract.drawn_phases import DrawnTriangles
+from ...core.extract.pictures.drawn_phases import DrawnTriangles
 from ..blender import attributes, meshes
 from ..blender.changes import changes
 from ..blender.phases import pattern_kind, read_phases
+from ..jobs.lru_cache import Shelf
 from ..jobs.queue import queue
-from ..jobs.shelf import Shelf
 from .look import look_of
 from .overlay_view import nearer
 from .pattern_shader import DrawnPattern, shaders
@@ -22,8 +22,8 @@ _drawn, _triangles = Shelf(64), Shelf(64)
 
 
 def corners_of(obj):
-    """What :func:`core.extract.drawn_phases.drawn_phases` gives of what a mesh object shows, in its space, and whether
-    it is quads; None where it shows no pattern.
+    """Triangles (:class:`DrawnTriangles`) and phases of the pattern that a mesh object shows, in the object's space,
+    and whether it is a pattern of quads; None where there is no pattern.
 
     Where only places have changed since the last time, its triangles and phases are those of then.
 

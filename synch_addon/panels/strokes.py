@@ -6,7 +6,7 @@ import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 
-from ..jobs.shelf import Shelf
+from ..jobs.lru_cache import Shelf
 from ..patterns.guide_strokes import state_of, strokes_of
 from ..settings.preferences import is_simple
 from .overlay import WISH_COLORS

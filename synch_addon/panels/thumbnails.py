@@ -11,12 +11,12 @@ import bpy
 import bpy.utils.previews
 import numpy as np
 
-from ...core.extract.thumbnails import Seen
+from ...core.extract.pictures.thumbnails import Seen
 from ...core.fields import Pattern
 from ..blender.defect_empties import COLORS
 from ..blender.timers import Timer
 from ..blender.translations import said
-from ..jobs.shelf import Shelf
+from ..jobs.lru_cache import Shelf
 from ..nodes.stripes import INK_BLUE, WARM_IVORY
 from ..patterns import memory
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..blender.changes import changes
 from ..blender.strokes import SOURCE_TYPES, polylines
-from ..jobs.shelf import Shelf
+from ..jobs.lru_cache import Shelf
 
 # Decimals of transforms: what is less comes of rounding, as where curve and mesh move together.
 _DECIMALS = 5

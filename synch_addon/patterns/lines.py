@@ -9,8 +9,8 @@ import numpy as np
 from mathutils import Matrix
 
 from ...core.errors import SettingError
-from ...core.extract.isolines import End
-from ...core.extract.isolines import isolines as traced_lines
+from ...core.extract.lines.isolines import End
+from ...core.extract.lines.isolines import isolines as traced_lines
 from ...core.geometry.barycentric import barycentric
 from ...core.geometry.nearest import NearestTriangles
 from ..blender.new_geometry import add_spline

@@ -13,7 +13,7 @@ import numpy as np
 from bpy.props import BoolProperty
 
 from ...core.errors import Cancelled, SynchError
-from ...core.solve.following import Follower
+from ...core.solve.warm_start import Follower
 from ...core.tasks.live import LiveRequest
 from ...core.tasks.surfaces import SHOWN
 from ..blender import meshes

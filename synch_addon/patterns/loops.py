@@ -3,11 +3,11 @@
 
 import numpy as np
 
-from ...core.extract.quad_loops import quad_loops
-from ...core.extract.quad_mesh import QuadMesh
+from ...core.extract.quads.measure.loops import quad_loops
+from ...core.extract.quads.trace.quad_mesh import QuadMesh
 from ..blender import attributes, meshes
 from ..blender.changes import changes
-from ..jobs.shelf import Shelf
+from ..jobs.lru_cache import Shelf
 
 # Of the last four objects that were asked for.
 _kept = Shelf(4)

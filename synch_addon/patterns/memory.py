@@ -14,8 +14,8 @@ from ...core.tasks.surfaces import SurfaceRequest
 from ..blender import meshes as blender_meshes
 from ..blender.changes import changes
 from ..blender.transaction import assign, at_the_end
+from ..jobs.lru_cache import ObjectShelf, Shelf
 from ..jobs.report import Report
-from ..jobs.shelf import ObjectShelf, Shelf
 from . import write
 
 # Objects whose solves are kept, the latest ones: some hundred bytes a vertex each.

@@ -4,8 +4,8 @@
 import numpy as np
 
 from ...core.errors import SettingError, SynchError
-from ...core.extract.isolines import isolines
-from ...core.extract.stripe_numbers import StripeNumbers, slot_numbers, stripe_table
+from ...core.extract.lines.isolines import isolines
+from ...core.extract.lines.stripe_numbers import StripeNumbers, slot_numbers, stripe_table
 from ..blender import attributes, meshes, schema
 from ..blender.phases import pattern_kind, read_phases
 from ..blender.transaction import whole_or_nothing

@@ -7,10 +7,10 @@ On larger meshes first fields tell that, which are quick and no more than a hint
 from dataclasses import replace
 
 from ...core.settings.pins import parse_pins
-from ...core.solve.solution import FIRST
+from ...core.solution import FIRST
 from ..blender.translations import counted, said
 from ..jobs.kept_results import shown_result
-from ..jobs.shelf import Shelf
+from ..jobs.lru_cache import Shelf
 from ..reading.surface import gather, pinned_triangles, settings_for
 from ..settings.fields import stored_settings
 

@@ -4,8 +4,8 @@
 import bpy
 import numpy as np
 
-from ...core.extract.quad_loops import quad_loops
-from ...core.extract.quad_quality import quality
+from ...core.extract.quads.measure.loops import quad_loops
+from ...core.extract.quads.measure.quality import quality
 from ...core.geometry.barycentric import barycentric
 from ...core.geometry.nearest import NearestTriangles
 from ..blender import attributes, groups, meshes

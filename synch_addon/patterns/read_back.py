@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...core.errors import SynchError
-from ...core.geometry.carrier import APART
+from ...core.geometry.manifold_repair import APART
 from ...core.settings.surface import SurfaceSettings
 from ..blender import attributes, schema
 from ..jobs.kept_results import kept_result, kept_settings

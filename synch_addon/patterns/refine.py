@@ -11,14 +11,14 @@ import bpy
 import numpy as np
 
 from ...core.errors import SettingError, SynchError, shown
-from ...core.keywords import taken
+from ...core.validation import taken
 from ..blender import attributes, groups, meshes
 from ..blender.changes import changes
 from ..blender.transaction import assign, keep, undone_by, whole_or_nothing
 from ..blender.translations import said
 from ..jobs.kept_results import shown_result
+from ..jobs.lru_cache import Shelf
 from ..jobs.report import versions
-from ..jobs.shelf import Shelf
 from ..reading.surface import LINES_ACROSS, carried_spacing, spacing_across
 from . import memory, write
 

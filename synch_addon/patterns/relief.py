@@ -15,7 +15,7 @@ import bpy
 import numpy as np
 
 from ...core.errors import SettingError, SynchError, shown
-from ...core.keywords import taken
+from ...core.validation import taken
 from ..blender.attributes import read_all, read_values
 from ..blender.defect_empties import mean_scale
 from ..blender.modifiers import RELIEFS, is_relief

@@ -11,8 +11,8 @@ from ...core.fields.guidance import filled
 from ...core.files.solid_vectors import read_vectors
 from ...core.geometry import TriangleMesh
 from ...core.geometry.check import check_mesh
-from ...core.keywords import check_path
 from ...core.settings.guidance import AXES, BOUNDARY
+from ...core.validation import check_path
 from ..blender import attributes
 from ..blender.strokes import SOURCE_TYPES, polylines
 from .surface import read_area

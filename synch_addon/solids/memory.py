@@ -11,7 +11,7 @@ from ...core.errors import SynchError
 from ...core.tasks.layer_outputs import Layering
 from ..blender import meshes
 from ..blender.transaction import at_the_end, store
-from ..jobs.shelf import Shelf
+from ..jobs.lru_cache import Shelf
 from .links import made_of
 
 # Solves of solids that are kept, up to a kilobyte a tetrahedron; undo brings earlier ones of an object back.

@@ -6,9 +6,9 @@ from contextlib import nullcontext
 import bpy
 
 from ...core.errors import SettingError, SynchError
-from ...core.keywords import check_path, taken
 from ...core.printing.machine import Machine, read_machine
 from ...core.tasks.layer_outputs import PathSettings
+from ...core.validation import check_path, taken
 from ..blender import meshes
 from ..blender.files import check_output
 from ..blender.objects import ObjectLink, no_object

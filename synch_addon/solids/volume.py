@@ -10,8 +10,8 @@ import numpy as np
 
 from ...core.errors import SettingError
 from ...core.files.whole import unwritten, written_whole
-from ...core.keywords import taken
 from ...core.tasks.layer_outputs import NOTHING
+from ...core.validation import taken
 from ..blender.files import check_output
 from ..blender.openvdb import openvdb_module
 from ..blender.transaction import store, undone_by

@@ -8,7 +8,7 @@ import warnings
 import pytest
 
 from synch_fields.core.errors import SynchError
-from synch_fields.core.geometry.carrier import KINDS
+from synch_fields.core.geometry.manifold_repair import KINDS
 from synch_fields.synch_addon import api
 
 from ..corpus.bad_meshes import MESHES

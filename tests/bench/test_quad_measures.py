@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from synch_fields.bench.quad_measures import figures, quad_mesh_of
-from synch_fields.core.extract.quad_quality import corner_angles
+from synch_fields.core.extract.quads.measure.quality import corner_angles
 from synch_fields.core.geometry import TriangleMesh
 
 SIDES = 6

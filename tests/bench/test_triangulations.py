@@ -7,8 +7,8 @@ import pytest
 
 from synch_fields.bench.triangulations import NEEDLE, SLIVER, STRENGTH, asked, needles, slivers
 from synch_fields.core.fields import DirectionWishes, direction_field, given_directions, quad_pattern, stripe_pattern
-from synch_fields.core.fields.growth import Growth
 from synch_fields.core.fields.guidance.guides import vectors_guide
+from synch_fields.core.fields.target_one_form import Growth
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.check import check_mesh
 

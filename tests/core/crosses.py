@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import Delaunay
 
 from synch_fields.core.fields import DirectionField, given_directions
-from synch_fields.core.fields.growth import Growth
+from synch_fields.core.fields.target_one_form import Growth
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.interpolate import EdgePhases
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from synch_fields.core.extract.layer_surfaces import layer_surfaces
+from synch_fields.core.extract.layers.surfaces import layer_surfaces
 from synch_fields.core.geometry.tet_mesh import TetMesh, positive
 from synch_fields.core.interpolate import EdgePhases
 

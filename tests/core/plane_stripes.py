@@ -5,7 +5,7 @@
 import numpy as np
 
 from synch_fields.core.fields import given_directions
-from synch_fields.core.fields.growth import Growth
+from synch_fields.core.fields.target_one_form import Growth
 
 
 def plane_stripes(mesh, degrees, spacing, origin=(0.0, 0.0, 0.0), seed=0):

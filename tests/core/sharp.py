@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 from scipy.spatial import Delaunay
 
-from synch_fields.core.extract.quad_mesh import quad_mesh
-from synch_fields.core.extract.quad_smoothing import smoothed
+from synch_fields.core.extract.quads.finishing import smoothed
+from synch_fields.core.extract.quads.trace.quad_mesh import quad_mesh
 from synch_fields.core.fields import DirectionWishes, direction_field, quad_pattern
 from synch_fields.core.fields.constraints.features import feature_edges, feature_row
 from synch_fields.core.geometry import TriangleMesh

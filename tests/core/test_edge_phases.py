@@ -10,7 +10,7 @@ import pytest
 
 from synch_fields.core.defects import wrap
 from synch_fields.core.fields import direction_field, given_directions, quad_pattern
-from synch_fields.core.fields.growth import Growth
+from synch_fields.core.fields.target_one_form import Growth
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import (
     EdgePhases,

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from synch_fields.core.fields import direction_field, given_directions
-from synch_fields.core.fields.growth import Growth
 from synch_fields.core.fields.patterns import solve_pattern
+from synch_fields.core.fields.target_one_form import Growth
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import dislocation_numbers, ell, evaluate, face_phases
 

@@ -11,8 +11,9 @@ from synch_fields.core import memory
 from synch_fields.core.errors import SynchError
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.memory import Room, check_memory, room
-from synch_fields.core.solve import Options, certificate, solve, solver
-from synch_fields.core.solve.footprint import connection_bytes, proof_bytes
+from synch_fields.core.solve import Options, solve, solver
+from synch_fields.core.solve.methods import certificate
+from synch_fields.core.solve.methods.memory_estimate import connection_bytes, proof_bytes
 
 from .memory_peak import numbers_of_child
 from .meshes import icosphere
@@ -95,7 +96,7 @@ import numpy as np
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.solve import Options, solve, staircase
-from synch_fields.core.solve.footprint import connection_bytes
+from synch_fields.core.solve.methods.memory_estimate import connection_bytes
 from synch_fields.tests.core.memory_peak import bytes_taken
 u, v = (a.ravel() for a in np.mgrid[:120, :60])
 number = (60 * u + v).reshape(120, 60)

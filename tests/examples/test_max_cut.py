@@ -12,7 +12,7 @@ from synch_fields.bench.max_cut import best_cut, cut_of, cylinder, triangulation
 from synch_fields.core.errors import SynchError
 from synch_fields.core.problem import SynchronizationProblem, Targets
 from synch_fields.core.solve import Certificate, Options, solve
-from synch_fields.core.solve.signs import Flips
+from synch_fields.core.solve.methods.signs import Flips
 from synch_fields.examples import max_cut
 
 from ..core.graphs import only_piece
@@ -101,7 +101,7 @@ def test_flips_and_crossings_never_raise_the_energy():
 
 def test_sweeps_of_one_heat_lead_to_the_boltzmann_distribution(monkeypatch):
     heat = 0.7
-    monkeypatch.setattr("synch_fields.core.solve.signs.HEATS", np.full(60, heat))
+    monkeypatch.setattr("synch_fields.core.solve.methods.signs.HEATS", np.full(60, heat))
     count, edges, weights = cylinder(3, 3, 1)
     piece = only_piece(max_cut.cut_problem(count, edges, weights))
     shaken = Flips(piece.matrix).shaken(np.ones((count, 60_000)), np.random.default_rng(0))

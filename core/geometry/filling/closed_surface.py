@@ -8,8 +8,8 @@ import numpy as np
 from ...errors import SettingError
 from ..mesh_input import MeshInput
 from .features import sharpened
-from .likeness import filled_alike, more_holes
 from .surface_distance import SurfaceDistance
+from .topology_check import filled_alike, more_holes
 
 
 @dataclass(frozen=True)

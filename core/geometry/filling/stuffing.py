@@ -10,7 +10,7 @@ import numpy as np
 
 from ...errors import MeshError, SettingError
 from ..tet_mesh import TET_EDGES, TetMesh
-from ..touching import separated_solid
+from ..vertex_splitting import separated_solid
 from .lattice import lattice_around
 from .stencils import stencil
 

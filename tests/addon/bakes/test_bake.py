@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import binary_dilation
 
-from synch_fields.core.extract.stripe_numbers import SLOTS
+from synch_fields.core.extract.lines.stripe_numbers import SLOTS
 from synch_fields.core.interpolate import TURN, evaluate
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import attributes, meshes

@@ -6,7 +6,7 @@ import bpy
 import pytest
 
 from synch_fields.synch_addon.blender.changes import changes
-from synch_fields.synch_addon.jobs.shelf import Shelf
+from synch_fields.synch_addon.jobs.lru_cache import Shelf
 
 from ..scenes import grid
 

@@ -14,7 +14,7 @@ import bpy
 import pytest
 
 import synch_fields
-from synch_fields.core.batch import serving
+from synch_fields.core.batch import child_loop as serving
 from synch_fields.synch_addon.blender import files
 
 from .. import scenes

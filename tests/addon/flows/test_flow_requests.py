@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError, SynchError
-from synch_fields.core.parcels import Unpacker, packed
+from synch_fields.core.process.ipc import Unpacker, packed
 from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.flows.job import job_for

@@ -11,7 +11,7 @@ import pytest
 
 from synch_fields.core.defects import wrap
 from synch_fields.core.errors import Cancelled, SynchError
-from synch_fields.core.extract.filaments import Filament
+from synch_fields.core.extract.vortices.filaments import Filament
 from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.core.tasks.flows import Shown
 from synch_fields.synch_addon import api

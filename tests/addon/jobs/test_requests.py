@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.core.parcels import Unpacker, packed
+from synch_fields.core.process.ipc import Unpacker, packed
 from synch_fields.core.settings.constraints import Constraint
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon.frames.job import AnimationJob, Span

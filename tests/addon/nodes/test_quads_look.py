@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.fields import direction_field
-from synch_fields.core.fields.growth import Growth
+from synch_fields.core.fields.target_one_form import Growth
 from synch_fields.core.interpolate import evaluate, face_phases
 from synch_fields.synch_addon.blender import attributes, meshes
 from synch_fields.synch_addon.nodes import quads

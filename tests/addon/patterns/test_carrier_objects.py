@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SynchError
-from synch_fields.core.geometry.carrier import KINDS
+from synch_fields.core.geometry.manifold_repair import KINDS
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import meshes

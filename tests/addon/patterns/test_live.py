@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.core.parcels import packed
+from synch_fields.core.process.ipc import packed
 from synch_fields.synch_addon.jobs.job import run
 from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.patterns import guide_strokes, memory

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
-from synch_fields.core.extract.quad_mesh import QuadMesh
-from synch_fields.core.extract.quad_smoothing import smoothed
+from synch_fields.core.extract.quads.finishing import smoothed
+from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import meshes
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import Cancelled, SynchError
-from synch_fields.core.parcels import Unpacker, packed
+from synch_fields.core.process.ipc import Unpacker, packed
 from synch_fields.core.settings.layers import LayerSettings
 from synch_fields.core.tasks.layer_outputs import PathSettings
 from synch_fields.synch_addon import api

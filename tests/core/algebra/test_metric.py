@@ -9,12 +9,12 @@ from synch_fields.core.algebra.metric import Hierarchy, Metric
 from synch_fields.core.connection import Connection
 from synch_fields.core.monitor import SILENT
 from synch_fields.core.problem import SynchronizationProblem
+from synch_fields.core.solution import Clock
 from synch_fields.core.solve import Options, solve
-from synch_fields.core.solve.solution import Clock
-from synch_fields.core.solve.spectral import smallest_eigenpair
-from synch_fields.core.solve.spheres import random_columns
-from synch_fields.core.solve.stage import TAKEN_OFF, Workspace
-from synch_fields.core.solve.staircase import relax
+from synch_fields.core.solve.methods.manifolds import random_columns
+from synch_fields.core.solve.methods.spectral import smallest_eigenpair
+from synch_fields.core.solve.methods.stage import TAKEN_OFF, Workspace
+from synch_fields.core.solve.methods.staircase import relax
 
 from ..graphs import only_piece
 from ..multilevel import MULTILEVEL

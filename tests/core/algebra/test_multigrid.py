@@ -23,7 +23,7 @@ from synch_fields.core.connection import compose
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.piece import Piece
 from synch_fields.core.problem import Merged, SynchronizationProblem
-from synch_fields.core.solve.stage import Stage, Workspace
+from synch_fields.core.solve.methods.stage import Stage, Workspace
 
 from ..graphs import (
     KINDS,

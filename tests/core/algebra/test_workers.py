@@ -13,10 +13,11 @@ from synch_fields.core.algebra.workers import idle_workers, share_out
 from synch_fields.core.errors import Cancelled
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.monitor import SILENT, Monitor, OutOfTime
-from synch_fields.core.solve import Options, rounding, solve
-from synch_fields.core.solve.solution import Clock
-from synch_fields.core.solve.stage import Workspace
-from synch_fields.core.solve.staircase import relax
+from synch_fields.core.solution import Clock
+from synch_fields.core.solve import Options, solve
+from synch_fields.core.solve.methods import rounding
+from synch_fields.core.solve.methods.stage import Workspace
+from synch_fields.core.solve.methods.staircase import relax
 
 from ..graphs import only_piece
 from ..meshes import bumpy_torus

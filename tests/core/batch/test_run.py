@@ -10,7 +10,7 @@ import time
 
 import pytest
 
-from synch_fields.core.batch.crew import Crew
+from synch_fields.core.batch.process_pool import Crew
 from synch_fields.core.batch.records import Records
 from synch_fields.core.batch.rows import Row
 from synch_fields.core.batch.run import Planned, plan, run_rows

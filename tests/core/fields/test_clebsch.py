@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import Cancelled, SettingError
-from synch_fields.core.extract.filaments import bilinear_zero, filaments, vortices
+from synch_fields.core.extract.vortices.filaments import bilinear_zero, filaments, vortices
 from synch_fields.core.fields.biot_savart import filament_integrals, filament_velocity
 from synch_fields.core.fields.clebsch import (
     circulations,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.algebra.products import SharedRows
-from synch_fields.core.extract.filaments import filaments
+from synch_fields.core.extract.vortices.filaments import filaments
 from synch_fields.core.fields.biot_savart import filament_velocity
 from synch_fields.core.fields.clebsch import clebsch_map, edge_integrals, spherical_map
 from synch_fields.core.fields.clebsch_frames import following_map, following_sphere, grown_phases, potential

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.fields import direction_field, given_directions, stripe_pattern
-from synch_fields.core.fields.growth import Growth
+from synch_fields.core.fields.target_one_form import Growth
 from synch_fields.core.interpolate import dislocation_numbers
 
 from ..meshes import CLOSED, annulus, disk, icosphere, torus

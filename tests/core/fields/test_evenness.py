@@ -11,7 +11,7 @@ from synch_fields.core.fields import DirectionWishes, direction_field, quad_patt
 from synch_fields.core.fields.evenness import SHARES, Evenness, evenness, quantiles
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.interpolate import EdgePhases, dislocation_numbers
-from synch_fields.core.sheets import after_turns
+from synch_fields.core.matchings import after_turns
 
 from ..crosses import random_turns
 from ..meshes import icosphere, square

@@ -7,8 +7,8 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields import Row, boundary_line, direction_field, quad_pattern, stripe_pattern
+from synch_fields.core.fields.animation import carried_angles, in_sheets_of, next_solution
 from synch_fields.core.fields.directions import DirectionField, DirectionWishes
-from synch_fields.core.fields.frames import carried_angles, in_sheets_of, next_solution
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.problem import SynchronizationProblem, Targets
 from synch_fields.core.solve import Options, Status, solve

@@ -9,8 +9,8 @@ from synch_fields.core.connection import Connection, circle_transports, levi_civ
 from synch_fields.core.defects import wrap
 from synch_fields.core.fields import DirectionField, direction_field, given_directions
 from synch_fields.core.fields.directions import direction_problem
-from synch_fields.core.fields.growth import Growth
 from synch_fields.core.fields.stripes import stripe_pattern, stripe_problem
+from synch_fields.core.fields.target_one_form import Growth
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.interpolate import dislocation_numbers
 from synch_fields.core.solve import Options, solve

@@ -7,7 +7,7 @@ import pytest
 
 from synch_fields.core.defects import wrap
 from synch_fields.core.errors import ContradictionError, SettingError
-from synch_fields.core.extract.defect_curves import defect_curves
+from synch_fields.core.extract.layers.defect_curves import defect_curves
 from synch_fields.core.fields.guidance.solids import (
     axis_directions,
     distance_directions,

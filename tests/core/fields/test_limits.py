@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
-from synch_fields.core.extract.layer_surfaces import layer_surfaces
+from synch_fields.core.extract.layers.surfaces import layer_surfaces
 from synch_fields.core.fields.guidance.solids import axis_directions
 from synch_fields.core.fields.layers import LayerGroup, SolidGrowth, solve_growth
 from synch_fields.core.fields.limits import ENOUGH, Limits, solve_within

@@ -5,8 +5,8 @@
 import numpy as np
 import pytest
 
-from synch_fields.core.extract.filaments import filaments
-from synch_fields.core.extract.tubes import vortex_tubes
+from synch_fields.core.extract.vortices.filaments import filaments
+from synch_fields.core.extract.vortices.tubes import vortex_tubes
 from synch_fields.core.fields.biot_savart import filament_integrals
 from synch_fields.core.fields.clebsch import clebsch_map, mean_circulation, spherical_map
 from synch_fields.core.geometry.grid import Grid

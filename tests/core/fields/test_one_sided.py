@@ -7,7 +7,7 @@ import pytest
 
 from synch_fields.core.fields import DirectionWishes, direction_field, quad_pattern, stripe_pattern
 from synch_fields.core.fields.mirror import Seam
-from synch_fields.core.geometry.carrier import carrier
+from synch_fields.core.geometry.manifold_repair import carrier
 from synch_fields.core.geometry.mesh_input import MeshInput
 
 from ...corpus.makers import klein_bottle, moebius_strip, projective_plane

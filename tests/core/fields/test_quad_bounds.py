@@ -7,8 +7,8 @@ import pytest
 
 from synch_fields.core.connection import Connection, as_matrices, circle_transports
 from synch_fields.core.fields import direction_field, given_directions, quad_pattern
-from synch_fields.core.fields.growth import Growth
 from synch_fields.core.fields.quads import quad_problem
+from synch_fields.core.fields.target_one_form import Growth
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.problem import SynchronizationProblem, Targets
 from synch_fields.core.solve import Options, Status, solve

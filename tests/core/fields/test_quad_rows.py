@@ -18,9 +18,9 @@ from synch_fields.core.fields import (
     quad_pattern,
 )
 from synch_fields.core.fields.constraints.lines import line_of_group, line_of_points
-from synch_fields.core.fields.growth import Growth
 from synch_fields.core.fields.mirror import Mirror
 from synch_fields.core.fields.quads import quad_problem
+from synch_fields.core.fields.target_one_form import Growth
 from synch_fields.core.geometry.mirror import mirrored_vertices
 from synch_fields.core.problem import Merged, Targets
 from synch_fields.core.solve import Options, solve

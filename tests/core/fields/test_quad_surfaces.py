@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SynchError
-from synch_fields.core.extract.quad_mesh import quad_mesh
-from synch_fields.core.extract.quad_quality import quality
+from synch_fields.core.extract.quads.measure.quality import quality
+from synch_fields.core.extract.quads.trace.quad_mesh import quad_mesh
 from synch_fields.core.fields import (
     DirectionWishes,
     Row,

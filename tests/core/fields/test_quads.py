@@ -13,8 +13,8 @@ from synch_fields.core.fields import (
     quad_pattern,
     stripe_pattern,
 )
-from synch_fields.core.fields.growth import Growth
 from synch_fields.core.fields.quads import quad_problem
+from synch_fields.core.fields.target_one_form import Growth
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import dislocation_numbers, evaluate

@@ -8,7 +8,7 @@ import pytest
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields import Row, given_directions, stripe_pattern
 from synch_fields.core.fields.directions import DirectionField
-from synch_fields.core.fields.growth import Growth
+from synch_fields.core.fields.target_one_form import Growth
 
 from ..meshes import annulus, square
 from ..wishes import along, chain, cosines

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
-from synch_fields.core.extract.filaments import linear_zero, vortices
+from synch_fields.core.extract.vortices.filaments import linear_zero, vortices
 from synch_fields.core.fields.clebsch import (
     circulations,
     clebsch_map,

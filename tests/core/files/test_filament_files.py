@@ -7,8 +7,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from synch_fields.core.extract.filaments import Filament
-from synch_fields.core.extract.knots import linked
+from synch_fields.core.extract.vortices.filaments import Filament
+from synch_fields.core.extract.vortices.linking_numbers import linked
 from synch_fields.core.files.filaments import legacy_of, polydata_of, table_of
 
 from ..flows import ring_curve

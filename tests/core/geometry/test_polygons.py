@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from synch_fields.core.geometry.carrier import carrier
+from synch_fields.core.geometry.manifold_repair import carrier
 from synch_fields.core.geometry.polygons import Polygons
 
 from ..meshes import polygon_mesh

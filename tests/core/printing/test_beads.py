@@ -5,12 +5,12 @@
 import numpy as np
 import pytest
 
-from synch_fields.core.extract.layer_surfaces import layer_surfaces
+from synch_fields.core.extract.layers.surfaces import layer_surfaces
 from synch_fields.core.fields.guidance.solids import axis_directions
 from synch_fields.core.fields.layers import LayerGroup, solve_layers
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.printing.beads import NARROWEST, contour_beads, plane_beads
-from synch_fields.core.printing.fine import refined
+from synch_fields.core.printing.subdivision import refined
 
 from ..layered_solids import block, shell
 

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from synch_fields.core.extract.layer_surfaces import layer_surfaces
+from synch_fields.core.extract.layers.surfaces import layer_surfaces
 from synch_fields.core.fields.guidance.solids import axis_directions
 from synch_fields.core.fields.layers import LayerGroup, solve_layers
 from synch_fields.core.geometry.tet_mesh import TetMesh

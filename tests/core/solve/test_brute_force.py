@@ -9,7 +9,8 @@ import pytest
 
 from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.problem import Merged, SynchronizationProblem, Targets
-from synch_fields.core.solve import Options, Status, solve, staircase
+from synch_fields.core.solve import Options, Status, solve
+from synch_fields.core.solve.methods import staircase
 
 from ..graphs import (
     KINDS,

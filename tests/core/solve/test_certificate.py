@@ -13,11 +13,12 @@ from synch_fields.core.fields.guidance.solids import axis_directions
 from synch_fields.core.fields.layers import layer_problem
 from synch_fields.core.monitor import SILENT
 from synch_fields.core.problem import SynchronizationProblem
-from synch_fields.core.solve import Certificate, Options, certificate, solve, spectral
-from synch_fields.core.solve.certificate import lower_bound, measure_slack, provable_width, prove
-from synch_fields.core.solve.descent import descend
-from synch_fields.core.solve.spheres import Lifted, random_columns
-from synch_fields.core.solve.stage import Workspace
+from synch_fields.core.solve import Certificate, Options, solve
+from synch_fields.core.solve.methods import certificate, spectral
+from synch_fields.core.solve.methods.certificate import lower_bound, measure_slack, provable_width, prove
+from synch_fields.core.solve.methods.descent import descend
+from synch_fields.core.solve.methods.manifolds import Lifted, random_columns
+from synch_fields.core.solve.methods.stage import Workspace
 
 from ..graphs import PROBLEMS
 from ..layered_solids import block

@@ -10,9 +10,9 @@ from synch_fields.core.errors import Cancelled
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.monitor import SILENT, Monitor
 from synch_fields.core.problem import SynchronizationProblem
-from synch_fields.core.solve.descent import descend, rounding_noise
-from synch_fields.core.solve.spheres import Circles, Columns, Lifted, candidates, random_columns
-from synch_fields.core.solve.stage import Workspace
+from synch_fields.core.solve.methods.descent import descend, rounding_noise
+from synch_fields.core.solve.methods.manifolds import Circles, Columns, Lifted, candidates, random_columns
+from synch_fields.core.solve.methods.stage import Workspace
 
 from ..graphs import brute_force, half_turned_stripes, only_piece, random_connection
 from ..meshes import bumpy_torus

@@ -16,7 +16,8 @@ from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.errors import Cancelled, MeshError, SettingError
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.problem import Merged, SynchronizationProblem, Targets
-from synch_fields.core.solve import METHODS, Options, Status, solve, staircase
+from synch_fields.core.solve import METHODS, Options, Status, solve
+from synch_fields.core.solve.methods import staircase
 
 from ..graphs import random_connection
 

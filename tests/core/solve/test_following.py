@@ -12,9 +12,9 @@ from synch_fields.core.fields import direction_field
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.fields.stripes import stripe_problem
 from synch_fields.core.problem import SynchronizationProblem
+from synch_fields.core.solution import DESCENT
 from synch_fields.core.solve import Options, solve
-from synch_fields.core.solve.following import Follower
-from synch_fields.core.solve.solution import DESCENT
+from synch_fields.core.solve.warm_start import Follower
 
 from ..graphs import fixed_stripes, half_turned_stripes, random_connection
 from ..meshes import bumpy_torus, icosphere, together

@@ -9,12 +9,12 @@ import pytest
 from scipy.linalg import polar
 from scipy.sparse.csgraph import laplacian as graph_laplacian
 
-from synch_fields.core.algebra.frames import gram, nearest, orthonormalize, tangent_part
+from synch_fields.core.algebra.orthonormal import gram, nearest, orthonormalize, tangent_part
 from synch_fields.core.connection import Connection, Fibre, circle_transports
 from synch_fields.core.errors import SettingError
 from synch_fields.core.problem import Merged, SynchronizationProblem, Targets, as_matrices
 from synch_fields.core.solve import Certificate, Options, Status, solve
-from synch_fields.core.solve.spheres import Columns, Lifted
+from synch_fields.core.solve.methods.manifolds import Columns, Lifted
 
 from ..frame_graphs import (
     brute_force_frames,

@@ -14,8 +14,9 @@ from synch_fields.core.fields import direction_field, stripe_pattern
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.geometry import TriangleMesh, triangle_mesh
 from synch_fields.core.problem import Merged, SynchronizationProblem, Targets, joined_targets
-from synch_fields.core.solve import METHODS, Options, Status, solve, together
-from synch_fields.core.solve.solution import DESCENT
+from synch_fields.core.solution import DESCENT
+from synch_fields.core.solve import METHODS, Options, Status, solve
+from synch_fields.core.solve.batched import components as together
 
 from ..graphs import KINDS, random_connection, random_values, relaxation
 from ..meshes import bent_square, cube, icosphere, square

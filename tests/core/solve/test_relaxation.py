@@ -14,7 +14,7 @@ from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.fields.stripes import stripe_problem
 from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solve import Options, Status, solve
-from synch_fields.core.solve.staircase import start_rank
+from synch_fields.core.solve.methods.staircase import start_rank
 
 from ..graphs import PROBLEMS, half_turned_stripes, lifted_matrix, only_piece, random_connection, relaxation
 from ..meshes import bent_square, bumpy_torus, icosphere, torus

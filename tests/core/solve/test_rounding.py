@@ -12,12 +12,13 @@ from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.monitor import SILENT, Monitor
 from synch_fields.core.problem import SynchronizationProblem
-from synch_fields.core.solve import Options, rounding, solve
-from synch_fields.core.solve.diffusion import diffuse
-from synch_fields.core.solve.solution import Clock
-from synch_fields.core.solve.spheres import random_columns
-from synch_fields.core.solve.stage import Workspace
-from synch_fields.core.solve.staircase import relax
+from synch_fields.core.solution import Clock
+from synch_fields.core.solve import Options, solve
+from synch_fields.core.solve.methods import rounding
+from synch_fields.core.solve.methods.diffusion import diffuse
+from synch_fields.core.solve.methods.manifolds import random_columns
+from synch_fields.core.solve.methods.stage import Workspace
+from synch_fields.core.solve.methods.staircase import relax
 
 from ..graphs import KINDS, fixed_stripes, half_turned_stripes, only_piece, random_connection
 from ..meshes import bent_square, bumpy_torus, double_torus, icosphere, quad_torus, together, torus

@@ -13,9 +13,9 @@ from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.fields.stripes import stripe_problem
 from synch_fields.core.monitor import Monitor
 from synch_fields.core.problem import SynchronizationProblem
+from synch_fields.core.solution import FIRST
 from synch_fields.core.solve import Certificate, Options, Status, solve
-from synch_fields.core.solve.solution import FIRST
-from synch_fields.core.solve.spheres import CirclesByFields
+from synch_fields.core.solve.methods.manifolds import CirclesByFields
 
 from ..graphs import PROBLEMS, fixed_stripes, random_connection, stripes_on
 from ..meshes import bumpy_torus, cube, icosphere, square, together

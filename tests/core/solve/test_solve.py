@@ -15,8 +15,8 @@ from synch_fields.core.connection import Connection
 from synch_fields.core.errors import Cancelled, SettingError
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.problem import SynchronizationProblem
+from synch_fields.core.solution import ROUNDINGS
 from synch_fields.core.solve import METHODS, Certificate, Options, Status, solve, solver
-from synch_fields.core.solve.solution import ROUNDINGS
 
 from ..graphs import KINDS, random_connection, random_values
 from ..meshes import bent_square, bumpy_torus, cube, double_torus, icosphere, square, together, torus

@@ -19,8 +19,8 @@ import synch_fields
 from synch_fields.core.connection import Connection
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.problem import SynchronizationProblem
+from synch_fields.core.solution import Certificate
 from synch_fields.core.solve import Options, solve
-from synch_fields.core.solve.solution import Certificate
 
 from ..meshes import bumpy_torus
 

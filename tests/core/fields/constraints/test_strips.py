@@ -8,7 +8,7 @@ import pytest
 from synch_fields.core.fields import given_directions
 from synch_fields.core.fields.constraints.features import feature_edges, feature_row
 from synch_fields.core.fields.constraints.strips import ACROSS, MOST, strips, widened
-from synch_fields.core.fields.growth import Growth
+from synch_fields.core.fields.target_one_form import Growth
 
 from ...meshes import cylinder, square
 from ...sharp import ANGLE, chamfered_cube

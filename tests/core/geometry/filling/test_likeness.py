@@ -9,9 +9,9 @@ import pytest
 
 from synch_fields.core.errors import MeshError, SettingError
 from synch_fields.core.geometry import TriangleMesh
-from synch_fields.core.geometry.filling.likeness import filled_alike, more_holes
 from synch_fields.core.geometry.filling.stuffing import stuffed
 from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
+from synch_fields.core.geometry.filling.topology_check import filled_alike, more_holes
 
 from ...meshes import grid_quads, icosphere, split_quads, together, torus, voxel_quads
 

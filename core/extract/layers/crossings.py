@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where layers cross the edges of a solid, and the polygons that join the crossings in regular tetrahedra.
+
+Everything is decided by counting: a vertex is above or below a level, never on it. One that is nearer to a level than
+``ASIDE`` periods is moved off it, and the crossings that this makes beside it are put back onto it, so that the
+polygons there shrink to edges and points, or to whole faces where a layer lies on faces.
+
+Faces of the boundary on which a layer lies are layers as they are, and their vertices move to the side where the
+solid is: nothing else is found beside them.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...geometry.tet_mesh import TetMesh
+from ...graphs import components, ragged_arange
+from ...interpolate import TURN
+from ...interpolate_solid import EDGE_CORNERS, FACE_CORNERS
+
+# Vertices this near to a level are moved off it, in periods.
+ASIDE = 1e-7
+
+
+@dataclass(frozen=True)
+class LayerCrossings:
+    """Phases in periods, none of them on a level, and the places where levels cross the edges.
+
+    Attributes
+    ----------
+    mesh : TetMesh
+    phases : (n,) at the vertices
+    changes : (e,) along the edges from the lower to the higher vertex
+    starts, counts : (e,) the crossings of each edge follow one another from its lower vertex
+    edges, shares : (c,) edge of each crossing and how far along it
+    nodes : (c,) the crossing's own number, or c + v where it is put back onto vertex v
+    faces : (f, 3) vertices of the boundary's faces that a layer lies on, with their normal along the growth
+    """
+
+    mesh: TetMesh
+    phases: np.ndarray
+    changes: np.ndarray
+    starts: np.ndarray
+    counts: np.ndarray
+    edges: np.ndarray
+    shares: np.ndarray
+    nodes: np.ndarray
+    faces: np.ndarray
+
+
+def crossings_of(edge_phases, offset=0.0):
+    """:class:`LayerCrossings` of the levels offset + 2 pi k."""
+    mesh = edge_phases.mesh
+    given, changes = (edge_phases.arguments[:, 0] - offset) / TURN, edge_phases.changes[:, 0] / TURN
+    near = np.abs(given - np.rint(given)) < ASIDE
+    faces, sides = _layers_on_boundary(mesh, near, changes)
+    phases = np.where(near, np.rint(given) + ASIDE * sides, given)
+    i, j = mesh.edges.T
+    changes = changes + (phases - given)[j] - (phases - given)[i]
+    begins, ends = phases[i], phases[i] + changes
+    rising = changes > 0
+    first = np.where(rising, np.floor(begins) + 1, np.ceil(begins) - 1)
+    counts = np.where(rising, np.ceil(ends) - first, first - np.floor(ends)).astype(int)
+    edges, place = ragged_arange(counts)
+    levels = first[edges] + np.where(rising, 1, -1)[edges] * place
+    shares = np.clip((levels - begins[edges]) / changes[edges], 0, 1)
+    at_begin = near[i][edges] & (levels == np.rint(begins[edges]))
+    at_end = near[j][edges] & (levels == np.rint(ends[edges]))
+    nodes = np.arange(len(edges))
+    nodes[at_begin] = len(edges) + i[edges[at_begin]]
+    nodes[at_end] = len(edges) + j[edges[at_end]]
+    return LayerCrossings(mesh, phases, changes, np.cumsum(counts) - counts, counts, edges, shares, nodes, faces)
+
+
+def _layers_on_boundary(mesh, near, changes):
+    """Faces of the boundary that lie on a level, and (n,) +-1: the side to which vertices move."""
+    sides = np.ones(mesh.vertex_count)
+    triangles = mesh.boundary_triangles
+    flat = near[triangles].all(axis=1)
+    for k in range(3):
+        flat[flat] &= np.abs(changes[mesh.edges_between(triangles[flat, k - 1], triangles[flat, k])]) < 2 * ASIDE
+    triangles, face = triangles[flat], mesh.boundary_faces[flat]
+    if len(face) == 0:
+        return triangles, sides
+    tet = mesh.face_tets[face, 0]
+    behind = mesh.tets[tet, np.argmax(mesh.tet_faces[tet] == face[:, None], axis=1)]
+    inward = changes[mesh.edges_between(triangles[:, 0], behind)]
+    inward = np.where(triangles[:, 0] < behind, inward, -inward)
+    votes = np.where(np.abs(inward) < 2 * ASIDE, 0, np.sign(inward))
+    at_vertex = np.bincount(triangles.ravel(), np.repeat(votes, 3), mesh.vertex_count)
+    patches = components(mesh.vertex_count, triangles[:, [0, 1, 1, 2]].reshape(-1, 2))
+    at_patch = np.bincount(patches[triangles[:, 0]], votes, patches.max() + 1)
+    vertices = np.unique(triangles)
+    sides[vertices] = np.where(at_vertex == 0, at_patch[patches], at_vertex)[vertices] >= 0
+    sides[vertices] = 2 * sides[vertices] - 1
+    outward = at_patch[patches[triangles[:, 0]]] < 0
+    return np.where(outward[:, None], triangles, triangles[:, ::-1]), sides
+
+
+def polygons_in(crossings, tets):
+    """Triangles and quads of the levels in regular tetrahedra, normals along the growth.
+
+    Parameters
+    ----------
+    crossings : LayerCrossings
+    tets : (t,) tetrahedra around whose faces the phase comes back
+
+    Returns
+    -------
+    (p, 3) and (q, 4) crossings
+    """
+    mesh = crossings.mesh
+    corners, edges = mesh.tets[tets], mesh.tet_edges[tets]
+    values = np.repeat(crossings.phases[corners[:, :1]], 4, axis=1)
+    values[:, 1:] += np.where(corners[:, :1] < corners[:, 1:], 1, -1) * crossings.changes[edges[:, :3]]
+    first = np.floor(values.min(axis=1)) + 1
+    counts = np.maximum(np.ceil(values.max(axis=1)) - first, 0).astype(int)
+    row, place = ragged_arange(counts)
+    levels = first[row] + place
+    pattern = (values[row] > levels[:, None]) @ (1 << np.arange(4))
+    parts = []
+    for patterns, table in _POLYGONS:
+        chosen = np.isin(pattern, patterns)
+        local = table[pattern[chosen]]
+        parts.append(_crossings_at(crossings, corners, edges, values, row[chosen, None], levels[chosen, None], local))
+    return tuple(parts)
+
+
+def _crossings_at(crossings, corners, edges, values, row, levels, local):
+    """Numbers of the crossings of levels, as the tetrahedra's corners count them, with local edges."""
+    edge = edges[row, local]
+    i, j = EDGE_CORNERS.T
+    lower = np.where(corners[row, i[local]] < corners[row, j[local]], i[local], j[local])
+    phases, rising = crossings.phases[corners[row, lower]], crossings.changes[edge] > 0
+    own = levels - np.rint(values[row, lower] - phases)
+    place = np.where(rising, own - np.floor(phases) - 1, np.ceil(phases) - 1 - own)
+    return crossings.starts[edge] + place.astype(int)
+
+
+def _polygon_tables():
+    """Of triangles and of quads, the patterns of corners above (bits) and (16, size) local edges around the polygon."""
+    number = np.zeros((4, 4), int)
+    for edge, (i, j) in enumerate(EDGE_CORNERS):
+        number[i, j] = number[j, i] = edge
+    triangles, quads = np.zeros((16, 3), int), np.zeros((16, 4), int)
+    for corner, others in enumerate(FACE_CORNERS):
+        triangles[15 - (1 << corner)] = number[corner, others]
+        triangles[1 << corner] = number[corner, others[::-1]]
+    for a, b, c, d in [(0, 1, 2, 3), (0, 2, 3, 1), (0, 3, 1, 2), (2, 3, 0, 1), (1, 3, 2, 0), (1, 2, 0, 3)]:
+        quads[(1 << a) + (1 << b)] = number[[a, b, b, a], [c, c, d, d]]
+    sizes = np.array([bin(k).count("1") for k in range(16)])
+    return (np.flatnonzero(sizes % 2), triangles), (np.flatnonzero(sizes == 2), quads)
+
+
+_POLYGONS = _polygon_tables()

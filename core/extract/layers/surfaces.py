@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Layers as surfaces: where the phase of a solid is a multiple of 2 pi, one triangle mesh for all of them.
+
+Sheets end on the boundary of the solid and at dislocation curves, and are manifold otherwise: triangles are joined
+along an edge only where exactly two meet, and a vertex at which sheets merely touch becomes one for each of them.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ...geometry import TriangleMesh
+from ...graphs import components
+from ...interpolate import TURN
+from ...interpolate_solid import face_numbers, outward_numbers
+from .crossings import crossings_of, polygons_in
+from .punctured import sheets_in
+
+
+@dataclass(frozen=True)
+class LayerSurfaces:
+    """Triangles of all layers.
+
+    Attributes
+    ----------
+    vertices : (p, 3)
+    triangles : (t, 3) vertices, normals along the growth
+    layers : (t,) number of the connected piece, from 0 at the bottom upwards, or of the level, which all pieces at one
+        height share; a screw dislocation, along the growth, joins the sheets around it to one ramp of one number
+    corners, weights : (p, 4) vertices of the solid between which each vertex lies, and their weights
+    """
+
+    vertices: np.ndarray
+    triangles: np.ndarray
+    layers: np.ndarray
+    corners: np.ndarray
+    weights: np.ndarray
+
+    @cached_property
+    def mesh(self):
+        """All layers as a TriangleMesh."""
+        return TriangleMesh(self.vertices, self.triangles)
+
+    @property
+    def count(self):
+        """Number of layers."""
+        return int(self.layers.max(initial=-1)) + 1
+
+    @property
+    def areas(self):
+        """(count,) of the layers."""
+        a, b, c = np.moveaxis(self.vertices[self.triangles], 1, 0)
+        areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+        return np.bincount(self.layers, areas, self.count)
+
+
+def layer_surfaces(edge_phases, heights, offset=0.0, by_level=False):
+    """:class:`LayerSurfaces` where the phase is offset + 2 pi k.
+
+    Parameters
+    ----------
+    edge_phases : EdgePhases over a TetMesh, one phase a vertex
+    heights : (n,) by which layers are ordered, such as :attr:`LayerPattern.heights`
+    offset : radians
+    by_level : number levels, each solid piece's from its lowest layer on, instead of pieces. Where layers end inside, a
+        level is where most of a piece lies
+    """
+    mesh, crossings = edge_phases.mesh, crossings_of(edge_phases, offset)
+    numbers = face_numbers(edge_phases)
+    punctured = outward_numbers(mesh, numbers).any(axis=1)
+    triangles, quads = polygons_in(crossings, np.flatnonzero(~punctured))
+    sheets = sheets_in(crossings, numbers, np.flatnonzero(punctured))
+    count = len(crossings.edges)
+    # Crossings, vertices, centres of faces, centres of tetrahedra.
+    node_of = np.append(crossings.nodes, np.arange(len(mesh.faces) + mesh.tet_count) + count + mesh.vertex_count)
+    inner = node_of[np.concatenate([triangles, _halves(crossings, quads), sheets])]
+    faces = count + crossings.faces
+    inner = _without_doubles(inner[(inner != np.roll(inner, 1, axis=1)).all(axis=1)], faces)
+    return _numbered(crossings, np.concatenate([inner, faces]), len(inner), heights, by_level)
+
+
+def _halves(crossings, quads):
+    """(2 q, 3) quads cut along their shorter diagonals."""
+    ends = crossings.mesh.vertices[crossings.mesh.edges[crossings.edges]]
+    points = ends[:, 0] + crossings.shares[:, None] * (ends[:, 1] - ends[:, 0])
+    a, b, c, d = (points[quads[:, k]] for k in range(4))
+    turned = np.linalg.norm(b - d, axis=1) < np.linalg.norm(a - c, axis=1)
+    quads = np.where(turned[:, None], np.roll(quads, -1, axis=1), quads)
+    return np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+
+
+def _without_doubles(triangles, faces):
+    """Triangles without those that are faces of the boundary already, and without pairs of the same corners that face
+    each other: a sheet that touches itself."""
+    both = np.sort(np.concatenate([triangles, faces]), axis=1)
+    label = np.unique(both, axis=0, return_inverse=True)[1].reshape(-1)
+    a, b, c = triangles.T
+    sign = np.where((b > a) ^ (c > b) ^ (c > a), 1, -1)
+    label, covered = label[: len(triangles)], label[len(triangles) :]
+    net = np.bincount(label, sign, minlength=len(both))
+    net[covered] = 0
+    return triangles[net[label] * sign > 0]
+
+
+def _links(triangles, inner_count):
+    """(k, 2) half-edges of neighbouring triangles that are joined.
+
+    Where several sheets come together, faces of the boundary are joined with their like and inner triangles with theirs
+    first.
+    """
+    tails, heads = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+    low, high = np.minimum(tails, heads), np.maximum(tails, heads)
+    edge = np.unique(low * (triangles.max(initial=0) + 1) + high, return_inverse=True)[1].reshape(-1)
+    on_boundary = np.arange(len(edge)) >= 3 * inner_count
+    like = 2 * edge + on_boundary
+    sizes = np.bincount(like)[like]
+    order = np.argsort(like, kind="stable")
+    alone = order[sizes[order] == 1]
+    met = np.flatnonzero(np.diff(edge[alone]) == 0)
+    unlike = np.column_stack([alone[met], alone[met + 1]])
+    pairs = np.concatenate([order[sizes[order] == 2].reshape(-1, 2), unlike])
+    return pairs[tails[pairs[:, 0]] == heads[pairs[:, 1]]]
+
+
+def _numbered(crossings, triangles, inner_count, heights, by_level):
+    """:class:`LayerSurfaces` of triangles of nodes: own vertices for each sheet, numbers from bottom to top."""
+    links = _links(triangles, inner_count)
+    following = np.arange(triangles.size).reshape(-1, 3)[:, [1, 2, 0]].ravel()
+    one, other = links.T
+    ends = np.column_stack([np.append(one, following[one]), np.append(following[other], other)])
+    vertex = components(triangles.size, ends)
+    node = np.empty(vertex.max(initial=-1) + 1, int)
+    node[vertex] = triangles.ravel()
+    piece = components(len(triangles), links // 3)
+    piece_count = piece.max(initial=-1) + 1
+    corners, weights = _places(crossings, node)
+    at_corner = np.einsum("pk,pk->p", weights, heights[corners])[vertex.reshape(-1, 3)].mean(axis=1)
+    means = np.bincount(piece, at_corner, piece_count) / np.bincount(piece, minlength=piece_count)
+    if by_level:
+        solid_piece = np.empty(piece_count, int)
+        solid_piece[piece] = crossings.mesh.pieces[corners[vertex[::3], 0]]
+        rank = _levels(means, solid_piece)
+    else:
+        rank = np.empty(piece_count, int)
+        rank[np.argsort(means, kind="stable")] = np.arange(piece_count)
+    points = np.einsum("pk,pkx->px", weights, crossings.mesh.vertices[corners])
+    order = np.argsort(rank[piece], kind="stable")
+    return LayerSurfaces(points, vertex.reshape(-1, 3)[order].astype(int), rank[piece][order], corners, weights)
+
+
+def _levels(means, solid_pieces):
+    """(k,) levels of pieces of layers: whole turns that their mean heights are above the lowest of their body."""
+    lowest = np.full(solid_pieces.max(initial=-1) + 1, np.inf)
+    np.minimum.at(lowest, solid_pieces, means)
+    turns = np.rint((means - lowest[solid_pieces]) / TURN)
+    return np.unique(turns, return_inverse=True)[1].reshape(-1)
+
+
+def _places(crossings, nodes):
+    """(p, 4) vertices of the solid between which nodes lie, and their weights."""
+    mesh, count = crossings.mesh, len(crossings.edges)
+    corners, weights = np.zeros((len(nodes), 4), int), np.zeros((len(nodes), 4))
+    kind = np.digitize(nodes, np.cumsum([count, mesh.vertex_count, len(mesh.faces)]))
+    on_edge, at_vertex, on_face, inside = (np.flatnonzero(kind == k) for k in range(4))
+    crossing = nodes[on_edge]
+    corners[on_edge, :2] = mesh.edges[crossings.edges[crossing]]
+    weights[on_edge, :2] = np.column_stack([1 - crossings.shares[crossing], crossings.shares[crossing]])
+    corners[at_vertex, 0], weights[at_vertex, 0] = nodes[at_vertex] - count, 1
+    face = nodes[on_face] - count - mesh.vertex_count
+    corners[on_face, :3], weights[on_face, :3] = mesh.faces[face], 1 / 3
+    tet = nodes[inside] - count - mesh.vertex_count - len(mesh.faces)
+    corners[inside], weights[inside] = mesh.tets[tet], 1 / 4
+    return corners, weights

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Streamlines at about even distances: many are traced, and those kept, or parts of them, that lie apart."""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ...graphs import pairs_within
+from .streamlines import trace
+
+# The distance between lines in mean edges, but so small on a coarse mesh that this many lines fit across a
+# square of the same area.
+EDGES_APART, LINES_ACROSS = 3.0, 32
+# Seeds in a square that is as wide as the distance.
+SEEDS = 0.5
+# A line is this many distances long, or shorter where it came too near to others.
+ASPECT = 16
+# Nearer than this share of the distance is too near.
+TOO_NEAR = 0.7
+# Lines of at least this share of their full length are kept first, then shorter ones.
+SHARES = (0.8, 0.4, 0.15)
+
+
+def evenly_traced(mesh, vectors, symmetry, limit):
+    """:class:`Streamlines` of about even density, of which no more than about ``limit`` are of full length.
+
+    Arguments as :func:`trace`. On a dense mesh the lines are some fifty edges long.
+    """
+    area = mesh.areas.sum()
+    apart = min(EDGES_APART * mesh.edge_lengths.mean(), np.sqrt(area) / LINES_ACROSS)
+    apart = max(apart, np.sqrt(area / (ASPECT * limit)))
+    triangles, weights = even_seeds(mesh, int(np.ceil(SEEDS * area / apart**2)))
+    traced = trace(mesh, vectors, symmetry, triangles, weights, ASPECT * apart)
+    return traced[_kept(mesh, traced, apart)]
+
+
+def even_seeds(mesh, count):
+    """Points that stand for equal areas: (count,) triangles and (count, 3) barycentric coordinates."""
+    numbers = np.arange(count)
+    sums = np.cumsum(mesh.areas)
+    triangles = np.searchsorted(sums, (numbers + 0.5) / count * sums[-1])
+    # Multiples of powers of the plastic number fill the unit square evenly; folded, the triangle.
+    s, t = (np.outer([0.7548776662466927, 0.5698402909980532], numbers) + 0.5) % 1
+    folded = s + t > 1
+    s, t = np.where(folded, 1 - s, s), np.where(folded, 1 - t, t)
+    return triangles, np.column_stack([1 - s - t, s, t])
+
+
+def _kept(mesh, traced, apart):
+    """(s,) bool: pieces of lines that are not too near to others, and reach from their seed."""
+    stretch, numbers = _stretches(mesh, traced, apart / 2)
+    starts = np.flatnonzero(np.diff(stretch, prepend=-1))
+    side_by_side = _SideBySide(mesh, traced[starts], TOO_NEAR * apart)
+    first = np.searchsorted(traced.line[starts], np.arange(traced.line.max() + 2))
+    blocked, kept = np.zeros((2, len(starts)), bool)
+    waiting = list(range(len(first) - 1))
+    for share in SHARES:
+        left = []
+        # One line after the other: each is blocked by those before it.
+        for line in waiting:
+            around = slice(first[line], first[line + 1])
+            low, high = _free_run(blocked[around], np.searchsorted(numbers[starts[around]], 0))
+            if high - low < share * 2 * ASPECT:
+                left.append(line)
+                continue
+            run = np.arange(first[line] + low, first[line] + high)
+            kept[run] = True
+            blocked[side_by_side.with_run(run)] = True
+        waiting = left
+    return kept[stretch]
+
+
+def _free_run(blocked, seed):
+    """First and one past the last of the stretches around the seed's that are not blocked."""
+    if blocked[seed]:
+        return 0, 0
+    barriers = np.flatnonzero(blocked)
+    place = np.searchsorted(barriers, seed)
+    low = barriers[place - 1] + 1 if place else 0
+    return low, barriers[place] if place < len(barriers) else len(blocked)
+
+
+def _stretches(mesh, traced, length):
+    """Cut lines into stretches of a length, from their seeds: running number of each piece's stretch, and
+    that number counted from the line's seed."""
+    ends = traced.segments(mesh)
+    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    middles = np.cumsum(lengths) - lengths / 2
+    at_seed = (np.cumsum(lengths) - lengths)[traced.step == 0]
+    numbers = np.floor((middles - at_seed[traced.line]) / length).astype(int)
+    new = (np.diff(traced.line, prepend=-1) != 0) | (np.diff(numbers, prepend=0) != 0)
+    return np.cumsum(new) - 1, numbers
+
+
+class _SideBySide:
+    """Which pieces run beside each other, within a radius and on the same side of a sheet."""
+
+    def __init__(self, mesh, pieces, radius):
+        ends = pieces.segments(mesh)
+        along = ends[:, 1] - ends[:, 0]
+        self.along = along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), np.finfo(float).tiny)
+        self.normals = mesh.face_normals[pieces.triangle]
+        self.centres = ends.mean(axis=1)
+        self.tree, self.radius = cKDTree(self.centres), radius
+
+    def with_run(self, run):
+        """Indices of the pieces beside any of a run of pieces, the run itself among them."""
+        rows, j = pairs_within(self.tree, self.centres[run], self.radius)
+        i = run[rows]
+        beside = np.abs(np.einsum("ij,ij->i", self.along[i], self.along[j])) > 0.7
+        beside &= np.einsum("ij,ij->i", self.normals[i], self.normals[j]) > 0.5
+        return j[beside]

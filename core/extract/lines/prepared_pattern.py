@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A pattern made ready for tracing: no vertex on a line, disclination triangles split at their centres."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...geometry import TriangleMesh
+from ...interpolate import EdgePhases, disclination_centres, dislocation_numbers
+from ...matchings import after_turns
+from .levels import GRID
+
+# Phases this near to a line are moved off it, in units of pi.
+ASIDE = 1e-7
+# A vertex with the phases of a disclination's centre, up to this in units of pi, is the centre.
+SAME = 1e-5
+
+
+@dataclass(frozen=True)
+class Fans:
+    """The mesh with its disclination triangles split at their centres, phases in units of pi.
+
+    Attributes
+    ----------
+    mesh : TriangleMesh; centres come after the vertices
+    phases : EdgePhases over it
+    parents : (m,) triangle of the given mesh that each triangle is or is a third of
+    places : (m, 3, 3) barycentric coordinates of its corners there
+    fans : (m,) which third of its parent, -1 for whole triangles; the centre is the last corner of a third
+    first_centre : the lowest vertex that is a centre
+    turns : (c,) how the phases come back to themselves around each centre (:meth:`EdgePhases.around`)
+    """
+
+    mesh: TriangleMesh
+    phases: EdgePhases
+    parents: np.ndarray
+    places: np.ndarray
+    fans: np.ndarray
+    first_centre: int
+    turns: np.ndarray
+
+
+def moved_aside(edge_phases, levels=GRID, lines_outside=True):
+    """Phases in units of pi, none of them on a line; on the boundary, lines go outside, or all inside."""
+    mesh = edge_phases.mesh
+    arguments, changes = edge_phases.arguments / np.pi, edge_phases.changes / np.pi
+    i, j = mesh.edges.T
+    inward = np.zeros_like(arguments)
+    np.add.at(inward, i, changes)
+    np.add.at(inward, j, -after_turns(changes, edge_phases.matchings))
+    _look_across_lines(inward, edge_phases)
+    nearest = levels.nearest(arguments)
+    upward = (inward < 0) != lines_outside
+    moved = np.where(np.abs(arguments - nearest) < ASIDE, nearest + np.where(upward, ASIDE, -ASIDE), arguments)
+    by = moved - arguments
+    changes = changes + after_turns(by[j], -edge_phases.matchings) - by[i]
+    return EdgePhases(mesh, moved, changes, edge_phases.matchings)
+
+
+def _look_across_lines(inward, edge_phases):
+    """Change (n, k) inwards to what it is across the boundary's edges along which a phase stays as it is.
+
+    Where the boundary turns inwards a vertex has neighbours on both sides of its lines.
+    """
+    mesh = edge_phases.mesh
+    half = np.flatnonzero(mesh.twins < 0)
+    tails, heads, across = (mesh.triangles[half // 3, (half + k) % 3] for k in range(3))
+    for ends, others in ((tails, heads), (heads, tails)):
+        along, _ = edge_phases.between(ends, others)
+        stays = np.abs(along) < np.pi * ASIDE
+        inward[ends] = np.where(stays, edge_phases.between(ends, across)[0], inward[ends])
+
+
+def split_at_disclinations(phases):
+    """:class:`Fans` of phases in units of pi."""
+    mesh = phases.mesh
+    _, torn = dislocation_numbers(in_radians(phases), mesh.triangles)
+    singular = np.flatnonzero(torn)
+    centres = mesh.vertex_count + np.arange(len(singular))
+    corners = mesh.triangles[singular]
+    thirds = np.stack([corners, np.roll(corners, -1, axis=1), np.repeat(centres[:, None], 3, axis=1)], axis=2)
+    whole = np.flatnonzero(~torn)
+    split = TriangleMesh(
+        np.concatenate([mesh.vertices, mesh.vertices[corners].mean(axis=1)]),
+        np.concatenate([mesh.triangles[whole], thirds.reshape(-1, 3)]),
+    )
+    changes, matched = np.zeros((len(split.edges), phases.phase_count)), np.zeros(len(split.edges), int)
+    old = split.edges[:, 1] < mesh.vertex_count
+    source = mesh.edges_between(*split.edges[old].T)
+    changes[old], matched[old] = phases.changes[source], phases.matchings[source]
+    # The way from each corner to the centre, for the phases of the corner.
+    values, turns = in_radians(phases).around(corners)
+    fixed = disclination_centres(values, turns) / np.pi
+    turned = np.zeros(len(corners), int)
+    for k in range(3):
+        inwards = after_turns(fixed - values[:, k] / np.pi, turned)
+        changes[split.edges_between(corners[:, k], centres)] = inwards
+        turned = turned + phases.between(corners[:, k], corners[:, (k + 1) % 3])[1]
+    arguments = np.concatenate([phases.arguments, np.zeros((len(centres), phases.phase_count))])
+    return Fans(
+        split,
+        EdgePhases(split, arguments, changes, matched),
+        np.concatenate([whole, np.repeat(singular, 3)]),
+        np.concatenate([np.tile(np.eye(3), (len(whole), 1, 1)), _places_of_thirds(values, fixed)]),
+        np.concatenate([np.full(len(whole), -1), np.tile(np.arange(3), len(singular))]),
+        mesh.vertex_count,
+        turns,
+    )
+
+
+def _places_of_thirds(values, fixed):
+    """(3 c, 3, 3) barycentric coordinates of the thirds' corners: centres are in the middle, or at a vertex."""
+    apart = np.abs(values[:, :3] / np.pi - fixed[:, None]).max(axis=2)
+    nearest = apart.argmin(axis=1)
+    at_vertex = apart[np.arange(len(apart)), nearest] < SAME
+    centres = np.where(at_vertex[:, None], np.eye(3)[nearest], 1 / 3)
+    first, second = (np.broadcast_to(np.roll(np.eye(3), -k, axis=0), (len(centres), 3, 3)) for k in range(2))
+    return np.stack([first, second, np.repeat(centres[:, None], 3, axis=1)], axis=2).reshape(-1, 3, 3)
+
+
+def in_radians(phases):
+    return replace(phases, arguments=np.pi * phases.arguments, changes=np.pi * phases.changes)

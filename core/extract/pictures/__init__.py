@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Patterns as pictures: triangles for graphics cards, and thumbnails."""

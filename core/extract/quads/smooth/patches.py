@@ -1,0 +1,243 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Patches of a quad mesh whose vertices move: what their corners are off, and how far they are from the surface."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ....geometry import TriangleMesh
+from ....geometry.nearest import NearestTriangles
+from ....graphs import components
+from ..features.chains import placed
+from ..trace.quad_mesh import QuadMesh
+from .fitting import settled
+
+# Exponent of the norm of what corners are off, and the share of their root mean square beside it.
+POWER, SHARE = 8, 0.5
+# How far a vertex may go in a round, in mean edges of its patch in both directions, and in how many steps.
+REACH, STEPS = 0.4, 25
+# The first step, as a part of how far a vertex may go.
+FIRST = 0.1
+# Edges and triangles of the surface longer than this part of a quad's side are measured at their middles, too.
+LONG = 0.6
+# Points of the surface within this part of a patch's mean edge from a face's middle are below it.
+BELOW = 0.75
+_TINY = np.finfo(float).tiny
+
+
+def regular_degrees(sizes):
+    """Degrees in the corners of regular polygons: right angles in quads."""
+    return 180 * (1 - 2 / sizes)
+
+
+def middles_of(quads, vertices):
+    """(f, 3) of the faces, with the vertices at (n, 3) places."""
+    return np.add.reduceat(vertices[quads.corner_vertices], quads.starts) / quads.sizes[:, None]
+
+
+@dataclass(frozen=True)
+class Ground:
+    """The surface below, and (s, 3) points of it that quads should be near to."""
+
+    mesh: TriangleMesh
+    surface: NearestTriangles
+    samples: np.ndarray
+
+    @classmethod
+    def of(cls, mesh, quads):
+        side = np.linalg.norm(np.diff(quads.vertices[quads.half_edges], axis=1), axis=2).mean()
+        long = mesh.edge_lengths > LONG * side
+        wide = long[mesh.triangle_edges].any(axis=1)
+        parts = [
+            mesh.vertices[np.unique(mesh.triangles)],
+            mesh.vertices[mesh.edges[long]].mean(axis=1),
+            mesh.vertices[mesh.triangles[wide]].mean(axis=1),
+        ]
+        return cls(mesh, NearestTriangles(mesh.vertices, mesh.triangles), np.concatenate(parts))
+
+    def normals(self, quads, which):
+        """(k, 3) along the surface's normal at vertices, a mean of both sides where they are on edges."""
+        corners = self.mesh.triangles[quads.triangles[which]]
+        return np.einsum("nk,nkx->nx", quads.weights[which], self.mesh.vertex_normals[corners])
+
+    def apart(self, patches, vertices, wanted, below):
+        """(p,) Hausdorff distances of patches and what is below them, with the vertices at (n, 3) places; 0 for those
+        that are not wanted. ``below`` as of :attr:`Patches.below`."""
+        quads = patches.quads
+        middles = middles_of(quads, vertices)
+        faces = wanted[patches.of_faces]
+        edges = wanted[patches.labels] & (patches.corners[:, 1] < patches.corners[:, 2])
+        here = np.concatenate([middles[patches.touched[faces]], vertices[patches.corners[edges, 1:]].mean(axis=1)])
+        labels = np.concatenate([patches.of_faces[faces], patches.labels[edges]])
+        result = np.zeros(len(patches.sides))
+        np.maximum.at(result, labels, np.linalg.norm(self.surface.nearest(here)[0] - here, axis=1))
+        below, labels = below
+        below, labels = below[wanted[labels]], labels[wanted[labels]]
+        there, _ = NearestTriangles(np.concatenate([vertices, middles]), patches.fans).nearest(below)
+        np.maximum.at(result, labels, np.linalg.norm(there - below, axis=1))
+        return result
+
+
+@dataclass(frozen=True)
+class Patches:
+    """Vertices that move, all faces at them, and which of these hang together.
+
+    Attributes
+    ----------
+    quads : QuadMesh
+    ground : Ground
+    moving : (k,) vertices
+    touched : (f,) faces of the quad mesh
+    corners, faces : (c, 3) vertices before, at and after each corner of theirs, and (c,) its place in ``touched``
+    regular : (c,) radians of the corners of a regular face
+    up : (f, 3) along the surface's normal
+    of_moving, of_faces : (k,), (f,) the patch of each vertex and face
+    sides : (p,) mean edge of each patch
+    """
+
+    quads: QuadMesh
+    ground: Ground
+    moving: np.ndarray
+    touched: np.ndarray
+    corners: np.ndarray
+    faces: np.ndarray
+    regular: np.ndarray
+    up: np.ndarray
+    of_moving: np.ndarray
+    of_faces: np.ndarray
+    sides: np.ndarray
+
+    @classmethod
+    def of(cls, quads, ground, moving):
+        moves = np.zeros(len(quads.vertices), bool)
+        moves[moving] = True
+        touched = np.unique(quads.corner_faces[moves[quads.corner_vertices]])
+        which = np.flatnonzero(np.isin(quads.corner_faces, touched))
+        following = quads.next_corners
+        before = np.empty_like(following)
+        before[following] = np.arange(len(following))
+        corners = quads.corner_vertices[np.column_stack([before[which], which, following[which]])]
+        faces = np.searchsorted(touched, quads.corner_faces[which])
+        regular = np.radians(regular_degrees(quads.sizes[touched[faces]]))
+        inside = moves[corners[:, 1]]
+        pairs = np.column_stack([np.searchsorted(moving, corners[inside, 1]), len(moving) + faces[inside]])
+        of_moving, of_faces = np.split(components(len(moving) + len(touched), pairs), [len(moving)])
+        up = np.zeros((len(touched), 3))
+        np.add.at(up, faces, ground.normals(quads, corners[:, 1]))
+        lengths = np.linalg.norm(quads.vertices[corners[:, 2]] - quads.vertices[corners[:, 1]], axis=1)
+        sides = np.bincount(of_faces[faces], lengths) / np.bincount(of_faces[faces])
+        return cls(quads, ground, moving, touched, corners, faces, regular, up, of_moving, of_faces, sides)
+
+    @cached_property
+    def labels(self):
+        """(c,) the patch of each corner."""
+        return self.of_faces[self.faces]
+
+    @cached_property
+    def fans(self):
+        """(t, 3) triangles of the faces and of those around them; vertex n + f is the middle of face f."""
+        near = np.zeros(len(self.quads.vertices), bool)
+        near[self.corners[:, 1]] = True
+        around = np.zeros(len(self.quads.sizes), bool)
+        around[self.quads.corner_faces[near[self.quads.corner_vertices]]] = True
+        fans = np.column_stack([self.quads.half_edges, len(near) + self.quads.corner_faces])
+        return fans[around[self.quads.corner_faces]]
+
+    @cached_property
+    def below(self):
+        """Points of the surface below the patches, and the patch of each."""
+        samples = self.ground.samples
+        middles = middles_of(self.quads, self.quads.vertices)[self.touched]
+        apart, nearest = cKDTree(middles).query(samples, distance_upper_bound=self.sides.max())
+        near = np.flatnonzero(np.isfinite(apart))
+        labels = self.of_faces[nearest[near]]
+        is_below = apart[near] < BELOW * self.sides[labels]
+        return samples[near[is_below]], labels[is_below]
+
+    def moves(self, directions):
+        """(k, 3) ways of the vertices to where the norms are lower, by descent with steps of Barzilai and Borwein."""
+        start, scales = self.quads.vertices, (REACH * self.sides)[self.of_moving, None]
+
+        def at(shares):
+            vertices = start.copy()
+            vertices[self.moving] += scales * np.einsum("kd,kdx->kx", shares, directions)
+            norms, _, gradient = self.norms(vertices)
+            return norms, scales * np.einsum("kx,kdx->kd", gradient[self.moving], directions)
+
+        def sums(u, v):
+            return np.bincount(self.of_moving, np.einsum("kd,kd->k", u, v), minlength=len(self.sides))
+
+        shares = np.zeros((len(self.moving), 2))
+        norms, slopes = at(shares)
+        steps = FIRST / np.sqrt(np.maximum(sums(slopes, slopes), _TINY))
+        for _ in range(STEPS):
+            # Steps that lead up are shortened and tried again.
+            tried = np.clip(shares - steps[self.of_moving, None] * slopes, -1, 1)
+            new_norms, new_slopes = at(tried)
+            lower = new_norms < norms
+            moved, turned = tried - shares, new_slopes - slopes
+            bent = sums(moved, turned)
+            good = lower & (bent > 0)
+            steps = np.where(good, sums(moved, moved) / np.where(good, bent, 1), np.where(lower, 2, 0.25) * steps)
+            taken = lower[self.of_moving, None]
+            shares, slopes = np.where(taken, tried, shares), np.where(taken, new_slopes, slopes)
+            norms = np.where(lower, new_norms, norms)
+        return scales * np.einsum("kd,kdx->kx", shares, directions)
+
+    def moved(self, moves, parts, lines, chains, are_better):
+        """The quad mesh with those patches moved that are better then, and (p,) bool: which.
+
+        Parameters
+        ----------
+        moves : (k, 3)
+        parts : of these each patch takes the first that is better
+        lines, chains : on which vertices slide, see :func:`settled`
+        are_better : function of (n, 3) places of the vertices and (p,) bool, the patches that are asked for
+        """
+        quads, waiting = self.quads, np.ones(len(self.sides), bool)
+        for part in parts:
+            places = quads.vertices[self.moving] + part * moves
+            tried = settled(quads, self.ground.mesh, self.ground.surface, lines, chains, self.moving, places)
+            better = are_better(tried.vertices, waiting)
+            which = self.moving[better[self.of_moving]]
+            quads = placed(quads, which, tried.vertices[which], tried.triangles[which], tried.weights[which])
+            waiting &= ~better
+        return quads, ~waiting
+
+    def norms(self, vertices):
+        """(p,) norms of what the corners are off, (p,) the largest, and (n, 3) the gradient of the norms' sum."""
+        off, to_before, to_after = self._off(vertices)
+        labels, count = self.labels, len(self.sides)
+        worst = np.full(count, _TINY)
+        np.maximum.at(worst, labels, np.abs(off))
+        powers = (np.abs(off) / worst[labels]) ** (POWER - 1)
+        totals = np.maximum(np.bincount(labels, powers * np.abs(off) / worst[labels], minlength=count), _TINY)
+        numbers = np.bincount(labels, minlength=count)
+        means = np.maximum(np.sqrt(np.bincount(labels, off**2, minlength=count) / numbers), _TINY)
+        slopes = (totals ** (1 / POWER - 1))[labels] * powers * np.sign(off) + SHARE * off / (means * numbers)[labels]
+        gradient = np.zeros_like(vertices)
+        before, at, after = self.corners.T
+        np.add.at(gradient, before, slopes[:, None] * to_before)
+        np.add.at(gradient, after, slopes[:, None] * to_after)
+        np.add.at(gradient, at, -slopes[:, None] * (to_before + to_after))
+        return worst * totals ** (1 / POWER) + SHARE * means, worst, gradient
+
+    def _off(self, vertices):
+        """(c,) radians of each corner over a regular one, from -pi to pi, and (c, 3) its gradients by the vertices
+        before and after."""
+        before, at, after = self.corners.T
+        ahead, behind = vertices[after] - vertices[at], vertices[before] - vertices[at]
+        cross = np.cross(ahead, behind)
+        normals = np.zeros_like(self.up)
+        np.add.at(normals, self.faces, cross)
+        looks_up = np.einsum("fx,fx->f", normals, self.up) > 0
+        normals = np.where(looks_up[:, None], normals, self.up)[self.faces]
+        signs = np.where(np.einsum("cx,cx->c", cross, normals) < 0, -1.0, 1.0)
+        lengths = np.linalg.norm(cross, axis=1)
+        angles = np.arctan2(signs * lengths, np.einsum("cx,cx->c", ahead, behind))
+        axes = (signs / np.maximum(lengths, _TINY))[:, None] * cross
+        to_before = np.cross(axes, behind) / np.maximum(np.einsum("cx,cx->c", behind, behind), _TINY)[:, None]
+        to_after = -np.cross(axes, ahead) / np.maximum(np.einsum("cx,cx->c", ahead, ahead), _TINY)[:, None]
+        return (angles - self.regular + np.pi) % (2 * np.pi) - np.pi, to_before, to_after

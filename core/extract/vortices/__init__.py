@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Vortex filaments and tubes of a Clebsch map, and how filaments are linked."""

@@ -1,0 +1,261 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Calmed changes: the nearest ones along the edges that add up to less around the faces.
+
+A connection asks for a change c along every edge. Around a face they add up to its holonomy C c, which no phases can
+follow: it is the curvature for directions and the curl of the growth for patterns, and where it gathers to whole
+turns, defects stand. The nearest changes with a part h of it taken out,
+
+    argmin sum of w_e (c'_e - c_e)^2 subject to C c' = C c - h,    c' = c - W^-1 C^T y,    C W^-1 C^T y = h,
+
+pose the same synchronization problem with fewer defects. C W^-1 C^T is a Laplacian between the sums, with signs.
+
+What constraints tell of the change between two nodes is what is asked there, and stays. Where no change may give way,
+and on closed pieces, the sum of C c is fixed (for directions it is the topology): its mean over the area stays.
+"""
+
+from dataclasses import dataclass
+from numbers import Real
+
+import numpy as np
+from scipy.sparse import csr_matrix, diags_array
+from scipy.sparse.linalg import LinearOperator, cg
+
+from ..algebra.metric import Hierarchy, definite_metric
+from ..connection import as_matrices
+from ..defects import wrap
+from ..errors import SettingError, SynchError
+from ..gauge import balance
+from ..geometry.handles import handle_changes
+from ..graphs import components
+from ..matchings import after_turns
+from .constraints.groups import Links, from_leads
+from .guidance.potentials import potential
+
+# Weights count as at least this: what an edge of a needle asks for is not worth more change elsewhere.
+SMALLEST_WEIGHT = 1e-3
+# What keeps the Laplacian definite in single precision, as a share of its scale.
+SMALL_SHIFT = 1e-6
+# Of the solution against the right side, in each of two runs: the second mends what the first rounds.
+PRECISION, MAX_STEPS, RUNS = 1e-8, 400, 2
+# The same where calmed changes only lead to candidates: in one run, and without a hierarchy, whose making would take
+# longer than all the rest.
+ROUGH, ROUGH_STEPS = 1e-1, 100
+
+
+def check_share(share, name):
+    """Refuse what is no share, from 0 to 1, of what is called so."""
+    if isinstance(share, bool) or not isinstance(share, Real) or not 0 <= float(share) <= 1:
+        raise SettingError(f"{name} is {share!r}: give a share from 0 to 1")
+
+
+@dataclass(frozen=True)
+class Circulation:
+    """Sums of changes around faces.
+
+    Attributes
+    ----------
+    matrix : (s, c) CSR of ones and minus ones, from changes to sums; every change is in two sums at most
+    areas : (s,) of the face of each sum
+    """
+
+    matrix: csr_matrix
+    areas: np.ndarray
+
+
+def surface_circulation(mesh, matchings, count=1):
+    """Around the triangles that keep their sheet, for each of the phases of their first corner.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+    matchings : (e,) see :mod:`core.matchings`
+    count : phases at a vertex
+
+    Returns
+    -------
+    circulation : :class:`Circulation` of (count e,) changes, those of an edge one after the other
+    triangles : (f,) whose sums these are, ``count`` for each
+    """
+    units, turns = (
+        np.broadcast_to(np.eye(count), (mesh.triangle_count, count, count)),
+        np.zeros(mesh.triangle_count, int),
+    )
+    steps = []
+    for edges, signs in zip(mesh.triangle_edges.T, mesh.triangle_edge_signs.T, strict=True):
+        forward, matched = signs > 0, matchings[edges]
+        change = np.where(forward[:, None, None], units, -after_turns(units, matched[:, None]))
+        steps.append(after_turns(change, -turns[:, None]))
+        turns = turns + np.where(forward, matched, -matched)
+    kept = np.flatnonzero(turns % (2 * count) == 0)
+    # From (step, triangle, phase of the edge, phase of the corner) to a row for each phase of a corner.
+    values = np.stack(steps)[:, kept].transpose(1, 3, 0, 2).reshape(-1, 3 * count)
+    columns = (count * mesh.triangle_edges[kept, :, None] + np.arange(count)).reshape(-1, 3 * count)
+    columns = np.repeat(columns, count, axis=0)
+    starts = np.arange(0, columns.size + 1, 3 * count)
+    shape = (len(columns), count * len(mesh.edges))
+    matrix = csr_matrix((values.ravel(), columns.ravel(), starts), shape=shape)
+    matrix.eliminate_zeros()
+    return Circulation(matrix, np.repeat(mesh.areas[kept], count)), kept
+
+
+@dataclass(frozen=True)
+class Calming:
+    """What takes all holonomy out of changes, but for what has to be.
+
+    Attributes
+    ----------
+    correction : (c,) to be added to them
+    multipliers : (s,) y of the formula above
+    """
+
+    correction: np.ndarray
+    multipliers: np.ndarray
+
+
+def calming(circulation, holonomy, weights, known=None, precision=PRECISION):
+    """The :class:`Calming` of changes.
+
+    Parameters
+    ----------
+    circulation : Circulation
+    holonomy : (s,) sums of the changes
+    weights : (c,) of the changes
+    known : (c,) what constraints ask for less what the changes are, nan where they ask for nothing; optional
+
+    Raises
+    ------
+    SynchError
+        where the solve does not converge
+    """
+    softness = 1 / np.maximum(weights, SMALLEST_WEIGHT)
+    correction = np.zeros(len(weights))
+    if known is not None:
+        softness[~np.isnan(known)] = 0
+        correction = np.nan_to_num(known)
+        holonomy = holonomy + circulation.matrix @ correction
+    flow = (diags_array(softness) @ circulation.matrix.T).tocsr()
+    laplacian = (circulation.matrix @ flow).tocsr()
+    removed, follows = _removable(circulation, softness > 0, holonomy)
+    found = _solved(laplacian, removed, ~follows & (laplacian.diagonal() > 0), precision)
+    return Calming(correction - flow @ found, found)
+
+
+def _removable(circulation, free, holonomy):
+    """The holonomy less its means over the pieces on which free changes cannot alter the sum, and (s,) bool: one sum
+    of each of these, which follows from the others."""
+    matrix = circulation.matrix
+    count = matrix.shape[0]
+    usable = free[matrix.indices]
+    rows, columns, signs = (
+        np.repeat(np.arange(count), np.diff(matrix.indptr))[usable],
+        matrix.indices[usable],
+        matrix.data[usable],
+    )
+    order = np.argsort(columns, kind="stable")
+    twice = order[np.flatnonzero(np.diff(columns[order]) == 0)[:, None] + [0, 1]]
+    pieces = components(count, rows[twice])
+    once = np.ones(len(rows), bool)
+    once[twice] = False
+    is_open = np.bincount(pieces[rows[once]], minlength=pieces.max(initial=-1) + 1) > 0
+    # A sum that every change leaves: the two places of a change count with opposite signs.
+    turned, balanced = balance(count, rows[twice], signs[twice].prod(axis=1) > 0)
+    sealed = balanced & ~is_open[pieces]
+    sides = np.where(turned, -1.0, 1.0) * sealed
+    # A piece of needles has no area: each of its sums counts as much.
+    areas = np.where(np.bincount(pieces, circulation.areas)[pieces] > 0, circulation.areas, 1.0)
+    totals = np.bincount(pieces, sides * holonomy) / np.bincount(pieces, areas)
+    follows = np.zeros(count, bool)
+    follows[np.unique(np.where(sealed, pieces, -1), return_index=True)[1]] = True
+    return holonomy - sides * areas * totals[pieces], follows & sealed
+
+
+def _solved(matrix, right, wanted, precision):
+    """Solution in the wanted rows, zero in the others."""
+    result = np.zeros_like(right)
+    rows = np.flatnonzero(wanted)
+    if len(rows) == 0:
+        return result
+    scale = matrix.diagonal()[rows].mean()
+    matrix, right = (matrix[rows][:, rows] / scale).tocsr(), right[rows] / scale
+    if precision >= ROUGH:
+        result[rows] = cg(matrix, right, rtol=precision, maxiter=ROUGH_STEPS, M=diags_array(1 / matrix.diagonal()))[0]
+        return result
+    metric = definite_metric(Hierarchy(matrix, np.ones(len(rows)), 1), SMALL_SHIFT)
+    preconditioner = LinearOperator(matrix.shape, matvec=metric.solve)
+    for _ in range(RUNS):
+        residual = right - matrix @ result[rows]
+        step, failed = cg(matrix, residual, rtol=precision, maxiter=MAX_STEPS, M=preconditioner)
+        if failed:
+            raise SynchError(
+                "the least change that takes out the holonomy was not found: remove the mesh's flattest triangles"
+            )
+        result[rows] += step
+    return result
+
+
+def closed_in_solid(mesh, changes, known):
+    """The changes nearest to given ones that add up to nothing around every triangle of a solid.
+
+    They are those of a function, and turns around the solid's handles.
+
+    Parameters
+    ----------
+    mesh : TetMesh
+    changes : (e,) from the lower to the higher vertex
+    known : (e,) what constraints ask for less what the changes are, nan where they ask for nothing. What they ask for
+        around a handle, more than a function can, is left to the solve.
+    """
+    told = ~np.isnan(known)
+    i, j = mesh.edges.T
+    nothing = np.zeros(told.sum(), bool)
+    lead, values, _ = from_leads(mesh.vertex_count, Links(i[told], j[told], (changes + known)[told], nothing, nothing))
+    names = np.unique(lead, return_inverse=True)[1]
+    offsets = values[j] - values[i]
+
+    def nearest(wanted):
+        value = potential(mesh, wanted, names)
+        return value[j] - value[i]
+
+    closed = offsets + nearest(changes - offsets)
+    boundary, _ = mesh.boundary_surface
+    if boundary.euler_characteristic == 2 * (boundary.pieces.max() + 1):
+        return closed
+    handles = handle_changes(mesh, told)
+    handles = handles - np.column_stack([nearest(column) for column in handles.T] or [handles])
+    weighted = mesh.weights[:, None] * handles
+    return closed + handles @ np.linalg.solve(handles.T @ weighted, weighted.T @ (changes - closed))
+
+
+def known_turns(connection, fixed, merged):
+    """What constraints tell of the turns along edges, less what the edges ask for.
+
+    Parameters
+    ----------
+    connection : Connection on the circle
+    fixed : Targets without weights
+    merged : Merged
+
+    Returns
+    -------
+    (c,) radians in [-pi, pi), of the turn after a flip; nan where nothing is told
+    """
+    count = connection.node_count
+    # The group of fixed nodes is numbered like a node beyond the last.
+    group = np.full(count, -1)
+    turns, flips = np.zeros(count), np.zeros(count, bool)
+    group[merged.roots] = merged.roots
+    group[merged.nodes] = merged.roots
+    turns[merged.nodes], flips[merged.nodes] = _turns_and_flips(merged.transports)
+    group[fixed.nodes] = count
+    turns[fixed.nodes] = np.angle(fixed.values)
+    i, j = connection.edges.T
+    asked, edge_flips = _turns_and_flips(connection.transports)
+    told = (group[i] >= 0) & (group[i] == group[j])
+    told &= (group[i] == count) | (flips[j] == flips[i] ^ edge_flips)
+    turn = turns[j] - np.where(edge_flips, -turns[i], turns[i])
+    return np.where(told, wrap(turn - asked), np.nan)
+
+
+def _turns_and_flips(transports):
+    matrices = as_matrices(transports)
+    return np.arctan2(matrices[:, 1, 0], matrices[:, 0, 0]), np.linalg.det(matrices) < 0

@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The surface nearest to a mesh that can carry a field: manifold, wound consistently, without faces that have no area.
+
+Faces that cannot be part of a surface are left out. Where more than two meet in an edge, those that bend least stay
+joined; where faces of solids touch in an edge, each solid stays itself. Then vertices come apart into fans.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import minimum_spanning_tree
+
+from ..errors import name_elements
+from ..graphs import components
+from .check import FLAT_FACE, check_mesh, flat_faces
+from .cut import opened
+from .face_orientation import wound
+from .nonmanifold_pairing import joined_halves
+from .polygons import Polygons, alike_corners, first_alike
+from .triangle_mesh import TriangleMesh
+from .vertex_splitting import following, separated_fans
+
+# What is done about each kind of place, and its elements.
+KINDS = {
+    "lost_vertices": ("vertex", "no finite position", "their faces are left out"),
+    "flat_faces": ("face", "no area", "left out of the surface"),
+    "doubled_faces": ("face", "the same corners as another face", "they count once, and look like it"),
+    "non_manifold_edges": ("edge", "three or more faces", "those that bend least stay joined, others come apart"),
+    "pinched_vertices": ("vertex", "faces that touch only at this point", "they come apart"),
+    "turned_faces": ("face", "the opposite winding of their neighbours", "they count as turned over"),
+    "one_sided_edges": ("edge", "both sides of a one-sided surface", "it is open there, with the same on both sides"),
+}
+# Of which vertices have copies, each with values of its own.
+APART = ("non_manifold_edges", "pinched_vertices", "one_sided_edges")
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Where a carrier is not the mesh that was given.
+
+    Attributes
+    ----------
+    name : one of :data:`KINDS`
+    elements : (k,) numbers of vertices or faces, or (k, 2) ends of edges
+    """
+
+    name: str
+    elements: np.ndarray
+
+    @property
+    def kind(self):
+        """ "vertex", "edge" or "face" """
+        return KINDS[self.name][0]
+
+    @property
+    def line(self):
+        """What is there, and what is done about it."""
+        kind, what, done = KINDS[self.name]
+        count = len(self.elements)
+        if kind == "edge":
+            named = "the edge between vertices {} and {}".format(*self.elements[0])
+            named += f" and {count - 1} more" if count > 1 else ""
+        else:
+            named = name_elements(kind, self.elements)
+        return f"{named} {'has' if count == 1 else 'have'} {what}: {done}"
+
+
+@dataclass(frozen=True)
+class Carrier:
+    """A surface that carries fields, and how its elements belong to those of the mesh that was given.
+
+    Attributes
+    ----------
+    mesh : TriangleMesh
+    polygons : all faces that were given, with the triangles of those in the surface alone, in the order of ``mesh``
+    source : (n,) the given vertex that each vertex was: the given ones first, then their copies
+    own : (k,) vertex that stands for each given one: itself, or one at the same place
+    across : (s, 2) half-edges on the two sides along which a one-sided surface is open, from the same place each
+    findings : tuple of :class:`Finding`
+    """
+
+    mesh: TriangleMesh
+    polygons: Polygons
+    source: np.ndarray
+    own: np.ndarray
+    across: np.ndarray
+    findings: tuple[Finding, ...]
+
+    @property
+    def seam(self):
+        """(k, 2) vertices at the two sides along which a one-sided surface is open; no loop of them."""
+        return seam_ends(self.mesh, self.across)
+
+
+def carrier(mesh, polygons):
+    """The :class:`Carrier` of a mesh that :func:`check_mesh` refuses.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh of the polygons' triangles
+    polygons : Polygons
+
+    Raises
+    ------
+    MeshError
+        where no face is left
+    """
+    lost = ~np.isfinite(mesh.vertices).all(axis=1)
+    vertices = finite_places(mesh.vertices)
+    is_lost = np.logical_or.reduceat(lost[polygons.corner_vertices], polygons.starts)
+    is_flat = flat_faces(TriangleMesh(vertices, mesh.triangles), polygons.triangle_faces) | _meets_itself(polygons)
+    is_flat &= ~is_lost
+    own = _one_for_all(polygons, vertices, is_flat, is_lost)
+    polygons = replace(polygons, corner_vertices=own[polygons.corner_vertices])
+    first = _first_alike(polygons, ~is_lost & ~is_flat)
+    is_double = first != np.arange(len(first))
+    kept = ~(is_lost | is_flat | is_double)
+    if not kept.any():
+        check_mesh(mesh, polygons.triangle_faces)
+    rows = kept[polygons.triangle_faces]
+    faces, corners = polygons.triangle_faces[rows], polygons.triangle_corners[rows]
+    whole = TriangleMesh(vertices, own[mesh.triangles[rows]])
+    joins = joined_halves(whole, faces)
+    turned, seam = wound(whole, faces, joins)
+    corners = np.where(turned[faces, None], corners[:, ::-1], corners)
+    # The same half-edges where a triangle runs the other way round.
+    halves = np.where(turned[faces[joins // 3]], joins - joins % 3 + np.array([1, 0, 2])[joins % 3], joins)
+    surface, source = _in_fans(TriangleMesh(vertices, polygons.corner_vertices[corners]), faces, halves[~seam])
+    alike = alike_corners(polygons, first)
+    corner_vertices = polygons.corner_vertices.copy()
+    corner_vertices[corners] = surface.triangles
+    fans, counts = np.unique(separated_fans(whole.triangles)[0], return_counts=True)
+    found = {
+        "lost_vertices": np.flatnonzero(lost),
+        "flat_faces": np.flatnonzero(is_flat),
+        "doubled_faces": np.flatnonzero(is_double),
+        "non_manifold_edges": whole.edges[whole.edge_face_counts > 2],
+        "pinched_vertices": fans[counts > 1],
+        "turned_faces": np.flatnonzero(turned),
+        "one_sided_edges": whole.edges[np.unique(whole.triangle_edges.ravel()[joins[seam, 0]])],
+    }
+    return Carrier(
+        surface,
+        Polygons(corner_vertices[alike], polygons.starts, polygons.sizes, corners, faces, alike),
+        source,
+        own,
+        halves[seam],
+        tuple(Finding(name, elements) for name, elements in found.items() if len(elements)),
+    )
+
+
+def seam_ends(mesh, across):
+    """(k, 2) vertices of a mesh that (s, 2) half-edges join, in one way each: those of a :class:`Carrier`'s seam."""
+    pairs = mesh.triangles.ravel()[np.concatenate([across, following(across)])]
+    nodes, names = np.unique(pairs, return_inverse=True)
+    names = names.reshape(pairs.shape)
+    graph = coo_array((np.ones(len(pairs)), names.T), shape=(len(nodes),) * 2)
+    return np.sort(nodes[np.column_stack(minimum_spanning_tree(graph).nonzero())], axis=1)
+
+
+def finite_places(vertices):
+    """(n, 3) points, the first finite one in place of those that are not finite."""
+    finite = np.isfinite(vertices).all(axis=1)
+    return vertices if finite.all() else np.where(finite[:, None], vertices, vertices[np.argmax(finite)])
+
+
+def _one_for_all(polygons, vertices, is_flat, is_lost):
+    """(n,) the first of the vertices at one place that edges of flat faces join, which stands for all: the surface
+    closes where these faces were. Not where another face has two of them."""
+    ahead = np.arange(len(polygons.corner_vertices)) + 1
+    ahead[polygons.starts + polygons.sizes - 1] = polygons.starts
+    ends = np.column_stack([polygons.corner_vertices, polygons.corner_vertices[ahead]])
+    lengths = np.linalg.norm(np.diff(vertices[ends], axis=1)[:, 0], axis=1)
+    reach = np.maximum.reduceat(lengths, polygons.starts)[polygons.corner_faces]
+    joined = is_flat[polygons.corner_faces] & (lengths <= 2 * FLAT_FACE * reach)
+    places = components(len(vertices), ends[joined])
+    within = ~(is_flat | is_lost)[polygons.corner_faces]
+    twice = _met_twice(polygons.corner_faces[within], places[polygons.corner_vertices[within]])[1]
+    first = np.unique(places, return_index=True)[1]
+    return np.where(np.isin(places, twice), np.arange(len(places)), first[places])
+
+
+def _met_twice(faces, labels):
+    """Faces, and labels, where two corners of a face have the same label."""
+    order = np.lexsort((labels, faces))
+    faces, labels = faces[order], labels[order]
+    same = np.flatnonzero((faces[1:] == faces[:-1]) & (labels[1:] == labels[:-1]))
+    return faces[same], labels[same]
+
+
+def _meets_itself(polygons):
+    """(p,) bool: faces with a vertex twice."""
+    faces = _met_twice(polygons.corner_faces, polygons.corner_vertices)[0]
+    return np.bincount(faces, minlength=len(polygons.starts)) > 0
+
+
+def _first_alike(polygons, usable):
+    """(p,) the face that each usable face doubles, itself for others: one with the same corners, or with more that
+    covers all of its triangles."""
+    first = np.where(usable, first_alike(polygons, usable), np.arange(len(usable)))
+    rows = (usable & (first == np.arange(len(first))))[polygons.triangle_faces]
+    faces, triangles = polygons.triangle_faces[rows], np.sort(polygons.triangles[rows], axis=1)
+    labels = np.unique(triangles, axis=0, return_inverse=True)[1].reshape(-1)
+    order = np.lexsort((-faces, polygons.sizes[faces]))
+    covers = np.empty(labels.max(initial=-1) + 1, int)
+    covers[labels[order]] = faces[order]  # of several assignments the last one stays
+    low, high = np.full(len(first), len(first)), np.full(len(first), -1)
+    np.minimum.at(low, faces, covers[labels])
+    np.maximum.at(high, faces, covers[labels])
+    first = np.where(low == high, low, first)
+    return first[first]
+
+
+def _in_fans(mesh, faces, joins):
+    """The mesh with its vertices apart where no join holds their triangles together, and what each vertex was.
+
+    Two edges may join the same two vertices, or two triangles the same three, all in one fan each: faces there come
+    off, until no edge and no triangle has the vertices of another.
+    """
+    while True:
+        surface, source = opened(mesh, *np.concatenate([joins, joins[:, ::-1]]).T)
+        own = np.arange(3 * surface.triangle_count)
+        own[joins[:, 1]] = joins[:, 0]
+        edges = surface.triangle_edges.ravel()
+        first = np.full(len(surface.edges), len(edges))
+        np.minimum.at(first, edges, own)
+        alone = np.zeros(faces.max() + 1, bool)
+        alone[faces[np.flatnonzero(own != first[edges]) // 3]] = True
+        _, where, labels = np.unique(np.sort(surface.triangles, axis=1), axis=0, return_index=True, return_inverse=True)
+        alone[faces[where[labels.reshape(-1)] != np.arange(surface.triangle_count)]] = True
+        ends = faces[joins // 3]
+        loosened = (ends[:, 0] != ends[:, 1]) & alone[ends].any(axis=1)
+        if not loosened.any():
+            return surface, source
+        joins = joins[~loosened]

@@ -1,0 +1,303 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Many small pieces on the circle at once, as stacks of dense matrices: relaxed, proved and rounded like large ones.
+
+Most small pieces are tight: the best phases have the energy of the relaxation (22), and the multipliers of Eq. (22) at
+these phases prove it. So each is first polished from its smallest eigenvector (Eq. 19); where that cannot be proved to
+be best, the lifted field is sought (Eq. 24), in as many columns as rule out other local optima, and rounded.
+
+Fields are arrays of (k, N, c): c columns of each of the k pieces. For the descent they stand side by side.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...piece import NOISE
+from ..methods.certificate import ROUNDINGS
+from ..methods.descent import descend
+from ..methods.manifolds import Circles, Columns, gaussian
+from ..methods.rounding import CANDIDATE_SHIFT, FINAL_TOLERANCE, SAME_FIELD, TOLERANCE, random_directions
+from ..methods.stage import LIFTED_SHIFT
+from ..methods.staircase import AIMED_AT, WEAKEST_GAP
+from .arrays import (
+    OfLifted,
+    SideBySide,
+    apart,
+    as_columns,
+    diagonals,
+    longest_diagonal,
+    multipliers,
+    positive_inverse,
+    principal_columns,
+    set_unused,
+    side_by_side,
+    turning_hessian,
+    turning_laplacians,
+    unit_lifted,
+    with_diagonal,
+)
+
+# Nodes of a piece that is small, and numbers of the arrays that are worked on at once.
+LARGEST, AT_ONCE = 64, 1 << 21
+# The part of the multipliers that is taken off the metric of lifted fields.
+TAKEN_OFF = 0.9
+# The least eigenvalue of a Hessian that leads a descent, in units of the energy per mass.
+HESSIAN_SHIFT = 0.01
+# More than the least eigenvalue of any piece, which is about 1 at most.
+UNUSED = 1e2
+# Energy per mass that a metric can tell from none.
+LEAST_DENSITY = 1e-12
+# Steps of descents, at the start of each of which the metric is made anew, and of those of candidates.
+FIRST_STEPS, STEPS, CANDIDATE_STEPS = (10, 10), (10, 10, 60), 15
+# Those of lifted fields, after each of which a proof is tried: soon few are left.
+LIFTED_TOLERANCE = 1e-8
+LIFTED_STEPS = 10, 10, 10, 10, 20, 20, 40, 40, 80, 80, 160, 320
+# Projections that descend.
+KEPT = 16
+
+
+@dataclass(frozen=True)
+class SmallResult:
+    """What became of a stack.
+
+    ``fields`` (k, N, c), best first, the last of a piece's own again where it has fewer; ``lifted`` (k, N, r) in
+    principal columns; ``bounds`` (k,), all proved; ``reached`` (k,) bool, whether the target gap was; ``steps`` of
+    descents; ``out_of_time``, whether these are the best until time ran out.
+    """
+
+    fields: np.ndarray
+    lifted: np.ndarray
+    bounds: np.ndarray
+    reached: np.ndarray
+    steps: int
+    out_of_time: bool
+
+
+def smallest_eigenpairs(stack):
+    """(k,) smallest eigenvalues of (L, M) and (k, N, 1) eigenvectors."""
+    root = np.sqrt(stack.row_mass)
+    matrices = stack.matrices / (root[:, :, None] * root[:, None, :])
+    set_unused(matrices, stack, UNUSED)
+    held = np.flatnonzero(stack.grounds >= 0)
+    for row in range(1, stack.block):
+        at = stack.grounds[held] * stack.block + row
+        matrices[held, at, at] = UNUSED
+    values, vectors = np.linalg.eigh(matrices)
+    return np.maximum(values[:, 0], 0.0), vectors[:, :, :1] / root[:, :, None]
+
+
+def solve_small(stack, options, monitor, start=None):
+    """Relax, prove and round all pieces of a stack.
+
+    Parameters
+    ----------
+    stack : Stack on the circle
+    options : Options of the method sdp
+    monitor : Monitor
+    start : (k, N, 1) fields, optional: with the roundings "polish" and "continuation" those returned are what descent
+        reaches from there
+
+    Returns
+    -------
+    list of (numbers, SmallResult): which of the pieces, and what became of them
+    """
+    search, fields = _Search(stack, options, monitor), None
+    if start is not None and options.rounding in ("polish", "continuation"):
+        fields = search.polished(start, STEPS)
+    first = search.polished(smallest_eigenpairs(stack)[1], FIRST_STEPS)
+    reached = search.bounds(first, AIMED_AT * options.target_gap)[1]
+    easy, hard = np.flatnonzero(reached), np.flatnonzero(~reached)
+    results = []
+    if search.out_of_time:
+        results.append((np.arange(len(stack)), search.tight(first)))
+    elif len(easy):
+        results.append((easy, _Search(stack[easy], options, monitor).tight(first[easy])))
+    if len(hard) and not search.out_of_time:
+        results.append((hard, _Search(stack[hard], options, monitor).relaxed(first[hard])))
+    return results if fields is None else [(k, replace(found, fields=fields[k])) for k, found in results]
+
+
+def descended(stack, start, monitor):
+    """(k, N, 1) local optima that descent reaches from fields, its steps, and whether time ran out before."""
+    search = _Search(stack, None, monitor)
+    return search.polished(start, STEPS), search.steps, search.out_of_time
+
+
+class _Search:
+    """Descents of the fields of a stack, and proofs.
+
+    Attributes
+    ----------
+    steps : of all descents
+    out_of_time : whether one of them has ended before its time
+    """
+
+    def __init__(self, stack, options, monitor):
+        self._stack, self._options, self._monitor = stack, options, monitor
+        self._circles = Circles(stack.block)
+        self.steps, self.out_of_time = 0, False
+
+    def polished(self, fields, all_steps):
+        """Where descents lead from (k, N, 1) fields, each of some steps in the metric of the Hessian at its start."""
+        point = self._circles.normalize(side_by_side(fields))
+        for steps in all_steps:
+            metric = SideBySide(self._hessian_inverse(apart(point, len(self._stack))))
+            point = self._descended(point, metric, steps, FINAL_TOLERANCE)
+            if self.out_of_time:
+                break
+        return apart(point, len(self._stack))
+
+    def _descended(self, point, metric, steps, tolerance):
+        matrix = SideBySide(self._stack.matrices, longest_diagonal(self._stack))
+        return self._descend(matrix, self._circles, point, metric, steps, tolerance)
+
+    def _hessian_inverse(self, fields):
+        """(k, n, n) inverses of the Hessians in angles, their eigenvalues made positive."""
+        densities = _densities(self._stack, multipliers(self._stack, fields).sum(axis=1))
+        return positive_inverse(turning_hessian(self._stack, fields), HESSIAN_SHIFT * densities)
+
+    def tight(self, fields):
+        """The result of fields that have the energy of the relaxation."""
+        fields = self.polished(fields, STEPS[-1:])
+        bounds, reached = self.bounds(fields, AIMED_AT * self._options.target_gap)
+        return SmallResult(fields, fields, bounds, reached, self.steps, self.out_of_time)
+
+    def bounds(self, fields, gap):
+        """(k,) bounds at a relative gap from the energies of lifted fields, or within rounding, and (k,) bool: whether
+        this is proved. The others are zero, which always holds."""
+        stack, duals = self._stack, multipliers(self._stack, fields)
+        values = np.maximum(duals.sum(axis=1), 0.0)
+        noise = NOISE * np.count_nonzero(stack.used, axis=1)
+        aims = np.maximum(values - np.maximum(gap * values, noise), 0.0)
+        shift = LIFTED_SHIFT * _densities(stack, values)
+        mass = np.where(stack.used[:, :: stack.block], stack.mass, 0.0).sum(axis=1)
+        depth = np.maximum((duals.sum(axis=1) - aims) / (aims + shift * mass), 0.0)
+        share = 1 / (1 + depth)
+        bounds = share * duals.sum(axis=1) - (1 - share) * shift * mass
+        certain = self._is_definite(shift, duals, depth)
+        return np.where(certain, np.maximum(bounds, 0.0), 0.0), certain | (values <= noise)
+
+    def _is_definite(self, shift, duals, depth):
+        """(k,) bool: whether S + depth A is positive definite, A = L + shift M (see :mod:`..methods.certificate`).
+
+        Scaled to a unit diagonal of L the spectrum's error is that of rounding in units of 1: it is taken off first.
+        """
+        stack = self._stack
+        matrices = (1 + depth)[:, None, None] * stack.matrices
+        diagonal = diagonals(stack)
+        added = (depth * shift)[:, None] * stack.row_mass - np.repeat(duals, stack.block, axis=1)
+        hidden = np.finfo(float).eps * (1 + ROUNDINGS) * matrices.shape[1]
+        matrices = with_diagonal(matrices, added - hidden * diagonal)
+        scale = 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+        matrices *= scale[:, :, None] * scale[:, None, :]
+        set_unused(matrices, stack, 1.0)
+        return np.linalg.eigvalsh(matrices)[:, 0] > 0
+
+    def relaxed(self, found):
+        """The result of lifted fields, and of what they round to, beside (k, N, 1) fields that were found before."""
+        stack, options = self._stack, self._options
+        random = np.random.default_rng(options.seed)
+        point = gaussian((*stack.used.shape, self._rank), stack.is_complex, random)
+        held = np.flatnonzero(stack.grounds >= 0)
+        for row in range(1, stack.block):  # unused
+            point[held, stack.grounds[held] * stack.block + row] = 0
+        point = unit_lifted(stack, point)
+        values = multipliers(stack, found).sum(axis=1)
+        bounds, going = np.zeros(len(stack)), np.arange(len(stack))
+        tolerance = LIFTED_TOLERANCE * options.target_gap
+        for steps in LIFTED_STEPS:
+            part = _Search(stack[going], options, self._monitor)
+            point[going] = part.lifted_descent(point[going], values[going], steps, tolerance)
+            self.steps, self.out_of_time = self.steps + part.steps, part.out_of_time
+            bounds[going], reached = part.bounds(point[going], AIMED_AT * options.target_gap)
+            going = going[~reached]
+            if len(going) == 0 or self.out_of_time:
+                break
+        is_reached = np.ones(len(stack), bool)
+        is_reached[going] = False
+        for gap in options.target_gap * 10.0 ** np.arange(1, 1 + int(np.log10(WEAKEST_GAP / options.target_gap))):
+            if len(going):
+                bounds[going], reached = _Search(stack[going], options, self._monitor).bounds(point[going], gap)
+                going = going[~reached]
+        lifted = principal_columns(stack, point)
+        fields = found if self.out_of_time else self._rounded(lifted, found, random)
+        return SmallResult(fields, unit_lifted(stack, lifted), bounds, is_reached, self.steps, self.out_of_time)
+
+    @property
+    def _rank(self):
+        """Columns from which on a lifted field has no other local optima in general (Barvinok and Pataki)."""
+        size = self._stack.mass.shape[1]
+        return int(np.ceil(np.sqrt(size) if self._stack.is_complex else np.sqrt(2 * size))) + 1
+
+    def lifted_descent(self, point, values, steps, tolerance):
+        """Where a descent of lifted fields leads, in a metric with most of the multipliers taken off.
+
+        Parameters
+        ----------
+        point : (k, N, r)
+        values : (k,) energies that are not far below those of the relaxation
+        steps, tolerance : see :func:`.descent.descend`
+        """
+        stack = self._stack
+        duals = multipliers(stack, point)
+        shift = LIFTED_SHIFT * _densities(stack, np.minimum(duals.sum(axis=1), values))[:, None]
+        lowered = (1 - TAKEN_OFF) * shift * stack.row_mass - TAKEN_OFF * np.repeat(duals, stack.block, axis=1)
+        inverse = positive_inverse(with_diagonal(stack.matrices, lowered), (1 - TAKEN_OFF) * shift[:, 0])
+        matrix = OfLifted(stack.matrices, longest_diagonal(stack))
+        spheres = Columns(as_columns(point[:1]).shape[0] // stack.mass.shape[1])
+        return matrix.fields(self._descend(matrix, spheres, as_columns(point), OfLifted(inverse), steps, tolerance))
+
+    def _descend(self, matrix, spheres, point, metric, steps, tolerance):
+        descent = descend(matrix, spheres, point, metric, tolerance, steps, self._monitor)
+        self.steps += descent.steps
+        self.out_of_time |= descent.out_of_time
+        return descent.point
+
+    def _rounded(self, lifted, found, random):
+        """(k, N, c) fields of lifted ones, best first (Section 4.5)."""
+        stack, options = self._stack, self._options
+        if options.rounding == "svd":
+            return self._normalized(lifted[:, :, :1])
+        directions = random_directions(stack.is_complex, lifted.shape[2], options.samples, random)
+        fields = self._best(self._normalized(lifted @ directions), KEPT)
+        if options.rounding == "random":
+            return fields
+        point = side_by_side(np.concatenate([fields, found], axis=2))
+        metric = SideBySide(positive_inverse(turning_laplacians(stack), self._shifts(lifted)))
+        fields = self._best(apart(self._descended(point, metric, CANDIDATE_STEPS, TOLERANCE), len(stack)), KEPT)
+        fields[:, :, :1] = self.polished(fields[:, :, :1], STEPS)
+        return self._distinct(fields)
+
+    def _shifts(self, lifted):
+        return CANDIDATE_SHIFT * _densities(self._stack, multipliers(self._stack, lifted).sum(axis=1))
+
+    def _normalized(self, fields):
+        return apart(self._circles.normalize(side_by_side(fields)), len(self._stack))
+
+    def _best(self, fields, count):
+        """The ``count`` fields of least energy of each piece, best first."""
+        order = np.argsort(self._energies(fields), axis=1, kind="stable")[:, :count]
+        return np.take_along_axis(fields, order[:, None, :], axis=2)
+
+    def _energies(self, fields):
+        """(k, c)"""
+        return (np.conj(fields) * (self._stack.matrices @ fields)).real.sum(axis=1)
+
+    def _distinct(self, fields):
+        """Fields without those that agree with a better one but for a turn; the last again where few are left."""
+        stack = self._stack
+        fields = self._best(fields, fields.shape[2])
+        used = np.where(stack.used[:, :, None], fields, 0)
+        sizes = np.count_nonzero(stack.used, axis=1) / stack.block
+        agreement = np.abs(np.conj(used).swapaxes(1, 2) @ used) / sizes[:, None, None]
+        kept = np.ones(fields.shape[::2], bool)
+        for column in range(1, fields.shape[2]):
+            kept[:, column] = ~((agreement[:, column, :column] > SAME_FIELD) & kept[:, :column]).any(axis=1)
+        order, counts = np.argsort(~kept, axis=1, kind="stable"), kept.sum(axis=1)
+        order = np.take_along_axis(order, np.minimum(np.arange(counts.max()), counts[:, None] - 1), axis=1)
+        return np.take_along_axis(fields, order[:, None, :], axis=2)
+
+
+def _densities(stack, values):
+    """(k,) energies per mass, positive; the mean mass is 1, and so is the mean diagonal."""
+    return np.maximum(values * stack.block / np.count_nonzero(stack.used, axis=1), LEAST_DENSITY)

@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lower bounds on the optimum, from the dual of the semidefinite relaxation (Eqs. 22, 23).
+
+With lambda_i = Re<Y_i, (L Y)_i>, of frames symmetric blocks, the slack is S = L - diag(lambda). If S + t A is positive
+semidefinite for A = L + shift M, then (lambda - t shift m) / (1 + t) is feasible for the dual, since
+
+    L - diag(lambda - t shift m) / (1 + t) = (S + t A) / (1 + t),
+
+and its sum bounds the optimum of (22), hence of (18), from below. Measuring the slack in A rather than
+in M makes the loss relative: it is about t times the energy, where a localized negative direction
+of S would cost the M-bound the whole domain's mass.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import eigh
+
+from ...algebra.blocks import block_diagonal, on_rows, times, traces, with_diagonal
+from ...algebra.factorization import front_width, is_positive_definite
+from ...errors import SynchError
+from ...memory import room
+from .memory_estimate import proof_bytes
+
+# A factorization in double precision is tried as a proof up to this many rows, and rows of a front, of complex numbers
+# (True) or of real ones: some ten seconds.
+LARGEST_PROOF, WIDEST_PROOF = 400_000, {True: 1_000, False: 1_600}
+# In solids, whose fronts have more nodes than this many roots of all nodes (on surfaces up to 4.04 were seen), no order
+# of elimination is much better than a sweep: a proof takes as long as about rows * width^2 / (25 nnz) products of L
+# with all columns (measured, within a factor of 2, from 6k to 30k rows), against some 400 for the relaxation. It is
+# tried up to a thousand.
+SURFACE_FRONT, LONGEST_SWEEP = 4.1, 25_000
+# Rounding of a row in a factorization, in units of the diagonal's last digit: so many for each row of a front.
+ROUNDINGS = 4
+# Rows up to which the space that is searched for negative directions is kept in double precision.
+DOUBLE_BASIS = 50_000
+# Directions in that space at least and at most, and the error at which one is as good as exact.
+FEWEST_STEPS, MOST_STEPS = 20, 60
+CONVERGED = 1e-6
+# Share of the lifted field's square below which a principal column counts for nothing.
+NEGLIGIBLE = 1e-6
+# Length of what rounding may leave of the others in a vector made orthogonal to them: far from a singular space.
+LARGEST_OVERLAP = 1e-2
+
+
+@dataclass(frozen=True)
+class Slack:
+    """The most negative directions of S relative to A, from a search space.
+
+    ``depth`` is the estimate of the smallest t with S >= -t A, ``error`` the distance to an eigenvalue
+    by its residual, ``directions`` (N, k) the directions below zero, most negative first.
+    """
+
+    depth: float
+    error: float
+    directions: np.ndarray
+
+
+def lower_bound(piece, shift, duals, depth):
+    """Value of the dual point that is feasible when S + depth A is positive semidefinite."""
+    share = 1 / (1 + depth)
+    return float(piece.held.sum((share * traces(duals) - (1 - share) * shift * piece.width * piece.mass).sum()))
+
+
+def depth_for_bound(piece, shift, duals, bound):
+    """The depth at which :func:`lower_bound` is ``bound``."""
+    return float((piece.held.sum(traces(duals).sum()) - bound) / (bound + shift * piece.total_mass))
+
+
+def measure_slack(workspace, shift, metric, point, duals, random, monitor, enough=-np.inf, count=2):
+    """Most negative directions of S relative to A, by a generalized Davidson method.
+
+    With W = A - S, a diagonal, these are the largest eigenvalues of W x = mu A x, mu = 1 + depth. Near the optimum S Y
+    vanishes, so that the columns of Y have mu = 1 already; what lies beside them is searched. The search space
+    grows by the preconditioned residual of its best direction; with an exact inverse it is the Krylov space of
+    Lanczos. The steps are few: the spectrum is dense near mu = 1, so that waiting for a converged eigenvector would be
+    in vain. A direction that they do not come near stays unseen: this is an estimate, on which no proof rests.
+
+    Parameters
+    ----------
+    workspace : Workspace
+    shift : of A
+    metric : whose inverse leads the search, best one near S
+    point : (N, r) lifted field Y
+    duals : (nodes,) lambda, or (nodes, d, d) of frames
+    random : numpy Generator
+    monitor : Monitor
+    enough : depth plus error below which the search may end early
+    count : directions to return at most
+    """
+    piece = workspace.piece
+    size = piece.matrix.shape[0]
+    matrix = workspace.matrix if size <= DOUBLE_BASIS else workspace.stages[0].matrix
+    free = size - len(piece.unused_rows)
+    steps = min(MOST_STEPS, free)
+    masses = shift * piece.row_mass
+    weight = with_diagonal(on_rows(duals, piece.block), masses)
+    space = _Space(matrix, masses, weight, point.shape[1] + steps, piece.held)
+    squares, rotation = eigh(piece.held.sum(point.conj().T @ point))
+    for column in (point @ rotation[:, squares > NEGLIGIBLE * squares[-1]]).T:
+        space.add(column)
+    known = space.filled
+    vector = random.standard_normal(len(point)).astype(matrix.dtype)
+    vector[piece.unused_rows] = 0
+    vector = metric.solve(times(space.weight, vector))
+    for step in range(1, steps + 1):
+        monitor.check()
+        if not space.add(vector):
+            break
+        (value,), (direction,) = space.best(known, 1)
+        residual = space.residual(value, direction)
+        vector = metric.solve(residual)
+        error = space.length(residual, vector)
+        if error < CONVERGED or (step >= FEWEST_STEPS and max(value - 1, 0) + error <= enough):
+            break
+    if space.filled == known < free:  # rounding let nothing in: nothing is known of the rest
+        return Slack(0.0, np.inf, np.zeros((len(point), 0), matrix.dtype))
+    (largest,), best = space.best(0, 1)
+    values, directions = space.best(known, count)
+    measure = workspace.stages[0].metric(shift)
+    reach = []
+    for value, direction in zip([largest, *values[:1]], [*best, *directions[:1]], strict=True):
+        residual = space.residual(value, direction)
+        reach.append(value + space.length(residual, measure.solve(residual)))
+    return Slack(float(largest - 1), float(max(reach) - largest), directions[values > 1].T)
+
+
+class _Space:
+    """Vectors v, orthogonal in A as far as the precision of L allows, with W and A seen in them.
+
+    Parameters
+    ----------
+    matrix : (N, N) L
+    masses : (N,) diagonal of A - L
+    weight : W, (N,) or in blocks
+    capacity : vectors at most
+    held : what adds up over all who hold rows
+    """
+
+    def __init__(self, matrix, masses, weight, capacity, held):
+        real = np.finfo(matrix.dtype).dtype
+        self._matrix, self._masses, self.weight = matrix, masses.astype(real), weight.astype(real)
+        self._vectors = np.empty((capacity, len(masses)), matrix.dtype)
+        self._weighted, self._measured = np.zeros((2, capacity, capacity), matrix.dtype)
+        self._held, self.filled = held, 0
+
+    def _apply(self, vector):
+        return self._matrix @ vector + self._masses * vector
+
+    def add(self, vector):
+        """Add what a vector has beside the others; False where that drowns in rounding."""
+        vectors = self._vectors[: self.filled]
+        vector = vector.astype(self._vectors.dtype)
+        vector -= self._inner(vectors, self._apply(vector)) @ vectors
+        image = self._apply(vector)
+        square = self._held.sum(np.vdot(vector, image).real)
+        if not square > 0:
+            return False
+        image /= np.sqrt(square)
+        overlaps = self._inner(vectors, image)
+        if np.linalg.norm(overlaps) > LARGEST_OVERLAP:
+            return False
+        added = self._vectors[self.filled] = vector / np.sqrt(square)
+        self.filled += 1
+        for seen, other in ((self._weighted, times(self.weight, added)), (self._measured, image)):
+            seen[: self.filled, self.filled - 1] = self._inner(self._vectors[: self.filled], other)
+            seen[self.filled - 1, : self.filled] = seen[: self.filled, self.filled - 1].conj()
+        return True
+
+    def best(self, start, count):
+        """The ``count`` largest mu in the space of all vectors from one on, and their directions in rows."""
+        part = slice(start, self.filled)
+        values, combinations = eigh(self._weighted[part, part], self._measured[part, part])
+        return values[::-1][:count], combinations[:, ::-1][:, :count].T @ self._vectors[part]
+
+    def residual(self, value, direction):
+        """(W - mu A) times a direction."""
+        return times(self.weight, direction) - self._masses.dtype.type(value) * self._apply(direction)
+
+    def length(self, residual, solved):
+        """Length of a residual in the inverse metric that solved it; infinite where that is not positive."""
+        square = float(self._held.sum(np.vdot(residual, solved).real))
+        return np.sqrt(square) if square >= 0 else np.inf
+
+    def _inner(self, vectors, other):
+        """(k,) inner products of (k, N) vectors with another one, without a conjugated copy of them."""
+        return self._held.sum((vectors @ other.conj()).conj())
+
+
+def provable_width(piece, long_proofs=False):
+    """Rows of the widest front if a proof by factorization is affordable, in time, or however long it takes, and in
+    memory, otherwise None."""
+    rows = piece.matrix.shape[0]
+    if not piece.held.is_whole or (rows > LARGEST_PROOF and not long_proofs):
+        return None
+    width = front_width(piece.matrix)
+    is_solid = width / piece.block > SURFACE_FRONT * np.sqrt(piece.node_count)
+    is_long = width > WIDEST_PROOF[piece.is_complex]
+    is_long |= is_solid and rows * width**2 > LONGEST_SWEEP * piece.matrix.nnz
+    if (is_long and not long_proofs) or proof_bytes(rows, width, piece.is_complex) > room().usable:
+        return None
+    return width
+
+
+def prove(piece, shift, duals, depth, width):
+    """Whether S + depth A is positive definite, by the inertia of a factorization in double precision.
+
+    What rounding may hide is taken off the diagonal first: it grows with the entries that were summed for a row of
+    L, and with the length of a factor's column, at most the ``width`` of the fronts.
+    """
+    added = with_diagonal(-on_rows(duals, piece.block), depth * shift * piece.row_mass)
+    hidden = np.finfo(float).eps * (np.diff(piece.matrix.indptr) + ROUNDINGS * width)
+    added = with_diagonal(added, -hidden * piece.matrix.diagonal().real)
+    try:
+        return is_positive_definite(piece.matrix * (1 + depth) + block_diagonal(added))
+    except SynchError:  # no memory for it
+        return False

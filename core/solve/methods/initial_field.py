@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A first field, long before the relaxation is solved: found on a coarse stage, brought to the finest and polished.
+
+A lifted field that descends on the coarse stages is near the relaxation's solution there. Projections of it that are
+diffused and polished on a stage with a ninth of the nodes cost little, and the best one, prolonged along the
+transports, needs a few steps. They go in the metric of fields, which the workspace has: that of turns would first have
+to be made.
+"""
+
+from functools import partial
+
+import numpy as np
+
+from . import rounding
+from .descent import descend
+from .diffusion import diffuse
+from .manifolds import CirclesByFields, random_columns
+from .stage import LIFTED_SHIFT
+
+# The shift of the metric that finds the first smooth point, as a share of the stiffness.
+FIRST_SHIFT = 1e-3
+# Nodes of the smallest stage that is solved on the way, and the tolerance of lifted descents on coarser stages.
+SMALLEST_START = 300
+COARSE_TOLERANCE = 3e-3
+# Of a first field: steps of those descents, projections, those of them that are diffused and that are polished; steps
+# of polishing on the coarse stage and on the finest. With half the projections energies are up to 6 % higher.
+LIFTED_STEPS = 5
+PROJECTIONS, DIFFUSED, POLISHED = 32, 12, 6
+COARSE_STEPS, FINE_STEPS, TOLERANCE = 8, 8, 1e-4
+
+
+def coarse_field(workspace, rank, random, monitor, steps):
+    """A smooth lifted field, solved for on the coarser stages one after the other.
+
+    Parameters
+    ----------
+    workspace : Workspace
+    rank : columns
+    random : numpy Generator
+    monitor : Monitor
+    steps : of descent on each stage at most
+
+    Returns
+    -------
+    stage : the finest of the coarser stages that have not too few nodes, or the piece itself
+    point : (N, rank) lifted field on it
+    """
+    piece, stages = workspace.piece, [workspace.stages[0]]
+    point = random_columns(piece, rank, random)
+    for stage in workspace.stages[1:]:
+        if stage.node_count < SMALLEST_START:
+            break
+        stages.append(stage)
+        point = stage.restrict(point)
+    stage = stages[-1]
+    point = _smooth(piece, stage, stage.lifted.normalize(point.astype(stage.matrix.dtype)))
+    for finer in stages[-2::-1]:
+        metric = monitor.during(partial(stage.metric, stage.shift_at(point)))
+        point = descend(stage.matrix, stage.lifted, point, metric, COARSE_TOLERANCE, steps, monitor).point
+        if finer is workspace.stages[0]:
+            break
+        stage, point = finer, finer.lifted.normalize(stage.prolong(point))
+    return stage, point
+
+
+def _smooth(piece, stage, point):
+    """A smooth field from a rough one.
+
+    The shift has to be small against the energy per mass, which only the smooth field tells: a first metric
+    with a guessed shift finds it.
+    """
+    density = FIRST_SHIFT * piece.stiffness / LIFTED_SHIFT
+    for _ in range(2):
+        metric = stage.metric(LIFTED_SHIFT * density)
+        for _ in range(2):
+            point = stage.lifted.normalize(metric.solve(point))
+        density = stage.density(point)
+    return point
+
+
+def first_field(workspace, rank, seed, monitor):
+    """(N * width, 1) field whose energy is some percent above that of the whole solve.
+
+    Parameters
+    ----------
+    workspace : Workspace
+    rank : columns of the lifted field that it comes from
+    seed : int
+    monitor : Monitor
+    """
+    random = np.random.default_rng(seed)
+    stage, lifted = coarse_field(workspace, rank, random, monitor, LIFTED_STEPS)
+    density = stage.density(lifted)
+    directions = rounding.random_directions(stage.is_complex, rank, PROJECTIONS - 1, random, stage.width)
+    columns = rounding.projections(stage, lifted, directions, DIFFUSED, monitor)
+    if density > 0:  # a fit that rounding tells from a perfect one
+        columns = diffuse(stage, columns, rounding.metrics(stage, rounding.TIMES[:2], density), 1, monitor)
+    columns = _polished(stage, rounding.lowest(stage, columns, POLISHED), density, COARSE_STEPS, monitor)
+    finest = workspace.stages[0]
+    if stage is not finest:
+        rows = columns[:, :1].reshape(stage.matrix.shape[0], -1)
+        columns = finest.candidates.normalize(stage.prolong(rows).reshape(-1, 1))
+    return _polished(finest, columns[:, :1], density, FINE_STEPS, monitor)
+
+
+def _polished(stage, columns, density, steps, monitor):
+    """Columns after some steps of descent in the metric of fields, best first."""
+    if stage.flips is not None:
+        return rounding.lowest(stage, stage.flips.descended(columns), columns.shape[1])
+    spheres = CirclesByFields(stage.block) if stage.is_circle else stage.candidates
+    metric = monitor.during(partial(stage.metric, rounding.CANDIDATE_SHIFT * density))
+    found = descend(stage.matrix, spheres, columns, metric, TOLERANCE, steps, monitor)
+    return np.take(found.point, np.argsort(found.values, kind="stable"), axis=1)

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Spectral relaxation: the smallest eigenvector of (L, M), normalized (Eqs. 19, 20)."""
+
+import numpy as np
+from scipy.sparse import diags_array
+from scipy.sparse.linalg import LinearOperator, eigsh, lobpcg
+
+from ...algebra.factorization import factorize
+from ...algebra.metric import SMALLEST_SHIFT, Hierarchy, definite_metric
+from .certificate import provable_width
+
+# Vectors that are sought together by multigrid, of which the smallest counts, the steps at most, and the residual at
+# which it is found, at a mean diagonal and a mean mass of 1: phases count even where the vector is tiny.
+BLOCK = 4
+MAX_STEPS = 600
+RESIDUAL = 1e-11
+
+
+def smallest_eigenpair(piece, seed):
+    """Smallest generalized eigenvalue of (L, M) and its eigenvector, by shift-inverted Lanczos.
+
+    Where a factorization is too much, as in most solids, by LOBPCG with the multigrid cycle as preconditioner.
+    Of frames the mean of as many eigenvalues as these have columns, and (N * width,) of their eigenvectors together.
+    ``piece.total_mass * eigenvalue`` is the spectral lower bound of Eq. (23).
+    """
+    values, vectors = _smallest_eigenpairs(piece, seed)
+    order = np.argsort(values, kind="stable")[: piece.width]
+    return max(float(values[order].mean()), 0.0), np.take(vectors, order, axis=1).ravel()
+
+
+def _smallest_eigenpairs(piece, seed):
+    """(c,) eigenvalues and (N, c) eigenvectors, the smallest of them among others."""
+    size = piece.matrix.shape[0]
+    mass = diags_array(piece.row_mass).tocsr()
+    if size < 16:
+        return _dense_eigenpair(piece)
+    if provable_width(piece) is None:
+        return _by_multigrid(piece, seed)
+    shift = SMALLEST_SHIFT * piece.stiffness
+    lu = factorize(piece.matrix + shift * mass, single=False)
+    dtype = piece.matrix.dtype
+    inverse = LinearOperator((size, size), matvec=lambda x: lu.solve(x.astype(dtype)), dtype=dtype)
+    start = np.random.default_rng(seed).standard_normal(size).astype(dtype)
+    start[piece.unused_rows] = 0
+    return eigsh(piece.matrix, k=piece.width, M=mass, sigma=-shift, OPinv=inverse, v0=start, tol=1e-9)
+
+
+def _dense_eigenpair(piece):
+    root = np.sqrt(piece.row_mass)
+    values, vectors = np.linalg.eigh(piece.matrix.toarray() / root[:, None] / root)
+    return values, vectors / root[:, None]
+
+
+def _by_multigrid(piece, seed):
+    scaled, weight = piece.scaled()
+    size, dtype = scaled.matrix.shape[0], scaled.matrix.dtype
+    metric = definite_metric(Hierarchy(scaled.matrix, scaled.row_mass, scaled.block, scaled.ground), SMALLEST_SHIFT)
+    inverse = LinearOperator((size, size), matvec=metric.solve, matmat=metric.solve, dtype=dtype)
+    start = np.random.default_rng(seed).standard_normal((size, max(BLOCK, piece.width + 1))).astype(dtype)
+    start[piece.unused_rows] = 0
+    mass = diags_array(scaled.row_mass).tocsr()
+    values, vectors = lobpcg(scaled.matrix, start, B=mass, M=inverse, tol=RESIDUAL, maxiter=MAX_STEPS, largest=False)
+    return values * weight / piece.mass.mean(), vectors

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A pattern on each frame of a moving surface, each frame solved from the one before."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..errors import Cancelled, SynchError
+from ..fields.animation import is_moved
+from ..geometry import TriangleMesh
+from ..geometry.polygons import Polygons
+from ..interpolate import EdgePhases
+from ..monitor import portion
+from .surfaces import SurfaceRequest, SurfaceResult
+
+# The first frame is searched for; the others only go on: its share of the work, in theirs.
+_FIRST = 4
+
+
+@dataclass(frozen=True)
+class FramesRequest:
+    """A pattern that is asked for in frames.
+
+    Attributes
+    ----------
+    frames : their numbers
+    requests : what is asked in each
+    hold : how strongly the phases are drawn to those of the frame before; 0 for not at all
+    """
+
+    frames: tuple[int, ...]
+    requests: tuple[SurfaceRequest, ...]
+    hold: float
+
+    @property
+    def shared(self):
+        """The meshes of the first frame."""
+        return self.requests[0].shared
+
+    def solve(self, progress=None):
+        """The :class:`FramesResult`; errors as of :meth:`SurfaceRequest.solve`, by frame."""
+        work = len(self.requests) + _FIRST - 1
+        mesh = self.requests[0].given.mesh
+        found = first = self._solved(self.frames[0], self.requests[0], None, portion(progress, 0.0, _FIRST / work))
+        kept = [_kept(self.frames[0], self.requests[0], first, None, mesh)]
+        for place in range(1, len(self.requests)):
+            number, request, before = self.frames[place], fresh(self.requests[place]), found
+            part = portion(progress, (_FIRST + place - 1) / work, 1 / work)
+            found = self._solved(number, request, before, part)
+            kept.append(_kept(number, request, found, before, mesh))
+        return FramesResult(tuple(kept), first)
+
+    def _solved(self, number, request, before, progress):
+        """Directions and pattern of a frame, from those of the frame before, if they are of the same triangles."""
+        ask = None if progress is None else _named(progress, number)
+        if before is not None and not is_moved(before.field.mesh, request.given.mesh):  # other edges were cut
+            before = None
+        field, pattern = (None, None) if before is None else (before.field, before.pattern)
+        try:
+            following = request.directed(portion(ask, 0.0, 0.4), field)
+            return request.along(following, portion(ask, 0.4, 0.6), pattern, self.hold)
+        except SynchError as error:
+            raise in_frame(number, error) from None
+
+
+@dataclass(frozen=True)
+class Frame:
+    """What is kept of a solved frame.
+
+    Attributes
+    ----------
+    number : of the frame
+    edge_phases : EdgePhases on the first frame's mesh, whose places do not count
+    polygons : Polygons that are drawn
+    directions : (n, 3) float32 unit vectors in the object's space
+    figures : for the report
+    """
+
+    number: int
+    edge_phases: EdgePhases
+    polygons: Polygons
+    directions: np.ndarray
+    figures: dict
+
+
+@dataclass(frozen=True)
+class FramesResult:
+    """What was found in frames.
+
+    Attributes
+    ----------
+    frames : of each
+    first : SurfaceResult of the first one
+    """
+
+    frames: tuple[Frame, ...]
+    first: SurfaceResult
+
+
+def in_frame(number, error):
+    """An error with its frame."""
+    return error if isinstance(error, Cancelled) else SynchError(f"frame {number}: {error}", error.vertices)
+
+
+def _named(callback, number):
+    """A callback that says which frame it is."""
+    return lambda stage, fraction: callback(f"frame {number}: {stage}", fraction)
+
+
+def fresh(request):
+    """The request on meshes of its own, which do not keep all that is computed of them."""
+    given = request.given
+    uncut = TriangleMesh(given.uncut.vertices, given.uncut.triangles)
+    mesh = uncut if given.mesh is given.uncut else TriangleMesh(given.mesh.vertices, given.mesh.triangles)
+    return replace(request, given=replace(given, mesh=mesh, uncut=uncut))
+
+
+def _kept(number, request, found, before, shared):
+    phases = found.pattern.edge_phases
+    if is_moved(shared, phases.mesh):
+        phases = replace(phases, mesh=shared)
+    figures = {
+        "frame": number,
+        "energy": found.pattern.energy,
+        "direction_energy": found.field.energy,
+        "disclinations": len(found.field.disclinations),
+        "dislocations": len(found.pattern.dislocations),
+        "change": None if before is None else _change(before.pattern, found.pattern),
+    }
+    directions = request.given.to_object(found.field.vectors).astype(np.float32)
+    return Frame(number, phases, request.given.polygons, directions, figures)
+
+
+def _change(before, pattern):
+    """Mean difference of what is seen at the vertices."""
+    if len(before.vertex_phases) != len(pattern.vertex_phases):
+        return None
+    seen = [np.cos(shown.vertex_phases).prod(axis=1) for shown in (before, pattern)]
+    return float(np.abs(seen[1] - seen[0]).mean())

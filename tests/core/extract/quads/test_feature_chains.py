@@ -1,0 +1,132 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Boundaries, sharp edges and corners of the surface stay edges and vertices of its quad mesh."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from synch_fields.bench.meshes import read_obj
+from synch_fields.core.extract.quads.features.chains import on_features
+from synch_fields.core.extract.quads.features.feature_lines import FeatureLines
+from synch_fields.core.extract.quads.measure.quality import corner_angles
+from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
+from synch_fields.core.fields import direction_field, quad_pattern
+from synch_fields.core.fields.constraints.features import line_corners
+from synch_fields.core.geometry import TriangleMesh
+
+from ...meshes import SHARED, cube, cylinder, double_torus, grid_quads
+from ...sharp import chamfered_cube, distances_from_edges, flat_cells, kept_quads, plate, polygon, samples
+from ...topology import euler, is_surface
+
+# Of a quad's side.
+ON_CHAIN = 0.02
+# Shape, spacing, and curvature of its bent lines.
+SHAPES = [
+    pytest.param(plate, 0.08, 1 / 0.22, id="plate"),
+    pytest.param(lambda: cylinder(1.0, 2.0, 96, 40), 0.2, 1.0, id="open-cylinder"),
+    pytest.param(chamfered_cube, 0.16, 0.0, id="chamfered-cube"),
+    pytest.param(chamfered_cube, 0.1, 0.0, id="chamfered-cube-fine"),
+    *(
+        pytest.param(lambda share=share: chamfered_cube(16, share * 0.1 / np.sqrt(2)), 0.2, 0.0, id=f"chamfer-{share}")
+        for share in (0.3, 0.45, 0.9)
+    ),
+    pytest.param(lambda: cube(20), 0.163, 0.0, id="cube"),
+    pytest.param(lambda: double_torus(3), 0.81, 0.0, id="double-torus"),
+    pytest.param(lambda: flat_cells([(0, 0), (1, 0), (0, 1)], 12), 0.326, 0.0, id="angle"),
+    pytest.param(
+        lambda: flat_cells([(i, j) for i in range(3) for j in range(3) if (i, j) != (1, 1)], 10),
+        0.39,
+        0.0,
+        id="frame",
+    ),
+    *(pytest.param(lambda sides=sides: polygon(sides), 0.26, 0.0, id=f"{sides}-gon") for sides in (3, 5, 6, 8)),
+]
+
+
+@pytest.mark.parametrize(("build", "spacing", "curvature"), SHAPES)
+def test_chains_lie_on_features_and_corners_stay(build, spacing, curvature, request):
+    mesh, mesh_name = build(), request.node.callspec.id
+    quads, edges = kept_quads(mesh, spacing)
+    side = spacing / 2
+    assert (quads.sizes == 4).all() and is_surface(quads)
+    assert euler(quads) == mesh.euler_characteristic
+    lengths = np.linalg.norm(np.diff(quads.vertices[quads.edges[0]], axis=1), axis=2)
+    # A straight edge is this far from the arc between its ends.
+    bulge = curvature * lengths.max() ** 2 / 8
+    # Beside a chamfer of a third of a quad a piece of one line may be lost, which depends on the field.
+    off = distances_from_edges(quads, samples(mesh, edges)) > ON_CHAIN * side + bulge
+    assert off.mean() <= (0.02 if mesh_name == "chamfer-0.3" else 0.0)
+    corners = mesh.vertices[line_corners(mesh, edges)]
+    if len(corners):
+        assert cKDTree(quads.vertices).query(corners)[0].max() < 1e-6 * side
+    assert off.any() or corner_angles(quads).max() < 150
+
+
+def test_without_features_the_same_shapes_lose_them():
+    """What holds above is not so by itself."""
+    mesh = cube(20)
+    turned = TriangleMesh(mesh.vertices @ _turn(), mesh.triangles)
+    quads, edges = kept_quads(turned, 0.163)
+    assert distances_from_edges(quads, samples(turned, edges)).max() < ON_CHAIN * 0.0815
+    plain = quad_mesh(quad_pattern(turned, direction_field(turned, 4), 0.163, branching=0.0).edge_phases)
+    assert distances_from_edges(plain, samples(turned, edges)).max() > 5 * ON_CHAIN * 0.0815
+
+
+def _turn():
+    return np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+
+
+def test_fandisk_keeps_its_lines_but_for_a_piece():
+    path = SHARED / "fandisk.obj"
+    if not path.exists():
+        pytest.skip("shared meshes are not here")
+    mesh = read_obj(path)
+    spacing = 4 * float(np.median(mesh.edge_lengths))
+    quads, edges = kept_quads(mesh, spacing)
+    assert (quads.sizes == 4).all() and euler(quads) == 2
+    apart = distances_from_edges(quads, samples(mesh, edges, 2)) / (spacing / 2)
+    assert apart.max() < 0.5 and (apart < 0.02).mean() > 0.9
+    corners = mesh.vertices[line_corners(mesh, edges)]
+    assert cKDTree(quads.vertices).query(corners)[0].max() < 1e-6
+
+
+def ring_on_cylinder(left_out=0):
+    """A cylinder of rows of quads as a QuadMesh of its own faces, and the line around it at half its height."""
+    around, rows = 24, 8
+    mesh, faces = cylinder(1.0, 2.0, around, rows), grid_quads(around, rows, wrap_columns=True)
+    corner = np.zeros(mesh.vertex_count, int)
+    corner[mesh.triangles.ravel()] = np.arange(3 * mesh.triangle_count)
+    quads = QuadMesh(mesh.vertices, corner // 3, np.eye(3)[corner % 3], faces.ravel(), np.full(len(faces), 4))
+    middle = (rows + 1) * np.arange(around) + rows // 2
+    ring = np.column_stack([middle, np.roll(middle, -1)])[: around - left_out]
+    return quads, FeatureLines.of(mesh, mesh.edges_between(*ring.T)), ring
+
+
+@pytest.mark.parametrize("left_out", range(4))
+def test_a_chain_goes_along_a_line_whose_ends_are_near_each_other(left_out):
+    quads, features, ring = ring_on_cylinder(left_out)
+    _, chains = on_features(quads, features, 0.25)
+    assert len(features.lines) == 1 and chains.missed == ()
+    assert set(np.flatnonzero((chains.lines == 0) | chains.fixed)) == set(ring.ravel())
+
+
+def test_a_face_that_a_line_crosses_is_cut_along_it():
+    """Two quads that have become one hexagon: the edge between them is made again."""
+    quads, features, ring = ring_on_cylinder()
+    faces = quads.corner_vertices.reshape(-1, 4).tolist()
+    beside = [k for k, face in enumerate(faces) if set(ring[5]) <= set(face)]
+    tail, head = ring[5].tolist()
+    turned = [faces[k][faces[k].index(v) :] + faces[k][: faces[k].index(v)] for k in beside for v in (tail, head)]
+    # Each from the end of the edge that it passes last, with that end first.
+    first, second = (face for face in turned if face[-1] in (tail, head))
+    hexagon = [*first[:-1], *second[:-1]]
+    others = [face for k, face in enumerate(faces) if k not in beside]
+    sizes = np.array([6, *[4] * len(others)])
+    joined = replace(quads, corner_vertices=np.concatenate([hexagon, *others]), sizes=sizes)
+    assert is_surface(joined) and on_features(joined, features, 0.25)[1].missed == (0,)
+    mended, chains = on_features(joined, features, 0.25, cut=True)
+    assert chains.missed == () and is_surface(mended)
+    assert set(map(tuple, mended.edges[0])) == set(map(tuple, quads.edges[0]))

@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Quads that were opened in a grid close again, and what is regular or held stays."""
+
+import numpy as np
+import pytest
+
+from synch_fields.core.extract.quads.repair.quad_collapse import with_faces_closed
+from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
+from synch_fields.core.geometry import TriangleMesh
+
+from ...crosses import plane_edge_phases
+from ...meshes import square
+from ...topology import euler, on_rim, valences
+
+CELLS = 10
+
+
+def grid():
+    mesh = square(20)
+    return mesh, quad_mesh(plane_edge_phases(mesh, 0, 2 / CELLS))
+
+
+def vertex_at(quads, x, y):
+    return np.linalg.norm(quads.vertices[:, :2] - [x, y], axis=1).argmin()
+
+
+def opened(quads, *places):
+    """Each vertex in two, with a quad between them and two neighbours across from each other; and these numbers."""
+    faces, vertices = quads.corner_vertices.reshape(-1, 4).tolist(), quads.vertices
+    pairs = []
+    for x, y in places:
+        old, new = vertex_at(quads, x, y), len(vertices)
+        left, right = vertex_at(quads, x - 1 / CELLS, y), vertex_at(quads, x + 1 / CELLS, y)
+        for number, corners in enumerate(faces):
+            above = np.mean([vertices[corner][1] for corner in corners]) > y
+            if old in corners and above:
+                faces[number] = [new if corner == old else corner for corner in corners]
+        faces.append([old, right, new, left])
+        aside = [0, 0.2 / CELLS, 0]
+        vertices = np.vstack([vertices, vertices[old] + aside])
+        vertices[old] -= aside
+        pairs.append((old, new))
+    count = len(vertices) - len(quads.vertices)
+    extra = {name: np.concatenate([getattr(quads, name)] + [getattr(quads, name)[-1:]] * count)
+             for name in ("triangles", "weights")}  # fmt: skip
+    return QuadMesh(vertices, **extra, corner_vertices=np.ravel(faces), sizes=np.full(len(faces), 4)), pairs
+
+
+def closed(quads, mesh, held, corners=()):
+    return with_faces_closed(quads, mesh, held, np.isin(np.arange(len(held)), corners))
+
+
+def irregular(quads):
+    return int(((valences(quads) != 4) & ~on_rim(quads)).sum())
+
+
+def test_a_regular_grid_stays():
+    mesh, quads = grid()
+    after, kept = closed(quads, mesh, on_rim(quads))
+    np.testing.assert_array_equal(kept, np.arange(len(quads.vertices)))
+    np.testing.assert_array_equal(after.corner_vertices, quads.corner_vertices)
+    np.testing.assert_array_equal(after.vertices, quads.vertices)
+
+
+def test_opened_quads_close_and_their_vertices_come_back():
+    mesh, quads = grid()
+    bad, _ = opened(quads, (0.3, 0.3), (0.6, 0.7))
+    assert irregular(bad) == 8 and euler(bad) == 1
+    after, kept = closed(bad, mesh, on_rim(bad))
+    assert irregular(after) == 0 and euler(after) == 1 and len(after.sizes) == CELLS**2 and len(kept) == 121
+    order, expected = (np.lexsort(np.round(m.vertices, 6).T) for m in (after, quads))
+    np.testing.assert_allclose(after.vertices[order], quads.vertices[expected], atol=1e-9)
+    at = np.einsum("nk,nkx->nx", after.weights, mesh.vertices[mesh.triangles[after.triangles]])
+    np.testing.assert_allclose(after.vertices, at, atol=1e-9)
+
+
+@pytest.mark.parametrize("which", [0, 1])
+def test_a_held_vertex_keeps_its_place(which):
+    mesh, quads = grid()
+    bad, ((*pair,),) = opened(quads, (0.5, 0.5))
+    held = on_rim(bad)
+    held[pair[which]] = True
+    after, kept = closed(bad, mesh, held)
+    assert irregular(after) == 0 and pair[which] in kept and pair[1 - which] not in kept
+    np.testing.assert_array_equal(after.vertices[np.searchsorted(kept, pair[which])], bad.vertices[pair[which]])
+
+
+def test_two_held_vertices_stay_two():
+    mesh, quads = grid()
+    bad, (pair,) = opened(quads, (0.5, 0.5))
+    held = on_rim(bad)
+    held[list(pair)] = True
+    after, kept = closed(bad, mesh, held)
+    assert len(kept) == len(bad.vertices) and irregular(after) == 4
+
+
+@pytest.mark.parametrize("corner", range(4))
+def test_corners_keep_their_edges(corner):
+    mesh, quads = grid()
+    bad, _ = opened(quads, (0.5, 0.5))
+    after, _ = closed(bad, mesh, on_rim(bad), [bad.corner_vertices[-4:][corner]])
+    assert irregular(after) == 4
+
+
+def test_a_cube_is_no_more_regular_with_a_face_less():
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
+    faces = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+    mesh = TriangleMesh(corners, np.concatenate([faces[:, [0, 1, 2]], faces[:, [0, 2, 3]]]))
+    cube = QuadMesh(corners, np.zeros(8, int), np.eye(3)[[0] * 8], faces.ravel(), np.full(6, 4))
+    after, kept = closed(cube, mesh, np.zeros(8, bool))
+    assert len(kept) == 8 and (valences(after) == 3).all()

@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Faces drawn to rectangles: what is square already stays, what is not becomes it, folds open."""
+
+import numpy as np
+import pytest
+
+from synch_fields.core.extract.quads.features.chains import on_features
+from synch_fields.core.extract.quads.features.feature_lines import FeatureLines
+from synch_fields.core.extract.quads.measure.quality import corner_angles, quality
+from synch_fields.core.extract.quads.smooth.fitting import fitted, settled
+from synch_fields.core.extract.quads.trace.quad_mesh import quad_mesh
+from synch_fields.core.geometry.nearest import NearestTriangles
+
+from ...crosses import plane_edge_phases
+from ...meshes import square
+from ...topology import face_vectors, on_rim
+
+CELLS = 10
+
+
+def grid():
+    """The unit square in ten by ten squares, and whether a vertex is inside."""
+    mesh = square(12)
+    quads = quad_mesh(plane_edge_phases(mesh, 0, 2 / CELLS))
+    assert (quads.sizes == 4).all() and len(quads.sizes) == CELLS**2
+    return mesh, quads, ~on_rim(quads)
+
+
+def moved(quads, which, by):
+    vertices = quads.vertices.copy()
+    vertices[which, :2] += by
+    return type(quads)(vertices, quads.triangles, quads.weights, quads.corner_vertices, quads.sizes)
+
+
+def test_squares_stay():
+    mesh, quads, inside = grid()
+    after = fitted(quads, mesh, inside, [], 5)
+    np.testing.assert_allclose(after.vertices, quads.vertices, atol=1e-9)
+
+
+def test_squares_come_back_and_the_rim_stays():
+    mesh, quads, inside = grid()
+    random = np.random.default_rng(0)
+    rough = moved(quads, inside, random.uniform(-0.3, 0.3, (inside.sum(), 2)) / CELLS)
+    after = fitted(rough, mesh, inside, [], 60)
+    np.testing.assert_array_equal(after.vertices[~inside], quads.vertices[~inside])
+    assert np.abs(corner_angles(after) - 90).max() < 0.1 * np.abs(corner_angles(rough) - 90).max()
+    assert np.linalg.norm(after.vertices - quads.vertices, axis=1).max() < 0.05 / CELLS
+
+
+@pytest.mark.parametrize("far", [1.3, 1.8])
+def test_what_has_turned_over_turns_back(far):
+    mesh, quads, inside = grid()
+    middle = np.linalg.norm(quads.vertices[:, :2] - 0.5, axis=1).argmin()
+    folded = moved(quads, [middle], np.array([far, 0.2]) / CELLS)
+    assert quality(folded)["folds"] > 0
+    after = fitted(folded, mesh, inside, [], 30)
+    assert quality(after)["folds"] == 0 and (face_vectors(after)[:, 2] > 0).all()
+    assert corner_angles(after).max() < 100
+
+
+def test_vertices_on_a_line_pass_neither_each_other_nor_its_ends():
+    mesh, quads, _ = grid()
+    quads, chains = on_features(quads, FeatureLines.of(mesh, mesh.boundary_edges), 1 / CELLS)
+    side = np.flatnonzero((chains.lines >= 0) & (quads.vertices[:, 1] == 0))
+    side = side[np.argsort(quads.vertices[side, 0])]
+    assert len(side) == CELLS - 1
+    surface = NearestTriangles(mesh.vertices, mesh.triangles)
+    wanted = quads.vertices[side[::-1]] + [2, 0, 0]
+    for _ in range(30):
+        quads = settled(quads, mesh, surface, chains.lines, chains, side, wanted)
+    places = np.concatenate([[0], quads.vertices[side, 0], [1]])
+    assert (np.diff(places) > 0.2 / CELLS).all() and (quads.vertices[side, 1] == 0).all()
+    quads = settled(quads, mesh, surface, chains.lines, chains, side[:1], np.array([[0.01, 0, 0]]))
+    assert quads.vertices[side[0], 0] < places[1]
+
+
+def test_rectangles_that_the_rim_asks_for_are_kept():
+    """Rows of one height each, of which the rim holds the ends: right angles, though no squares."""
+    mesh, quads, inside = grid()
+    vertices = quads.vertices.copy()
+    vertices[:, 1] = vertices[:, 1] ** 2
+    stretched = type(quads)(vertices, quads.triangles, quads.weights, quads.corner_vertices, quads.sizes)
+    after = fitted(stretched, mesh, inside, [], 10)
+    assert np.abs(corner_angles(after) - 90).max() < 4

@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Linking numbers and writhe of knots and links whose invariants are known, and counted from crossings."""
+
+import numpy as np
+import pytest
+
+from synch_fields.core.extract.vortices.filaments import Filament
+from synch_fields.core.extract.vortices.linking_numbers import linked, linking_number, writhe
+
+from ...flows import ring_curve
+
+TURN = np.linspace(0, 2 * np.pi, 120, endpoint=False)
+
+
+def torus_curve(p, q, offset=0.0, turns=TURN):
+    """Runs p times around the axis and q times around the tube, to the right for positive q."""
+    radius = 2 + np.cos(q * turns + offset)
+    return np.column_stack([radius * np.cos(p * turns), radius * np.sin(p * turns), -np.sin(q * turns + offset)])
+
+
+def borromean():
+    """Three ellipses in the coordinate planes."""
+    flat = np.column_stack([2 * np.cos(TURN), np.sin(TURN), 0 * TURN])
+    return [np.roll(flat, turn, axis=1) for turn in range(3)]
+
+
+def counted(first, second, directions):
+    """Mean over directions of the signed crossings of two polygons as they are seen from there."""
+    total = 0.0
+    for view in directions:
+        u = np.cross(view, [0.3, 0.5, 0.8])
+        u /= np.linalg.norm(u)
+        v = np.cross(view, u)
+        a, b = (np.column_stack([curve @ u, curve @ v]) for curve in (first, second))
+        da, db = np.roll(a, -1, axis=0) - a, np.roll(b, -1, axis=0) - b
+        cross = da[:, None, 0] * db[None, :, 1] - da[:, None, 1] * db[None, :, 0]
+        away = b[None] - a[:, None]
+        with np.errstate(all="ignore"):
+            s = (away[..., 0] * db[None, :, 1] - away[..., 1] * db[None, :, 0]) / cross
+            t = (away[..., 0] * da[:, None, 1] - away[..., 1] * da[:, None, 0]) / cross
+        met = (s > 0) & (s < 1) & (t > 0) & (t < 1)
+        if first is second:
+            gap = np.abs(np.subtract.outer(np.arange(len(a)), np.arange(len(a))))
+            met &= (gap > 1) & (gap < len(a) - 1)
+        heights = [(curve @ view, (np.roll(curve, -1, axis=0) - curve) @ view) for curve in (first, second)]
+        (low, rise), (other_low, other_rise) = heights
+        over = low[:, None] + s * rise[:, None] > other_low + t * other_rise
+        total += (np.sign(cross) * np.where(over, 1, -1) * met).sum()
+    return total / len(directions)
+
+
+def views(count):
+    """Directions evenly over the sphere (a spiral)."""
+    z = 1 - (2 * np.arange(count) + 1) / count
+    angle = np.pi * (1 + np.sqrt(5)) * np.arange(count)
+    return np.column_stack([np.sqrt(1 - z**2) * np.cos(angle), np.sqrt(1 - z**2) * np.sin(angle), z])
+
+
+@pytest.mark.parametrize("links", [-3, -1, 1, 2])
+def test_linking_numbers_of_torus_links_are_their_turns(links):
+    first, second = torus_curve(1, links), torus_curve(1, links, np.pi)
+    assert linking_number(first, second) == pytest.approx(links, abs=1e-6)
+    assert linking_number(first, second[::-1]) == pytest.approx(-links, abs=1e-6)
+    assert counted(first, second, views(3)) / 2 == pytest.approx(links)
+
+
+def test_rings_and_borromean_rings_are_linked_as_they_are():
+    first, second = ring_curve(1.0)[:-1], ring_curve(1.0, (1, 0, 0), 1)[:-1]
+    assert abs(linking_number(first, second)) == pytest.approx(1, abs=1e-9)
+    assert linking_number(first, second + [5, 0, 0]) == pytest.approx(0, abs=1e-9)
+    rings = borromean()
+    for k in range(3):
+        assert linking_number(rings[k], rings[k - 1]) == pytest.approx(0, abs=1e-9)
+
+
+def test_writhe_is_the_mean_of_the_crossings_seen():
+    assert writhe(ring_curve(1.0)[:-1]) == pytest.approx(0, abs=1e-9)
+    for p, q in ((2, 3), (2, -3), (3, 2)):
+        knot = torus_curve(p, q)
+        assert writhe(knot) == pytest.approx(counted(knot, knot, views(400)) / 2, abs=0.03)
+        assert writhe(knot) == pytest.approx(-writhe(knot * [1, 1, -1]), abs=1e-9)
+
+
+def test_helicity_of_linked_rings_is_twice_their_linking():
+    rings = [Filament(ring_curve(1.0)[:-1], 2.0, True), Filament(ring_curve(1.0, (1, 0, 0), 1)[:-1], 3.0, True)]
+    open_line = Filament(np.array([[0, 0, -1.0], [0, 0, 1.0]]), 1.0, False)
+    found = linked([rings[0], open_line, rings[1]], np.zeros(3))
+    assert found.loops == (0, 2) and abs(found.numbers[0, 1]) == 1
+    np.testing.assert_array_equal(found.numbers, found.numbers.T)
+    assert found.helicity == pytest.approx(2 * 2 * 3 * found.numbers[0, 1], abs=1e-6)
+    assert linked([open_line], np.zeros(3)).helicity == 0
+
+
+def test_in_a_periodic_box_images_count():
+    """A ring through its own image, and one that a ring of the next box goes through."""
+    first = Filament(ring_curve(1.0)[:-1], 1.0, True)
+    second = Filament(ring_curve(1.0, (1, 0, 0), 1)[:-1] + [30, 0, 0], 1.0, True)
+    alone = linked([first, second], np.zeros(3)).numbers
+    assert alone[0, 1] == 0
+    assert abs(linked([first, second], np.array([10.0, 10, 10])).numbers[0, 1]) == 1
+    assert linked([first, second], np.array([12.3, 10, 10])).numbers[0, 1] == 0
+
+
+def test_too_many_points_are_left_alone(monkeypatch):
+    monkeypatch.setattr("synch_fields.core.extract.vortices.linking_numbers.MOST_PAIRS", 100)
+    assert linked([Filament(ring_curve(1.0)[:-1], 1.0, True)], np.zeros(3)) is None
