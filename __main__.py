@@ -30,14 +30,14 @@ def run():
     if not _has_blender() or not _has_space():
         sys.exit(1)
     from . import register
-    from .synch_addon.command.interrupts import told_signal
+    from .synch_addon.command.interrupts import report_signal
     from .synch_addon.command.main import main
     from .synch_addon.command.process_exit import leave
 
     status = 1
     try:
         register()  # a .blend keeps the object's constraints in properties of ours
-        status = told_signal("synch", heard[0]) if heard else main(sys.argv[1:])
+        status = report_signal("synch", heard[0]) if heard else main(sys.argv[1:])
     except Exception:  # a fault of ours
         traceback.print_exc()
     finally:

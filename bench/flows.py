@@ -14,7 +14,7 @@ import numpy as np
 from synch_fields.bench.command import arguments
 from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.extract.vortices.filaments import Filament, filaments
-from synch_fields.core.extract.vortices.linking_numbers import linked
+from synch_fields.core.extract.vortices.linking_numbers import linking_numbers
 from synch_fields.core.fields.biot_savart import filament_integrals
 from synch_fields.core.fields.clebsch import clebsch_map, edge_integrals, quantum_for
 from synch_fields.core.geometry.grid import Grid, box_grid
@@ -64,7 +64,7 @@ def curves():
 
 def told(label, lines, box, **more):
     """The row of filaments."""
-    found = linked(lines, box)
+    found = linking_numbers(lines, box)
     windings = sorted({tuple(abs(turns) for turns in line.winding) for line in lines if any(line.winding)})
     return {
         "label": label,

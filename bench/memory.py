@@ -23,7 +23,7 @@ from synch_fields.core.algebra.workers import solving
 from synch_fields.core.fields import direction_field
 from synch_fields.core.fields.layers import layer_problem
 from synch_fields.core.fields.quads import quad_problem
-from synch_fields.core.geometry.filling.stuffing import stuffed
+from synch_fields.core.geometry.filling.stuffing import fill_surface
 from synch_fields.core.solve import Options, solve
 from synch_fields.core.solve.methods.certificate import provable_width
 from synch_fields.core.solve.methods.memory_estimate import proof_bytes, search_bytes
@@ -86,7 +86,7 @@ def _problem(name, size):
         if name == "flow":
             return trefoil_problem((size, size, size // 2))
         if name == "layers":
-            ball = stuffed(
+            ball = fill_surface(
                 lambda places: np.linalg.norm(places, axis=1) - 1, np.array([[-1.3] * 3, [1.3] * 3]), 1 / size
             )
             return layer_problem(ball, np.tile([0.0, 0, 1], (ball.vertex_count, 1)), 0.2)

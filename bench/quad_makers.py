@@ -141,7 +141,7 @@ def _write_quads(quads, path):
 
 
 def _opened(path):
-    obj = files.opened(path)
+    obj = files.open_object(path)
     obj.select_set(True)
     return obj
 

@@ -18,7 +18,7 @@ from synch_fields.bench.quad_measures import longest_side
 from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.errors import MeshError
 from synch_fields.core.fields import direction_field, quad_pattern
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.solve import Options
 
 # Periods along the longest side.
@@ -77,7 +77,7 @@ def patterns(path, known):
         row = {
             "label": f"{path.stem} {count}",
             "nodes": 2 * (mesh.vertex_count - len(mesh.loose_vertices)),
-            "coarse": Growth.of(mesh, field, spacing).coarse_share,
+            "coarse": TargetOneForm.of(mesh, field, spacing).coarse_share,
             "disclinations": len(field.disclinations),
             "field seconds": field_seconds,
         }

@@ -10,7 +10,7 @@ from synch_fields.bench.meshes import read_obj
 from synch_fields.core.fields.layers import LayerGroup
 from synch_fields.core.files.tets import read_tets
 from synch_fields.core.geometry import TriangleMesh
-from synch_fields.core.geometry.filling.stuffing import stuffed
+from synch_fields.core.geometry.filling.stuffing import fill_surface
 from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
 from synch_fields.core.geometry.tet_mesh import TetMesh, positive
 
@@ -51,7 +51,7 @@ def solid_bunny(folder):
 def stuffed_bunny(folder, size):
     """The Stanford bunny with its holes closed, stuffed with tetrahedra of a size in its own unit: a unit of area."""
     distance = SurfaceDistance(closed(read_obj(Path(folder) / "stanford-bunny.obj")))
-    return _standing("stanford-bunny, stuffed", stuffed(distance, distance.bounds, size))
+    return _standing("stanford-bunny, stuffed", fill_surface(distance, distance.bounds, size))
 
 
 def closed(mesh):

@@ -21,7 +21,7 @@ from synch_fields.core.extract.layers.defect_curves import defect_curves
 from synch_fields.core.extract.layers.surfaces import layer_surfaces
 from synch_fields.core.fields.guidance.potentials import harmonic_function
 from synch_fields.core.fields.guidance.solids import gradient_directions
-from synch_fields.core.fields.layers import LayerPattern, SolidGrowth, solve_layers
+from synch_fields.core.fields.layers import LayerPattern, SolidTargetOneForm, solve_layers
 from synch_fields.core.geometry.nearest import nearest_in_triangles
 from synch_fields.core.solve import Options
 
@@ -80,7 +80,7 @@ def compared(name, shape):
         pattern = solve_layers(mesh, directions, spacing, groups, Options(method=method))
         seconds = process_time() - start
         if not is_flush:
-            pattern = turned(pattern, SolidGrowth.of(mesh, directions, spacing), shape.low | shape.high)
+            pattern = turned(pattern, SolidTargetOneForm.of(mesh, directions, spacing), shape.low | shape.high)
         row = measured(pattern, shape) | {"label": f"{shape.name}: {way}", "seconds": seconds}
         results.append((row, pattern))
     return function, results

@@ -16,7 +16,7 @@ from synch_fields.bench.command import arguments
 from synch_fields.bench.meshes import write_obj
 from synch_fields.bench.polyhedra import Polyhedron, circle, convex, prism
 from synch_fields.bench.turned import turned
-from synch_fields.core.extract.vortices.isosurface import evened, isosurface
+from synch_fields.core.extract.vortices.isosurface import isosurface, smooth_surface
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.grid import box_grid
 
@@ -226,7 +226,7 @@ def implicit_surface(distance, resolution):
     grid = box_grid(near.min(axis=0) - 0.1, near.max(axis=0) + 0.1, resolution)
     mesh = isosurface(grid, -distance(grid.places), 0.0, MARGIN).mesh
     for _ in range(EVENINGS):
-        mesh = TriangleMesh(_put_back(distance, evened(mesh, mesh.vertices, 1)), mesh.triangles)
+        mesh = TriangleMesh(_put_back(distance, smooth_surface(mesh, mesh.vertices, 1)), mesh.triangles)
     return mesh
 
 

@@ -18,7 +18,7 @@ import bpy
 
 import synch_fields
 from synch_fields.bench.tables import Column, print_table
-from synch_fields.core.process.ipc import packed
+from synch_fields.core.process.ipc import pack_parts
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon.jobs.worker import Worker
 from synch_fields.synch_addon.patterns.job import FieldJob
@@ -78,14 +78,14 @@ def _row(vertices, repeat):
         own.append(seconds)
         first.append(early)
         warm.append(begun)
-        back = _size(packed(("done", result, 0.0), request.shared))
+        back = _size(pack_parts(("done", result, 0.0), request.shared))
         fresh = _request(vertices)  # nothing computed of its mesh yet, as in the other process
         start = time.perf_counter()
         fresh.solve(lambda *_: True)
         here.append(time.perf_counter() - start)
     worker.end()
     ratios = [one / other for one, other in zip(own, here, strict=True)]
-    there = _size(packed(("solve", request)))
+    there = _size(pack_parts(("solve", request)))
     figures = {"there": there, "back": back, "warm ms": 1000 * median(warm), "own s": median(own)}
     figures["first s"] = median(first)
     return {"label": f"{vertices}", "nodes": vertices, **figures, "here s": median(here), "ratio": median(ratios)}

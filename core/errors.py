@@ -93,7 +93,7 @@ class Cancelled(SynchError):
     """The user stopped the computation; nothing may be written."""
 
 
-def shown(value):
+def quote_value(value):
     """A value as errors show it, cut off where it is long."""
     try:
         text = repr(value)

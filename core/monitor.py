@@ -7,7 +7,7 @@ from collections.abc import Callable
 from copy import copy
 
 from .errors import Cancelled
-from .threads import begun
+from .threads import start_thread
 
 POLL_SECONDS = 0.05
 # Told a stage and a fraction of the work; a false answer other than None cancels.
@@ -96,7 +96,7 @@ class Monitor:
             except BaseException as error:  # raised again where it was asked for
                 errors.append(error)
 
-        thread = begun(run)
+        thread = start_thread(run)
         while thread.is_alive():
             thread.join(POLL_SECONDS)
             self.check()

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from .algebra.reductions import HERE, Held
+from .algebra.reductions import HERE, Reductions
 from .connection import Fibre
 
 # What rounding alone makes of the quadratic form <x, L x>, and the energy as a sum of squares below which the fit is
@@ -40,7 +40,7 @@ class Piece:
     ground: int | None
     rows: np.ndarray
     fibre: Fibre = Fibre.VECTORS
-    held: Held = HERE
+    held: Reductions = HERE
 
     @property
     def node_count(self):

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from .algebra.blocks import block_matrix, scaled
+from .algebra.blocks import block_matrix, scale_blocks
 from .algebra.orthonormal import nearest
 from .connection import Connection, Fibre, as_matrices, circle_transports, compose, make_arrays
 from .errors import SettingError
@@ -63,7 +63,7 @@ class Targets:
         return cls(np.empty(0, int), np.empty(0, complex))
 
 
-def joined_targets(parts):
+def join_targets(parts):
     """Several :class:`Targets` with weights as one, without those that do not draw."""
     parts = parts or [replace(Targets.none(), weights=np.empty(0))]
     arrays = [np.concatenate([getattr(part, name) for part in parts]) for name in ("nodes", "values", "weights")]
@@ -297,7 +297,7 @@ class SynchronizationProblem:
         links = self.links
         numbers, scale = np.arange(len(links.tails)), np.sqrt(links.weights)
         rows, places = np.append(numbers, numbers), np.append(links.heads, links.tails)
-        values = np.concatenate([scaled(links.after, scale), scaled(links.before, -scale)])
+        values = np.concatenate([scale_blocks(links.after, scale), scale_blocks(links.before, -scale)])
         return block_matrix(rows, places, values, (len(numbers), len(self._embedding.masses)))
 
     @cached_property

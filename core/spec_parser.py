@@ -9,7 +9,7 @@ inside, and so does one with a colon, unless it is the last one of the form.
 import re
 from functools import cache
 
-from .errors import SettingError, shown
+from .errors import SettingError, quote_value
 
 # Nothing that is once read is given back (*+): the time grows with the length alone.
 _QUOTED = r'\s*+"(?:[^"]|"")*+"\s*+'
@@ -35,17 +35,17 @@ def items(text, what, form):
         naming the place that cannot be read, or what is no text
     """
     if not isinstance(text, str):
-        raise SettingError(f"the {what} is {shown(text)}: give a text such as {form}")
+        raise SettingError(f"the {what} is {quote_value(text)}: give a text such as {form}")
     result, place, end = [], 0, ","
     while end == ",":
         found = _pattern(form).match(text, place)
         if found is None:
             raise SettingError(
-                f"the {what} {shown(text[place:].strip())} cannot be read: write {form}, "
+                f"the {what} {quote_value(text[place:].strip())} cannot be read: write {form}, "
                 'and names with , : = or " in double quotes'
             )
         *parts, end = found.groups()
-        result.append(tuple(part and _unquoted(part) for part in parts))
+        result.append(tuple(part and _unquote(part) for part in parts))
         place = found.end()
     return result
 
@@ -61,12 +61,12 @@ def _pattern(form):
     return re.compile(pattern + (r"(?:=([^,=\"]*+))?" if has_value else "") + r"\s*+(,|$)")
 
 
-def _unquoted(part):
+def _unquote(part):
     part = part.strip()
     return part[1:-1].replace('""', '"') if part.startswith('"') else part
 
 
-def quoted(name):
+def quote_name(name):
     """A name as it is written in a text."""
     if re.search(r'[,:="\r\n]', name) or name != name.strip():
         return '"' + name.replace('"', '""') + '"'

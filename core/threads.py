@@ -17,10 +17,10 @@ What they do is NumPy's, SciPy's and pipes': ``core`` does not know Blender.
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from threading import Event, Lock, Thread, local
 
-__all__ = ["FIRST_EXCEPTION", "Event", "Lock", "Thread", "ThreadPoolExecutor", "begun", "local", "wait"]
+__all__ = ["FIRST_EXCEPTION", "Event", "Lock", "Thread", "ThreadPoolExecutor", "local", "start_thread", "wait"]
 
 
-def begun(work, *arguments, is_daemon=True):
+def start_thread(work, *arguments, is_daemon=True):
     """A thread that does ``work(*arguments)``; the process does not wait for a daemon at its end."""
     thread = Thread(target=work, args=arguments, daemon=is_daemon)
     thread.start()

@@ -10,7 +10,7 @@ from typing import Any, get_args, get_type_hints
 
 import numpy as np
 
-from .errors import SettingError, shown
+from .errors import SettingError, quote_value
 
 # The largest whole number that files and Blender keep, and how often anything is smoothed.
 MOST, MOST_ROUNDS = 2**63 - 1, 10_000
@@ -37,13 +37,13 @@ def from_names(cls, values):
     return cls(**values)
 
 
-def take_all(settings):
-    """Turn each value of a frozen dataclass into the kind that its field has, as :func:`taken` does."""
+def convert_values(settings):
+    """Turn each value of a frozen dataclass into the kind that its field has, as :func:`convert_value` does."""
     for name, hint in get_type_hints(type(settings)).items():
-        object.__setattr__(settings, name, taken(name, hint, getattr(settings, name)))
+        object.__setattr__(settings, name, convert_value(name, hint, getattr(settings, name)))
 
 
-def taken(name, hint, value):
+def convert_value(name, hint, value):
     """A value of a setting as the kind that it has; kinds that are not simple are looked at elsewhere."""
     wanted = get_args(hint) if isinstance(hint, UnionType) else (hint,)
     kinds = [kind for kind in wanted if kind in _KINDS]
@@ -53,14 +53,14 @@ def taken(name, hint, value):
         if isinstance(value, _KINDS[kind][0]) and (kind is bool or not isinstance(value, bool | np.bool_)):
             return check_text(value, f"the {label_of(name)}") if kind is str else _converted(name, kind, value)
     asked = " or ".join(_KINDS[kind][1] for kind in kinds)
-    raise SettingError(f"the {label_of(name)} is {shown(value)}: give {asked}")
+    raise SettingError(f"the {label_of(name)} is {quote_value(value)}: give {asked}")
 
 
 def _converted(name, kind, value):
     try:
         number = kind(value)
     except OverflowError:
-        raise SettingError(f"the {label_of(name)} is {shown(value)}: give a smaller number") from None
+        raise SettingError(f"the {label_of(name)} is {quote_value(value)}: give a smaller number") from None
     if kind is float and abs(number) != math.inf:
         check_size(number, f"the {label_of(name)}")
     return number
@@ -72,7 +72,7 @@ def check_size(number, what):
         return
     is_finite = abs(number) < math.inf  # math.isfinite does not take whole numbers of hundreds of digits
     asked = f"0, or a number between {LEAST_SIZE:g} and {MOST_SIZE:g} in size" if is_finite else "a finite number"
-    raise SettingError(f"{what} is {shown(number)}: give {asked}")
+    raise SettingError(f"{what} is {quote_value(number)}: give {asked}")
 
 
 def are_frames(first, last):
@@ -86,16 +86,18 @@ def check_text(text, what):
     try:
         text.encode()
     except UnicodeEncodeError:
-        raise SettingError(f"{what} is {shown(text)}, which is no text: write it as UTF-8") from None
+        raise SettingError(f"{what} is {quote_value(text)}, which is no text: write it as UTF-8") from None
     return text
 
 
 def check_path(path, what="the path"):
     """The path as a text; refuses what no file can be called."""
     if not isinstance(path, str | PurePath):
-        raise SettingError(f"{what} is {shown(path)}: give a text")
+        raise SettingError(f"{what} is {quote_value(path)}: give a text")
     if "\0" in str(path):
-        raise SettingError(f"{what} is {shown(str(path))}, which has a null character: no file can be called that")
+        raise SettingError(
+            f"{what} is {quote_value(str(path))}, which has a null character: no file can be called that"
+        )
     return check_text(str(path), what)
 
 
@@ -103,7 +105,7 @@ def check_choice(settings, name, choices):
     """Refuse a value that is none of the choices."""
     value = getattr(settings, name)
     if value not in choices:
-        raise SettingError(f"the {label_of(name)} {shown(value)} is unknown: use one of {', '.join(choices)}")
+        raise SettingError(f"the {label_of(name)} {quote_value(value)} is unknown: use one of {', '.join(choices)}")
 
 
 def check_positive(settings, *names, optional=()):
@@ -111,7 +113,7 @@ def check_positive(settings, *names, optional=()):
     for name in (*names, *(name for name in optional if getattr(settings, name) is not None)):
         value = getattr(settings, name)
         if not isinstance(value, int | float) or not 0 < value < math.inf:
-            raise SettingError(f"the {label_of(name)} is {shown(value)}: give a positive number")
+            raise SettingError(f"the {label_of(name)} is {quote_value(value)}: give a positive number")
 
 
 def label_of(name):

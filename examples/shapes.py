@@ -4,7 +4,7 @@
 import numpy as np
 
 from synch_fields.core.geometry import TriangleMesh
-from synch_fields.core.geometry.filling.stuffing import stuffed
+from synch_fields.core.geometry.filling.stuffing import fill_surface
 
 LARGE, SMALL = 1.0, 0.4
 
@@ -27,4 +27,4 @@ def solid_torus(size):
         return np.hypot(np.hypot(points[:, 0], points[:, 1]) - LARGE, points[:, 2]) - SMALL
 
     reach = np.array([LARGE + SMALL, LARGE + SMALL, SMALL])
-    return stuffed(distance, np.array([-reach, reach]), size)
+    return fill_surface(distance, np.array([-reach, reach]), size)

@@ -9,7 +9,7 @@ from dataclasses import replace
 from numbers import Integral
 from typing import Unpack
 
-from ..core.errors import SettingError, SynchError, shown
+from ..core.errors import SettingError, SynchError, quote_value
 from ..core.fields.placement import check_vertices, variation, with_defects
 from ..core.settings.bake import BakeSettings
 from ..core.settings.keywords import BakeKeywords, LayerKeywords, LineKeywords, SurfaceKeywords
@@ -17,7 +17,7 @@ from ..core.settings.layers import LayerSettings
 from ..core.settings.lines import LineSettings
 from ..core.settings.surface import SYMMETRY_ORDERS, SurfaceSettings
 from ..core.tasks.surfaces import SurfaceResult
-from ..core.validation import from_names, taken
+from ..core.validation import convert_value, from_names
 from .bakes.job import BakeJob
 from .blender import field_files, meshes
 from .blender.objects import Selection
@@ -142,7 +142,7 @@ def vary(obj, number):
         with one line that names the element and the remedy; nothing is written
     """
     if not isinstance(number, Integral) or isinstance(number, bool) or not 0 <= number <= MOST_VARIATIONS:
-        raise SettingError(f"the variation is {shown(number)}: give a whole number from 0 to {MOST_VARIATIONS}")
+        raise SettingError(f"the variation is {quote_value(number)}: give a whole number from 0 to {MOST_VARIATIONS}")
     return _show(obj, lambda solved: variation(solved.shown, number), number)
 
 
@@ -295,7 +295,7 @@ def preset(obj, name, callback=None, solve=False, **settings: Unpack[SurfaceKeyw
         with one line that names the element and the remedy; nothing is written
     """
     meshes.refuse(obj)
-    needed = presets.solve_for(obj, name, taken("solve", bool, solve) or bool(settings))
+    needed = presets.solve_for(obj, name, convert_value("solve", bool, solve) or bool(settings))
     solved = None
     if needed is not None:
         solved = run(needed.pop("command"), obj, from_names(SurfaceSettings, needed | settings), callback)
@@ -376,8 +376,8 @@ def export_field(obj, path, symmetry="line"):
         with one line that names the element and the remedy; nothing is written
     """
     meshes.refuse(obj)
-    if taken("symmetry", str, symmetry) not in SYMMETRY_ORDERS:
-        raise SettingError(f"symmetry {shown(symmetry)} is unknown: use one of {', '.join(SYMMETRY_ORDERS)}")
+    if convert_value("symmetry", str, symmetry) not in SYMMETRY_ORDERS:
+        raise SettingError(f"symmetry {quote_value(symmetry)} is unknown: use one of {', '.join(SYMMETRY_ORDERS)}")
     with meshes.object_mode(obj):
         field_files.export_directions(obj, path, symmetry)
 

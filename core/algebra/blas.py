@@ -8,7 +8,7 @@ made solves up to ten times slower on a busy machine, and never faster.
 import os
 from contextlib import contextmanager
 
-from ..threads import Event, Lock, Thread, begun, local
+from ..threads import Event, Lock, Thread, local, start_thread
 
 try:
     from threadpoolctl import threadpool_limits
@@ -48,7 +48,7 @@ class _Everywhere:
 
     def _begin(self):
         ended, limited = Event(), Event()
-        keeper = begun(_keep, limited, ended)
+        keeper = start_thread(_keep, limited, ended)
         try:
             limited.wait()
         except BaseException:  # Ctrl-C

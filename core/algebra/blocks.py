@@ -32,7 +32,7 @@ def times(blocks, vector):
     return (blocks @ vector.reshape(len(blocks), -1, 1)).ravel()
 
 
-def clipped(blocks, largest):
+def clip_eigenvalues(blocks, largest):
     """The nearest numbers or symmetric blocks between 0 and (N,) numbers, of which the least of a block counts."""
     if blocks.ndim == 1:
         return blocks.clip(0, largest)
@@ -49,7 +49,7 @@ def block_diagonal(blocks):
     return bsr_matrix((blocks, np.arange(count), np.arange(count + 1)), shape=(count * block, count * block)).tocsr()
 
 
-def scaled(blocks, scale):
+def scale_blocks(blocks, scale):
     """(k,) numbers or (k, d, d) blocks times (k,) numbers."""
     return blocks * scale.reshape(-1, *[1] * (blocks.ndim - 1))
 

@@ -122,7 +122,7 @@ class Hierarchy:
     @staticmethod
     def step(level, scale, coarse_scale):
         """The :class:`Step` on a level, from the (N,) scales of its rows and of those of the next."""
-        prolongation = scaled(level.prolongation, 1 / scale, coarse_scale)
+        prolongation = scale_matrix(level.prolongation, 1 / scale, coarse_scale)
         return Step(
             SharedRows(unit_diagonal(level.matrix, scale)),
             damping(level),
@@ -278,12 +278,12 @@ def _residual(matrix, guess, right):
 
 def unit_diagonal(matrix, scale):
     """diag(scale) matrix diag(scale) with ones on the diagonal, which are there but for rounding."""
-    result = scaled(matrix, scale, scale)
+    result = scale_matrix(matrix, scale, scale)
     result.setdiag(1)
     return result
 
 
-def scaled(matrix, row_scale, column_scale):
+def scale_matrix(matrix, row_scale, column_scale):
     """diag(row_scale) matrix diag(column_scale)."""
     rows = np.repeat(row_scale.astype(np.float32), np.diff(matrix.indptr))
     result = copy(matrix)  # a constructor would look through the indices again

@@ -4,7 +4,7 @@
 import numpy as np
 
 
-class Held:
+class Reductions:
     """All rows are held by this process: what is added up over them is whole.
 
     Where many processes hold a part each, :class:`core.spread.rows.HeldByAll` stands for it.
@@ -25,4 +25,4 @@ class Held:
         return np.linalg.norm(vector)
 
 
-HERE = Held()
+HERE = Reductions()

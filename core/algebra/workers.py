@@ -99,7 +99,7 @@ def share_out(work, parts, monitor, at_once=math.inf):
     executor = ThreadPoolExecutor(threads)
     running = [executor.submit(alone, part) for part in parts]
     try:
-        while not _finished(running):
+        while not _wait_for_all(running):
             monitor.check()
     except OutOfTime:
         follower.stop()
@@ -110,7 +110,7 @@ def share_out(work, parts, monitor, at_once=math.inf):
     return [future.result() for future in running]
 
 
-def _finished(running):
+def _wait_for_all(running):
     """Whether all are done, after a while; the error of one that failed comes out here."""
     done, waiting = wait(running, POLL_SECONDS, FIRST_EXCEPTION)
     for future in done:

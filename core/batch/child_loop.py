@@ -13,7 +13,7 @@ import subprocess
 import sys
 from contextlib import suppress
 
-from ..threads import Event, Lock, begun
+from ..threads import Event, Lock, start_thread
 
 _MARK = "synch-row "
 # Tasks after which a process is followed by a fresh one: Blender keeps some kilobytes of each file that it opens.
@@ -38,7 +38,7 @@ def serve(answer, leave=os._exit):
     os.dup2(2, 1)  # what Blender prints does not get among the answers
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     tasks: queue.SimpleQueue = queue.SimpleQueue()
-    begun(_read, into, tasks, leave)
+    start_thread(_read, into, tasks, leave)
     while True:
         print(_MARK + json.dumps(answer(json.loads(tasks.get()))), file=out, flush=True)
 
@@ -77,7 +77,7 @@ class Hand:
             return {"failed": "the batch has ended"}
         self._left -= 1
         answered, late = Event(), Event()
-        watch = None if task.get("limit") is None else begun(_end_late, child, task["limit"], answered, late)
+        watch = None if task.get("limit") is None else start_thread(_end_late, child, task["limit"], answered, late)
         answer = _answer(child, task)
         answered.set()
         if watch is not None:
@@ -105,12 +105,12 @@ class Hand:
                 return None
             if self._left == 0:
                 _end(self._child)
-                self._child = _started(self._command, {"SYNCH_THREADS": str(self._threads)})
+                self._child = _start_child(self._command, {"SYNCH_THREADS": str(self._threads)})
                 self._left = _TASKS
             return self._child
 
 
-def _started(command, variables):
+def _start_child(command, variables):
     """A child with pipes; Ctrl-C is for its parent, which ends it."""
     kind: dict = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "encoding": "utf-8", "errors": "replace"}
     if sys.platform == "win32":

@@ -3,11 +3,11 @@
 
 import queue
 
-from ..threads import begun
+from ..threads import start_thread
 from .child_loop import Hand
 
 
-class Crew:
+class ProcessPool:
     """Some warm processes that take tasks from one row.
 
     Parameters
@@ -26,7 +26,7 @@ class Crew:
         self._tasks: queue.SimpleQueue = queue.SimpleQueue()
         self._answers: queue.SimpleQueue = queue.SimpleQueue()
         self._hands = [Hand(command, threads) for _ in range(count)]
-        self._threads = [begun(self._work, hand, is_daemon=False) for hand in self._hands]
+        self._threads = [start_thread(self._work, hand, is_daemon=False) for hand in self._hands]
 
     def start(self, task):
         """Give a task."""

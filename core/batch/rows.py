@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..errors import SettingError, shown
+from ..errors import SettingError, quote_value
 from ..files.declared import DeclaredFile
 from ..validation import are_frames
 
@@ -56,7 +56,7 @@ def read_rows(jobs, shared=()):
         for a file or a pattern that gives no rows
     """
     if shared:
-        return _matched(jobs, list(shared))
+        return _match_folder(jobs, list(shared))
     path = Path(jobs)
     if not path.is_file():
         raise SettingError(
@@ -66,7 +66,7 @@ def read_rows(jobs, shared=()):
     return _lines(path)
 
 
-def _matched(pattern, shared):
+def _match_folder(pattern, shared):
     if shared[0].startswith("-"):
         raise SettingError(f"{shared[0]} stands where a command is needed: write -- stripes --spacing 0.05")
     paths = sorted(path for path in glob.glob(pattern, recursive=True) if Path(path).is_file())
@@ -83,12 +83,12 @@ def _lines(path):
             if not line.strip():
                 continue
             try:
-                yield from _from_line(_decoded(line))
+                yield from _from_line(_decode_row(line))
             except SettingError as error:
                 yield SettingError(f"{path}, line {number}: {error}")
 
 
-def _decoded(line: bytes) -> str:
+def _decode_row(line: bytes) -> str:
     try:
         return line.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -115,7 +115,8 @@ def _ranges(row):
     whole = isinstance(frames, list) and len(frames) == 2 and are_frames(*frames) and type(chunk) is int
     if not whole or chunk < 1:
         raise SettingError(
-            f'the frames are {shown(frames)}, the chunk {shown(chunk)}: write "frames": [1, 240], "chunk": 60'
+            f"the frames are {quote_value(frames)}, the chunk {quote_value(chunk)}: "
+            'write "frames": [1, 240], "chunk": 60'
         )
     if row[_COMMAND] == "animate" and not row.get("spacing") and frames[1] - frames[0] >= chunk:
         raise SettingError("each chunk would find a spacing of its own: give one")
@@ -123,11 +124,11 @@ def _ranges(row):
     for first in range(frames[0], frames[1] + 1, chunk):
         last = min(first + chunk - 1, frames[1])
         names = {"{first}": f"{first:04d}", "{last}": f"{last:04d}"}
-        parts.append({key: _filled(value, names) for key, value in row.items()} | {"frames": [first, last]})
+        parts.append({key: _fill_defaults(value, names) for key, value in row.items()} | {"frames": [first, last]})
     return parts
 
 
-def _filled(value, names):
+def _fill_defaults(value, names):
     if isinstance(value, str):
         for name, text in names.items():
             value = value.replace(name, text)
@@ -143,8 +144,8 @@ def _arguments(row):
         flag = f"--{key.replace('_', '-')}"
         values = value if isinstance(value, list) else [value]
         if any(isinstance(item, dict | list) for item in values):
-            raise SettingError(f"{key} is {shown(value)}: write a text, a number, true, or a list of these")
-        texts = [_filled(str(item), {"{stem}": stem}) for item in values if item is not True]
+            raise SettingError(f"{key} is {quote_value(value)}: write a text, a number, true, or a list of these")
+        texts = [_fill_defaults(str(item), {"{stem}": stem}) for item in values if item is not True]
         given += [f"{flag}={texts[0]}"] if len(texts) == 1 else [flag, *texts]
     named = [str(row[_INPUT])] if row.get(_INPUT) else []
     return [row[_COMMAND], *named, *given]
@@ -188,6 +189,6 @@ def share_of(rows, text):
     """
     part, _, parts = text.partition("/")
     if not (part.isdecimal() and parts.isdecimal() and 1 <= int(part) <= int(parts)):
-        raise SettingError(f"the share is {shown(text)}: write 3/40 for the third of forty")
+        raise SettingError(f"the share is {quote_value(text)}: write 3/40 for the third of forty")
     ends = [len(rows) * number // int(parts) for number in (int(part) - 1, int(part))]
     return rows[ends[0] : ends[1]]

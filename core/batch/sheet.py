@@ -6,7 +6,7 @@ import heapq
 import statistics
 from html import escape
 
-from ..files.whole import written_whole
+from ..files.whole import write_whole
 from .table import entries
 
 # Rows that a sheet shows: failures first, then those with the widest gaps; a page of more is slow to open.
@@ -43,7 +43,7 @@ p.note { color: var(--dim) }
 
 
 def write_sheet(path, title, rows, records):
-    """Write the sheet; errors as :func:`..files.whole.written_whole`.
+    """Write the sheet; errors as :func:`..files.whole.write_whole`.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def write_sheet(path, title, rows, records):
     found = _Figures()
     kept = heapq.nlargest(_MOST, map(found.ranked, entries(rows, records)), key=lambda ranked: ranked[:2])
     shown = sorted((entry for _, _, entry in kept), key=lambda entry: entry["row"])
-    with written_whole(path) as made, made.open("w", encoding="utf-8", errors="backslashreplace") as file:
+    with write_whole(path) as made, made.open("w", encoding="utf-8", errors="backslashreplace") as file:
         file.write(f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{escape(title)}</title>')
         file.write(f"<style>{_STYLE}</style><h1>{escape(title)}</h1>{found.tiles()}")
         if found.count > len(shown):
@@ -120,7 +120,7 @@ def _card(entry, thumbnail):
         picture = f'<img alt="" loading="lazy" src="data:image/jpeg;base64,{data}">'
     except OSError:
         picture = '<div class="none">no picture asked for</div>'
-    told = [f"<dt>{what}<dd>{value}" for what, value in _told(entry)]
+    told = [f"<dt>{what}<dd>{value}" for what, value in _card_lines(entry)]
     gap = entry.get("gap")
     bar = "" if gap is None else f'<div class="bar"><i style="width:{100 * min(max(gap, 0), 1):.1f}%"></i></div>'
     return (
@@ -129,7 +129,7 @@ def _card(entry, thumbnail):
     )
 
 
-def _told(entry):
+def _card_lines(entry):
     """Lines of a card: what, and HTML."""
     if "nodes" in entry:
         yield "vertices", f"{entry['nodes']:,}"

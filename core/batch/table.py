@@ -4,7 +4,7 @@
 import csv
 import json
 
-from ..files.whole import written_whole
+from ..files.whole import write_whole
 
 # Figures of a report that the table has, and lists of it whose lengths it has.
 FIGURES = "status", "energy", "lower_bound", "gap", "certificate", "nodes"
@@ -63,7 +63,7 @@ def write_tables(folder, rows, records):
     rows, records : see :func:`entries`
     """
     table, listed, done = folder / "summary.csv", folder / "summary.json", 0
-    with written_whole(table) as csv_path, written_whole(listed) as json_path:
+    with write_whole(table) as csv_path, write_whole(listed) as json_path:
         with (
             csv_path.open("w", newline="", encoding="utf-8", errors="backslashreplace") as rows_file,
             json_path.open("w", encoding="utf-8") as file,

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..errors import SettingError
-from ..problem import SynchronizationProblem, Targets, joined_targets
+from ..problem import SynchronizationProblem, Targets, join_targets
 from ..solution import DESCENT
 from ..solve import Options, solve
 
@@ -22,7 +22,7 @@ def is_moved(mesh, other):
     return mesh.vertex_count == other.vertex_count and np.array_equal(mesh.triangles, other.triangles)
 
 
-def carried_angles(angles, mesh, moved):
+def carry_angles(angles, mesh, moved):
     """Directions that go along with a moving surface.
 
     At each vertex they turn as its edges do on average, weighted by their lengths before and after: not at all in a
@@ -65,24 +65,24 @@ def next_solution(problem, phases, options=None, callback=None, hold=None, follo
     """
     if follower is not None and follower.suits(problem):
         solution = follower.solve(problem, phases, callback)
-        return _turned_back(problem, solution, phases) if problem.is_complex else solution
+        return _align_pieces(problem, solution, phases) if problem.is_complex else solution
     options = replace(Options() if options is None else options, method=DESCENT, time_limit=None)
     if hold is not None and np.any(hold):
-        solution = solve(_drawn_to(problem, phases, hold), options, callback, phases)
+        solution = solve(_add_phase_wishes(problem, phases, hold), options, callback, phases)
         return replace(solution, energy=problem.energy(solution.phases))
     solution = solve(problem, options, callback, phases)
-    return _turned_back(problem, solution, phases) if problem.is_complex else solution
+    return _align_pieces(problem, solution, phases) if problem.is_complex else solution
 
 
-def _drawn_to(problem, phases, weights):
+def _add_phase_wishes(problem, phases, weights):
     """The problem with soft wishes for phases at all nodes that are not fixed."""
     weights = np.array(weights, float)
     weights[problem.fixed.nodes] = 0
-    drawn = joined_targets([Targets(np.arange(len(phases)), phases, weights), problem.drawn])
+    drawn = join_targets([Targets(np.arange(len(phases)), phases, weights), problem.drawn])
     return SynchronizationProblem(problem.connection, problem.mass, problem.merged, problem.fixed, drawn)
 
 
-def _turned_back(problem, solution, phases):
+def _align_pieces(problem, solution, phases):
     """The solution with each free piece turned as a whole to be nearest to phases."""
     turned, wanted = problem.coordinates(solution.phases), problem.coordinates(phases)
     pieces = problem.pieces

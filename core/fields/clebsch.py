@@ -132,10 +132,10 @@ def clebsch_problem(grid, integrals, quantum):
     reached = grid.weights > 0
     transports = circle_transports(TURN / quantum * integrals[reached])
     connection = Connection(grid.node_count, grid.edges[reached], grid.weights[reached], transports)
-    return SynchronizationProblem(connection, grid.masses, _merged(grid))
+    return SynchronizationProblem(connection, grid.masses, _merge_seam_sides(grid))
 
 
-def _merged(grid):
+def _merge_seam_sides(grid):
     """The two sides of a one-sided surface's seam, where there is one: what a velocity makes of a phase has no side."""
     if not isinstance(grid, Surface) or grid.seam is None:
         return None

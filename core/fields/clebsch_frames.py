@@ -29,7 +29,7 @@ def following_map(before, integrals, options=None, callback=None):
     integrals : (e,) of the velocity of the frame, on the same grid
     options, callback : see :func:`core.solve.solve`
     """
-    grown = grown_phases(before, integrals)
+    grown = advance_phases(before, integrals)
     solution = before.solution
     start = replace(solution, phases=solution.phases * grown, lifted=solution.lifted * grown[:, None])
     found = clebsch_map(before.grid, integrals, before.quantum, options, callback, start)
@@ -48,7 +48,7 @@ def following_sphere(before, found, callback=None):
     """
     begin = time.perf_counter()
     problem = found.problem
-    start = before.lifted * grown_phases(before.found, found.integrals)[:, None]
+    start = before.lifted * advance_phases(before.found, found.integrals)[:, None]
     lifted = lifted_of_rank(problem, found.solution, 2, found.options, callback, start)
     left, _, right = np.linalg.svd(lifted.conj().T @ start)
     lifted = lifted @ (left @ right)
@@ -56,7 +56,7 @@ def following_sphere(before, found, callback=None):
     return SphericalMap(found, lifted, energy, time.perf_counter() - begin)
 
 
-def grown_phases(before, integrals):
+def advance_phases(before, integrals):
     """(n,) unit numbers that turn the phases of a map as the next frame's velocity asks, up to its vorticity."""
     return np.exp(1j * potential(before.grid, TURN / before.quantum * (integrals - before.integrals)))
 

@@ -99,7 +99,7 @@ def surface_circulation(mesh, matchings, count=1):
 
 
 @dataclass(frozen=True)
-class Calming:
+class CurlRemoval:
     """What takes all holonomy out of changes, but for what has to be.
 
     Attributes
@@ -113,7 +113,7 @@ class Calming:
 
 
 def calming(circulation, holonomy, weights, known=None, precision=PRECISION):
-    """The :class:`Calming` of changes.
+    """The :class:`CurlRemoval` of changes.
 
     Parameters
     ----------
@@ -136,8 +136,8 @@ def calming(circulation, holonomy, weights, known=None, precision=PRECISION):
     flow = (diags_array(softness) @ circulation.matrix.T).tocsr()
     laplacian = (circulation.matrix @ flow).tocsr()
     removed, follows = _removable(circulation, softness > 0, holonomy)
-    found = _solved(laplacian, removed, ~follows & (laplacian.diagonal() > 0), precision)
-    return Calming(correction - flow @ found, found)
+    found = _solve_rows(laplacian, removed, ~follows & (laplacian.diagonal() > 0), precision)
+    return CurlRemoval(correction - flow @ found, found)
 
 
 def _removable(circulation, free, holonomy):
@@ -169,7 +169,7 @@ def _removable(circulation, free, holonomy):
     return holonomy - sides * areas * totals[pieces], follows & sealed
 
 
-def _solved(matrix, right, wanted, precision):
+def _solve_rows(matrix, right, wanted, precision):
     """Solution in the wanted rows, zero in the others."""
     result = np.zeros_like(right)
     rows = np.flatnonzero(wanted)
@@ -193,7 +193,7 @@ def _solved(matrix, right, wanted, precision):
     return result
 
 
-def closed_in_solid(mesh, changes, known):
+def close_changes(mesh, changes, known):
     """The changes nearest to given ones that add up to nothing around every triangle of a solid.
 
     They are those of a function, and turns around the solid's handles.

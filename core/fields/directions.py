@@ -17,17 +17,17 @@ from ..errors import SettingError
 from ..geometry import TriangleMesh
 from ..matchings import matchings
 from ..monitor import Callback
-from ..problem import SynchronizationProblem, Targets, joined_targets
+from ..problem import SynchronizationProblem, Targets, join_targets
 from ..settings.surface import SYMMETRY_ORDERS
 from ..solve import Options, Solution, solve
 from ..solve.warm_start import Follower
-from .animation import carried_angles, in_sheets_of, next_solution
-from .constraints.groups import contracted, joined_links, without_contradictions
+from .animation import carry_angles, in_sheets_of, next_solution
+from .constraints.groups import contract_groups, join_links, without_contradictions
 from .constraints.rows import Row, direction_targets
 from .curl_removal import ROUGH, calming, check_share, known_turns, surface_circulation
 from .evenness import quantiles
-from .guidance.guides import Guide, blended
-from .mirror import LEAN, Mirror, on_mirror, snapped, split_links, with_loops
+from .guidance.guides import Guide, blend_guides
+from .mirror import LEAN, Mirror, on_mirror, snap_to_plane, split_links, with_loops
 
 # How many times the smallest quads the largest are, where flattening alone would have it: exact square quads vary
 # tenfold and more on animals' legs. The share of the area on either side that does not tell.
@@ -170,10 +170,10 @@ def direction_problem(
     mesh: TriangleMesh, symmetry: int, wishes: DirectionWishes | None = None
 ) -> SynchronizationProblem:
     """The synchronization problem of a direction field; arguments as :func:`direction_field`."""
-    return _posed(mesh, symmetry, DirectionWishes() if wishes is None else wishes)[0]
+    return _pose_directions(mesh, symmetry, DirectionWishes() if wishes is None else wishes)[0]
 
 
-def _posed(mesh, symmetry, wishes):
+def _pose_directions(mesh, symmetry, wishes):
     """The problem, and where its connection is calmed what its constraints tell of the turns and the correction."""
     if symmetry not in SYMMETRY_ORDERS.values():
         raise SettingError(f"symmetry {symmetry!r} is unknown: use 1 (vector), 2 (line) or 4 (cross)")
@@ -184,10 +184,12 @@ def _posed(mesh, symmetry, wishes):
     connection = Connection(mesh.vertex_count, posed.edges, posed.weights, circle_transports(turns))
     fixed, drawn, gives_way = direction_targets(mesh, symmetry, wishes.rows)
     links, loops = split_links(mesh.vertex_count, [mirror.direction_links(symmetry) for mirror in wishes.mirrors])
-    fixed = without_contradictions(fixed, gives_way, joined_links([links, loops]), LEAN * symmetry)
-    fixed, merged = contracted(mesh.vertex_count, links, on_mirror(fixed, loops, LEAN * symmetry), LEAN * symmetry)
+    fixed = without_contradictions(fixed, gives_way, join_links([links, loops]), LEAN * symmetry)
+    fixed, merged = contract_groups(mesh.vertex_count, links, on_mirror(fixed, loops, LEAN * symmetry), LEAN * symmetry)
     if wishes.guides:
-        values, weights = blended([g for g, _ in wishes.guides], [strength for _, strength in wishes.guides], symmetry)
+        values, weights = blend_guides(
+            [g for g, _ in wishes.guides], [strength for _, strength in wishes.guides], symmetry
+        )
         weights[fixed.nodes] = 0
         nodes = np.flatnonzero(weights > 0)
         drawn.append(Targets(nodes, values[nodes], weights[nodes]))
@@ -203,7 +205,7 @@ def _posed(mesh, symmetry, wishes):
         posed.vertex_masses,
         merged,
         fixed,
-        joined_targets(drawn),
+        join_targets(drawn),
         calmer if wishes.singularities > 0 else None,
     )
     return problem, known, correction
@@ -278,15 +280,15 @@ def direction_field(
     start : (n,) radians, optional: without a field before, the whole solve starts from these directions
     """
     wishes = DirectionWishes() if wishes is None else wishes
-    problem, known, correction = _posed(mesh, symmetry, wishes)
+    problem, known, correction = _pose_directions(mesh, symmetry, wishes)
     carried = start
     if before is None:
         solution = solve(problem, options, callback, None if start is None else np.exp(1j * symmetry * start))
     else:
-        carried = carried_angles(before.angles - before.turn, before.mesh, mesh)
+        carried = carry_angles(before.angles - before.turn, before.mesh, mesh)
         solution = next_solution(problem, np.exp(1j * symmetry * carried), options, callback, follower=follower)
     _, loops = split_links(mesh.vertex_count, [mirror.direction_links(symmetry) for mirror in wishes.mirrors])
-    solution = snapped(problem, solution, loops)
+    solution = snap_to_plane(problem, solution, loops)
     angles = np.angle(solution.phases) / symmetry
     if carried is not None:
         angles = in_sheets_of(angles, carried, symmetry)
@@ -302,7 +304,7 @@ def known_directions(mesh, symmetry, vectors, wishes):
     field = given_directions(mesh, symmetry, vectors)
     if not wishes.corrects:
         return field
-    _, known, correction = _posed(mesh, symmetry, wishes)
+    _, known, correction = _pose_directions(mesh, symmetry, wishes)
     return replace(field, correction=correction).flattened(1 - wishes.singularities, known)
 
 

@@ -11,7 +11,7 @@ from ..errors import SettingError
 from ..geometry.filling.closed_surface import ClosedSurface
 from ..geometry.nearest import NearestTriangles, nearest_in_triangles
 from ..geometry.tet_mesh import TetMesh
-from .guidance.potentials import extended
+from .guidance.potentials import extend_harmonically
 from .layers import LayerGroup
 
 # Vertices of the solid this near to a group's faces lie on them, as a share of the surface's size: stuffing puts them
@@ -103,7 +103,7 @@ class FilledSurface:
     def inside(self, values):
         """(n,) values in the whole solid, extended smoothly from the surface's; not beyond their extremes."""
         known = self.solid.boundary_vertices
-        spread = extended(self.solid, known, self.on_boundary(values)[known])
+        spread = extend_harmonically(self.solid, known, self.on_boundary(values)[known])
         return np.clip(np.nan_to_num(spread, nan=values.mean()), values.min(), values.max())
 
     @cached_property

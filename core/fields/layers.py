@@ -14,8 +14,8 @@ from ..interpolate import TURN, EdgePhases
 from ..interpolate_solid import TetPhases, face_numbers, tet_phases
 from ..problem import SynchronizationProblem
 from ..solve import Solution, solve
-from .constraints.groups import Links, contracted, fixed_phases, joined_links
-from .curl_removal import check_share, closed_in_solid, known_turns
+from .constraints.groups import Links, contract_groups, fixed_phases, join_links
+from .curl_removal import check_share, close_changes, known_turns
 from .evenness import quantiles
 from .guidance.potentials import potential
 from .patterns import check_spacing
@@ -75,7 +75,7 @@ class LayerGroup:
 
 
 @dataclass(frozen=True)
-class SolidGrowth:
+class SolidTargetOneForm:
     """Where the phase of layers should grow, and the connection that asks for it (Eq. 6).
 
     Attributes
@@ -101,7 +101,7 @@ class SolidGrowth:
                 f"the directions of the solid have the shape {directions.shape}: "
                 f"give {mesh.vertex_count} vectors of finite numbers"
             )
-        return cls(mesh, directions * (TURN / _checked_spacing(mesh, spacing))[:, None])
+        return cls(mesh, directions * (TURN / _check_distances(mesh, spacing))[:, None])
 
     @cached_property
     def changes(self):
@@ -133,7 +133,7 @@ class SolidGrowth:
         if share == 0:
             return self
         known = known_turns(self.connection, fixed, merged)
-        return replace(self, correction=share * (closed_in_solid(self.mesh, self.changes, known) - self.changes))
+        return replace(self, correction=share * (close_changes(self.mesh, self.changes, known) - self.changes))
 
     def edge_phases(self, phases, groups=()):
         """:class:`EdgePhases` of (n,) complex phases; along the triangles of groups nothing changes."""
@@ -239,32 +239,32 @@ def layer_problem(mesh, directions, spacing, groups=(), branching=1.0):
     ContradictionError
         where groups ask for different phases
     """
-    return posed(SolidGrowth.of(mesh, directions, spacing), groups, branching)[1]
+    return pose_layers(SolidTargetOneForm.of(mesh, directions, spacing), groups, branching)[1]
 
 
 def solve_layers(mesh, directions, spacing, groups=(), options=None, callback=None, branching=1.0):
     """Solve for a :class:`LayerPattern`; arguments as :func:`layer_problem` and :func:`core.solve.solve`."""
-    return solve_growth(SolidGrowth.of(mesh, directions, spacing), groups, options, callback, branching)
+    return solve_growth(SolidTargetOneForm.of(mesh, directions, spacing), groups, options, callback, branching)
 
 
 def solve_growth(growth, groups=(), options=None, callback=None, branching=1.0):
-    """The same for a :class:`SolidGrowth`."""
-    growth, problem = posed(growth, groups, branching)
+    """The same for a :class:`SolidTargetOneForm`."""
+    growth, problem = pose_layers(growth, groups, branching)
     solution = solve(problem, options, callback)
     return LayerPattern(growth.mesh, solution, growth.edge_phases(solution.phases, groups))
 
 
-def posed(growth, groups, branching):
-    """A :class:`SolidGrowth`, calmed, and its problem; arguments and errors as :func:`layer_problem`."""
+def pose_layers(growth, groups, branching):
+    """A :class:`SolidTargetOneForm`, calmed, and its problem; arguments and errors as :func:`layer_problem`."""
     check_share(branching, "branching")
     mesh = growth.mesh
-    links = joined_links([group.links for group in groups if group.phase is None])
+    links = join_links([group.links for group in groups if group.phase is None])
     held = [group for group in groups if group.phase is not None]
     fixed = fixed_phases(
         [(group.name, group.vertices, np.full(len(group.vertices), np.exp(1j * group.phase))) for group in held],
         "take them out of one of the groups",
     )
-    fixed, merged = contracted(mesh.vertex_count, links, fixed)
+    fixed, merged = contract_groups(mesh.vertex_count, links, fixed)
     growth = growth.calmed(1 - branching, fixed, merged)
     return growth, SynchronizationProblem(growth.connection, mesh.vertex_masses, merged, fixed)
 
@@ -274,7 +274,7 @@ def _places(mesh):
     return mesh.vertices[np.unique(mesh.tets)]
 
 
-def _checked_spacing(mesh, spacing):
+def _check_distances(mesh, spacing):
     """(n,) distances; refuses those between which no layer fits."""
     spacing = np.asarray(spacing, float)
     if spacing.shape not in ((), (mesh.vertex_count,)):

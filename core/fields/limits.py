@@ -16,7 +16,7 @@ import numpy as np
 from ..errors import SettingError
 from ..interpolate import TURN
 from ..monitor import portion
-from .layers import LayerPattern, SolidGrowth, solve_growth
+from .layers import LayerPattern, SolidTargetOneForm, solve_growth
 
 # Shares of the branches that are tried, and corrections for the best of them; and the share of the volume outside of
 # the limits from which on no more are.
@@ -97,7 +97,7 @@ def solve_within(growth, limits, groups=(), options=None, callback=None, branchi
             share = _next_share(tried, branching)
         else:
             best = min(tried) if number == SHARES else tried[-1]
-            growth, share = _corrected(best.growth, best.pattern, limits), best.share
+            growth, share = _correct_distances(best.growth, best.pattern, limits), best.share
         pattern = solve_growth(growth, groups, options, portion(callback, number / most, 1 / most), share)
         tried.append(_Tried(limits.outside_share(pattern), share, number, pattern, growth))
     best = min(tried)
@@ -111,7 +111,7 @@ class _Tried(NamedTuple):
     share: float
     number: int
     pattern: LayerPattern
-    growth: SolidGrowth
+    growth: SolidTargetOneForm
 
 
 def _next_share(tried, branching):
@@ -124,7 +124,7 @@ def _next_share(tried, branching):
     return (order[place].share + min(beside).share) / 2
 
 
-def _corrected(growth, pattern, limits):
+def _correct_distances(growth, pattern, limits):
     """What is asked for, wider where layers are too near to one another and narrower where they are too far apart."""
     mesh, distances = growth.mesh, pattern.spacings.distances
     wider = np.zeros(mesh.tet_count)

@@ -12,7 +12,7 @@ import numpy as np
 from ..connection import Connection, as_matrices, circle_transports
 from ..errors import ContradictionError
 from ..graphs import components
-from .constraints.groups import Links, joined_links
+from .constraints.groups import Links, join_links
 
 # How far, in radians of direction, mirrored wishes may differ: tangent planes lean, strokes are sampled.
 LEAN = 0.1
@@ -119,19 +119,19 @@ def split_links(count, parts):
     Where two mirrors lead from one node to another on two ways, one is kept: they agree only as well as the
     tangent planes are mirrored, in which diagonals of faces play a part.
     """
-    between, loops = joined_links([]), []
+    between, loops = join_links([]), []
     for links in parts:
         alone = links.i == links.j
-        loops.append(_chosen(links, alone & links.flips))
+        loops.append(_choose_phases(links, alone & links.flips))
         labels = components(count, np.column_stack([between.i, between.j]))
         pairs = np.sort(np.column_stack([labels[links.i], labels[links.j]]), axis=1)
         first = np.zeros(len(pairs), bool)
         first[np.unique(pairs, axis=0, return_index=True)[1]] = True
-        between = joined_links([between, _chosen(links, first & (pairs[:, 0] != pairs[:, 1]))])
-    return between, joined_links(loops)
+        between = join_links([between, _choose_phases(links, first & (pairs[:, 0] != pairs[:, 1]))])
+    return between, join_links(loops)
 
 
-def _chosen(links, mask):
+def _choose_phases(links, mask):
     return Links(*(getattr(links, name)[mask] for name in Links.__dataclass_fields__))
 
 
@@ -168,7 +168,7 @@ def on_mirror(fixed, loops, slack):
     return replace(fixed, values=values)
 
 
-def snapped(problem, solution, loops):
+def snap_to_plane(problem, solution, loops):
     """The solution with the nodes on the mirror plane at the nearer of their two phases."""
     if len(loops.i) == 0:
         return solution

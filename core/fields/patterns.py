@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Periodic patterns: phases that grow as directions ask for, found by synchronization (paper, Sections 3.3 and 3.5).
 
-Stripes and quads are the same but for the number of phases at a vertex (:class:`Growth`).
+Stripes and quads are the same but for the number of phases at a vertex (:class:`TargetOneForm`).
 """
 
 from dataclasses import dataclass, replace
@@ -13,18 +13,18 @@ from ..defects import Defect, list_defects
 from ..errors import ContradictionError, SettingError
 from ..geometry import TriangleMesh
 from ..interpolate import EdgePhases, face_phases
-from ..problem import SynchronizationProblem, joined_targets
+from ..problem import SynchronizationProblem, join_targets
 from ..solve import Solution, solve
 from .animation import next_solution
 from .constraints.features import loops_at, with_grid_lines
-from .constraints.groups import TOLERANCE, joined_links
+from .constraints.groups import TOLERANCE, join_links
 from .constraints.phase_rows import phase_constraints
 from .constraints.rows import GRID
-from .constraints.strips import widened
+from .constraints.strips import widen_strips
 from .curl_removal import check_share
 from .evenness import Evenness, evenness
-from .mirror import LEAN, on_mirror, snapped, split_links, with_loops
-from .target_one_form import Growth
+from .mirror import LEAN, on_mirror, snap_to_plane, split_links, with_loops
+from .target_one_form import TargetOneForm
 
 # Spacings that are a smaller share of the object than this are finer than double precision tells phases apart.
 _FINEST = 1e-9
@@ -42,7 +42,7 @@ class Pattern:
     phases : (k n,) complex, the solution's or others (:meth:`showing`)
     """
 
-    growth: Growth
+    growth: TargetOneForm
     problem: SynchronizationProblem | None
     solution: Solution | None
     phases: np.ndarray
@@ -139,10 +139,10 @@ def pattern_problem(mesh, field, spacing, rows=(), mirrors=(), branching=1.0):
     branching : share of the growth's curl that is asked for, from 0 to 1: fewer dislocations below 1, for a spacing
         that varies more (see :mod:`.curl_removal`)
     """
-    return _posed(mesh, field, spacing, rows, mirrors, branching)[1]
+    return _pose_pattern(mesh, field, spacing, rows, mirrors, branching)[1]
 
 
-def _posed(mesh, field, spacing, rows, mirrors, branching):
+def _pose_pattern(mesh, field, spacing, rows, mirrors, branching):
     """The growth, the problem, and the mirrors' links from a phase to itself."""
     check_spacing(mesh.vertices[np.unique(mesh.triangles)], spacing)
     check_share(branching, "branching")
@@ -154,7 +154,7 @@ def _posed(mesh, field, spacing, rows, mirrors, branching):
         links, on_grid = with_grid_lines(growth, rows, links)
         fixed, merged, drawn = phase_constraints(growth, [row for row in rows if row.kind != GRID], [links], slack)
         fixed = on_mirror(fixed, loops, slack)
-        loops = joined_links([loops, loops_at(np.setdiff1d(on_grid, np.append(fixed.nodes, loops.i)))])
+        loops = join_links([loops, loops_at(np.setdiff1d(on_grid, np.append(fixed.nodes, loops.i)))])
     except ContradictionError as error:
         raise error.renumbered(np.repeat(np.arange(mesh.vertex_count), growth.phase_count)) from None
     growth = growth.calmed(1 - branching, fixed, merged)
@@ -162,7 +162,7 @@ def _posed(mesh, field, spacing, rows, mirrors, branching):
     connection = with_loops(posed.connection, loops)
     # What is calmed as far as it can be leads to nothing calmer.
     calmer = partial(posed.turns_to_calm, fixed, merged) if branching > 0 else None
-    problem = SynchronizationProblem(connection, posed.masses, merged, fixed, joined_targets(drawn), calmer)
+    problem = SynchronizationProblem(connection, posed.masses, merged, fixed, join_targets(drawn), calmer)
     return growth, problem, loops
 
 
@@ -192,10 +192,10 @@ def solve_pattern(
     start : (k n,) complex phases, optional: without a pattern before, the whole solve starts from these
     show : callable(Pattern), called with what there is before the end, for a pattern without one before
     """
-    growth, problem, loops = _posed(mesh, field, spacing, rows, mirrors, branching)
+    growth, problem, loops = _pose_pattern(mesh, field, spacing, rows, mirrors, branching)
 
     def pattern(solution):
-        solution = snapped(problem, solution, loops)
+        solution = snap_to_plane(problem, solution, loops)
         return Pattern(growth, problem, solution, solution.phases)
 
     if before is None:
@@ -214,13 +214,13 @@ def known_pattern(mesh, field, spacing, phases, rows=(), mirrors=(), branching=1
     """
     growth = _growth(mesh, field, spacing, rows)
     if branching < 1:
-        growth, _, _ = _posed(mesh, field, spacing, rows, mirrors, branching)
+        growth, _, _ = _pose_pattern(mesh, field, spacing, rows, mirrors, branching)
     return Pattern(growth, None, None, phases)
 
 
 def _growth(mesh, field, spacing, rows):
-    """The :class:`Growth` that is asked for before it is calmed."""
-    return widened(Growth.of(mesh, field, spacing), rows)
+    """The :class:`TargetOneForm` that is asked for before it is calmed."""
+    return widen_strips(TargetOneForm.of(mesh, field, spacing), rows)
 
 
 def _mirror_links(growth, mirrors):

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ..errors import SettingError, name_elements, shown
+from ..errors import SettingError, name_elements, quote_value
 from ..interpolate import dislocation_numbers
 from ..solve.lifted import LiftedField
 
@@ -66,7 +66,7 @@ def check_vertices(vertices, count):
     except ValueError:  # lists in lists of other lengths
         found = np.empty(0)
     if found.dtype.kind not in "iu" or not len(found):
-        raise SettingError(f"the vertices are {shown(vertices)}: give the numbers of one or more")
+        raise SettingError(f"the vertices are {quote_value(vertices)}: give the numbers of one or more")
     outside = found[(found < 0) | (found >= count)]
     if len(outside):
         raise SettingError(f"there is no vertex {outside[0]}: the mesh has {count}, from 0 on")

@@ -23,7 +23,7 @@ COARSE_SHARE = 0.05
 
 
 @dataclass(frozen=True)
-class Growth:
+class TargetOneForm:
     """Directions and rates in which the k phases of a vertex grow.
 
     Attributes

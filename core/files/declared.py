@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from ..errors import SettingError, shown
+from ..errors import SettingError, quote_value
 from .whole import unwritten
 
 # Names of a numbered set such as part_000.stl: what stands before and behind the number.
@@ -100,13 +100,15 @@ def check_inputs(files: Iterable[DeclaredFile]) -> None:
         except (FileNotFoundError, NotADirectoryError):
             continue
         except OSError as error:
-            raise SettingError(f"{shown(file.path)}: {file.flag} cannot be read: {error.strerror or error}") from None
+            raise SettingError(
+                f"{quote_value(file.path)}: {file.flag} cannot be read: {error.strerror or error}"
+            ) from None
         if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):
             raise SettingError(f"{file.path}: {file.flag} is a device or a pipe: name a file")
 
 
 @contextmanager
-def made_folders(files: Iterable[DeclaredFile]) -> Iterator[None]:
+def make_folders(files: Iterable[DeclaredFile]) -> Iterator[None]:
     """Make the missing folders of outputs; those that are still empty go again where the work inside fails.
 
     Raises

@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import SettingError
-from ..fields.guidance.face_directions import averaged_in_faces, face_frames
+from ..fields.guidance.face_directions import average_in_faces, face_frames
 from ..fields.guidance.guides import face_guide
 from .border import border, check_promise, read_text
-from .whole import written_whole
+from .whole import write_whole
 
 SUFFIXES = (".rawfield", ".rosy")
 
@@ -100,7 +100,7 @@ def write_field(path, face_field):
                 "pass it through to_vertices and from_vertices, or write a .rosy file"
             )
         header, rows = f"{face_field.symmetry} {count}", face_field.vectors.reshape(count, -1)
-    with written_whole(path) as made:
+    with write_whole(path) as made:
         np.savetxt(made, rows, fmt="%.17g", header=header, comments="")
 
 
@@ -155,7 +155,7 @@ def from_vertices(mesh, symmetry, angles):
     -------
     FaceField with (m, N, 3) vectors, counterclockwise
     """
-    powers = averaged_in_faces(mesh, np.exp(1j * symmetry * np.asarray(angles, float)), symmetry)
+    powers = average_in_faces(mesh, np.exp(1j * symmetry * np.asarray(angles, float)), symmetry)
     turns = np.angle(powers)[:, None] / symmetry + 2 * np.pi / symmetry * np.arange(symmetry)
     x, y = face_frames(mesh)
     return FaceField(symmetry, np.cos(turns)[..., None] * x[:, None] + np.sin(turns)[..., None] * y[:, None])

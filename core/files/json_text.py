@@ -9,7 +9,7 @@ import numpy as np
 
 from .border import border
 
-# Kinds of values that :func:`kept` knows besides types, dicts of kinds, and lists of kinds.
+# Kinds of values that :func:`read_kept_dict` knows besides types, dicts of kinds, and lists of kinds.
 NUMBER = (int, float)
 
 
@@ -29,7 +29,7 @@ def plain(value):
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def kept(text, source, kinds):
+def read_kept_dict(text, source, kinds):
     """A dict that a property of an object or a file has kept as JSON, checked, since others can write there.
 
     Parameters
@@ -62,8 +62,8 @@ def kept(text, source, kinds):
         return found
 
 
-def kept_names(text, source):
-    """A list of names that a property has kept as JSON; [] for ""; errors as :func:`kept`."""
+def read_kept_names(text, source):
+    """A list of names that a property has kept as JSON; [] for ""; errors as :func:`read_kept_dict`."""
     if not text:
         return []
     with border(source, "solve it again"):

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..errors import SettingError, shown
+from ..errors import SettingError, quote_value
 from .border import border, check_promise, read_bytes
 
 _FORMATS = "ascii", "binary_little_endian", "binary_big_endian"
@@ -112,7 +112,7 @@ def _ply_header(content):
             case ["property", item, _] if elements and item in _SIZES:
                 elements[-1][1].append([item])
             case _:
-                raise ValueError(f"it has the line {shown(line)}")
+                raise ValueError(f"it has the line {quote_value(line)}")
     if kind is None:
         raise ValueError("it has no format")
     return kind, elements, body.removeprefix(b"\r").removeprefix(b"\n")

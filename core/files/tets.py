@@ -75,10 +75,10 @@ def read_marked_tets(path):
                 f"tetrahedron {outside[0]} names a vertex that is not among the {len(vertices)}: export it again"
             )
         mesh = TetMesh(vertices, positive(vertices, tets))
-        return _enclosed(mesh, triangles), _marked(triangles, numbers, len(vertices))
+        return _enclosed_parts(mesh, triangles), _number_groups(triangles, numbers, len(vertices))
 
 
-def _marked(triangles, numbers, count):
+def _number_groups(triangles, numbers, count):
     """Triangles of known vertices by name and number."""
     known = ((triangles >= 0) & (triangles < count)).all(axis=1)
     return {
@@ -88,7 +88,7 @@ def _marked(triangles, numbers, count):
     }
 
 
-def _enclosed(mesh, triangles):
+def _enclosed_parts(mesh, triangles):
     """The parts of a solid whose boundary, where triangles cut it into parts, is made of triangles only."""
     if not len(triangles):
         return mesh
@@ -241,7 +241,7 @@ def vtu_array(root, appended, array, count):
     name = array.get("type", "")
     dtype = np.dtype(f"{order}{kinds[name.rstrip('0123456789')]}{int(re.sub('[^0-9]', '', name)) // 8}")
     if array.get("format") == "ascii":
-        return _counted(text_numbers(array.text or "", dtype), count)
+        return _count_text(text_numbers(array.text or "", dtype), count)
     compressor = root.get("compressor")
     if compressor not in (None, "", "vtkZLibDataCompressor"):
         raise ValueError(f"compressed by {compressor}, use zlib")
@@ -250,11 +250,11 @@ def vtu_array(root, appended, array, count):
     else:
         stored, raw = "".join((array.text or "").split()).encode("ascii"), False
     header = np.dtype(order + {"UInt32": "u4", "UInt64": "u8"}[root.get("header_type", "UInt32")])
-    unpack = _compressed if compressor else _plain
-    return _counted(np.frombuffer(unpack(stored, header, raw, int(count) * dtype.itemsize), dtype), count)
+    unpack = _decompress_blocks if compressor else _plain
+    return _count_text(np.frombuffer(unpack(stored, header, raw, int(count) * dtype.itemsize), dtype), count)
 
 
-def _counted(numbers, count):
+def _count_text(numbers, count):
     if len(numbers) != count:
         raise ValueError(f"{len(numbers)} numbers where {count} are promised")
     return numbers
@@ -274,7 +274,7 @@ def _plain(stored, header, raw, wanted):
     return _bytes(stored, 0, width + size, raw)[width:]
 
 
-def _compressed(stored, header, raw, wanted):
+def _decompress_blocks(stored, header, raw, wanted):
     """Blocks after a header of their number, their size, the last one's size and the compressed size of each."""
     blocks = int(np.frombuffer(_bytes(stored, 0, header.itemsize, raw), header)[0])
     width = (3 + blocks) * header.itemsize

@@ -12,7 +12,7 @@ from .leftovers import own_name, sweep
 
 
 @contextmanager
-def written_whole(path, is_whole=None):
+def write_whole(path, is_whole=None):
     """Write a file beside its place, under a name of its own with the same suffix, and put it there at the end.
 
     Yields the path to write to. Two processes that write the same file leave one of the two, whole; a device is
@@ -29,19 +29,19 @@ def written_whole(path, is_whole=None):
     WriteError
         where the file cannot be written, or nothing or only a part of it arrived; nothing has changed then
     """
-    with written_together() as written, written(path, is_whole) as made:
+    with write_together() as written, written(path, is_whole) as made:
         yield made
 
 
 @contextmanager
-def written_together():
+def write_together():
     """Write several files, which take their places together once all are complete, or none of them does.
 
-    Yields a function that writes one of them as :func:`written_whole` does, with the same arguments and errors.
+    Yields a function that writes one of them as :func:`write_whole` does, with the same arguments and errors.
     """
     waiting: list[tuple[str | Path, Path, Path]] = []
     try:
-        yield partial(_written_beside, waiting)
+        yield partial(_write_beside, waiting)
         _take_places(waiting)
     finally:
         for _, _, made in waiting:
@@ -49,7 +49,7 @@ def written_together():
 
 
 @contextmanager
-def _written_beside(waiting, path, is_whole=None):
+def _write_beside(waiting, path, is_whole=None):
     """Write a file beside its place, and add it to those that wait for their places."""
     target = Path(path).resolve()
     if target.is_dir():
@@ -86,14 +86,14 @@ def _take_places(waiting):
                 if target.exists():
                     shutil.copymode(target, made)
                 if number < len(waiting):  # what is replaced last is replaced or not
-                    undo.enter_context(_given_back(target))
+                    undo.enter_context(_restore_on_failure(target))
                 os.replace(made, target)
             except OSError as error:
                 raise unwritten(path, error.strerror or error) from None
 
 
 @contextmanager
-def _given_back(target):
+def _restore_on_failure(target):
     """Give a file back as it was, should work inside fail."""
     kept = place_beside(target)
     try:
@@ -114,8 +114,8 @@ def _given_back(target):
 
 
 def write_text(path, text):
-    """Write a text file whole or not at all; errors as :func:`written_whole`."""
-    with written_whole(path) as made:
+    """Write a text file whole or not at all; errors as :func:`write_whole`."""
+    with write_whole(path) as made:
         made.write_text(text, encoding="utf-8")
 
 
@@ -125,7 +125,7 @@ def unwritten(path, reason):
 
 
 def check_writable(path):
-    """Refuse a place where no file can be made, before there is anything to write; errors as :func:`written_whole`."""
+    """Refuse a place where no file can be made, before there is anything to write; errors as :func:`write_whole`."""
     target = Path(path).resolve()
     if target.exists() and not target.is_file():
         return

@@ -24,10 +24,10 @@ def cut_open(mesh, edges):
     is_cut = np.zeros(len(mesh.edges), bool)
     is_cut[edges] = True
     halves = np.flatnonzero((mesh.twins >= 0) & ~is_cut[mesh.triangle_edges.ravel()])
-    return opened(mesh, halves, mesh.twins[halves])
+    return cut_all_but(mesh, halves, mesh.twins[halves])
 
 
-def opened(mesh, halves, twins):
+def cut_all_but(mesh, halves, twins):
     """The mesh whose triangles hold together across given half-edges alone.
 
     Parameters
@@ -51,7 +51,7 @@ def opened(mesh, halves, twins):
     return TriangleMesh(mesh.vertices[source], numbers[fans].reshape(-1, 3)), source
 
 
-def carried_edges(mesh, cut, edges):
+def edges_after_cut(mesh, cut, edges):
     """Indices in a cut mesh of edges of the uncut one: both sides of those that were cut."""
     chosen = np.zeros(len(mesh.edges), bool)
     chosen[edges] = True

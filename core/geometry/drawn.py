@@ -21,7 +21,7 @@ def parts(points, most):
     return [part for part in np.split(points, np.flatnonzero(piece_lengths(points) > most) + 1) if len(part) > 1]
 
 
-def evened(points, times, shares=1.0):
+def smooth_polyline(points, times, shares=1.0):
     """A polyline whose points moved to the middle of themselves and their neighbours' middle, but for both ends.
 
     Parameters
@@ -37,7 +37,7 @@ def evened(points, times, shares=1.0):
     return points
 
 
-def needed(points, tolerance, longest):
+def simplify_polyline(points, tolerance, longest):
     """Which points of a polyline to keep so that those left out lie near the pieces between these.
 
     Points are added where the line is farthest off, until none is (Ramer 1972; Douglas and Peucker 1973), and where

@@ -9,7 +9,7 @@ from ..graphs import ragged_arange
 
 
 @dataclass(frozen=True)
-class Strand:
+class FaceCrossingCurve:
     """One curve, from face to face.
 
     Attributes
@@ -28,7 +28,7 @@ class Strand:
         return len(self.cells) == len(self.faces)
 
 
-def joined_strands(numbers, cell_faces, outward):
+def join_curves(numbers, cell_faces, outward):
     """Join punctured faces to curves.
 
     A face of number N is passed by |N| strands. The numbers of a cell's faces, counted outwards, add up to 0: as many
@@ -64,7 +64,7 @@ def joined_strands(numbers, cell_faces, outward):
         if strands:
             course = tuple(faces[strands].tolist()), tuple(c for c in cell_after[strands].tolist() if c >= 0)
             courses[course] = courses.get(course, 0) + 1
-    return [Strand(np.array(met), np.array(cells, int), index) for (met, cells), index in courses.items()]
+    return [FaceCrossingCurve(np.array(met), np.array(cells, int), index) for (met, cells), index in courses.items()]
 
 
 def _through(cell_faces, numbers, starts):

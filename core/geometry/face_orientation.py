@@ -9,7 +9,7 @@ from ..gauge import balance
 from ..graphs import components
 
 
-def wound(mesh, faces, joins):
+def orient_faces(mesh, faces, joins):
     """Which faces to turn over so that windings agree, and where that cannot be.
 
     In each piece the larger share of the area keeps its winding. A one-sided piece disagrees with itself along a seam:

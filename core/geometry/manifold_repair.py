@@ -14,12 +14,12 @@ from scipy.sparse.csgraph import minimum_spanning_tree
 from ..errors import name_elements
 from ..graphs import components
 from .check import FLAT_FACE, check_mesh, flat_faces
-from .cut import opened
-from .face_orientation import wound
-from .nonmanifold_pairing import joined_halves
+from .cut import cut_all_but
+from .face_orientation import orient_faces
+from .nonmanifold_pairing import pair_half_edges
 from .polygons import Polygons, alike_corners, first_alike
 from .triangle_mesh import TriangleMesh
-from .vertex_splitting import following, separated_fans
+from .vertex_splitting import following, split_pinched_vertices
 
 # What is done about each kind of place, and its elements.
 KINDS = {
@@ -121,8 +121,8 @@ def carrier(mesh, polygons):
     rows = kept[polygons.triangle_faces]
     faces, corners = polygons.triangle_faces[rows], polygons.triangle_corners[rows]
     whole = TriangleMesh(vertices, own[mesh.triangles[rows]])
-    joins = joined_halves(whole, faces)
-    turned, seam = wound(whole, faces, joins)
+    joins = pair_half_edges(whole, faces)
+    turned, seam = orient_faces(whole, faces, joins)
     corners = np.where(turned[faces, None], corners[:, ::-1], corners)
     # The same half-edges where a triangle runs the other way round.
     halves = np.where(turned[faces[joins // 3]], joins - joins % 3 + np.array([1, 0, 2])[joins % 3], joins)
@@ -130,7 +130,7 @@ def carrier(mesh, polygons):
     alike = alike_corners(polygons, first)
     corner_vertices = polygons.corner_vertices.copy()
     corner_vertices[corners] = surface.triangles
-    fans, counts = np.unique(separated_fans(whole.triangles)[0], return_counts=True)
+    fans, counts = np.unique(split_pinched_vertices(whole.triangles)[0], return_counts=True)
     found = {
         "lost_vertices": np.flatnonzero(lost),
         "flat_faces": np.flatnonzero(is_flat),
@@ -219,7 +219,7 @@ def _in_fans(mesh, faces, joins):
     off, until no edge and no triangle has the vertices of another.
     """
     while True:
-        surface, source = opened(mesh, *np.concatenate([joins, joins[:, ::-1]]).T)
+        surface, source = cut_all_but(mesh, *np.concatenate([joins, joins[:, ::-1]]).T)
         own = np.arange(3 * surface.triangle_count)
         own[joins[:, 1]] = joins[:, 0]
         edges = surface.triangle_edges.ravel()

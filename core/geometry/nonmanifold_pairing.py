@@ -14,7 +14,7 @@ _CONCAVE = 0.01
 _MOST = 64
 
 
-def joined_halves(mesh: TriangleMesh, faces):
+def pair_half_edges(mesh: TriangleMesh, faces):
     """(j, 2) half-edges across which faces stay joined, each half-edge in one pair at most.
 
     Of an edge with more than two faces, the two that bend least are joined, then the two of the others that do, and
@@ -41,7 +41,7 @@ def joined_halves(mesh: TriangleMesh, faces):
     halves = halves[np.bincount(edges[halves], minlength=len(mesh.edges))[edges[halves]] < _MOST]
     if len(halves):
         pages = _pages(mesh, np.concatenate(pairs), halves)
-        pairs.append(halves[_matched(edges[halves], *_candidates(mesh, halves, pages))])
+        pairs.append(halves[_match_pairs(edges[halves], *_candidates(mesh, halves, pages))])
     return np.concatenate(pairs)
 
 
@@ -90,7 +90,7 @@ def _away(mesh, halves):
     return away / np.maximum(np.linalg.norm(away, axis=1, keepdims=True), np.finfo(float).tiny)
 
 
-def _matched(edges, pairs, costs):
+def _match_pairs(edges, pairs, costs):
     """(j, 2) of the pairs, chosen at each edge by their costs, so that none has a place of another."""
     order = np.lexsort((costs, edges[pairs[:, 0]]))
     pairs = pairs[order]

@@ -83,7 +83,7 @@ def places_at(points, ways):
     return np.column_stack([np.interp(ways, along, column) for column in points.T])
 
 
-def resampled(points, step):
+def resample_polyline(points, step):
     """Points along a polyline, (p, 3), evenly spaced and at most a step apart."""
     length = polyline_length(points)
     return places_at(points, np.linspace(0, length, max(int(np.ceil(length / step)), 1) + 1))

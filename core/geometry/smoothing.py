@@ -5,7 +5,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 
-def evened_along(values, rows, columns, times, steps):
+def smooth_values(values, rows, columns, times, steps):
     """(n, k) values without what changes from each to the next.
 
     Parameters
@@ -26,11 +26,11 @@ def evened_along(values, rows, columns, times, steps):
     return values
 
 
-def evened_line(points, is_closed, times, steps):
+def smooth_line(points, is_closed, times, steps):
     """(p, 3) points of a line without what changes from each to the next; the ends of an open one stay.
 
-    ``times`` and ``steps`` as for :func:`evened_along`.
+    ``times`` and ``steps`` as for :func:`smooth_values`.
     """
     rows = np.arange(len(points)) if is_closed else np.arange(1, len(points) - 1)
     columns = np.concatenate([rows - 1, rows + 1]) % len(points)
-    return evened_along(points, np.tile(rows, 2), columns, times, steps)
+    return smooth_values(points, np.tile(rows, 2), columns, times, steps)

@@ -13,7 +13,7 @@ import numpy as np
 from ..errors import MeshError, name_elements
 from ..graphs import components
 from .triangle_mesh import TriangleMesh
-from .vertex_splitting import separated_fans
+from .vertex_splitting import split_pinched_vertices
 
 # Corners of the six edges of a tetrahedron, and of its four faces: face k is opposite to corner k and counterclockwise
 # from outside where the tetrahedron is positive.
@@ -155,7 +155,7 @@ class TetMesh:
 
         A vertex where the surface touches itself stands there once for each of its fans of triangles.
         """
-        source, triangles = separated_fans(self.boundary_triangles)
+        source, triangles = split_pinched_vertices(self.boundary_triangles)
         return TriangleMesh(self.vertices[source], triangles), source
 
     @cached_property

@@ -6,7 +6,7 @@ import numpy as np
 from ..graphs import components
 
 
-def separated_fans(triangles):
+def split_pinched_vertices(triangles):
     """Triangles of a closed surface renumbered so that those around every vertex form one fan.
 
     Triangles of one fan share edges. Where more than two meet in an edge, all of them stay together.
@@ -24,7 +24,7 @@ def separated_fans(triangles):
     keys = np.minimum(tails, heads) * (triangles.max(initial=0) + 1) + np.maximum(tails, heads)
     order = np.argsort(keys, kind="stable")
     meet = keys[order[1:]] == keys[order[:-1]]
-    return _merged(triangles, [corner_links(triangles, order[:-1][meet], order[1:][meet]).T])
+    return _merge_corners(triangles, [corner_links(triangles, order[:-1][meet], order[1:][meet]).T])
 
 
 def corner_links(triangles, halves, others):
@@ -43,7 +43,7 @@ def following(halves):
     return halves - halves % 3 + (halves + 1) % 3
 
 
-def separated_solid(mesh, at):
+def split_solid_vertices(mesh, at):
     """Vertices doubled where the tetrahedra around them do not hang together by faces.
 
     Parameters
@@ -66,13 +66,13 @@ def separated_solid(mesh, at):
     representatives = np.zeros(mesh.vertex_count, int)
     representatives[corners[others]] = others
     links.append([others, representatives[corners[others]]])
-    source, numbers = _merged(mesh.tets, links)
+    source, numbers = _merge_corners(mesh.tets, links)
     is_copy = np.append(False, source[1:] == source[:-1])
     names = np.where(is_copy, mesh.vertex_count + np.cumsum(is_copy) - 1, source)
     return np.concatenate([mesh.vertices, mesh.vertices[source[is_copy]]]), names[numbers]
 
 
-def _merged(cells, links):
+def _merge_corners(cells, links):
     """Vertices from corners of cells: corners that are linked, one way or another, make one vertex."""
     labels = components(cells.size, np.concatenate([np.column_stack(ends) for ends in links]))
     count = labels.max(initial=-1) + 1

@@ -12,7 +12,7 @@ from ..geometry.nearest import NearestTriangles
 from ..graphs import components, ragged_arange
 from .coverage import REACH, BeadDistances, covered_share
 from .medial_axis import beads_through, medial_beads
-from .subdivision import refined
+from .subdivision import subdivide
 
 # Longest edge of the triangles that contours are found on, in steps, and the most triangles.
 _SIZE, _MOST_TRIANGLES = 0.4, 1_500_000
@@ -51,7 +51,7 @@ def contour_beads(surfaces, step):
 
     Where two contours leave a gap, and where a layer is narrower than a step, a bead lies along the middle.
     """
-    mesh, parents = refined(surfaces.mesh, _SIZE * step, _MOST_TRIANGLES)
+    mesh, parents = subdivide(surfaces.mesh, _SIZE * step, _MOST_TRIANGLES)
     numbers = surfaces.layers[parents]
     distances = rim_distances(mesh)
     lines, layers = toolpaths(mesh, numbers, distances - step / 2, step)
@@ -60,7 +60,7 @@ def contour_beads(surfaces, step):
     lines = _on_parents(lines, surfaces.mesh, parents)
     found = lines, layers, np.full(len(lines.triangles), float(step))
     rim = _rim(surfaces, step)
-    found = _joined(found, medial_beads(mesh, numbers, distances, _away(lines, layers, step), step), rim, step)
+    found = _join_beads(found, medial_beads(mesh, numbers, distances, _away(lines, layers, step), step), rim, step)
     at = np.zeros(mesh.vertex_count, int)
     at[mesh.triangles] = numbers[:, None]
     for _ in range(_ROUNDS):
@@ -69,7 +69,7 @@ def contour_beads(surfaces, step):
         more = beads_through(mesh, numbers, far, step)
         if not more:
             break
-        found = _joined(found, more, rim, step)
+        found = _join_beads(found, more, rim, step)
     return Beads(*found, *covered_share(mesh, numbers, _away(found[0], found[1], step), step))
 
 
@@ -77,7 +77,7 @@ def plane_beads(surfaces, values, step):
     """:class:`Beads` where (p,) values at the vertices of layers are multiples of a step."""
     lines, layers = toolpaths(surfaces.mesh, surfaces.layers, values, step)
     lines = lines.without_repeats(_SAME * step)
-    mesh, parents = refined(surfaces.mesh, _SIZE * step, _MOST_TRIANGLES)
+    mesh, parents = subdivide(surfaces.mesh, _SIZE * step, _MOST_TRIANGLES)
     shares = covered_share(mesh, surfaces.layers[parents], _away(lines, layers, step), step)
     return Beads(lines, layers, np.full(len(lines.triangles), float(step)), *shares)
 
@@ -117,7 +117,7 @@ def _rim(surfaces, step):
     return BeadDistances(begins, ends, surfaces.layers[half // 3], step)
 
 
-def _joined(found, more, rim, step):
+def _join_beads(found, more, rim, step):
     """Lines, layers and widths with those of more beads, put onto the layers, ordered by layer."""
     lines, layers, widths = found
     if not more:

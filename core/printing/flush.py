@@ -6,7 +6,7 @@ import numpy as np
 from ..geometry import TriangleMesh
 from ..geometry.nearest import NearestTriangles
 from .coverage import MIDDLES
-from .subdivision import refined
+from .subdivision import subdivide
 
 # Farther than this from the next layer, in spacings, a place of the surface is not on it.
 FAR = 0.05
@@ -25,7 +25,7 @@ def far_share(mesh, triangles, surfaces, spacing):
     spacing : between layers
     """
     used, corners = np.unique(mesh.triangles[triangles], return_inverse=True)
-    part, _ = refined(TriangleMesh(mesh.vertices[used], corners.reshape(-1, 3)), _SIZE * spacing, _MOST)
+    part, _ = subdivide(TriangleMesh(mesh.vertices[used], corners.reshape(-1, 3)), _SIZE * spacing, _MOST)
     layers = NearestTriangles(surfaces.vertices, surfaces.triangles)
     far = np.zeros(part.triangle_count)
     for weights in MIDDLES:

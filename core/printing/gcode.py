@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..geometry.polylines import piece_lengths
-from .moves import needed
+from .moves import simplify_moves
 
 # Of the tool, in degrees: nearer to upright, the table keeps its turn.
 _UPRIGHT = 0.05
@@ -71,7 +71,7 @@ def gcode(course, machine):
         sections = (course.widths * course.heights)[run]
         sections = machine.flow * (sections[:-1] + sections[1:]) / 2
         along, filled = (np.append(0.0, np.cumsum(parts)) for parts in (lengths, sections * lengths))
-        points = needed(along, stations[first:stop], sections, machine.tolerance * course.step)
+        points = simplify_moves(along, stations[first:stop], sections, machine.tolerance * course.step)
         for at, length, volume in zip(points[1:], np.diff(along[points]), np.diff(filled[points]), strict=True):
             if length > 0:
                 rows.append(moves.bead(places[first + at], angles[first + at], length, volume / area))

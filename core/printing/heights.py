@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..graphs import pairs_within
-from .subdivision import refined
+from .subdivision import subdivide
 
 # What is below beside layers: the end of the solid, and nothing as far as it was looked for.
 OUTSIDE, NOTHING = -1, -2
@@ -46,7 +46,7 @@ def below(surfaces, solid, points, normals, layers, spacing):
     spacing : mean distance of layers; what is farther than three of them counts as NOTHING, at that height
     """
     sides, parents = zip(
-        *(refined(mesh, _SIZE * spacing, _MOST) for mesh in (surfaces.mesh, solid.boundary_surface[0])), strict=True
+        *(subdivide(mesh, _SIZE * spacing, _MOST) for mesh in (surfaces.mesh, solid.boundary_surface[0])), strict=True
     )
     of = np.append(surfaces.layers[parents[0]], np.full(len(parents[1]), OUTSIDE))
     a, b, c = np.moveaxis(np.concatenate([mesh.vertices[mesh.triangles] for mesh in sides]), 1, 0)

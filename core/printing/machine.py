@@ -6,9 +6,9 @@ import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..errors import SettingError, shown
+from ..errors import SettingError, quote_value
 from ..files.border import SETTINGS_BYTES, border, read_text
-from ..validation import check_choice, check_path, check_positive, from_names, take_all
+from ..validation import check_choice, check_path, check_positive, convert_values, from_names
 
 AXES = ("xyz", "ac", "bc")
 SUFFIX = ".toml"
@@ -59,21 +59,21 @@ class Machine:
     end: str = "M104 S0\nM84"
 
     def __post_init__(self):
-        take_all(self)
+        convert_values(self)
         check_choice(self, "axes", AXES)
         positive = ("scale", "nozzle_radius", "nozzle_length", "feed", "travel_feed", "retraction_feed", "filament")
         check_positive(self, *positive, "flow")
         for name in ("bed_x", "bed_y", "pivot_z"):
             if not math.isfinite(getattr(self, name)):
-                raise SettingError(f"the {name} is {shown(getattr(self, name))}: give a finite number")
+                raise SettingError(f"the {name} is {quote_value(getattr(self, name))}: give a finite number")
         for name in ("smallest_height", "tolerance", "retraction", "lift"):
             if not 0 <= getattr(self, name) < math.inf:
-                raise SettingError(f"the {name} is {shown(getattr(self, name))}: give a number from 0 on")
+                raise SettingError(f"the {name} is {quote_value(getattr(self, name))}: give a number from 0 on")
         if not self.largest_height > self.smallest_height:
             raise SettingError(f"the largest_height is {self.largest_height:g}: give more than the smallest_height")
         for name in ("nozzle_angle", "largest_tilt"):
             if not 0 <= getattr(self, name) < 90:
-                raise SettingError(f"the {name} is {shown(getattr(self, name))}: give degrees from 0 to below 90")
+                raise SettingError(f"the {name} is {quote_value(getattr(self, name))}: give degrees from 0 to below 90")
 
     @property
     def turns(self):

@@ -43,7 +43,7 @@ def layer_order(count, carried, carrying):
     return np.array(order, int)
 
 
-def arranged(lines, layers, order):
+def order_lines(lines, layers, order):
     """Lines in the order of their layers, each time the nearest next; closed ones begin, open ones end where it suits.
 
     Parameters

@@ -12,7 +12,7 @@ from ..extract.lines.isolines import Isolines
 from .gcode import Course
 from .heights import NOTHING, OUTSIDE, Below, below
 from .machine import Machine
-from .order import arranged, layer_order
+from .order import layer_order, order_lines
 from .reach import collisions, tilts, tool_axes
 
 # What is this near to the lowest place, in spacings, lies on the bed.
@@ -63,7 +63,7 @@ class PrintPlan:
     @cached_property
     def places(self):
         """(n, 3) the lines' points in the world."""
-        return _moved(self.matrix, self.lines.points)
+        return _place_bead(self.matrix, self.lines.points)
 
     @cached_property
     def normals(self):
@@ -134,12 +134,12 @@ def print_plan(surfaces, solid, beads, matrix, machine, step, spacing):
     """
     lines = beads.lines
     found = below(surfaces, solid, lines.points, lines.normals, beads.layers[lines.numbers], spacing)
-    carried, carrying = _carried(lines, beads.layers, found, surfaces.count)
+    carried, carrying = _carrying_layers(lines, beads.layers, found, surfaces.count)
     order = layer_order(surfaces.count, carried, carrying)
-    made, chosen, points = arranged(lines, beads.layers, order)
+    made, chosen, points = order_lines(lines, beads.layers, order)
     layers, found = beads.layers[chosen], Below(found.heights[points], found.layers[points])
-    places = _moved(matrix, made.points)
-    world = _moved(matrix, solid.vertices)
+    places = _place_bead(matrix, made.points)
+    world = _place_bead(matrix, solid.vertices)
     lowest = np.append((world.min(axis=0) + world.max(axis=0))[:2] / 2, world[:, 2].min())
     normals = made.normals @ matrix[:3, :3].T
     feet = places[:, 2] - found.heights * normals[:, 2] - lowest[2]
@@ -171,7 +171,7 @@ def _leaning(points, ranks, asked, reach):
     return result
 
 
-def _carried(lines, layers, found, count):
+def _carrying_layers(lines, layers, found, count):
     """Layers that lie on others with more than a small share, and these."""
     of = layers[lines.numbers]
     pairs, numbers = np.unique(np.column_stack([of, found.layers]), axis=0, return_counts=True)
@@ -180,5 +180,5 @@ def _carried(lines, layers, found, count):
     return pairs[kept].T
 
 
-def _moved(matrix, points):
+def _place_bead(matrix, points):
     return points @ matrix[:3, :3].T + matrix[:3, 3]

@@ -50,7 +50,7 @@ def collisions(points, axes, machine, step, slack):
     waiting = np.flatnonzero(points[:, 2] < highest) if upwards else np.arange(len(points))
     near, length = min(_NEAR * step, machine.nozzle_length), machine.nozzle_length
     everything = np.arange(len(points))
-    for obstacles, reach in ((everything, near), (_thinned(points, _COARSE * step), length)):
+    for obstacles, reach in ((everything, near), (_thin_points(points, _COARSE * step), length)):
         tree = cKDTree(points[obstacles])
         for part in np.array_split(waiting, max(1, len(waiting) // _BATCH)):
             which, other = pairs_within(tree, points[part], reach)
@@ -71,7 +71,7 @@ def collisions(points, axes, machine, step, slack):
     return met
 
 
-def _thinned(points, size):
+def _thin_points(points, size):
     """The first of the points in each cube of a size."""
     cubes = np.floor((points - points.min(axis=0)) / size).astype(int) if len(points) else np.zeros((0, 3), int)
     return np.unique(cubes, axis=0, return_index=True)[1]

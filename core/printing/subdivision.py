@@ -9,7 +9,7 @@ from ..geometry import TriangleMesh
 _ROUNDS = 12
 
 
-def refined(mesh, size, most):
+def subdivide(mesh, size, most):
     """The same surface with edges no longer than a size, as far as a number of triangles allows.
 
     Parameters
@@ -28,14 +28,14 @@ def refined(mesh, size, most):
         is_long = mesh.edge_lengths > size
         if not is_long.any() or mesh.triangle_count + 2 * np.count_nonzero(is_long) > most:
             break
-        triangles, of = _halved(mesh, is_long)
+        triangles, of = _halve_long_edges(mesh, is_long)
         i, j = mesh.edges[is_long].T
         middles = (mesh.vertices[i] + mesh.vertices[j]) / 2
         mesh, parents = TriangleMesh(np.vstack([mesh.vertices, middles]), triangles), parents[of]
     return mesh, parents
 
 
-def _halved(mesh, is_long):
+def _halve_long_edges(mesh, is_long):
     """(t, 3) triangles with a vertex in the middle of each long edge, and (t,) the triangle that each is a part of."""
     middle = np.where(is_long, mesh.vertex_count + np.cumsum(is_long) - 1, -1)
     corners, at = mesh.triangles, middle[mesh.triangle_edges]

@@ -15,8 +15,8 @@ import time
 import traceback
 from functools import partial
 
-from ..threads import begun
-from .ipc import BrokenParcel, Unpacker, packed
+from ..threads import start_thread
+from .ipc import BrokenParcel, Unpacker, pack_parts
 
 # Exit status of a process that took more memory than it may, or could not get what it needed.
 TOO_MUCH_MEMORY = 77
@@ -42,12 +42,12 @@ def serve(limit):
     # On Windows libraries that ask about standard input while they are loaded would wait for a thread that reads it.
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
     chunks: queue.SimpleQueue = queue.SimpleQueue()
-    begun(_read, into, chunks)
+    start_thread(_read, into, chunks)
     # Only now: reading has begun, so that the parent can write while all this is loaded.
     from .. import tasks
 
     watch = _Watch(limit)
-    begun(watch.run)
+    start_thread(watch.run)
     tasks.load()
     send = partial(_send, out)
     send(("ready", tasks.versions()))
@@ -132,7 +132,7 @@ class _Watch:
 
 
 def _send(out, message, shared=()):
-    for part in packed(message, shared):
+    for part in pack_parts(message, shared):
         rest = memoryview(part).cast("B")
         while len(rest):
             rest = rest[os.write(out, rest) :]

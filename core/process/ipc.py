@@ -26,7 +26,7 @@ class BrokenParcel(Exception):
     """Bytes that are no parcel."""
 
 
-def packed(message, shared=()):
+def pack_parts(message, shared=()):
     """The parts of a parcel, bytes-like, in the order in which they are to be written.
 
     Parameters
@@ -67,7 +67,7 @@ class Unpacker:
 
     Attributes
     ----------
-    shared : objects that stand for their places, see :func:`packed`
+    shared : objects that stand for their places, see :func:`pack_parts`
     """
 
     def __init__(self, shared=()):

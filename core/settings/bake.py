@@ -5,7 +5,7 @@ import string
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ..errors import SettingError, shown
+from ..errors import SettingError, quote_value
 from ..validation import check_path
 from .setting import FOLDER, PIXELS, Choice, SettingsRecord, setting
 
@@ -161,10 +161,10 @@ class BakeSettings(SettingsRecord):
         """The maps in the order in which they are baked; they may be given as a text with commas."""
         names = self.maps.split(",") if isinstance(self.maps, str) else self.maps
         if not isinstance(names, list | tuple):
-            raise SettingError(f"the maps are {shown(names)}: give names such as colour,normal")
+            raise SettingError(f"the maps are {quote_value(names)}: give names such as colour,normal")
         for name in names:
             if not isinstance(name, str) or name not in MAPS:
-                raise SettingError(f"the map {shown(name)} is unknown: use one or more of {', '.join(MAPS)}")
+                raise SettingError(f"the map {quote_value(name)} is unknown: use one or more of {', '.join(MAPS)}")
         object.__setattr__(self, "maps", tuple(name for name in MAPS if name in names))
         if not self.maps:
             raise SettingError(f"no map is asked for: choose one or more of {', '.join(MAPS)}")
@@ -178,7 +178,7 @@ class BakeSettings(SettingsRecord):
             used = {self.naming}
         if used - {"object", "map"} or not self.naming.strip() or set(self.naming) & set("/\\"):
             raise SettingError(
-                f"the name {shown(self.naming)} cannot be filled in: use letters, {{object}} and {{map}}"
+                f"the name {quote_value(self.naming)} cannot be filled in: use letters, {{object}} and {{map}}"
             )
         if len(self.maps) > 1 and "map" not in used:
             raise SettingError(f"the name {self.naming!r} is the same for {len(self.maps)} maps: add {{map}}")

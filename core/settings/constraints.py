@@ -3,7 +3,7 @@
 
 from dataclasses import dataclass, fields
 
-from ..errors import SettingError, shown
+from ..errors import SettingError, quote_value
 from ..validation import check_size, check_text
 from .setting import Choice
 
@@ -69,7 +69,7 @@ class Constraint:
             if key == "weight" and value is None:
                 continue
             if isinstance(value, bool) or not isinstance(value, int | float):
-                raise SettingError(f"the {key} of {self.label} is {shown(value)}: give a number")
+                raise SettingError(f"the {key} of {self.label} is {quote_value(value)}: give a number")
             check_size(value, f"the {key} of {self.label}")
         if self.what not in wishes_at(self.where):
             raise SettingError(f"{self.label} is impossible: use one of {', '.join(wishes_at(self.where))} there")
@@ -95,10 +95,10 @@ def from_plain(rows: object) -> tuple[Constraint, ...]:
             constraints.append(row)
             continue
         if not isinstance(row, dict) or not {"where", "what"} <= set(row):
-            raise SettingError(f"row {number} is {shown(row)}: give it a 'where' and a 'what'")
+            raise SettingError(f"row {number} is {quote_value(row)}: give it a 'where' and a 'what'")
         for key in row:
             if key not in known:
-                raise SettingError(f"row {number} has the key {shown(key)}: use {', '.join(known)}")
+                raise SettingError(f"row {number} has the key {quote_value(key)}: use {', '.join(known)}")
         try:
             constraints.append(Constraint(**row))
         except SettingError as error:

@@ -5,7 +5,7 @@ import math
 from dataclasses import dataclass
 from numbers import Integral, Real
 
-from ..errors import SettingError, shown
+from ..errors import SettingError, quote_value
 from ..validation import FRAMES_END, MOST_ROUNDS, are_frames
 from .setting import SMALLEST, Choice, of_type, setting
 from .solver import SolverSettings
@@ -126,18 +126,18 @@ class FlowSettings(SolverSettings):
         if self.frames is not None:
             if not of_type(self.frames, Integral, 2):
                 raise SettingError(
-                    f"the frames are {shown(self.frames)}: give the first and the last one, whole numbers"
+                    f"the frames are {quote_value(self.frames)}: give the first and the last one, whole numbers"
                 )
             first, last = self.frames
             if not are_frames(first, last):
                 raise SettingError(
-                    f"the frames are {shown(first)} to {shown(last)}: give the first and the last, in order, "
-                    f"below {FRAMES_END:,}"
+                    f"the frames are {quote_value(first)} to {quote_value(last)}: give the first and the last, in "
+                    f"order, below {FRAMES_END:,}"
                 )
         if self.point is not None:
             if not (of_type(self.point, Real, 3) and all(map(math.isfinite, self.point)) and any(self.point)):
                 raise SettingError(
-                    f"the point of the sphere is {shown(self.point)}: give three numbers that are not all 0"
+                    f"the point of the sphere is {quote_value(self.point)}: give three numbers that are not all 0"
                 )
             object.__setattr__(self, "point", tuple(map(float, self.point)))
         if (self.show != "filaments" or self.point is not None) and self.method != "sdp":

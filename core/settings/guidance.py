@@ -7,7 +7,7 @@ A guidance is "smooth", or sources ``KIND:NAME=STRENGTH`` as :mod:`core.spec_par
 from dataclasses import dataclass
 
 from ..errors import SettingError
-from ..spec_parser import items, quoted
+from ..spec_parser import items, quote_name
 from ..validation import check_size
 
 BOUNDARY = "boundary"
@@ -98,7 +98,7 @@ class Source:
     @property
     def label(self) -> str:
         """The source without its strength, as it is written."""
-        return f"{self.kind}:{quoted(self.name)}" if self.name else self.kind
+        return f"{self.kind}:{quote_name(self.name)}" if self.name else self.kind
 
     def __str__(self) -> str:
         return self.label if self.strength is None else f"{self.label}={self.strength:g}"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..errors import SettingError
-from ..spec_parser import items, quoted
+from ..spec_parser import items, quote_name
 from .guidance import AXES, BOUNDARY
 from .setting import LENGTH, SHARE, SMALLEST, Choice, setting
 from .solver import SolverSettings
@@ -112,7 +112,7 @@ class LayerGuide:
         return cls(kind, tuple(names))
 
     def __str__(self) -> str:
-        return ":".join([self.kind, *map(quoted, self.names)])
+        return ":".join([self.kind, *map(quote_name, self.names)])
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ class Flush:
             )
 
     def __str__(self) -> str:
-        return f"{quoted(self.group)}={self.wish}" + (f":{self.offset:g}" if self.offset else "")
+        return f"{quote_name(self.group)}={self.wish}" + (f":{self.offset:g}" if self.offset else "")
 
     @property
     def phase(self) -> float | None:

@@ -17,8 +17,8 @@ from inspect import get_annotations
 from types import UnionType
 from typing import Any, get_args, get_type_hints
 
-from ..errors import SettingError, shown
-from ..validation import LEAST_SIZE, MOST_SIZE, label_of, taken
+from ..errors import SettingError, quote_value
+from ..validation import LEAST_SIZE, MOST_SIZE, convert_value, label_of
 
 # Units of numbers: what Python counts in. A panel shows angles in degrees and shares in per cent, the command line
 # angles in degrees.
@@ -112,11 +112,11 @@ class Setting:
             return
         if isinstance(value, int | float):
             if not self.least <= value <= self.most:
-                raise SettingError(f"the {label_of(name)} is {shown(value)}: give {self._range(type(value))}")
+                raise SettingError(f"the {label_of(name)} is {quote_value(value)}: give {self._range(type(value))}")
         elif self.choices and isinstance(value, str):
             if value not in self.choice_names:
                 raise SettingError(
-                    f"the {label_of(name)} {shown(value)} is unknown: use one of {', '.join(self.choice_names)}"
+                    f"the {label_of(name)} {quote_value(value)} is unknown: use one of {', '.join(self.choice_names)}"
                 )
 
     def _range(self, kind: type) -> str:
@@ -150,7 +150,7 @@ class SettingsRecord:
     def __post_init__(self) -> None:
         hints = get_type_hints(type(self))
         for name, record in records(type(self)):
-            value = taken(name, hints[name], getattr(self, name))
+            value = convert_value(name, hints[name], getattr(self, name))
             record.check(name, value)
             object.__setattr__(self, name, value)
 

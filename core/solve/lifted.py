@@ -133,7 +133,7 @@ def lifted_of_rank(problem, solution, rank, options, callback=None, start=None):
     with solving():
         for piece in problem.pieces:
             points = [Lifted(piece.block).normalize(point[piece.rows]) for point in starts]
-            result[piece.rows] = _descended(piece, points, TOLERANCE * options.target_gap, monitor)
+            result[piece.rows] = _descend_from(piece, points, TOLERANCE * options.target_gap, monitor)
     return result
 
 
@@ -145,7 +145,7 @@ def _projections(lifted, rank, random):
     return [lifted[:, :rank]] + [lifted @ gaussian(shape, np.iscomplexobj(lifted), random) for _ in range(STARTS - 1)]
 
 
-def _descended(piece, points, tolerance, monitor):
+def _descend_from(piece, points, tolerance, monitor):
     """(N, r) where the best descent of a piece from some points ends, or time does."""
     scaled, _ = piece.scaled()
     best, least = points[0], np.inf

@@ -14,7 +14,7 @@ from ..memory import check_memory
 from ..monitor import Callback, Monitor, OutOfTime
 from ..problem import SynchronizationProblem
 from ..solution import DESCENT, FIRST, Certificate, Clock, Options, Solution, Status, relative_gap
-from .batched.components import solve_together
+from .batched.components import solve_components
 from .batched.parts import PartResult, Start, combine
 from .methods import rounding
 from .methods.diffusion import diffuse
@@ -88,10 +88,10 @@ def _solve(problem, options, callback, start, show):
     work = pieces.sizes.sum() or 1
     results, left = [], np.arange(len(pieces))
     if len(pieces) > 1:
-        results, left = solve_together(problem, options, monitor, clock, begin)
+        results, left = solve_components(problem, options, monitor, clock, begin)
     done = 1 - pieces.sizes[left].sum() / work
     calmed = _Calmed(problem)
-    watches = {} if show is None else _watched(problem, options, monitor, clock, begin, results, left, show)
+    watches = {} if show is None else _show_better_fields(problem, options, monitor, clock, begin, results, left, show)
     for number in left:
         share = pieces.sizes[number] / work
         piece = pieces[number]
@@ -103,7 +103,7 @@ def _solve(problem, options, callback, start, show):
     return combine(problem, results, options, clock.seconds)
 
 
-def _watched(problem, options, monitor, clock, begin, results, left, show):
+def _show_better_fields(problem, options, monitor, clock, begin, results, left, show):
     """Show a first field, and later each better one; returns the :class:`_Watch` of each piece that is left."""
     done = tuple(results)
     watches: dict[int, _Watch] = {}
@@ -142,14 +142,14 @@ class _Watch:
 
     def proved(self, **quality):
         """There is a bound."""
-        self.part = _rescaled(_finished(self._piece, self.part.fields, **quality), self._weight)
+        self.part = _rescale_piece(_finish_piece(self._piece, self.part.fields, **quality), self._weight)
         self._tell()
 
     def found(self, energy, column):
         """There is a field, (N * width, 1), of an energy."""
         if energy < self._energy:
             self._energy = energy
-            fields = _finished(self._piece, column).fields
+            fields = _finish_piece(self._piece, column).fields
             self.part = replace(self.part, fields=fields)
             self._tell()
 
@@ -194,10 +194,10 @@ def _solve_piece(piece, options, monitor, clock, start, calm, watch):
         result = _solve_by_method(scaled, options, monitor, clock, start, by_weight, watch)
     except OutOfTime:
         result = _without_search(scaled, options, Status.TIME_LIMIT, start)
-    return _rescaled(result, weight)
+    return _rescale_piece(result, weight)
 
 
-def _rescaled(result, weight):
+def _rescale_piece(result, weight):
     return replace(
         result,
         bound=weight * result.bound,
@@ -212,7 +212,7 @@ def _without_search(piece, options, status, start):
     column = np.zeros((size, 1), piece.matrix.dtype) if start.column is None else start.column
     column = fields_of(piece).normalize(column)
     lifted = column.reshape(-1, piece.width)
-    return _finished(
+    return _finish_piece(
         piece,
         column,
         sdp_value=float(piece.energy(column)[0]),
@@ -238,7 +238,7 @@ def _solve_by_method(piece, options, monitor, clock, start, calm, watch):
     return _solve_sdp(workspace, options, monitor, clock, start, calm, watch)
 
 
-def _finished(piece, columns, **quality):
+def _finish_piece(piece, columns, **quality):
     fields = fields_of(piece).normalize(columns.astype(piece.matrix.dtype))
     return PartResult(piece.rows, piece.node_count, rounding.ground_to_one(piece, fields), **quality)
 
@@ -248,7 +248,7 @@ def _solve_spectral(piece, options, monitor, clock):
         monitor.at("spectral relaxation", 0.0)
         eigenvalue, vector = monitor.during(partial(smallest_eigenpair, piece, options.seed))
     bound = eigenvalue * piece.total_mass
-    return _finished(
+    return _finish_piece(
         piece,
         vector[:, None],
         bound=bound,
@@ -275,7 +275,7 @@ def _solve_diffusion(workspace, options, monitor, clock):
         metric = stage.candidate_metric(eigenvalue)
         columns = rounding.polish(stage, columns, metric, monitor)
         columns = np.hstack([rounding.finish(workspace, columns[:, :1], metric, monitor), columns[:, 1:]])
-    return _finished(
+    return _finish_piece(
         piece, columns, bound=bound, spectral_bound=bound, certificate=Certificate.ESTIMATED, status=Status.UNCERTIFIED
     )
 
@@ -288,7 +288,7 @@ def _solve_descent(workspace, monitor, clock, start):
         density = float(piece.energy(start)[0]) / piece.total_mass
         metric = monitor.during(partial(workspace.stages[0].candidate_metric, rounding.CANDIDATE_SHIFT * density))
         column = rounding.finish(workspace, start, metric, monitor)
-    return _finished(piece, column, certificate=Certificate.NONE, status=Status.UNCERTIFIED)
+    return _finish_piece(piece, column, certificate=Certificate.NONE, status=Status.UNCERTIFIED)
 
 
 def _solve_first(workspace, options, monitor, clock, start):
@@ -297,7 +297,7 @@ def _solve_first(workspace, options, monitor, clock, start):
         monitor.at("first field", 0.0)
         rank = start_rank(workspace.piece, True, options.target_gap)
         column = first_field(workspace, rank, options.seed, monitor) if start is None else start
-    return _finished(workspace.piece, column, certificate=Certificate.NONE, status=Status.UNCERTIFIED)
+    return _finish_piece(workspace.piece, column, certificate=Certificate.NONE, status=Status.UNCERTIFIED)
 
 
 def _solve_sdp(workspace, options, monitor, clock, start, calm, watch):
@@ -326,7 +326,7 @@ def _solve_sdp(workspace, options, monitor, clock, start, calm, watch):
         columns, timed_out = _round(workspace, relaxation, options, monitor, start.column, calm)
     if relaxation.out_of_time or timed_out:
         status = Status.TIME_LIMIT
-    result = _finished(piece, columns, status=status, **quality)
+    result = _finish_piece(piece, columns, status=status, **quality)
     # Phases of less energy, which a tight relaxation may round to, are a better point of it.
     return replace(result, sdp_value=min(relaxation.value, float(piece.energy(result.fields[:, :1])[0])))
 

@@ -57,14 +57,14 @@ class SpreadHierarchy:
         random, row_mass = np.random.default_rng(0), row_mass.astype(np.float32)
         levels: list[SpreadLevel] = []
         while True:
-            matrix, largest = _measured(whole, random, held)
+            matrix, largest = _single_precision(whole, random, held)
             tentative = _tentative(whole, random, held)
-            way = None if tentative is None else _smoothed(tentative, whole, matrix, largest)
+            way = None if tentative is None else _smooth_prolongation(tentative, whole, matrix, largest)
             prolongation = None if way is None else SpreadRows.of(way, np.complex64)
             levels.append(SpreadLevel(matrix, row_mass, largest, prolongation, whole, way))
             if tentative is None:
                 return cls(levels, held)
-            whole, row_mass = _carried(whole, way), coarse_mass(tentative, row_mass)
+            whole, row_mass = _galerkin_product(whole, way), coarse_mass(tentative, row_mass)
 
     def lowered(self, diagonal, depth=0):
         """The hierarchy of a level's matrix less (N,) numbers on its diagonal; None where a level's is not positive."""
@@ -75,10 +75,10 @@ class SpreadHierarchy:
             whole.axpy(-1, change, structure=PETSc.Mat.Structure.SUBSET_NONZERO_PATTERN)
             if self._held.max(-whole.getDiagonal().array.real.min(initial=np.inf)) >= 0:
                 return None
-            matrix, largest = _measured(whole, random, self._held)
+            matrix, largest = _single_precision(whole, random, self._held)
             levels.append(SpreadLevel(matrix, level.row_mass, largest, level.prolongation, whole, level.way))
             if level.way is not None:
-                change = _carried(change, level.way)
+                change = _galerkin_product(change, level.way)
         return SpreadHierarchy(levels, self._held)
 
     def rows(self, depth):
@@ -120,7 +120,7 @@ class _Gathered:
         return self._factors.solve(np.asfortranarray(whole))[self._own]
 
 
-def _measured(whole, random, held):
+def _single_precision(whole, random, held):
     """The rows of a PETSc matrix in single precision, and a bound of the spectrum over its diagonal."""
     matrix = SpreadRows.of(whole, np.complex64)
     return matrix, largest_eigenvalue(matrix, 1 / matrix.diagonal().real, random, held)
@@ -135,7 +135,7 @@ def _tentative(whole, random, held):
     return None if held.sum(tentative.shape[1]) > STAGNATION * size else tentative
 
 
-def _smoothed(tentative, whole, matrix, largest):
+def _smooth_prolongation(tentative, whole, matrix, largest):
     """The prolongation as a PETSc matrix: T - D^-1 A T with the weights of a Jacobi step."""
     weights = smoothing_weights(matrix.matrix, 4 / 3 / largest / matrix.diagonal().real)
     plain = petsc_matrix(tentative.astype(complex), whole.comm.tompi4py())
@@ -147,7 +147,7 @@ def _smoothed(tentative, whole, matrix, largest):
     return result
 
 
-def _carried(whole, way):
+def _galerkin_product(whole, way):
     """P^H A P."""
     return _adjoint(way).matMult(whole.matMult(way))
 

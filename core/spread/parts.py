@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..connection import Connection
 from ..piece import Piece
-from .rows import HeldByAll, SpreadRows, petsc_matrix
+from .rows import SpreadReductions, SpreadRows, petsc_matrix
 
 
 @dataclass(frozen=True)
@@ -78,7 +78,7 @@ def piece_of(part, comm):
     whole : PETSc.Mat, its matrix
     weight : what energies were divided by
     """
-    held, count = HeldByAll(comm), part.connection.node_count
+    held, count = SpreadReductions(comm), part.connection.node_count
     laplacian, factor = _laplacian(part), _factor(part)
     weight = float(held.sum(laplacian.diagonal(part.first).real.sum())) / count
     whole = petsc_matrix(laplacian / weight, comm, part.count)

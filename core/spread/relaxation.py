@@ -74,13 +74,13 @@ def solve_parts(part, comm, target_gap=1e-2, seed=0):
             workspace = _Workspace(piece, whole)
         found = relax(workspace, own, SILENT, clock)
         with clock("round"):
-            column = _rounded(workspace, found, seed)
+            column = _round_columns(workspace, found, seed)
     energy = weight * float(piece.energy(column)[0])
     found = replace(found, value=weight * found.value, lower_bound=weight * found.lower_bound)
     return SpreadSolution(column[:, 0], energy, found, clock.seconds)
 
 
-def _rounded(workspace, found, seed):
+def _round_columns(workspace, found, seed):
     """(N, 1) phases: the best of some projections (Eq. 29), after descent in the metric of fields."""
     piece, stage = workspace.piece, workspace.stages[0]
     spheres = CirclesByFields(1, held=piece.held)

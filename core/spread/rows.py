@@ -14,11 +14,11 @@ from mpi4py import MPI
 from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
-from ..algebra.metric import scaled
-from ..algebra.reductions import Held
+from ..algebra.metric import scale_matrix
+from ..algebra.reductions import Reductions
 
 
-class HeldByAll(Held):
+class SpreadReductions(Reductions):
     """Rows are held by all processes of a communicator.
 
     MPI gives all of them the same sums to the last bit, so that all decide alike.
@@ -116,7 +116,7 @@ class SpreadRows:
     def scaled(self, row_scale, column_scale):
         """diag(row_scale) matrix diag(column_scale)."""
         result = copy(self)
-        result.matrix = scaled(self.matrix, row_scale, self.fetching.extended(column_scale))
+        result.matrix = scale_matrix(self.matrix, row_scale, self.fetching.extended(column_scale))
         return result
 
     def unit_diagonal(self, scale):

@@ -42,17 +42,17 @@ class FramesRequest:
         work = len(self.requests) + _FIRST - 1
         mesh = self.requests[0].given.mesh
         found = first = self._solved(self.frames[0], self.requests[0], None, portion(progress, 0.0, _FIRST / work))
-        kept = [_kept(self.frames[0], self.requests[0], first, None, mesh)]
+        kept = [_keep_shown(self.frames[0], self.requests[0], first, None, mesh)]
         for place in range(1, len(self.requests)):
             number, request, before = self.frames[place], fresh(self.requests[place]), found
             part = portion(progress, (_FIRST + place - 1) / work, 1 / work)
             found = self._solved(number, request, before, part)
-            kept.append(_kept(number, request, found, before, mesh))
+            kept.append(_keep_shown(number, request, found, before, mesh))
         return FramesResult(tuple(kept), first)
 
     def _solved(self, number, request, before, progress):
         """Directions and pattern of a frame, from those of the frame before, if they are of the same triangles."""
-        ask = None if progress is None else _named(progress, number)
+        ask = None if progress is None else _name_frames(progress, number)
         if before is not None and not is_moved(before.field.mesh, request.given.mesh):  # other edges were cut
             before = None
         field, pattern = (None, None) if before is None else (before.field, before.pattern)
@@ -102,7 +102,7 @@ def in_frame(number, error):
     return error if isinstance(error, Cancelled) else SynchError(f"frame {number}: {error}", error.vertices)
 
 
-def _named(callback, number):
+def _name_frames(callback, number):
     """A callback that says which frame it is."""
     return lambda stage, fraction: callback(f"frame {number}: {stage}", fraction)
 
@@ -115,7 +115,7 @@ def fresh(request):
     return replace(request, given=replace(given, mesh=mesh, uncut=uncut))
 
 
-def _kept(number, request, found, before, shared):
+def _keep_shown(number, request, found, before, shared):
     phases = found.pattern.edge_phases
     if is_moved(shared, phases.mesh):
         phases = replace(phases, mesh=shared)

@@ -128,7 +128,7 @@ class SequenceRequest:
         begin = _GRID + _QUANTUM
         for number, file in enumerate(self.files):
             part = portion(progress, begin + (1 - begin) * number / count, (1 - begin) / count)
-            found, sphere, warnings = self._solved(file, grid, quantum, found, sphere, _named(part, file.frame))
+            found, sphere, warnings = self._solved(file, grid, quantum, found, sphere, _name_frames(part, file.frame))
             result = FlowResult(found, sphere, found, None).seeing(self.settings)
             monitor.at(f"frame {file.frame}, vortices", begin + (1 - begin) * (number + 0.95) / count)
             shown = monitor.during(lambda seen=result.seen, sphere=sphere: showing(seen, sphere, self.settings))
@@ -190,7 +190,7 @@ def _is_same(grid, other):
     return places[0] == places[1] and bool((grid.solid == other.solid).all())
 
 
-def _named(progress, frame):
+def _name_frames(progress, frame):
     if progress is None:
         return None
     return lambda stage, fraction: progress(f"frame {frame}, {stage}", fraction)

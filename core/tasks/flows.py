@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import SettingError
 from ..extract.vortices.filaments import Filament, filaments
-from ..extract.vortices.linking_numbers import Linked, linked
+from ..extract.vortices.linking_numbers import Linked, linking_numbers
 from ..extract.vortices.tubes import Tubes, vortex_tubes
 from ..fields.biot_savart import FilamentCurves
 from ..fields.clebsch import (
@@ -124,7 +124,7 @@ class FlowResult:
     sphere: SphericalMap | None
     seen: ClebschMap
     shown: Shown | None
-    linked: Linked | None = None
+    linking_numbers: Linked | None = None
     warnings: tuple[str, ...] = ()
     seconds: dict[str, float] = dataclasses.field(default_factory=dict)
 
@@ -202,7 +202,7 @@ class FlowRequest:
         winding = None
         if shown.lines is not None:
             box = np.where(grid.periodic, grid.spacing * grid.shape, 0)
-            winding = _interruptible(lambda: linked(shown.lines, box), "vortices", progress, 0.98)
+            winding = _interruptible(lambda: linking_numbers(shown.lines, box), "vortices", progress, 0.98)
             if not shown.lines:
                 warnings += _interruptible(lambda: _about_nothing(result.found), "vortices", progress, 0.99)
         warnings = (*warnings, *self._about_core(result.found), *_about_quantum(result.found), *shown.missing)

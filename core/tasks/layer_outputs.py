@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..errors import SettingError, shown
+from ..errors import SettingError, quote_value
 from ..extract.layers.defect_curves import DefectCurve
 from ..extract.layers.surfaces import LayerSurfaces
 from ..extract.layers.voxels import points_inside
@@ -17,7 +17,7 @@ from ..monitor import Monitor
 from ..printing.beads import contour_beads, plane_beads
 from ..printing.machine import Machine
 from ..printing.plan import PrintPlan, print_plan
-from ..validation import check_choice, taken
+from ..validation import check_choice, convert_value
 
 FILLS = ("contour", "across-x", "across-y", "across-z")
 # A microsecond and four bytes each.
@@ -43,10 +43,10 @@ class PathSettings:
     machine: Machine = field(default_factory=Machine)
 
     def __post_init__(self):
-        taken("fill", str, self.fill)
+        convert_value("fill", str, self.fill)
         check_choice(self, "fill", FILLS)
-        if self.step is not None and not 0 < taken("step", float, self.step) < math.inf:
-            raise SettingError(f"the step between paths is {shown(self.step)}: give a positive number")
+        if self.step is not None and not 0 < convert_value("step", float, self.step) < math.inf:
+            raise SettingError(f"the step between paths is {quote_value(self.step)}: give a positive number")
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from ..errors import Cancelled, ContradictionError, SettingError, SynchError
 from ..extract.lines.edge_crossings import TooManyLines
 from ..extract.quads.finishing import lost_lines
 from ..extract.quads.measure.loops import quad_loops
-from ..fields.target_one_form import Growth
+from ..fields.target_one_form import TargetOneForm
 from ..monitor import Monitor, portion
 
 # Share by which the number of faces may miss without more tries and without a warning, and how often one is made.
@@ -22,33 +22,35 @@ CALMER = 0.25
 _DIRECTIONS, _PATTERN, _CORRECTION = 0.4, 0.3, 0.05
 
 
-def solved_mesh(request, progress=None):
+def solve_quad_mesh(request, progress=None):
     """The SurfaceResult of a SurfaceRequest with its quads; errors as :meth:`SurfaceRequest.solve`."""
     share = 0.5 if request.straighten else 1.0
-    found = _meshed(
+    found = _mesh_field(
         request, request.directed(portion(progress, 0.0, share * _DIRECTIONS)), portion(progress, 0.0, share)
     )
     if request.straighten:
-        found = _straightened(request, found, portion(progress, share, 1.0 - share))
+        found = _straighten_loops(request, found, portion(progress, share, 1.0 - share))
     said = [line for about in (_about_pieces, _about_lines, _about_others) for line in about(request, found)]
     return replace(found, warnings=(*found.warnings, *said))
 
 
-def _meshed(request, directions, progress):
+def _mesh_field(request, directions, progress):
     """The mesh along a field; of the wanted number of faces as nearly as can be.
 
     The number falls in steps, by whole loops: the spacing is mended in proportion, and then halfway between those with
     too many and too few.
     """
     if request.faces is None:
-        return _traced(request, directions, portion(progress, _DIRECTIONS, 1 - _DIRECTIONS))
-    growth = Growth.of(request.given.mesh, directions, request.spacings)
+        return _trace_pattern(request, directions, portion(progress, _DIRECTIONS, 1 - _DIRECTIONS))
+    growth = TargetOneForm.of(request.given.mesh, directions, request.spacings)
     factor, bounds, found = np.sqrt(YIELD * growth.quad_count / request.faces), [0.0, np.inf], []
     for number in range(1 + CORRECTIONS):
         start = _DIRECTIONS + number * _CORRECTION + (number > 0) * _PATTERN
         share = _CORRECTION if number else _PATTERN
         try:
-            found.append(_traced(_scaled(request, float(factor)), directions, portion(progress, start, share)))
+            found.append(
+                _trace_pattern(_scale_spacing(request, float(factor)), directions, portion(progress, start, share))
+            )
         except ContradictionError:
             raise
         except TooManyLines as error:
@@ -69,14 +71,14 @@ def _meshed(request, directions, progress):
     return replace(best, warnings=(*best.warnings, *_about_faces(request, len(best.quads.sizes))))
 
 
-def _traced(request, directions, progress):
+def _trace_pattern(request, directions, progress):
     """The result of the pattern along a field with its quads, and the settings that they are made with."""
     found = request.along(directions, progress)
     settled = {"spacing": request.spacing, "singularities": request.singularities}
     return replace(found, **request.traced(found.pattern), settled=settled)
 
 
-def _scaled(request, factor):
+def _scale_spacing(request, factor):
     return replace(request, spacing=factor * request.spacing, spacings=factor * np.asarray(request.spacings))
 
 
@@ -144,7 +146,7 @@ def _along_axes(spacings):
     return spacings if spacings.ndim == 2 else np.repeat(spacings.reshape(-1, 1), 2, axis=1)
 
 
-def _straightened(request, found, progress):
+def _straighten_loops(request, found, progress):
     """The mesh of the fewest spirals, and then of the shortest longest loop, of about as many faces, among those of the
     pattern's variations and of a calmer field."""
     monitor = Monitor(progress)
@@ -153,11 +155,11 @@ def _straightened(request, found, progress):
     for number, phases in enumerate(variations[1:], 1):
         monitor.at("straightening", 0.5 * number / len(variations))
         pattern = found.pattern.showing(phases)
-        candidates.append(_tried(lambda shown=pattern: replace(found, pattern=shown, **request.traced(shown))))
+        candidates.append(_try_candidate(lambda shown=pattern: replace(found, pattern=shown, **request.traced(shown))))
     if request.singularities > 0 and request.directions is None:
         calmer = replace(request, singularities=max(0.0, request.singularities - CALMER))
         directions = calmer.directed(portion(progress, 0.5, 0.2))
-        candidates.append(_tried(lambda: _meshed(calmer, directions, portion(progress, 0.7, 0.3))))
+        candidates.append(_try_candidate(lambda: _mesh_field(calmer, directions, portion(progress, 0.7, 0.3))))
     share, count = _quad_share(found), len(found.quads.sizes)
     near = [c for c in candidates if c is not None and abs(len(c.quads.sizes) / count - 1) <= NEAR]
     best = min(
@@ -167,7 +169,7 @@ def _straightened(request, found, progress):
     return replace(best, loops_before=quad_loops(found.quads).figures)
 
 
-def _tried(make):
+def _try_candidate(make):
     """A candidate; None where its quads would be no mesh."""
     try:
         return make()

@@ -12,8 +12,8 @@ from ..extract.layers.curve_ends import CurveEnd, curve_ends
 from ..extract.layers.defect_curves import DefectCurve, defect_curves
 from ..extract.layers.surfaces import LayerSurfaces, layer_surfaces
 from ..fields.filled_surface import FilledSurface
-from ..fields.guidance.solids import extended_directions, have_directions
-from ..fields.layers import LayerPattern, SolidGrowth
+from ..fields.guidance.solids import extend_directions, have_directions
+from ..fields.layers import LayerPattern, SolidTargetOneForm
 from ..fields.limits import ENOUGH, Limits, solve_within
 from ..fields.surface_phases import SurfacePhases, surface_phases
 from ..fields.target_one_form import COARSE_SHARE
@@ -59,7 +59,7 @@ class SolidGuide:
         except SettingError as error:
             raise SettingError(f"{self.label}: {error}") from None
         solid, own = filled.solid, have_directions(filled.solid, vectors)
-        return extended_directions(solid, vectors), float(solid.vertex_masses[~own].sum() / solid.vertex_masses.sum())
+        return extend_directions(solid, vectors), float(solid.vertex_masses[~own].sum() / solid.vertex_masses.sum())
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ class SolidRequest:
         monitor.at("guidance", _GUIDANCE)
         with clock("build"):
             directions, continued, spacings, groups = monitor.during(lambda: self._asked(filled))
-            growth = SolidGrowth.of(solid, directions, spacings)
+            growth = SolidTargetOneForm.of(solid, directions, spacings)
         solving = portion(progress, _PHASES, _SURFACES - _PHASES)
         pattern, growth = solve_within(growth, self.limits, groups, self.options, solving, self.branching)
         outside = self.limits.outside_share(pattern)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import ContradictionError, SettingError
 from ..extract.pictures.drawn_phases import drawn_phases
-from ..extract.quads.finishing import smoothed
+from ..extract.quads.finishing import finish_quads
 from ..extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
 from ..fields import (
     DirectionField,
@@ -27,13 +27,13 @@ from ..fields.alignment import along_curvature
 from ..fields.directions import known_directions
 from ..fields.mirror import Mirror
 from ..fields.patterns import known_pattern
-from ..fields.target_one_form import COARSE_SHARE, Growth
+from ..fields.target_one_form import COARSE_SHARE, TargetOneForm
 from ..geometry.mesh_input import MeshInput
 from ..monitor import Monitor, portion
 from ..settings.surface import SYMMETRY_ORDERS
 from ..solution import FIRST, Clock
 from ..solve import Options
-from .quad_meshes import solved_mesh
+from .quad_meshes import solve_quad_mesh
 
 # What a command solves along its directions; "directions" stops before.
 PATTERNS: dict[str, Callable[..., Pattern]] = {
@@ -141,7 +141,7 @@ class SurfaceRequest:
         if self.command not in PATTERNS:
             return SurfaceResult(self.directed(progress))
         if self.command == "quad_mesh":
-            return solved_mesh(self, progress)
+            return solve_quad_mesh(self, progress)
         return self.along(self.directed(portion(progress, 0.0, 0.4)), portion(progress, 0.4, 0.55))
 
     def solve_showing(self, show, progress=None):
@@ -183,7 +183,7 @@ class SurfaceRequest:
 
         ``show`` as of :meth:`solve_showing`.
         """
-        growth = Growth.of(self.given.mesh, directions, self.spacings)
+        growth = TargetOneForm.of(self.given.mesh, directions, self.spacings)
         # What the map asks for is seen before the stripes are there.
         Monitor(progress).at(f"pattern, {growth.forced_dislocations:.0f} dislocations asked for", 0.0)
         warnings = self._judged(growth.coarse_share)
@@ -224,7 +224,7 @@ class SurfaceRequest:
             planes = [inverse[axis] for axis in self.mirror_axes]
             quads = quad_mesh(pattern.edge_phases)
             only_quads = self.command == "quad_mesh" and self.branching == 0
-            quads = smoothed(quads, self.given.mesh, self.rows, planes, self.smoothing, only_quads)
+            quads = finish_quads(quads, self.given.mesh, self.rows, planes, self.smoothing, only_quads)
         return {"quads": quads, "seconds": clock.seconds}
 
     def _judged(self, coarse_share):

@@ -42,7 +42,7 @@ def main():
 
 def make(options):
     """Bake, render, and make the row of pictures."""
-    obj = files.opened(options.meshes / "stanford-bunny.obj")
+    obj = files.open_object(options.meshes / "stanford-bunny.obj")
     solved = api.stripes(obj, assign_material=True)
     with tempfile.TemporaryDirectory() as folder:
         settings = dict(unwrap=True, folder=folder)

@@ -32,7 +32,7 @@ def main():
         for number in range(0, len(CASES), 4):
             pictures = []
             for label, mesh, view, prepare, settings in CASES[number : number + 4]:
-                obj = files.opened(options.meshes / f"{mesh}.obj")
+                obj = files.open_object(options.meshes / f"{mesh}.obj")
                 prepare(obj)
                 report = api.stripes(obj, assign_material=True, **settings)
                 rows.append(row(label, report))

@@ -8,7 +8,7 @@ import numpy as np
 from synch_fields.bench.solid_shapes import wedge
 from synch_fields.bench.tables import Column
 from synch_fields.core.extract.layers.defect_curves import defect_curves
-from synch_fields.core.fields.layers import LayerPattern, SolidGrowth, solve_layers
+from synch_fields.core.fields.layers import LayerPattern, SolidTargetOneForm, solve_layers
 from synch_fields.core.geometry.tet_mesh import TetMesh
 from synch_fields.docs.make.figures import add_mesh
 from synch_fields.docs.make.sheets import beside
@@ -83,5 +83,5 @@ def tetrahedron():
     i, j = mesh.edges.T
     turns = around[j] - around[i]
     asked = STEEPNESS * (z[j] - z[i]) + turns - 2 * np.pi * np.rint(turns / (2 * np.pi))
-    growth = SolidGrowth(mesh, np.zeros_like(corners), asked)
+    growth = SolidTargetOneForm(mesh, np.zeros_like(corners), asked)
     return LayerPattern(mesh, None, growth.edge_phases(np.exp(1j * (STEEPNESS * z + around))))

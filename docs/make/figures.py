@@ -53,7 +53,7 @@ def figure8(place):
     """Two patterns along one line field."""
     rows, pictures = [], []
     for name, method in (("spectral", "spectral"), ("SDP", "sdp")):
-        obj = files.opened(place.meshes / "stanford-bunny.obj")
+        obj = files.open_object(place.meshes / "stanford-bunny.obj")
         if method == "spectral":
             field = api.directions(obj, guidance="curvature-min")
             rows.append(row("bunny: line of least curvature", field))

@@ -56,7 +56,7 @@ def save(values, path):
 def directions(path, picture):
     """Render the streamlines of a smooth line field as tubes on the shape of a file."""
     synch_fields.register()
-    obj = files.opened(path)
+    obj = files.open_object(path)
     obj.data.shade_smooth()
     api.directions(obj)
     given = meshes.read_mesh(obj)

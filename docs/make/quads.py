@@ -39,7 +39,7 @@ def main():
 
 def opened(meshes, name):
     """The object of a mesh's file, and the longest side of its box."""
-    obj = files.opened(meshes / f"{name}.obj")
+    obj = files.open_object(meshes / f"{name}.obj")
     return obj, max(obj.dimensions)
 
 

@@ -60,7 +60,7 @@ def save(values, path, settings, map_name, scene):
         raise unwritten(path, "only a part arrived")
 
 
-def packed(path, name, map_name):
+def pack_image(path, name, map_name):
     """A saved file as an image in the .blend; it takes the place of one that an earlier bake made under its name."""
     older = bpy.data.images.get(name)
     image = bpy.data.images.load(str(path))
@@ -73,7 +73,7 @@ def packed(path, name, map_name):
     return _declared(image, name, map_name)
 
 
-def loaded(path, map_name):
+def load_image(path, map_name):
     """The image of a file."""
     count = len(bpy.data.images)
     image = bpy.data.images.load(str(path), check_existing=True)
@@ -97,7 +97,7 @@ def _declared(image, name, map_name):
     return image
 
 
-def baked_materials(obj, kind, images, uv_map, with_displacement):
+def show_images(obj, kind, images, uv_map, with_displacement):
     """Show images on an object: in the slots that show the pattern, or else in a new last one. Returns the materials.
 
     Each remembers the material that it replaces, which stays in the file and is what the next bake looks at.
@@ -146,11 +146,11 @@ def _fill(material, obj, images, uv_map, with_displacement):
     for node in list(tree.nodes):
         if node not in (surface, output):
             tree.nodes.remove(node)
-    places = _placed(tree, "ShaderNodeUVMap", (-900, -200))
+    places = _place_image(tree, "ShaderNodeUVMap", (-900, -200))
     places.uv_map = uv_map
     textures = {}
     for row, name in enumerate(name for name in ("colour", "normal", "height") if name in images):
-        texture = _placed(tree, "ShaderNodeTexImage", (-680, 40 - 300 * row))
+        texture = _place_image(tree, "ShaderNodeTexImage", (-680, 40 - 300 * row))
         texture.image, texture.label = images[name], name
         tree.links.new(places.outputs[0], texture.inputs["Vector"])
         textures[name] = texture.outputs["Color"]
@@ -158,22 +158,22 @@ def _fill(material, obj, images, uv_map, with_displacement):
         tree.links.new(textures["colour"], surface.inputs["Base Color"])
     relief = _relief(material.get(SOURCE), obj)
     if "normal" in textures:
-        normal = _placed(tree, "ShaderNodeNormalMap", (-300, -260))
+        normal = _place_image(tree, "ShaderNodeNormalMap", (-300, -260))
         normal.uv_map = uv_map
         tree.links.new(textures["normal"], normal.inputs["Color"])
         tree.links.new(normal.outputs[0], surface.inputs["Normal"])
     elif "height" in textures and not with_displacement:
-        bump = _placed(tree, "ShaderNodeBump", (-300, -260), Distance=relief)
+        bump = _place_image(tree, "ShaderNodeBump", (-300, -260), Distance=relief)
         tree.links.new(textures["height"], bump.inputs["Height"])
         tree.links.new(bump.outputs[0], surface.inputs["Normal"])
     if with_displacement:
-        raised = _placed(tree, "ShaderNodeDisplacement", (0, -560), Midlevel=0.0, Scale=relief)
+        raised = _place_image(tree, "ShaderNodeDisplacement", (0, -560), Midlevel=0.0, Scale=relief)
         tree.links.new(textures["height"], raised.inputs["Height"])
         tree.links.new(raised.outputs[0], output.inputs["Displacement"])
     material.displacement_method = "BOTH" if with_displacement else "BUMP"
 
 
-def _placed(tree, type_name, location, **values):
+def _place_image(tree, type_name, location, **values):
     node = tree.nodes.new(type_name)
     node.location = location
     for name, value in values.items():

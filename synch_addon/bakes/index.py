@@ -35,10 +35,10 @@ def numbers_at(stage, polygons, coordinates, numbering, size, margin):
     weights = np.column_stack([weights, 1 - weights.sum(axis=1)])
     numbers = np.zeros((size, size), int)
     numbers[inside] = numbering.at(triangles, weights)
-    return _extended(numbers, inside, margin)
+    return _extend_numbers(numbers, inside, margin)
 
 
-def _extended(numbers, inside, margin):
+def _extend_numbers(numbers, inside, margin):
     """Numbers where there are none yet: the nearest one, inside and up to a margin beside it."""
     if not numbers.any():
         return numbers

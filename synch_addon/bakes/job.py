@@ -21,7 +21,7 @@ from ..jobs.report import versions
 from ..patterns.numbers import numbers_of
 from . import images as bake_images
 from . import index, shaders
-from .stage import read_uv, staged, write_uv
+from .stage import make_stage, read_uv, write_uv
 
 # How far apart the islands of a new map are at most, in pixels: of a curved surface there are hundreds. In an image
 # smaller than this they are as far apart as in one of this size, for not to vanish.
@@ -81,15 +81,15 @@ def _baking(link, settings):
         with tempfile.TemporaryDirectory(prefix=own_name(), dir=folder or bpy.app.tempdir) as temporary:
             if is_new:
                 yield "unwrap", 0.0
-                with staged(obj, modifiers=False) as stage:
+                with make_stage(obj, modifiers=False) as stage:
                     coordinates = stage.unwrapped(min(max(settings.margin, 1), _APART) / max(settings.size, _SMALL))
             yield from _bake_all(obj, kind, settings, coordinates, Path(temporary), report)
             with whole_or_nothing():
-                images = _kept(obj, settings, Path(temporary), folder, report)
+                images = _put_files(obj, settings, Path(temporary), folder, report)
                 if is_new:
                     _add_layer(obj, report["uv_map"], coordinates)
                 if settings.material:
-                    shown = bake_images.baked_materials(obj, kind, images, report["uv_map"], settings.displacement)
+                    shown = bake_images.show_images(obj, kind, images, report["uv_map"], settings.displacement)
                     report["materials"] = [material.name for material in shown]
     return report | {"seconds": time.perf_counter() - start, "versions": versions()}
 
@@ -183,7 +183,7 @@ def _bake_all(obj, kind, settings, coordinates, folder, report):
             continue
         yield wanted[0], len(report["maps"]) / len(settings.maps)
         start = time.perf_counter()
-        with staged(obj) as stage:
+        with make_stage(obj) as stage:
             stage.use_map(report["uv_map"], coordinates)
             values = stage.bake(bake_type, glowing(), settings.size, samples, settings.margin)
             for name in wanted:
@@ -193,16 +193,16 @@ def _bake_all(obj, kind, settings, coordinates, folder, report):
     if "index" in settings.maps:
         yield "index", len(report["maps"]) / len(settings.maps)
         start = time.perf_counter()
-        with staged(obj, modifiers=False) as stage:
+        with make_stage(obj, modifiers=False) as stage:
             found = index.numbers_at(stage, polygons, coordinates, numbering, settings.size, settings.margin)
-            values = _numbered(found, numbering.count, settings, report)
+            values = _number_values(found, numbering.count, settings, report)
             path = folder / bake_images.file_name(settings, obj.name, "index")
             bake_images.save(values[:, :, None], path, settings, "index", stage.scene)
         _describe(report, ["index"], settings, start)
     yield "write", 1.0
 
 
-def _numbered(numbers, count, settings, report):
+def _number_values(numbers, count, settings, report):
     """Numbers as an image's values."""
     report["count"] = count
     if settings.file_format != "PNG":
@@ -223,20 +223,20 @@ def _describe(report, names, settings, start):
         }
 
 
-def _kept(obj, settings, temporary, folder, report):
+def _put_files(obj, settings, temporary, folder, report):
     """Put all files in their places, or pack them; returns the images that the .blend holds, by their maps."""
     images = {}
     for name, entry in report["maps"].items():
         target = bake_images.file_name(settings, obj.name, name)
         entry["bytes"] = (temporary / target).stat().st_size
         if folder is None:
-            images[name] = bake_images.packed(temporary / target, target, name)
+            images[name] = bake_images.pack_image(temporary / target, target, name)
             entry["image"] = images[name].name
             continue
         _replace(obj, temporary / target, folder / target)
         entry["file"] = str(folder / target)
         if settings.material:
-            images[name] = bake_images.loaded(folder / target, name)
+            images[name] = bake_images.load_image(folder / target, name)
     return images
 
 

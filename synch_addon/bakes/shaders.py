@@ -93,7 +93,7 @@ def glowing_attributes(*names):
 def _glowing(materials, kind, values):
     """Copies that glow with up to three expressions of the outputs of the pattern's node."""
     reference = next((material for material in materials if pattern_node(material, kind)), None)
-    reference = reference or _shown_elsewhere(kind)
+    reference = reference or _pattern_material(kind)
     copies = []
     for material in materials:
         copy = _copy(material if pattern_node(material, kind) else reference)
@@ -103,7 +103,7 @@ def _glowing(materials, kind, values):
     return copies
 
 
-def _shown_elsewhere(kind):
+def _pattern_material(kind):
     """A material of the file that shows the pattern, or a new one with its standard look."""
     for material in bpy.data.materials:
         if material.library is None and pattern_node(material, kind):

@@ -106,7 +106,7 @@ class Stage:
 
 
 @contextmanager
-def staged(obj, modifiers=True):
+def make_stage(obj, modifiers=True):
     """A :class:`Stage` for a copy of an object in object mode, with or without its modifiers."""
     with only_for_now():
         scene = bpy.data.scenes.new("Synch Bake")

@@ -14,7 +14,7 @@ from ...core.errors import SettingError
 from ...core.files.directions import SUFFIXES as FIELD_SUFFIXES
 from ...core.files.meshes import check_glb, check_ply, is_whole
 from ...core.files.obj_files import ObjMesh, far_centre, write_centred, write_obj
-from ...core.files.whole import check_writable, unwritten, written_whole
+from ...core.files.whole import check_writable, unwritten, write_whole
 from ...core.geometry.check import coarse_places
 from ...core.memory import check_memory
 from .attributes import read_all
@@ -153,7 +153,7 @@ def choose_object(name=None):
     return chosen
 
 
-def opened(path, name=None):
+def open_object(path, name=None):
     """The mesh object to work on of a file, as :func:`open_input` and :func:`choose_object` have it."""
     open_input(path)
     return choose_object(name)
@@ -187,7 +187,7 @@ def check_output(path, suffixes):
     check_writable(path)
 
 
-def export_mesh(obj, path, z_up=False, written=written_whole):
+def export_mesh(obj, path, z_up=False, written=write_whole):
     """Write one mesh object to a file of its own, in the units of the scene.
 
     Parameters
@@ -262,7 +262,7 @@ def save_blend(path):
     preferences = bpy.context.preferences.filepaths
     backups, preferences.save_version = preferences.save_version, 0
     try:
-        with written_whole(path) as made:
+        with write_whole(path) as made:
             try:
                 bpy.ops.wm.save_as_mainfile(filepath=str(made), check_existing=False, copy=True)
             except RuntimeError as error:

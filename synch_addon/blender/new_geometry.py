@@ -17,7 +17,7 @@ _NO_CORNERS = np.empty(0, int)
 
 def new_mesh(name, points=_NO_POINTS, corners=_NO_CORNERS, sizes=None, smooth=False):
     """A new mesh datablock; arguments and errors as of :func:`fill_mesh`."""
-    checked = _checked(name, points, corners, sizes)
+    checked = _check_arrays(name, points, corners, sizes)
     data = bpy.data.meshes.new(name)
     _fill(data, *checked, smooth)
     return data
@@ -40,7 +40,7 @@ def fill_mesh(data, points, corners, sizes=None, smooth=False):
         before anything is changed: where a face has fewer than three corners or a vertex twice, where a vertex does not
         exist, and where a place is not finite
     """
-    checked = _checked(data.name, points, corners, sizes)
+    checked = _check_arrays(data.name, points, corners, sizes)
     data.clear_geometry()
     _fill(data, *checked, smooth)
 
@@ -83,7 +83,7 @@ def _fill(data, points, corners, sizes, smooth):
         data.shade_flat()
 
 
-def _checked(name, points, corners, sizes):
+def _check_arrays(name, points, corners, sizes):
     """(n, 3) float32 places, (c,) int32 corners and (f,) sizes that Blender can take."""
     points, corners = _finite(name, points), np.asarray(corners)
     if sizes is None:

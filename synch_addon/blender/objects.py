@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from ...core.errors import SynchError, shown
+from ...core.errors import SynchError, quote_value
 from .transaction import undone_by
 
 
@@ -14,7 +14,7 @@ def no_object(obj):
     if obj is None:
         return "no active object: select a mesh object"
     if not isinstance(obj, bpy.types.Object):
-        return f"{shown(obj)} is no object: give one of bpy.data.objects"
+        return f"{quote_value(obj)} is no object: give one of bpy.data.objects"
     try:
         return None if obj.session_uid else "the object has no number: give one of bpy.data.objects"
     except ReferenceError:

@@ -5,7 +5,7 @@ import bpy
 from bpy.props import PointerProperty
 
 
-def keeping(classes, *kept):
+def register_all(classes, *kept):
     """The functions that register classes and take them out again.
 
     Parameters

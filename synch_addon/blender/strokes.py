@@ -8,7 +8,7 @@ import numpy as np
 from mathutils.bvhtree import BVHTree
 
 from ...core.errors import SettingError
-from ...core.geometry.polylines import beside, check_length, polyline_length, resampled
+from ...core.geometry.polylines import beside, check_length, polyline_length, resample_polyline
 from .attributes import read_all
 from .modifiers import is_of_filaments
 
@@ -42,13 +42,13 @@ def read_strokes(obj, name, given):
     lines = [np.column_stack([line, np.ones(len(line))]) @ matrix.T @ into.T for line in polylines(source)]
     check_length(f"the object {name!r}", sum(polyline_length(points) for points in lines), step)
     reach = _SMOOTHED * np.median(mesh.edge_lengths)
-    strokes = [_projected(tree, resampled(points, step), reach) for points in lines]
+    strokes = [_project_polyline(tree, resample_polyline(points, step), reach) for points in lines]
     if not strokes:
         raise SettingError(f"the object {name!r} holds no curve: draw one, or choose another object")
     return strokes
 
 
-def _projected(tree, points, reach):
+def _project_polyline(tree, points, reach):
     """(p,) faces and (p, 3) places on the surface for the points of a polyline."""
     faces, places = _nearest(tree, points)
     reach = min(reach, polyline_length(points) / 4)
@@ -68,7 +68,7 @@ def polylines(source):
     """(p, 3) points of every curve of an object, in its own space."""
     evaluated = source.evaluated_get(bpy.context.evaluated_depsgraph_get())
     if source.type == "GREASEPENCIL":
-        lines = [line for layer in evaluated.data.layers for line in _drawn(layer)]
+        lines = [line for layer in evaluated.data.layers for line in _strokes_at_frame(layer)]
     elif source.type == "CURVE" and (_is_thick(source.data) or any(map(is_of_filaments, source.modifiers))):
         with _middle_line(source) as thin:
             lines = _chains(thin)
@@ -77,7 +77,7 @@ def polylines(source):
     return [line for line in lines if len(line) > 1 and np.ptp(line, axis=0).any()]
 
 
-def _drawn(layer):
+def _strokes_at_frame(layer):
     """Strokes of a Grease Pencil layer at the present frame."""
     frame = layer.current_frame()
     for stroke in frame.drawing.strokes if frame is not None else ():

@@ -130,7 +130,7 @@ def _keep_property(block, key):
     if key not in block:
         undone_by(block, lambda: block.pop(key, None))
         return
-    before, shown = _copied(block[key]), _limits(block, key)
+    before, shown = _copy_value(block[key]), _limits(block, key)
 
     def give_back():
         block[key] = before
@@ -140,13 +140,13 @@ def _keep_property(block, key):
     undone_by(block, give_back)
 
 
-def _copied(value):
+def _copy_value(value):
     """A value of a custom property that stays as it is: Blender frees arrays and groups that others replace."""
     if isinstance(value, IDPropertyGroup):
-        return {key: _copied(part) for key, part in value.items()}
+        return {key: _copy_value(part) for key, part in value.items()}
     if isinstance(value, IDPropertyArray):
         return value.to_list() if value.typecode == "b" else np.array(value)  # an array of NumPy keeps its type
-    return [_copied(part) for part in value] if isinstance(value, list) else value
+    return [_copy_value(part) for part in value] if isinstance(value, list) else value
 
 
 def _limits(block, key):

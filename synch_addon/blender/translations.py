@@ -3,7 +3,7 @@
 
 Each file of ``synch_addon/locale`` holds one language in gettext's .po format and is named for it, such as ``de.po``.
 A text without a translation stays English, as errors and warnings do everywhere. Blender looks up labels and tooltips
-by itself; a text that is put together from parts goes through :func:`said`.
+by itself; a text that is put together from parts goes through :func:`translate`.
 """
 
 import json
@@ -25,12 +25,12 @@ _TEXT = r'((?:".*"\n)+)'
 _ENTRY = re.compile(rf"^(?:msgctxt {_TEXT})?msgid {_TEXT}msgstr {_TEXT}", re.MULTILINE)
 
 
-def said(text, **parts):
+def translate(text, **parts):
     """A text in the interface's language, with the parts filled in that it names in braces."""
     return pgettext_iface(text).format(**parts)
 
 
-def counted(count, noun):
+def translate_count(count, noun):
     """Such as "1 dislocation" or "2 dislocations", in the interface's language."""
     return f"{count} {pgettext_iface(noun if count == 1 else plural(noun))}"
 

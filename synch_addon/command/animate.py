@@ -6,8 +6,8 @@ import bpy
 from ...core.settings.surface import SurfaceSettings
 from ..blender import files
 from ..frames.job import HOLD, run_animate
-from ..jobs.report import counted
-from .flags import Made, add_choice, add_input, add_number, add_outputs, saved
+from ..jobs.report import count_text
+from .flags import Made, add_choice, add_input, add_number, add_outputs, save_scene
 from .settings import add_settings, settings_of
 
 
@@ -34,13 +34,15 @@ def run(options, open_object, progress):
     scene = bpy.context.scene
     frames = options.frames or (scene.frame_start, scene.frame_end)
     report = run_animate(obj, settings, frames, options.pattern, options.hold, progress)
-    return Made(report, summary(report), saved(options))
+    return Made(report, summary(report), save_scene(options))
 
 
 def summary(report):
     """The lines that a person wants to read."""
     frames = report["frames"]
-    lines = [f"{report['pattern']} on {report['object']}: {report['nodes']} vertices, {counted(len(frames), 'frame')}"]
+    lines = [
+        f"{report['pattern']} on {report['object']}: {report['nodes']} vertices, {count_text(len(frames), 'frame')}"
+    ]
     energies = [frame["energy"] for frame in frames]
     lines.append(f"energies {min(energies):.6g} to {max(energies):.6g}")
     changes = [frame["change"] for frame in frames if frame["change"] is not None]

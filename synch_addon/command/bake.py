@@ -5,7 +5,7 @@ from ...core.errors import SettingError
 from ...core.settings.bake import BakeSettings
 from .. import api
 from ..blender import files
-from .flags import Made, add_input, add_outputs, saved
+from .flags import Made, add_input, add_outputs, save_scene
 from .settings import add_settings, settings_of
 
 
@@ -30,4 +30,4 @@ def run(options, open_object, progress):
     for name, entry in report["maps"].items():
         lines.append(f"{name}: {entry['bytes'] / 2**20:.2f} MB, {entry['seconds']:.1f} s")
     images = [entry["file"] for entry in report["maps"].values() if "file" in entry]
-    return Made(report, lines, images + saved(options))
+    return Made(report, lines, images + save_scene(options))

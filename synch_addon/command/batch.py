@@ -13,7 +13,7 @@ import bpy
 
 from ...core.algebra.workers import MOST_WORKERS, WORKERS
 from ...core.batch import child_loop as serving
-from ...core.batch.process_pool import Crew
+from ...core.batch.process_pool import ProcessPool
 from ...core.batch.records import Records
 from ...core.batch.rows import Row, read_rows, share_of
 from ...core.batch.run import plan, run_rows
@@ -21,8 +21,8 @@ from ...core.batch.sheet import write_sheet
 from ...core.batch.table import figures, write_tables
 from ...core.errors import SettingError, SynchError
 from ...core.files import pictures
-from ...core.files.whole import written_whole
-from ..jobs.report import counted, versions
+from ...core.files.whole import write_whole
+from ..jobs.report import count_text, versions
 from .flags import Made, add_number, add_quiet
 from .process_exit import leave_now
 
@@ -104,18 +104,18 @@ def _run(options, way, shared, progress):
     if options.scheduler:
         crew = _cluster(options.scheduler, _SERVE, options.threads)
     else:
-        crew = Crew(_command(), options.jobs, options.threads)
+        crew = ProcessPool(_command(), options.jobs, options.threads)
     try:
         before, now = run_rows(rows, records, crew, options.retries, needed, progress, options.limit)
     finally:
         crew.end()
-    lines = [f"{counted(len(rows), 'row')}: {now} done in {time.monotonic() - started:.1f} s, {before} before"]
+    lines = [f"{count_text(len(rows), 'row')}: {now} done in {time.monotonic() - started:.1f} s, {before} before"]
     if options.share:
         return Made({}, lines, [])
     written, done = write_tables(folder, rows, records)
     sheet = folder / "sheet.html"
-    write_sheet(sheet, f"{Path(options.rows).name}: {counted(len(rows), 'row')}", rows, records)
-    lost = f"{len(rows) - done} of {counted(len(rows), 'row')} failed, see {written[0]}" if done < len(rows) else ""
+    write_sheet(sheet, f"{Path(options.rows).name}: {count_text(len(rows), 'row')}", rows, records)
+    lost = f"{len(rows) - done} of {count_text(len(rows), 'row')} failed, see {written[0]}" if done < len(rows) else ""
     return Made({}, lines, [*written, str(sheet)], failed=lost)
 
 
@@ -184,7 +184,7 @@ def _make_small(picture, path):
     try:
         image.scale(_SMALL, max(round(_SMALL * image.size[1] / image.size[0]), 1))
         image.file_format = "JPEG"
-        with written_whole(path, pictures.is_whole) as made:
+        with write_whole(path, pictures.is_whole) as made:
             image.save(filepath=str(made), quality=_QUALITY)
     finally:
         bpy.data.images.remove(image)

@@ -12,7 +12,7 @@ from ..flows.files import SUFFIXES
 from ..flows.job import job_for
 from ..flows.report import summary
 from ..jobs.job import run as run_job
-from .flags import Made, add_outputs, saved
+from .flags import Made, add_outputs, save_scene
 from .settings import add_settings, settings_of
 
 
@@ -70,7 +70,7 @@ def run(options, _open_object, progress):
     else:
         bpy.ops.wm.read_homefile(use_empty=True)
     report = run_job(job_for(source, settings), progress)
-    written = saved(options)
+    written = save_scene(options)
     if options.export_filaments:
         written += api.filament_export(bpy.data.objects[report["object"]], options.export_filaments)["files"]
     return Made(report, summary(report), written)

@@ -60,10 +60,10 @@ def declared_files(options):
             flag = f"--{name.replace('_', '-')}"
             files.append(DeclaredFile(path, flag, is_written=True, is_numbered=name == _NUMBERED))
     files += [DeclaredFile(str(path), "--folder", is_written=True) for path in _in_folder(options)]
-    return [_placed(file, options) for file in files]
+    return [_absolute_path(file, options) for file in files]
 
 
-def _placed(file, options):
+def _absolute_path(file, options):
     """A file with its whole name; // is the folder of the .blend that is the input, or else of the open one."""
     path = check_path(file.path, file.flag)
     if path.startswith("//") and file.flag not in _PLAIN:

@@ -9,7 +9,7 @@ from ..blender import files
 from ..blender.field_files import check_triangles
 from ..blender.meshes import read_polygons
 from ..jobs.report import summary
-from .flags import Made, add_input, add_outputs, saved
+from .flags import Made, add_input, add_outputs, save_scene
 from .settings import add_settings, settings_of
 
 COMMANDS = {
@@ -54,7 +54,7 @@ def run(options, open_object, progress):
     if mesh:
         files.export_mesh(made, mesh)
         written.append(mesh)
-    written += saved(options)
+    written += save_scene(options)
     if field:
         api.export_field(obj, field, settings.symmetry)
         written.append(field)

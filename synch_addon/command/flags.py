@@ -73,6 +73,6 @@ def add_quiet(command):
     command.add_argument("--quiet", action="store_true", help="no progress on stderr")
 
 
-def saved(options):
+def save_scene(options):
     """The path of the scene that was saved, where that is asked for."""
     return [files.save_blend(options.output)] if options.output else []

@@ -14,7 +14,7 @@ class Interrupted(KeyboardInterrupt):
 
 
 @contextmanager
-def heard_interrupts():
+def catch_interrupts():
     """Hear signals inside; yields a function that raises :class:`Interrupted` once one was heard.
 
     Blender prints and forgets what is raised in functions that it calls: an interrupt that comes there has to be asked
@@ -37,7 +37,7 @@ def heard_interrupts():
         yield check
 
 
-def told_signal(what, number):
+def report_signal(what, number):
     """Print that something has been ended by a signal; the exit status."""
     print(f"{what}: {_WORDS[number]}", file=sys.stderr)
     return 128 + number

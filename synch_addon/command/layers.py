@@ -14,7 +14,7 @@ from ..blender.new_geometry import new_mesh
 from ..jobs.job import run as run_job
 from ..solids.report import summary
 from . import layer_outputs
-from .flags import Made, add_input, add_outputs, saved
+from .flags import Made, add_input, add_outputs, save_scene
 from .settings import add_settings, settings_of
 
 
@@ -43,7 +43,7 @@ def run(options, open_object, progress):
     report = run_job(api.layer_job(obj, settings, solid), progress)
     layers = bpy.data.objects[report["layers_object"]]
     # Before anything else can fail, and once more with the curves and the volume that exports make.
-    written = saved(options)
+    written = save_scene(options)
     if options.export_mesh:
         files.export_mesh(layers, options.export_mesh, z_up=True)
         written.append(options.export_mesh)
@@ -53,7 +53,7 @@ def run(options, open_object, progress):
     if facts is not None:
         report["print"] = facts
     if facts is not None or options.export_volume:
-        saved(options)
+        save_scene(options)
     return Made(report, [*summary(report), *lines], written, layers)
 
 

@@ -12,7 +12,7 @@ from .. import api
 from ..blender import files
 from ..jobs.report import summary
 from ..patterns.lines import summary_line
-from .flags import Made, add_choice, add_input, add_outputs, saved
+from .flags import Made, add_choice, add_input, add_outputs, save_scene
 from .settings import add_settings, settings_of
 
 
@@ -47,7 +47,9 @@ def run(options, open_object, progress):
     if options.export_mesh:
         _export(tubes, options.export_mesh)
         written.append(options.export_mesh)
-    return Made(report, [*summary(report), summary_line(made)], written + saved(options), tubes, {"markers": False})
+    return Made(
+        report, [*summary(report), summary_line(made)], written + save_scene(options), tubes, {"markers": False}
+    )
 
 
 def _export(tubes, path):

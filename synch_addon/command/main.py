@@ -18,7 +18,7 @@ from pathlib import Path
 import bpy
 
 from ...core.errors import SettingError, SynchError, WriteError, one_line
-from ...core.files.declared import check_clashes, check_inputs, made_folders
+from ...core.files.declared import check_clashes, check_inputs, make_folders
 from ...core.files.json_text import json_text
 from ...core.files.whole import write_text
 from ...core.settings.surface import SurfaceSettings
@@ -32,8 +32,8 @@ from ..patterns.info import describe
 from . import animate, bake, batch, clebsch, fields, layers, process_exit
 from . import lines as cli_lines
 from .declared_files import DEMO, declared_files
-from .flags import Made, add_input, add_quiet, add_view, saved
-from .interrupts import Interrupted, heard_interrupts, told_signal
+from .flags import Made, add_input, add_quiet, add_view, save_scene
+from .interrupts import Interrupted, catch_interrupts, report_signal
 
 # What is told in one line.
 _REFUSALS = SynchError, MemoryError, OSError, RuntimeError
@@ -48,7 +48,7 @@ def main(arguments, loaded=False):
         options = parser.parse_args(own)
     except SystemExit as stop:
         return stop.code or 0
-    of_rows = batch.Way(lambda line: _parsed(parser, line), declared_files, _carry_out_row)
+    of_rows = batch.Way(lambda line: _parse_row(parser, line), declared_files, _carry_out_row)
     if options.command == "batch" and options.rows == "-":
         return _serve(of_rows)
     try:
@@ -56,7 +56,7 @@ def main(arguments, loaded=False):
     except SettingError as error:
         print(f"synch {options.command}: {error}", file=sys.stderr)
         return 1
-    with quiet_stdout() as out, heard_interrupts() as check:
+    with quiet_stdout() as out, catch_interrupts() as check:
         try:
             progress = _Progress(check, getattr(options, "quiet", True))
             if options.command == "batch":
@@ -64,7 +64,7 @@ def main(arguments, loaded=False):
             else:
                 made = _carry_out(options, lambda: _open(options, loaded), progress, check)
         except Interrupted as stop:
-            return told_signal(f"synch {options.command}", *stop.args)
+            return report_signal(f"synch {options.command}", *stop.args)
         except _REFUSALS as error:
             print(f"synch {options.command}: {_reason(error)}", file=sys.stderr)
             return 1
@@ -80,11 +80,11 @@ def main(arguments, loaded=False):
 
 def _serve(of_rows):
     """Be a warm process until standard input is closed, or a signal comes; exit status."""
-    with heard_interrupts():
+    with catch_interrupts():
         try:
             batch.serve(of_rows)
         except Interrupted as stop:
-            return told_signal("synch batch", *stop.args)
+            return report_signal("synch batch", *stop.args)
     return 0
 
 
@@ -103,24 +103,24 @@ def _carry_out(options, open_object, progress, check):
     """
     declared = declared_files(options)
     try:
-        with made_folders(declared):
+        with make_folders(declared):
             for name, value in vars(options).items():
                 if isinstance(value, str):
                     check_text(value, f"the {name.replace('_', ' ')}")
             made = _COMMANDS[options.command](options, open_object, progress)
             check()
-            return _delivered(made, options, progress)
+            return _write_outputs(made, options, progress)
     except _REFUSALS as error:
-        raise SynchError(_reported(options, declared, error)) from None
+        raise SynchError(_report_error(options, declared, error)) from None
 
 
 def _carry_out_row(options):
     """Carry a command out as a row of a batch; errors are SynchError."""
-    with quiet_stdout(), heard_interrupts() as check:
+    with quiet_stdout(), catch_interrupts() as check:
         return _carry_out(options, lambda: _open(options, False), _Progress(check, True), check)
 
 
-def _parsed(parser, arguments):
+def _parse_row(parser, arguments):
     """The options of a row; SettingError where they are none."""
     told = io.StringIO()
     try:
@@ -151,7 +151,7 @@ def _reason(error):
     return one_line(" ".join(str(error).split()))  # what an importer or exporter of Blender reports
 
 
-def _reported(options, declared, error):
+def _report_error(options, declared, error):
     """What went wrong, which the report tells, too, where one is asked for.
 
     Where a file could not be written, older ones stay, an older report among them.
@@ -162,14 +162,14 @@ def _reported(options, declared, error):
     if path and files.is_report(path) and not is_kept:
         settings = {k: v for k, v in vars(options).items() if isinstance(v, str | int | float | None)}
         try:
-            with made_folders(file for file in declared if file.flag == "--report"):
+            with make_folders(file for file in declared if file.flag == "--report"):
                 _write_json(path, failure(options.command, settings, line))
         except SettingError as error:
             line += "" if path in line else f" (and no report: {error})"
     return line
 
 
-def _delivered(made, options, progress):
+def _write_outputs(made, options, progress):
     """Write the report and the picture that are asked for; what was made, with their paths."""
     report, picture = (getattr(options, name, None) for name in ("report", "render"))
     if report:  # a picture may take minutes, and what was solved should not be lost with it
@@ -197,7 +197,7 @@ def _run_demo(options, _open_object, progress):
     bpy.ops.wm.read_homefile(use_empty=True)
     obj = add_demo_object()
     report = api.run("stripes", obj, SurfaceSettings(), progress)
-    return Made(report, summary(report), saved(options), obj)
+    return Made(report, summary(report), save_scene(options), obj)
 
 
 def _run_info(options, open_object, _progress):
@@ -219,7 +219,7 @@ _COMMANDS = dict.fromkeys(fields.COMMANDS, fields.run) | {
 
 def _open(options, loaded):
     if options.input:
-        return files.opened(options.input, options.object)
+        return files.open_object(options.input, options.object)
     if not loaded:
         raise SettingError("no input: name a .blend, .obj, .ply, .stl or .glb file")
     return files.choose_object(options.object)

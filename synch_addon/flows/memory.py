@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ...core.settings.flow import FlowSettings
 from ...core.tasks.flows import FlowResult
-from ..jobs.lru_cache import ObjectShelf
+from ..jobs.lru_cache import ObjectCache
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class _Flows:
     all frames of the latest sequence."""
 
     def __init__(self):
-        self._single, self._frames = ObjectShelf(4), ObjectShelf(10_000)
+        self._single, self._frames = ObjectCache(4), ObjectCache(10_000)
 
     def put(self, obj, solved):
         """Keep the :class:`SolvedFlow` of an object."""
@@ -76,4 +76,4 @@ class _Flows:
 
 flows = _Flows()
 # Of the same objects, whatever the method: the list of Filament that they show, and the Linked of these or None.
-shown_filaments = ObjectShelf(4)
+shown_filaments = ObjectCache(4)

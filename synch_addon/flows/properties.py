@@ -8,9 +8,9 @@ from bpy.props import BoolProperty, EnumProperty, FloatVectorProperty, IntProper
 
 from ...core.errors import SynchError
 from ...core.extract.vortices.tubes import NORTH
-from ...core.files.json_text import kept, kept_names
+from ...core.files.json_text import read_kept_dict, read_kept_names
 from ...core.settings.flow import FlowSettings
-from ..blender.registration import keeping
+from ..blender.registration import register_all
 from ..settings.rna import properties_of, property_of, settings_of
 from . import memory
 from .choice import slide
@@ -86,7 +86,7 @@ class SynchVortexLook(bpy.types.PropertyGroup):
     def source_objects(self):
         """The objects that the flow was read from, as far as they are still there."""
         try:
-            names = kept_names(self.sources, f"what {self.id_data.name} keeps")
+            names = read_kept_names(self.sources, f"what {self.id_data.name} keeps")
         except SynchError:
             names = []
         return [bpy.data.objects[name] for name in names if name in bpy.data.objects]
@@ -101,12 +101,12 @@ class SynchVortexLook(bpy.types.PropertyGroup):
     def figures(self):
         """What was found, {} where nothing was, or where it cannot be read."""
         try:
-            return kept(self.result, f"what {self.id_data.name} keeps", VALUES)
+            return read_kept_dict(self.result, f"what {self.id_data.name} keeps", VALUES)
         except SynchError:
             return {}
 
 
-register, unregister = keeping(
+register, unregister = register_all(
     (SynchVortices, SynchVortexLook),
     (bpy.types.Scene, "synch_vortices", SynchVortices),
     (bpy.types.Object, "synch_vortices", SynchVortexLook),

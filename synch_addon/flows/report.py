@@ -6,7 +6,7 @@ from dataclasses import asdict, replace
 import numpy as np
 
 from ...core.files.json_text import NUMBER, json_text
-from ..jobs.report import counted, ending, quality
+from ..jobs.report import count_text, ending, quality
 
 # Of what the panel shows, by its name: what it is where it is missing, and its kind.
 VALUES = {
@@ -87,22 +87,22 @@ def summary(report):
     if "frames" in report:
         counts = [frame["filaments"] for frame in report["frames"]]
         counts = f"{min(counts)} to {max(counts)}" if min(counts) < max(counts) else f"{counts[0]}"
-        lines.append(f"{report['object']}: {counted(len(report['frames']), 'frame')}, filaments in each: {counts}")
+        lines.append(f"{report['object']}: {count_text(len(report['frames']), 'frame')}, filaments in each: {counts}")
         return [*lines, f"{report['times']['total']:.2f} s"]
     bound = f"lower bound {report['lower_bound']:.6g} ({report['certificate']})"
     lines.append(f"energy {report['energy']:.6g}, {bound}: {report['status']}")
     *others, last = report["objects"]
     if "vortices" in report:
         covered = f", the sphere is covered {report['coverage']:.2f} times" if "coverage" in report else ""
-        lines.append(f"{last}: {counted(len(report['vortices']), 'vortex')}{covered}")
+        lines.append(f"{last}: {count_text(len(report['vortices']), 'vortex')}{covered}")
     if "filaments" in report:
         closed = sum(line["closed"] for line in report["filaments"])
         around = f", {report['windings']} around the box" if report["windings"] else ""
-        lines.append(f"{last}: {counted(len(report['filaments']), 'filament')}, {closed} of them closed{around}")
+        lines.append(f"{last}: {count_text(len(report['filaments']), 'filament')}, {closed} of them closed{around}")
     if report.get("loops"):
         links = int(np.abs(np.triu(report["linking"])).sum())
         lines.append(f"linked {links} times, writhe {sum(report['writhe']):.3g}, helicity {report['helicity']:.4g}")
     if "tubes" in report:
         name = others[0] if others else last
-        lines.append(f"{name}: {counted(report['tubes']['pieces'], 'tube')}, {report['tubes']['faces']} faces")
+        lines.append(f"{name}: {count_text(report['tubes']['pieces'], 'tube')}, {report['tubes']['faces']} faces")
     return [*lines, f"{report['times']['total']:.2f} s"]

@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ...core.errors import SettingError, shown
+from ...core.errors import SettingError, quote_value
 from ...core.fields.biot_savart import FilamentCurves
 from ...core.files.flows import VELOCITY, VolumeFile, flow_file
 from ..blender.modifiers import is_of_filaments
@@ -49,7 +49,7 @@ def objects_of(source):
     objects = list(objects) if isinstance(objects, Iterable) else []
     if not objects or not all(isinstance(obj, bpy.types.Object) for obj in objects):
         raise SettingError(
-            f"{shown(source)} is no flow: give a file, a volume, a mesh, or curves that stand for filaments"
+            f"{quote_value(source)} is no flow: give a file, a volume, a mesh, or curves that stand for filaments"
         )
     for reason in filter(None, map(no_object, objects)):
         raise SettingError(reason)

@@ -13,15 +13,15 @@ from typing import Unpack
 import bpy
 import numpy as np
 
-from ...core.errors import MeshError, SettingError, SynchError, shown
+from ...core.errors import MeshError, SettingError, SynchError, quote_value
 from ...core.fields import given_directions
-from ...core.fields.animation import carried_angles
+from ...core.fields.animation import carry_angles
 from ...core.fields.directions import DirectionField
 from ...core.interpolate import face_phases
 from ...core.settings.keywords import SurfaceKeywords
 from ...core.settings.surface import SYMMETRY_ORDERS, SurfaceSettings
 from ...core.tasks.animation import FramesRequest, fresh, in_frame
-from ...core.validation import are_frames, check_choice, from_names, taken
+from ...core.validation import are_frames, check_choice, convert_value, from_names
 from ..blender import attributes, meshes, modifiers
 from ..blender.defect_empties import write_defects
 from ..blender.modifiers import hidden
@@ -58,12 +58,13 @@ class Span:
     def __post_init__(self):
         if not are_frames(self.first, self.last):
             raise SettingError(
-                f"the frames are {shown(self.first)} to {shown(self.last)}: give the first and the last, in order"
+                f"the frames are {quote_value(self.first)} to {quote_value(self.last)}: "
+                "give the first and the last, in order"
             )
-        taken("pattern", str, self.pattern)
+        convert_value("pattern", str, self.pattern)
         check_choice(self, "pattern", modifiers.FRAMES)
-        if not 0 <= taken("hold", float, self.hold) < math.inf:
-            raise SettingError(f"the hold is {shown(self.hold)}: give a number from 0 on, such as {HOLD}")
+        if not 0 <= convert_value("hold", float, self.hold) < math.inf:
+            raise SettingError(f"the hold is {quote_value(self.hold)}: give a number from 0 on, such as {HOLD}")
 
     @property
     def frames(self):
@@ -86,7 +87,7 @@ def animate(obj, callback=None, frames=None, pattern="stripes", hold=HOLD, **set
     scene = bpy.context.scene
     frames = (scene.frame_start, scene.frame_end) if frames is None else frames
     if not isinstance(frames, Sequence) or len(frames) != 2:
-        raise SettingError(f"the frames are {shown(frames)}: give the first and the last one")
+        raise SettingError(f"the frames are {quote_value(frames)}: give the first and the last one")
     return run_animate(obj, from_names(SurfaceSettings, settings), frames, pattern, hold, callback)
 
 
@@ -246,7 +247,7 @@ def _rest_directions(obj, settings, span, base):
 def _following(request, rest):
     """The request along directions at rest that have gone along."""
     mesh = request.given.mesh
-    return replace(request, directions=DirectionField(mesh, 1, carried_angles(rest.angles, rest.mesh, mesh)).vectors)
+    return replace(request, directions=DirectionField(mesh, 1, carry_angles(rest.angles, rest.mesh, mesh)).vectors)
 
 
 def _changing(obj, base):

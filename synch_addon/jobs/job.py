@@ -13,7 +13,7 @@ fails. A job also has
 - ``request = None`` in its class, where pieces are all its work: ``write(None)`` then returns the report.
 """
 
-from ...core.errors import SettingError, shown
+from ...core.errors import SettingError, quote_value
 from ...core.monitor import Monitor, portion
 
 # Share of the work that reading in pieces is.
@@ -33,7 +33,9 @@ def run(job, progress=None):
         with one line that names the element and the remedy; nothing is written
     """
     if progress is not None and not callable(progress):
-        raise SettingError(f"the callback is {shown(progress)}: give a function of a stage and a fraction, or None")
+        raise SettingError(
+            f"the callback is {quote_value(progress)}: give a function of a stage and a fraction, or None"
+        )
     if hasattr(job, "advance"):
         solves = solves_after_pieces(job)
         _do_pieces(job, portion(progress, 0.0, READING) if solves else progress)

@@ -3,7 +3,7 @@
 
 from ...core.errors import SynchError
 from ...core.files.border import border
-from ...core.files.json_text import NUMBER, json_text, kept
+from ...core.files.json_text import NUMBER, json_text, read_kept_dict
 from ...core.geometry.manifold_repair import KINDS
 from ...core.settings.surface import SurfaceSettings
 from ...core.validation import from_names
@@ -36,7 +36,7 @@ def result_line(report):
     return json_text({"format": FORMAT} | {name: report[name] for name in names} | counts | rest)
 
 
-def kept_result(line, name):
+def read_result(line, name):
     """The dict that :func:`result_line` made; {} for "".
 
     Parameters
@@ -49,23 +49,23 @@ def kept_result(line, name):
     SettingError
         where others have spoilt it
     """
-    found = kept(line, f"the result that {name} keeps", _VALUES)
+    found = read_kept_dict(line, f"the result that {name} keeps", _VALUES)
     for kind, count in found.get("carrier", {}).items():
         if kind not in KINDS or not isinstance(count, int):
             raise SynchError(f"the result that {name} keeps cannot be read (its carrier has {kind}): solve it again")
     return found
 
 
-def kept_settings(found, name):
-    """The :class:`SurfaceSettings` of what :func:`kept_result` gave; errors likewise."""
+def read_settings(found, name):
+    """The :class:`SurfaceSettings` of what :func:`read_result` gave; errors likewise."""
     with border(f"the result that {name} keeps", "solve it again"):
         return from_names(SurfaceSettings, found["settings"])
 
 
-def shown_result(line):
-    """The :func:`kept_result` of a line, for panels: {} where it is empty or cannot be read."""
+def read_result_or_empty(line):
+    """The :func:`read_result` of a line, for panels: {} where it is empty or cannot be read."""
     try:
-        found = kept_result(line, "")
+        found = read_result(line, "")
     except SynchError:
         return {}
     return found if found.get("command") else {}

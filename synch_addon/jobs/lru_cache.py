@@ -6,13 +6,13 @@ import bpy
 from ...core.errors import SynchError
 
 
-class Shelf:
+class LruCache:
     """What was computed, the latest of it, by keys that undo does not change.
 
     All shelves are emptied when another file is opened, and when the extension is taken out.
     """
 
-    _all: list["Shelf"] = []
+    _all: list["LruCache"] = []
 
     def __init__(self, most):
         self.most, self._kept = most, {}
@@ -48,7 +48,7 @@ class Shelf:
             shelf.clear()
 
 
-class ObjectShelf:
+class ObjectCache:
     """A shelf with a place for each object.
 
     Parameters
@@ -57,7 +57,7 @@ class ObjectShelf:
     """
 
     def __init__(self, most):
-        self._shelf = Shelf(most)
+        self._shelf = LruCache(most)
 
     def put(self, obj, solved):
         """Keep something for an object, in place of what there was."""
@@ -91,7 +91,7 @@ class ObjectShelf:
 
 @bpy.app.handlers.persistent
 def _forget(*_):
-    Shelf.clear_all()
+    LruCache.clear_all()
 
 
 def register():

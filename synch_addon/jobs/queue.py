@@ -8,7 +8,7 @@ import bpy
 from ...core.errors import Cancelled, SynchError
 from ..blender.objects import ObjectLink
 from ..blender.timers import Timer
-from ..blender.translations import said
+from ..blender.translations import translate
 from ..settings.preferences import memory_limit
 from .job import READING, solves_after_pieces
 from .worker import Worker, WorkerGone
@@ -100,16 +100,16 @@ class Work:
     def line(self):
         """How far it is, for the progress bar."""
         name, comma, rest = (self.stage or ("starting" if self.has_begun else "waiting")).partition(",")
-        return f"{self.fraction:.0%}  {said(name)}{comma}{rest}"
+        return f"{self.fraction:.0%}  {translate(name)}{comma}{rest}"
 
     @property
     def times(self):
         """Seconds that have passed, and about how many are left, once that can be told."""
         passed = time.monotonic() - self._start
         if self.fraction <= _TELLING:
-            return said("{passed:.0f} s", passed=passed)
+            return translate("{passed:.0f} s", passed=passed)
         left = passed * (1 / self.fraction - 1)
-        return said("{passed:.0f} s, about {left:.0f} s left", passed=passed, left=left)
+        return translate("{passed:.0f} s, about {left:.0f} s left", passed=passed, left=left)
 
 
 class Queue:

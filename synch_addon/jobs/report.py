@@ -219,11 +219,11 @@ def summary(report):
     if report["sdp_value"] is not None:
         width = f"the bound is {report['sdp_gap']:.2%} below it"
         lines.append(f"relaxation {report['sdp_value']:.6g}, {width}: {report['status']}")
-    disclinations = counted(len(report["disclinations"]), "disclination")
+    disclinations = count_text(len(report["disclinations"]), "disclination")
     if report["closed"]:
         total = sum(d["index"] for d in report["disclinations"])
         disclinations += f" (indices sum to {total:g}, the Euler characteristic is {report['euler_characteristic']})"
-    dislocations = counted(len(report["dislocations"]), "dislocation")
+    dislocations = count_text(len(report["dislocations"]), "dislocation")
     if report["forced_dislocations"] is not None:
         dislocations += f" (exact directions and spacing ask for {report['forced_dislocations']:.0f})"
     lines.append(f"{disclinations}, {dislocations}")
@@ -249,21 +249,23 @@ def _even_line(evenness):
 def _quad_line(made):
     return (
         f"{made['object']}: {made['faces']} faces, {made['quad_share']:.1%} quads, "
-        f"{counted(made['irregular_vertices'], 'irregular vertex')}, corners off a right angle by "
+        f"{count_text(made['irregular_vertices'], 'irregular vertex')}, corners off a right angle by "
         f"{made['angle_deviation']:.1f} degrees on average, {made['hausdorff_distance']:.2g} from the surface at most; "
         f"{_loops(made)}"
     )
 
 
 def _loops(made):
-    counts = f"{counted(made['loops'], 'loop')}, {counted(made['spirals'], 'spiral')}"
+    counts = f"{count_text(made['loops'], 'loop')}, {count_text(made['spirals'], 'spiral')}"
     line = f"{counts}, the longest of {made['longest_loop']} quads"
     before = made.get("loops_before")
     if before is None:
         return line
-    return f"{line} ({counted(before['spirals'], 'spiral')} and {before['longest_loop']} before they were straightened)"
+    return (
+        f"{line} ({count_text(before['spirals'], 'spiral')} and {before['longest_loop']} before they were straightened)"
+    )
 
 
-def counted(count, noun):
+def count_text(count, noun):
     """ "1 dislocation", "2 dislocations", "0 vertices" """
     return f"{count} {noun if count == 1 else plural(noun)}"

@@ -18,7 +18,7 @@ import bpy
 
 from ...core.errors import SynchError
 from ...core.process.child import TOO_MUCH_MEMORY, UNREADABLE
-from ...core.process.ipc import MARK, BrokenParcel, Unpacker, packed
+from ...core.process.ipc import MARK, BrokenParcel, Unpacker, pack_parts
 from ...core.tasks import versions
 
 # Seconds that one look at the pipes takes at most, and bytes that are read at once.
@@ -39,7 +39,7 @@ for count in range(1, len(parts) + 1):
     package = types.ModuleType(".".join(parts[:count]))
     package.__path__ = [folder] if count == len(parts) else []
     sys.modules[package.__name__] = package
-importlib.import_module(name + ".core.worker").serve(int(limit))
+importlib.import_module(name + ".core.process.child").serve(int(limit))
 """
 
 
@@ -93,7 +93,7 @@ class Worker:
 
     def tell(self, message, shared=()):
         """Begin to tell it something, see :mod:`core.process.child`."""
-        self._outgoing.extend(memoryview(part).cast("B") for part in packed(message, shared))
+        self._outgoing.extend(memoryview(part).cast("B") for part in pack_parts(message, shared))
 
     def exchange(self):
         """Go on telling, and hear what it says; returns its messages, see :mod:`core.process.child`.

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 import bpy
 
-from ...core.errors import SettingError, shown
-from ...core.validation import taken
+from ...core.errors import SettingError, quote_value
+from ...core.validation import convert_value
 from ..blender import meshes
 from ..blender.phases import pattern_kind
 from ..blender.transaction import whole_or_nothing
@@ -65,10 +65,10 @@ PRESETS = {
 }
 
 
-def chosen(name):
+def find_preset(name):
     """The :class:`Preset` of this name, refusing others."""
-    if taken("preset", str, name) not in PRESETS:
-        raise SettingError(f"the preset {shown(name)} is unknown: use one of {', '.join(PRESETS)}")
+    if convert_value("preset", str, name) not in PRESETS:
+        raise SettingError(f"the preset {quote_value(name)} is unknown: use one of {', '.join(PRESETS)}")
     return PRESETS[name]
 
 
@@ -98,7 +98,7 @@ def store_settings(stored, settings):
 
 def solve_for(obj, name, always=False):
     """Command and settings of the solve that a preset needs on an object, None where the present pattern fits."""
-    preset = chosen(name)
+    preset = find_preset(name)
     with meshes.object_mode(obj):
         if fits(obj, preset) and not always:
             return None
@@ -107,7 +107,7 @@ def solve_for(obj, name, always=False):
 
 def show(obj, name, assign_faces=False):
     """Show a preset on an object whose pattern fits it; returns the material."""
-    preset = chosen(name)
+    preset = find_preset(name)
     with meshes.object_mode(obj), whole_or_nothing():
         if preset.numbered and NUMBER not in obj.data.attributes:
             numbers.number_stripes(obj)
@@ -122,7 +122,7 @@ def preset_material(name) -> bpy.types.Material:
     for material in bpy.data.materials:
         if material.library is None and material.get(_PROPERTY) == name:
             return material
-    preset = chosen(name)
+    preset = find_preset(name)
     made = new_material(f"Synch {preset.label}", preset.kind, preset.draw)
     made[_PROPERTY] = name
     return made

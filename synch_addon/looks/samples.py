@@ -77,7 +77,7 @@ def pretzel(detail):
     points = np.column_stack([plane[k] for plane, k in zip(_PLANES, np.transpose(places), strict=True)])
     rim = np.abs(points[:, 1]) == _PLANES[1][-1]
     points[rim & (np.abs(points[:, 0]) != 2.3), :2] *= _ROUNDING  # the outer corners, and the waist
-    return _rounded("Pretzel", points, numbered, detail)
+    return _subdivide_cage("Pretzel", points, numbered, detail)
 
 
 def vase(detail):
@@ -92,7 +92,7 @@ def vase(detail):
             faces.append((a, b, b + _SEGMENTS, a + _SEGMENTS))
     # The floor: four quads around its middle.
     faces += [(len(points), (k + 2) % _SEGMENTS, k + 1, k) for k in range(0, _SEGMENTS, 2)]
-    obj = _rounded("Vase", _bent(np.array([*points, (0.0, 0.0, 0.0)])), faces, detail)
+    obj = _subdivide_cage("Vase", _bent(np.array([*points, (0.0, 0.0, 0.0)])), faces, detail)
     ends = attributes.read_all(obj.data.edges, "vertices", 2)
     rim = np.zeros(len(obj.data.vertices))
     rim[ends[_face_counts(obj) == 1]] = 1
@@ -112,7 +112,7 @@ def _bent(points):
     return np.column_stack([radius - arm * np.cos(angle), points[:, 1], arm * np.sin(angle)])
 
 
-def _rounded(name, points, faces, detail):
+def _subdivide_cage(name, points, faces, detail):
     """An object of a cage after Catmull-Clark subdivision, with seams in the plane of X and Z."""
     obj = bpy.data.objects.new(name, new_mesh(name, points, faces))
     bpy.context.collection.objects.link(obj)

@@ -17,7 +17,7 @@ import bpy
 
 from ..blender.schema import PHASES
 from .canvas import Expression, Socket, group_tree
-from .stripes import INK_BLUE, VERSION, WARM_IVORY, Canvas, faded, phase_group, rounded
+from .stripes import INK_BLUE, VERSION, WARM_IVORY, Canvas, fade, phase_group, round_height
 
 QUADS_NAME = "Synch Quads"
 # In the order of the numbers that choose them.
@@ -67,8 +67,8 @@ def quads_group() -> bpy.types.ShaderNodeTree:
         pattern = (phases[0]["Cosine"] * phases[1]["Cosine"]).named("cos x cos y")
     shapes = profile_shapes(canvas, x, y, pattern, inputs["Width"])
     with canvas.band("Chosen profile"):
-        chosen = _chosen(inputs["Profile"], shapes)
-        factor = faded(chosen.inside, inputs["Softness"], chosen.widest)
+        chosen = _choose_shape(inputs["Profile"], shapes)
+        factor = fade(chosen.inside, inputs["Softness"], chosen.widest)
         color = canvas.color_mix(factor, inputs["Background"], inputs["Color"])
         named = {"Color": color, "Factor": factor, "Height": chosen.height, "Pattern": pattern}
         canvas.outputs(**named, **{"Phase X": x, "Phase Y": y})
@@ -97,7 +97,7 @@ def phase_groups(name, canvas_type):
 def _grid_lines(across, width):
     line = (1.0 - (1.0 - width).root()).named("line")
     inside = line * 0.5 - across[0].minimum(across[1])
-    return _Shape(inside, line.minimum(1.0 - line), rounded(inside, line * 0.5))
+    return _Shape(inside, line.minimum(1.0 - line), round_height(inside, line * 0.5))
 
 
 def _checker(across, width, pattern):
@@ -106,7 +106,7 @@ def _checker(across, width, pattern):
     side = (2.0 * width.minimum(1.0 - width)).root().named("side of the smaller squares")
     grown = (width < 0.5).choose(side - 1.0, 1.0 - side) * 0.5
     inside = is_tile.choose(to_edge, -to_edge) + grown
-    return _Shape(inside, side, rounded(inside, (side * 0.5).minimum(_BEVEL)))
+    return _Shape(inside, side, round_height(inside, (side * 0.5).minimum(_BEVEL)))
 
 
 def _weave(across, width, above):
@@ -121,8 +121,8 @@ def _weave(across, width, above):
     rise = abs(above) * _LIFT
     # Half way to the next crossing the strands change places, and nothing is to be seen of it.
     end = hole - gap
-    above_height = rounded(over, strand * 0.5) * (_LEVEL + rise)
-    below_height = rounded(under, strand * 0.5) * (_LEVEL - rise) * rounded(free, end)
+    above_height = round_height(over, strand * 0.5) * (_LEVEL + rise)
+    below_height = round_height(under, strand * 0.5) * (_LEVEL - rise) * round_height(free, end)
     inside = over.maximum(under.minimum(free))
     return _Shape(inside, strand.minimum(2.0 * end), above_height.maximum(below_height))
 
@@ -130,10 +130,10 @@ def _weave(across, width, above):
 def _dots(across, width):
     radius = (width / math.pi).root().named("radius")
     inside = radius - (across[0] * across[0] + across[1] * across[1]).root()
-    return _Shape(inside, 2.0 * radius.minimum(math.sqrt(0.5) - radius), rounded(inside, radius))
+    return _Shape(inside, 2.0 * radius.minimum(math.sqrt(0.5) - radius), round_height(inside, radius))
 
 
-def _chosen(profile, shapes):
+def _choose_shape(profile, shapes):
     """The shape with the number `profile`."""
     chosen = shapes[-1]
     for number, shape in reversed(list(enumerate(shapes[:-1]))):

@@ -75,7 +75,7 @@ def profile_heights(place, width, strands):
     return sine, square, share, rounded, thread
 
 
-def chosen(profile, values, names=PROFILES):
+def choose_profile(profile, values, names=PROFILES):
     """The value with the number `profile`."""
     result = values[-1]
     for number in reversed(range(len(values) - 1)):

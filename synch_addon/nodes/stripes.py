@@ -15,7 +15,7 @@ import bpy
 
 from ..blender.schema import BARYCENTRIC, CLOSING, PHASES
 from .canvas import Canvas, Socket, group_tree
-from .stripe_profiles import PROFILE_TIP, PROFILES, THREAD_TIP, chosen, place_in_stripe, profile_heights
+from .stripe_profiles import PROFILE_TIP, PROFILES, THREAD_TIP, choose_profile, place_in_stripe, profile_heights
 
 STRIPES_NAME = "Synch Stripes"
 PHASE_NAME = "Synch Phase"
@@ -74,7 +74,7 @@ def disclination_turn(place, values, closing):
     return (z < -0.5).choose(in_quad, in_triangle).named("D")
 
 
-def faded(inside, softness, widest):
+def fade(inside, softness, widest):
     """1 inside, 0 outside, for a distance `inside` that is negative outside.
 
     The fade at the edge is `softness` wide, but not wider than the `widest` that leaves 0 and 1 in the picture.
@@ -84,7 +84,7 @@ def faded(inside, softness, widest):
     return (ramp * ramp * (3.0 - 2.0 * ramp)).named("factor")
 
 
-def rounded(inside, depth):
+def round_height(inside, depth):
     """Rounded height: 0 outside, 1 where the distance `inside` has grown to `depth`."""
     share = (inside / depth.maximum(_TINY)).clamped()
     return (0.5 - 0.5 * (share * math.pi).cosine()).named("height")
@@ -180,10 +180,10 @@ def stripes_group() -> bpy.types.ShaderNodeTree:
         named["Random"] = canvas.noise(place.index)
     with canvas.band("Profile"):
         width, softness = inputs["Width"], inputs["Softness"]
-        named["Height"] = chosen(inputs["Profile"], profile_heights(place, width, inputs["Strands"]))
+        named["Height"] = choose_profile(inputs["Profile"], profile_heights(place, width, inputs["Strands"]))
     with canvas.band("Colors"):
         # Periods to the edge of a stripe: the middle is Width / 2 inside.
-        factor = faded((width * 0.5 - place.away).named("inside"), softness, width.minimum(1.0 - width))
+        factor = fade((width * 0.5 - place.away).named("inside"), softness, width.minimum(1.0 - width))
         color = canvas.color_mix(factor, inputs["Background"], inputs["Color"])
         canvas.outputs(Color=color, Factor=factor, **named, **phase)
     return tree

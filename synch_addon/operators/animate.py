@@ -4,7 +4,7 @@
 import bpy
 
 from ..frames.job import AnimationJob
-from ..jobs.report import counted
+from ..jobs.report import count_text
 from ..panels.frames import AnimationProperties, span_of
 from ..settings.fields import SettingProperties
 from .field_operator import FieldOperator
@@ -27,6 +27,6 @@ class SYNCH_OT_animate(FieldOperator, AnimationProperties, SettingProperties, bp
 
     def _headline(self, report):
         frames = report["frames"]
-        line = f"{report['pattern']} in {counted(len(frames), 'frame')}"
+        line = f"{report['pattern']} in {count_text(len(frames), 'frame')}"
         changes = [frame["change"] for frame in frames if frame["change"] is not None]
         return f"{line}, at most {max(changes):.2f} of change at once" if changes else line

@@ -12,7 +12,7 @@ from ..flows.files import filament_export
 from ..flows.job import job_for
 from ..flows.properties import VortexProperties, plain
 from ..jobs.queue import queue
-from ..jobs.report import counted
+from ..jobs.report import count_text
 from ..panels.vortices import draw_vortices
 from .field_operator import BackgroundOperator
 from .ready import PromptOperator
@@ -46,16 +46,16 @@ class SYNCH_OT_clebsch(BackgroundOperator, VortexProperties, bpy.types.Operator)
         return job_for(flow_of(context, self.filepath), plain(self))
 
     def _headline(self, report):
-        return f"{report['object']}: {_found(report)}, {report['times']['total']:.1f} s"
+        return f"{report['object']}: {_find_flow(report)}, {report['times']['total']:.1f} s"
 
 
-def _found(report):
+def _find_flow(report):
     if "frames" in report:
-        return counted(len(report["frames"]), "frame")
+        return count_text(len(report["frames"]), "frame")
     counts = [(len(report["filaments"]), "filament")] if "filaments" in report else []
     counts += [(report["tubes"]["pieces"], "tube")] if "tubes" in report else []
     counts += [(len(report["vortices"]), "vortex")] if "vortices" in report else []
-    return ", ".join(counted(*count) for count in counts)
+    return ", ".join(count_text(*count) for count in counts)
 
 
 class SYNCH_OT_best_vortices(PromptOperator, bpy.types.Operator):
@@ -71,7 +71,7 @@ class SYNCH_OT_best_vortices(PromptOperator, bpy.types.Operator):
 
     def make(self, context):
         report = choose_point(context.active_object)
-        return f"energy {report['energy']:.4g}, {_found(report)}"
+        return f"energy {report['energy']:.4g}, {_find_flow(report)}"
 
 
 class SYNCH_OT_filament_export(PromptOperator, ExportHelper, bpy.types.Operator):
@@ -93,7 +93,7 @@ class SYNCH_OT_filament_export(PromptOperator, ExportHelper, bpy.types.Operator)
 
     def make(self, context):
         report = filament_export(context.active_object, self.filepath)
-        return f"wrote {counted(report['filaments'], 'filament')} to {report['files'][0]}"
+        return f"wrote {count_text(report['filaments'], 'filament')} to {report['files'][0]}"
 
 
 CLASSES = (SYNCH_OT_clebsch, SYNCH_OT_best_vortices, SYNCH_OT_filament_export)

@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..blender.translations import said
+from ..blender.translations import translate
 from ..panels.row_operators import can_set, others_selected
 
 # What an object was found to have, rather than what is asked of it.
@@ -31,7 +31,9 @@ class SYNCH_OT_copy_settings(bpy.types.Operator):
         for obj in others:
             copy_properties(context.active_object.synch, obj.synch)
         names = ", ".join(obj.name for obj in others[:4]) + (" ..." if len(others) > 4 else "")
-        self.report({"INFO"}, said("settings of {name} given to {names}", name=context.active_object.name, names=names))
+        self.report(
+            {"INFO"}, translate("settings of {name} given to {names}", name=context.active_object.name, names=names)
+        )
         return {"FINISHED"}
 
 

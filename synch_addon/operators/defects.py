@@ -9,7 +9,7 @@ from ...core.errors import SynchError
 from ...core.files.json_text import json_text
 from ..blender import meshes
 from ..blender.defect_empties import defect_empties
-from ..blender.translations import said
+from ..blender.translations import translate
 from ..patterns import memory
 from .ready import PromptOperator, ReadyOperator
 
@@ -115,8 +115,8 @@ class SYNCH_OT_copy_report(ReadyOperator, bpy.types.Operator):
     def description(cls, context, properties):
         meaning = _MEANINGS.get(properties.about)
         if not meaning:
-            return said(cls.__doc__)
-        return said("{meaning}.\nClick to copy the full report as JSON", meaning=said(meaning))
+            return translate(cls.__doc__)
+        return translate("{meaning}.\nClick to copy the full report as JSON", meaning=translate(meaning))
 
     @classmethod
     def lacking(cls, obj):

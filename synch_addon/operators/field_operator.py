@@ -12,10 +12,10 @@ from bpy.props import IntProperty, StringProperty
 
 from ...core.errors import Cancelled, SynchError
 from .. import api
-from ..blender.translations import said
+from ..blender.translations import translate
 from ..jobs.job import run
 from ..jobs.queue import queue
-from ..jobs.report import counted
+from ..jobs.report import count_text
 from ..panels.early_view import view
 from ..panels.row_operators import others_selected
 from ..patterns import job as field_job
@@ -143,21 +143,21 @@ class BackgroundOperator:
     def _postponed(self, context):
         """Why the result cannot be written yet, in one line, or None."""
         if bpy.app.is_job_running("RENDER"):
-            return said("the result waits for the end of the render")
+            return translate("the result waits for the end of the render")
         link = self._work.job.link
         if link is None:
-            return None if bpy.context.mode == "OBJECT" else said("the result waits for object mode")
+            return None if bpy.context.mode == "OBJECT" else translate("the result waits for object mode")
         obj = link.present
         if obj is None or obj.mode == "OBJECT":
             return None
         # Edit mode is left for a moment, which others may be in the way of.
         is_free = obj.mode == "EDIT" and bpy.context.view_layer.objects.active == obj and not _others_at_work(context)
-        return None if is_free else said("the result waits for object mode of {name}", name=obj.name)
+        return None if is_free else translate("the result waits for object mode of {name}", name=obj.name)
 
     def _tell(self, context, work):
         """Say how far the first job is, or what a result waits for."""
         if work is queue.running:
-            line = f"{said(work.label)}: {work.line}   {work.times}   {said('Esc over the 3D view: cancel')}"
+            line = f"{translate(work.label)}: {work.line}   {work.times}   {translate('Esc over the 3D view: cancel')}"
         elif work.is_over:
             line = self._postponed(context)
         else:
@@ -279,7 +279,7 @@ class FieldOperator(ObjectOperator):
         made = report.get("quad_mesh")
         if made is not None:
             return f"{made['object']}: {made['faces']} faces, {made['quad_share']:.1%} of them quads"
-        counts = ", ".join(counted(len(report[kind + "s"]), kind) for kind in ("disclination", "dislocation"))
+        counts = ", ".join(count_text(len(report[kind + "s"]), kind) for kind in ("disclination", "dislocation"))
         if report["energy"] is None:
             return counts
         proof = f", proved: no field saves more than {report['gap']:.0%}" if report["certificate"] == "proved" else ""

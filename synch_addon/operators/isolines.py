@@ -10,7 +10,7 @@ from bpy.props import BoolProperty, FloatProperty, IntProperty
 from ...core.settings.lines import LineSettings
 from ...core.settings.setting import records
 from .. import api
-from ..jobs.report import counted
+from ..jobs.report import count_text
 from ..settings.rna import properties_of, settings_of
 from .ready import PatternOperator, PromptOperator
 
@@ -28,7 +28,7 @@ class SYNCH_OT_isolines(PatternOperator, PromptOperator, LineProperties, bpy.typ
     def make(self, context):
         settings = settings_of(LineSettings, self, LINE_NAMES)
         report = api.isolines(context.active_object, **asdict(settings))
-        return f"{report['object']}: {counted(report['lines'], 'line')}"
+        return f"{report['object']}: {count_text(report['lines'], 'line')}"
 
 
 class SYNCH_OT_relief(PatternOperator, PromptOperator, bpy.types.Operator):

@@ -8,7 +8,7 @@ from bpy_extras.io_utils import ExportHelper
 from ...core.tasks.layer_outputs import FILLS, PathSettings
 from .. import api
 from ..jobs.queue import queue
-from ..jobs.report import counted
+from ..jobs.report import count_text
 from ..solids import memory
 from ..solids.links import solid_of
 from ..solids.outputs import PathsJob, VolumeJob, machine_of
@@ -106,10 +106,10 @@ class SYNCH_OT_layer_toolpaths(_LayerOperator, BackgroundOperator, bpy.types.Ope
     machine: _MACHINE
 
     def _job(self, context):
-        return PathsJob(context.active_object, _asked(self))
+        return PathsJob(context.active_object, _path_settings(self))
 
     def _headline(self, report):
-        return _told(report)
+        return _report_files(report)
 
 
 class SYNCH_OT_layer_path_export(_FileOperator, bpy.types.Operator):
@@ -132,12 +132,12 @@ class SYNCH_OT_layer_path_export(_FileOperator, bpy.types.Operator):
     def _job(self, context):
         return PathsJob(
             context.active_object,
-            _asked(self),
+            _path_settings(self),
             self.filepath,
         )
 
     def _headline(self, report):
-        return _told(report)
+        return _report_files(report)
 
 
 class SYNCH_OT_layer_volume(_FileOperator, bpy.types.Operator):
@@ -157,15 +157,15 @@ class SYNCH_OT_layer_volume(_FileOperator, bpy.types.Operator):
         return VolumeJob(context.active_object, self.filepath, self.resolution)
 
     def _headline(self, report):
-        return f"{report['volume_object']}: {counted(report['voxels'], 'voxel')}"
+        return f"{report['volume_object']}: {count_text(report['voxels'], 'voxel')}"
 
 
-def _asked(operator):
+def _path_settings(operator):
     """The :class:`PathSettings` of an operator."""
     return PathSettings(operator.step or None, operator.fill, machine_of(operator.machine or None))
 
 
-def _told(report):
+def _report_files(report):
     paths = f"{report['collection']}: {print_line(report)}"
     return ", wrote ".join([paths, *report["files"]])
 

@@ -4,7 +4,7 @@
 import bpy
 
 from ...core.errors import SynchError
-from ..blender.translations import said
+from ..blender.translations import translate
 from ..patterns.loops import loops_of, shown_edge
 from .picking import PickingOperator
 
@@ -40,7 +40,7 @@ class SYNCH_OT_show_loop(PickingOperator, bpy.types.Operator):
         obj.synch_loop.edge = obj.data.loops[corner].edge_index
         obj.update_tag()
         text = "A spiral of {count} quads" if self._loops.spirals[loop] else "A loop of {count} quads"
-        self.report({"INFO"}, said(text, count=self._loops.lengths[loop]))
+        self.report({"INFO"}, translate(text, count=self._loops.lengths[loop]))
         return True
 
     def take_back(self, obj):

@@ -6,7 +6,7 @@ from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_
 
 from ...core.errors import SynchError
 from ..blender import meshes
-from ..blender.translations import said
+from ..blender.translations import translate
 from ..patterns.picking import PickedSurface
 from .field_operator import navigates, over_sidebar
 from .ready import ReadyOperator
@@ -54,7 +54,7 @@ class PickingOperator(ReadyOperator):
         self._object_name = obj.name
         self._picked = self._held = False
         context.window_manager.modal_handler_add(self)
-        context.workspace.status_text_set(said(self.hint))
+        context.workspace.status_text_set(translate(self.hint))
         context.window.cursor_modal_set("CROSSHAIR")
         context.area.tag_redraw()
         return {"RUNNING_MODAL"}
@@ -93,7 +93,7 @@ class PickingOperator(ReadyOperator):
             return {"CANCELLED"}
         if event.type == "LEFTMOUSE":
             if self._held and event.value == "RELEASE":
-                context.workspace.status_text_set("   ".join(filter(None, (self.let_go(obj), said(self.hint)))))
+                context.workspace.status_text_set("   ".join(filter(None, (self.let_go(obj), translate(self.hint)))))
             pressed = event.value == "PRESS" and not over_sidebar(context, event)
             self._held = pressed and self._pick(context, event, obj, False)
             return {"RUNNING_MODAL"}

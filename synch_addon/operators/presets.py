@@ -6,7 +6,7 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from .. import api
 from ..blender.phases import pattern_kind
-from ..jobs.report import counted
+from ..jobs.report import count_text
 from ..looks import assets, presets
 from ..panels.presets import PRESET
 from ..settings.fields import SettingProperties
@@ -34,7 +34,7 @@ class SYNCH_OT_preset(FieldOperator, SettingProperties, bpy.types.Operator):
 
     @property
     def _chosen(self):
-        return presets.chosen(self.preset)
+        return presets.find_preset(self.preset)
 
     def invoke(self, context, event):
         """From the window: solve in the background where that is needed; the scene's preset, where none is given."""
@@ -102,7 +102,7 @@ class SYNCH_OT_number_stripes(ReadyOperator, PromptOperator, bpy.types.Operator)
         return None
 
     def make(self, context):
-        return counted(api.number_stripes(context.active_object), "stripe")
+        return count_text(api.number_stripes(context.active_object), "stripe")
 
 
 class SYNCH_OT_asset_library(PromptOperator, bpy.types.Operator):

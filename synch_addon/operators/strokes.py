@@ -10,10 +10,10 @@ from bpy_extras.view3d_utils import location_3d_to_region_2d, region_2d_to_locat
 from mathutils import Vector
 
 from ...core.errors import SynchError
-from ...core.geometry.drawn import evened, needed, parts
-from ...core.geometry.polylines import polyline_length, resampled
+from ...core.geometry.drawn import parts, simplify_polyline, smooth_polyline
+from ...core.geometry.polylines import polyline_length, resample_polyline
 from ..blender.meshes import refusal
-from ..blender.translations import said
+from ..blender.translations import translate
 from ..panels.strokes import view
 from ..patterns import guide_strokes
 from ..patterns.picking import PickedSurface
@@ -141,14 +141,16 @@ class SYNCH_OT_draw_stroke(StrokeOperator, bpy.types.Operator):
         if not self._places:
             return None
         pixel = float(np.median(self._pixels))
-        lines = [evened(part, _EVENED) for part in parts(np.array(self._places), _JUMP * np.array(self._pixels[1:]))]
+        lines = [
+            smooth_polyline(part, _EVENED) for part in parts(np.array(self._places), _JUMP * np.array(self._pixels[1:]))
+        ]
         lines = [line for line in lines if polyline_length(line) > _SHORTEST * pixel]
-        lines = [line[needed(line, _OFF * pixel, _PIECE * pixel)] for line in lines]
+        lines = [line[simplify_polyline(line, _OFF * pixel, _PIECE * pixel)] for line in lines]
         if not lines:
             return None
         strokes = context.scene.synch_strokes
         guide_strokes.add(obj, lines, strokes.wish, strokes.weight)
-        return said("{count} strokes on {name}", count=len(guide_strokes.strokes_of(obj)), name=obj.name)
+        return translate("{count} strokes on {name}", count=len(guide_strokes.strokes_of(obj)), name=obj.name)
 
 
 class SYNCH_OT_erase_strokes(StrokeOperator, bpy.types.Operator):
@@ -164,7 +166,7 @@ class SYNCH_OT_erase_strokes(StrokeOperator, bpy.types.Operator):
         if not view.changed:
             return None
         guide_strokes.remove(obj, list(view.changed))
-        return said("{count} strokes on {name}", count=len(guide_strokes.strokes_of(obj)), name=obj.name)
+        return translate("{count} strokes on {name}", count=len(guide_strokes.strokes_of(obj)), name=obj.name)
 
 
 class SYNCH_OT_smooth_strokes(StrokeOperator, bpy.types.Operator):
@@ -177,9 +179,9 @@ class SYNCH_OT_smooth_strokes(StrokeOperator, bpy.types.Operator):
         for stroke, line, away in self._near(context, obj, mouse):
             if stroke.key not in view.changed:
                 nearest = line[away.argmin()]
-                line = resampled(line, _STEP * pixel_size(context, obj.matrix_world, mouse, nearest))
+                line = resample_polyline(line, _STEP * pixel_size(context, obj.matrix_world, mouse, nearest))
                 away = distances_on_screen(context, obj.matrix_world, line, mouse)
-            view.changed[stroke.key] = evened(line, 1, np.clip(1 - away / _REACH, 0, 1))
+            view.changed[stroke.key] = smooth_polyline(line, 1, np.clip(1 - away / _REACH, 0, 1))
 
     def finish(self, context, obj):
         if not view.changed:
@@ -188,9 +190,9 @@ class SYNCH_OT_smooth_strokes(StrokeOperator, bpy.types.Operator):
         for key, line in view.changed.items():
             line = self._surface.nearest(line)
             pixel = pixel_size(context, obj.matrix_world, self._last, line[len(line) // 2])
-            lines[key] = line[needed(line, _OFF * pixel, _PIECE * pixel)]
+            lines[key] = line[simplify_polyline(line, _OFF * pixel, _PIECE * pixel)]
         guide_strokes.replace(obj, lines)
-        return said("{count} strokes smoothed", count=len(lines))
+        return translate("{count} strokes smoothed", count=len(lines))
 
 
 def pixel_size(context, matrix, mouse, place):

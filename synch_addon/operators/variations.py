@@ -56,7 +56,7 @@ energy it has than the best, and the number of line ends"""
     )
 
     def make(self, context):
-        return _found(api.vary(context.active_object, self.number))
+        return _find_variations(api.vary(context.active_object, self.number))
 
 
 class SYNCH_OT_trace_quads(_SolvedOperator, PromptOperator, bpy.types.Operator):
@@ -72,7 +72,7 @@ class SYNCH_OT_trace_quads(_SolvedOperator, PromptOperator, bpy.types.Operator):
         return self.execute(context)
 
     def make(self, context):
-        return _found(api.trace_quads(context.active_object, self.smoothing))
+        return _find_variations(api.trace_quads(context.active_object, self.smoothing))
 
 
 class SYNCH_OT_draw_variation(_VaryingOperator, PromptOperator, bpy.types.Operator):
@@ -82,7 +82,7 @@ class SYNCH_OT_draw_variation(_VaryingOperator, PromptOperator, bpy.types.Operat
     bl_label = "Draw Variation"
 
     def make(self, context):
-        return _found(api.vary(context.active_object, random.randrange(*_DRAWN)))
+        return _find_variations(api.vary(context.active_object, random.randrange(*_DRAWN)))
 
 
 class SYNCH_OT_place_defect(_VaryingOperator, PickingOperator, bpy.types.Operator):
@@ -107,7 +107,7 @@ class SYNCH_OT_place_defect(_VaryingOperator, PickingOperator, bpy.types.Operato
         if vertex is None or vertex in self._vertices:
             return vertex is not None
         vertices = [*(self._vertices[:-1] if is_moved else self._vertices), vertex]
-        self.report({"INFO"}, _found(api.place_defects(obj, vertices, renumber=False)))
+        self.report({"INFO"}, _find_variations(api.place_defects(obj, vertices, renumber=False)))
         self._vertices = vertices
         return True
 
@@ -118,7 +118,7 @@ class SYNCH_OT_place_defect(_VaryingOperator, PickingOperator, bpy.types.Operato
         api.show_again(obj, self._before)
 
 
-def _found(report):
+def _find_variations(report):
     return f"energy {report['energy']:.4g}, {len(report['dislocations'])} dislocations"
 
 

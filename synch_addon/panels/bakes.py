@@ -6,7 +6,7 @@ import bpy
 from ...core.settings.bake import BakeSettings
 from ...core.settings.setting import records
 from ..blender.phases import pattern_kind
-from ..blender.registration import keeping
+from ..blender.registration import register_all
 from ..settings.rna import properties_of
 from .sidebar import SettingsPanel, draw_settings, property_column
 
@@ -51,4 +51,4 @@ def draw_bake(layout, settings, obj):
     row.prop(settings, "displacement")
 
 
-register, unregister = keeping((SynchBake, SYNCH_PT_bake), (bpy.types.Scene, "synch_bake", SynchBake))
+register, unregister = register_all((SynchBake, SYNCH_PT_bake), (bpy.types.Scene, "synch_bake", SynchBake))

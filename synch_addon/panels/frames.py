@@ -5,7 +5,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
 from ..blender.modifiers import shows_frames
-from ..blender.registration import keeping
+from ..blender.registration import register_all
 from ..frames.job import HOLD, Span
 from .sidebar import SettingsPanel, property_column
 
@@ -68,6 +68,6 @@ def span_of(settings, scene):
     return Span(first, last, settings.pattern.lower(), settings.hold)
 
 
-register, unregister = keeping(
+register, unregister = register_all(
     (SynchAnimation, SYNCH_PT_animation), (bpy.types.Object, "synch_animation", SynchAnimation)
 )

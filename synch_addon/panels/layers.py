@@ -9,8 +9,8 @@ import numpy as np
 from ...core.geometry.filling.lengths import EDGES_PER_LAYER, Measures, estimate
 from ...core.settings.layers import LayerSettings
 from ..blender.attributes import read_all
-from ..blender.translations import said
-from ..jobs.lru_cache import Shelf
+from ..blender.translations import translate
+from ..jobs.lru_cache import LruCache
 from ..solids.links import solid_of
 from ..solids.properties import GUIDE_NAMES, LENGTHS, OPTIONAL_NAMES
 from .painting import draw_map
@@ -25,7 +25,7 @@ from .sidebar import (
 )
 
 # Measures of the mesh that was measured last, by what it was known by.
-_measured = Shelf(1)
+_measured = LruCache(1)
 
 
 class SYNCH_PT_layers(SidebarPanel, bpy.types.Panel):
@@ -39,7 +39,7 @@ class SYNCH_PT_layers(SidebarPanel, bpy.types.Panel):
         if draw_unready(self.layout, obj):
             return
         if obj != context.active_object:
-            self.layout.label(text=said("Layers of {name}", name=obj.name), icon="OBJECT_DATA")
+            self.layout.label(text=translate("Layers of {name}", name=obj.name), icon="OBJECT_DATA")
         row = self.layout.row()
         row.scale_y = 1.3
         row.operator("synch.layers", icon="ALIGN_JUSTIFY")
@@ -79,7 +79,9 @@ def _draw_estimate(layout, obj):
     expected = estimate(measures, None if stored.automatic_size else stored.size)
     if stored.automatic_size and not stored.automatic_spacing:
         expected = estimate(measures, min(expected.size, stored.spacing / EDGES_PER_LAYER))
-    about = said("About {tets:,} tetrahedra, {megabytes:,.0f} MB", tets=expected.tets, megabytes=expected.megabytes)
+    about = translate(
+        "About {tets:,} tetrahedra, {megabytes:,.0f} MB", tets=expected.tets, megabytes=expected.megabytes
+    )
     layout.label(text=about, icon="MESH_ICOSPHERE")
 
 

@@ -5,7 +5,7 @@ import bpy
 from bpy.props import EnumProperty
 
 from ..blender.phases import pattern_kind
-from ..blender.registration import keeping
+from ..blender.registration import register_all
 from ..nodes import quads, stripe_profiles
 from ..nodes.materials import pattern_node
 from ..nodes.stripes import INK_BLUE
@@ -69,4 +69,4 @@ def draw_look(layout, obj):
             row.prop(node.inputs[name], "default_value", text=name, slider=True)
 
 
-register, unregister = keeping((SynchLook,), (bpy.types.Object, "synch_look", SynchLook))
+register, unregister = register_all((SynchLook,), (bpy.types.Object, "synch_look", SynchLook))

@@ -13,8 +13,8 @@ from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from ..blender.changes import changes
-from ..blender.registration import keeping
-from ..jobs.lru_cache import Shelf
+from ..blender.registration import register_all
+from ..jobs.lru_cache import LruCache
 from ..patterns.loops import shown_edge
 from .overlay import (
     constraint_lines,
@@ -46,7 +46,7 @@ _PARTS = {
 }
 
 # Of the last four objects that were drawn.
-_layers = Shelf(4 * len(_PARTS))
+_layers = LruCache(4 * len(_PARTS))
 
 
 class SynchOverlay(bpy.types.PropertyGroup):
@@ -193,7 +193,7 @@ def draw_object(obj, parts, view_matrix, pixel=1.0):
     gpu.state.blend_set("NONE")
 
 
-_register, _unregister = keeping(
+_register, _unregister = register_all(
     (SynchOverlay, SynchLoop, SYNCH_PT_overlay),
     (bpy.types.Scene, "synch_overlay", SynchOverlay),
     (bpy.types.Object, "synch_loop", SynchLoop),

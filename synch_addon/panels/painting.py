@@ -5,7 +5,7 @@ import math
 
 import bpy
 
-from ..blender.translations import said
+from ..blender.translations import translate
 from ..settings.painting import MAPS, painted_map
 
 
@@ -49,8 +49,8 @@ def _painted_line(context, settings, target):
     """What the brush paints, in units, such as "0.50 × spacing = 5 cm"."""
     brush = context.window_manager.synch_brush
     if target == "ANGLE":
-        return said("Paints a turn by {angle:.0f}°", angle=math.degrees(brush.angle))
-    line = said("Paints {factor:.2f} × spacing", factor=brush.factor)
+        return translate("Paints a turn by {angle:.0f}°", angle=math.degrees(brush.angle))
+    line = translate("Paints {factor:.2f} × spacing", factor=brush.factor)
     if settings.automatic_spacing:
         return line
     units = context.scene.unit_settings

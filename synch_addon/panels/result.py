@@ -5,8 +5,8 @@ import bpy
 
 from ..blender.defect_empties import collection_of_defects
 from ..blender.modifiers import carries, changing_modifiers
-from ..blender.translations import counted, said
-from ..jobs.kept_results import shown_result
+from ..blender.translations import translate, translate_count
+from ..jobs.kept_results import read_result_or_empty
 from ..patterns import memory
 from ..settings.preferences import is_simple
 from .look import draw_look
@@ -38,12 +38,12 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        result = shown_result(context.active_object.synch.result) if super().poll(context) else {}
+        result = read_result_or_empty(context.active_object.synch.result) if super().poll(context) else {}
         return bool(result) and not (is_simple() and result["command"] == "quad_mesh")
 
     def draw(self, context):
         synch = context.active_object.synch
-        result = shown_result(context.active_object.synch.result)
+        result = read_result_or_empty(context.active_object.synch.result)
         if result["command"] != "directions":
             draw_shading(self.layout, context)
             draw_look(self.layout, context.active_object)
@@ -100,14 +100,14 @@ def draw_cost(layout, obj, result):
     best = solved.shown.solution
     if solved.change is not None and best is not None and best.energy > 0:
         more = result["energy"] / best.energy - 1
-        layout.label(text=said("{more:+.1%} energy, against the best", more=more), icon="BLANK1", translate=False)
+        layout.label(text=translate("{more:+.1%} energy, against the best", more=more), icon="BLANK1", translate=False)
 
 
 def draw_findings(layout, findings):
     """A button for each kind of place where the surface that was solved on is not the mesh, by how many there are."""
     column = layout.column(align=True)
     for name, count in findings.items():
-        text = said(FINDINGS[name], count=count)
+        text = translate(FINDINGS[name], count=count)
         column.operator("synch.select_places", text=text, icon="RESTRICT_SELECT_OFF").finding = name
 
 
@@ -131,7 +131,7 @@ def draw_favourites(layout, favourites):
         row = column.row(align=True)
         row.operator("synch.show_favourite", text="", icon="HIDE_OFF").name = favourite.name
         row.prop(favourite, "name", text="")
-        energy = shown_result(favourite.result).get("energy")
+        energy = read_result_or_empty(favourite.result).get("energy")
         row.label(text="" if energy is None else f"{energy:.4g}")
         row.operator("synch.remove_favourite", text="", icon="X").name = favourite.name
 
@@ -154,22 +154,30 @@ def draw_figures(layout, result, held, faces):
 
     if result["energy"] is not None:
         perfect = result["energy"] <= PERFECT * result["nodes"]
-        text = said("Energy 0: as even as can be") if perfect else said("Energy {energy:.4g}", energy=result["energy"])
+        text = (
+            translate("Energy 0: as even as can be")
+            if perfect
+            else translate("Energy {energy:.4g}", energy=result["energy"])
+        )
         line(text, "SORTTIME", "energy")
         if result["certificate"] == "proved":
-            line(said("Proved: no field saves more than {gap:.0%}", gap=result["gap"]), "CHECKMARK", "proved")
+            line(translate("Proved: no field saves more than {gap:.0%}", gap=result["gap"]), "CHECKMARK", "proved")
         elif result["certificate"] == "estimated":
-            line(said("About {gap:.0%} above the bound", gap=result["gap"]), "QUESTION", "estimated")
+            line(translate("About {gap:.0%} above the bound", gap=result["gap"]), "QUESTION", "estimated")
     for kind, word in (("disclination", "swirl point"), ("dislocation", "line end")):
-        line(counted(result[kind + "s"], word), "DOT", kind)
+        line(translate_count(result[kind + "s"], word), "DOT", kind)
     if result.get("evenness"):
         low, _, _, _, high = result["evenness"]["spacing"]
         off = result["evenness"]["off_share"]
         units, spacing = bpy.context.scene.unit_settings.system, result["settings"]["spacing"]
         length = bpy.utils.units.to_string(units, "LENGTH", spacing, precision=3)
-        line(said("{length} apart on {count:,} faces", length=length, count=faces), "DOT", "spacing")
-        line(said("Spacing × {low:.2f} to {high:.2f}, {off:.0%} off", low=low, high=high, off=off), "DOT", "evenness")
-    line(f"{result['seconds']:.2f} s, {counted(result['nodes'], 'vertex')}", "TIME", "time")
+        line(translate("{length} apart on {count:,} faces", length=length, count=faces), "DOT", "spacing")
+        line(
+            translate("Spacing × {low:.2f} to {high:.2f}, {off:.0%} off", low=low, high=high, off=off),
+            "DOT",
+            "evenness",
+        )
+    line(f"{result['seconds']:.2f} s, {translate_count(result['nodes'], 'vertex')}", "TIME", "time")
 
 
 register, unregister = bpy.utils.register_classes_factory((SYNCH_PT_result,))

@@ -7,7 +7,7 @@ from ...core.settings.setting import records
 from ...core.settings.solver import SolverSettings
 from ...core.settings.surface import SurfaceSettings
 from ..blender.meshes import measured_key, refusal
-from ..blender.translations import said
+from ..blender.translations import translate
 from ..jobs.queue import queue
 from ..patterns.live import live
 from ..patterns.pin_costs import cost_line
@@ -170,7 +170,7 @@ def draw_unready(layout, obj):
     if reason:
         layout.label(text=reason[0].upper() + reason[1:], icon="INFO", translate=False)
     elif not obj.visible_get():
-        layout.label(text=said("{name} is hidden", name=obj.name), icon="HIDE_ON", translate=False)
+        layout.label(text=translate("{name} is hidden", name=obj.name), icon="HIDE_ON", translate=False)
     return bool(reason) or queue.holds(obj)
 
 
@@ -179,7 +179,7 @@ def draw_shape(layout, obj):
     key = measured_key(obj)
     if key is not None:
         row = layout.row(align=True)
-        row.label(text=said("Measured: {shape}", shape=key.name), icon="SHAPEKEY_DATA", translate=False)
+        row.label(text=translate("Measured: {shape}", shape=key.name), icon="SHAPEKEY_DATA", translate=False)
         row.prop(obj, "show_only_shape_key", text="", icon="PINNED" if obj.show_only_shape_key else "UNPINNED")
 
 
@@ -189,12 +189,12 @@ def draw_row(layout):
     for place, work in shown[:SHOWN_JOBS]:
         link = work.job.link
         obj = None if link is None else link.present
-        name = said(work.label) if obj is None else f"{said(work.label)}: {obj.name}"
+        name = translate(work.label) if obj is None else f"{translate(work.label)}: {obj.name}"
         box = layout.box().column(align=True)
         row = box.row()
         row.label(text=name, translate=False)
         if place:
-            row.label(text=said("waiting"), translate=False)
+            row.label(text=translate("waiting"), translate=False)
             row.operator("synch.cancel", text="", icon="X").place = place
             continue
         row.label(text=work.times, translate=False)
@@ -208,7 +208,7 @@ def draw_row(layout):
     if len(shown) > 1:
         row = layout.row()
         if len(shown) > SHOWN_JOBS:
-            row.label(text=said("{count} more are waiting", count=len(shown) - SHOWN_JOBS), translate=False)
+            row.label(text=translate("{count} more are waiting", count=len(shown) - SHOWN_JOBS), translate=False)
         row.operator("synch.cancel", text="Cancel All", icon="X").place = -1
 
 
@@ -260,7 +260,7 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
         draw_warning(self.layout, obj)
         others = len(others_selected(context))
         if others:
-            text = said("Copy Settings to {count} Others", count=others)
+            text = translate("Copy Settings to {count} Others", count=others)
             self.layout.operator("synch.copy_settings", text=text, icon="COPYDOWN")
 
 

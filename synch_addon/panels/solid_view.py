@@ -11,14 +11,14 @@ from ...core.extract.pictures.drawn_phases import DrawnTriangles
 from ..blender import attributes, meshes
 from ..blender.changes import changes
 from ..blender.phases import pattern_kind, read_phases
-from ..jobs.lru_cache import Shelf
+from ..jobs.lru_cache import LruCache
 from ..jobs.queue import queue
 from .look import look_of
 from .overlay_view import nearer
 from .pattern_shader import DrawnPattern, shaders
 
 # What is kept on the graphics card, of the objects that were drawn last, and the triangles that it was made of.
-_drawn, _triangles = Shelf(64), Shelf(64)
+_drawn, _triangles = LruCache(64), LruCache(64)
 
 
 def corners_of(obj):
@@ -66,7 +66,7 @@ def shown_objects(context):
             yield obj
 
 
-def drawn(obj, depsgraph):
+def drawn_pattern(obj, depsgraph):
     """The :class:`DrawnPattern` of an object as its modifiers leave it, kept until it changes; None without one."""
 
     def make():
@@ -97,7 +97,7 @@ class _View:
             return
         region, depsgraph = context.region_data, context.evaluated_depsgraph_get()
         for obj in shown_objects(context):
-            pattern = drawn(obj, depsgraph)
+            pattern = drawn_pattern(obj, depsgraph)
             if pattern is not None:
                 view = nearer(region) @ region.view_matrix @ obj.evaluated_get(depsgraph).matrix_world
                 pattern.draw(view, region.window_matrix, *look_of(obj))

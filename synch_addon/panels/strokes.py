@@ -6,7 +6,7 @@ import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 
-from ..jobs.lru_cache import Shelf
+from ..jobs.lru_cache import LruCache
 from ..patterns.guide_strokes import state_of, strokes_of
 from ..settings.preferences import is_simple
 from .overlay import WISH_COLORS
@@ -17,7 +17,7 @@ TOOL = "synch.strokes"
 # In pixels; what is hidden by the surface is shown this strongly.
 _WIDTH, _HIDDEN = 4.0, 0.15
 
-_read = Shelf(8)
+_read = LruCache(8)
 
 
 class SynchStrokesTool(bpy.types.WorkSpaceTool):

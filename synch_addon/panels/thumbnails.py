@@ -15,8 +15,8 @@ from ...core.extract.pictures.thumbnails import Seen
 from ...core.fields import Pattern
 from ..blender.defect_empties import COLORS
 from ..blender.timers import Timer
-from ..blender.translations import said
-from ..jobs.lru_cache import Shelf
+from ..blender.translations import translate
+from ..jobs.lru_cache import LruCache
 from ..nodes.stripes import INK_BLUE, WARM_IVORY
 from ..patterns import memory
 
@@ -83,7 +83,7 @@ class _Galleries:
     """The galleries of the objects that were looked at last, and their pictures as icons."""
 
     def __init__(self):
-        self._kept, self._wanted = Shelf(memory.MOST), None
+        self._kept, self._wanted = LruCache(memory.MOST), None
         self._icons, self._pictured = None, {}
         self._timer = Timer(self._make, first=0.05)
 
@@ -162,7 +162,7 @@ def draw_variations(layout, obj, result):
 def _cost(variation):
     """How much more energy a variation has than the best, short enough for a third of the panel."""
     if variation.number == 0:
-        return said("Best")
+        return translate("Best")
     if variation.more >= _MUCH - 1:
         return f">{_MUCH}×"
     return f"+{variation.more:.{int(variation.more < 0.1)}%}"

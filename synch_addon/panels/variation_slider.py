@@ -6,7 +6,7 @@ from bpy.props import IntProperty
 
 from ...core.errors import SynchError
 from .. import api
-from ..blender.registration import keeping
+from ..blender.registration import register_all
 from ..patterns import memory
 
 
@@ -39,4 +39,4 @@ class SynchShown(bpy.types.PropertyGroup):
     )
 
 
-register, unregister = keeping((SynchShown,), (bpy.types.Object, "synch_shown", SynchShown))
+register, unregister = register_all((SynchShown,), (bpy.types.Object, "synch_shown", SynchShown))

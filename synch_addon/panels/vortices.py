@@ -6,7 +6,7 @@ import math
 import bpy
 
 from ...core.tasks.flows import solve_memory
-from ..blender.translations import counted, said
+from ..blender.translations import translate, translate_count
 from ..flows import memory
 from ..flows.chosen import expected_shape
 from .sidebar import SidebarPanel, draw_solver, property_column
@@ -78,32 +78,32 @@ def draw_estimate(layout, context, settings):
         return
     nodes = math.prod(shape)
     sizes = " × ".join(map(str, shape))
-    text = said("{sizes} nodes, about {gigabytes:.1f} GB", sizes=sizes, gigabytes=solve_memory(nodes) / 2**30)
+    text = translate("{sizes} nodes, about {gigabytes:.1f} GB", sizes=sizes, gigabytes=solve_memory(nodes) / 2**30)
     layout.label(text=text, icon="ERROR" if nodes > 2_000_000 else "INFO")
 
 
 def draw_figures(layout, found):
     """Energy, bound, counts and what of the vorticity the filaments carry."""
     column = layout.column(align=True)
-    column.label(text=said("Energy {energy:.4g}", energy=found["energy"]), icon="SORTTIME")
+    column.label(text=translate("Energy {energy:.4g}", energy=found["energy"]), icon="SORTTIME")
     if found["certificate"] == "proved":
-        column.label(text=said("Proved: no map saves more than {gap:.0%}", gap=found["gap"]), icon="CHECKMARK")
+        column.label(text=translate("Proved: no map saves more than {gap:.0%}", gap=found["gap"]), icon="CHECKMARK")
     elif found["certificate"] == "estimated":
-        column.label(text=said("About {gap:.0%} above the bound", gap=found["gap"]), icon="QUESTION")
+        column.label(text=translate("About {gap:.0%} above the bound", gap=found["gap"]), icon="QUESTION")
     if found["filaments"] is not None:
-        closed = said("{closed} closed, {length:.3g} long in all", closed=found["closed"], length=found["length"])
-        column.label(text=f"{counted(found['filaments'], 'filament')}, {closed}", icon="CURVE_DATA")
+        closed = translate("{closed} closed, {length:.3g} long in all", closed=found["closed"], length=found["length"])
+        column.label(text=f"{translate_count(found['filaments'], 'filament')}, {closed}", icon="CURVE_DATA")
     if found["vortices"] is not None:
-        column.label(text=counted(found["vortices"], "vortex"), icon="DOT")
+        column.label(text=translate_count(found["vortices"], "vortex"), icon="DOT")
     if found["tubes"] is not None:
-        column.label(text=counted(found["tubes"], "tube"), icon="MESH_CYLINDER")
+        column.label(text=translate_count(found["tubes"], "tube"), icon="MESH_CYLINDER")
     share = found["vorticity_share"]
     if share is not None:
-        carried = said(
+        carried = translate(
             "Circulation {quantum:.4g} each: {share:.0%} of the vorticity", quantum=found["quantum"], share=share
         )
         column.label(text=carried, icon="FORCE_VORTEX")
-    column.label(text=said("{seconds:.1f} s, {nodes} nodes", **found), icon="TIME")
+    column.label(text=translate("{seconds:.1f} s, {nodes} nodes", **found), icon="TIME")
 
 
 def draw_choice(layout, look):

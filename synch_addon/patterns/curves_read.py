@@ -8,12 +8,12 @@ import numpy as np
 
 from ..blender.changes import changes
 from ..blender.strokes import SOURCE_TYPES, polylines
-from ..jobs.lru_cache import Shelf
+from ..jobs.lru_cache import LruCache
 
 # Decimals of transforms: what is less comes of rounding, as where curve and mesh move together.
 _DECIMALS = 5
 
-_digests = Shelf(64)
+_digests = LruCache(64)
 
 
 def curves_read(obj, settings):

@@ -11,7 +11,7 @@ import numpy as np
 from ...core.errors import SynchError
 from ..blender import attributes, meshes, schema
 from ..blender.transaction import at_the_end, undone_by, whole_or_nothing
-from ..jobs.kept_results import kept_result, kept_settings
+from ..jobs.kept_results import read_result, read_settings
 from ..jobs.report import Report
 from . import job, memory
 from .read_back import is_apart, read_back
@@ -31,10 +31,10 @@ def keep(obj, name=""):
         with one line that names the element and the remedy; nothing is kept
     """
     meshes.refuse(obj)
-    result = kept_result(obj.synch.result, obj.name)
+    result = read_result(obj.synch.result, obj.name)
     if result.get("command") not in schema.KEPT:
         raise SynchError(f"{obj.name} shows no stripes or quads: solve them first")
-    if is_apart(kept_settings(result, obj.name), result):
+    if is_apart(read_settings(result, obj.name), result):
         raise SynchError(f"the pattern of {obj.name} has cuts, which attributes of vertices cannot tell: use the seed")
     with meshes.object_mode(obj), whole_or_nothing():
         values = {attribute: attributes.read(obj, attribute) for attribute in schema.KEPT[result["command"]]}
@@ -75,7 +75,7 @@ def show(obj, name):
         else:
             job.show(obj, request, field, pattern, Report(request.command, obj, settings))
             memory.show_line(obj, result, favourite.variation)
-    return kept_result(obj.synch.result, obj.name)
+    return read_result(obj.synch.result, obj.name)
 
 
 def remove(obj, name):

@@ -148,7 +148,7 @@ def _by_curve(keys):
 def _remove_splines(curve, numbers):
     for number in numbers:
         curve.data.splines.remove(curve.data.splines[number])
-    _changed(curve)
+    _strokes_changed(curve)
 
 
 def _remove_curves(obj, curves):
@@ -203,9 +203,9 @@ def _add_lines(curve, lines):
     inverse = np.array(_to_owner(curve).inverted())
     for line in lines:
         add_spline(curve.data, line @ inverse[:3, :3].T + inverse[:3, 3], "BEZIER")
-    _changed(curve)
+    _strokes_changed(curve)
 
 
-def _changed(curve):
+def _strokes_changed(curve):
     """Blender tells nobody of splines that scripts add or remove."""
     curve.data.update_tag()

@@ -14,7 +14,7 @@ from ...core.extract.lines.isolines import isolines as traced_lines
 from ...core.geometry.barycentric import barycentric
 from ...core.geometry.nearest import NearestTriangles
 from ..blender.new_geometry import add_spline
-from ..jobs.report import counted, versions
+from ..jobs.report import count_text, versions
 
 # As traced, lines pass vertices of the mesh that lie on them several times: points closer than this are one, in
 # spacings.
@@ -38,7 +38,7 @@ def write(obj, request, pattern, settings):
     length = float(lines.lengths.sum())
     distance = settings.distance * spacing
     shown = lines.resampled(distance) if distance else lines.without_repeats(_SAME * spacing)
-    shown = smoothed(shown, settings.smoothing)
+    shown = smooth_lines(shown, settings.smoothing)
     data = bpy.data.curves.new(f"{obj.data.name} Lines", "CURVE")
     data.dimensions, data.resolution_u = "3D", 4
     # Frames that depend on each point alone can be turned to the surface exactly, but are not smooth between points.
@@ -53,7 +53,7 @@ def write(obj, request, pattern, settings):
     return _report(made, shown, length, settings)
 
 
-def smoothed(lines, times):
+def smooth_lines(lines, times):
     """Lines whose points have moved to the middle of their neighbours, but for the ends, and back onto the surface.
 
     It takes out what comes from the mesh's edges, above all the bends with which lines reach the centres of triangles
@@ -141,5 +141,5 @@ def summary_line(report):
     """What a person wants to read of the report."""
     at = {"boundary": "on the boundary", "dislocation": "at dislocations", "disclination": "at disclinations"}
     ends = [f"{count} {at[end]}" for end, count in report["ends"].items() if count]
-    lines = f"{report['object']}: {counted(report['lines'], 'line')}, {report['length']:.4g} long in all"
+    lines = f"{report['object']}: {count_text(report['lines'], 'line')}, {report['length']:.4g} long in all"
     return f"{lines}, {report['closed']} closed" + (f"; ends: {', '.join(ends)}" if ends else "")

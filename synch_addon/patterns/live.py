@@ -216,7 +216,7 @@ def _look():
 _timer = Timer(_look, is_persistent=True)
 
 
-def _toggled(manager, _context):
+def _on_toggle(manager, _context):
     if manager.synch_live:
         _timer.start()
 
@@ -226,7 +226,7 @@ def register():
         name="Live",
         description="Let stripes and quads follow their settings while these are dragged; click on Stripes or Quads "
         "for a full solve",
-        update=_toggled,
+        update=_on_toggle,
         options={"SKIP_SAVE"},
     )
 

@@ -7,10 +7,10 @@ from ...core.extract.quads.measure.loops import quad_loops
 from ...core.extract.quads.trace.quad_mesh import QuadMesh
 from ..blender import attributes, meshes
 from ..blender.changes import changes
-from ..jobs.lru_cache import Shelf
+from ..jobs.lru_cache import LruCache
 
 # Of the last four objects that were asked for.
-_kept = Shelf(4)
+_kept = LruCache(4)
 
 
 def loops_of(obj):

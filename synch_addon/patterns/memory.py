@@ -14,7 +14,7 @@ from ...core.tasks.surfaces import SurfaceRequest
 from ..blender import meshes as blender_meshes
 from ..blender.changes import changes
 from ..blender.transaction import assign, at_the_end
-from ..jobs.lru_cache import ObjectShelf, Shelf
+from ..jobs.lru_cache import LruCache, ObjectCache
 from ..jobs.report import Report
 from . import write
 
@@ -23,8 +23,8 @@ MOST = 8
 # Of each object: solves, and states that they have shown, each a report and how it was made.
 SOLVES, STATES = 2, 256
 
-_fields = ObjectShelf(MOST)
-_outdated = Shelf(MOST)
+_fields = ObjectCache(MOST)
+_outdated = LruCache(MOST)
 
 
 @dataclass

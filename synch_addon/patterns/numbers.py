@@ -45,18 +45,20 @@ def number_stripes(obj):
 def numbers_of(obj, phase, polygons):
     """The :class:`StripeNumbers` of an object's stripes, numbered or not; errors as :func:`shown_pattern`."""
     written = attributes.read(obj, schema.NUMBER)
-    slots = slot_numbers(*_lined(obj, *shown_pattern(obj))) if written is None else np.abs(written).astype(int)
+    slots = (
+        slot_numbers(*_numbering_phases(obj, *shown_pattern(obj))) if written is None else np.abs(written).astype(int)
+    )
     return StripeNumbers(phase, polygons, slots)
 
 
-def _lined(obj, request, pattern):
+def _numbering_phases(obj, request, pattern):
     """The phase, polygons and lines that stripes are numbered by."""
     (phase,) = read_phases(obj, "stripes")
     return phase, request.given.polygons, isolines(pattern.edge_phases).resampled(_STEP * request.spacing)
 
 
 def _write(obj, request, pattern):
-    phase, polygons, lines = _lined(obj, request, pattern)
+    phase, polygons, lines = _numbering_phases(obj, request, pattern)
     if len(lines.sizes) == 0:
         raise SettingError(f"no stripe has its middle on {obj.name}: reduce the spacing and solve again")
     table = stripe_table(phase, polygons, lines, request.spacing)

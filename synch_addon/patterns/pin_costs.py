@@ -8,14 +8,14 @@ from dataclasses import replace
 
 from ...core.settings.pins import parse_pins
 from ...core.solution import FIRST
-from ..blender.translations import counted, said
-from ..jobs.kept_results import shown_result
-from ..jobs.lru_cache import Shelf
+from ..blender.translations import translate, translate_count
+from ..jobs.kept_results import read_result_or_empty
+from ..jobs.lru_cache import LruCache
 from ..reading.surface import gather, pinned_triangles, settings_for
 from ..settings.fields import stored_settings
 
 # Shares of the last objects, by their pins.
-_told = Shelf(8)
+_told = LruCache(8)
 # Vertices up to which directions are solved for as they will be: in a third of a second there.
 _SOLVED = 3000
 # A bending for each vertex that is as good as none.
@@ -36,7 +36,7 @@ class PinCosts:
     """
 
     def __init__(self, obj):
-        last = shown_result(obj.synch.result).get("command")
+        last = read_result_or_empty(obj.synch.result).get("command")
         command = last if last in ("quads", "quad_mesh") else "directions"
         request = gather(command, obj, replace(settings_for(command, obj, stored_settings(obj)), pins=""))
         if request.given.mesh.vertex_count > _SOLVED:
@@ -63,4 +63,6 @@ def cost_line(obj):
     pins, share = _told.get(obj.session_uid) or ("", None)
     if share is None or pins != obj.synch.pins:
         return ""
-    return said("{pins}: about {more:+.0%} bending", pins=counted(len(parse_pins(pins)), "pin"), more=share)
+    return translate(
+        "{pins}: about {more:+.0%} bending", pins=translate_count(len(parse_pins(pins)), "pin"), more=share
+    )

@@ -14,7 +14,7 @@ from ...core.errors import SynchError
 from ...core.geometry.manifold_repair import APART
 from ...core.settings.surface import SurfaceSettings
 from ..blender import attributes, schema
-from ..jobs.kept_results import kept_result, kept_settings
+from ..jobs.kept_results import read_result, read_settings
 from ..reading.surface import gather, settings_for
 from . import memory
 
@@ -55,7 +55,7 @@ def read_back(obj, result, favourite=None):
         where an attribute is missing or of a newer version, or the surface is apart, so that second sides have phases
         of their own
     """
-    kept, stamp = kept_result(result, obj.name), obj.data.get(schema.STAMP, 1)
+    kept, stamp = read_result(result, obj.name), obj.data.get(schema.STAMP, 1)
     found = max(kept.get("format", 1), stamp if isinstance(stamp, int) else 1)
     if found > schema.FORMAT:
         raise SynchError(
@@ -65,7 +65,7 @@ def read_back(obj, result, favourite=None):
     command = kept.get("command")
     if command not in schema.KEPT or kept["settings"] is None:
         raise SynchError(f"{obj.name} has no pattern whose settings are known: solve stripes or quads on it first")
-    settings = settings_for(command, obj, kept_settings(kept, obj.name))
+    settings = settings_for(command, obj, read_settings(kept, obj.name))
     if is_apart(settings, kept):
         raise SynchError(f"the pattern of {obj.name} has cuts, which its attributes cannot tell: solve it again")
     request = gather(command, obj, _asked_along_edges(settings))

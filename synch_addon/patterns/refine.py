@@ -10,14 +10,14 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ...core.errors import SettingError, SynchError, shown
-from ...core.validation import taken
+from ...core.errors import SettingError, SynchError, quote_value
+from ...core.validation import convert_value
 from ..blender import attributes, groups, meshes
 from ..blender.changes import changes
 from ..blender.transaction import assign, keep, undone_by, whole_or_nothing
-from ..blender.translations import said
-from ..jobs.kept_results import shown_result
-from ..jobs.lru_cache import Shelf
+from ..blender.translations import translate
+from ..jobs.kept_results import read_result_or_empty
+from ..jobs.lru_cache import LruCache
 from ..jobs.report import versions
 from ..reading.surface import LINES_ACROSS, carried_spacing, spacing_across
 from . import memory, write
@@ -31,7 +31,7 @@ SLACK = 1.1
 MOST_LEVELS, MOST_FACES = 6, 4_000_000
 
 # Of the objects that were asked for last.
-_seen = Shelf(16)
+_seen = LruCache(16)
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def refine(obj, levels=None):
     """
     meshes.refuse(obj)
     with meshes.object_mode(obj), whole_or_nothing():
-        levels = max(offered_levels(obj), 1) if levels is None else taken("level", int, levels)
+        levels = max(offered_levels(obj), 1) if levels is None else convert_value("level", int, levels)
         before, smooth = len(obj.data.polygons), looks_smooth(obj)
         _subdivide(obj, levels, smooth)
     memory.forget(obj)
@@ -80,7 +80,7 @@ def refine(obj, levels=None):
     return {"status": "made", "command": "refine", "object": obj.name, **counts, "versions": versions()}
 
 
-def carried(obj):
+def mesh_detail(obj):
     """:class:`MeshDetail` of a mesh object in object mode, or None where it has no faces."""
     data, settings = obj.data, obj.synch
     scale = tuple(tuple(row) for row in obj.matrix_world.to_3x3())
@@ -89,9 +89,9 @@ def carried(obj):
     return _seen.renewed(obj.session_uid, state, lambda: _look_at(obj))
 
 
-def told_spacing(command, obj):
+def expected_spacing(command, obj):
     """About what the automatic spacing of a command on an object is, before it runs; None where that is not known."""
-    found = carried(obj) if obj.mode == "OBJECT" else None
+    found = mesh_detail(obj) if obj.mode == "OBJECT" else None
     return None if found is None else spacing_across(command, found.size, found.finest)
 
 
@@ -100,7 +100,7 @@ def missing_levels(obj):
 
     Of automatic spacing, for as many lines across as :data:`FEW_LINES`.
     """
-    found = carried(obj)
+    found = mesh_detail(obj)
     if found is None or found.size == 0:
         return 0.0
     wanted = found.size / FEW_LINES if obj.synch.automatic_spacing else obj.synch.spacing
@@ -150,7 +150,7 @@ def _subdivide(obj, levels, smooth):
         where it cannot be; nothing is changed
     """
     if not 1 <= levels <= MOST_LEVELS:
-        raise SettingError(f"the level is {shown(levels)}: give a whole number from 1 to {MOST_LEVELS}")
+        raise SettingError(f"the level is {quote_value(levels)}: give a whole number from 1 to {MOST_LEVELS}")
     if obj.data.shape_keys:
         raise SynchError(f"{obj.name} has shape keys, which subdivision would lose: apply or remove them first")
     if len(obj.data.polygons) == 0:
@@ -191,24 +191,24 @@ def draw_warning(layout, obj):
     """Say where the mesh is too coarse for the spacing that is set, with a button that subdivides it."""
     if obj.mode != "OBJECT" or _is_made(obj) or missing_levels(obj) <= 0:
         return
-    found, levels = carried(obj), offered_levels(obj)
+    found, levels = mesh_detail(obj), offered_levels(obj)
     column = layout.box().column(align=True)
     if obj.synch.automatic_spacing:
         across = max(round(found.size / found.spacing), 1)
-        one = said("Coarse mesh: about one line across")
-        text = one if across == 1 else said("Coarse mesh: about {count} lines across", count=across)
+        one = translate("Coarse mesh: about one line across")
+        text = one if across == 1 else translate("Coarse mesh: about {count} lines across", count=across)
         column.label(text=text, icon="ERROR")
     else:
-        column.label(text=said("Coarse mesh: carries {spacing}", spacing=_as_length(found.spacing)), icon="ERROR")
-    text = said("Subdivide to {count:,} Faces", count=faces_after(obj, levels))
+        column.label(text=translate("Coarse mesh: carries {spacing}", spacing=_as_length(found.spacing)), icon="ERROR")
+    text = translate("Subdivide to {count:,} Faces", count=faces_after(obj, levels))
     column.operator("synch.refine", text=text, icon="MOD_SUBSURF").levels = levels
 
 
 def draw_told(column, command, obj):
     """Say what the automatic spacing of a command is."""
-    told = told_spacing(command, obj) if obj.synch.automatic_spacing else None
+    told = expected_spacing(command, obj) if obj.synch.automatic_spacing else None
     if told is not None:
-        text = said("About {length} apart", length=_as_length(told))
+        text = translate("About {length} apart", length=_as_length(told))
         column.label(text=text, icon="BLANK1", translate=False)
 
 
@@ -218,7 +218,7 @@ def _as_length(number):
 
 def _is_made(obj):
     """Whether an object is a mesh of quads that was made of another one."""
-    return shown_result(obj.synch.result).get("command") == "quad_mesh"
+    return read_result_or_empty(obj.synch.result).get("command") == "quad_mesh"
 
 
 def _look_at(obj):

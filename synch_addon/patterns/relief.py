@@ -14,8 +14,8 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
-from ...core.errors import SettingError, SynchError, shown
-from ...core.validation import taken
+from ...core.errors import SettingError, SynchError, quote_value
+from ...core.validation import convert_value
 from ..blender.attributes import read_all, read_values
 from ..blender.defect_empties import mean_scale
 from ..blender.modifiers import RELIEFS, is_relief
@@ -25,7 +25,7 @@ from ..nodes.canvas import Expression, GeometryCanvas, Socket, add_modifier, gro
 from ..nodes.quads import PROFILES as QUAD_PROFILES
 from ..nodes.quads import phase_groups, profile_shapes
 from ..nodes.stripe_profiles import PROFILES as STRIPE_PROFILES
-from ..nodes.stripe_profiles import THREAD_TIP, chosen, place_in_stripe, profile_heights
+from ..nodes.stripe_profiles import THREAD_TIP, choose_profile, place_in_stripe, profile_heights
 from ..nodes.stripes import VERSION, phase_group
 
 # Edges that a period should have, and the faces up to which the mesh is subdivided for them.
@@ -80,7 +80,7 @@ def relief_group(kind) -> bpy.types.GeometryNodeTree:
         phases = [canvas.group(phase) for phase in phases]
     height = _stripe_height(canvas, phases, inputs) if kind == "stripes" else _quad_height(canvas, phases, inputs)
     with canvas.band("Relief"):
-        canvas.outputs(Geometry=_raised(canvas, inputs, canvas.on_corners(height)))
+        canvas.outputs(Geometry=_raise_mesh(canvas, inputs, canvas.on_corners(height)))
     return tree
 
 
@@ -94,7 +94,7 @@ def _stripe_height(canvas, phases, inputs):
     """Heights from 0 to 1."""
     with canvas.band("Profiles"):
         place = place_in_stripe(canvas, phases[0]["Phase"])
-        return chosen(inputs["Profile"], profile_heights(place, inputs["Width"], inputs["Strands"]))
+        return choose_profile(inputs["Profile"], profile_heights(place, inputs["Width"], inputs["Strands"]))
 
 
 def _quad_height(canvas, phases, inputs):
@@ -103,10 +103,10 @@ def _quad_height(canvas, phases, inputs):
         pattern = (phases[0]["Cosine"] * phases[1]["Cosine"]).named("cos x cos y")
     shapes = profile_shapes(canvas, x, y, pattern, inputs["Width"])
     with canvas.band("Chosen profile"):
-        return chosen(inputs["Profile"], [shape.height for shape in shapes], QUAD_PROFILES)
+        return choose_profile(inputs["Profile"], [shape.height for shape in shapes], QUAD_PROFILES)
 
 
-def _raised(canvas, inputs, height):
+def _raise_mesh(canvas, inputs, height):
     """The subdivided mesh, moved along its normals.
 
     Subdividing leaves faces flat, and the normals of the given mesh are carried over to round the relief; a mesh that
@@ -159,7 +159,7 @@ def add_relief(obj, height, width, profile, level, smooth):
         "Width": _number("width", width, 0, 1),
         "Profile": _profile(kind, profile),
         "Level": _level_for(obj, spacing) if level is None else _whole("level", level, _DEEPEST),
-        "Smooth": taken("smooth", bool, smooth),
+        "Smooth": convert_value("smooth", bool, smooth),
     }
     group = relief_group(kind)
     modifier = relief_modifier(obj)
@@ -174,7 +174,7 @@ def add_relief(obj, height, width, profile, level, smooth):
 
 
 def _number(name, value, least, most):
-    value = taken(name, float, value)
+    value = convert_value(name, float, value)
     if not (math.isfinite(value) and least <= value <= most):
         between = f" from {least:g} to {most:g}" if math.isfinite(least) else ""
         raise SettingError(f"the {name} is {value!r}: give a number{between}")
@@ -182,9 +182,9 @@ def _number(name, value, least, most):
 
 
 def _whole(name, value, most):
-    value = taken(name, int, value)
+    value = convert_value(name, int, value)
     if not 0 <= value <= most:
-        raise SettingError(f"the {name} is {shown(value)}: give a whole number from 0 to {most}")
+        raise SettingError(f"the {name} is {quote_value(value)}: give a whole number from 0 to {most}")
     return value
 
 
@@ -195,7 +195,7 @@ def _profile(kind, profile):
         return names.index(profile)
     if isinstance(profile, Integral) and not isinstance(profile, bool) and 0 <= profile < len(names):
         return int(profile)
-    raise SettingError(f"the profile {shown(profile)} is unknown: use one of {', '.join(names)}")
+    raise SettingError(f"the profile {quote_value(profile)} is unknown: use one of {', '.join(names)}")
 
 
 def relief_modifier(obj):

@@ -15,7 +15,7 @@ from ...core.fields.constraints.lines import (
     line_of_strokes,
     line_of_vectors,
 )
-from ...core.geometry.cut import carried_edges, cut_open
+from ...core.geometry.cut import cut_open, edges_after_cut
 from ..blender import attributes, groups
 from ..blender.strokes import read_strokes
 
@@ -49,7 +49,7 @@ def feature_rows(obj, given, angle, sides):
     marked = given.edges_of(attributes.read_marked_edges(obj, "sharp"))
     faces = given.polygons.triangle_faces
     edges = feature_edges(given.uncut, angle, sides[: given.uncut.vertex_count], marked, faces)
-    return (feature_row(given.mesh, carried_edges(given.uncut, given.mesh, edges)),) if len(edges) else ()
+    return (feature_row(given.mesh, edges_after_cut(given.uncut, given.mesh, edges)),) if len(edges) else ()
 
 
 def _row(obj, given, constraint):
@@ -77,7 +77,7 @@ def _line(obj, given, constraint):
         return line_of_group(given.mesh, group[given.source])
     else:
         edges = _edges(obj, given, constraint)
-    return line_of_edges(given.mesh, carried_edges(given.uncut, given.mesh, edges))
+    return line_of_edges(given.mesh, edges_after_cut(given.uncut, given.mesh, edges))
 
 
 def _edges(obj, given, constraint):

@@ -14,7 +14,7 @@ from bpy.props import (
 
 from ...core.settings.setting import default_of, records
 from ...core.settings.surface import SurfaceSettings
-from ..blender.registration import keeping
+from ..blender.registration import register_all
 from ..blender.translations import OURS
 from .constraint_list import SynchConstraint
 from .favourite_list import SynchFavourite
@@ -93,4 +93,4 @@ def plain(properties, spacing, guidance=None):
     return settings_of(SurfaceSettings, properties, PROPERTY_NAMES, **apart)
 
 
-register, unregister = keeping((SynchSettings,), (bpy.types.Object, "synch", SynchSettings))
+register, unregister = register_all((SynchSettings,), (bpy.types.Object, "synch", SynchSettings))

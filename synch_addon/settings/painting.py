@@ -7,7 +7,7 @@ from typing import NamedTuple
 import bpy
 
 from ...core.settings.surface import SurfaceSettings
-from ..blender.registration import keeping
+from ..blender.registration import register_all
 from .rna import property_of
 
 
@@ -105,4 +105,4 @@ class SynchBrush(bpy.types.PropertyGroup):
     )
 
 
-register, unregister = keeping((SynchBrush,), (bpy.types.WindowManager, "synch_brush", SynchBrush))
+register, unregister = register_all((SynchBrush,), (bpy.types.WindowManager, "synch_brush", SynchBrush))

@@ -6,7 +6,7 @@ import math
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 
-from ..blender.registration import keeping
+from ..blender.registration import register_all
 
 # What each direction asks of the settings: guidance, and the angle by which it is turned.
 _DIRECTIONS = {
@@ -60,4 +60,4 @@ class SynchSimple(bpy.types.PropertyGroup):
     draws: BoolProperty(name="Strokes", description="Whether lines follow strokes that are drawn")
 
 
-register, unregister = keeping((SynchSimple,), (bpy.types.Object, "synch_simple", SynchSimple))
+register, unregister = register_all((SynchSimple,), (bpy.types.Object, "synch_simple", SynchSimple))

@@ -4,7 +4,7 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty
 
-from ..blender.registration import keeping
+from ..blender.registration import register_all
 
 _WISHES = (
     ("ALONG", "Along", "Stripes run along the stroke"),
@@ -32,4 +32,4 @@ class SynchStrokes(bpy.types.PropertyGroup):
         return self.strength if self.soft else None
 
 
-register, unregister = keeping((SynchStrokes,), (bpy.types.Scene, "synch_strokes", SynchStrokes))
+register, unregister = register_all((SynchStrokes,), (bpy.types.Scene, "synch_strokes", SynchStrokes))

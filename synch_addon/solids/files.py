@@ -10,7 +10,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ...core.files.tool_paths import WRITERS
-from ...core.files.whole import written_together, written_whole
+from ...core.files.whole import write_together, write_whole
 from ...core.printing.gcode import gcode
 from ..blender.files import MESH_SUFFIXES, check_output, export_mesh
 from ..blender.new_geometry import add_spline, new_mesh
@@ -43,7 +43,7 @@ def export_layers(layering, path, together=False):
     targets = [path if number is None else path.with_stem(f"{path.stem}_{number:0{digits}d}") for number in numbers]
     selected, active = bpy.context.selected_objects, bpy.context.view_layer.objects.active
     try:
-        with written_together() as written:
+        with write_together() as written:
             for number, target in zip(numbers, targets, strict=True):
                 chosen = slice(None) if number is None else surfaces.layers == number
                 with only_for_now():
@@ -152,6 +152,6 @@ def paths_file(paths, path):
         text = gcode(paths.course, paths.machine)
     else:
         text = WRITERS[suffix](paths.lines, paths.layers, paths.places, paths.normals, paths.heights, paths.widths)
-    with written_whole(path) as made:
+    with write_whole(path) as made:
         made.write_text(text, encoding="utf-8")
         yield {"files": [str(path)]}

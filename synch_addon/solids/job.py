@@ -19,7 +19,7 @@ from ..jobs.report import Report
 from . import memory, objects
 from .guides import read_guide
 from .report import layer_facts
-from .surface import fitted, read_area, read_surface
+from .surface import fit_solid, read_area, read_surface
 
 
 class LayerJob:
@@ -77,7 +77,7 @@ def _read(obj, settings, solid):
     """The :class:`SolidRequest`."""
     surface = read_surface(obj, settings.strict)
     given, distance, factors, lowest = surface.given, surface.distance, None, 1.0
-    solid = None if solid is None else fitted(obj, surface, solid)
+    solid = None if solid is None else fit_solid(obj, surface, solid)
     guide = SolidGuide(settings.guidance, read_guide(obj, given, settings.guide))
     asked = [AskedArea(read_area(obj, given, row.group), row.phase) for row in settings.flush]
     if settings.spacing_map:

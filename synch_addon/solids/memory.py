@@ -11,7 +11,7 @@ from ...core.errors import SynchError
 from ...core.tasks.layer_outputs import Layering
 from ..blender import meshes
 from ..blender.transaction import at_the_end, store
-from ..jobs.lru_cache import Shelf
+from ..jobs.lru_cache import LruCache
 from .links import made_of
 
 # Solves of solids that are kept, up to a kilobyte a tetrahedron; undo brings earlier ones of an object back.
@@ -20,7 +20,7 @@ KEPT_SOLIDS = f"kept for the last {_MOST} solves while the file is open"
 # Custom property of the layers that were made: which solve they show.
 RUN = "synch_run"
 # By the run that the layers show.
-_solids = Shelf(_MOST)
+_solids = LruCache(_MOST)
 
 
 def remember_layers(obj, given, layering):

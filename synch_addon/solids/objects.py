@@ -76,7 +76,7 @@ def _write_layers(obj, layering):
     """The layers as one mesh object with the face attribute ``synch_layer``."""
     surfaces = layering.surfaces
     data = new_mesh(f"{obj.data.name} Layers", surfaces.vertices, surfaces.triangles, smooth=True)
-    made = placed(obj, "layers", f"{obj.name} Layers", data, layering.matrix)
+    made = place_object(obj, "layers", f"{obj.name} Layers", data, layering.matrix)
     attributes.write(made, schema.LAYER, surfaces.layers)
     layer_material(made, surfaces.count)
     return made
@@ -91,7 +91,7 @@ def _write_curves(obj, layering, spacing):
     data.bevel_depth = _RADIUS * spacing
     for curve in layering.curves:
         add_spline(data, curve.smooth_points, is_closed=curve.is_closed)
-    made = placed(obj, "curves", f"{obj.name} Dislocations", data, layering.matrix)
+    made = place_object(obj, "curves", f"{obj.name} Dislocations", data, layering.matrix)
     curve_material(made)
     return made
 
@@ -101,7 +101,7 @@ def _write_surface(obj, layering, given, phases, warn, spacing):
     if phases.is_own:
         mesh = phases.mesh
         data = new_mesh(f"{obj.data.name} Surface", mesh.vertices, mesh.triangles, smooth=True)
-        shown = placed(obj, "surface", f"{obj.name} Surface", data, layering.matrix)
+        shown = place_object(obj, "surface", f"{obj.name} Surface", data, layering.matrix)
         given = MeshInput(mesh, Polygons.of_triangles(mesh), np.eye(3), mesh, np.arange(mesh.vertex_count))
     else:
         shown = obj
@@ -142,7 +142,7 @@ def show_layers(obj, made, before, selection):
     layer.update()
 
 
-def placed(obj, kind, name, data, matrix):
+def place_object(obj, kind, name, data, matrix):
     """The object of a kind that an earlier run has made, with new data, or a new one; after :func:`keep_made`."""
     made = made_of(obj, kind)
     if made is None:

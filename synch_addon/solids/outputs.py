@@ -8,7 +8,7 @@ import bpy
 from ...core.errors import SettingError, SynchError
 from ...core.printing.machine import Machine, read_machine
 from ...core.tasks.layer_outputs import PathSettings
-from ...core.validation import check_path, taken
+from ...core.validation import check_path, convert_value
 from ..blender import meshes
 from ..blender.files import check_output
 from ..blender.objects import ObjectLink, no_object
@@ -38,7 +38,7 @@ def layer_export(obj, path, together=False):
     SynchError
         with one line that names the element and the remedy
     """
-    obj, path, together = _solid(obj), _absolute(path), taken("together", bool, together)
+    obj, path, together = _solid(obj), _absolute(path), convert_value("together", bool, together)
     with meshes.object_mode(obj):
         written = files.export_layers(memory.recall_layers(obj), path, together)
     older = [] if together else files.left_behind(path, written)

@@ -14,7 +14,7 @@ from ...core.settings.layers import (
     text_of_groups,
 )
 from ...core.settings.setting import records
-from ..blender.registration import keeping
+from ..blender.registration import register_all
 from ..settings.guide_list import AXIS, VECTORS
 from ..settings.rna import identifier_of, properties_of
 from ..settings.suggestions import suggest_curves, suggest_groups, suggest_solid_origins
@@ -99,4 +99,4 @@ def stored_groups(stored):
     )
 
 
-register, unregister = keeping((SynchFlush, SynchLayering), (bpy.types.Object, "synch_layering", SynchLayering))
+register, unregister = register_all((SynchFlush, SynchLayering), (bpy.types.Object, "synch_layering", SynchLayering))

@@ -9,7 +9,7 @@ import numpy as np
 from ...core.fields.evenness import quantiles
 from ...core.files.json_text import plain
 from ...core.geometry.polylines import around, polyline_length
-from ..jobs.report import counted
+from ..jobs.report import count_text
 
 # Shares of the paths' length, and of the layers' area, from which on and below which there is a warning; places that a
 # report lists.
@@ -113,7 +113,7 @@ def _about_print(facts):
         if facts[kind]["share"] >= TOLD:
             first = facts[kind]["places"][0]
             place = ", ".join(f"{value:.3g}" for value in first["place"])
-            pieces = counted(facts[kind]["pieces"], "piece")
+            pieces = count_text(facts[kind]["pieces"], "piece")
             yield (
                 f"{facts[kind]['share']:.1%} of the paths, {pieces}, lie {words}, the longest at ({place}) on layer "
                 f"{first['layer']}: {remedy}"
@@ -124,16 +124,16 @@ def print_line(report):
     """What a person wants to read of printed paths."""
     heights, tilts = report["heights"], report["tilts"]
     return (
-        f"{counted(report['paths'], 'path')}, {report['length']:.4g} long in all, cover {report['covered']:.1%} of the "
-        f"layers; heights {heights['low']:.3g} to {heights['high']:.3g}, tilt up to {tilts['high']:.0f} degrees, "
+        f"{count_text(report['paths'], 'path')}, {report['length']:.4g} long in all, cover {report['covered']:.1%} of "
+        f"the layers; heights {heights['low']:.3g} to {heights['high']:.3g}, tilt up to {tilts['high']:.0f} degrees, "
         f"{report['overhangs']['share']:.1%} on air, {report['collisions']['share']:.1%} in the tool's way"
     )
 
 
 def headline(report):
     """What the status bar says after a run."""
-    curves = counted(len(report["dislocation_curves"]), "dislocation curve")
-    return f"{counted(report['layers'], 'layer')}, {_spread(report['spacings'])}, {curves}"
+    curves = count_text(len(report["dislocation_curves"]), "dislocation curve")
+    return f"{count_text(report['layers'], 'layer')}, {_spread(report['spacings'])}, {curves}"
 
 
 def _spread(spacings):
@@ -151,10 +151,10 @@ def summary(report):
         f"layers in {report['object']}: {report['nodes']} vertices, {report['tetrahedra']} tetrahedra",
         f"energy {report['energy']:.6g}, lower bound {report['lower_bound']:.6g} ({report['certificate']}): "
         f"{report['status']}",
-        f"{report['layers_object']}: {counted(report['layers'], 'layer')}, {_spread(report['spacings'])}",
+        f"{report['layers_object']}: {count_text(report['layers'], 'layer')}, {_spread(report['spacings'])}",
     ]
     curves = report["dislocation_curves"]
     closed = sum(curve["closed"] for curve in curves)
-    lines.append(f"{counted(len(curves), 'dislocation curve')}, {closed} of them closed")
+    lines.append(f"{count_text(len(curves), 'dislocation curve')}, {closed} of them closed")
     lines.append(f"{report['times']['total']:.2f} s")
     return lines

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from ...core.errors import MeshError, SettingError, name_elements, shown
+from ...core.errors import MeshError, SettingError, name_elements, quote_value
 from ...core.geometry.filling.closed_surface import Area, ClosedSurface
 from ...core.geometry.filling.surface_distance import SurfaceDistance, check_closed
 from ...core.geometry.tet_mesh import TetMesh
@@ -66,10 +66,10 @@ def read_area(obj, given, name):
     return Area.of_members(given, groups.read_group(obj, name)[given.source], f"the vertex group {name!r}")
 
 
-def fitted(obj, surface, solid):
+def fit_solid(obj, surface, solid):
     """A given solid in the measured space; refuses one that is not the object's."""
     if not isinstance(solid, TetMesh):
-        raise SettingError(f"the solid is {shown(solid)}: give a TetMesh, or None to fill the surface")
+        raise SettingError(f"the solid is {quote_value(solid)}: give a TetMesh, or None to fill the surface")
     solid = TetMesh(solid.vertices @ surface.given.stretch.T, solid.tets)
     apart = np.abs(surface.distance(solid.vertices[solid.boundary_vertices])).max()
     if apart > _FITTING * surface.reach:

@@ -9,15 +9,15 @@ import bpy
 import numpy as np
 
 from ...core.errors import SettingError
-from ...core.files.whole import unwritten, written_whole
+from ...core.files.whole import unwritten, write_whole
 from ...core.tasks.layer_outputs import NOTHING
-from ...core.validation import taken
+from ...core.validation import convert_value
 from ..blender.files import check_output
 from ..blender.openvdb import openvdb_module
 from ..blender.transaction import store, undone_by
 from ..nodes.canvas import surface_material
 from ..nodes.materials import SPACING
-from .objects import keep_made, placed
+from .objects import keep_made, place_object
 
 GRID, MATERIAL = "pattern", "Synch Volume"
 # The node that has the density, which was made for the spacing that the object keeps.
@@ -30,7 +30,7 @@ _COLOR = (0.32, 0.62, 0.82, 1.0)
 def check_volume(path, resolution):
     """Refuse what needs no layers to be found wrong: the file, the resolution, or a Blender without OpenVDB."""
     check_output(path, [".vdb"])
-    if taken("resolution", int, resolution) < 2:
+    if convert_value("resolution", int, resolution) < 2:
         raise SettingError(f"a resolution of {resolution} voxels shows no layer: give 2 or more")
     openvdb_module()
 
@@ -40,7 +40,7 @@ def make_volume(obj, layering, path):
     keep_made(obj)
     data = bpy.data.volumes.new(f"{obj.name} Volume")
     data.filepath = str(Path(path).absolute())
-    made = placed(obj, "volume", data.name, data, layering.matrix)
+    made = place_object(obj, "volume", data.name, data, layering.matrix)
     _show(made, layering.spacing)
     return made
 
@@ -65,7 +65,7 @@ def grid_file(voxels, path):
         except Exception:  # the library's own kinds, one for each of its faults
             return False
 
-    with written_whole(path, is_whole) as made:
+    with write_whole(path, is_whole) as made:
         try:
             vdb.write(str(made), grids=[grid])
         except Exception as error:  # as above, where the disk is full for instance

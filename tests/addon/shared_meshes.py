@@ -15,4 +15,4 @@ MARKS = [pytest.mark.slow, pytest.mark.skipif(not MESHES, reason="the shared mes
 
 def opened(name):
     """The object of a mesh."""
-    return files.opened(FOLDER / f"{name}.obj")
+    return files.open_object(FOLDER / f"{name}.obj")

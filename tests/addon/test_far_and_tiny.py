@@ -60,7 +60,7 @@ def test_a_mesh_far_from_the_origin_is_solved_in_its_own_frame_and_written_back(
 def test_what_is_read_far_away_is_written_as_it_was(tmp_path):
     places, faces = ball()
     write(tmp_path / "ball.obj", places + FAR, faces)
-    obj = files.opened(tmp_path / "ball.obj")
+    obj = files.open_object(tmp_path / "ball.obj")
     files.export_mesh(obj, tmp_path / "again.obj")
     assert np.abs(places_of(tmp_path / "again.obj") - (places + FAR)).max() < 2e-6
     assert obj.name == "far ball"

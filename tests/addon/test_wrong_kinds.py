@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.core.errors import SynchError, shown
+from synch_fields.core.errors import SynchError, quote_value
 from synch_fields.core.settings.bake import BakeSettings
 from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.core.settings.layers import LayerSettings
@@ -133,5 +133,5 @@ def test_arguments_of_the_wrong_kind_are_refused_or_taken(name, solved):
     known = [field.name for field in fields(SETTINGS[name])] if name in SETTINGS else []
     for argument in [*(p for p in own if p != "settings"), *known]:
         for wrong in WRONG:
-            if argument != "folder" or shown(wrong) != "''":  # which would bake
+            if argument != "folder" or quote_value(wrong) != "''":  # which would bake
                 refused_or_done(name, solved, **{**NEEDED.get(name, {}), argument: wrong})

@@ -8,7 +8,7 @@ import pytest
 from synch_fields.bench.triangulations import NEEDLE, SLIVER, STRENGTH, asked, needles, slivers
 from synch_fields.core.fields import DirectionWishes, direction_field, given_directions, quad_pattern, stripe_pattern
 from synch_fields.core.fields.guidance.guides import vectors_guide
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.check import check_mesh
 
@@ -79,7 +79,7 @@ def test_indices_sum_to_the_characteristic_on_slivers_whatever_is_calmed():
     for share, posed in ((1.0, mesh.posed), (0.3, mesh)):
         field = direction_field(mesh, 4, DirectionWishes(singularities=share))
         assert sum(round(4 * d.index) for d in field.disclinations) == 8
-        assert Growth.of(mesh, field, 0.5).posed.mesh is posed
+        assert TargetOneForm.of(mesh, field, 0.5).posed.mesh is posed
         pattern = quad_pattern(mesh, field, 0.5, branching=share)
         assert pattern.solution.lower_bound <= pattern.energy
         torn = pattern.edge_phases.dislocations[1]

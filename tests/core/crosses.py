@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import Delaunay
 
 from synch_fields.core.fields import DirectionField, given_directions
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.interpolate import EdgePhases
 
@@ -46,12 +46,12 @@ def plane_edge_phases(mesh, degrees, spacing, origin=(0.0, 0.0, 0.0), seed=0):
     """The exact quad pattern of a constant cross in the plane, with a vertex of its grid at the origin."""
     field, angles = plane_crosses(mesh, degrees, seed)
     phases = np.exp(1j * plane_waves(angles, spacing, mesh.vertices - origin))
-    return Growth.of(mesh, field, spacing).edge_phases(phases.ravel())
+    return TargetOneForm.of(mesh, field, spacing).edge_phases(phases.ravel())
 
 
 def random_edge_phases(mesh, field, spacing, seed=0):
     """Random phases, whose triangles are full of dislocations of both phases."""
-    growth = Growth.of(mesh, field, spacing)
+    growth = TargetOneForm.of(mesh, field, spacing)
     phases = np.exp(1j * np.random.default_rng(seed).uniform(-np.pi, np.pi, len(growth.masses)))
     return growth.edge_phases(phases)
 

@@ -5,7 +5,7 @@
 import numpy as np
 
 from synch_fields.core.fields import given_directions
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 
 
 def plane_stripes(mesh, degrees, spacing, origin=(0.0, 0.0, 0.0), seed=0):
@@ -14,4 +14,4 @@ def plane_stripes(mesh, degrees, spacing, origin=(0.0, 0.0, 0.0), seed=0):
     field = given_directions(mesh, 2, np.column_stack([np.cos(angles), np.sin(angles), 0 * angles]))
     away = mesh.vertices - origin
     waves = 2 * np.pi / spacing * (np.cos(angles) * away[:, 1] - np.sin(angles) * away[:, 0])
-    return Growth.of(mesh, field, spacing).edge_phases(np.exp(1j * waves))
+    return TargetOneForm.of(mesh, field, spacing).edge_phases(np.exp(1j * waves))

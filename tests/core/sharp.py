@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.spatial import Delaunay
 
-from synch_fields.core.extract.quads.finishing import smoothed
+from synch_fields.core.extract.quads.finishing import finish_quads
 from synch_fields.core.extract.quads.trace.quad_mesh import quad_mesh
 from synch_fields.core.fields import DirectionWishes, direction_field, quad_pattern
 from synch_fields.core.fields.constraints.features import feature_edges, feature_row
@@ -113,7 +113,7 @@ def kept_quads(mesh, spacing, rounds=10, mirrors=(), planes=()):
     rows = (feature_row(mesh, edges),)
     field = direction_field(mesh, 4, DirectionWishes(rows=rows, mirrors=mirrors))
     pattern = quad_pattern(mesh, field, spacing, rows, mirrors, branching=0.0)
-    return smoothed(quad_mesh(pattern.edge_phases), mesh, rows, planes, rounds, only_quads=True), edges
+    return finish_quads(quad_mesh(pattern.edge_phases), mesh, rows, planes, rounds, only_quads=True), edges
 
 
 def distances_from_edges(quads, points):

@@ -10,7 +10,7 @@ import pytest
 
 from synch_fields.core.defects import wrap
 from synch_fields.core.fields import direction_field, given_directions, quad_pattern
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import (
     EdgePhases,
@@ -93,7 +93,7 @@ def test_numbers_are_windings_of_each_phase():
     """Corner by corner with complex numbers, in the sheet of the first corner."""
     mesh = torus(around=14, across=8)
     field = turned_crosses(direction_field(mesh, 4), random_turns(mesh))
-    growth = Growth.of(mesh, field, 0.4)
+    growth = TargetOneForm.of(mesh, field, 0.4)
     edge_phases = random_edge_phases(mesh, field, 0.4)
     numbers, torn = dislocation_numbers(edge_phases, mesh.triangles)
     lookup = {tuple(edge): e for e, edge in enumerate(mesh.edges.tolist())}

@@ -7,7 +7,7 @@ import pytest
 
 from synch_fields.core.fields import direction_field, given_directions
 from synch_fields.core.fields.patterns import solve_pattern
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import dislocation_numbers, ell, evaluate, face_phases
 
@@ -54,7 +54,7 @@ def edge_phases_on(mesh, symmetry, phases):
         field = given_directions(mesh, symmetry, random.standard_normal((mesh.vertex_count, 3)))
     else:
         field = direction_field(mesh, symmetry)
-    growth = Growth.of(mesh, field, spacing)
+    growth = TargetOneForm.of(mesh, field, spacing)
     return growth.edge_phases(np.exp(1j * random.uniform(-np.pi, np.pi, len(growth.masses))))
 
 

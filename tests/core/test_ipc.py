@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import AsymmetryError, ContradictionError, MeshError, SettingError, SynchError
-from synch_fields.core.process.ipc import MARK, BrokenParcel, Unpacker, packed
+from synch_fields.core.process.ipc import MARK, BrokenParcel, Unpacker, pack_parts
 
 MESSAGE = {"numbers": np.arange(1000.0), "more": [np.eye(3)[:, ::2], "text"], "empty": np.empty((0, 3)), "none": None}
 
 
 def sent(message, shared=()):
-    return b"".join(bytes(part) for part in packed(message, shared))
+    return b"".join(bytes(part) for part in pack_parts(message, shared))
 
 
 def same(found, expected):
@@ -44,7 +44,7 @@ def test_arrays_can_be_written_and_lie_where_processors_want_them():
 
 
 def test_arrays_travel_beside_the_pickle_not_in_it():
-    head, pickled, *_ = packed({"a": np.zeros(100_000), "b": np.ones(100_000, complex)})
+    head, pickled, *_ = pack_parts({"a": np.zeros(100_000), "b": np.ones(100_000, complex)})
     assert len(pickled) < 1000 and head.startswith(MARK)
 
 

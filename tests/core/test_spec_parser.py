@@ -7,7 +7,7 @@ import itertools
 import pytest
 
 from synch_fields.core.errors import SettingError
-from synch_fields.core.spec_parser import items, quoted
+from synch_fields.core.spec_parser import items, quote_name
 
 FORMS = ("KIND:NAME=STRENGTH", "KIND:NAME:NAME", "NAME=layer")
 # Names that hold everything which means something.
@@ -17,10 +17,12 @@ NAMES = ("a", " b ", "two words", ",", ":", "=", '"', '""', 'a"b', "a,b=c:d", '"
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("other", NAMES)
 def test_what_is_written_is_read_whatever_the_names_are(name, other):
-    text = f"uv-u:{quoted(name)}=0.5, axis:{quoted(other)}"
+    text = f"uv-u:{quote_name(name)}=0.5, axis:{quote_name(other)}"
     assert items(text, "guidance", FORMS[0]) == [("uv-u", name, "0.5"), ("axis", other, None)]
-    assert items(f"harmonic:{quoted(name)}:{quoted(other)}", "guidance", FORMS[1]) == [("harmonic", name, other)]
-    text = f"{quoted(name)}=layer,{quoted(other)} = constant"
+    assert items(f"harmonic:{quote_name(name)}:{quote_name(other)}", "guidance", FORMS[1]) == [
+        ("harmonic", name, other)
+    ]
+    text = f"{quote_name(name)}=layer,{quote_name(other)} = constant"
     assert items(text, "groups", FORMS[2]) == [(name, "layer"), (other, "constant")]
 
 
@@ -31,7 +33,7 @@ def test_the_last_name_may_have_colons_as_it_is():
 
 
 def test_plain_names_are_written_without_quotes():
-    assert [quoted(name) for name in ("a", "two words", "", "ä")] == ["a", "two words", "", "ä"]
+    assert [quote_name(name) for name in ("a", "two words", "", "ä")] == ["a", "two words", "", "ä"]
 
 
 @pytest.mark.parametrize("form", FORMS)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from synch_fields.core.errors import SettingError, shown
-from synch_fields.core.validation import from_names, take_all
+from synch_fields.core.errors import SettingError, quote_value
+from synch_fields.core.validation import convert_values, from_names
 
 
 @dataclass(frozen=True)
@@ -21,7 +21,7 @@ class Kinds:
     rows: tuple[int, ...] | None = None
 
     def __post_init__(self):
-        take_all(self)
+        convert_values(self)
 
 
 @pytest.mark.parametrize(
@@ -67,4 +67,4 @@ def test_other_values_are_refused_in_one_line(name, given, line):
 
 
 def test_long_values_are_cut_off():
-    assert shown("short") == "'short'" and len(shown("long" * 100)) < 80
+    assert quote_value("short") == "'short'" and len(quote_value("long" * 100)) < 80

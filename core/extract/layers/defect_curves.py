@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...geometry.face_crossing_curves import joined_strands
-from ...geometry.smoothing import evened_line
+from ...geometry.face_crossing_curves import join_curves
+from ...geometry.smoothing import smooth_line
 from ...interpolate_solid import outward_signs
 
 # Smoothing goes half of the way to the middle of the neighbours, and not back: paths through tetrahedra waver over many
@@ -43,7 +43,7 @@ class DefectCurve:
         They move half as many times as there are points: a ring of any size shrinks by less than the distance between
         two of them.
         """
-        return evened_line(self.points, self.is_closed, len(self.points) // 2, _STEPS)
+        return smooth_line(self.points, self.is_closed, len(self.points) // 2, _STEPS)
 
 
 def defect_curves(mesh, numbers):
@@ -59,7 +59,7 @@ def defect_curves(mesh, numbers):
     list of DefectCurve, open ones first, in the order of their first faces
     """
     # By the right hand: where the phase turns counterclockwise seen from outside, the curve comes out.
-    return [_curve(mesh, strand) for strand in joined_strands(numbers, mesh.tet_faces, outward_signs(mesh))]
+    return [_curve(mesh, strand) for strand in join_curves(numbers, mesh.tet_faces, outward_signs(mesh))]
 
 
 def _curve(mesh, strand):

@@ -78,11 +78,11 @@ def _lines_on(crossings, numbers, faces):
             else:
                 rim += [(3 - shares[crossing], crossing, rises) for crossing in reversed(met)]
         split = sum(place < parting[row] for place, _, _ in rim)
-        result[face] = _paired(rim[split:] + rim[:split], count + face)
+        result[face] = _pair_rims(rim[split:] + rim[:split], count + face)
     return result
 
 
-def _paired(rim, centre):
+def _pair_rims(rim, centre):
     """Lines from where the rim goes down to where it goes up, as the higher side is to be on the left."""
     lines: list[tuple[int, int]] = []
     open_ends: list[tuple[int, bool]] = []

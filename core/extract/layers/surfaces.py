@@ -77,7 +77,7 @@ def layer_surfaces(edge_phases, heights, offset=0.0, by_level=False):
     inner = node_of[np.concatenate([triangles, _halves(crossings, quads), sheets])]
     faces = count + crossings.faces
     inner = _without_doubles(inner[(inner != np.roll(inner, 1, axis=1)).all(axis=1)], faces)
-    return _numbered(crossings, np.concatenate([inner, faces]), len(inner), heights, by_level)
+    return _number_vertices(crossings, np.concatenate([inner, faces]), len(inner), heights, by_level)
 
 
 def _halves(crossings, quads):
@@ -123,7 +123,7 @@ def _links(triangles, inner_count):
     return pairs[tails[pairs[:, 0]] == heads[pairs[:, 1]]]
 
 
-def _numbered(crossings, triangles, inner_count, heights, by_level):
+def _number_vertices(crossings, triangles, inner_count, heights, by_level):
     """:class:`LayerSurfaces` of triangles of nodes: own vertices for each sheet, numbers from bottom to top."""
     links = _links(triangles, inner_count)
     following = np.arange(triangles.size).reshape(-1, 3)[:, [1, 2, 0]].ravel()

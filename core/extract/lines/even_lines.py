@@ -30,7 +30,7 @@ def evenly_traced(mesh, vectors, symmetry, limit):
     apart = max(apart, np.sqrt(area / (ASPECT * limit)))
     triangles, weights = even_seeds(mesh, int(np.ceil(SEEDS * area / apart**2)))
     traced = trace(mesh, vectors, symmetry, triangles, weights, ASPECT * apart)
-    return traced[_kept(mesh, traced, apart)]
+    return traced[_keep_apart(mesh, traced, apart)]
 
 
 def even_seeds(mesh, count):
@@ -45,7 +45,7 @@ def even_seeds(mesh, count):
     return triangles, np.column_stack([1 - s - t, s, t])
 
 
-def _kept(mesh, traced, apart):
+def _keep_apart(mesh, traced, apart):
     """(s,) bool: pieces of lines that are not too near to others, and reach from their seed."""
     stretch, numbers = _stretches(mesh, traced, apart / 2)
     starts = np.flatnonzero(np.diff(stretch, prepend=-1))

@@ -26,7 +26,7 @@ def direction_glyphs(mesh, vectors, symmetry, limit):
     if len(used) == 0:
         return np.empty((0, 2, 3))
     area = mesh.areas.sum()
-    chosen = used[spread(mesh.vertices[used], CELL * np.sqrt(area / len(used)), limit)]
+    chosen = used[thin_points(mesh.vertices[used], CELL * np.sqrt(area / len(used)), limit)]
     distance = np.sqrt(area / len(chosen))
     normals = mesh.vertex_normals[chosen]
     centres = mesh.vertices[chosen] + LIFT * distance * normals
@@ -42,7 +42,7 @@ def direction_glyphs(mesh, vectors, symmetry, limit):
     return np.concatenate(segments)
 
 
-def spread(points, size, limit):
+def thin_points(points, size, limit):
     """Indices of at most ``limit`` of (n, 3) points: one in each cell of a cubic grid, of a size or larger."""
     while True:
         chosen = _one_in_each_cell(points / size)

@@ -22,7 +22,7 @@ from ...graphs import components, ragged_arange
 from ...interpolate import EdgePhases
 from .edge_crossings import MOST, chord_ends, chords_of, crossings_of, on_rim, rims_of
 from .levels import GRID, stripe_levels
-from .prepared_pattern import moved_aside, split_at_disclinations
+from .prepared_pattern import move_off_lines, prepare_pattern
 
 # Pieces back from where a line enters the triangle that it ends in, over which its direction is taken.
 _BACK = 3
@@ -193,9 +193,9 @@ def isolines(edge_phases: EdgePhases, width: float = 0.0) -> Isolines:
     """
     levels = _levels(edge_phases, width)
     # A line on the boundary is a line too.
-    fans = split_at_disclinations(moved_aside(edge_phases, levels, lines_outside=False))
+    fans = prepare_pattern(move_off_lines(edge_phases, levels, lines_outside=False))
     crossings = crossings_of(fans.phases, levels)
-    lines = _with_straight_ends(_traced(edge_phases.mesh, fans, _pieces(fans, crossings)))
+    lines = _with_straight_ends(_join_pieces(edge_phases.mesh, fans, _pieces(fans, crossings)))
     at_defect = np.isin(lines.ends, [End.DISLOCATION, End.DISCLINATION]).any(axis=1)
     return lines.chosen(at_defect | (lines.lengths > _SPECK * edge_phases.mesh.edge_lengths.mean()))
 
@@ -232,7 +232,7 @@ def _pieces(fans, crossings):
     """All :class:`_Pieces` between crossings and centres."""
     rims = rims_of(fans, crossings)
     chords = chords_of(fans, crossings, rims)
-    pairs, on_rims = _dislocated(fans, crossings, rims)
+    pairs, on_rims = _join_at_dislocations(fans, crossings, rims)
     to_centre = pairs < 0
     nodes = np.concatenate([chords.ends, np.where(to_centre, -1, rims.crossings[pairs])])
     ends = np.where(to_centre[:, :, None], 1 / 3, on_rims)
@@ -250,7 +250,7 @@ def _pieces(fans, crossings):
     )
 
 
-def _dislocated(fans, crossings, rims):
+def _join_at_dislocations(fans, crossings, rims):
     """Pairs of places on :class:`Rims` that lines join in triangles with a dislocation, and (p, 2, 3) where these are.
 
     Around the triangle the phase grows through some crossings and falls through others; what is left over ends at the
@@ -279,7 +279,7 @@ def _dislocated(fans, crossings, rims):
     return np.where(pairs < 0, -1, found[pairs]), weights[pairs]
 
 
-def _traced(mesh, fans, pieces):
+def _join_pieces(mesh, fans, pieces):
     """:class:`Isolines` of pieces joined at their nodes, of which each has one or two."""
     count = len(pieces.kinds)
     degrees = np.bincount(pieces.nodes.ravel(), minlength=count)
@@ -332,13 +332,13 @@ def _with_straight_ends(lines):
     corners = lines.mesh.vertices[lines.mesh.triangles[lines.triangles[at]]]
     begin = _barycentric(corners, points[entry])
     end = _inside(_barycentric(corners, end), begin)
-    free = ~_crossed(lines, np.minimum(at, entry), begin, end)
+    free = ~_is_crossed(lines, np.minimum(at, entry), begin, end)
     weights = lines.weights.copy()
     weights[at[free]] = end[free]
     return replace(lines, weights=weights)
 
 
-def _crossed(lines, pieces, begin, end):
+def _is_crossed(lines, pieces, begin, end):
     """(k,) bool: whether another piece of line in the triangle of each piece crosses the way from begin to end."""
     others = np.flatnonzero(lines.next != np.arange(len(lines.triangles)))
     others = others[np.argsort(lines.triangles[others], kind="stable")]

@@ -17,7 +17,7 @@ SAME = 1e-5
 
 
 @dataclass(frozen=True)
-class Fans:
+class PreparedPattern:
     """The mesh with its disclination triangles split at their centres, phases in units of pi.
 
     Attributes
@@ -40,7 +40,7 @@ class Fans:
     turns: np.ndarray
 
 
-def moved_aside(edge_phases, levels=GRID, lines_outside=True):
+def move_off_lines(edge_phases, levels=GRID, lines_outside=True):
     """Phases in units of pi, none of them on a line; on the boundary, lines go outside, or all inside."""
     mesh = edge_phases.mesh
     arguments, changes = edge_phases.arguments / np.pi, edge_phases.changes / np.pi
@@ -71,8 +71,8 @@ def _look_across_lines(inward, edge_phases):
         inward[ends] = np.where(stays, edge_phases.between(ends, across)[0], inward[ends])
 
 
-def split_at_disclinations(phases):
-    """:class:`Fans` of phases in units of pi."""
+def prepare_pattern(phases):
+    """:class:`PreparedPattern` of phases in units of pi."""
     mesh = phases.mesh
     _, torn = dislocation_numbers(in_radians(phases), mesh.triangles)
     singular = np.flatnonzero(torn)
@@ -97,7 +97,7 @@ def split_at_disclinations(phases):
         changes[split.edges_between(corners[:, k], centres)] = inwards
         turned = turned + phases.between(corners[:, k], corners[:, (k + 1) % 3])[1]
     arguments = np.concatenate([phases.arguments, np.zeros((len(centres), phases.phase_count))])
-    return Fans(
+    return PreparedPattern(
         split,
         EdgePhases(split, arguments, changes, matched),
         np.concatenate([whole, np.repeat(singular, 3)]),

@@ -70,12 +70,12 @@ def trace(mesh, vectors, symmetry, triangles, weights, length):
         for sense in (1, -1):
             heading = sense * 1j**branch * first
             half = _follow(charts, line, triangles, points, heading, sense, length / 2, most_steps)
-            pieces += half if sense > 0 else map(_reversed, half)
+            pieces += half if sense > 0 else map(_reverse_lines, half)
     traced = Streamlines(*(np.concatenate(parts) for parts in zip(*pieces, strict=True)))
     return traced[np.lexsort((traced.step, traced.line))]
 
 
-def _reversed(piece):
+def _reverse_lines(piece):
     line, step, triangle, weights = piece
     return line, -1 - step, triangle, weights[:, ::-1]
 
@@ -122,7 +122,7 @@ class _Charts:
         self.corners = np.column_stack([np.zeros(len(a)), _complex(b - a, x, y), _complex(c - a, x, y)])
         self.powers = np.column_stack(
             [
-                _units(_complex(_turned(vectors[at], mesh.vertex_normals[at], normals), x, y)) ** symmetry
+                _units(_complex(_turn_vectors(vectors[at], mesh.vertex_normals[at], normals), x, y)) ** symmetry
                 for at in mesh.triangles.T
             ]
         )
@@ -185,7 +185,7 @@ def _units(numbers):
     return np.divide(numbers, sizes, out=np.zeros_like(numbers), where=sizes > 0)
 
 
-def _turned(vectors, start, end):
+def _turn_vectors(vectors, start, end):
     """Vectors orthogonal to the unit normals ``start``, turned with them to ``end`` the short way."""
     both = start + end
     shares = np.einsum("ij,ij->i", vectors, end) / np.maximum(1 + np.einsum("ij,ij->i", start, end), 1e-6)

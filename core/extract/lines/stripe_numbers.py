@@ -99,7 +99,7 @@ def stripe_table(phase, polygons, lines, spacing):
     vertices = lines.mesh.vertices[polygons.corner_vertices[corner]]
     feet = vertices + _ways_to_middle(phase, polygons, lines.mesh.vertices, faces[row], slots[row], corner)
     places, tangents = arcs.nearest(vertices, feet, line)
-    places, tangents = _aligned(arcs, faces[row], corner, line, places, tangents)
+    places, tangents = _align_lines(arcs, faces[row], corner, line, places, tangents)
     whole = arcs.wholes[line]
     start = places[first][row]
     places = np.where(whole > 0, start + (places - start + whole / 2) % np.maximum(whole, 1) - whole / 2, places)
@@ -115,7 +115,7 @@ def slot_numbers(phase, polygons, lines):
     From 1 on in the order of the lines, then those of pieces without a line; 0 in slots that a face does not meet.
     """
     pairs, away = _contacts(phase, polygons)
-    numbers = _spread(_passed(phase, polygons, lines), pairs, away)
+    numbers = _spread_numbers(_longest_line(phase, polygons, lines), pairs, away)
     rest = pairs[(numbers[pairs] == 0).all(axis=1)]
     met = np.unique(rest[rest[:, 0] == rest[:, 1]])
     graph = coo_array((np.ones(len(rest)), rest.T), shape=(len(numbers),) * 2)
@@ -151,7 +151,7 @@ def _with_defect(phase, polygons):
     return np.logical_or.reduceat(phase.corner_place.any(axis=1), polygons.starts)
 
 
-def _passed(phase, polygons, lines):
+def _longest_line(phase, polygons, lines):
     """(p SLOTS,) number of the line that passes a slot's part of a face with most points, 0 where there is none."""
     known, asked = (np.sort(t, axis=1) for t in (polygons.triangles, lines.mesh.triangles[lines.triangles]))
     shape = (lines.mesh.vertex_count,) * 3
@@ -225,7 +225,7 @@ def _misfit(shift):
     return np.abs(shift - whole[:, None]).max(axis=1)
 
 
-def _spread(numbers, pairs, away):
+def _spread_numbers(numbers, pairs, away):
     """Numbers carried over to the slots without one: along the middles of stripes first, then to their sides."""
     order = np.argsort(-np.tile(away, 2), kind="stable")
     inner, outer = np.concatenate([pairs, pairs[:, ::-1]])[order].T
@@ -315,7 +315,7 @@ class _Arcs:
         return points
 
 
-def _aligned(arcs, faces, corners, lines, places, tangents):
+def _align_lines(arcs, faces, corners, lines, places, tangents):
     """The coordinates with each line turned and shifted to what its neighbour has: a tree of the strongest bonds."""
     order = np.lexsort((lines, corners))
     same = corners[order][1:] == corners[order][:-1]

@@ -57,7 +57,7 @@ class Seen:
         places = (places - (low + high) / 2) * _FILLED * size / extent
         places[:, :2] += size / 2
         corners = places[triangles]
-        which, points = _covered(corners[..., :2], size)
+        which, points = _covered_points(corners[..., :2], size)
         weights = _weights(corners[which, :, :2], np.column_stack([points % size, points // size]) + 0.5)
         depths = np.einsum("ki,ki->k", weights, corners[which, :, 2])
         order = np.lexsort((depths, points))
@@ -124,7 +124,7 @@ class Seen:
         return row * self.size + column
 
 
-def _covered(corners, size):
+def _covered_points(corners, size):
     """The points that triangles cover, row by row: (k,) triangles and (k,) numbers of points.
 
     Parameters

@@ -9,13 +9,13 @@ from ...errors import SettingError
 from ...fields.constraints.rows import GRID
 from .features.chains import on_features
 from .features.feature_lines import FeatureLines
-from .mirror import ON_PLANE, averaged, mirrored, partners
+from .mirror import ON_PLANE, average_with_partners, mirror_half, partners
 from .repair.all_quads import all_quads
-from .repair.edge_flips import turned_edges
+from .repair.edge_flips import flip_edges
 from .repair.quad_collapse import with_faces_closed
-from .repair.tip_recovery import climbed
-from .smooth.fitting import fitted
-from .smooth.worst_corners import levelled
+from .repair.tip_recovery import recover_tips
+from .smooth.fitting import fit_quads
+from .smooth.worst_corners import move_worst_corners
 
 # Cosine of the angle between the normals of neighbours beyond which both move for bad corners alone: rims keep their
 # shape.
@@ -24,7 +24,7 @@ _SHARP = 0.5
 _ON_EDGE = 1e-3
 
 
-def smoothed(quads, mesh, rows, planes, rounds, only_quads=False):
+def finish_quads(quads, mesh, rows, planes, rounds, only_quads=False):
     """The quad mesh on its surface's features, its own mirror image, and with faces as near to squares as can be.
 
     Vertices on boundaries and sharp edges that are kept move along them, others on the boundary, on lines that were
@@ -54,11 +54,11 @@ def smoothed(quads, mesh, rows, planes, rounds, only_quads=False):
     if only_quads:
         quads = all_quads(quads, mesh, [] if chains is None else chains.edges(quads))
     for unit in planes:
-        quads = mirrored(quads, mesh, unit)
+        quads = mirror_half(quads, mesh, unit)
     if features is not None:
         quads, chains = on_features(quads, features, _side(quads))
     if only_quads and not planes and (quads.sizes == 4).all():  # halves would be closed in other ways
-        quads, chains = _closed(quads, mesh, rows, chains)
+        quads, chains = _collapse_quads(quads, mesh, rows, chains)
     _check(quads, mesh)
     if rounds == 0:
         return quads
@@ -70,17 +70,17 @@ def smoothed(quads, mesh, rows, planes, rounds, only_quads=False):
         crossing = (chains.lines >= 0) & np.any([np.zeros(len(free), bool), *on_planes], axis=0)
         free, loose = free & ~crossing, loose & ~crossing
     held = list(zip(planes, on_planes, strict=True))
-    quads = fitted(quads, mesh, loose, held, rounds, chains)
-    quads = levelled(quads, mesh, free, held, chains)
-    quads = levelled(climbed(quads, mesh, free, held, chains), mesh, free, held, chains)
+    quads = fit_quads(quads, mesh, loose, held, rounds, chains)
+    quads = move_worst_corners(quads, mesh, free, held, chains)
+    quads = move_worst_corners(recover_tips(quads, mesh, free, held, chains), mesh, free, held, chains)
     if not planes:  # halves that mirror each other would be turned in other ways
-        turned = turned_edges(quads, mesh.face_normals[quads.triangles], _held_edges(quads, free, chains))
-        quads = levelled(turned, mesh, free, held, chains) if turned is not quads else quads
+        turned = flip_edges(quads, mesh.face_normals[quads.triangles], _fixed_edges(quads, free, chains))
+        quads = move_worst_corners(turned, mesh, free, held, chains) if turned is not quads else quads
     for unit, mate in zip(planes, mates, strict=True):
         # Vertices that stood near to each other may be told apart by now.
         partner = partners(quads, unit) if mate is None else mate
         if partner is not None:
-            quads = replace(quads, vertices=averaged(quads.vertices, partner, unit))
+            quads = replace(quads, vertices=average_with_partners(quads.vertices, partner, unit))
     return quads
 
 
@@ -126,9 +126,9 @@ def _side(quads):
     return float(np.linalg.norm(quads.vertices[edges[:, 1]] - quads.vertices[edges[:, 0]], axis=1).mean())
 
 
-def _closed(quads, mesh, rows, chains):
+def _collapse_quads(quads, mesh, rows, chains):
     """The quad mesh with faces closed where that makes it more regular, and the chains of its vertices."""
-    held = _held(_free(quads, mesh, rows, chains)[0], chains)
+    held = _fixed_vertices(_free(quads, mesh, rows, chains)[0], chains)
     corners = np.zeros_like(held) if chains is None else chains.fixed
     quads, kept = with_faces_closed(quads, mesh, held, corners)
     return quads, None if chains is None else chains.of_vertices(kept)
@@ -149,13 +149,13 @@ def _free(quads, mesh, rows, chains):
     return free, loose
 
 
-def _held_edges(quads, free, chains):
+def _fixed_edges(quads, free, chains):
     """(k, 2) vertices of the edges between two vertices that stay or slide along lines."""
     edges, _ = quads.edges
-    return edges[_held(free, chains)[edges].all(axis=1)]
+    return edges[_fixed_vertices(free, chains)[edges].all(axis=1)]
 
 
-def _held(free, chains):
+def _fixed_vertices(free, chains):
     """(n,) bool: vertices that stay or slide along lines."""
     return ~free if chains is None else ~free | (chains.lines >= 0)
 

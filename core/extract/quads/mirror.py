@@ -15,7 +15,7 @@ ON_PLANE = 1e-5
 PARTNER_REACH = 0.3
 
 
-def mirrored(quads, mesh, normal):
+def mirror_half(quads, mesh, normal):
     """The half on the positive side of a plane through the origin and its reflection; as it was where they do not fit.
 
     Faces that the plane passes are joined of what they have on the positive side and its reflection.
@@ -97,7 +97,7 @@ def _side(quads):
     return np.linalg.norm(quads.vertices[edges[:, 1]] - quads.vertices[edges[:, 0]], axis=1).mean()
 
 
-def averaged(points, partner, normal):
+def average_with_partners(points, partner, normal):
     """Points halfway between where they are and where the images of their partners are."""
     unit = normal / np.linalg.norm(normal)
     image = points[partner] - 2 * np.outer(points[partner] @ unit, unit)

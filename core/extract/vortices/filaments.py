@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...geometry.face_crossing_curves import joined_strands
+from ...geometry.face_crossing_curves import join_curves
 from ...geometry.polylines import polyline_length
-from ...geometry.smoothing import evened_line
+from ...geometry.smoothing import smooth_line
 from ...interpolate import TURN
 from .vortex_fit import fitted_places
 
@@ -85,7 +85,7 @@ def filaments(found, smoothing=0):
     places = np.empty((len(numbers), 3))
     passed = np.flatnonzero(numbers)
     places[passed] = puncture_places(found, passed)
-    strands = joined_strands(numbers, grid.cell_faces, grid.outward)
+    strands = join_curves(numbers, grid.cell_faces, grid.outward)
     return [_filament(found, strand, places, smoothing) for strand in strands if len(strand.cells)]
 
 
@@ -125,7 +125,7 @@ def _filament(found, strand, places, smoothing):
         points = np.vstack([points, ends[-1:] + box * passed[-1:]])
     # What goes around the box evenly stays as it is.
     ramp = np.linspace(0, 1, len(points), endpoint=False)[:, None] * (box * winding)
-    points = ramp + evened_line(points - ramp, strand.is_closed, smoothing, _STEPS)
+    points = ramp + smooth_line(points - ramp, strand.is_closed, smoothing, _STEPS)
     cuts = (0, *(np.flatnonzero(leaps[:-1].any(axis=1)) + 1).tolist())
     return Filament(
         points,

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...geometry import TriangleMesh
 from ...geometry.grid import Grid
-from ...geometry.smoothing import evened_along
+from ...geometry.smoothing import smooth_values
 
 # Values this near to the level are moved off it, as a share of the largest difference to it.
 ASIDE = 1e-9
@@ -38,7 +38,7 @@ class Isosurface:
         return (1 - shares) * values[self.ends[:, 0]] + shares * values[self.ends[:, 1]]
 
 
-def evened(mesh, values, times):
+def smooth_surface(mesh, values, times):
     """(n, k) values at the vertices of a surface, or their places, without what changes from vertex to vertex.
 
     Each time they move half of the way to the mean of their neighbours, and then a little further back; on a boundary
@@ -47,7 +47,7 @@ def evened(mesh, values, times):
     i, j = mesh.edges.T
     rows, columns = np.concatenate([i, j]), np.concatenate([j, i])
     inside = ~mesh.boundary_vertices[rows]
-    return evened_along(values, rows[inside], columns[inside], times, _STEPS)
+    return smooth_values(values, rows[inside], columns[inside], times, _STEPS)
 
 
 def isosurface(grid, values, level, margin=0.0):
@@ -58,7 +58,7 @@ def isosurface(grid, values, level, margin=0.0):
     node than the ``margin``, a share below a half of their edge, move along the surface by what their edge has in its
     direction; on a boundary they stay.
     """
-    grid, sources = _unrolled(grid)
+    grid, sources = _unroll_grid(grid)
     above = values[sources] - level
     nearly = np.abs(above) < ASIDE * np.abs(above).max(initial=0)
     above = np.where(nearly, ASIDE * np.abs(above).max(initial=1), above)
@@ -101,7 +101,7 @@ def isosurface(grid, values, level, margin=0.0):
     return Isosurface(mesh, sources[ends], shares)
 
 
-def _unrolled(grid):
+def _unroll_grid(grid):
     """A grid of one period, with the first nodes of periodic axes again behind the last ones, and (n,) the nodes that
     its own are."""
     sources = np.pad(grid.numbers, [(0, int(periodic)) for periodic in grid.periodic], mode="wrap")

@@ -35,7 +35,7 @@ class Linked:
     helicity: float
 
 
-def linked(lines, box):
+def linking_numbers(lines, box):
     """The :class:`Linked` of filaments, None where that would take more than ``MOST_PAIRS`` pairs of segments.
 
     Parameters

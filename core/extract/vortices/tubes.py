@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .isosurface import evened, isosurface
+from .isosurface import isosurface, smooth_surface
 
 # How far vertices are moved from the nodes of the grid before they are evened, as a share of its edges.
 _MARGIN = 0.25
@@ -47,12 +47,12 @@ def vortex_tubes(sphere, point, opening, smoothing):
     angle = math.radians(opening)
     margin = _MARGIN if smoothing else 0
     surface = isosurface(sphere.found.grid, sphere.sphere @ axis, math.cos(angle), margin)
-    between = evened(surface.mesh, surface.interpolated(sphere.sphere), smoothing)
+    between = smooth_surface(surface.mesh, surface.interpolated(sphere.sphere), smoothing)
     # The map is on the circle there: only how far around it is taken from between the nodes.
     around = between - (between @ axis)[:, None] * axis
     around /= np.maximum(np.linalg.norm(around, axis=1, keepdims=True), 1e-12)
     shown = math.cos(angle) * axis + math.sin(angle) * around
-    places = evened(surface.mesh, surface.mesh.vertices, smoothing)
+    places = smooth_surface(surface.mesh, surface.mesh.vertices, smoothing)
     strength = sphere.found.quantum * 0.5 * (1 - math.cos(angle))
     pieces = int(surface.mesh.pieces.max(initial=-1)) + 1
     return Tubes(places, surface.mesh.triangles, shown, strength, pieces)

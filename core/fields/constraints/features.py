@@ -10,7 +10,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import minimum_spanning_tree
 
 from ...graphs import components
-from .groups import Links, joined_links
+from .groups import Links, join_links
 from .lines import line_of_edges
 from .rows import GRID, Row
 
@@ -134,7 +134,7 @@ def with_grid_lines(growth, rows, links):
     along, nodes = _grid_links(growth, rows)
     if len(nodes) == 0:
         return links, nodes
-    joined = joined_links([links, along])
+    joined = join_links([links, along])
     return _spanning(growth.phase_count * growth.mesh.vertex_count, joined, nodes), nodes
 
 

@@ -27,7 +27,7 @@ class Links:
     names: np.ndarray
 
 
-def joined_links(parts):
+def join_links(parts):
     """Any number of :class:`Links` as one."""
     none = Links(np.empty(0, int), np.empty(0, int), np.empty(0), np.empty(0, bool), np.empty(0, object))
     names = Links.__dataclass_fields__
@@ -75,7 +75,7 @@ def without_contradictions(fixed, gives_way, links, slack):
     return Targets(fixed.nodes[keep], fixed.values[keep])
 
 
-def contracted(count, links, fixed, slack=TOLERANCE):
+def contract_groups(count, links, fixed, slack=TOLERANCE):
     """Groups that links join: those with a fixed node become fixed, the others merge into their first node.
 
     Parameters
@@ -114,7 +114,7 @@ def contracted(count, links, fixed, slack=TOLERANCE):
         known = fixed.nodes[inside]
         at_lead = np.exp(-1j * angles[known]) * fixed.values[inside]
         at_lead = np.where(flips[known], at_lead.conj(), at_lead)
-        leading = _agreed_leads(links, lead, known, at_lead, slack)
+        leading = _agree_leads(links, lead, known, at_lead, slack)
         reached = members[np.isin(lead[members], leading.nodes)]
         value = leading.values[np.searchsorted(leading.nodes, lead[reached])]
         value = np.exp(1j * angles[reached]) * np.where(flips[reached], value.conj(), value)
@@ -125,7 +125,7 @@ def contracted(count, links, fixed, slack=TOLERANCE):
     return fixed, Merged(led, lead[led], circle_transports(angles[led], flips[led]))
 
 
-def _agreed_leads(links, lead, known, at_lead, slack):
+def _agree_leads(links, lead, known, at_lead, slack):
     """One target a lead, from the values there that nodes of known value ask for; refuses different ones."""
     leads, first, place = np.unique(lead[known], return_index=True, return_inverse=True)
     apart = np.abs(at_lead - at_lead[first][place]) > slack

@@ -161,7 +161,7 @@ def line_of_group(mesh, vertices):
     alone = np.setdiff1d(np.flatnonzero(vertices), lines.nodes)
     points = np.concatenate([np.flatnonzero(areas), alone[areas[alone] == 0]])
     filled = line_of_points(mesh, points, areas=areas[points])
-    return replace(joined([lines, filled]), links=mesh.edges[among])
+    return replace(join_stations([lines, filled]), links=mesh.edges[among])
 
 
 def line_of_points(mesh, vertices, angles=None, areas=None):
@@ -194,7 +194,7 @@ def line_of_strokes(mesh, strokes):
     """
     frames, turns = face_frames(mesh), corner_turns(mesh)
     samples = [(np.asarray(faces), np.asarray(points, float)) for faces, points in strokes]
-    return joined([_line_of_stroke(mesh, faces, points, frames, turns[faces]) for faces, points in samples])
+    return join_stations([_line_of_stroke(mesh, faces, points, frames, turns[faces]) for faces, points in samples])
 
 
 def _line_of_stroke(mesh, faces, points, frames, turns):
@@ -228,7 +228,7 @@ def _tangents(points, steps, reach):
     return behind - before
 
 
-def joined(lines):
+def join_stations(lines):
     """All stations of several lines as one."""
     return Line(*(np.concatenate(parts) for parts in zip(*map(_columns, lines), strict=True)))
 

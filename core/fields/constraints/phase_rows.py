@@ -8,7 +8,7 @@ import numpy as np
 from ...gauge import balance
 from ...graphs import components
 from ...problem import Targets
-from .groups import TOLERANCE, Links, contracted, fixed_phases, joined_links
+from .groups import TOLERANCE, Links, contract_groups, fixed_phases, join_links
 from .rows import Row, penalties
 
 
@@ -80,9 +80,9 @@ def phase_constraints(growth, rows, links=(), slack=TOLERANCE):
     phases = [_LinePhases.of(row, growth) for row in rows]
     hard = [p for p in phases if p.row.kind == "phase" and p.row.is_hard]
     fixed = fixed_phases([(p.row.name, p.nodes, p.values) for p in hard], "remove one of them there")
-    links = joined_links([*links, *(_links(p, growth) for p in phases if p.row.kind == "constant")])
+    links = join_links([*links, *(_links(p, growth) for p in phases if p.row.kind == "constant")])
     count = growth.phase_count * growth.mesh.vertex_count
-    fixed, merged = contracted(count, links, fixed, slack)
+    fixed, merged = contract_groups(count, links, fixed, slack)
     held = np.zeros(count, bool)
     held[fixed.nodes] = True
     drawn = []

@@ -14,7 +14,7 @@ import numpy as np
 from ...errors import ContradictionError, SettingError
 from ...problem import Targets
 from ...settings.constraints import WISHES
-from .lines import Line, joined
+from .lines import Line, join_stations
 
 KINDS = tuple(wish.name for wish in WISHES if wish.name != "cut")
 GRID = "grid"
@@ -103,26 +103,26 @@ def direction_targets(mesh, symmetry, rows):
     fixed, drawn = Targets.none(), []
     if hard:
         lines = [replace(row.line.directed, angles=row.line.directed.angles + row.turn) for row in hard]
-        fixed = Targets(*_agreed(*Row(joined(lines), "along").directions(symmetry)))
+        fixed = Targets(*_agreeing_nodes(*Row(join_stations(lines), "along").directions(symmetry)))
     held = np.zeros(mesh.vertex_count, bool)
     held[fixed.nodes] = True
     for row in rows:
         if not row.is_hard:
-            nodes, values = _agreed(*row.directions(symmetry))
+            nodes, values = _agreeing_nodes(*row.directions(symmetry))
             weights = penalties(mesh, row)[np.searchsorted(row.line.nodes, nodes)]
             free = ~held[nodes]
             drawn.append(Targets(nodes[free], values[free], weights[free]))
             held[nodes] |= weights > 0
     gives_way = np.zeros(len(fixed.nodes), bool)
     for row in grid:
-        nodes, values = _agreed(*row.directions(symmetry))
+        nodes, values = _agreeing_nodes(*row.directions(symmetry))
         free = ~held[nodes]
         fixed = Targets(np.append(fixed.nodes, nodes[free]), np.append(fixed.values, values[free]))
         gives_way = np.append(gives_way, np.ones(free.sum(), bool))
     return fixed, drawn, gives_way
 
 
-def _agreed(nodes, means):
+def _agreeing_nodes(nodes, means):
     """Nodes where the stations agree well enough, and what they ask for."""
     good = np.abs(means) > AGREEMENT
     return nodes[good], means[good] / np.abs(means[good])

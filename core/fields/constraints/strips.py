@@ -24,7 +24,7 @@ BESIDE = np.cos(np.radians(12))
 STEP = 0.1
 
 
-def widened(growth, rows):
+def widen_strips(growth, rows):
     """The :class:`Growth` with room for a quad between the grid lines of rows.
 
     Parameters

@@ -37,14 +37,14 @@ def face_gradients(edges, corner_values):
     return 0.5j * (second * edges[:, 2] + third * edges[:, 0])
 
 
-def summed_at_vertices(mesh, face_values, symmetry):
+def sum_at_vertices(mesh, face_values, symmetry):
     """(n,) complex, the sum over each vertex's faces of (m,) complex powers, in the vertex's tangent plane."""
     totals = np.zeros(mesh.vertex_count, complex)
     np.add.at(totals, mesh.triangles, np.exp(1j * symmetry * corner_turns(mesh)) * face_values[:, None])
     return totals
 
 
-def averaged_in_faces(mesh, vertex_values, symmetry):
+def average_in_faces(mesh, vertex_values, symmetry):
     """(m,) complex, the mean over each face's corners of (n,) complex powers, in the face's plane."""
     return (np.exp(-1j * symmetry * corner_turns(mesh)) * vertex_values[mesh.triangles]).mean(axis=1)
 

@@ -13,10 +13,10 @@ import numpy as np
 from ...geometry.filling.surface_distance import normals_at
 from ...geometry.nearest import NearestTriangles, nearest_in_triangles
 from ...geometry.tet_mesh import TetMesh
-from .given import at_vertices, oriented, principal, vectors_at, without_sign
+from .given import at_vertices, orient_vectors, principal, vectors_at, without_sign
 from .potentials import harmonic_function
 from .solid_distance import solid_distance
-from .solids import axis_directions, checked_vectors, curve_vectors, gradient_vectors, vector_directions
+from .solids import axis_directions, check_vectors, curve_vectors, gradient_vectors, vector_directions
 
 # Points this near to a surface, as a share of what they span, lie on it.
 ON_SURFACE = 1e-6
@@ -40,7 +40,7 @@ def away_from_area(area, filled):
 
 def away_from_surface(base, filled):
     """Away from another surface, a TriangleMesh, on a straight way."""
-    return checked_vectors(filled.solid, away_from(base, filled.solid.vertices))
+    return check_vectors(filled.solid, away_from(base, filled.solid.vertices))
 
 
 def along_curves(curves, filled):
@@ -61,7 +61,7 @@ def of_vectors(vectors, filled):
 def of_given_vectors(given, stretch, filled):
     """:class:`core.files.solid_vectors.SolidVectors`, whose space a matrix (3, 3) leads to the solid's from."""
     mesh = TetMesh(given.mesh.vertices @ stretch.T, given.mesh.tets)
-    return checked_vectors(filled.solid, vectors_at(mesh, at_vertices(given) @ stretch.T, filled.solid.vertices))
+    return check_vectors(filled.solid, vectors_at(mesh, at_vertices(given) @ stretch.T, filled.solid.vertices))
 
 
 def of_given_lines(given, stretch, filled):
@@ -69,7 +69,7 @@ def of_given_lines(given, stretch, filled):
     mesh = TetMesh(given.mesh.vertices @ stretch.T, given.mesh.tets)
     lines = replace(given, mesh=mesh, values=without_sign(given.values @ stretch.T))
     found = principal(vectors_at(mesh, at_vertices(lines), filled.solid.vertices))
-    return checked_vectors(filled.solid, oriented(filled.solid, found))
+    return check_vectors(filled.solid, orient_vectors(filled.solid, found))
 
 
 def away_from(base, points):

@@ -62,7 +62,7 @@ def front_distance(mesh, sources):
         result[nearer] = found
         return result
 
-    return propagated(mesh.triangles, mesh.edges, mesh.edge_lengths.mean(), sources, arrivals)
+    return propagate_distances(mesh.triangles, mesh.edges, mesh.edge_lengths.mean(), sources, arrivals)
 
 
 def chosen_vertices(mesh, chosen, name):
@@ -79,7 +79,7 @@ def chosen_vertices(mesh, chosen, name):
     return chosen
 
 
-def propagated(cells, edges, length, sources, arrivals):
+def propagate_distances(cells, edges, length, sources, arrivals):
     """Distances from sources, brought up to date from near to far.
 
     Parameters

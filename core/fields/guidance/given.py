@@ -54,7 +54,7 @@ def principal(matrices):
     return vectors[:, :, 2] * values[:, 2:]
 
 
-def oriented(mesh: TetMesh, lines):
+def orient_vectors(mesh: TetMesh, lines):
     """(n, 3) vectors of either sign, turned to agree with their neighbours along the shortest ways from one in each
     piece; zero where they do not, around lines that come back to themselves turned over."""
     i, j = mesh.edges.T

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...errors import SettingError, name_elements
 from .curvature import principal_directions
-from .face_directions import face_gradients, half_edges, summed_at_vertices
+from .face_directions import face_gradients, half_edges, sum_at_vertices
 from .fronts import front_distance
 
 # Where a gradient is weaker than this share of its mean over the surface, its direction counts for less.
@@ -168,7 +168,7 @@ def face_guide(mesh, face_values, symmetry):
     sizes = np.abs(face_values)
     sum_of_sizes = _sum_at_vertices(mesh, sizes)
     areas = _sum_at_vertices(mesh, mesh.areas)
-    totals = summed_at_vertices(mesh, face_values, symmetry)
+    totals = sum_at_vertices(mesh, face_values, symmetry)
     typical = sizes.sum() / max(mesh.areas[sizes > 0].sum(), np.finfo(float).tiny)
     agreement = _ratio(np.abs(totals), sum_of_sizes)
     agreement[agreement < ROUNDING] = 0
@@ -177,7 +177,7 @@ def face_guide(mesh, face_values, symmetry):
     return Guide(np.angle(totals) / symmetry, _area_shares(mesh) * confidence)
 
 
-def blended(guides, shares, symmetry):
+def blend_guides(guides, shares, symmetry):
     """One target for several guides, exactly as if each had its own.
 
     On the unit circle ``sum_k w_k |phi - q_k|^2`` and ``|q| |phi - q / |q||^2`` with ``q = sum_k w_k q_k``

@@ -42,10 +42,10 @@ def harmonic_function(mesh, low, high):
         raise SettingError(
             f"{name_elements('vertex', both)} are in both groups of the harmonic function: take them out of one"
         )
-    return extended(mesh, low | high, high[low | high].astype(float))
+    return extend_harmonically(mesh, low | high, high[low | high].astype(float))
 
 
-def extended(mesh, known, values):
+def extend_harmonically(mesh, known, values):
     """The harmonic extension of values at some vertices by linear elements, without flow through the boundary.
 
     Parameters
@@ -67,7 +67,7 @@ def extended(mesh, known, values):
     matrix = _laplacian(mesh, mesh.cotangent_weights)
     known = np.flatnonzero(known)
     right = -(matrix[free][:, known] @ result[known])
-    result[free] = _solved(matrix, mesh.vertex_masses, free, right)
+    result[free] = _solve_at(matrix, mesh.vertex_masses, free, right)
     return result
 
 
@@ -98,7 +98,7 @@ def potential(mesh, changes, names=None):
     free = np.ones(count, bool)
     free[np.unique(pieces, return_index=True)[1]] = False
     result = np.zeros(count)
-    result[free] = _solved(matrix, joined.T @ masses, np.flatnonzero(free), (joined.T @ sources)[free])
+    result[free] = _solve_at(matrix, joined.T @ masses, np.flatnonzero(free), (joined.T @ sources)[free])
     lowest = np.full(pieces.max(initial=-1) + 1, np.inf)
     np.minimum.at(lowest, pieces, result)
     return (result - lowest[pieces])[names]
@@ -113,7 +113,7 @@ def _laplacian(mesh, weights):
     return (diags_array(diagonal) - beside - beside.T).tocsr()
 
 
-def _solved(matrix, masses, nodes, right):
+def _solve_at(matrix, masses, nodes, right):
     """Solution on the given nodes of (k,) or (k, d) right sides, all others being zero."""
     if len(nodes) == 0:
         return right

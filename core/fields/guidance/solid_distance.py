@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from ...interpolate_solid import FACE_CORNERS
-from .fronts import UNKNOWN, along, chosen_vertices, dot, propagated
+from .fronts import UNKNOWN, along, chosen_vertices, dot, propagate_distances
 
 
 def solid_distance(mesh, sources):
@@ -29,7 +29,7 @@ def solid_distance(mesh, sources):
     """
     sources = chosen_vertices(mesh, sources, "group of sources")
     arrivals = partial(_arrivals, mesh)
-    return propagated(mesh.tets, mesh.edges, mesh.edge_lengths.mean(), sources, arrivals)
+    return propagate_distances(mesh.tets, mesh.edges, mesh.edge_lengths.mean(), sources, arrivals)
 
 
 def _arrivals(mesh, distances, rows):
@@ -53,7 +53,7 @@ def _over_faces(values, points):
     slopes = values[:, 1:].T - values[:, 0]
     # Solutions of the Gram matrix: where the target projects to, and the slope of the distance.
     foot = np.array([-dot(one, points[:, 0]), -dot(two, points[:, 0])])
-    shares, steepness = _solved(gram, scale, foot), _solved(gram, scale, slopes)
+    shares, steepness = _solve_at(gram, scale, foot), _solve_at(gram, scale, slopes)
     height = np.maximum(dot(points[:, 0], points[:, 0]) - (foot * shares).sum(axis=0), 0)
     slack = 1 - np.minimum((slopes * steepness).sum(axis=0), 2)
     through = shares - np.sqrt(height / np.where(slack > 0, slack, 1)) * steepness
@@ -65,5 +65,5 @@ def _over_faces(values, points):
     return result
 
 
-def _solved(gram, scale, right):
+def _solve_at(gram, scale, right):
     return np.array([gram[2] * right[0] - gram[1] * right[1], gram[0] * right[1] - gram[1] * right[0]]) / scale

@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from ...errors import SettingError, name_elements
 from ...geometry.polylines import check_length, polyline_length
 from ...graphs import ragged_arange
-from .potentials import extended, harmonic_function
+from .potentials import extend_harmonically, harmonic_function
 from .solid_distance import solid_distance
 
 # Vectors shorter than this share of the longest have no direction.
@@ -31,7 +31,7 @@ def distance_directions(mesh, sources):
 
 def gradient_directions(mesh, values):
     """The direction in which a function grows fastest, (n, 3) unit vectors; as :func:`gradient_vectors`."""
-    return extended_directions(mesh, gradient_vectors(mesh, values))
+    return extend_directions(mesh, gradient_vectors(mesh, values))
 
 
 def gradient_vectors(mesh, values):
@@ -75,11 +75,11 @@ def axis_directions(mesh, axis):
 
 
 def vector_directions(mesh, vectors):
-    """The directions of given (n, 3) vectors, whose lengths do not count; as :func:`checked_vectors`."""
-    return extended_directions(mesh, checked_vectors(mesh, vectors))
+    """The directions of given (n, 3) vectors, whose lengths do not count; as :func:`check_vectors`."""
+    return extend_directions(mesh, check_vectors(mesh, vectors))
 
 
-def checked_vectors(mesh, vectors):
+def check_vectors(mesh, vectors):
     """Given (n, 3) vectors; zero where the others are to be extended.
 
     Raises
@@ -103,7 +103,7 @@ def checked_vectors(mesh, vectors):
 
 def curve_directions(mesh, curves, across=False):
     """Directions of :func:`curve_vectors`."""
-    return extended_directions(mesh, curve_vectors(mesh, curves, across))
+    return extend_directions(mesh, curve_vectors(mesh, curves, across))
 
 
 def curve_vectors(mesh, curves, across=False):
@@ -163,12 +163,12 @@ def have_directions(mesh, vectors):
     return known
 
 
-def extended_directions(mesh, vectors):
+def extend_directions(mesh, vectors):
     """Unit vectors, extended over vertices where there are none; zero on pieces without any."""
     known, lengths = have_directions(mesh, vectors), np.linalg.norm(vectors, axis=1)
     units = np.divide(vectors, lengths[:, None], out=np.zeros_like(vectors), where=known[:, None])
     if known.all() or not known.any():
         return units
-    spread = np.nan_to_num(extended(mesh, known, units[known]))
+    spread = np.nan_to_num(extend_harmonically(mesh, known, units[known]))
     lengths = np.linalg.norm(spread, axis=1)
     return np.divide(spread, lengths[:, None], out=np.zeros_like(spread), where=lengths[:, None] > ROUNDING)

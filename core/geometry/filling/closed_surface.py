@@ -7,9 +7,9 @@ import numpy as np
 
 from ...errors import SettingError
 from ..mesh_input import MeshInput
-from .features import sharpened
+from .features import sharpen_edges
 from .surface_distance import SurfaceDistance
-from .topology_check import filled_alike, more_holes
+from .topology_check import fill_with_same_topology, more_holes
 
 
 @dataclass(frozen=True)
@@ -67,12 +67,12 @@ class ClosedSurface:
     def filled(self, size, areas=()):
         """The TetMesh inside, its edges as long as a size, with the surface's sharp edges and outlines of areas.
 
-        Errors as :func:`filled_alike`.
+        Errors as :func:`fill_with_same_topology`.
         """
         labels = np.zeros(self.mesh.triangle_count, int)
         for number, area in enumerate(areas):
             labels[area.triangles] += 1 << number
-        return sharpened(filled_alike(self.distance, size), self.mesh, self.distance.nearest, labels)
+        return sharpen_edges(fill_with_same_topology(self.distance, size), self.mesh, self.distance.nearest, labels)
 
     def more_holes(self, solid):
         """Holes of a solid that the surface has not; negative where it lacks some."""

@@ -21,7 +21,7 @@ FARTHEST = 0.8
 ROUNDS, CANDIDATES = 3, 8
 
 
-def sharpened(solid, mesh, nearest, labels=None):
+def sharpen_edges(solid, mesh, nearest, labels=None):
     """The solid with vertices of its boundary moved onto sharp edges and corners of the surface that it fills.
 
     Parameters

@@ -9,7 +9,7 @@ from ..triangle_mesh import TriangleMesh
 BATCH = 400_000
 
 
-def turned_outwards(mesh):
+def orient_outwards(mesh):
     """The mesh with its faces away from the solid: outwards on shells in no other or in two, inwards on cavities.
 
     Parameters

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...errors import MeshError, SettingError
 from ..tet_mesh import TET_EDGES, TetMesh
-from ..vertex_splitting import separated_solid
+from ..vertex_splitting import split_solid_vertices
 from .lattice import lattice_around
 from .stencils import stencil
 
@@ -36,7 +36,7 @@ class NothingInside(MeshError):
     """No vertex of the lattice is left inside the surface."""
 
 
-def stuffed(signed_distance, bounds, size):
+def fill_surface(signed_distance, bounds, size):
     """Fill a closed surface with tetrahedra whose boundary vertices lie on it.
 
     Sharp edges and corners of the surface are cut off within one ``size``. What is thinner than that may be lost or
@@ -90,7 +90,7 @@ def stuffed(signed_distance, bounds, size):
     on_surface = cuts.copy()
     on_surface[~cuts] = sides[used[~cuts]] == 0
     touching = on_surface[tets].any(axis=1)
-    vertices, tets[touching] = separated_solid(TetMesh(vertices, tets[touching]), on_surface)
+    vertices, tets[touching] = split_solid_vertices(TetMesh(vertices, tets[touching]), on_surface)
     return TetMesh(vertices, tets)
 
 
@@ -108,7 +108,7 @@ def _distances(signed_distance, lattice):
         is_near = np.abs(centres) <= block * lattice.size * np.sqrt(3) / 2
         block //= 2
         if block:
-            centres, undecided = _halved(centres), _halved(is_near)
+            centres, undecided = _split_blocks(centres), _split_blocks(is_near)
     corners = np.zeros(lattice.cells + 1)
     near = np.zeros(lattice.cells + 1, bool)
     nx, ny, nz = lattice.cells
@@ -120,7 +120,7 @@ def _distances(signed_distance, lattice):
     return np.concatenate([corners.ravel(), centres.ravel()])
 
 
-def _halved(blocks):
+def _split_blocks(blocks):
     """Values of blocks handed down to their eight parts."""
     for axis in range(3):
         blocks = blocks.repeat(2, axis=axis)
@@ -210,7 +210,7 @@ def estimated_tets(volume, size, area=0.0):
     Parameters
     ----------
     volume : float or (2, 3) bounds, whose box is then taken for the solid
-    size : float, see :func:`stuffed`
+    size : float, see :func:`fill_surface`
     area : float, of the surface: cut tetrahedra are more for their volume than whole ones
     """
     if np.ndim(volume):

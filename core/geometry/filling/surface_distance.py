@@ -12,7 +12,7 @@ import numpy as np
 from ...errors import MeshError
 from ..check import check_mesh
 from ..nearest import NearestTriangles, nearest_in_triangles
-from .shells import turned_outwards
+from .shells import orient_outwards
 
 
 class SurfaceDistance:
@@ -32,7 +32,7 @@ class SurfaceDistance:
     def __init__(self, mesh):
         check_mesh(mesh)
         check_closed(mesh, np.arange(mesh.vertex_count))
-        self.mesh = turned_outwards(mesh)
+        self.mesh = orient_outwards(mesh)
         self._surface = NearestTriangles(mesh.vertices, mesh.triangles)
 
     @property

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ...errors import MeshError, SettingError
-from .stuffing import NothingInside, estimated_cubes, estimated_tets, stuffed
+from .stuffing import NothingInside, estimated_cubes, estimated_tets, fill_surface
 
 # Share of the surface that may be farther from the solid than so many sizes, found at so many places.
 LOST_AREA, FAR, PLACES = 0.05, 1.5, 4000
@@ -24,7 +24,7 @@ MOST_HOLES = 20
 FINER, MOST_TRIED, MOST_TRIED_CUBES = 0.7, 500_000, 10_000_000
 
 
-def filled_alike(distance, size):
+def fill_with_same_topology(distance, size):
     """The TetMesh inside a closed surface, whose sharp edges and corners are cut off within one ``size``.
 
     Parameters
@@ -37,16 +37,16 @@ def filled_alike(distance, size):
     SettingError
         for a size that makes another body than the surface encloses, with one that does not, where one is found
     MeshError
-        as :func:`stuffed`, and where none up to ``MOST_TRIED`` tetrahedra and ``MOST_TRIED_CUBES`` cubes does
+        as :func:`fill_surface`, and where none up to ``MOST_TRIED`` tetrahedra and ``MOST_TRIED_CUBES`` cubes does
     """
-    solid, flaw = _filled(distance, size)
+    solid, flaw = _try_filling(distance, size)
     if flaw is None:
         return solid
     finer = float(f"{FINER * size:.2g}")  # as it is written, so that what is given is what was tried
     while (count := estimated_tets(distance.volume, finer, distance.area)) <= MOST_TRIED and estimated_cubes(
         distance.bounds, finer
     ) <= MOST_TRIED_CUBES:
-        if _filled(distance, finer)[1] is None:
+        if _try_filling(distance, finer)[1] is None:
             raise SettingError(
                 f"tetrahedra of size {size:.3g} are too large: {flaw}; give a size of {finer:g}, which makes about "
                 f"{count:,} of them"
@@ -58,10 +58,10 @@ def filled_alike(distance, size):
     )
 
 
-def _filled(distance, size):
+def _try_filling(distance, size):
     """The solid and None, or what is wrong with it."""
     try:
-        solid = stuffed(distance, distance.bounds, size)
+        solid = fill_surface(distance, distance.bounds, size)
     except NothingInside:
         return None, "nothing of the solid is left"
     return solid, _flaw(solid, distance, size)

@@ -7,10 +7,10 @@ from ...monitor import OutOfTime
 from ...solution import DESCENT, Certificate, Status
 from ..methods.manifolds import candidates
 from .parts import PartResult
-from .small import AT_ONCE, LARGEST, descended, smallest_eigenpairs, solve_small
+from .small import AT_ONCE, LARGEST, descend_stack, smallest_eigenpairs, solve_small
 
 
-def solve_together(problem, options, monitor, clock, start):
+def solve_components(problem, options, monitor, clock, start):
     """Solve what need not be solved piece by piece.
 
     Parameters
@@ -73,7 +73,7 @@ def _small(problem, numbers, options, monitor, start, coordinates):
         except OutOfTime:
             results.append(_as_they_are(pieces, np.concatenate(chunks[place:]), coordinates, options, False))
             break
-        results.extend(_solved(pieces, chunk, options, monitor, start, coordinates))
+        results.extend(_solve_stack(pieces, chunk, options, monitor, start, coordinates))
     return results
 
 
@@ -91,7 +91,7 @@ def _chunks(sizes, numbers, block, samples):
     return chunks
 
 
-def _solved(pieces, numbers, options, monitor, start, coordinates):
+def _solve_stack(pieces, numbers, options, monitor, start, coordinates):
     """The PartResults of the pieces of one stack."""
     stack = pieces.stack(numbers)
     column = None
@@ -100,9 +100,9 @@ def _solved(pieces, numbers, options, monitor, start, coordinates):
         column[stack.used] = start.column[pieces.rows(numbers)]
     if options.method == "sdp":
         parts = solve_small(stack, options, monitor, column)
-        return [_certified(pieces, numbers[own], stack[own], found, coordinates) for own, found in parts]
+        return [_certify_stack(pieces, numbers[own], stack[own], found, coordinates) for own, found in parts]
     if options.method == DESCENT:
-        fields, steps, out_of_time = descended(stack, column, monitor)
+        fields, steps, out_of_time = descend_stack(stack, column, monitor)
         status = Status.TIME_LIMIT if out_of_time else Status.UNCERTIFIED
         return [_alone(pieces, numbers, stack, fields, iterations=steps, status=status)]
     values, vectors = smallest_eigenpairs(stack)
@@ -115,7 +115,7 @@ def _alone(pieces, numbers, stack, fields, **quality):
     return PartResult(pieces.rows(numbers), stack.mass.shape[1], _columns(stack, fields), **quality)
 
 
-def _certified(pieces, numbers, stack, found, coordinates):
+def _certify_stack(pieces, numbers, stack, found, coordinates):
     fields, lifted = _columns(stack, found.fields), found.lifted[stack.used]
     status = Status.CERTIFIED if found.reached.all() else Status.TARGET_GAP_NOT_REACHED
     if found.out_of_time:

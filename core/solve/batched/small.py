@@ -117,7 +117,7 @@ def solve_small(stack, options, monitor, start=None):
     return results if fields is None else [(k, replace(found, fields=fields[k])) for k, found in results]
 
 
-def descended(stack, start, monitor):
+def descend_stack(stack, start, monitor):
     """(k, N, 1) local optima that descent reaches from fields, its steps, and whether time ran out before."""
     search = _Search(stack, None, monitor)
     return search.polished(start, STEPS), search.steps, search.out_of_time

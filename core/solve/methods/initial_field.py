@@ -95,15 +95,15 @@ def first_field(workspace, rank, seed, monitor):
     columns = rounding.projections(stage, lifted, directions, DIFFUSED, monitor)
     if density > 0:  # a fit that rounding tells from a perfect one
         columns = diffuse(stage, columns, rounding.metrics(stage, rounding.TIMES[:2], density), 1, monitor)
-    columns = _polished(stage, rounding.lowest(stage, columns, POLISHED), density, COARSE_STEPS, monitor)
+    columns = _polish_columns(stage, rounding.lowest(stage, columns, POLISHED), density, COARSE_STEPS, monitor)
     finest = workspace.stages[0]
     if stage is not finest:
         rows = columns[:, :1].reshape(stage.matrix.shape[0], -1)
         columns = finest.candidates.normalize(stage.prolong(rows).reshape(-1, 1))
-    return _polished(finest, columns[:, :1], density, FINE_STEPS, monitor)
+    return _polish_columns(finest, columns[:, :1], density, FINE_STEPS, monitor)
 
 
-def _polished(stage, columns, density, steps, monitor):
+def _polish_columns(stage, columns, density, steps, monitor):
     """Columns after some steps of descent in the metric of fields, best first."""
     if stage.flips is not None:
         return rounding.lowest(stage, stage.flips.descended(columns), columns.shape[1])

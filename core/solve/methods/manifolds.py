@@ -18,7 +18,7 @@ import numpy as np
 from ...algebra.blocks import traces
 from ...algebra.columns import add_multiples, inner_products, precise_inner_products, row_parts
 from ...algebra.orthonormal import gram, nearest, orthonormalize, tangent_part
-from ...algebra.reductions import HERE, Held
+from ...algebra.reductions import HERE, Reductions
 from ...connection import Fibre
 
 # Columns whose singular value is below this share of the largest are empty.
@@ -44,7 +44,7 @@ class Lifted:
 
     block: int
     width: int = 1
-    held: Held = HERE
+    held: Reductions = HERE
     # The metric is close to the Hessian: to remember more saves no step.
     memory = 2
 
@@ -104,7 +104,7 @@ class _Fields:
 
     block: int
     _: KW_ONLY
-    held: Held = HERE
+    held: Reductions = HERE
     memory = 4
 
     def energies(self, point, image):
@@ -151,10 +151,10 @@ class Circles(_Fields):
         """Nearest point: every unit vector scaled to length one; where it vanishes, the phase 1."""
         if self.block == 1:
             lengths = np.abs(point)
-            return _filled(point * _inverse(lengths), lengths, 1)
+            return _fill_zero_columns(point * _inverse(lengths), lengths, 1)
         cosine, sine = self._pair(point)
         lengths = np.sqrt(cosine * cosine + sine * sine)
-        return _filled(point * np.repeat(_inverse(lengths), 2, axis=0), lengths, 2)
+        return _fill_zero_columns(point * np.repeat(_inverse(lengths), 2, axis=0), lengths, 2)
 
     def gradient(self, point, image):
         """Half the energy's derivative by the angles."""
@@ -237,7 +237,7 @@ class Columns(_Fields):
         vectors = self._vectors(point)
         lengths = np.sqrt(gram(vectors, vectors)[:, 0, 0])
         columns = (vectors * _inverse(lengths)[:, None, None]).reshape(point.shape)
-        return _filled(columns, lengths, self.block)
+        return _fill_zero_columns(columns, lengths, self.block)
 
     def gradient(self, point, image):
         """Half the energy's gradient: the part of the image that is tangent."""
@@ -298,7 +298,7 @@ def _inverse(lengths):
     return 1 / np.maximum(lengths, np.finfo(lengths.dtype).tiny)
 
 
-def _filled(columns, lengths, block):
+def _fill_zero_columns(columns, lengths, block):
     """Columns, in place, with a unit vector where the (nodes, k) lengths were none.
 
     Any is as good there; without one its edges would cost too little.

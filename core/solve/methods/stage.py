@@ -4,7 +4,7 @@
 from copy import copy
 from functools import cached_property
 
-from ...algebra.blocks import clipped, on_rows
+from ...algebra.blocks import clip_eigenvalues, on_rows
 from ...algebra.coarsening import graph_laplacian, scalar_aggregates, turning_laplacian
 from ...algebra.metric import SMALLEST_SHIFT, Hierarchy, Metric, definite_metric
 from ...algebra.products import SharedRows
@@ -83,7 +83,7 @@ class Stage:
         """
         point = point.astype(self.matrix.dtype, copy=False)
         diagonal = self._level.matrix.diagonal().real
-        duals = clipped(on_rows(self.lifted.multipliers(point, self.matrix @ point), self.block), diagonal)
+        duals = clip_eigenvalues(on_rows(self.lifted.multipliers(point, self.matrix @ point), self.block), diagonal)
         shift = self.shift_at(point)
         lowered = self._hierarchy.lowered(TAKEN_OFF * duals, self._depth)
         if lowered is not None:

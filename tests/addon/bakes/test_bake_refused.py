@@ -188,7 +188,7 @@ def test_refused_bake_is_one_line_and_does_nothing(name, tmp_path, monkeypatch):
     obj = furnished()
     if name == "empty map":
         obj.data.uv_layers["First"].uv.foreach_set("vector", np.zeros(2 * len(obj.data.loops), np.float32))
-    monkeypatch.setattr(bake_stage, "staged", lambda *_, **__: pytest.fail("work has begun"))
+    monkeypatch.setattr(bake_stage, "make_stage", lambda *_, **__: pytest.fail("work has begun"))
     settings, reason = ERRORS[name]
     before = everything()
     with pytest.raises(SettingError) as refusal:

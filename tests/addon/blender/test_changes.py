@@ -6,7 +6,7 @@ import bpy
 import pytest
 
 from synch_fields.synch_addon.blender.changes import changes
-from synch_fields.synch_addon.jobs.lru_cache import Shelf
+from synch_fields.synch_addon.jobs.lru_cache import LruCache
 
 from ..scenes import grid
 
@@ -67,7 +67,7 @@ def test_changes_of_a_mesh_count_in_every_file(change, counts):
 
 
 def test_what_is_kept_is_made_again_for_another_state_only():
-    shelf, made = Shelf(2), []
+    shelf, made = LruCache(2), []
 
     def make():
         made.append(None)

@@ -77,11 +77,11 @@ def test_words_that_blender_means_otherwise_are_looked_up_apart():
 
 def test_texts_are_filled_in(monkeypatch):
     german = {text: other for (_, text), other in TABLES["de"].items()}
-    assert translations.said("Energy {energy:.4g}", energy=2.5) == "Energy 2.5"
-    assert translations.counted(1, "dislocation") == "1 dislocation"
+    assert translations.translate("Energy {energy:.4g}", energy=2.5) == "Energy 2.5"
+    assert translations.translate_count(1, "dislocation") == "1 dislocation"
     monkeypatch.setattr(translations, "pgettext_iface", german.get)
-    assert translations.said("Energy {energy:.4g}", energy=2.5) == "Energie 2.5"
-    assert [translations.counted(count, "vertex") for count in (0, 1, 2)] == ["0 Punkte", "1 Punkt", "2 Punkte"]
+    assert translations.translate("Energy {energy:.4g}", energy=2.5) == "Energie 2.5"
+    assert [translations.translate_count(count, "vertex") for count in (0, 1, 2)] == ["0 Punkte", "1 Punkt", "2 Punkte"]
 
 
 @pytest.mark.skipif(not bpy.app.build_options.international, reason="this Blender has been built without languages")

@@ -77,7 +77,7 @@ def test_a_pattern_with_a_shared_command_and_shares_of_it(ball, tmp_path, monkey
     monkeypatch.chdir(tmp_path)
     for name in ("a", "b", "c"):
         (tmp_path / f"{name}.obj").write_bytes(ball.read_bytes())
-    monkeypatch.setattr(batch, "Crew", Here)
+    monkeypatch.setattr(batch, "ProcessPool", Here)
     flags = ["--threads", batch.WORKERS, "--folder", "done"]
     rows = ["--", "info", "--report", "{stem}.json"]
     status, out, _ = run(capfd, "batch", "*.obj", *flags, "--share", "1/2", *rows)
@@ -99,7 +99,7 @@ class Here:
     def __init__(self, *_):
         self._answers = []
         self._way = batch.Way(
-            lambda line: main._parsed(main._parser(False), line), main.declared_files, main._carry_out_row
+            lambda line: main._parse_row(main._parser(False), line), main.declared_files, main._carry_out_row
         )
 
     def start(self, task):
@@ -115,7 +115,7 @@ class Here:
 
 def test_pictures_come_small_on_the_sheet(ball, tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(batch, "Crew", Here)
+    monkeypatch.setattr(batch, "ProcessPool", Here)
     monkeypatch.setattr(
         main, "_delivered", lambda made, options, _progress: draw(made, getattr(options, "render", None))
     )
@@ -189,7 +189,7 @@ def test_all_files_that_a_row_reads_count(tmp_path, monkeypatch):
 
 
 def test_what_a_row_says_aloud_does_not_count():
-    way = batch.Way(lambda line: main._parsed(main._parser(False), line), main.declared_files, None)
+    way = batch.Way(lambda line: main._parse_row(main._parser(False), line), main.declared_files, None)
     rows = [batch._understood(["stripes", "a.obj", *more], way) for more in ([], ["--quiet"], ["--spacing=1"])]
     assert isinstance(rows[0], Row) and rows[0].options == rows[1].options != rows[2].options
 
@@ -229,7 +229,7 @@ POISON = [
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes")
 def test_rows_of_every_bad_kind_fail_alone(ball, tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(batch, "Crew", Here)
+    monkeypatch.setattr(batch, "ProcessPool", Here)
     Path("ball.obj").write_bytes(ball.read_bytes())
     os.mkfifo("pipe.obj")
     good = b'{"command": "info", "input": "ball.obj", "report": "new/%d.json"}'

@@ -117,7 +117,7 @@ def test_outputs_of_layers_replace_no_input_and_no_output(cube, flags, capfd):
 
 
 def test_a_changed_machine_or_guide_changes_the_key_of_a_row(cube):
-    way = batch.Way(lambda line: main._parsed(main._parser(False), line), declared_files, None)
+    way = batch.Way(lambda line: main._parse_row(main._parser(False), line), declared_files, None)
     line = ["layers", "part_000.stl", "--machine", "m.toml", "--guidance", "file:v.vtu", "--export-gcode", "p.gcode"]
 
     def key():

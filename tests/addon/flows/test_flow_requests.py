@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError, SynchError
-from synch_fields.core.process.ipc import Unpacker, packed
+from synch_fields.core.process.ipc import Unpacker, pack_parts
 from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.flows.job import job_for
@@ -97,7 +97,7 @@ def test_a_damaged_file_is_refused_in_the_solve_in_one_line(tmp_path):
 def test_the_mesh_of_a_surface_does_not_travel_back(tmp_path):
     request = asked("surface", tmp_path).request
     result = request.solve()
-    alone, shared = (b"".join(packed(result, own)) for own in ((), request.shared))
+    alone, shared = (b"".join(pack_parts(result, own)) for own in ((), request.shared))
     (back,) = Unpacker(request.shared).feed(shared)
     assert back.found.grid.mesh is request.given.mesh and len(shared) < len(alone) - request.given.mesh.vertices.nbytes
     assert are_same(back, result)

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.core.process.ipc import Unpacker, packed
+from synch_fields.core.process.ipc import Unpacker, pack_parts
 from synch_fields.core.settings.constraints import Constraint
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon.frames.job import AnimationJob, Span
@@ -21,7 +21,7 @@ from ..scenes import add_group, quad_sphere, sphere
 
 def through_a_pipe(message, own=(), theirs=()):
     """A copy of a message as the other end of a pipe gets it."""
-    (found,) = Unpacker(theirs).feed(b"".join(bytes(part) for part in packed(message, own)))
+    (found,) = Unpacker(theirs).feed(b"".join(bytes(part) for part in pack_parts(message, own)))
     return found
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.fields import direction_field
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.interpolate import evaluate, face_phases
 from synch_fields.synch_addon.blender import attributes, meshes
 from synch_fields.synch_addon.nodes import quads
@@ -99,7 +99,7 @@ def baked(obj, outputs, **inputs):
 def random_phases(obj):
     """The object's faces with random phases along the smoothest crosses: full of defects of both kinds."""
     given = meshes.read_mesh(obj)
-    growth = Growth.of(given.mesh, direction_field(given.mesh, 4), 0.5)
+    growth = TargetOneForm.of(given.mesh, direction_field(given.mesh, 4), 0.5)
     random = np.random.default_rng(2)
     phases = np.exp(1j * random.uniform(-np.pi, np.pi, len(growth.masses)))
     return given.polygons, face_phases(growth.edge_phases(phases), given.polygons)

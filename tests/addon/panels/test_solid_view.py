@@ -89,11 +89,11 @@ def test_the_ink_follows_the_shape_and_is_made_again_only_when_that_changes(prep
     monkeypatch.setattr(solid_view.DrawnTriangles, "of", lambda *given: cut.append(1) or of(*given))
     for _ in range(3):
         bpy.context.view_layer.update()
-        before = solid_view.drawn(obj, bpy.context.evaluated_depsgraph_get())
+        before = solid_view.drawn_pattern(obj, bpy.context.evaluated_depsgraph_get())
     assert len(made) == 1
     bend()
     bpy.context.view_layer.update()
-    places, phases = solid_view.drawn(obj, bpy.context.evaluated_depsgraph_get())
+    places, phases = solid_view.drawn_pattern(obj, bpy.context.evaluated_depsgraph_get())
     assert np.ptp(places[:, 2]) > 1.5 * np.ptp(before[0][:, 2])
     assert phases is before[1] and len(cut) == 1  # what does not depend on places is as it was
 

@@ -120,7 +120,7 @@ def test_what_fails_leaves_nothing(monkeypatch):
     obj = sphere()
     guide_strokes.add(obj, [LINE], "ALONG", None)
     before, strokes = snapshot(), keys(obj)
-    monkeypatch.setattr(guide_strokes, "_changed", lambda curve: 1 / 0)
+    monkeypatch.setattr(guide_strokes, "_strokes_changed", lambda curve: 1 / 0)
     for work in (
         lambda: guide_strokes.add(obj, [LINE], "ALONG", None),
         lambda: guide_strokes.add(obj, [LINE], "ACROSS", None),

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from synch_fields.core.process.ipc import packed
+from synch_fields.core.process.ipc import pack_parts
 from synch_fields.synch_addon.jobs.job import run
 from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.patterns import guide_strokes, memory
@@ -144,8 +144,8 @@ def test_the_newest_value_wins_and_the_steps_between_are_not_kept(monkeypatch):
     assert len(asked) == 2 and memory.state(obj).report.settings.spacing == pytest.approx(0.4 * 1.01**4)
     assert len(memory._fields.get(obj)._unmade) == 2
     # Of what both have, nothing was told twice.
-    assert len(b"".join(packed(("solve", asked[1].request), asked[0].request.kept))) < 0.5 * len(
-        b"".join(packed(("solve", asked[1].request)))
+    assert len(b"".join(pack_parts(("solve", asked[1].request), asked[0].request.kept))) < 0.5 * len(
+        b"".join(pack_parts(("solve", asked[1].request)))
     )
 
 

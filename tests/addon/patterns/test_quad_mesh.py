@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
-from synch_fields.core.extract.quads.finishing import smoothed
+from synch_fields.core.extract.quads.finishing import finish_quads
 from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import meshes
@@ -378,6 +378,6 @@ def test_quads_around_a_ball_are_no_mesh_of_a_torus():
         mesh = meshes.read_mesh(build()).mesh
         if refused:
             with pytest.raises(SettingError, match="a handle of it would be lost: reduce the spacing"):
-                smoothed(quads, mesh, (), (), 0)
+                finish_quads(quads, mesh, (), (), 0)
         else:
-            assert smoothed(quads, mesh, (), (), 0) is quads
+            assert finish_quads(quads, mesh, (), (), 0) is quads

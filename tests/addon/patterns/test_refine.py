@@ -61,7 +61,7 @@ def test_what_the_panel_sees_is_what_the_automatic_spacing_takes(build, scale):
     obj.scale = scale
     bpy.context.view_layer.update()
     exact = reading.carried_spacing(meshes.read_mesh(obj).mesh.edge_lengths)
-    assert refine.carried(obj).spacing == pytest.approx(exact, rel=0.1)
+    assert refine.mesh_detail(obj).spacing == pytest.approx(exact, rel=0.1)
 
 
 @pytest.mark.parametrize("command", ["stripes", "quads"])
@@ -73,13 +73,13 @@ def test_the_panel_tells_the_automatic_spacing(build, command):
     obj.synch.spacing_map, obj.synch.spacing_range = "finer", 0.25  # multiplies what is told
     bpy.context.view_layer.update()
     exact = reading.automatic_spacing(command, meshes.read_mesh(obj).mesh)
-    assert refine.told_spacing(command, obj) == pytest.approx(exact, rel=0.1)
+    assert refine.expected_spacing(command, obj) == pytest.approx(exact, rel=0.1)
 
 
 def test_what_the_panel_tells_is_a_length_in_the_units_of_the_scene():
     obj, layout = grid(), Layout()
     refine.draw_told(layout, "stripes", obj)
-    told = refine.told_spacing("stripes", obj)
+    told = refine.expected_spacing("stripes", obj)
     assert layout.lines == [f"About {100 * told:.3g} cm apart"]
     obj.synch.automatic_spacing = False
     refine.draw_told(layout, "stripes", obj)
@@ -91,7 +91,7 @@ def test_a_sample_of_many_faces_is_close():
     obj.data.transform(((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 3, 0), (0, 0, 0, 1)))
     exact = reading.carried_spacing(meshes.read_mesh(obj).mesh.edge_lengths)
     assert len(obj.data.polygons) > 8 * refine.FACES_SEEN
-    assert refine.carried(obj).spacing == pytest.approx(exact, rel=0.1)
+    assert refine.mesh_detail(obj).spacing == pytest.approx(exact, rel=0.1)
 
 
 @pytest.mark.parametrize("automatic", [False, True])
@@ -99,7 +99,7 @@ def test_no_warning_where_most_edges_have_no_length(automatic):
     corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), *[(0, 0, 0)] * 300]
     obj = add_object(corners, np.arange(303).reshape(-1, 3))
     obj.synch.automatic_spacing = automatic
-    assert refine.carried(obj).spacing == 0 and refine.carried(obj).size == 1
+    assert refine.mesh_detail(obj).spacing == 0 and refine.mesh_detail(obj).size == 1
     assert warning(obj) == ([], 0)
 
 
@@ -143,11 +143,11 @@ def test_spacing_map_counts():
 
 def test_moved_vertices_are_seen():
     obj = grid()
-    before = refine.carried(obj).spacing
+    before = refine.mesh_detail(obj).spacing
     obj.data.transform(((3, 0, 0, 0), (0, 3, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)))
     obj.data.update()
     bpy.context.view_layer.update()
-    assert refine.carried(obj).spacing == pytest.approx(3 * before, rel=1e-5)
+    assert refine.mesh_detail(obj).spacing == pytest.approx(3 * before, rel=1e-5)
 
 
 @pytest.mark.parametrize("build", [sphere, quad_sphere])

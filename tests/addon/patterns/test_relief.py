@@ -8,7 +8,7 @@ import pytest
 
 from synch_fields.core.errors import SynchError
 from synch_fields.core.fields import direction_field
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.interpolate import evaluate, face_phases
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import attributes, meshes
@@ -36,7 +36,7 @@ class Evaluated:
 def random_stripes(obj):
     """Faces and phases of random stripes along the smoothest lines: full of defects of both kinds."""
     given = meshes.read_mesh(obj)
-    growth = Growth.of(given.mesh, direction_field(given.mesh, 2), SPACING)
+    growth = TargetOneForm.of(given.mesh, direction_field(given.mesh, 2), SPACING)
     phases = np.exp(1j * np.random.default_rng(2).uniform(-np.pi, np.pi, given.mesh.vertex_count))
     return given.polygons, face_phases(growth.edge_phases(phases), given.polygons)
 

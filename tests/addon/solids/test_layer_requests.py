@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import Cancelled, SynchError
-from synch_fields.core.process.ipc import Unpacker, packed
+from synch_fields.core.process.ipc import Unpacker, pack_parts
 from synch_fields.core.settings.layers import LayerSettings
 from synch_fields.core.tasks.layer_outputs import PathSettings
 from synch_fields.synch_addon import api
@@ -87,11 +87,11 @@ def test_what_both_sides_have_does_not_travel_back():
     """A fine surface carries the phase itself: its mesh comes back as a place."""
     request = api.layer_job(sphere(4), LayerSettings(spacing=0.5, size=0.2)).request
     result = request.solve()
-    parcel = b"".join(map(bytes, packed(result, request.shared)))
+    parcel = b"".join(map(bytes, pack_parts(result, request.shared)))
     (back,) = Unpacker(request.shared).feed(parcel)
     assert not back.phases.is_own and back.phases.mesh is request.surface.mesh
     assert numbers(back) == numbers(result)
-    whole = b"".join(map(bytes, packed(result)))
+    whole = b"".join(map(bytes, pack_parts(result)))
     assert len(whole) - len(parcel) > request.surface.mesh.vertices.nbytes
 
 
@@ -105,7 +105,7 @@ def test_paths_and_voxels_are_plain_data(tmp_path):
             np.testing.assert_array_equal(getattr(again.lines, name), getattr(paths.lines, name))
         np.testing.assert_array_equal(again.layers, paths.layers)
         assert again.lines.lengths.sum() == paths.lines.lengths.sum() > 0
-        (back,) = Unpacker(job.request.shared).feed(b"".join(map(bytes, packed(paths, job.request.shared))))
+        (back,) = Unpacker(job.request.shared).feed(b"".join(map(bytes, pack_parts(paths, job.request.shared))))
         assert back.lines.mesh is job.request.surfaces.mesh
     job = outputs.VolumeJob(obj, tmp_path / "bar.vdb", 20)
     voxels, again = job.request.solve(), unpickled(unpickled(job.request).solve())

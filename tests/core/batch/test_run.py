@@ -10,7 +10,7 @@ import time
 
 import pytest
 
-from synch_fields.core.batch.process_pool import Crew
+from synch_fields.core.batch.process_pool import ProcessPool
 from synch_fields.core.batch.records import Records
 from synch_fields.core.batch.rows import Row
 from synch_fields.core.batch.run import Planned, plan, run_rows
@@ -31,7 +31,7 @@ def records(tmp_path, monkeypatch):
 
 
 def run(wanted, records, count=1, retries=1, progress=told, limit=None):
-    crew = Crew(COMMAND, count, 1)
+    crew = ProcessPool(COMMAND, count, 1)
     try:
         return run_rows(wanted, records, crew, retries, {}, progress, limit)
     finally:
@@ -135,7 +135,7 @@ def test_the_processes_end_with_the_batch(records):
 
 def test_a_process_ends_when_its_batch_is_killed(records, tmp_path):
     """Its pipe closes, whatever it is doing."""
-    crew = Crew(COMMAND, 1, 1)
+    crew = ProcessPool(COMMAND, 1, 1)
     crew.start({"key": "0" * 32, "arguments": ["slow", "0.txt"], "working_folder": ".", "folder": "batch"})
     while not ((tmp_path / "begun.txt").exists() and (tmp_path / "begun.txt").read_text().strip()):
         time.sleep(0.01)
@@ -157,7 +157,7 @@ def test_a_process_has_its_threads_and_not_what_slows_its_memory(records, monkey
 
 def test_a_command_that_is_not_there_fails_its_rows(records):
     wanted = rows("write")
-    crew = Crew(["no-such-program"], 1, 1)
+    crew = ProcessPool(["no-such-program"], 1, 1)
     try:
         run_rows(wanted, records, crew, 0, {}, told)
     finally:

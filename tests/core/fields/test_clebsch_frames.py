@@ -12,7 +12,7 @@ from synch_fields.core.algebra.products import SharedRows
 from synch_fields.core.extract.vortices.filaments import filaments
 from synch_fields.core.fields.biot_savart import filament_velocity
 from synch_fields.core.fields.clebsch import clebsch_map, edge_integrals, spherical_map
-from synch_fields.core.fields.clebsch_frames import following_map, following_sphere, grown_phases, potential
+from synch_fields.core.fields.clebsch_frames import advance_phases, following_map, following_sphere, potential
 from synch_fields.core.geometry.grid import Grid
 from synch_fields.core.solve import Options
 
@@ -99,7 +99,7 @@ def test_a_wind_without_vorticity_changes_neither_filaments_nor_the_sphere(frame
 
 def test_phases_are_turned_to_those_before(frames):
     for (before, _), (found, _) in pairwise(frames[0]):
-        agreement = np.vdot(before.phases * grown_phases(before, found.integrals), found.phases)
+        agreement = np.vdot(before.phases * advance_phases(before, found.integrals), found.phases)
         assert agreement.real > 0 and abs(agreement.imag) < 1e-9 * abs(agreement)
 
 

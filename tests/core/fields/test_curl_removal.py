@@ -21,7 +21,7 @@ from synch_fields.core.fields.directions import LARGEST_RATIO, direction_problem
 from synch_fields.core.fields.patterns import pattern_problem
 from synch_fields.core.fields.quads import quad_pattern
 from synch_fields.core.fields.stripes import stripe_pattern
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.interpolate import EdgePhases, dislocation_numbers
 from synch_fields.core.problem import Merged, Targets
@@ -74,7 +74,7 @@ def around_axis(mesh):
 def growing_around(mesh, rates):
     """The growth of one phase around the z axis at (n,) rates."""
     field = given_directions(mesh, 1, around_axis(mesh)).turned(-np.pi / 2)
-    return Growth.of(mesh, field, TURN / rates)
+    return TargetOneForm.of(mesh, field, TURN / rates)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.25, 1.0])
@@ -84,7 +84,7 @@ def test_the_holonomy_that_is_left_is_the_rest_of_what_was_asked(build, symmetry
     mesh = build()
     field = turned_crosses(direction_field(mesh, symmetry), random_turns(mesh))
     spacing = np.random.default_rng(1).uniform(0.1, 0.3, mesh.vertex_count)
-    growth = Growth.of(mesh, field, spacing)
+    growth = TargetOneForm.of(mesh, field, spacing)
     calmed = growth.calmed(share, *free())
     np.testing.assert_allclose(holonomy(calmed), (1 - share) * holonomy(growth), atol=1e-10)
     assert np.abs(holonomy(growth)).max() > 0.1
@@ -108,7 +108,7 @@ def test_curvature_is_evened_out_and_its_total_stays_where_there_is_no_boundary(
 def test_no_other_changes_with_that_holonomy_are_nearer(build, symmetry):
     """Against the normal equations, dense; on the torus also the part around the handles stays."""
     mesh = build()
-    growth = Growth.of(mesh, turned_crosses(direction_field(mesh, symmetry), random_turns(mesh)), 0.5)
+    growth = TargetOneForm.of(mesh, turned_crosses(direction_field(mesh, symmetry), random_turns(mesh)), 0.5)
     count = growth.phase_count
     circulation, _ = surface_circulation(mesh, growth.matchings, count)
     weights = np.maximum(np.repeat(mesh.weights, count), SMALLEST_WEIGHT)
@@ -125,7 +125,7 @@ def test_no_other_changes_with_that_holonomy_are_nearer(build, symmetry):
 @pytest.mark.parametrize("build", SURFACES)
 def test_turns_for_candidates_are_about_those_that_calm(build, symmetry):
     mesh = build()
-    growth = Growth.of(mesh, turned_crosses(direction_field(mesh, symmetry), random_turns(mesh)), 0.5)
+    growth = TargetOneForm.of(mesh, turned_crosses(direction_field(mesh, symmetry), random_turns(mesh)), 0.5)
     exact = growth.calmed(1.0, *free()).correction.ravel()
     turns = growth.turns_to_calm(*free())
     rough = np.where(growth._flips, -turns, turns)
@@ -137,11 +137,11 @@ def test_on_a_flat_torus_a_wave_is_left_alone_and_a_shear_loses_its_wind():
     """Rates 2 pi (3 + sin(2 pi y)) along x: what has no curl and the same mean is the constant 6 pi."""
     mesh, along = flat_torus(columns=32, rows=32)
     field = DirectionField(mesh, 1, along - np.pi / 2)
-    plain = Growth.of(mesh, field, 1 / 3)
+    plain = TargetOneForm.of(mesh, field, 1 / 3)
     assert np.abs(plain.calmed(1.0, *free()).changes - plain.changes).max() < 1e-10
     y = np.arange(mesh.vertex_count) % 32 / 32
     rates = TURN * (3 + np.sin(TURN * y))
-    calmed = Growth.of(mesh, field, TURN / rates).calmed(1.0, *free())
+    calmed = TargetOneForm.of(mesh, field, TURN / rates).calmed(1.0, *free())
     np.testing.assert_allclose(calmed.changes, plain.changes, atol=5e-4)
 
 
@@ -243,7 +243,7 @@ def test_which_direction_stands_for_a_cross_does_not_matter():
     field = direction_field(mesh, 4)
     energies = []
     for turned in (field, turned_crosses(field, random_turns(mesh))):
-        growth = Growth.of(mesh, turned, 0.3)
+        growth = TargetOneForm.of(mesh, turned, 0.3)
         calmed = growth.calmed(0.7, *free())
         energies.append(np.sort(np.abs(calmed.changes).ravel()))
     np.testing.assert_allclose(energies[0], energies[1], atol=1e-9)
@@ -257,7 +257,7 @@ def test_no_dislocation_is_left_without_branching(symmetry):
     solve_pattern = stripe_pattern if symmetry == 2 else quad_pattern
     counts = [len(solve_pattern(mesh, field, 0.12, branching=share).dislocations) for share in (1.0, 0.5, 0.0)]
     assert counts[0] > counts[1] >= counts[2] == 0
-    assert Growth.of(mesh, field, 0.12).forced_dislocations > 10
+    assert TargetOneForm.of(mesh, field, 0.12).forced_dislocations > 10
 
 
 @pytest.mark.parametrize("symmetry", [1, 2, 4])

@@ -8,8 +8,8 @@ from scipy.linalg import null_space
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.extract.layers.defect_curves import defect_curves
-from synch_fields.core.fields.curl_removal import closed_in_solid
-from synch_fields.core.fields.layers import LayerGroup, SolidGrowth, layer_problem, solve_layers
+from synch_fields.core.fields.curl_removal import close_changes
+from synch_fields.core.fields.layers import LayerGroup, SolidTargetOneForm, layer_problem, solve_layers
 from synch_fields.core.geometry.tet_mesh import TetMesh
 
 from ..layered_solids import bent_bar
@@ -53,7 +53,7 @@ def test_no_other_changes_without_curl_are_nearer(build, held):
         chosen = (mesh.vertices[:, held] < mesh.vertices[:, held].min() + 1e-9)[mesh.edges].all(axis=1)
         known[chosen] = np.diff(value[mesh.edges[chosen]], axis=1)[:, 0] - changes[chosen]
         assert 0 < chosen.sum() < len(chosen)
-    closed = closed_in_solid(mesh, changes, known)
+    closed = close_changes(mesh, changes, known)
     told = ~np.isnan(known)
     dense = sums(mesh)
     np.testing.assert_allclose(dense @ closed, 0, atol=1e-9)
@@ -93,7 +93,7 @@ def test_layers_branch_less_and_at_last_not_at_all(counts):
 
 def test_what_is_asked_stays_to_the_last_bit_with_all_branching():
     mesh = ball(1, 3)
-    growth = SolidGrowth.of(mesh, np.tile([0.0, 0, 1], (mesh.vertex_count, 1)), 0.3)
+    growth = SolidTargetOneForm.of(mesh, np.tile([0.0, 0, 1], (mesh.vertex_count, 1)), 0.3)
     asked = layer_problem(mesh, growth.rates / np.linalg.norm(growth.rates, axis=1, keepdims=True), 0.3)
     np.testing.assert_array_equal(asked.connection.transports, growth.connection.transports)
 

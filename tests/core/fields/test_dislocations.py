@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 
 from synch_fields.core.fields import direction_field, given_directions, stripe_pattern
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.interpolate import dislocation_numbers
 
 from ..meshes import CLOSED, annulus, disk, icosphere, torus
 
 
 def random_phases(mesh, field, spacing, seed=0):
-    growth = Growth.of(mesh, field, spacing)
+    growth = TargetOneForm.of(mesh, field, spacing)
     phases = np.exp(1j * np.random.default_rng(seed).uniform(-np.pi, np.pi, growth.masses.shape))
     return growth.edge_phases(phases), growth
 
@@ -142,7 +142,7 @@ def test_reversing_a_vector_field_conjugates_its_stripes(symmetry):
     mesh = icosphere(2)
     field = direction_field(mesh, symmetry)
     pattern = stripe_pattern(mesh, field, 0.5)
-    reverse = Growth.of(mesh, field.turned(np.pi), 0.5).edge_phases(pattern.solution.phases.conj())
+    reverse = TargetOneForm.of(mesh, field.turned(np.pi), 0.5).edge_phases(pattern.solution.phases.conj())
     np.testing.assert_allclose(reverse.changes, -pattern.edge_phases.changes, atol=1e-9)
     numbers, _ = dislocation_numbers(pattern.edge_phases, mesh.triangles)
     np.testing.assert_array_equal(dislocation_numbers(reverse, mesh.triangles)[0], -numbers)

@@ -7,7 +7,7 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields import Row, boundary_line, direction_field, quad_pattern, stripe_pattern
-from synch_fields.core.fields.animation import carried_angles, in_sheets_of, next_solution
+from synch_fields.core.fields.animation import carry_angles, in_sheets_of, next_solution
 from synch_fields.core.fields.directions import DirectionField, DirectionWishes
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.problem import SynchronizationProblem, Targets
@@ -40,7 +40,7 @@ def test_a_rigid_motion_carries_directions_as_vectors(build):
     matrix = rotation()
     other = moved(mesh, matrix, (1.0, -2.0, 3.0))
     angles = np.random.default_rng(1).uniform(-np.pi, np.pi, mesh.vertex_count)
-    carried = carried_angles(angles, mesh, other)
+    carried = carry_angles(angles, mesh, other)
     np.testing.assert_allclose(carried, angles, atol=1e-12)
     np.testing.assert_allclose(
         DirectionField(other, 1, carried).vectors, DirectionField(mesh, 1, angles).vectors @ matrix.T, atol=1e-12
@@ -58,14 +58,14 @@ def test_a_linear_map_of_the_plane_carries_directions_by_its_rotation():
     direction = np.array([np.cos(0.7), np.sin(0.7)])
     wanted = u @ v @ direction
     angle = mesh.tangent_numbers(np.tile([*direction, 0], (7, 1)))
-    carried = DirectionField(other, 1, carried_angles(np.angle(angle), mesh, other)).vectors
+    carried = DirectionField(other, 1, carry_angles(np.angle(angle), mesh, other)).vectors
     np.testing.assert_allclose(carried[0], [*wanted, 0], atol=1e-12)
 
 
 def test_meshes_of_other_triangles_are_refused():
     mesh = square(3)
     with pytest.raises(SettingError, match="afresh"):
-        carried_angles(np.zeros(16), mesh, square(3, split="AC"))
+        carry_angles(np.zeros(16), mesh, square(3, split="AC"))
     with pytest.raises(SettingError, match="afresh"):
         direction_field(mesh, 2, before=direction_field(square(4), 2))
 

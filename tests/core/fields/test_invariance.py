@@ -10,7 +10,7 @@ from synch_fields.core.defects import wrap
 from synch_fields.core.fields import DirectionField, direction_field, given_directions
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.fields.stripes import stripe_pattern, stripe_problem
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.interpolate import dislocation_numbers
 from synch_fields.core.solve import Options, solve
@@ -135,7 +135,7 @@ def test_a_stripe_pattern_keeps_its_energy_and_defects(build, kind, symmetry):
         moved_field, phases = change.field(field), change.phases(pattern.solution.phases)
         problem = stripe_problem(change.new, moved_field, change.scale * spacing)
         assert problem.energy(phases) == pytest.approx(pattern.solution.energy, rel=1e-9)
-        moved = Growth.of(change.new, moved_field, change.scale * spacing).edge_phases(phases)
+        moved = TargetOneForm.of(change.new, moved_field, change.scale * spacing).edge_phases(phases)
         moved_numbers, moved_torn = dislocation_numbers(moved, change.new.triangles)
         np.testing.assert_array_equal(moved_torn[change.triangle], torn)
         # The sign of a line's index belongs to the sheet of the first corner, which may be another one.

@@ -13,7 +13,7 @@ from synch_fields.core.fields.guidance.solids import (
     distance_directions,
     harmonic_directions,
 )
-from synch_fields.core.fields.layers import LayerGroup, SolidGrowth, layer_problem, solve_layers
+from synch_fields.core.fields.layers import LayerGroup, SolidTargetOneForm, layer_problem, solve_layers
 from synch_fields.core.interpolate_solid import evaluate_in_tets
 from synch_fields.core.solve import Options
 
@@ -152,7 +152,7 @@ def _rim(mesh):
 
 def asked_circulation(mesh, directions, spacing):
     """Turns asked for around the section of a bent bar."""
-    changes = SolidGrowth.of(mesh, directions, spacing).changes
+    changes = SolidTargetOneForm.of(mesh, directions, spacing).changes
     total = 0.0
     for chain in _rim(mesh):
         forward = np.where(chain[:-1] < chain[1:], 1, -1)
@@ -189,7 +189,7 @@ def test_fixed_phases_are_met_exactly_and_nothing_turns_along_their_surface(phas
     for group in groups:
         np.testing.assert_allclose(wrap(pattern.vertex_phases[group.vertices] - phase), 0, atol=1e-9)
         assert np.abs(pattern.edge_phases.changes[mesh.edges_between(*group.sides.T)]).max() == 0
-    asked = SolidGrowth.of(mesh, slant, 0.19).changes[mesh.edges_between(*groups[0].sides.T)]
+    asked = SolidTargetOneForm.of(mesh, slant, 0.19).changes[mesh.edges_between(*groups[0].sides.T)]
     assert np.abs(asked).max() > np.pi
     on_groups = np.isin(mesh.faces, groups[0].vertices).all(axis=1) | np.isin(mesh.faces, groups[1].vertices).all(
         axis=1

@@ -10,7 +10,7 @@ import pytest
 from synch_fields.core.errors import SettingError
 from synch_fields.core.extract.layers.surfaces import layer_surfaces
 from synch_fields.core.fields.guidance.solids import axis_directions
-from synch_fields.core.fields.layers import LayerGroup, SolidGrowth, solve_growth
+from synch_fields.core.fields.layers import LayerGroup, SolidTargetOneForm, solve_growth
 from synch_fields.core.fields.limits import ENOUGH, Limits, solve_within
 from synch_fields.core.printing.heights import below
 
@@ -27,14 +27,14 @@ def bar(outer, spacing=0.14):
     """A growth around a bent bar whose outer side is so much longer, and groups of its ends."""
     mesh, around = bent_bar((10, 40, 4), 1, outer, np.pi / 2, 0.4)
     groups = [LayerGroup.of_vertices(mesh, np.isclose(mesh.vertices[:, axis], 0), 0.0) for axis in (0, 1)]
-    return SolidGrowth.of(mesh, around, spacing), groups
+    return SolidTargetOneForm.of(mesh, around, spacing), groups
 
 
 @pytest.mark.parametrize(("largest", "count"), [(0.34, 3), (0.3, 4), (0.24, 5)])
 def test_between_two_groups_there_are_as_many_layers_as_the_limit_asks_for(largest, count):
     """Three layers of a third are nearest to 0.3: a lower limit takes the next whole numbers."""
     mesh = block((4, 4, 10))
-    growth = SolidGrowth.of(mesh, axis_directions(mesh, (0, 0, 1)), 0.3)
+    growth = SolidTargetOneForm.of(mesh, axis_directions(mesh, (0, 0, 1)), 0.3)
     pattern, _ = solve_within(growth, Limits(0.1, largest), ends_of(mesh, 2, 0, 1))
     np.testing.assert_allclose(pattern.spacings.distances, 1 / count, rtol=1e-4)
     assert Limits(0.1, largest).outside_share(pattern) == 0
@@ -78,7 +78,7 @@ def test_without_limits_nothing_changes():
     assert used is growth and Limits().outside_share(pattern) == 0
     # Nor where they are kept as it is.
     mesh = block((3, 3, 6), jitter=0.2)
-    even = SolidGrowth.of(mesh, axis_directions(mesh, (1, 2, 2)), 0.3)
+    even = SolidTargetOneForm.of(mesh, axis_directions(mesh, (1, 2, 2)), 0.3)
     pattern, used = solve_within(even, Limits(0.3, 0.31))
     assert used is even and Limits(0.3, 0.31).outside_share(pattern) == 0
 

@@ -8,7 +8,7 @@ import pytest
 from synch_fields.core.connection import Connection, as_matrices, circle_transports
 from synch_fields.core.fields import direction_field, given_directions, quad_pattern
 from synch_fields.core.fields.quads import quad_problem
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.problem import SynchronizationProblem, Targets
 from synch_fields.core.solve import Options, Status, solve
@@ -135,7 +135,7 @@ def test_tiny_patterns_lie_between_their_bound_and_the_optimum(build, seed):
     random = np.random.default_rng(seed)
     field = given_directions(mesh, 4, random.standard_normal((mesh.vertex_count, 3)))
     spacing = random.uniform(0.4, 1.0, mesh.vertex_count)
-    connection = Growth.of(mesh, field, spacing).connection
+    connection = TargetOneForm.of(mesh, field, spacing).connection
     problem = quad_problem(mesh, field, spacing)
     solution = solve(problem, Options(target_gap=1e-4, samples=32))
     best = brute_force(connection)
@@ -151,7 +151,7 @@ def test_the_optimum_of_a_tiny_pattern_does_not_depend_on_representatives(build)
     mesh = build()
     field = given_directions(mesh, 4, np.random.default_rng(8).standard_normal((mesh.vertex_count, 3)))
     bests = [
-        brute_force(Growth.of(mesh, turned_crosses(field, random_turns(mesh, seed)), 0.7).connection)
+        brute_force(TargetOneForm.of(mesh, turned_crosses(field, random_turns(mesh, seed)), 0.7).connection)
         for seed in range(3)
     ]
     np.testing.assert_allclose(bests, bests[0], rtol=1e-8, atol=1e-10)

@@ -20,7 +20,7 @@ from synch_fields.core.fields import (
 from synch_fields.core.fields.constraints.lines import line_of_group, line_of_points
 from synch_fields.core.fields.mirror import Mirror
 from synch_fields.core.fields.quads import quad_problem
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry.mirror import mirrored_vertices
 from synch_fields.core.problem import Merged, Targets
 from synch_fields.core.solve import Options, solve
@@ -315,7 +315,7 @@ def test_the_bound_holds_for_every_symmetric_choice(degrees):
     vectors = np.column_stack([np.cos(angle + turns), np.sin(angle + turns), 0 * angle])
     field = given_directions(mesh, 4, vectors)
     spacing = np.array([0.5, 0.8, 0.5, 0.9, 0.45, 0.9])
-    growth = Growth.of(mesh, field, spacing)
+    growth = TargetOneForm.of(mesh, field, spacing)
     links = mirror.phase_links(growth)
     alone = links.i == links.j
     assert alone.sum() == (0 if degrees == 45 else 4) and links.flips[alone].sum() == alone.sum() // 2

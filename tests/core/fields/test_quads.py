@@ -14,7 +14,7 @@ from synch_fields.core.fields import (
     stripe_pattern,
 )
 from synch_fields.core.fields.quads import quad_problem
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import dislocation_numbers, evaluate
@@ -170,7 +170,7 @@ def test_a_pattern_is_torn_where_its_crosses_are(build, characteristic):
 
 def quad_energy(mesh, field, pattern):
     """What is missing on all edges that the problem is posed on, from the phase changes that the pattern takes."""
-    growth = Growth.of(mesh, field, spacing_of(mesh)).posed
+    growth = TargetOneForm.of(mesh, field, spacing_of(mesh)).posed
     missing = growth.edge_phases(pattern.phases).changes - growth.changes
     return (growth.mesh.weights[:, None] * 4 * np.sin(missing / 2) ** 2).sum()
 
@@ -219,7 +219,7 @@ def test_turned_representatives_change_nothing_but_names(build, seed):
     first, second = quad_problem(mesh, field, spacing), quad_problem(mesh, other, spacing)
     assert second.energy(phases) == pytest.approx(first.energy(pattern.solution.phases), rel=1e-9)
     np.testing.assert_allclose(products(phases), products(pattern.solution.phases), atol=1e-12)
-    moved = Growth.of(mesh, other, spacing).edge_phases(phases)
+    moved = TargetOneForm.of(mesh, other, spacing).edge_phases(phases)
     for old, new in zip(found_numbers(pattern.edge_phases), found_numbers(moved), strict=True):
         np.testing.assert_array_equal(new, old)
     again = quad_pattern(mesh, other, spacing).solution
@@ -246,7 +246,7 @@ def test_a_quad_pattern_keeps_its_energy_and_defects(build, kind):
     phases = pattern.solution.phases.reshape(-1, 2)[old].ravel()
     problem = quad_problem(other, moved_field, scale * spacing)
     assert problem.energy(phases) == pytest.approx(pattern.solution.energy, rel=1e-9)
-    moved = Growth.of(other, moved_field, scale * spacing).edge_phases(phases)
+    moved = TargetOneForm.of(other, moved_field, scale * spacing).edge_phases(phases)
     for before, after in zip(found_numbers(pattern.edge_phases), found_numbers(moved), strict=True):
         np.testing.assert_array_equal(after[triangle], before)
     bound = solve(problem).lower_bound

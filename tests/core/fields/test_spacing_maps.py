@@ -8,7 +8,7 @@ import pytest
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields import Row, given_directions, stripe_pattern
 from synch_fields.core.fields.directions import DirectionField
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 
 from ..meshes import annulus, square
 from ..wishes import along, chain, cosines
@@ -22,7 +22,7 @@ def test_a_spacing_that_grows_across_the_stripes():
     line = chain(mesh, x == 0)
     pattern = stripe_pattern(mesh, field, spacing, [Row(line, "phase")])
     # The integral of 2 pi / spacing, by the trapezoidal rule on the columns: no stripe needs to end.
-    assert pattern.solution.energy < 1e-12 and Growth.of(mesh, field, spacing).forced_dislocations < 1e-9
+    assert pattern.solution.energy < 1e-12 and TargetOneForm.of(mesh, field, spacing).forced_dislocations < 1e-9
     np.testing.assert_allclose(cosines(pattern), np.cos(20 * np.pi * np.log1p(x)), atol=0.03)
 
 
@@ -30,9 +30,9 @@ def test_what_a_spacing_forces_is_the_circulation():
     mesh = annulus(1.0, 4.0, rings=24, segments=160)
     radius = np.linalg.norm(mesh.vertices, axis=1)
     spokes = given_directions(mesh, 2, mesh.vertices / radius[:, None])
-    assert Growth.of(mesh, spokes, 0.5).forced_dislocations == pytest.approx(2 * np.pi * 3 / 0.5, rel=1e-3)
+    assert TargetOneForm.of(mesh, spokes, 0.5).forced_dislocations == pytest.approx(2 * np.pi * 3 / 0.5, rel=1e-3)
     # As many spokes outside as inside, but for what each triangle's trapezoidal rule is off.
-    assert Growth.of(mesh, spokes, 0.5 * radius).forced_dislocations < 0.05 * 2 * np.pi * 3 / 0.5
+    assert TargetOneForm.of(mesh, spokes, 0.5 * radius).forced_dislocations < 0.05 * 2 * np.pi * 3 / 0.5
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields import direction_field, given_directions, stripe_pattern
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import evaluate
@@ -80,7 +80,7 @@ def test_the_phase_is_linear_and_turns_once_per_spacing(spacing):
 def test_asked_phase_changes_are_those_of_a_plane_wave(symmetry):
     mesh, turn = tilted(square(6))
     field = constant_field(mesh, turn, 0.8, symmetry)
-    growth = Growth.of(mesh, field.turned(-np.pi / 2), 2 * np.pi / 3.0)
+    growth = TargetOneForm.of(mesh, field.turned(-np.pi / 2), 2 * np.pi / 3.0)
     i, j = mesh.edges.T
     # For the phase of the lower vertex, whose vector is the one that counts.
     asked = 3.0 * np.einsum("ij,ij->i", field.vectors[i], mesh.edge_vectors)
@@ -162,5 +162,5 @@ def test_coarse_edges_are_counted():
     mesh = square(10, split="AC")
     field = given_directions(mesh, 1, np.tile([0.0, 1, 0], (mesh.vertex_count, 1)))
     crossing = np.abs(mesh.edge_vectors[:, 0]) > 1e-9
-    assert Growth.of(mesh, field, 0.21).coarse_share == 0
-    assert Growth.of(mesh, field, 0.19).coarse_share == pytest.approx(crossing.mean())
+    assert TargetOneForm.of(mesh, field, 0.21).coarse_share == 0
+    assert TargetOneForm.of(mesh, field, 0.19).coarse_share == pytest.approx(crossing.mean())

@@ -9,7 +9,7 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields import direction_field, given_directions
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 
 from ..crosses import plane_crosses, plane_waves, random_turns, turned_crosses, turned_phases
@@ -28,7 +28,7 @@ SURFACES = [
 def test_asked_changes_are_those_of_two_plane_waves(degrees):
     mesh = square(6)
     field, angles = plane_crosses(mesh, degrees)
-    growth = Growth.of(mesh, field, 0.3)
+    growth = TargetOneForm.of(mesh, field, 0.3)
     assert growth.phase_count == 2 and len(np.unique(growth.matchings)) == 4
     i, j = mesh.edges.T
     # For the phases of the lower vertex: its own waves, seen from both ends.
@@ -44,7 +44,7 @@ def test_the_energy_is_that_of_matched_phases_edge_by_edge(build):
     """Node 2 v + l is phase l of vertex v: both phases of every edge count with its weight."""
     mesh = build()
     field = turned_crosses(direction_field(mesh, 4), random_turns(mesh))
-    growth = Growth.of(mesh, field, np.linalg.norm(np.ptp(mesh.vertices, axis=0)) / 5)
+    growth = TargetOneForm.of(mesh, field, np.linalg.norm(np.ptp(mesh.vertices, axis=0)) / 5)
     arguments = np.random.default_rng(0).uniform(-np.pi, np.pi, (mesh.vertex_count, 2))
     total = 0.0
     edges = zip(mesh.edges, mesh.weights, growth.changes, growth.matchings, strict=True)
@@ -63,7 +63,10 @@ def test_other_representatives_ask_the_same_of_turned_phases(build, seed):
     mesh = build()
     field, turns = direction_field(mesh, 4), random_turns(mesh, seed)
     spacing = np.random.default_rng(1).uniform(0.1, 1, mesh.vertex_count)
-    first, second = Growth.of(mesh, field, spacing), Growth.of(mesh, turned_crosses(field, turns), spacing)
+    first, second = (
+        TargetOneForm.of(mesh, field, spacing),
+        TargetOneForm.of(mesh, turned_crosses(field, turns), spacing),
+    )
     phases = np.exp(1j * np.random.default_rng(seed).uniform(-np.pi, np.pi, (mesh.vertex_count, 2)))
     energies = [first.connection.energy(phases.ravel()), second.connection.energy(turned_phases(phases, turns).ravel())]
     assert energies[1] == pytest.approx(energies[0], rel=1e-9)
@@ -84,14 +87,14 @@ def growth_axes(growth, angles):
 def test_the_first_of_two_spacings_lies_along_the_axis_nearer_to_x(degrees):
     mesh = square(5)
     field, angles = plane_crosses(mesh, degrees)
-    spacings, axes = growth_axes(Growth.of(mesh, field, np.array([[0.2, 0.5]])), angles)
+    spacings, axes = growth_axes(TargetOneForm.of(mesh, field, np.array([[0.2, 0.5]])), angles)
     np.testing.assert_allclose(spacings, np.where(np.abs(axes[:, :, 0]) > np.sqrt(0.5), 0.2, 0.5), rtol=1e-12)
 
 
 def test_at_45_degrees_either_axis_is_the_first_but_everywhere_the_same():
     mesh = square(5)
     field, angles = plane_crosses(mesh, 45)
-    spacings, axes = growth_axes(Growth.of(mesh, field, np.array([[0.2, 0.5]])), angles)
+    spacings, axes = growth_axes(TargetOneForm.of(mesh, field, np.array([[0.2, 0.5]])), angles)
     rising = axes.prod(axis=2) > 0
     assert len(np.unique(spacings[rising].round(12))) == len(np.unique(spacings[~rising].round(12))) == 1
     assert spacings[rising][0] != pytest.approx(spacings[~rising][0])
@@ -103,7 +106,7 @@ def test_y_decides_where_x_is_out_of_reach(seed):
     upright = TriangleMesh(flat.vertices[:, [2, 0, 1]], flat.triangles)  # the plane of Y and Z
     turns = (random_turns(upright) + seed) % 4
     vectors = np.array([[0, 1, 0], [0, 0, 1], [0, -1, 0], [0, 0, -1.0]])
-    growth = Growth.of(upright, given_directions(upright, 4, vectors[turns]), np.array([[0.2, 0.5]]))
+    growth = TargetOneForm.of(upright, given_directions(upright, 4, vectors[turns]), np.array([[0.2, 0.5]]))
     # A first phase grows a quarter turn further than the direction that its vertex knows.
     np.testing.assert_allclose(2 * np.pi / growth.rates[:, 0], np.where(turns % 2 == 1, 0.2, 0.5))
     np.testing.assert_allclose(2 * np.pi / growth.rates[:, 1], np.where(turns % 2 == 1, 0.5, 0.2))
@@ -113,7 +116,7 @@ def test_every_vertex_may_have_two_spacings_of_its_own():
     mesh = square(5)
     field, angles = plane_crosses(mesh)
     given = np.random.default_rng(2).uniform(0.1, 1, (mesh.vertex_count, 2))
-    spacings, axes = growth_axes(Growth.of(mesh, field, given), angles)
+    spacings, axes = growth_axes(TargetOneForm.of(mesh, field, given), angles)
     along_x = np.abs(axes[:, :, 0]) > 0.5
     np.testing.assert_allclose(spacings, np.where(along_x, given[:, :1], given[:, 1:]), rtol=1e-12)
 
@@ -122,7 +125,7 @@ def test_each_piece_has_its_own_first_axis():
     mesh = together(square(4), square(5))
     angles = np.radians(np.where(mesh.pieces == 0, 10, 80)) + np.pi / 2 * random_turns(mesh)
     field = given_directions(mesh, 4, np.column_stack([np.cos(angles), np.sin(angles), 0 * angles]))
-    spacings, axes = growth_axes(Growth.of(mesh, field, np.array([[0.2, 0.5]])), angles)
+    spacings, axes = growth_axes(TargetOneForm.of(mesh, field, np.array([[0.2, 0.5]])), angles)
     np.testing.assert_allclose(spacings, np.where(np.abs(axes[:, :, 0]) > np.sqrt(0.5), 0.2, 0.5), rtol=1e-12)
 
 
@@ -132,11 +135,11 @@ def test_disclinations_that_exchange_the_axes_refuse_two_spacings():
     with pytest.raises(
         SettingError, match=r"two different spacings need .* disclinations on the piece of vertex 0: use"
     ):
-        Growth.of(sphere, field, np.array([[0.2, 0.3]]))
-    np.testing.assert_allclose(Growth.of(sphere, field, np.array([[0.2, 0.2]])).rates, 2 * np.pi / 0.2)
+        TargetOneForm.of(sphere, field, np.array([[0.2, 0.3]]))
+    np.testing.assert_allclose(TargetOneForm.of(sphere, field, np.array([[0.2, 0.2]])).rates, 2 * np.pi / 0.2)
     both = together(flat, sphere)
     with pytest.raises(SettingError, match=f"on the piece of vertex {flat.vertex_count}: use the same"):
-        Growth.of(both, direction_field(both, 4), np.array([[0.2, 0.3]]))
+        TargetOneForm.of(both, direction_field(both, 4), np.array([[0.2, 0.3]]))
 
 
 def test_a_ring_around_which_the_axes_change_places_refuses_two_spacings():
@@ -146,10 +149,10 @@ def test_a_ring_around_which_the_axes_change_places_refuses_two_spacings():
         angles = quarters / 4 * np.arctan2(y, x)
         field = given_directions(mesh, 4, np.column_stack([np.cos(angles), np.sin(angles), 0 * x]))
         if fits:
-            assert len(np.unique(Growth.of(mesh, field, np.array([[0.2, 0.3]])).rates.round(9))) == 2
+            assert len(np.unique(TargetOneForm.of(mesh, field, np.array([[0.2, 0.3]])).rates.round(9))) == 2
         else:
             with pytest.raises(SettingError, match="two different spacings"):
-                Growth.of(mesh, field, np.array([[0.2, 0.3]]))
+                TargetOneForm.of(mesh, field, np.array([[0.2, 0.3]]))
 
 
 # What can be told before anything is solved
@@ -158,7 +161,7 @@ def test_a_ring_around_which_the_axes_change_places_refuses_two_spacings():
 def test_nothing_is_forced_where_two_plane_waves_fit():
     mesh = square(8)
     for spacing in (0.3, np.array([[0.2, 0.7]])):
-        assert Growth.of(mesh, plane_crosses(mesh, 20)[0], spacing).forced_dislocations < 1e-9
+        assert TargetOneForm.of(mesh, plane_crosses(mesh, 20)[0], spacing).forced_dislocations < 1e-9
 
 
 def test_spokes_at_even_distances_force_as_many_dislocations_as_the_rims_differ():
@@ -167,9 +170,9 @@ def test_spokes_at_even_distances_force_as_many_dislocations_as_the_rims_differ(
     for fineness in (1, 2):
         mesh = annulus(0.25, 2.0, rings=18 * fineness, segments=108 * fineness)
         field = turned_crosses(given_directions(mesh, 4, mesh.vertices), random_turns(mesh))
-        forced = Growth.of(mesh, field, 2 * np.pi / 16).forced_dislocations
+        forced = TargetOneForm.of(mesh, field, 2 * np.pi / 16).forced_dislocations
         errors.append(forced / (16 * (2 - 0.25)) - 1)
-        assert Growth.of(mesh, field, np.pi / 16).forced_dislocations == pytest.approx(2 * forced, rel=1e-9)
+        assert TargetOneForm.of(mesh, field, np.pi / 16).forced_dislocations == pytest.approx(2 * forced, rel=1e-9)
     # The trapezoidal rule is off by the length of an edge to the third power in each triangle.
     assert 0 < errors[0] < 0.03 and errors[1] < 0.6 * errors[0]
 
@@ -178,7 +181,7 @@ def test_spokes_at_even_distances_force_as_many_dislocations_as_the_rims_differ(
 def test_triangles_around_which_phases_change_places_force_nothing(build):
     """The others by a walk with matrices around each."""
     mesh = build()
-    growth = Growth.of(mesh, turned_crosses(direction_field(mesh, 4), random_turns(mesh)), 0.3)
+    growth = TargetOneForm.of(mesh, turned_crosses(direction_field(mesh, 4), random_turns(mesh)), 0.3)
     lookup = {tuple(edge): e for e, edge in enumerate(mesh.edges.tolist())}
     total = 0.0
     for triangle in mesh.triangles.tolist():
@@ -200,9 +203,9 @@ def test_spacing_that_grows_along_the_lines_forces_dislocations():
     y = mesh.vertices[:, 1]
     field, _ = plane_crosses(mesh)
     along_x = np.column_stack([1 / (1 + y), np.full(len(y), 0.5)])
-    assert Growth.of(mesh, field, along_x).forced_dislocations == pytest.approx(1, rel=1e-9)
+    assert TargetOneForm.of(mesh, field, along_x).forced_dislocations == pytest.approx(1, rel=1e-9)
     across = np.column_stack([np.full(len(y), 0.5), 1 / (1 + y)])  # stretches without a fork
-    assert Growth.of(mesh, field, across).forced_dislocations < 1e-9
+    assert TargetOneForm.of(mesh, field, across).forced_dislocations < 1e-9
 
 
 def test_an_edge_is_coarse_where_either_phase_turns_too_far():
@@ -215,12 +218,12 @@ def test_an_edge_is_coarse_where_either_phase_turns_too_far():
         (np.array([[0.21, 0.19]]), y > 0.05),
         (np.array([[0.19, 0.19]]), x >= 0),
     ):
-        assert Growth.of(mesh, field, spacing).coarse_share == pytest.approx(coarse.mean())
+        assert TargetOneForm.of(mesh, field, spacing).coarse_share == pytest.approx(coarse.mean())
 
 
 def test_edge_phases_keep_to_what_was_asked():
     mesh = torus()
-    growth = Growth.of(mesh, direction_field(mesh, 4), 0.3)
+    growth = TargetOneForm.of(mesh, direction_field(mesh, 4), 0.3)
     random = np.random.default_rng(3).uniform(-np.pi, np.pi, (mesh.vertex_count, 2))
     edge_phases = growth.edge_phases(np.exp(1j * random).ravel())
     np.testing.assert_allclose(edge_phases.arguments, random, atol=1e-12)

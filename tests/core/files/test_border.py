@@ -17,7 +17,7 @@ from synch_fields.core.errors import ContradictionError, MeshError, SettingError
 from synch_fields.core.files.border import border, text_numbers
 from synch_fields.core.files.directions import read_field
 from synch_fields.core.files.flows import flow_file
-from synch_fields.core.files.json_text import NUMBER, json_text, kept
+from synch_fields.core.files.json_text import NUMBER, json_text, read_kept_dict
 from synch_fields.core.files.meshes import check_glb
 from synch_fields.core.files.solid_vectors import read_vectors
 from synch_fields.core.files.tets import read_tets
@@ -229,9 +229,9 @@ VALUES = {"command": ("", str), "energy": (None, NUMBER), "spread": (None, {"low
 
 
 def test_kept_values_come_back_with_defaults():
-    found = kept('{"command": "stripes", "spread": {"low": 1, "ends": [0, 2.5]}}', "what Body keeps", VALUES)
+    found = read_kept_dict('{"command": "stripes", "spread": {"low": 1, "ends": [0, 2.5]}}', "what Body keeps", VALUES)
     assert found == {"command": "stripes", "energy": None, "spread": {"low": 1, "ends": [0, 2.5]}}
-    assert kept("", "what Body keeps", VALUES) == {}
+    assert read_kept_dict("", "what Body keeps", VALUES) == {}
 
 
 @pytest.mark.parametrize(
@@ -244,5 +244,5 @@ def test_kept_values_come_back_with_defaults():
 )
 def test_spoilt_kept_values_are_refused_in_one_line(text):
     with pytest.raises(SettingError, match=r"^what Body keeps cannot be read .*: solve it again$") as caught:
-        kept(text, "what Body keeps", VALUES)
+        read_kept_dict(text, "what Body keeps", VALUES)
     assert "\n" not in str(caught.value)

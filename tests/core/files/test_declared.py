@@ -9,7 +9,7 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.files import declared
-from synch_fields.core.files.declared import DeclaredFile, check_clashes, check_inputs, made_folders
+from synch_fields.core.files.declared import DeclaredFile, check_clashes, check_inputs, make_folders
 
 
 def read(path):
@@ -91,15 +91,15 @@ def test_pipes_and_devices_are_refused_as_inputs_and_nothing_else(here):
 
 def test_folders_are_made_for_the_work_and_go_where_it_fails_without_a_file(here):
     files = [read("in/a.obj"), written("x/y/a.json"), written("x/z/b.json")]
-    with pytest.raises(ValueError), made_folders(files):
+    with pytest.raises(ValueError), make_folders(files):
         assert sorted(os.listdir("x")) == ["y", "z"]
         raise ValueError
     assert sorted(os.listdir()) == ["a.obj", "folder"]
-    with pytest.raises(ValueError), made_folders(files):
+    with pytest.raises(ValueError), make_folders(files):
         (here / "x" / "y" / "a.json").write_text("failed")
         raise ValueError
     assert os.listdir("x") == ["y"]
-    with made_folders(files):
+    with make_folders(files):
         pass
     assert sorted(os.listdir("x")) == ["y", "z"]
 
@@ -107,7 +107,7 @@ def test_folders_are_made_for_the_work_and_go_where_it_fails_without_a_file(here
 def test_a_folder_that_cannot_be_made_is_told_and_nothing_is_left(here):
     with (
         pytest.raises(SettingError, match=r"a\.obj/b\.json: cannot be written \(no folder can be made"),
-        made_folders([written("new/b.json"), written("a.obj/b.json")]),
+        make_folders([written("new/b.json"), written("a.obj/b.json")]),
     ):
         raise AssertionError("nothing is to be written")
     assert sorted(os.listdir()) == ["a.obj", "folder"]

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from synch_fields.core.extract.vortices.filaments import Filament
-from synch_fields.core.extract.vortices.linking_numbers import linked
+from synch_fields.core.extract.vortices.linking_numbers import linking_numbers
 from synch_fields.core.files.filaments import legacy_of, polydata_of, table_of
 
 from ..flows import ring_curve
@@ -19,7 +19,7 @@ LINES = [
     Filament(np.array([[0, 0, 0], [0, 0, 0.25], [0, 0, 0.75]]), 1.0, True, (0, 0, 1), np.array([0, 0, 1.0])),
     Filament(np.array([[3.0, 0, 0], [4, 0, 0]]), 1.0, False),
 ]
-WINDING = linked(LINES, np.zeros(3))
+WINDING = linking_numbers(LINES, np.zeros(3))
 COURSES = [np.vstack([RING, RING[:1]]), np.array([[0, 0, 0], [0, 0, 0.25], [0, 0, 0.75], [0, 0, 1.0]]), LINES[2].points]
 VALUES = {
     "circulation": [2, 1, 1],
@@ -75,7 +75,7 @@ def test_the_older_form_says_the_same():
 
 
 def test_no_filaments_are_files_too():
-    none = linked([], np.zeros(3))
+    none = linking_numbers([], np.zeros(3))
     assert len(table_of([], none).splitlines()) == 1
     assert ElementTree.fromstring(polydata_of([], none)).find("PolyData/Piece").get("NumberOfLines") == "0"
     assert "LINES 0 0" in legacy_of([], none)

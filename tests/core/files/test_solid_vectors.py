@@ -8,7 +8,7 @@ import pytest
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields.filled_surface import FilledSurface
 from synch_fields.core.fields.guidance.filled import of_given_lines, of_given_vectors
-from synch_fields.core.fields.guidance.given import oriented, principal, vectors_at, without_sign
+from synch_fields.core.fields.guidance.given import orient_vectors, principal, vectors_at, without_sign
 from synch_fields.core.fields.guidance.solids import have_directions
 from synch_fields.core.files.solid_vectors import SolidVectors, read_vectors
 from synch_fields.core.geometry.tet_mesh import TetMesh
@@ -131,7 +131,7 @@ def test_lines_of_either_sign_agree_with_their_neighbours():
     """Around a bent bar, with signs thrown: one field, which is the bar's own or its opposite."""
     mesh, around = bent_bar((6, 20, 3), 1, 2, np.pi / 2, 0.3)
     thrown = around * np.random.default_rng(1).choice([-1.0, 1.0], mesh.vertex_count)[:, None]
-    found = oriented(mesh, thrown)
+    found = orient_vectors(mesh, thrown)
     dots = np.einsum("nx,nx->n", found, around)
     np.testing.assert_allclose(np.abs(dots.sum()), mesh.vertex_count)
     given = SolidVectors(mesh, thrown[mesh.tets[:, 0]], False)  # in tetrahedra: means of lines, not of vectors
@@ -148,7 +148,7 @@ def test_lines_that_come_back_turned_over_have_no_direction_there():
     mesh = TetMesh(bar.vertices[first], names.reshape(-1)[bar.tets])
     angle = np.arctan2(mesh.vertices[:, 1], mesh.vertices[:, 0]) / 2
     lines = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
-    known = have_directions(mesh, oriented(mesh, lines))
+    known = have_directions(mesh, orient_vectors(mesh, lines))
     turns = np.unique(np.rint(48 * angle[~known] / np.pi))
     assert 2 <= len(turns) <= 4 and 2 * 9 <= np.count_nonzero(~known) <= 4 * 9
     np.testing.assert_allclose(np.abs(np.einsum("nx,nx->n", principal(without_sign(lines)), lines)), 1)

@@ -16,7 +16,7 @@ import pytest
 from synch_fields.core.errors import SettingError
 from synch_fields.core.files import meshes, pictures
 from synch_fields.core.files.directions import FaceField, write_field
-from synch_fields.core.files.whole import check_writable, write_text, written_together, written_whole
+from synch_fields.core.files.whole import check_writable, write_text, write_together, write_whole
 
 
 @pytest.fixture
@@ -28,7 +28,7 @@ def place(tmp_path):
 
 
 def test_a_file_takes_the_place_of_an_older_one_at_the_end(place):
-    with written_whole(place) as made:
+    with write_whole(place) as made:
         assert made.parent == place.parent and made.suffix == ".txt"
         made.write_text("new")
         assert place.read_text() == "old"
@@ -37,7 +37,7 @@ def test_a_file_takes_the_place_of_an_older_one_at_the_end(place):
 
 @pytest.mark.parametrize("fault", [ValueError("broken"), KeyboardInterrupt(), MemoryError()])
 def test_whatever_goes_wrong_leaves_the_older_file_and_nothing_else(place, fault):
-    with pytest.raises(type(fault)), written_whole(place) as made:
+    with pytest.raises(type(fault)), write_whole(place) as made:
         made.write_text("half of i")
         raise fault
     assert place.read_text() == "old" and os.listdir(place.parent) == ["given.txt"]
@@ -53,7 +53,7 @@ def test_whatever_goes_wrong_leaves_the_older_file_and_nothing_else(place, fault
     ],
 )
 def test_what_is_not_complete_is_refused_in_one_line(place, write, words):
-    with pytest.raises(SettingError) as caught, written_whole(place, lambda made: made.read_text() == "whole") as made:
+    with pytest.raises(SettingError) as caught, write_whole(place, lambda made: made.read_text() == "whole") as made:
         write(made)
     assert str(caught.value) == f"{place}: cannot be written ({words}): make room, or choose another place"
     assert place.read_text() == "old" and os.listdir(place.parent) == ["given.txt"]
@@ -76,7 +76,7 @@ def test_a_device_is_written_to_as_it_is(tmp_path):
         write_text(link, "new")
     assert link.is_symlink()
     write_text("/dev/null", "new")
-    with pytest.raises(SettingError, match="this is no file"), written_whole("/dev/null", lambda made: True):
+    with pytest.raises(SettingError, match="this is no file"), write_whole("/dev/null", lambda made: True):
         raise AssertionError("nothing is to be written")
 
 
@@ -111,7 +111,7 @@ def test_a_field_that_cannot_be_written_leaves_the_older_one(tmp_path):
 
 def write_set(folder, *texts):
     """Write numbered files together; a text of None fails as a full disk does."""
-    with written_together() as written:
+    with write_together() as written:
         for number, text in enumerate(texts):
             with written(folder / f"part_{number:03d}.txt") as made:
                 if text is None:

@@ -7,7 +7,7 @@ import pytest
 
 from synch_fields.core.fields import DirectionWishes, Row, direction_field, line_of_edges
 from synch_fields.core.geometry import check_mesh
-from synch_fields.core.geometry.cut import carried_edges, cut_open
+from synch_fields.core.geometry.cut import cut_open, edges_after_cut
 
 from ..meshes import annulus, cube, icosphere, slivers, square, torus
 
@@ -25,7 +25,7 @@ def test_a_square_cut_across_falls_into_two():
     assert len(np.unique(cut.pieces)) == 2
     np.testing.assert_array_equal(source[cut.triangles], mesh.triangles)
     np.testing.assert_array_equal(source[: mesh.vertex_count], np.arange(mesh.vertex_count))
-    assert len(carried_edges(mesh, cut, middle)) == 2 * len(middle)
+    assert len(edges_after_cut(mesh, cut, middle)) == 2 * len(middle)
     check_mesh(cut, np.arange(cut.triangle_count))
 
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from synch_fields.core.geometry.drawn import evened, needed, parts
+from synch_fields.core.geometry.drawn import parts, simplify_polyline, smooth_polyline
 
 
 def flat(x, y):
@@ -28,14 +28,14 @@ def test_waves_of_a_length_shrink_by_their_factor_and_ends_stay(times):
     k = np.pi / 8
     numbers = np.arange(33)
     points = flat(numbers, np.sin(k * numbers))
-    found = evened(points, times)
+    found = smooth_polyline(points, times)
     np.testing.assert_allclose(found, flat(numbers, ((1 + np.cos(k)) / 2) ** times * np.sin(k * numbers)), atol=1e-12)
 
 
 def test_points_with_no_share_stay():
     points = flat(np.arange(9), np.arange(9) % 2)
     shares = np.where(np.arange(9) < 4, 0.0, 1.0)
-    found = evened(points, 1, shares)
+    found = smooth_polyline(points, 1, shares)
     np.testing.assert_array_equal(found[:4], points[:4])
     np.testing.assert_allclose(found[4:8, 1], 0.5)
 
@@ -54,7 +54,7 @@ def distance_to(points, line):
 def test_nothing_that_is_left_out_lies_far_from_what_is_kept(tolerance):
     angles = np.linspace(0, 5, 400)
     points = np.column_stack([np.cos(angles), np.sin(angles), 0.1 * angles])
-    kept = needed(points, tolerance, np.inf)
+    kept = simplify_polyline(points, tolerance, np.inf)
     assert kept[0] == 0 and kept[-1] == 399
     assert distance_to(points, points[kept]).max() <= tolerance
     # A chord of an arc of radius 1 that is off by t spans an angle of about 2 root(2 t).
@@ -63,12 +63,12 @@ def test_nothing_that_is_left_out_lies_far_from_what_is_kept(tolerance):
 
 def test_a_straight_line_needs_its_ends_and_no_piece_is_too_long():
     points = flat(np.linspace(0, 1, 101), np.zeros(101))
-    assert needed(points, 1e-9, np.inf).tolist() == [0, 100]
-    kept = needed(points, 1e-9, 0.2)
+    assert simplify_polyline(points, 1e-9, np.inf).tolist() == [0, 100]
+    kept = simplify_polyline(points, 1e-9, 0.2)
     assert np.diff(points[kept, 0]).max() <= 0.2 + 1e-12 and len(kept) <= 10
-    assert needed(points[:2], 0.0, 0.001).tolist() == [0, 1]
+    assert simplify_polyline(points[:2], 0.0, 0.001).tolist() == [0, 1]
 
 
 def test_points_in_one_place_are_no_trouble():
     points = np.ones((5, 3))
-    assert needed(points, 0.1, 1.0).tolist() == [0, 4]
+    assert simplify_polyline(points, 0.1, 1.0).tolist() == [0, 4]

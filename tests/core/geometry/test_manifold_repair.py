@@ -10,7 +10,7 @@ import pytest
 
 from synch_fields.core.errors import MeshError
 from synch_fields.core.fields import direction_field
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import check_mesh
 from synch_fields.core.geometry.manifold_repair import KINDS, carrier
 from synch_fields.core.interpolate import evaluate, face_phases
@@ -160,7 +160,7 @@ def test_turned_and_doubled_faces_show_what_clean_ones_do(build, symmetry):
     found = carrier(turned, drawn)
     triangles = [np.unique(np.sort(each.triangles), axis=0) for each in (found.mesh, mesh)]
     np.testing.assert_array_equal(*triangles)
-    growth = Growth.of(mesh, direction_field(mesh, symmetry), 0.3)
+    growth = TargetOneForm.of(mesh, direction_field(mesh, symmetry), 0.3)
     phases = np.exp(1j * np.random.default_rng(6).uniform(-np.pi, np.pi, len(growth.masses)))
     edge_phases = growth.edge_phases(phases)
     clean, shown = face_phases(edge_phases, polygons), face_phases(edge_phases, found.polygons)

@@ -10,7 +10,7 @@ from synch_fields.core.fields.guidance.solids import axis_directions
 from synch_fields.core.fields.layers import LayerGroup, solve_layers
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.printing.beads import NARROWEST, contour_beads, plane_beads
-from synch_fields.core.printing.subdivision import refined
+from synch_fields.core.printing.subdivision import subdivide
 
 from ..layered_solids import block, shell
 
@@ -108,15 +108,15 @@ def test_planes_say_what_they_leave():
 def test_refined_triangles_are_the_same_surface():
     _, surfaces = planes((1, 0.6, 0.4))
     mesh = surfaces.mesh
-    fine, parents = refined(mesh, 0.05, 10**6)
+    fine, parents = subdivide(mesh, 0.05, 10**6)
     assert fine.edge_lengths.max() <= 0.05 and fine.euler_characteristic == mesh.euler_characteristic
     np.testing.assert_allclose(np.bincount(parents, fine.areas), mesh.areas, rtol=1e-9)
     np.testing.assert_array_equal(fine.vertices[: mesh.vertex_count], mesh.vertices)
     np.testing.assert_allclose(np.einsum("tx,tx->t", fine.face_normals, mesh.face_normals[parents]), 1, atol=1e-9)
-    assert refined(mesh, 1e-6, 3000)[0].triangle_count <= 3000
+    assert subdivide(mesh, 1e-6, 3000)[0].triangle_count <= 3000
 
 
 def test_a_cut_triangle_has_two_to_four_parts():
     mesh = TriangleMesh([[0, 0, 0], [3, 0, 0], [0, 1, 0]], [[0, 1, 2]])
     for size, count in ((4, 1), (3.1, 2), (2.9, 3)):
-        assert refined(mesh, size, 10)[0].triangle_count == count
+        assert subdivide(mesh, size, 10)[0].triangle_count == count

@@ -12,7 +12,7 @@ from synch_fields.core.geometry.tet_mesh import TetMesh
 from synch_fields.core.printing.beads import contour_beads
 from synch_fields.core.printing.heights import NOTHING, OUTSIDE, below
 from synch_fields.core.printing.machine import Machine
-from synch_fields.core.printing.order import arranged, layer_order
+from synch_fields.core.printing.order import layer_order, order_lines
 from synch_fields.core.printing.plan import print_plan
 from synch_fields.core.printing.reach import collisions, tilts, tool_axes
 
@@ -75,7 +75,7 @@ def test_what_carries_comes_first():
 def test_arranged_lines_are_the_same_lines():
     _, surfaces = planes((1, 0.8, 0.7))
     beads = contour_beads(surfaces, 0.2)
-    made, chosen, points = arranged(beads.lines, beads.layers, np.arange(surfaces.count)[::-1])
+    made, chosen, points = order_lines(beads.lines, beads.layers, np.arange(surfaces.count)[::-1])
     assert (np.diff(beads.layers[chosen]) <= 0).all()
     np.testing.assert_array_equal(np.sort(points), np.arange(len(points)))
     np.testing.assert_allclose(made.points, beads.lines.points[points])

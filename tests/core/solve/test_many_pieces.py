@@ -13,7 +13,7 @@ from synch_fields.core.connection import Connection, circle_transports
 from synch_fields.core.fields import direction_field, stripe_pattern
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.geometry import TriangleMesh, triangle_mesh
-from synch_fields.core.problem import Merged, SynchronizationProblem, Targets, joined_targets
+from synch_fields.core.problem import Merged, SynchronizationProblem, Targets, join_targets
 from synch_fields.core.solution import DESCENT
 from synch_fields.core.solve import METHODS, Options, Status, solve
 from synch_fields.core.solve.batched import components as together
@@ -224,7 +224,7 @@ def fuzzed(kind, random):
     nodes = np.flatnonzero(random.random(len(values)) < 0.2)
     fixed = Targets(nodes, values[nodes])
     drawn = (
-        joined_targets(
+        join_targets(
             [
                 Targets(
                     np.setdiff1d(np.arange(3), nodes),

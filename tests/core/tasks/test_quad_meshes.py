@@ -12,7 +12,7 @@ from synch_fields.core.extract.quads import finishing as quad_smoothing
 from synch_fields.core.extract.quads.measure.loops import quad_loops
 from synch_fields.core.fields import direction_field, given_directions
 from synch_fields.core.fields.constraints.features import feature_edges, feature_row
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.mesh_input import MeshInput
 from synch_fields.core.geometry.polygons import Polygons
@@ -71,7 +71,7 @@ def test_a_map_of_spacings_keeps_its_proportions():
 def test_the_estimate_of_the_number_is_the_area_over_that_of_a_quad():
     mesh = square(20)
     field, _ = plane_crosses(mesh, 30)
-    assert Growth.of(mesh, field, 0.1).quad_count == pytest.approx(1 / 0.05**2, rel=1e-6)
+    assert TargetOneForm.of(mesh, field, 0.1).quad_count == pytest.approx(1 / 0.05**2, rel=1e-6)
 
 
 def test_a_number_that_cannot_be_met_is_said():
@@ -92,7 +92,7 @@ def test_faces_that_no_spacing_gives_are_refused_with_their_number(monkeypatch):
     def refuse(*_):
         raise SettingError("the quads are too large")
 
-    monkeypatch.setattr(quad_meshes, "_traced", refuse)
+    monkeypatch.setattr(quad_meshes, "_trace_pattern", refuse)
     with pytest.raises(SettingError, match="7 faces are too few for a quad mesh of this surface"):
         asked(icosphere(2), faces=7).solve()
 
@@ -167,7 +167,7 @@ def test_the_factor_of_spacings_leads_to_a_number_of_quads(spacings):
     mesh = square(20)
     field = given_directions(mesh, 4, np.tile([1.0, 0, 0], (mesh.vertex_count, 1)))
     factor = quad_meshes.spacing_factor(mesh, spacings, 321)
-    assert Growth.of(mesh, field, factor * spacings).quad_count == pytest.approx(321)
+    assert TargetOneForm.of(mesh, field, factor * spacings).quad_count == pytest.approx(321)
 
 
 def test_the_smallest_sides_keep_a_map_and_take_the_shorter_axis():

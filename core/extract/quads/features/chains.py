@@ -76,13 +76,13 @@ def on_features(quads, features, side, cut=False):
     taken = np.zeros(len(quads.vertices), bool)
     taken[list(at_corner.values())] = True
     lines, fixed = np.full(len(taken), -1), taken.copy()
-    quads = placed(quads, *_corner_places(features, at_corner))
+    quads = move_vertices(quads, *_corner_places(features, at_corner))
     missed, diagonals = [], _diagonals(quads) if cut else edges[:0]
     for number in np.argsort(~features.on_boundary, kind="stable").tolist():
         usable = edges[(counts == 1) == features.on_boundary[number]]
         made = diagonals[: 0 if features.on_boundary[number] else None]
         chain = _chain(quads, features, number, side, (usable, made), at_corner, taken, on_rim)
-        with_cuts = None if chain is None else _cut(quads, chain[2])
+        with_cuts = None if chain is None else _cut_faces(quads, chain[2])
         if with_cuts is None:
             missed.append(number)
             continue
@@ -92,11 +92,11 @@ def on_features(quads, features, side, cut=False):
             quads = with_cuts
             edges, counts = quads.edges
             diagonals = _diagonals(quads)
-        quads = placed(quads, vertices, *features.at(number, ways))
+        quads = move_vertices(quads, vertices, *features.at(number, ways))
     return quads, Chains(features, lines, fixed, tuple(missed))
 
 
-def placed(quads, which, places, triangles, weights):
+def move_vertices(quads, which, places, triangles, weights):
     """The quad mesh with some vertices at other places of the surface."""
     result = replace(quads, **{n: getattr(quads, n).copy() for n in ("vertices", "triangles", "weights")})
     result.vertices[which], result.triangles[which], result.weights[which] = places, triangles, weights
@@ -155,7 +155,7 @@ def _diagonals(quads):
     return pairs[~np.isin(pairs @ [count, 1], quads.edges[0] @ [count, 1])]
 
 
-def _cut(quads, pairs):
+def _cut_faces(quads, pairs):
     """The quad mesh with the face that holds both vertices cut in two between them, for each of (k, 2) pairs; None
     where one cut takes another's face apart."""
     faces = [corners.tolist() for corners in np.split(quads.corner_vertices, quads.starts[1:])] if len(pairs) else []
@@ -196,7 +196,7 @@ def _chain(quads, features, number, side, edges, at_corner, taken, on_rim):
     if path is None:
         return None
     steps = np.linalg.norm(np.diff(quads.vertices[path], axis=0), axis=1)
-    inner = _spread(ways[path[1:-1]], length, steps)
+    inner = _spread_evenly(ways[path[1:-1]], length, steps)
     if not length / LENGTH_RATIO < steps.sum() < length * LENGTH_RATIO or (closed and len(steps) < 3):
         return None
     return (path[:-1], (begin + np.append(0, inner)) % length, cuts) if closed else (path[1:-1], inner, cuts)
@@ -206,7 +206,7 @@ def _within(points, line, reach):
     return cKDTree(line).query(points, distance_upper_bound=reach)[0] <= reach
 
 
-def _spread(ways, span, steps):
+def _spread_evenly(ways, span, steps):
     """Ways from 0 to a span, evenly as the steps where they are not in order or too near to each other."""
     gaps = np.diff(np.concatenate([[0], ways, [span]]))
     if (gaps > SMALLEST_GAP * span / len(gaps)).all():

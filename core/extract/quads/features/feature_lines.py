@@ -33,7 +33,7 @@ class FeatureLines:
     def of(cls, mesh, edges):
         """The lines of (k,) indices of edges."""
         corners = line_corners(mesh, edges)
-        return cls(mesh, edges, corners, tuple(_walked(mesh, edges, corners)))
+        return cls(mesh, edges, corners, tuple(_walk_lines(mesh, edges, corners)))
 
     @cached_property
     def lengths(self):
@@ -83,7 +83,7 @@ class FeatureLines:
         return halves
 
 
-def _walked(mesh, edges, corners):
+def _walk_lines(mesh, edges, corners):
     """Vertices along each line: from corner to corner first, then those that close."""
     beside: dict[int, list[int]] = {}
     for i, j in mesh.edges[edges].tolist():

@@ -28,7 +28,7 @@ def quality(quads):
         "closed": bool((counts == 2).all()),
         "angle_deviation": float(off.mean()),
         "worst_angle": float(off.max()),
-        "folds": int(_folded(quads).sum()),
+        "folds": int(_is_folded(quads).sum()),
         "edge_length": float(lengths.mean()),
         "length_spread": float(lengths.std() / lengths.mean()),
     }
@@ -51,7 +51,7 @@ def _sides(quads):
     return ahead, quads.vertices[corners[before]] - quads.vertices[corners]
 
 
-def _folded(quads):
+def _is_folded(quads):
     """(f,) bool: faces with a corner that looks the other way than the face on the whole."""
     return np.bincount(quads.corner_faces[_looks_away(quads)], minlength=len(quads.sizes)) > 0
 

@@ -108,10 +108,10 @@ def all_quads(quads, mesh, keep=()):
     odd = sorted(number for number, corners in faces.corners.items() if len(corners) % 2)
     while odd:
         parts = _strip(faces, odd[0], set(odd[1:]), shortest)
-        done = {number for part in parts for number in part.numbers} if _cut_anew(faces, parts) else odd[:1]
+        done = {number for part in parts for number in part.numbers} if _cut_polygons_again(faces, parts) else odd[:1]
         odd = [number for number in odd if number not in done]
     for number in [n for n, corners in faces.corners.items() if len(corners) > 4 and len(corners) % 2 == 0]:
-        _cut_anew(faces, [_Part((number,), faces.corners[number])])
+        _cut_polygons_again(faces, [_Part((number,), faces.corners[number])])
     _join_doublets(quads, faces)
     return faces.put_on(_with_vertices(quads, mesh, faces.vertices[len(quads.vertices) :]))
 
@@ -160,18 +160,18 @@ def _strip(faces, first, targets, shortest):
             if other is None or middle in faces.kept:
                 if faces.length(middle) < shortest:
                     continue
-                polygons = [joined(last.polygon, [b, a, middle], a, b)]
-                polygons += [] if other is None else [joined(corners, [a, b, middle], b, a)]
+                polygons = [join_faces(last.polygon, [b, a, middle], a, b)]
+                polygons += [] if other is None else [join_faces(corners, [a, b, middle], b, a)]
                 numbers, step = [last.numbers, (other,)], 1 + HALVING * (2 if other is None else 1)
             else:
-                polygons, numbers, step = [joined(last.polygon, corners, a, b)], [(*last.numbers, other)], 1
+                polygons, numbers, step = [join_faces(last.polygon, corners, a, b)], [(*last.numbers, other)], 1
             if None not in polygons:
                 onwards = (*before, *map(_Part, numbers, polygons))
                 heappush(waiting, (cost + step, next(order), other, onwards))
     return ()
 
 
-def joined(polygon, corners, a, b):
+def join_faces(polygon, corners, a, b):
     """The polygon with another face beyond its way from a to b, None where they meet elsewhere, too."""
     others = [corner for corner in corners if corner not in (a, b)]
     if len(polygon) + len(others) > MOST_CORNERS or not set(others).isdisjoint(polygon):
@@ -184,12 +184,12 @@ def joined(polygon, corners, a, b):
     return [*polygon[: place + 1], *after, *polygon[place + 1 :]]
 
 
-def _cut_anew(faces, parts):
+def _cut_polygons_again(faces, parts):
     """Replace faces by the best quads of their polygons, and say whether that was done: not where all would double an
     edge."""
     halves = {corner: faces.halve(corner) for part in parts for corner in part.polygon if isinstance(corner, tuple)}
     polygons = [[halves.get(corner, corner) for corner in part.polygon] for part in parts]
-    cuts = [_cut(faces, part.numbers, polygon) for part, polygon in zip(parts, polygons, strict=True)]
+    cuts = [_cut_polygon(faces, part.numbers, polygon) for part, polygon in zip(parts, polygons, strict=True)]
     if not parts or None in cuts:
         return False
     quads = [[polygon[k] for k in quad] for polygon, cut in zip(polygons, cuts, strict=True) for quad in cut]
@@ -203,7 +203,7 @@ def _cut_anew(faces, parts):
     return True
 
 
-def _cut(faces, numbers, polygon):
+def _cut_polygon(faces, numbers, polygon):
     """The best quads of a polygon of faces, as places on it, None where all would double an edge."""
     size = len(polygon)
     if len(set(polygon)) < size or size > MOST_CORNERS:

@@ -8,7 +8,7 @@ three ways; another one of these gives the vertex the edge that it lacks.
 
 import numpy as np
 
-from .all_quads import Faces, edge_of, joined
+from .all_quads import Faces, edge_of, join_faces
 
 # Corners that are off a right angle by more degrees than this are straight, and what a turn has to win of it.
 STRAIGHT, GAIN = 60.0, 10.0
@@ -18,7 +18,7 @@ IRREGULAR = 10.0
 ROUNDS = 3
 
 
-def turned_edges(quads, normals, keep=()):
+def flip_edges(quads, normals, keep=()):
     """The :class:`QuadMesh` with edges turned, on the same vertices.
 
     Parameters
@@ -50,7 +50,7 @@ def _turn(faces, number, valences, wanted):
     for (a, b), other in faces.beside(number):
         if other is None or edge_of((a, b)) in faces.kept or len(faces.corners[other]) != 4:
             continue
-        hexagon = joined(faces.corners[number], faces.corners[other], a, b)
+        hexagon = join_faces(faces.corners[number], faces.corners[other], a, b)
         if hexagon is None or min(valences[a] - wanted[a], valences[b] - wanted[b]) < -1:
             continue
         before = max(_off(faces, faces.corners[n]) for n in (number, other))

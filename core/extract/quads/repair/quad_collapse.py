@@ -11,7 +11,7 @@ import numpy as np
 
 from ....geometry.barycentric import barycentric
 from ....geometry.nearest import NearestTriangles
-from ..features.chains import placed
+from ..features.chains import move_vertices
 
 # Edges at a vertex at least, inside and on the boundary.
 FEWEST, FEWEST_ON_RIM = 3, 2
@@ -50,7 +50,7 @@ def with_faces_closed(quads, mesh, held, corners):
     used, corner_vertices = np.unique(faces, return_inverse=True)
     which = np.flatnonzero(moved)
     places, triangles = NearestTriangles(mesh.vertices, mesh.triangles).nearest(vertices[which])
-    quads = placed(quads, which, places, triangles, barycentric(mesh, triangles, places))
+    quads = move_vertices(quads, which, places, triangles, barycentric(mesh, triangles, places))
     own = {name: getattr(quads, name)[used] for name in ("vertices", "triangles", "weights")}
     return replace(quads, **own, corner_vertices=corner_vertices.ravel(), sizes=np.full(len(faces), 4)), used
 

@@ -25,7 +25,7 @@ GAIN, WORST = 0.01, 50.0
 AROUND = 3.0
 
 
-def climbed(quads, mesh, free, planes, chains=None):
+def recover_tips(quads, mesh, free, planes, chains=None):
     """The :class:`QuadMesh` with vertices moved where it cuts tips off; arguments as of :func:`fitted`."""
     lines, ground = slid_lines(free, chains), Ground.of(mesh, quads)
     side = np.linalg.norm(np.diff(quads.vertices[quads.half_edges], axis=1), axis=2).mean()

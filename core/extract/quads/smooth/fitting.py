@@ -10,7 +10,7 @@ import numpy as np
 
 from ....geometry.barycentric import barycentric
 from ....geometry.nearest import NearestTriangles
-from ..features.chains import SMALLEST_GAP, placed
+from ..features.chains import SMALLEST_GAP, move_vertices
 from ..measure.quality import corner_angles
 
 # How far a rectangle's sides are drawn to their mean length in the first round, and evenly less up to the last: squares
@@ -23,7 +23,7 @@ NEARER = 0.4
 _TINY = np.finfo(float).tiny
 
 
-def fitted(quads, mesh, free, planes, rounds, chains=None):
+def fit_quads(quads, mesh, free, planes, rounds, chains=None):
     """The :class:`QuadMesh` after some rounds.
 
     Parameters
@@ -42,33 +42,33 @@ def fitted(quads, mesh, free, planes, rounds, chains=None):
         square = SQUARE * (1 - number / rounds)
         weights = _urgencies(quads)[quads.corner_faces, None]
         moved, sums = np.zeros_like(quads.vertices), np.zeros((len(quads.vertices), 1))
-        np.add.at(moved, quads.corner_vertices, weights * _asked(quads, mesh, surface, square))
+        np.add.at(moved, quads.corner_vertices, weights * _target_corners(quads, mesh, surface, square))
         np.add.at(sums, quads.corner_vertices, weights)
         moved /= np.maximum(sums, _TINY)
         for unit, on_plane in planes:
             moved[on_plane] -= np.outer(moved[on_plane] @ unit, unit)
-        quads = settled(quads, mesh, surface, lines, chains, movable, moved[movable])
+        quads = project_vertices(quads, mesh, surface, lines, chains, movable, moved[movable])
     return quads
 
 
 def slid_lines(free, chains):
-    """(n,) line on which each vertex slides, -1 for none; arguments as of :func:`fitted`."""
+    """(n,) line on which each vertex slides, -1 for none; arguments as of :func:`fit_quads`."""
     return np.full(len(free), -1) if chains is None else np.where(free, chains.lines, -1)
 
 
-def settled(quads, mesh, surface, lines, chains, which, places):
+def project_vertices(quads, mesh, surface, lines, chains, which, places):
     """The quad mesh with (k,) vertices where the surface, or the line of each, is nearest to (k, 3) places.
 
-    Arguments as of :func:`fitted`; ``surface`` of NearestTriangles, and (n,) ``lines`` on which vertices slide, -1 for
-    none. On a line vertices pass neither each other nor its ends.
+    Arguments as of :func:`fit_quads`; ``surface`` of NearestTriangles, and (n,) ``lines`` on which vertices slide, -1
+    for none. On a line vertices pass neither each other nor its ends.
     """
     loose = lines[which] < 0
     ends, triangles = surface.nearest(places[loose])
-    quads = placed(quads, which[loose], ends, triangles, barycentric(mesh, triangles, ends))
+    quads = move_vertices(quads, which[loose], ends, triangles, barycentric(mesh, triangles, ends))
     for number in np.unique(lines[which[~loose]]):
         sliding = lines[which] == number
         ways = _slid(quads, chains, number, which[sliding], places[sliding])
-        quads = placed(quads, which[sliding], *chains.features.at(number, ways))
+        quads = move_vertices(quads, which[sliding], *chains.features.at(number, ways))
     return quads
 
 
@@ -99,7 +99,7 @@ def _urgencies(quads):
     return 1 + URGENCY * np.maximum(worst / GOOD - 1, 0) ** 2
 
 
-def _asked(quads, mesh, surface, square):
+def _target_corners(quads, mesh, surface, square):
     """(c, 3) where the corners of each face should be."""
     asked = quads.vertices[quads.corner_vertices]
     for size in np.unique(quads.sizes):

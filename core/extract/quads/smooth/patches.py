@@ -10,9 +10,9 @@ from scipy.spatial import cKDTree
 from ....geometry import TriangleMesh
 from ....geometry.nearest import NearestTriangles
 from ....graphs import components
-from ..features.chains import placed
+from ..features.chains import move_vertices
 from ..trace.quad_mesh import QuadMesh
-from .fitting import settled
+from .fitting import project_vertices
 
 # Exponent of the norm of what corners are off, and the share of their root mean square beside it.
 POWER, SHARE = 8, 0.5
@@ -193,16 +193,16 @@ class Patches:
         ----------
         moves : (k, 3)
         parts : of these each patch takes the first that is better
-        lines, chains : on which vertices slide, see :func:`settled`
+        lines, chains : on which vertices slide, see :func:`project_vertices`
         are_better : function of (n, 3) places of the vertices and (p,) bool, the patches that are asked for
         """
         quads, waiting = self.quads, np.ones(len(self.sides), bool)
         for part in parts:
             places = quads.vertices[self.moving] + part * moves
-            tried = settled(quads, self.ground.mesh, self.ground.surface, lines, chains, self.moving, places)
+            tried = project_vertices(quads, self.ground.mesh, self.ground.surface, lines, chains, self.moving, places)
             better = are_better(tried.vertices, waiting)
             which = self.moving[better[self.of_moving]]
-            quads = placed(quads, which, tried.vertices[which], tried.triangles[which], tried.weights[which])
+            quads = move_vertices(quads, which, tried.vertices[which], tried.triangles[which], tried.weights[which])
             waiting &= ~better
         return quads, ~waiting
 

@@ -27,7 +27,7 @@ _PIECE = 1e-3
 _TINY = np.finfo(float).tiny
 
 
-def levelled(quads, mesh, free, planes, chains=None):
+def move_worst_corners(quads, mesh, free, planes, chains=None):
     """The :class:`QuadMesh` with vertices moved where corners are bad; arguments as of :func:`fitted`.
 
     No patch's worst corner gets worse, with those that have turned over counted as worst.

@@ -53,7 +53,7 @@ def border_of(mesh, crossings, met, node_count, on_grid):
             way, met_there, is_vertex = np.concatenate(points), np.array(hit), loop >= node_count
             places = np.flatnonzero(is_vertex)
             turned = places[on_grid[vertices[loop[places] - node_count]]]
-            turned = turned[~_passed_through(way, met_there, is_vertex, turned)]
+            turned = turned[~_is_crossed_beside(way, met_there, is_vertex, turned)]
             chosen = loop[np.union1d(_corners(way, met_there, is_vertex), turned)]
             corners[chosen - node_count] = True
     return np.concatenate([np.empty((0, 2), int), *pieces]), corners, vertices
@@ -105,7 +105,7 @@ def farthest_added(points, taken, spare, wanted):
     return added
 
 
-def _passed_through(points, hit, is_vertex, places):
+def _is_crossed_beside(points, hit, is_vertex, places):
     """(k,) bool: whether a line meets a closed line of points right beside some of its vertices."""
     through = np.zeros(len(places), bool)
     vertices = np.flatnonzero(is_vertex)

@@ -15,7 +15,7 @@ import numpy as np
 
 from ....graphs import ragged_arange
 from ...lines.edge_crossings import chord_ends, chords_of, crossings_of, on_rim, refuse_more, rims_of, stride
-from ...lines.prepared_pattern import ASIDE, moved_aside, split_at_disclinations
+from ...lines.prepared_pattern import ASIDE, move_off_lines, prepare_pattern
 from .boundary_graph import border_of
 from .line_graph import LineGraph
 
@@ -45,7 +45,7 @@ class GridLines:
 
 def grid_lines(edge_phases):
     """:class:`GridLines` of :class:`EdgePhases` with two phases a vertex."""
-    fans = split_at_disclinations(moved_aside(edge_phases))
+    fans = prepare_pattern(move_off_lines(edge_phases))
     crossings = crossings_of(fans.phases)
     chords = chords_of(fans, crossings, rims_of(fans, crossings))
     return _graph(fans, crossings, chords)

@@ -10,7 +10,7 @@ from ....interpolate import EdgePhases
 from .grid_lines import grid_lines
 from .islands import with_whole_islands
 from .line_graph import LineGraph
-from .relocate_disclinations import centred
+from .relocate_disclinations import relocate_disclinations
 
 # Edges shorter than this part of the middle length are none.
 SHORTEST = 1e-4
@@ -89,7 +89,7 @@ class QuadMesh:
 
 def quad_mesh(edge_phases: EdgePhases) -> QuadMesh:
     """The :class:`QuadMesh` of the grid lines of :class:`EdgePhases` with two phases a vertex."""
-    lines = grid_lines(centred(edge_phases))
+    lines = grid_lines(relocate_disclinations(edge_phases))
     mesh = edge_phases.mesh
     positions = np.einsum("nk,nkx->nx", lines.weights, mesh.vertices[mesh.triangles[lines.triangles]])
     graph = _with_whole_centres(lines, positions)
@@ -125,13 +125,13 @@ def _with_whole_centres(lines, positions):
     for centre in lines.centres[lines.valences[lines.centres] == 5]:
         degree = np.count_nonzero(graph.tails == centre)
         if degree == 1:
-            graph = _attached(graph, centre, positions)
+            graph = _attach_line_end(graph, centre, positions)
         elif degree in (3, 4):
-            graph = _united(graph, centre, positions)
+            graph = _unite_centre(graph, centre, positions)
     return replace(graph, kept=lines.graph.kept).cleaned()
 
 
-def _attached(graph, centre, positions):
+def _attach_line_end(graph, centre, positions):
     """A line that ends at a centre leads to a node of the face around it instead.
 
     In a hexagon that is the opposite corner, which leaves two quads; otherwise the nearest one.
@@ -145,7 +145,7 @@ def _attached(graph, centre, positions):
     distances = np.linalg.norm(positions[graph.tails[others]] - positions[centre], axis=1)
     # The rim of a hexagon passes the loose line on both sides.
     place = opposite if len(rim) == 8 and opposite in others else others[distances.argmin()]
-    return _turned_to(graph, np.array([loose]), place, None)
+    return _start_darts_at(graph, np.array([loose]), place, None)
 
 
 def _rim(graph, dart):
@@ -156,7 +156,7 @@ def _rim(graph, dart):
     return np.array(rim)
 
 
-def _united(graph, centre, positions):
+def _unite_centre(graph, centre, positions):
     """A centre and a crossing beside it become one node of five edges: the nearest, better one between pentagons."""
     leaving = np.flatnonzero(graph.tails == centre)
     heads = graph.heads[leaving]
@@ -170,10 +170,10 @@ def _united(graph, centre, positions):
     others = np.setdiff1d(leaving, way)
     later = graph.keys[others] > graph.keys[way]
     others = others[np.lexsort((graph.keys[others], ~later))]
-    return _turned_to(graph, others, way ^ 1, way // 2)
+    return _start_darts_at(graph, others, way ^ 1, way // 2)
 
 
-def _turned_to(graph, darts, place, removed):
+def _start_darts_at(graph, darts, place, removed):
     """The graph with darts, in counterclockwise order, leaving the node of the dart ``place`` right after it."""
     tails, keys = graph.tails.copy(), graph.keys.copy()
     node = tails[place]

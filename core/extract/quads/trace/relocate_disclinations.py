@@ -25,7 +25,7 @@ FARTHEST = 30
 ON_LINE = 1e-5
 
 
-def centred(edge_phases):
+def relocate_disclinations(edge_phases):
     """The same :class:`EdgePhases` but for changes and matchings of edges that disclinations have passed."""
     mesh = edge_phases.mesh
     _, torn = dislocation_numbers(edge_phases, mesh.triangles)
@@ -48,7 +48,7 @@ def centred(edge_phases):
                 been[k].add(there)
                 moved.append(k)
                 place.append(there)
-        edge_phases = _passed(edge_phases, waiting[moved], sides[moved])
+        edge_phases = _phases_around(edge_phases, waiting[moved], sides[moved])
         waiting, been = np.array(place, int), [been[k] for k in moved]
     return edge_phases
 
@@ -77,7 +77,7 @@ def _along_line(edge_phases, triangles, sides):
     return ((np.abs(change) < ON_LINE) & (np.abs(phase - np.rint(phase)) < ON_LINE)).any(axis=1)
 
 
-def _passed(edge_phases, triangles, sides):
+def _phases_around(edge_phases, triangles, sides):
     """The phases along sides as they are on the way around the rest of their triangles."""
     tails, heads, across = _ends(edge_phases.mesh, triangles, sides)
     first, turns = edge_phases.between(tails, across)

@@ -10,9 +10,9 @@ from scipy.spatial import cKDTree
 
 from synch_fields.core.extract.lines.isolines import End, Isolines, isolines
 from synch_fields.core.extract.quads.trace.quad_mesh import quad_mesh
-from synch_fields.core.extract.quads.trace.relocate_disclinations import centred
+from synch_fields.core.extract.quads.trace.relocate_disclinations import relocate_disclinations
 from synch_fields.core.fields import direction_field, given_directions, quad_pattern, stripe_pattern
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import (
@@ -37,7 +37,7 @@ def random_stripes(mesh, smooth, seed=0, spacing=None):
     field = (
         direction_field(mesh, 2) if smooth else given_directions(mesh, 2, random.standard_normal(mesh.vertices.shape))
     )
-    growth = Growth.of(mesh, field, spacing or np.linalg.norm(np.ptp(mesh.vertices, axis=0)) / 12)
+    growth = TargetOneForm.of(mesh, field, spacing or np.linalg.norm(np.ptp(mesh.vertices, axis=0)) / 12)
     return growth.edge_phases(np.exp(1j * random.uniform(-np.pi, np.pi, mesh.vertex_count)))
 
 
@@ -135,7 +135,7 @@ def test_plane_quads_have_both_families_of_lines(degrees):
 )
 def test_edges_of_the_quad_mesh_run_along_lines(build):
     """A vertex of it lies on the lines that cross there, and both ends of an edge on one of them."""
-    edge_phases = centred(build())
+    edge_phases = relocate_disclinations(build())
     lines, quads = isolines(edge_phases), quad_mesh(edge_phases)
     edges, counts = quads.edges
     rim = np.unique(edges[counts == 1])

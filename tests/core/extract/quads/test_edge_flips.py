@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.extract.quads.measure.quality import corner_angles, quality
-from synch_fields.core.extract.quads.repair.edge_flips import turned_edges
+from synch_fields.core.extract.quads.repair.edge_flips import flip_edges
 from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh
 
 # Two squares beside each other, counterclockwise around both.
@@ -32,7 +32,7 @@ def test_a_hexagon_is_cut_into_its_two_squares(cut, seed):
     ring = [(cut + k) % 6 for k in range(6)]
     quads = quads_of(HEXAGON @ turn.T, [ring[:4], [*ring[3:], ring[0]]])
     assert np.abs(corner_angles(quads) - 90).max() > 80
-    found = turned_edges(quads, np.tile(turn[:, 2], (6, 1)))
+    found = flip_edges(quads, np.tile(turn[:, 2], (6, 1)))
     assert face_sets(found) == {frozenset((0, 1, 4, 5)), frozenset((1, 2, 3, 4))}
     np.testing.assert_allclose(corner_angles(found), 90, atol=1e-9)
     assert quality(found)["folds"] == 0
@@ -40,7 +40,7 @@ def test_a_hexagon_is_cut_into_its_two_squares(cut, seed):
 
 def test_an_edge_that_stays_is_not_turned():
     quads = quads_of(HEXAGON, [[0, 1, 2, 3], [3, 4, 5, 0]])
-    found = turned_edges(quads, np.tile([0.0, 0, 1], (6, 1)), keep=[(3, 0)])
+    found = flip_edges(quads, np.tile([0.0, 0, 1], (6, 1)), keep=[(3, 0)])
     assert face_sets(found) == face_sets(quads)
 
 
@@ -49,7 +49,7 @@ def test_meshes_without_straight_corners_stay_as_they_are():
     places[:, :2] += 0.2 * np.random.default_rng(0).uniform(-1, 1, (25, 2))
     faces = [(k, k + 1, k + 6, k + 5) for k in range(19) if k % 5 < 4]
     quads = quads_of(places, faces)
-    assert turned_edges(quads, np.tile([0.0, 0, 1], (25, 1))) is quads
+    assert flip_edges(quads, np.tile([0.0, 0, 1], (25, 1))) is quads
 
 
 def test_no_edge_is_doubled_and_no_vertex_is_lost():
@@ -60,6 +60,6 @@ def test_no_edge_is_doubled_and_no_vertex_is_lost():
         places = np.array([(x, y, 0) for y in range(6) for x in range(6)], float)
         places[:, :2] += 0.7 * random.uniform(-1, 1, (36, 2))
         quads = quads_of(places, faces)
-        found = turned_edges(quads, np.tile([0.0, 0, 1], (36, 1)))
+        found = flip_edges(quads, np.tile([0.0, 0, 1], (36, 1)))
         assert found.is_simple and found.euler_characteristic == 1 and len(found.vertices) == 36
         assert len(found.sizes) == len(quads.sizes) and found.edges[1].max() == 2

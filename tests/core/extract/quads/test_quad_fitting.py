@@ -8,7 +8,7 @@ import pytest
 from synch_fields.core.extract.quads.features.chains import on_features
 from synch_fields.core.extract.quads.features.feature_lines import FeatureLines
 from synch_fields.core.extract.quads.measure.quality import corner_angles, quality
-from synch_fields.core.extract.quads.smooth.fitting import fitted, settled
+from synch_fields.core.extract.quads.smooth.fitting import fit_quads, project_vertices
 from synch_fields.core.extract.quads.trace.quad_mesh import quad_mesh
 from synch_fields.core.geometry.nearest import NearestTriangles
 
@@ -35,7 +35,7 @@ def moved(quads, which, by):
 
 def test_squares_stay():
     mesh, quads, inside = grid()
-    after = fitted(quads, mesh, inside, [], 5)
+    after = fit_quads(quads, mesh, inside, [], 5)
     np.testing.assert_allclose(after.vertices, quads.vertices, atol=1e-9)
 
 
@@ -43,7 +43,7 @@ def test_squares_come_back_and_the_rim_stays():
     mesh, quads, inside = grid()
     random = np.random.default_rng(0)
     rough = moved(quads, inside, random.uniform(-0.3, 0.3, (inside.sum(), 2)) / CELLS)
-    after = fitted(rough, mesh, inside, [], 60)
+    after = fit_quads(rough, mesh, inside, [], 60)
     np.testing.assert_array_equal(after.vertices[~inside], quads.vertices[~inside])
     assert np.abs(corner_angles(after) - 90).max() < 0.1 * np.abs(corner_angles(rough) - 90).max()
     assert np.linalg.norm(after.vertices - quads.vertices, axis=1).max() < 0.05 / CELLS
@@ -55,7 +55,7 @@ def test_what_has_turned_over_turns_back(far):
     middle = np.linalg.norm(quads.vertices[:, :2] - 0.5, axis=1).argmin()
     folded = moved(quads, [middle], np.array([far, 0.2]) / CELLS)
     assert quality(folded)["folds"] > 0
-    after = fitted(folded, mesh, inside, [], 30)
+    after = fit_quads(folded, mesh, inside, [], 30)
     assert quality(after)["folds"] == 0 and (face_vectors(after)[:, 2] > 0).all()
     assert corner_angles(after).max() < 100
 
@@ -69,10 +69,10 @@ def test_vertices_on_a_line_pass_neither_each_other_nor_its_ends():
     surface = NearestTriangles(mesh.vertices, mesh.triangles)
     wanted = quads.vertices[side[::-1]] + [2, 0, 0]
     for _ in range(30):
-        quads = settled(quads, mesh, surface, chains.lines, chains, side, wanted)
+        quads = project_vertices(quads, mesh, surface, chains.lines, chains, side, wanted)
     places = np.concatenate([[0], quads.vertices[side, 0], [1]])
     assert (np.diff(places) > 0.2 / CELLS).all() and (quads.vertices[side, 1] == 0).all()
-    quads = settled(quads, mesh, surface, chains.lines, chains, side[:1], np.array([[0.01, 0, 0]]))
+    quads = project_vertices(quads, mesh, surface, chains.lines, chains, side[:1], np.array([[0.01, 0, 0]]))
     assert quads.vertices[side[0], 0] < places[1]
 
 
@@ -82,5 +82,5 @@ def test_rectangles_that_the_rim_asks_for_are_kept():
     vertices = quads.vertices.copy()
     vertices[:, 1] = vertices[:, 1] ** 2
     stretched = type(quads)(vertices, quads.triangles, quads.weights, quads.corner_vertices, quads.sizes)
-    after = fitted(stretched, mesh, inside, [], 10)
+    after = fit_quads(stretched, mesh, inside, [], 10)
     assert np.abs(corner_angles(after) - 90).max() < 4

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 from synch_fields.core.extract.quads.measure.quality import quality
 from synch_fields.core.extract.quads.trace.quad_mesh import quad_mesh
 from synch_fields.core.fields import DirectionField, direction_field, given_directions, quad_pattern
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.interpolate import EdgePhases, disclination_centres, dislocation_numbers
 
@@ -139,7 +139,7 @@ def test_two_spacings_give_rectangles(cells):
     # Phases that grow along x have the first spacing, those along y the second.
     along_x = np.abs(np.cos(angles[:, None] + np.pi / 2 * np.array([1, 2]))) > 0.5
     waves = plane_waves(angles, 1.0, mesh.vertices - [0.05, 0.02, 0]) / np.where(along_x, *spacing[0])
-    edge_phases = Growth.of(mesh, field, spacing).edge_phases(np.exp(1j * waves).ravel())
+    edge_phases = TargetOneForm.of(mesh, field, spacing).edge_phases(np.exp(1j * waves).ravel())
     quads = quad_mesh(edge_phases)
     x, y = (
         np.append(np.arange(offset % cell, 1, cell), [0, 1]) for offset, cell in zip((0.05, 0.02), cells, strict=True)

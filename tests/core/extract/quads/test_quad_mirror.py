@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from synch_fields.core.extract.quads.mirror import averaged, mirrored, partners
+from synch_fields.core.extract.quads.mirror import average_with_partners, mirror_half, partners
 from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh
 from synch_fields.core.geometry import TriangleMesh
 
@@ -39,7 +39,7 @@ def places(quads):
 def test_the_result_is_its_own_mirror_image_with_the_positive_half_as_it_was(surface, columns):
     """With an odd number of columns, the plane passes through faces, which are joined of halves."""
     quads = sheet(columns, push=0.03)
-    result = mirrored(quads, surface, X)
+    result = mirror_half(quads, surface, X)
     assert places(result) == {(-x, y, z) for x, y, z in places(result)} != places(quads)
     assert {p for p in places(result) if p[0] > 0} == {p for p in places(quads) if p[0] > 0}
     assert len(result.sizes) == len(quads.sizes) and set(result.sizes) == {4}
@@ -49,7 +49,7 @@ def test_the_result_is_its_own_mirror_image_with_the_positive_half_as_it_was(sur
 
 
 def test_faces_keep_their_winding(surface):
-    result = mirrored(sheet(5, push=0.03), surface, X)
+    result = mirror_half(sheet(5, push=0.03), surface, X)
     corners = result.vertices[result.corner_vertices.reshape(-1, 4)]
     normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     before = sheet(5).vertices[sheet(5).corner_vertices.reshape(-1, 4)]
@@ -61,7 +61,7 @@ def test_what_the_plane_does_not_halve_stays_as_it_is(surface):
     """All on the negative side; and a piece there that has no image, which would be lost."""
     quads = sheet(4)
     away = replace(quads, vertices=quads.vertices - (3.0, 0.0, 0.0))
-    assert mirrored(away, surface, X) is away
+    assert mirror_half(away, surface, X) is away
     there = len(quads.vertices)
     beside = replace(
         quads,
@@ -69,7 +69,7 @@ def test_what_the_plane_does_not_halve_stays_as_it_is(surface):
         corner_vertices=np.concatenate([quads.corner_vertices, quads.corner_vertices + there]),
         sizes=np.concatenate([quads.sizes, quads.sizes]),
     )
-    assert mirrored(beside, surface, X) is beside
+    assert mirror_half(beside, surface, X) is beside
 
 
 def test_partners_are_each_others_images_or_none():
@@ -83,6 +83,6 @@ def test_partners_are_each_others_images_or_none():
 def test_averages_are_their_own_mirror_image():
     quads = sheet(4, push=0.03)
     partner = partners(quads, X)
-    moved = averaged(quads.vertices, partner, X)
+    moved = average_with_partners(quads.vertices, partner, X)
     assert np.allclose(moved[partner], moved * (-1, 1, 1))
     assert np.abs(moved - quads.vertices).max() == pytest.approx(0.015)

@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from synch_fields.core.extract.vortices.isosurface import evened, isosurface
+from synch_fields.core.extract.vortices.isosurface import isosurface, smooth_surface
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.check import check_mesh
 from synch_fields.core.geometry.grid import Grid
@@ -70,7 +70,7 @@ def test_nothing_is_found_where_there_is_nothing():
 def test_evening_takes_the_cells_off_a_sphere_and_leaves_its_size():
     coarse = Grid((12, 12, 12), spacing=0.2, origin=-1.1)
     found = isosurface(coarse, -(np.linalg.norm(coarse.places, axis=1) ** 4), -(0.7**4))
-    places = evened(found.mesh, found.mesh.vertices, 10)
+    places = smooth_surface(found.mesh, found.mesh.vertices, 10)
     before, after = (np.linalg.norm(v, axis=1) for v in (found.mesh.vertices, places))
     assert after.std() < 0.65 * before.std()
     assert volume(TriangleMesh(places, found.mesh.triangles)) == pytest.approx(volume(found.mesh), rel=0.02)
@@ -83,7 +83,7 @@ def test_a_margin_keeps_slivers_from_folding(radius):
     for margin in (0, 0.25):
         found = isosurface(BOX, -np.linalg.norm(BOX.places, axis=1), -radius, margin)
         np.testing.assert_allclose(np.linalg.norm(found.mesh.vertices, axis=1), radius, atol=0.006)
-        places = evened(found.mesh, found.mesh.vertices, 4)
+        places = smooth_surface(found.mesh, found.mesh.vertices, 4)
         np.testing.assert_allclose(np.linalg.norm(places, axis=1), radius, atol=0.006)
         mesh = TriangleMesh(places, found.mesh.triangles)
         least.append(np.einsum("ij,ij->i", mesh.face_normals, places[mesh.triangles].mean(axis=1) / radius).min())
@@ -106,6 +106,6 @@ def test_a_margin_moves_vertices_within_a_plane_and_leaves_its_boundary():
 def test_evening_holds_the_boundary():
     found = isosurface(BOX, BOX.places[:, 0] + 0.01 * np.sin(40 * BOX.places[:, 1]), 0.03)
     edge = found.mesh.boundary_vertices
-    places = evened(found.mesh, found.mesh.vertices, 5)
+    places = smooth_surface(found.mesh, found.mesh.vertices, 5)
     np.testing.assert_array_equal(places[edge], found.mesh.vertices[edge])
     assert np.std(places[~edge, 0]) < 0.85 * np.std(found.mesh.vertices[~edge, 0])

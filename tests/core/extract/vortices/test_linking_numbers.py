@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.extract.vortices.filaments import Filament
-from synch_fields.core.extract.vortices.linking_numbers import linked, linking_number, writhe
+from synch_fields.core.extract.vortices.linking_numbers import linking_number, linking_numbers, writhe
 
 from ...flows import ring_curve
 
@@ -85,23 +85,23 @@ def test_writhe_is_the_mean_of_the_crossings_seen():
 def test_helicity_of_linked_rings_is_twice_their_linking():
     rings = [Filament(ring_curve(1.0)[:-1], 2.0, True), Filament(ring_curve(1.0, (1, 0, 0), 1)[:-1], 3.0, True)]
     open_line = Filament(np.array([[0, 0, -1.0], [0, 0, 1.0]]), 1.0, False)
-    found = linked([rings[0], open_line, rings[1]], np.zeros(3))
+    found = linking_numbers([rings[0], open_line, rings[1]], np.zeros(3))
     assert found.loops == (0, 2) and abs(found.numbers[0, 1]) == 1
     np.testing.assert_array_equal(found.numbers, found.numbers.T)
     assert found.helicity == pytest.approx(2 * 2 * 3 * found.numbers[0, 1], abs=1e-6)
-    assert linked([open_line], np.zeros(3)).helicity == 0
+    assert linking_numbers([open_line], np.zeros(3)).helicity == 0
 
 
 def test_in_a_periodic_box_images_count():
     """A ring through its own image, and one that a ring of the next box goes through."""
     first = Filament(ring_curve(1.0)[:-1], 1.0, True)
     second = Filament(ring_curve(1.0, (1, 0, 0), 1)[:-1] + [30, 0, 0], 1.0, True)
-    alone = linked([first, second], np.zeros(3)).numbers
+    alone = linking_numbers([first, second], np.zeros(3)).numbers
     assert alone[0, 1] == 0
-    assert abs(linked([first, second], np.array([10.0, 10, 10])).numbers[0, 1]) == 1
-    assert linked([first, second], np.array([12.3, 10, 10])).numbers[0, 1] == 0
+    assert abs(linking_numbers([first, second], np.array([10.0, 10, 10])).numbers[0, 1]) == 1
+    assert linking_numbers([first, second], np.array([12.3, 10, 10])).numbers[0, 1] == 0
 
 
 def test_too_many_points_are_left_alone(monkeypatch):
     monkeypatch.setattr("synch_fields.core.extract.vortices.linking_numbers.MOST_PAIRS", 100)
-    assert linked([Filament(ring_curve(1.0)[:-1], 1.0, True)], np.zeros(3)) is None
+    assert linking_numbers([Filament(ring_curve(1.0)[:-1], 1.0, True)], np.zeros(3)) is None

@@ -7,8 +7,8 @@ import pytest
 
 from synch_fields.core.fields import given_directions
 from synch_fields.core.fields.constraints.features import feature_edges, feature_row
-from synch_fields.core.fields.constraints.strips import ACROSS, MOST, strips, widened
-from synch_fields.core.fields.target_one_form import Growth
+from synch_fields.core.fields.constraints.strips import ACROSS, MOST, strips, widen_strips
+from synch_fields.core.fields.target_one_form import TargetOneForm
 
 from ...meshes import cylinder, square
 from ...sharp import ANGLE, chamfered_cube
@@ -46,9 +46,9 @@ def test_phases_grow_as_much_across_a_strip_as_quads_are_asked_for_and_as_before
     width, side = 0.3, 0.5
     mesh = square(40, 6, 4.0, width)
     field = given_directions(mesh, 4, np.tile([1.0, 0, 0], (mesh.vertex_count, 1)))
-    growth = Growth.of(mesh, field, 2 * side)
+    growth = TargetOneForm.of(mesh, field, 2 * side)
     rows = (feature_row(mesh, mesh.boundary_edges),)
-    wide = widened(growth, rows)
+    wide = widen_strips(growth, rows)
     steps = mesh.edge_vectors
     inside = (np.abs(mesh.vertices[mesh.edges, 0] - 2).max(axis=1) < 1) & (np.abs(steps[:, 2]) < 1e-12)
     rise = np.abs(wide.changes[inside] / np.pi)
@@ -58,4 +58,4 @@ def test_phases_grow_as_much_across_a_strip_as_quads_are_asked_for_and_as_before
         across = np.isclose(rise[:, phase], ACROSS * steps[:, 1] / width, atol=1e-9)
         assert (along | across).all() and not (along & across)[steps.min(axis=1) > 0].any()
     assert not np.allclose(wide.changes, growth.changes)
-    assert widened(growth, ()) is growth
+    assert widen_strips(growth, ()) is growth

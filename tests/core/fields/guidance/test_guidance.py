@@ -13,7 +13,7 @@ from synch_fields.core.fields.guidance.fronts import front_distance
 from synch_fields.core.fields.guidance.guides import (
     Guide,
     axis_guide,
-    blended,
+    blend_guides,
     curvature_guide,
     distance_guide,
     gradient_guide,
@@ -239,7 +239,7 @@ def test_a_blend_is_the_sum_of_the_wishes_up_to_a_constant(symmetry):
     random = np.random.default_rng(symmetry)
     guides = [Guide(random.uniform(-4, 4, 30), random.uniform(0, 1, 30)) for _ in range(3)]
     shares = [0.5, 2.0, 0.0]
-    values, weights = blended(guides, shares, symmetry)
+    values, weights = blend_guides(guides, shares, symmetry)
     np.testing.assert_allclose(np.abs(values), 1, rtol=1e-12)
     phases = np.exp(1j * random.uniform(-4, 4, (50, 30)))
     summed = sum(
@@ -254,11 +254,11 @@ def test_a_blend_is_the_sum_of_the_wishes_up_to_a_constant(symmetry):
 def test_guides_that_cancel_leave_nothing():
     there = Guide(np.array([0.3, 0.3, 0.3]), np.array([0.2, 0.1, 0.0]))
     back = Guide(there.angles + np.pi / 2, np.array([0.2, 0.2, 0.0]))
-    values, weights = blended([there, back], [1, 1], 2)
+    values, weights = blend_guides([there, back], [1, 1], 2)
     np.testing.assert_allclose(weights, [0, 0.1, 0], atol=1e-15)
     assert weights[0] == 0
     np.testing.assert_allclose(values, [1, -np.exp(0.6j), 1], atol=1e-12)
-    np.testing.assert_allclose(blended([there, back], [1, 1], 4)[1], [0.4, 0.3, 0], atol=1e-15)
+    np.testing.assert_allclose(blend_guides([there, back], [1, 1], 4)[1], [0.4, 0.3, 0], atol=1e-15)
 
 
 # Refusals
@@ -302,11 +302,14 @@ ONE = Guide(np.zeros(16), np.ones(16))
             lambda: front_distance(together(MESH, loose=1), np.arange(17) == 16),
             "no vertex with a face is in the group of sources",
         ),
-        (lambda: blended([], [], 2), "there are no guides to blend: give at least one"),
-        (lambda: blended([ONE], [1, 2], 2), "the shares [1.0, 2.0] do not fit 1 guides: give each a finite number"),
-        (lambda: blended([ONE], [-1], 2), "the shares [-1.0] do not fit 1 guides"),
-        (lambda: blended([ONE], [np.inf], 2), "the shares [inf] do not fit 1 guides"),
-        (lambda: blended([ONE, Guide(np.zeros(3), np.ones(3))], [1, 1], 2), "belong to meshes of different size"),
+        (lambda: blend_guides([], [], 2), "there are no guides to blend: give at least one"),
+        (
+            lambda: blend_guides([ONE], [1, 2], 2),
+            "the shares [1.0, 2.0] do not fit 1 guides: give each a finite number",
+        ),
+        (lambda: blend_guides([ONE], [-1], 2), "the shares [-1.0] do not fit 1 guides"),
+        (lambda: blend_guides([ONE], [np.inf], 2), "the shares [inf] do not fit 1 guides"),
+        (lambda: blend_guides([ONE, Guide(np.zeros(3), np.ones(3))], [1, 1], 2), "belong to meshes of different size"),
     ],
 )
 def test_what_cannot_guide_is_refused_in_one_line(call, message):

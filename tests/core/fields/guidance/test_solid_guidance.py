@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
-from synch_fields.core.fields.guidance.potentials import extended, harmonic_function, potential
+from synch_fields.core.fields.guidance.potentials import extend_harmonically, harmonic_function, potential
 from synch_fields.core.fields.guidance.solid_distance import solid_distance
 from synch_fields.core.fields.guidance.solids import (
     axis_directions,
@@ -92,7 +92,7 @@ def test_the_potential_nearest_to_changes_is_that_of_least_squares():
 def test_pieces_that_no_value_reaches_have_none():
     mesh, first = two_blocks()
     known = mesh.vertices[:, 0] == 0
-    found = extended(mesh, known, np.full(known.sum(), 0.7))
+    found = extend_harmonically(mesh, known, np.full(known.sum(), 0.7))
     np.testing.assert_allclose(found[:first], 0.7, atol=1e-12)
     assert np.isnan(found[first:]).all()
     directions = harmonic_directions(mesh, known, mesh.vertices[:, 0] == 1)

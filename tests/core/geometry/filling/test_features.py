@@ -10,11 +10,11 @@ from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.filling.features import (
     corners_of,
     sharp_edges,
-    sharpened,
+    sharpen_edges,
     smooth_regions,
     within_bounds,
 )
-from synch_fields.core.geometry.filling.stuffing import DIHEDRAL_BOUNDS, stuffed
+from synch_fields.core.geometry.filling.stuffing import DIHEDRAL_BOUNDS, fill_surface
 from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
 from synch_fields.core.geometry.nearest import nearest_in_triangles
 from synch_fields.core.geometry.tet_mesh import signed_volumes
@@ -44,7 +44,7 @@ def turned(mesh):
 
 def filled(mesh, size):
     distance = SurfaceDistance(mesh)
-    return stuffed(distance, distance.bounds, size)
+    return fill_surface(distance, distance.bounds, size)
 
 
 def test_a_cube_has_twelve_edges_eight_corners_and_six_regions():
@@ -61,7 +61,7 @@ def test_a_cube_has_twelve_edges_eight_corners_and_six_regions():
 def test_a_cube_along_the_lattice_is_filled_exactly():
     mesh = cube(1)
     before = filled(mesh, 0.075)
-    after = sharpened(before, mesh, brute_force(mesh))
+    after = sharpen_edges(before, mesh, brute_force(mesh))
     assert before.volumes.sum() < 0.999
     assert after.volumes.sum() == pytest.approx(1, abs=1e-12)
     np.testing.assert_array_equal(after.tets, before.tets)
@@ -71,7 +71,7 @@ def test_a_cube_along_the_lattice_is_filled_exactly():
 def test_edges_and_corners_of_a_turned_cube_come_back_within_the_bounds_of_angles():
     mesh = turned(cube(1))
     before = filled(mesh, 0.1)
-    after = sharpened(before, mesh, brute_force(mesh))
+    after = sharpen_edges(before, mesh, brute_force(mesh))
     lost, left = 1 - before.volumes.sum(), 1 - after.volumes.sum()
     assert lost > 0.01 and 0 <= left < lost / 3
     angles = dihedral_angles(after)
@@ -86,7 +86,7 @@ def test_edges_and_corners_of_a_turned_cube_come_back_within_the_bounds_of_angle
 def test_a_smooth_surface_is_left_as_it_is():
     mesh = icosphere(2)
     solid = filled(mesh, 0.3)
-    assert sharpened(solid, mesh, brute_force(mesh)) is solid
+    assert sharpen_edges(solid, mesh, brute_force(mesh)) is solid
 
 
 def test_the_outline_of_a_part_runs_along_edges_of_the_solid():
@@ -97,7 +97,7 @@ def test_the_outline_of_a_part_runs_along_edges_of_the_solid():
     before = filled(mesh, 0.09)
     shares = []
     for labels in (None, marked.astype(int)):
-        after = sharpened(before, mesh, brute_force(mesh), labels)
+        after = sharpen_edges(before, mesh, brute_force(mesh), labels)
         triangles = after.vertices[after.boundary_triangles]
         inside = (triangles[:, :, 2] > 1 - 1e-6) & (np.abs(triangles[:, :, :2] - 0.5) < 0.25 + 1e-6).all(axis=2)
         a, b, c = np.moveaxis(triangles[inside.all(axis=1)], 1, 0)

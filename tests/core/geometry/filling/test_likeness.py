@@ -9,9 +9,9 @@ import pytest
 
 from synch_fields.core.errors import MeshError, SettingError
 from synch_fields.core.geometry import TriangleMesh
-from synch_fields.core.geometry.filling.stuffing import stuffed
+from synch_fields.core.geometry.filling.stuffing import fill_surface
 from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
-from synch_fields.core.geometry.filling.topology_check import filled_alike, more_holes
+from synch_fields.core.geometry.filling.topology_check import fill_with_same_topology, more_holes
 
 from ...meshes import grid_quads, icosphere, split_quads, together, torus, voxel_quads
 
@@ -42,17 +42,17 @@ def with_fin():
 def test_another_body_is_refused_with_a_size_that_fits(mesh, size, flaw):
     distance = SurfaceDistance(mesh)
     with pytest.raises(SettingError, match=flaw) as caught:
-        filled_alike(distance, size)
+        fill_with_same_topology(distance, size)
     finer = float(re.search("give a size of ([0-9.e-]+)", str(caught.value))[1])
     assert finer < size and "\n" not in str(caught.value)
-    solid = filled_alike(distance, finer)
+    solid = fill_with_same_topology(distance, finer)
     assert solid.volumes.sum() == pytest.approx(distance.volume, rel=0.25)
     assert len(np.unique(solid.pieces)) == len(np.unique(mesh.pieces))
 
 
 def test_what_no_size_fills_is_refused():
     with pytest.raises(MeshError, match=r"sizes above 0.\d+ would not do: thicken these parts"):
-        filled_alike(SurfaceDistance(turned_box(10, 10, 0.001)), 0.04)
+        fill_with_same_topology(SurfaceDistance(turned_box(10, 10, 0.001)), 0.04)
 
 
 @pytest.mark.parametrize("speck", [0.02, 0.004])
@@ -61,7 +61,7 @@ def test_small_losses_change_no_solid(speck):
     base = icosphere(2)
     spiky = TriangleMesh(base.vertices * np.where(np.arange(base.vertex_count) < 12, 1.5, 1)[:, None], base.triangles)
     distance = SurfaceDistance(together(spiky, TriangleMesh(icosphere(0).vertices * speck, icosphere(0).triangles)))
-    found, plain = filled_alike(distance, 0.2), stuffed(distance, distance.bounds, 0.2)
+    found, plain = fill_with_same_topology(distance, 0.2), fill_surface(distance, distance.bounds, 0.2)
     np.testing.assert_array_equal(found.vertices, plain.vertices)
     np.testing.assert_array_equal(found.tets, plain.tets)
 
@@ -91,4 +91,4 @@ def open_ring(gap, around=60, across=12):
 )
 def test_holes_that_come_and_go_are_counted(mesh, size, more):
     distance = SurfaceDistance(mesh)
-    assert more_holes(filled_alike(distance, size), distance) == more
+    assert more_holes(fill_with_same_topology(distance, size), distance) == more

@@ -17,7 +17,7 @@ from synch_fields.core.geometry.filling.stuffing import (
     WARP_SHORT,
     estimated_bytes,
     estimated_tets,
-    stuffed,
+    fill_surface,
 )
 from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
 from synch_fields.core.geometry.tet_mesh import TET_EDGES, TetMesh, signed_volumes
@@ -68,14 +68,14 @@ def check_stuffed(mesh, signed_distance, chi, tolerance=1e-6):
 def test_volume_converges_quadratically_and_topology_is_right(signed_distance, bounds, sizes, volume, chi, share):
     """The volume misses a ``share`` of the square of the size, which is that of the surface's curvatures and edges."""
     for size in sizes:
-        mesh = stuffed(signed_distance, bounds, size)
+        mesh = fill_surface(signed_distance, bounds, size)
         check_stuffed(mesh, signed_distance, chi)
         assert mesh.edge_lengths.max() < 1.6 * size
         assert abs(mesh.volumes.sum() / volume - 1) < share * size**2
 
 
 def test_a_cube_on_the_lattice_is_filled_exactly():
-    mesh = stuffed(box_distance, BALL / 2, 0.1)
+    mesh = fill_surface(box_distance, BALL / 2, 0.1)
     check_stuffed(mesh, box_distance, 2)
     assert mesh.volumes.sum() == pytest.approx(1, abs=1e-12)
     assert dihedral_angles(mesh).min() > 44.9
@@ -84,7 +84,7 @@ def test_a_cube_on_the_lattice_is_filled_exactly():
 def test_inside_the_lattice_is_regular():
     """Far from the surface every tetrahedron has four angles of 60 degrees and two of 90."""
     size = 0.1
-    mesh = stuffed(ball_distance, BALL, size)
+    mesh = fill_surface(ball_distance, BALL, size)
     deep = (ball_distance(mesh.vertices[mesh.tets].reshape(-1, 3)).reshape(-1, 4) < -2 * size).all(axis=1)
     assert deep.sum() > 10000
     np.testing.assert_allclose(np.sort(dihedral_angles(mesh)[deep]), [[60, 60, 60, 60, 90, 90]] * deep.sum())
@@ -100,7 +100,7 @@ def test_angles_stay_within_bounds_on_a_surface_too_fine_for_the_lattice(seed):
     def rough(points):
         return np.maximum((np.cos(points @ waves.T + phases) @ heights) / steepest, ball_distance(points))
 
-    mesh = stuffed(rough, BALL, 0.1)
+    mesh = fill_surface(rough, BALL, 0.1)
     angles = dihedral_angles(mesh)
     assert DIHEDRAL_BOUNDS[0] <= angles.min() < 25
     assert 130 < angles.max() <= DIHEDRAL_BOUNDS[1]
@@ -194,7 +194,7 @@ def test_parts_that_touch_in_an_edge_are_separated():
         low, high = box_distance(points, -corner, [0, 0, 0.5]), box_distance(points, [0, 0, -0.5], corner)
         return np.minimum(low, high)
 
-    mesh = stuffed(two_boxes, BALL / 2, 0.1)
+    mesh = fill_surface(two_boxes, BALL / 2, 0.1)
     check_stuffed(mesh, two_boxes, 4)
     assert len(np.unique(mesh.pieces)) == 2
     assert mesh.volumes.sum() == pytest.approx(0.5, abs=1e-12)
@@ -202,7 +202,7 @@ def test_parts_that_touch_in_an_edge_are_separated():
 
 def test_real_surfaces_are_stuffed():
     distance = SurfaceDistance(shared_mesh("spot"))
-    mesh = stuffed(distance, distance.bounds, 0.09)
+    mesh = fill_surface(distance, distance.bounds, 0.09)
     check_stuffed(mesh, distance, 2)
     assert mesh.volumes.sum() == pytest.approx(distance.volume, rel=0.015)
     assert mesh.tet_count == pytest.approx(estimated_tets(distance.volume, 0.09, distance.area), rel=0.05)
@@ -210,15 +210,15 @@ def test_real_surfaces_are_stuffed():
 
 def test_handles_of_real_surfaces_are_kept():
     distance = SurfaceDistance(shared_mesh("rocker-arm"))
-    mesh = stuffed(distance, distance.bounds, 0.045)
+    mesh = fill_surface(distance, distance.bounds, 0.045)
     check_stuffed(mesh, distance, 0)
 
 
 def test_the_surface_of_a_solid_can_be_stuffed_again():
     """Distances from a triangle surface or from a formula make the same solid, up to the flatness of the triangles."""
-    surface = stuffed(torus_distance, TORUS, 0.08).boundary_surface[0]
+    surface = fill_surface(torus_distance, TORUS, 0.08).boundary_surface[0]
     distance = SurfaceDistance(surface)
-    mesh = stuffed(distance, distance.bounds, 0.16)
+    mesh = fill_surface(distance, distance.bounds, 0.16)
     check_stuffed(mesh, distance, 0)
     assert np.abs(torus_distance(mesh.vertices[mesh.boundary_vertices])).max() < 0.01
 
@@ -230,7 +230,7 @@ def test_far_points_are_judged_in_blocks():
         points.append(len(some))
         return ball_distance(some)
 
-    mesh = stuffed(counted, BALL, 0.06)
+    mesh = fill_surface(counted, BALL, 0.06)
     lattice = lattice_around(BALL, 0.06, 8)
     assert sum(points) < 0.8 * lattice.vertex_count
     assert mesh.tet_count > 230_000
@@ -243,16 +243,16 @@ def test_float32_distances_do_for_the_boundary():
         near = points.astype(np.float32)
         return (np.sqrt((near**2).sum(axis=1)) - np.float32(1)).astype(float)
 
-    mesh = stuffed(single, BALL, 0.2)
+    mesh = fill_surface(single, BALL, 0.2)
     assert np.abs(ball_distance(mesh.vertices[mesh.boundary_vertices])).max() < 1e-6
 
 
 @pytest.mark.parametrize("size", [0.2, 0.07])
 def test_estimates(size):
-    exact = stuffed(ball_distance, BALL, size).tet_count
+    exact = fill_surface(ball_distance, BALL, size).tet_count
     assert estimated_tets(4 / 3 * np.pi, size, 4 * np.pi) == pytest.approx(exact, rel=0.05)
     assert estimated_tets(BALL, size) > 1.5 * exact
-    box = stuffed(turned_box, 0.9 * BALL, size).tet_count
+    box = fill_surface(turned_box, 0.9 * BALL, size).tet_count
     assert estimated_tets(BALL / 2, size) == pytest.approx(box, rel=0.12)
     assert 700 * exact < estimated_bytes(exact, BALL, size) < 760 * exact
 
@@ -260,22 +260,22 @@ def test_estimates(size):
 @pytest.mark.parametrize("size", [0, -1.0, np.nan, np.inf])
 def test_sizes_that_make_no_lattice_are_refused(size):
     with pytest.raises(SettingError, match="choose a positive length"):
-        stuffed(ball_distance, BALL, size)
+        fill_surface(ball_distance, BALL, size)
 
 
 def test_a_size_that_no_memory_holds_is_refused_with_one_that_fits():
     with pytest.raises(SettingError, match=r"a size of 0\.001 makes 8\.\de\+09 cubes: choose one above 0\.0054"):
-        stuffed(ball_distance, BALL, 0.001)
+        fill_surface(ball_distance, BALL, 0.001)
 
 
 def test_a_surface_beyond_its_box_is_refused():
     with pytest.raises(MeshError, match="leaves the bounds"):
-        stuffed(lambda points: ball_distance(points, 2.0), BALL, 0.2)
+        fill_surface(lambda points: ball_distance(points, 2.0), BALL, 0.2)
 
 
 def test_what_slips_through_the_lattice_is_refused():
     with pytest.raises(MeshError, match=r"no vertex of a lattice of size 0\.5 is inside"):
-        stuffed(lambda points: ball_distance(points - [0.1, 0.3, 0.2], 0.02), BALL, 0.5)
+        fill_surface(lambda points: ball_distance(points - [0.1, 0.3, 0.2], 0.02), BALL, 0.5)
 
 
 def test_open_surfaces_are_refused_with_their_vertices():
