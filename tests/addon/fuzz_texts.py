@@ -5,8 +5,39 @@
 from .fuzz_cases import mostly, st
 
 # Null characters, halves of characters, ends of lines, formulas, tags, marks of right-to-left text, paths, formats.
-_PARTS = ["\0", "\ud800", "\udcff", "\n", "\r", "\u2028", "\t", "\x1b[2J", "=1+1", "+1", "-1", "@a", "<script>", "&amp;"]
-_PARTS += ["\u202e", "\u200f", "\ufeff", "é", "e\u0301", "😀", "..", "/", "\\", "//", "~", "%s", "{stem}", "{x!r}", "$(a)"]
+_PARTS = [
+    "\0",
+    "\ud800",
+    "\udcff",
+    "\n",
+    "\r",
+    "\u2028",
+    "\t",
+    "\x1b[2J",
+    "=1+1",
+    "+1",
+    "-1",
+    "@a",
+    "<script>",
+    "&amp;",
+]
+_PARTS += [
+    "\u202e",
+    "\u200f",
+    "\ufeff",
+    "é",
+    "e\u0301",
+    "😀",
+    "..",
+    "/",
+    "\\",
+    "//",
+    "~",
+    "%s",
+    "{stem}",
+    "{x!r}",
+    "$(a)",
+]
 _PARTS += ["#", "####", ",", ":", "=", '"', "'", "*", "?", "[", " ", "", "CON", "nul.", "a", "0", "None"]
 hostile_texts = mostly(
     st.lists(st.sampled_from(_PARTS), min_size=1, max_size=4).map("".join),

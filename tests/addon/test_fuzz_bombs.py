@@ -87,7 +87,9 @@ def json_files(draw):
     """JSON that is nested, or has numbers of thousands of digits."""
     depth, digits = draw(DEPTHS), draw(st.sampled_from([1, 300, 5000, 10**5]))
     kinds = [nested(depth, "[", "]"), nested(depth, '{"a":', "}"), b"[" + b"9" * digits + b"]"]
-    return draw(st.sampled_from([*kinds, b'[{"kind": "pin", "vertex": ' + b"9" * digits + b"}]", b"[1e" + b"9" * 400 + b"]"]))
+    return draw(
+        st.sampled_from([*kinds, b'[{"kind": "pin", "vertex": ' + b"9" * digits + b"}]", b"[1e" + b"9" * 400 + b"]"])
+    )
 
 
 @st.composite
