@@ -25,7 +25,15 @@ def main(minutes, seed):
     kept.mkdir(parents=True, exist_ok=True)
     counted = kept / "counts.json"
     settings = {"SYNCH_FUZZ_CASES": str(CASES), "SYNCH_FUZZ_KEPT": str(kept), "SYNCH_FUZZ_COUNTED": str(counted)}
-    command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", str(ROOT / "tests/addon/test_fuzz.py")]
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "-p",
+        "no:cacheprovider",
+        *map(str, sorted((ROOT / "tests" / "addon").glob("test_fuzz*.py"))),
+    ]
     while time.monotonic() < begin + 60 * minutes:
         print(f"seed {seed}", flush=True)
         counted.unlink(missing_ok=True)

@@ -21,6 +21,7 @@ from ..memory import at_most, machine_bytes
 from ..settings.flow import VELOCITY
 from .border import array_bytes, border, check_promise
 from .openvdb import openvdb_module
+from .vdb_sizes import check_vdb_sizes
 
 SUFFIXES = (".vdb", ".npz")
 # Names of a flow's vectors, the first of which Blender's own liquids have.
@@ -275,7 +276,7 @@ class VolumeFile:
         path = self.path
         try:
             with self._limited():
-                chosen, warnings = _vector_grid(path, vdb.readAllGridMetadata(str(path)), self.attribute)
+                chosen, warnings = _vector_grid(path, self._metadata(vdb), self.attribute)
                 found = vdb.read(str(path), chosen.name)
         except SettingError:
             raise
@@ -310,12 +311,17 @@ class VolumeFile:
         """Hold the reader to the memory that a sound file can take."""
         return at_most(_SOUND_BYTES + _SOUND_RATIO * self.path.stat().st_size)
 
+    def _metadata(self, vdb):
+        """The headers of the file's grids, whose promises its bytes can hold."""
+        check_vdb_sizes(self.path)
+        return vdb.readAllGridMetadata(str(self.path))
+
     def header(self):
         """Lowest and highest index of the file's grid, and the (4, 4) matrix that takes indices to the file's world,
         without reading any voxel; None where the header does not tell them."""
         try:
             with self._limited():
-                grids = openvdb_module(self.module).readAllGridMetadata(str(self.path))
+                grids = self._metadata(openvdb_module(self.module))
             chosen, _ = _vector_grid(self.path, grids, self.attribute)
             low, high = (np.array(chosen[name]) for name in ("file_bbox_min", "file_bbox_max"))
         except Exception:  # as in read(), which says what is wrong

@@ -3,6 +3,7 @@
 
 import os
 import shutil
+import stat
 from contextlib import ExitStack, contextmanager, suppress
 from functools import partial
 from pathlib import Path
@@ -59,9 +60,11 @@ def _write_beside(waiting, path, is_whole=None):
         raise unwritten(path, "this is no file, and nobody could tell whether all of it arrived")
     made = Path(path).absolute() if is_device else place_beside(target)
     try:
-        yield made
         if is_device:
+            with _opened_pipe(made):
+                yield made
             return
+        yield made
         if not made.is_file() or not made.stat().st_size:
             raise unwritten(path, "nothing arrived")
         if is_whole is not None and not is_whole(made):
@@ -76,6 +79,20 @@ def _write_beside(waiting, path, is_whole=None):
             raise unwritten(path, error.strerror or error) from None
         raise
     waiting.append((path, target, made))
+
+
+@contextmanager
+def _opened_pipe(path):
+    """Keep a named pipe open inside, as its reader sees its end else; OSError where nobody reads, for whom opening
+    would wait. Nothing is done with other devices."""
+    if not stat.S_ISFIFO(path.stat().st_mode):
+        yield
+        return
+    pipe = os.open(path, os.O_WRONLY | os.O_NONBLOCK)
+    try:
+        yield
+    finally:
+        os.close(pipe)
 
 
 def _take_places(waiting):

@@ -5,22 +5,13 @@
 A short run belongs to the tests; `make fuzz` goes on for minutes, and keeps the smallest case of what it finds.
 """
 
-import io
-import json
-import os
-import sys
 import tempfile
-import warnings
-from collections import Counter
-from contextlib import chdir, redirect_stderr
 from functools import cache
 from pathlib import Path
 
 import bpy
 import numpy as np
-import pytest
 
-from synch_fields.core.errors import SynchError
 from synch_fields.core.files.flows import flow_file
 from synch_fields.core.files.tets import read_tets
 from synch_fields.core.settings.surface import SurfaceSettings
@@ -28,30 +19,14 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import files
 from synch_fields.synch_addon.blender.openvdb import module_file
 from synch_fields.synch_addon.blender.schema import ATTRIBUTES, DIRECTION, PHASES
-from synch_fields.synch_addon.command.main import main
 from synch_fields.synch_addon.patterns.job import FieldJob
 
 from ..corpus import bad_meshes
 from .faults import differences, fault_at, state
-from .scenes import LAYOUTS, add_attribute, add_group, add_object, furnished, grid, snapshot, sphere
+from .fuzz_cases import CASES, COUNTS, KEPT, empty_scene, mostly, read_or_refused, solved_or_refused, st, tried
+from .scenes import LAYOUTS, add_attribute, add_group, add_object, furnished, grid, sphere
 from .vortex_scenes import write_npz, write_vdb
 
-hypothesis = pytest.importorskip("hypothesis")
-st = hypothesis.strategies
-# How many cases each test tries, where what fails is kept, and the file that gets the counts of what came out.
-CASES = int(os.environ.get("SYNCH_FUZZ_CASES", "10"))
-KEPT = os.environ.get("SYNCH_FUZZ_KEPT")
-COUNTED = os.environ.get("SYNCH_FUZZ_COUNTED")
-COUNTS = Counter()
-fuzzed = hypothesis.settings(
-    max_examples=CASES,
-    deadline=None,
-    derandomize=KEPT is None,
-    database=KEPT and hypothesis.database.DirectoryBasedExampleDatabase(KEPT),
-    suppress_health_check=list(hypothesis.HealthCheck),
-)
-# Files are tried that much more often, which takes as long.
-fuzzed_often = hypothesis.settings(fuzzed, max_examples=CASES if KEPT is None else 5 * CASES)
 LARGE = ("thirty boxes", "twenty triangles", "boxes that touch", "every face apart", "needles of a million")
 NUMBERS = st.floats(width=32) | st.floats(-2, 2, width=32) | st.sampled_from([0.0, 1.0, 1e-7, 1e30])
 NAMES = sorted(name for name in bad_meshes.MESHES if "inf" not in name and name not in LARGE)
@@ -81,55 +56,12 @@ def spoilt(draw):
     return vertices, faces
 
 
-@pytest.fixture(scope="module", autouse=True)
-def counted():
-    """Where it is asked for, leave the number of cases by what they are and what came out."""
-    yield
-    if COUNTED:
-        Path(COUNTED).write_text(json.dumps(COUNTS))
-
-
-def solved_or_refused(kind, work):
-    """The result of some work on a case of some kind, or None where it has said in one line why not, and left the scene
-    as it was."""
-    bpy.context.view_layer.update()
-    before = snapshot()
-    found = read_or_refused(kind, work)
-    assert found is not None or snapshot() == before
-    return found
-
-
-def read_or_refused(kind, work):
-    """The same of work that need not leave the scene as it was."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("error")
-        try:
-            found = work()
-        except SynchError as error:
-            assert str(error) and "\n" not in str(error)
-            COUNTS[f"{kind} refused"] += 1
-            return None
-    has_warnings = isinstance(found, dict) and found["warnings"]
-    COUNTS[f"{kind} solved with warnings" if has_warnings else f"{kind} solved"] += 1
-    return found
-
-
-def empty_scene():
-    bpy.ops.wm.read_homefile(use_empty=True)
-
-
-@fuzzed
-@hypothesis.given(soups() | spoilt(), st.sampled_from(["directions", "stripes", "quads"]))
+@tried(soups() | spoilt(), st.sampled_from(["directions", "stripes", "quads"]))
 def test_any_soup_is_solved_or_refused(mesh, command):
     empty_scene()
     obj = add_object(*mesh)
     report = solved_or_refused("meshes", lambda: getattr(api, command)(obj, time_limit=5.0))
     assert report is None or report["energy"] is None or report["lower_bound"] <= report["energy"]
-
-
-def mostly(usual, odd):
-    """Values that can be taken, and now and then others."""
-    return st.integers(0, 15).flatmap(lambda number: odd if number == 15 else usual)
 
 
 def one_of(values, odd):
@@ -157,8 +89,7 @@ SETTINGS = {
 OBJECTS = {"sphere": lambda: sphere(2), "grid": lambda: grid(6), "furnished": furnished}
 
 
-@fuzzed
-@hypothesis.given(
+@tried(
     st.fixed_dictionaries({}, optional=SETTINGS),
     st.sampled_from(["stripes", "quads", "quad_mesh", "directions"]),
     st.sampled_from(sorted(OBJECTS)),
@@ -171,8 +102,7 @@ def test_any_settings_are_taken_or_refused(settings, command, name):
     solved_or_refused("settings", lambda: getattr(api, command)(obj, time_limit=5.0, **settings))
 
 
-@fuzzed
-@hypothesis.given(
+@tried(
     st.lists(
         st.tuples(
             st.sampled_from([known.name for known in ATTRIBUTES]),
@@ -206,8 +136,7 @@ def test_any_attributes_with_our_names_come_back_after_a_fault_and_stop_nothing(
         assert (obj.data.attributes[own.name].domain, obj.data.attributes[own.name].data_type) == own.layout
 
 
-@fuzzed
-@hypothesis.given(soups() | spoilt(), st.integers(1, 12), st.sampled_from([0.0, 1.0]))
+@tried(soups() | spoilt(), st.integers(1, 12), st.sampled_from([0.0, 1.0]))
 def test_any_soup_becomes_a_few_quads_or_is_refused(mesh, faces, branching):
     empty_scene()
     obj = add_object(*mesh)
@@ -229,10 +158,10 @@ def rows(draw):
     return (head + 20 * (" ".join(map(str, numbers)) + "\n")).encode()
 
 
-@fuzzed_often
-@hypothesis.given(
+@tried(
     st.binary(max_size=200) | st.text(alphabet="0123456789 .-+einfa\n", max_size=200).map(str.encode) | rows(),
     st.sampled_from([".rosy", ".rawfield"]),
+    often=True,
 )
 def test_any_field_file_is_read_or_refused(content, suffix):
     empty_scene()
@@ -303,8 +232,7 @@ def damages(draw):
     return draw(st.integers(0, len(FORMATS) - 1)), draw(st.lists(places, max_size=2)), share
 
 
-@fuzzed_often
-@hypothesis.given(damages())
+@tried(damages(), often=True)
 def test_any_damaged_file_is_read_or_refused(damage):
     number, places, share = damage
     suffix, _, read = FORMATS[number]
@@ -319,97 +247,8 @@ def test_any_damaged_file_is_read_or_refused(damage):
         read_or_refused(f"{suffix} files", lambda: read(path) or "read")
 
 
-# Names that files of a suffix are called by: some of them are one file, or belong to one numbered set.
-CALLED = ("a{}", "./a{}", "sub/../a{}", "link{}", "part{}", "part_000{}", "./part_0001{}", "new/b{}", "new/../new/b{}")
-MESHES = (".obj", ".stl", ".ply")
-# Suffixes of the files that a command reads and writes, by their flags; "" is the input.
-FILES = {
-    "info": {"": MESHES, "--report": [".json"]},
-    "stripes": {
-        "": MESHES,
-        "--constraints": [".json"],
-        "--guidance": [".rosy"],
-        "--report": [".json"],
-        "--output": [".blend"],
-        "--export-field": [".rosy"],
-    },
-    "quad_mesh": {"": MESHES, "--constraints": [".json"], "--export-mesh": MESHES, "--report": [".json"]},
-    "layers": {
-        "": MESHES,
-        "--export-layers": MESHES,
-        "--export-mesh": MESHES,
-        "--export-paths": [".csv", ".obj", ".gcode"],
-        "--export-gcode": [".gcode"],
-        "--report": [".json"],
-    },
-}
-# Flags of files that are read, and what makes a command quick.
-READ = ("", "--constraints", "--guidance")
-QUICK = {
-    "stripes": ["--quiet", "--method", "spectral", "--spacing", "0.7"],
-    "quad_mesh": ["--quiet", "--method", "spectral", "--spacing", "0.7", "--smoothing", "0"],
-    "layers": ["--quiet", "--method", "spectral", "--spacing", "1.5", "--size", "0.7"],
-}
-
-
-@st.composite
-def commands(draw):
-    """A command, and the name of a file for some of its flags."""
-    command = draw(st.sampled_from(sorted(FILES)))
-    named = {}
-    for flag, suffixes in FILES[command].items():
-        if not flag or draw(st.booleans()):
-            named[flag] = draw(st.sampled_from(CALLED)).format(draw(st.sampled_from(suffixes)))
-    return command, named
-
-
-@cache
-def given_files():
-    """What is in a folder before a command runs: contents by names."""
-    empty_scene()
-    obj = sphere(1)
-    found = {"a.json": b"[]\n", "a.rosy": b"20\n2\n" + 20 * b"1 0 0\n", "a.csv": b"table", "a.gcode": b"G28"}
-    with tempfile.TemporaryDirectory() as folder:
-        for suffix in MESHES:
-            files.export_mesh(obj, Path(folder) / f"a{suffix}")
-            found[f"a{suffix}"] = found[f"part_000{suffix}"] = (Path(folder) / f"a{suffix}").read_bytes()
-    return found
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="links need rights there")
-@fuzzed
-@hypothesis.given(commands())
-def test_no_command_writes_over_a_file_of_its_own(case):
-    command, named = case
-    with tempfile.TemporaryDirectory() as folder, chdir(folder):
-        Path("sub").mkdir()
-        for name, content in given_files().items():
-            Path(name).write_bytes(content)
-            if name.startswith("a."):
-                Path(f"link.{name[2:]}").symlink_to(name)
-        read = {flag: Path(name) for flag, name in named.items() if flag in READ and Path(name).exists()}
-        before = {path: path.read_bytes() for path in read.values()}
-        guided = {flag: f"file:{name}=1" if flag == "--guidance" else name for flag, name in named.items()}
-        flags = [part for flag, name in guided.items() if flag for part in (flag, name)]
-        with redirect_stderr(io.StringIO()) as told:
-            status = main([command, named[""], *flags, *QUICK.get(command, ())])
-        assert "Traceback" not in told.getvalue()
-        assert all(path.read_bytes() == content for path, content in before.items())
-        COUNTS[f"files of {command} {'refused' if status else 'written'}"] += 1
-        if status:
-            assert len(told.getvalue().strip().splitlines()) == 1
-            return
-        written = [Path(name) for flag, name in named.items() if flag not in (*READ, "--export-layers")]
-        layers = Path(named.get("--export-layers", "none"))
-        written += layers.parent.glob(f"{layers.stem}_[0-9][0-9][0-9]*{layers.suffix}")
-        places = {path.resolve(strict=True) for path in written}
-        assert len(places) == len(written) and ("--export-layers" not in named or layers.parent.exists())
-        assert not places & {path.resolve() for path in before}
-
-
 def test_a_fault_anywhere_leaves_the_scene_as_it_was():
-    @fuzzed
-    @hypothesis.given(st.integers(1, 600), st.sampled_from(["stripes", "quads", "directions", "quad_mesh"]))
+    @tried(st.integers(1, 600), st.sampled_from(["stripes", "quads", "directions", "quad_mesh"]))
     def check(number, command):
         empty_scene()
         spacing = None if command == "directions" else 0.7

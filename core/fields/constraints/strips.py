@@ -99,7 +99,7 @@ def _on_lines(mesh, edges, step):
     beside[mesh.triangle_edges.ravel(), side] = own[half // 3]
     counts = np.ceil(mesh.edge_lengths[edges] / step).astype(int) + 1
     rows, places = ragged_arange(counts)
-    shares = (places / (counts[rows] - 1))[:, None]
+    shares = (places / np.maximum(counts[rows] - 1, 1))[:, None]
     points = mesh.vertices[mesh.edges[edges[rows], 0]] + shares * mesh.edge_vectors[edges[rows]]
     tangents = mesh.edge_vectors[edges] / np.maximum(mesh.edge_lengths[edges, None], np.finfo(float).tiny)
     return points, tangents[rows], beside[edges[rows]]

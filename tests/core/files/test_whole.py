@@ -80,6 +80,18 @@ def test_a_device_is_written_to_as_it_is(tmp_path):
         raise AssertionError("nothing is to be written")
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes")
+def test_a_pipe_gets_all_where_somebody_reads_and_is_refused_at_once_where_nobody_does(tmp_path):
+    pipe = tmp_path / "pipe.txt"
+    os.mkfifo(pipe)
+    with pytest.raises(SettingError, match=r"pipe\.txt: cannot be written"):
+        write_text(pipe, "lost")
+    with open(os.open(pipe, os.O_RDONLY | os.O_NONBLOCK)) as reader:
+        write_text(pipe, "all of it")
+        assert reader.read() == "all of it"
+    assert stat.S_ISFIFO(pipe.stat().st_mode)
+
+
 def test_folders_that_are_none_or_not_there_are_refused_before(tmp_path, place):
     for path in (tmp_path / "none" / "file.txt", place / "file.txt"):
         with pytest.raises(SettingError, match="cannot be written"):
