@@ -2,7 +2,7 @@
 """Directions in a solid from what its surface has: functions of a :class:`..filled_surface.FilledSurface`.
 
 Each gives (n, 3) vectors at the solid's vertices, whose lengths do not count; zero where it has no direction, which
-:func:`.solids.extended_directions` extends there. What it needs besides comes first, to be bound by
+:func:`.solids.extend_directions` extends there. What it needs besides comes first, to be bound by
 ``functools.partial``, which can be pickled.
 """
 

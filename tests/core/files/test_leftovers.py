@@ -18,12 +18,12 @@ WRITING = """
 import sys, time
 from pathlib import Path
 from synch_fields.core.files.leftovers import mark
-from synch_fields.core.files.whole import written_whole
+from synch_fields.core.files.whole import write_whole
 here = Path(sys.argv[1])
 marked = here / f"blender_{sys.argv[2]}"
 marked.mkdir()
 mark(marked)
-with written_whole(here / "out.txt") as made:
+with write_whole(here / "out.txt") as made:
     made.write_text("half")
     print("writing", flush=True)
     time.sleep(600)
