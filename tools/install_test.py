@@ -9,12 +9,14 @@ one. That Python has no SciPy of its own where the zip has wheels for it: each s
 Blender looks for wheels that it has just installed last. Where no wheel is for its Python, as in Blenders that Linux
 distributions build with a Python of theirs, the zip without wheels is built and SciPy is that Python's.
 
-Steps: install the zip; enable, make stripes, disable, enable, make stripes; uninstall; nothing is left; the same from
-the repository of extensions, by the address of its index.json.
+Steps: install the zip; enable, make stripes, disable, enable, make stripes; run the Python that README and manual show
+from the Text Editor; run the command line of a Blender program; uninstall; nothing is left; the same from the
+repository of extensions, by the address of its index.json.
 """
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -24,6 +26,19 @@ from pathlib import Path
 NAME, REPOSITORY = "synch_fields", "Release"
 PLATFORMS = {"linux": "linux_x64", "darwin": "macos_arm64", "win32": "windows_x64"}
 MARK = "install-test: "
+ROOT = Path(__file__).resolve().parents[1]
+# Where the manual shows how Python finds an extension, and the names of the two ways.
+MANUAL = ROOT / "docs" / "scripting.md"
+DRAGGED, PACKAGE = f"bl_ext.user_default.{NAME}", NAME
+# Words behind `--command synch` on a mesh, with the status that Blender ends with.
+COMMANDS = {
+    ("info", "mesh.obj", "--report", "info.json"): 0,
+    ("stripes", "mesh.obj", "--spacing", "0.3", "--output", "out.blend", "--report", "out.json", "--quiet"): 0,
+    ("--help",): 0,
+    ("stripes", "missing.obj", "--output", "missing.blend"): 1,
+    ("stripes", "mesh.obj", "--spacing", "-1"): 1,
+    ("stripes", "mesh.obj", "--no-such-flag"): 2,
+}
 
 
 def main(arguments):
@@ -46,6 +61,11 @@ def main(arguments):
             step(blender, resources, "install", source)
             found = step(blender, resources, "use", source, "wheels" if has_wheels else "own")
             print(f"  from {way}: stripes, disabled, enabled, stripes; SciPy {found['scipy']}", flush=True)
+            count = step(blender, resources, "run examples", source)["told"]
+            print(f"  {count} examples of README and manual ran from the Text Editor", flush=True)
+            if blender:
+                run_commands(blender, resources, step(blender, resources, "write a mesh", source)["told"])
+                print(f"  --command synch: {len(COMMANDS)} commands ended with their status", flush=True)
             step(blender, resources, "uninstall", source)
             step(blender, resources, "look for what is left", source)
             left = [path for path in resources.rglob("*") if NAME in path.name or "scipy" in path.name]
@@ -57,20 +77,44 @@ def main(arguments):
 
 def step(blender, resources, *words):
     """What a step in a process of its own tells; it must succeed."""
-    kept = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
     here = str(Path(__file__).resolve())
     if blender:
         command = [*blender, "--background", "--python-exit-code", "1", "--python", here, "--", "--step", *words]
     else:
         command = [sys.executable, here, "--step", *words]
-    variables = {"BLENDER_USER_RESOURCES": str(resources)} if resources else {}
-    if resources:
-        resources.mkdir(exist_ok=True)
-    result = subprocess.run(command, capture_output=True, text=True, env=kept | variables)
+    result = subprocess.run(command, capture_output=True, text=True, env=environment(resources))
     told = [line for line in result.stdout.splitlines() if line.startswith(MARK)]
     if result.returncode or not told:
         sys.exit(f"install-test: {words[0]}: {result.stdout}{result.stderr}")
     return json.loads(told[-1].removeprefix(MARK))
+
+
+def environment(resources):
+    """The variables of a process whose Blender keeps the user's own in a folder, made where it is missing."""
+    kept = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
+    if resources is None:
+        return kept
+    resources.mkdir(exist_ok=True)
+    return kept | {"BLENDER_USER_RESOURCES": str(resources)}
+
+
+def run_commands(blender, resources, mesh):
+    """Run the extension's commands on a mesh; each must end with its status, those that succeed with their files."""
+    folder = Path(mesh).parent
+    for words, status in COMMANDS.items():
+        command = [*blender, "--background", "--command", "synch", *words]
+        result = subprocess.run(command, capture_output=True, text=True, env=environment(resources), cwd=folder)
+        written = [folder / word for word in words if Path(word).stem in ("info", "out") and "." in word]
+        if result.returncode != status or not all(path.stat().st_size for path in written):
+            sys.exit(f"install-test: {words}: status {result.returncode}: {result.stdout}{result.stderr}")
+
+
+def examples(module):
+    """Python that README and manual show for an extension of this module's name, as a user adapts it."""
+    readme = re.findall(r"^```python\n(.*?)^```", (ROOT / "README.md").read_text("utf-8"), re.MULTILINE | re.DOTALL)
+    manual = re.findall(r"^```python\n(.*?)^```", MANUAL.read_text("utf-8"), re.MULTILINE | re.DOTALL)
+    found = [source for source in (*readme, manual[0]) if source]
+    return [re.sub(rf"\bfrom ({DRAGGED}|{PACKAGE})\b", f"from {module}", source) for source in found]
 
 
 def inside(words):
@@ -79,10 +123,10 @@ def inside(words):
 
     if len(words) > 1 and not words[1].endswith(".zip"):
         add_repository(bpy, words[1])  # a module does not save preferences
-    STEPS[words[0]](bpy, *words[1:])
+    told = STEPS[words[0]](bpy, *words[1:])
     scipy = sys.modules.get("scipy")
     python = f"{sys.version_info.major}.{sys.version_info.minor}"
-    return {"blender": bpy.app.version_string, "python": python, "scipy": scipy and scipy.__version__}
+    return {"blender": bpy.app.version_string, "python": python, "scipy": scipy and scipy.__version__, "told": told}
 
 
 def about(_bpy):
@@ -135,6 +179,34 @@ def use(bpy, _source, scipy_of):
     assert Path(scipy.__file__).resolve().is_relative_to(own) == (scipy_of == "wheels"), scipy.__file__
 
 
+def run_examples(bpy, _source):
+    """Run the examples from a Text Editor; returns how many."""
+    import addon_utils
+
+    name = module_name(bpy)
+    addon_utils.enable(name, default_set=False)
+    window = bpy.context.window_manager.windows[0]
+    area = max(window.screen.areas, key=lambda area: area.width * area.height)
+    area.type = "TEXT_EDITOR"
+    sources = examples(name)
+    for source in sources:
+        area.spaces.active.text = bpy.data.texts.new("example")
+        area.spaces.active.text.write(source)
+        with bpy.context.temp_override(window=window, area=area, region=area.regions[-1]):
+            assert bpy.ops.text.run_script() == {"FINISHED"}  # an error in it is raised here
+    assert json.loads(bpy.context.object.synch.result)["settings"]["seed"] == 3, "the manual's stripes are missing"
+    return len(sources)
+
+
+def write_mesh(bpy, _source):
+    """Write a mesh for the command line; returns its path."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3)
+    path = os.path.join(os.environ["BLENDER_USER_RESOURCES"], "mesh.obj")
+    bpy.ops.wm.obj_export(filepath=path)
+    return path
+
+
 def uninstall(bpy, _source):
     name = module_name(bpy).split(".")[1]
     number = number_of(bpy, lambda repository: repository.module == name)
@@ -157,7 +229,15 @@ def module_name(bpy):
     return found
 
 
-STEPS = {"about": about, "install": install, "use": use, "uninstall": uninstall, "look for what is left": look}
+STEPS = {
+    "about": about,
+    "install": install,
+    "use": use,
+    "run examples": run_examples,
+    "write a mesh": write_mesh,
+    "uninstall": uninstall,
+    "look for what is left": look,
+}
 
 
 if __name__ == "__main__":

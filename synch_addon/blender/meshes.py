@@ -15,7 +15,7 @@ from ...core.geometry.manifold_repair import carrier, finite_places
 from ...core.geometry.mesh_input import MeshInput
 from ...core.geometry.polygons import Polygons
 from .attributes import read_all, read_values
-from .objects import no_object
+from .objects import no_object, set_mode
 from .transaction import at_the_end, undone_by
 
 
@@ -48,12 +48,12 @@ def object_mode(obj):
             raise SynchError(
                 f"{obj.name} is in edit mode and not active: make it the active object, or leave edit mode"
             )
-        bpy.ops.object.mode_set(mode="OBJECT")
+        set_mode(obj, "OBJECT")
     try:
         yield
     finally:
         if editing and bpy.context.view_layer.objects.active == obj:  # not where a new object took its place
-            bpy.ops.object.mode_set(mode="EDIT")
+            set_mode(obj, "EDIT")
 
 
 def read_mesh(obj, base=None, strict=False):

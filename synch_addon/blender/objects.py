@@ -93,6 +93,15 @@ def _select(layer, objects, active):
     layer.objects.active = active
 
 
+def set_mode(obj, mode):
+    """Bring the active object into a mode, such as "EDIT".
+
+    A hidden one, too: in object mode, the context of a 3D view does not name it as the active object.
+    """
+    with bpy.context.temp_override(active_object=obj):
+        bpy.ops.object.mode_set(mode=mode)
+
+
 def hide(obj, hidden):
     """Hide an object in the view layer, or show it; undone where the work fails."""
     before, selected = obj.hide_get(), obj.select_get()

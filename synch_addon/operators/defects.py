@@ -10,6 +10,7 @@ from ...core.files.json_text import json_text
 from ..blender import meshes
 from ..blender.defect_empties import defect_empties
 from ..blender.translations import translate
+from ..blender.objects import set_mode
 from ..patterns import memory
 from .ready import PromptOperator, ReadyOperator
 
@@ -55,7 +56,7 @@ class SYNCH_OT_select_defects(_DefectOperator, PromptOperator, bpy.types.Operato
         faces = sorted({empty["synch_face"] for empty in defect_empties(obj)})
         with meshes.object_mode(obj):
             meshes.select_faces(obj, faces)
-        bpy.ops.object.mode_set(mode="EDIT")
+        set_mode(obj, "EDIT")
         return f"{len(faces)} faces selected"
 
 
@@ -75,7 +76,7 @@ class SYNCH_OT_select_places(ReadyOperator, PromptOperator, bpy.types.Operator):
             if found is None:
                 raise SynchError(f"{obj.name} has no such place any more: solve it again")
             _SELECT[found.kind](obj, found.elements)
-        bpy.ops.object.mode_set(mode="EDIT")
+        set_mode(obj, "EDIT")
         return found.line
 
 

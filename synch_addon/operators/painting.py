@@ -5,6 +5,7 @@ import bpy
 from bpy.props import EnumProperty
 
 from ..blender.groups import is_group
+from ..blender.objects import set_mode
 from ..panels.row_operators import can_set
 from ..settings.painting import MAPS
 
@@ -35,12 +36,12 @@ class SYNCH_OT_paint_map(bpy.types.Operator):
             line = f"{name} is an attribute, and vertex groups are painted: empty the field for a new one"
             self.report({"ERROR"}, line)
             return {"CANCELLED"}
-        bpy.ops.object.mode_set(mode="OBJECT")  # in edit mode groups cannot be changed
+        set_mode(obj, "OBJECT")  # in edit mode groups cannot be changed
         if not (name and is_group(obj, name)):
             group = obj.vertex_groups.new(name=name or chosen.group)
             group.add(range(len(obj.data.vertices)), 0.0, "REPLACE")  # without weights all is black
             name = group.name
             setattr(getattr(obj, chosen.settings), chosen.name, name)
         obj.vertex_groups.active = obj.vertex_groups[name]
-        bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+        set_mode(obj, "WEIGHT_PAINT")
         return {"FINISHED"}

@@ -17,7 +17,7 @@ from ...core.geometry.polygons import Polygons
 from ..blender import attributes, meshes, schema
 from ..blender.defect_empties import KINDS, DefectEmpty, write_defects
 from ..blender.new_geometry import add_spline, new_mesh
-from ..blender.objects import hide
+from ..blender.objects import hide, set_mode
 from ..blender.transaction import assign, at_the_end, drop, leave, store, undone_by
 from ..nodes.layers import curve_material, layer_material
 from ..nodes.materials import pattern_material
@@ -66,8 +66,8 @@ def _leave_modes(obj):
     active = bpy.context.view_layer.objects.active
     for made in _all_made(obj):
         if made.mode != "OBJECT" and active is not None and active.mode == made.mode:
-            undone_by(made, partial(bpy.ops.object.mode_set, mode=made.mode))
-            bpy.ops.object.mode_set(mode="OBJECT")
+            undone_by(made, partial(set_mode, active, made.mode))
+            set_mode(active, "OBJECT")
         if made.mode != "OBJECT":
             raise SynchError(f"{made.name} is in another mode and not active: make it the active object, or leave it")
 

@@ -185,7 +185,8 @@ def test_errors_are_told_from_refusals(log, count):
     assert len(errors(log)) == count
 
 
-def test_an_error_of_a_timer_would_be_found(window):
+def test_an_error_of_a_timer_would_be_found(window_of_its_own):
+    window = window_of_its_own
     window.run("bpy.app.timers.register(lambda: 1 / 0)")
     end = time.monotonic() + 60
     while not errors(window.log.read_text(errors="replace")) and time.monotonic() < end:

@@ -38,6 +38,7 @@ def test_a_pattern_is_seen_in_solid_view_at_once_and_goes_by_a_click(panel, keep
 
 def test_the_ink_follows_a_shape_key_a_frame_and_the_object_that_goes(panel, keep):
     """Ink that stayed behind would be hidden by the surface, which grows around it."""
+    panel.run("view().view_distance = 8")
     panel.run("bpy.ops.mesh.primitive_uv_sphere_add(segments=48, ring_count=24, radius=1)")
     panel.run("bpy.ops.object.shade_smooth()")
     panel.click("Stripes")

@@ -110,6 +110,18 @@ def test_new_file_while_a_job_runs_is_safe(panel):
     solved(panel)
 
 
+def test_a_mesh_that_is_hidden_in_edit_mode_is_worked_on(panel):
+    add_ball(panel, 3)
+    solved(panel)
+    panel.run("bpy.ops.object.mode_set(mode='EDIT'); active().hide_set(True)")
+    in_view = "with bpy.context.temp_override(window=bpy.context.window_manager.windows[0], area=area(), "
+    in_view += "region=window_region()):\n    bpy.ops.synch."
+    panel.run(in_view + "keep_favourite()")
+    assert panel.value("[active().mode, len(active().synch.favourites)]") == ["EDIT", 1]
+    panel.run(in_view + "paint_map(target='SPACING')")
+    assert panel.value("active().mode") == "WEIGHT_PAINT"
+
+
 def test_undo_and_redo(panel):
     add_ball(panel, 4)
     panel.run("bpy.ops.ed.undo_push(message='ball')")
