@@ -37,7 +37,7 @@ def read_strokes(obj, name, given):
     mesh = given.mesh
     step = 0.5 * np.quantile(mesh.edge_lengths, 0.1)
     tree = BVHTree.FromPolygons(mesh.vertices.tolist(), mesh.triangles.tolist(), all_triangles=True)
-    into = given.stretch @ np.array(obj.matrix_world.inverted())[:3]
+    into = given.stretch @ np.array(world_of(obj).inverted())[:3]
     matrix = np.array(source.matrix_world)
     lines = [np.column_stack([line, np.ones(len(line))]) @ matrix.T @ into.T for line in polylines(source)]
     check_length(f"the object {name!r}", sum(polyline_length(points) for points in lines), step)
