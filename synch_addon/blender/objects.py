@@ -8,7 +8,6 @@ import bpy
 from ...core.errors import SynchError, shown
 from .transaction import undone_by
 
-
 # On an object whose mesh is the own surface of another object's pattern: the state of what it was made of.
 SURFACE_MARK = "synch_surface"
 

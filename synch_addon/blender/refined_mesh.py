@@ -53,7 +53,9 @@ def _carry_attributes(source, made, bound):
     for attribute in list(source.data.attributes):
         name, domain, data_type = attribute.name, attribute.domain, attribute.data_type
         is_pattern = name.startswith(schema.PREFIX) and name != _DIRECTION
-        values = None if is_pattern or name[0] == "." or name in _MADE_ANEW else attributes.read_values(source, name, domain)
+        values = (
+            None if is_pattern or name[0] == "." or name in _MADE_ANEW else attributes.read_values(source, name, domain)
+        )
         if values is None:
             continue
         if domain == "FACE":

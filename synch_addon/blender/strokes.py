@@ -11,6 +11,7 @@ from ...core.errors import SettingError
 from ...core.geometry.polylines import beside, check_length, polyline_length, resampled
 from .attributes import read_all
 from .modifiers import is_of_filaments
+from .objects import world_of
 
 SOURCE_TYPES = {"CURVE", "GREASEPENCIL", "MESH"}
 # Over so many edges of the mesh, to both sides, the ways from a curve to the surface are averaged.
