@@ -14,6 +14,8 @@ FEWEST_LINES = 2
 FEWEST_QUADS, QUADS = 50, 1500
 # An edge is short enough where it is at most this part of a period: the side of a quad.
 EDGE_SHARE = 0.5
+# Edges of a finer copy are at most this part of that: quads come out a little smaller than asked.
+_MARGIN = 0.9
 # Triangles with an edge this many times as long as that may cover a share of the surface of COARSE_SHARE.
 _TOO_LONG = 2.0
 
@@ -37,7 +39,12 @@ def spacing_across(size, area, finest, per_period, across=LINES_ACROSS):
     """As :func:`automatic_spacing`, for a surface's longest side, its area, and the finest spacing that it carries."""
     if finest <= 2 * np.sqrt(area / FEWEST_QUADS):
         return float(min(max(per_period * size / across, finest), per_period * size / FEWEST_LINES))
-    return float(per_period * np.sqrt(area / QUADS) * LINES_ACROSS / across)
+    return wished_spacing(area, per_period) * LINES_ACROSS / across
+
+
+def wished_spacing(area, per_period):
+    """The automatic spacing of a surface that is made as fine as it needs."""
+    return float(per_period * np.sqrt(area / QUADS))
 
 
 def carried_spacing(lengths):
@@ -56,9 +63,10 @@ def longest_edge(mesh, spacings):
     mesh : TriangleMesh
     spacings : one, or one at each vertex (and axis)
     """
-    longest = EDGE_SHARE * float(np.min(spacings))
-    lengths = mesh.edge_lengths
-    reach = lengths[mesh.triangle_edges].max(axis=1, initial=0)
-    much_longer = mesh.areas[reach > _TOO_LONG * longest].sum()
-    is_fine = (lengths > longest).mean() <= COARSE_SHARE and much_longer <= COARSE_SHARE * mesh.areas.sum()
-    return None if is_fine else longest
+    at_vertices = np.asarray(spacings, float)
+    at_vertices = at_vertices.min(axis=1) if at_vertices.ndim == 2 else at_vertices
+    limits = EDGE_SHARE * np.broadcast_to(at_vertices, mesh.vertex_count)[mesh.edges].min(axis=1)
+    much_longer = (mesh.edge_lengths > _TOO_LONG * limits)[mesh.triangle_edges].any(axis=1)
+    few = (mesh.edge_lengths > limits).mean() <= COARSE_SHARE
+    is_fine = few and mesh.areas[much_longer].sum() <= COARSE_SHARE * mesh.areas.sum()
+    return None if is_fine else _MARGIN * EDGE_SHARE * float(np.quantile(at_vertices, COARSE_SHARE))

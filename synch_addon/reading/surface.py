@@ -17,6 +17,7 @@ from ...core.solve import Options
 from ...core.tasks.quad_meshes import smallest_sides, spacing_factor
 from ...core.tasks.surfaces import PATTERNS, SurfaceRequest
 from ..blender import attributes, meshes
+from ..blender.objects import SURFACE_MARK
 from ..blender.vertex_maps import read_factors, read_turns
 from ..settings.constraint_list import stored_constraints
 from ..settings.fields import default_shares
@@ -49,18 +50,13 @@ def gather(command, obj, settings, base=None, given=None):
     """
     if given is None:
         given = constraints.cut_mesh(obj, meshes.read_mesh(obj, base, settings.strict), settings.constraints)
-    spacing = automatic_spacing(command, given.mesh) if settings.spacing is None else settings.spacing
-    spacings, turn, directions, guides = spacing, settings.angle, None, ()
-    if settings.spacing_map:
-        spacings = spacing * read_factors(obj, given, settings.spacing_map, settings.spacing_range)
-    if settings.symmetry == "cross" and settings.aspect != 1:
-        spacings = np.reshape(spacings, (-1, 1)) * [1.0, settings.aspect]
-    if command == "quad_mesh" and settings.faces:
-        check_lengths(spacings)
-        factor = spacing_factor(given.mesh, spacings, settings.faces)
-        spacing, spacings = factor * spacing, factor * spacings
-    else:
-        check_spacing(given.mesh.vertices[np.unique(given.mesh.triangles)], spacings)
+    spacing = settings.spacing
+    if spacing is None:
+        # A surface of the pattern's own is as fine as the spacing needs.
+        of_own = SURFACE_MARK in obj
+        spacing = wished_spacing(command, given.mesh) if of_own else automatic_spacing(command, given.mesh)
+    spacing, spacings = asked_spacings(command, obj, given, settings, spacing)
+    turn, directions, guides = settings.angle, None, ()
     if settings.angle_attribute:
         turn = turn + read_turns(obj, given, settings.angle_attribute, settings.angle_range)
     if settings.exact_attribute is None:
@@ -99,6 +95,22 @@ def gather(command, obj, settings, base=None, given=None):
     )
 
 
+def asked_spacings(command, obj, given, settings, spacing):
+    """The spacing, and that times its map: for quads with an aspect (n, 2); both as the face count asks, if there is
+    one. Errors as :func:`gather`."""
+    spacings = spacing
+    if settings.spacing_map:
+        spacings = spacing * read_factors(obj, given, settings.spacing_map, settings.spacing_range)
+    if settings.symmetry == "cross" and settings.aspect != 1:
+        spacings = np.reshape(spacings, (-1, 1)) * [1.0, settings.aspect]
+    if command == "quad_mesh" and settings.faces:
+        check_lengths(spacings)
+        factor = spacing_factor(given.mesh, spacings, settings.faces)
+        return factor * spacing, factor * spacings
+    check_spacing(given.mesh.vertices[np.unique(given.mesh.triangles)], spacings)
+    return spacing, spacings
+
+
 def pinned_triangles(pins, polygons, symmetry):
     """Pairs of a triangle and an index, as :class:`DirectionWishes` takes them.
 
@@ -132,6 +144,11 @@ def read_mirrors(given, axes):
 def automatic_spacing(command, mesh, across=spacing_rules.LINES_ACROSS):
     """The spacing that suits a command on a surface (see :mod:`core.refinement.spacing`)."""
     return spacing_rules.automatic_spacing(mesh, lines_in_period(command), across)
+
+
+def wished_spacing(command, mesh):
+    """The automatic spacing where faces are made as fine as it needs."""
+    return spacing_rules.wished_spacing(mesh.areas.sum(), lines_in_period(command))
 
 
 def lines_in_period(command):
