@@ -21,6 +21,7 @@ from ..core.validation import convert_value, from_names
 from .bakes.job import BakeJob
 from .blender import field_files, meshes
 from .blender.objects import Selection
+from .blender.pattern_surface import surface_of
 from .blender.transaction import whole_or_nothing
 from .flows.choice import choose_point as choose_point
 from .flows.files import filament_export as filament_export
@@ -197,7 +198,7 @@ def trace_quads(obj, smoothing=SurfaceSettings.smoothing):
         found = SurfaceResult(solved.field, solved.pattern, **request.traced(solved.pattern))
         report = solved.report.again("quad_mesh")
         report.take(found)
-        return write_quads(obj, request, found, report, Selection.now())
+        return write_quads(obj, request, found, report, Selection.now(), surface_of(obj))
 
 
 def isolines(obj, **settings: Unpack[LineKeywords]):

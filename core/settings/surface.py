@@ -30,6 +30,15 @@ _BOUNDARIES = (
     Choice("across", "Across", "Directions meet the boundary at a right angle"),
     Choice("phase", "Line on It", "Directions run along the boundary and a stripe or grid line lies exactly on it"),
 )
+_SURFACES = (
+    Choice(
+        "automatic",
+        "Automatic",
+        "The object's own faces where they are fine enough, else a finer surface that follows them",
+    ),
+    Choice("faces", "Own Faces", "The object's own faces as they are, before its modifiers"),
+    Choice("seen", "What Is Seen", "What the modifiers make of the object; the mesh itself stays as it is"),
+)
 _TURN = {"unit": ANGLE, "usual": (-math.pi, math.pi)}
 _ANY_FACTOR = {"unit": FACTOR, "least": 1e-3, "usual": (0.25, 4.0)}
 _SHARE = {"unit": SHARE, "least": 0, "most": 1}
@@ -235,6 +244,14 @@ class SurfaceSettings(SolverSettings):
         commands=("quad_mesh",),
         group="quad_mesh",
     )
+    surface: str = setting(
+        "automatic",
+        "Surface",
+        "What the pattern is solved and shown on",
+        choices=_SURFACES,
+        commands=SURFACES,
+        group="pattern",
+    )
     assign_material: bool = setting(
         False,
         "Assign to All Faces",
@@ -244,7 +261,7 @@ class SurfaceSettings(SolverSettings):
     strict: bool = setting(
         False,
         "Strict",
-        "Refuse meshes that are not a surface, instead of solving on a repaired copy",
+        "Refuse meshes that are not a surface, instead of solving on a repaired copy, and results with faults",
         commands=SURFACES,
     )
 

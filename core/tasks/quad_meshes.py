@@ -8,6 +8,7 @@ import numpy as np
 from ..errors import Cancelled, ContradictionError, SettingError, SynchError
 from ..extract.lines.edge_crossings import TooManyLines
 from ..extract.quads.finishing import lost_lines
+from ..extract.quads.measure.faults import quad_faults
 from ..extract.quads.measure.loops import quad_loops
 from ..fields.target_one_form import TargetOneForm
 from ..monitor import Monitor, portion
@@ -30,8 +31,10 @@ def solve_quad_mesh(request, progress=None):
     )
     if request.straighten:
         found = _straighten_loops(request, found, portion(progress, share, 1.0 - share))
-    said = [line for about in (_about_pieces, _about_lines, _about_others) for line in about(request, found)]
-    return replace(found, warnings=(*found.warnings, *said))
+    faults = [
+        line for about in (_about_pieces, _about_lines, _about_others, _about_shape) for line in about(request, found)
+    ]
+    return replace(found, warnings=(*found.warnings, *request.refused_faults(faults)))
 
 
 def _mesh_field(request, directions, progress):
@@ -121,6 +124,10 @@ def _about_others(request, found):
     if others and request.branching == 0:
         faces = len(found.quads.sizes)
         yield f"{others} of {faces} faces are no quads though no branches are asked for: reduce the spacing"
+
+
+def _about_shape(request, found):
+    return quad_faults(found.quads, request.given.mesh, request.given.is_closed)
 
 
 def spacing_factor(mesh, spacings, faces):

@@ -16,6 +16,7 @@ from ...core.settings.bake import MAPS, NEW_MAP
 from ..blender import meshes
 from ..blender import phases as blender_phases
 from ..blender.objects import ObjectLink
+from ..blender.pattern_surface import surface_of
 from ..blender.transaction import keep_file, undone_by, whole_or_nothing
 from ..jobs.report import versions
 from ..patterns.numbers import numbers_of
@@ -89,7 +90,9 @@ def _baking(link, settings):
                 if is_new:
                     _add_layer(obj, report["uv_map"], coordinates)
                 if settings.material:
-                    shown = bake_images.show_images(obj, kind, images, report["uv_map"], settings.displacement)
+                    shown = bake_images.show_images(
+                        surface_of(obj), kind, images, report["uv_map"], settings.displacement
+                    )
                     report["materials"] = [material.name for material in shown]
     return report | {"seconds": time.perf_counter() - start, "versions": versions()}
 
@@ -126,6 +129,7 @@ def _folder(obj, settings):
 
 def _layer(obj, settings, warnings):
     """Name of the UV map, and (c, 2) its coordinates: None where it has to be made."""
+    obj = surface_of(obj)
     layers = obj.data.uv_layers
     name = settings.uv_map or (NEW_MAP if settings.unwrap else "")
     layer = layers.get(name) if name else layers.active
@@ -148,7 +152,7 @@ def _layer(obj, settings, warnings):
 
 def _judge(obj, name, coordinates, warnings):
     """Refuse a map that shows nothing, and warn of one that shows something twice or not at all."""
-    places = coordinates[meshes.read_polygons(obj).triangle_corners].astype(float)
+    places = coordinates[meshes.read_polygons(surface_of(obj)).triangle_corners].astype(float)
     sides = places[:, 1:] - places[:, :1]
     area = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]).sum() / 2
     if not area > 0:
@@ -163,8 +167,8 @@ def _judge(obj, name, coordinates, warnings):
 def _bake_all(obj, kind, settings, coordinates, folder, report):
     """Bake all maps to files in a folder and add them to the report; yields as :func:`_baking`."""
     phases = blender_phases.read_phases(obj, kind)
-    polygons = meshes.read_polygons(obj)
-    materials = shaders.sources(obj) or [None]
+    polygons = meshes.read_polygons(surface_of(obj))
+    materials = shaders.sources(surface_of(obj)) or [None]
     if "index" in settings.maps:  # what cannot be numbered is refused before anything is baked
         numbering = cells(phases, polygons) if kind == "quads" else numbers_of(obj, phases[0], polygons)
     is_signed = kind == "stripes" and blender_phases.is_signed(obj, polygons, phases[0])
@@ -250,6 +254,7 @@ def _replace(obj, made, place):
 
 def _add_layer(obj, name, coordinates):
     """A new UV map; the active ones stay."""
+    obj = surface_of(obj)
     layers = obj.data.uv_layers
     active = layers.active and layers.active.name
     rendered = next((layer.name for layer in layers if layer.active_render), None)

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...core.errors import SynchError
 from ..blender.attributes import read_all
+from ..blender.pattern_surface import surface_modifier, surface_of
 from ..blender.transaction import only_for_now
 
 # Bends from which Smart UV Project makes a seam, in radians: its own default.
@@ -112,7 +113,11 @@ def make_stage(obj, modifiers=True):
         scene = bpy.data.scenes.new("Synch Bake")
         scene.frame_set(bpy.context.scene.frame_current, subframe=bpy.context.scene.frame_subframe)
         copy = obj.copy()
-        copy.data = obj.data.copy()
+        copy.data = surface_of(obj).data.copy()
+        bound = surface_modifier(copy)
+        if bound is not None:  # its mesh stands for all that comes before
+            for modifier in copy.modifiers[: copy.modifiers.find(bound.name) + 1]:
+                copy.modifiers.remove(modifier)
         copy.hide_render = copy.hide_viewport = copy.hide_select = False
         if not copy.material_slots:
             copy.data.materials.append(None)

@@ -15,7 +15,7 @@ from ...core.geometry.manifold_repair import carrier, finite_places
 from ...core.geometry.mesh_input import MeshInput
 from ...core.geometry.polygons import Polygons
 from .attributes import read_all, read_values
-from .objects import no_object, set_mode
+from .objects import no_object, set_mode, world_of
 from .transaction import at_the_end, undone_by
 
 
@@ -172,7 +172,7 @@ def _corner_vertices(obj):
 
 def _stretch(obj):
     """Symmetric positive part of the object's transform: its scale without rotation and mirroring."""
-    linear = np.array(obj.matrix_world.to_3x3())
+    linear = np.array(world_of(obj).to_3x3())
     if not np.isfinite(linear).all():
         raise MeshError(f"the transform of {obj.name} is not finite: clear it with Object > Clear")
     values, axes = np.linalg.eigh(linear.T @ linear)

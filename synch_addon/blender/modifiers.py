@@ -7,6 +7,7 @@ from itertools import takewhile
 # Names of our groups of geometry nodes, by what they show.
 FRAMES = {"stripes": "Synch Frames", "quads": "Synch Quad Frames"}
 RELIEFS = {"stripes": "Synch Relief", "quads": "Synch Quad Relief"}
+SURFACE = "Synch Surface"
 CARRIES = {"stripes": "Synch Carry", "quads": "Synch Quad Carry"}
 FILAMENTS = "Synch Filaments"
 # Modifiers after which the mesh may have other faces.
@@ -38,7 +39,12 @@ def changes_faces(modifier):
 
 def is_ours(modifier):
     """Whether a modifier shows a pattern and does not shape the mesh that carries it."""
-    return shows_frames(modifier) or is_relief(modifier) or carries(modifier)
+    return shows_frames(modifier) or is_relief(modifier) or carries(modifier) or is_surface(modifier)
+
+
+def is_surface(modifier):
+    """Whether a modifier puts a pattern's own surface in place of the faces before it."""
+    return _uses(modifier, [SURFACE])
 
 
 def shows_frames(modifier):

@@ -8,6 +8,15 @@ import bpy
 from ...core.errors import SynchError, quote_value
 from .transaction import undone_by
 
+# On an object whose mesh is the own surface of another object's pattern: the state of what it was made of.
+SURFACE_MARK = "synch_surface"
+
+
+def world_of(obj):
+    """An object's transform in the world; that of a pattern's own surface is the one of the object it belongs to."""
+    is_surface = SURFACE_MARK in obj and obj.parent is not None
+    return (obj.parent if is_surface else obj).matrix_world
+
 
 def no_object(obj):
     """Why something is no object of the file, in one line, or None."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pattern that an object's attributes hold, as the shader reads it."""
+"""The pattern that an object shows, as the shader reads it."""
 
 from dataclasses import replace
 
@@ -7,12 +7,14 @@ import numpy as np
 
 from ...core.interpolate import FacePhases
 from . import attributes, schema
+from .pattern_surface import surface_of
 
 
 def pattern_kind(obj):
     """ "stripes" or "quads", the pattern that an object's attributes hold, or None."""
+    data = surface_of(obj).data
     for kind, phases in schema.PHASES.items():
-        found = [(phase.layout, obj.data.attributes.get(phase.name)) for phase, *_ in phases]
+        found = [(phase.layout, data.attributes.get(phase.name)) for phase, *_ in phases]
         if all(there is not None and (there.domain, there.data_type) == layout for layout, there in found):
             return kind
     return None
@@ -20,6 +22,7 @@ def pattern_kind(obj):
 
 def read_phases(obj, kind):
     """The :class:`FacePhases` of each phase, as the shader reads them."""
+    obj = surface_of(obj)
 
     def read(attribute):
         values = attributes.read(obj, attribute)
@@ -46,7 +49,7 @@ def read_phases(obj, kind):
 
 def is_signed(obj, polygons, phase):
     """Whether the phase of stripes has the same sign in all faces: their corners have the phase of their vertex."""
-    at_vertices = attributes.read(obj, schema.PHASES["stripes"][0].vertex_phase)
+    at_vertices = attributes.read(surface_of(obj), schema.PHASES["stripes"][0].vertex_phase)
     if at_vertices is None or phase.disclination.any():
         return False
     off = np.abs(np.exp(1j * (phase.corner_phase - at_vertices[polygons.corner_vertices])) - 1)

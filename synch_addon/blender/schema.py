@@ -17,6 +17,10 @@ TYPES = {
     "FLOAT2": (np.float32, 2, "vector"),
     "FLOAT_COLOR": (np.float32, 4, "color"),
     "BYTE_COLOR": (np.float32, 4, "color"),
+    "INT8": (np.int8, 1, "value"),
+    "INT16_2D": (np.int16, 2, "value"),
+    "QUATERNION": (np.float32, 4, "value"),
+    "FLOAT4X4": (np.float32, 16, "value"),
 }
 PREFIX = "synch_"
 # What all of these mean together, raised where that changes: a custom property of each mesh that has one of them, and
@@ -83,6 +87,12 @@ LAYER = Attribute("synch_layer", "FACE", "INT", "layers: number of the layer, fr
 SPHERE = Attribute("synch_sphere", "POINT", "FLOAT_VECTOR", "tubes and flows on a surface: point of the sphere there")
 COLOR = Attribute("synch_color", "POINT", "FLOAT_COLOR", "the same as a colour")
 STRENGTH = Attribute("synch_strength", "FACE", "FLOAT", "flows on a surface: circulation of the vortices in the face")
+_PARENT = "pattern's own surface: {} of the three vertices of the object that the place lies between"
+PARENTS = tuple(
+    Attribute(f"synch_parent_{number}", "POINT", "INT", _PARENT.format(which))
+    for number, which in enumerate(("first", "second", "third"), start=1)
+)
+WEIGHTS = Attribute("synch_weights", "POINT", "FLOAT_VECTOR", "likewise: weights of these vertices, which add up to 1")
 
 # What each kind of pattern has; what tells it by itself, which a favourite keeps; and what each frame of an animation
 # has of its own: places are the same in all frames.
@@ -95,7 +105,7 @@ FRAMED = {
     kind: (*(a for a in own if a not in (BARYCENTRIC, SPACING_ERROR, *KEPT[kind])), DIRECTION)
     for kind, own in PATTERNS.items()
 }
-_OTHERS = SINGULARITY, NUMBER, ALONG, LAYER, SPHERE, COLOR, STRENGTH
+_OTHERS = SINGULARITY, NUMBER, ALONG, LAYER, SPHERE, COLOR, STRENGTH, *PARENTS, WEIGHTS
 ATTRIBUTES = tuple(dict.fromkeys((DIRECTION, *PATTERNS["stripes"], *PATTERNS["quads"], *_OTHERS)))
 _NUMBERS = re.compile(rf"(?<=\.)-?\d+$|(?<={PREFIX}favourite_)\d+")
 _LAYOUTS = {a.name: a.layout for a in ATTRIBUTES}

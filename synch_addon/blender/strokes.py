@@ -11,6 +11,7 @@ from ...core.errors import SettingError
 from ...core.geometry.polylines import beside, check_length, polyline_length, resample_polyline
 from .attributes import read_all
 from .modifiers import is_of_filaments
+from .objects import world_of
 
 SOURCE_TYPES = {"CURVE", "GREASEPENCIL", "MESH"}
 # Over so many edges of the mesh, to both sides, the ways from a curve to the surface are averaged.
@@ -37,7 +38,7 @@ def read_strokes(obj, name, given):
     mesh = given.mesh
     step = 0.5 * np.quantile(mesh.edge_lengths, 0.1)
     tree = BVHTree.FromPolygons(mesh.vertices.tolist(), mesh.triangles.tolist(), all_triangles=True)
-    into = given.stretch @ np.array(obj.matrix_world.inverted())[:3]
+    into = given.stretch @ np.array(world_of(obj).inverted())[:3]
     matrix = np.array(source.matrix_world)
     lines = [np.column_stack([line, np.ones(len(line))]) @ matrix.T @ into.T for line in polylines(source)]
     check_length(f"the object {name!r}", sum(polyline_length(points) for points in lines), step)

@@ -31,7 +31,7 @@ from ..blender.transaction import whole_or_nothing
 from ..jobs.job import run
 from ..jobs.report import Report
 from ..nodes.materials import pattern_material
-from ..patterns import frame_attributes, memory, numbers, write
+from ..patterns import frame_attributes, memory, numbers, own_surface, write
 from ..reading.surface import gather, settings_for
 from . import nodes
 
@@ -153,6 +153,7 @@ class AnimationJob:
         with meshes.object_mode(obj), whole_or_nothing():
             if not meshes.is_unchanged(obj, self._base):
                 raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
+            own_surface.release(obj)
             defects = write.reported_defects(obj, request, first.field, first.pattern)
             with self._report.clock("write"):
                 self._write(obj, result.frames, request.spacing)

@@ -30,6 +30,7 @@ class Report:
         self.forced_dislocations = None
         self.quad_mesh = None
         self.pins_cost = None
+        self.surface = None  # of the pattern's own, what it is
         self.shape_key = None  # the one that was measured
         self.curves_read = ()  # what the curves looked like that the settings speak of
         self._settled = {}
@@ -54,8 +55,8 @@ class Report:
         self._settled = getattr(result, "settled", {})
         self.clock.add(result.seconds)
 
-    def warn_about(self, obj, request):
-        """Warn about what the object has that the result cannot follow."""
+    def warn_about(self, obj, request, refinement=None):
+        """Warn about what the object has that the result cannot follow; a refinement is the pattern's own surface."""
         self._request, key = request, measured_key(obj)
         self.shape_key = None if key is None else key.name
         for finding in request.given.findings:
@@ -69,7 +70,14 @@ class Report:
                 f"{name_elements('vertex', loose)} without a face get no field: "
                 "remove loose geometry with Mesh > Clean Up > Delete Loose"
             )
-        if self.command != "animate":  # which reads the mesh behind its modifiers
+        if refinement is not None:
+            self.surface = refinement.figures
+            if refinement.bound.welded:
+                self.warn(
+                    f"{refinement.bound.welded} vertices at the places of others count as joined with them: join them "
+                    "with Mesh > Merge > By Distance"
+                )
+        elif self.command != "animate":  # which reads the mesh behind its modifiers
             self.warn_of_modifiers(changing_modifiers(obj), "the pattern is")
         rows = self.settings.all_constraints
         unheard = [row.label for row in rows if row.what in ("along", "across", "angle")]
@@ -102,7 +110,7 @@ class Report:
             self.warn("directions that an attribute gives are taken as they are, without the pins: give it a strength")
         if np.any(request.turn) and self.settings.mirror:
             self.warn("the angle turns directions the same way on both sides of the mirror: set it to 0")
-        if self.command != "quad_mesh":
+        if self.command != "quad_mesh" and refinement is None:
             self.warn_of_users(obj, "the pattern")
 
     def warn_of_modifiers(self, modifiers, solved):
@@ -161,7 +169,11 @@ class Report:
             "dislocations": [d for d in defects if d["kind"] == "dislocation"],
             "forced_dislocations": self.forced_dislocations,
             **({"quad_mesh": self.quad_mesh} if self.quad_mesh else {}),
-            **{name: value for name in ("pins_cost", "shape_key") if (value := getattr(self, name)) is not None},
+            **{
+                name: value
+                for name in ("pins_cost", "shape_key", "surface")
+                if (value := getattr(self, name)) is not None
+            },
             **self.ended(solutions, {"spacing": self._request.spacing, "constraints": rows} | self._settled),
         }
 

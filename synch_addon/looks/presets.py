@@ -9,6 +9,7 @@ import bpy
 from ...core.errors import SettingError, quote_value
 from ...core.validation import convert_value
 from ..blender import meshes
+from ..blender.pattern_surface import surface_of
 from ..blender.phases import pattern_kind
 from ..blender.transaction import whole_or_nothing
 from ..nodes.materials import new_material, show_material
@@ -76,7 +77,7 @@ def fits(obj, preset):
     """Whether an object's present pattern can show a preset, without another solve."""
     if pattern_kind(obj) != preset.kind:
         return False
-    return not preset.numbered or NUMBER in obj.data.attributes or memory.holds(obj)
+    return not preset.numbered or NUMBER in surface_of(obj).data.attributes or memory.holds(obj)
 
 
 def solve_settings(obj, preset):
@@ -109,11 +110,11 @@ def show(obj, name, assign_faces=False):
     """Show a preset on an object whose pattern fits it; returns the material."""
     preset = find_preset(name)
     with meshes.object_mode(obj), whole_or_nothing():
-        if preset.numbered and NUMBER not in obj.data.attributes:
+        if preset.numbered and NUMBER not in surface_of(obj).data.attributes:
             numbers.number_stripes(obj)
         made = preset_material(name)
-        show_material(obj, made, preset.kind, assign_faces=assign_faces)
-        meshes.update(obj)
+        show_material(surface_of(obj), made, preset.kind, assign_faces=assign_faces)
+        meshes.update(surface_of(obj))
     return made
 
 

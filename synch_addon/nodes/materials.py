@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 from ..blender import attributes
+from ..blender.pattern_surface import surface_of
 from ..blender.transaction import assign, store, undone_by
 from .canvas import Canvas, surface_material
 from .globe import GLOBE_NAME, globe_group
@@ -63,10 +64,17 @@ def show_material(obj, material, kind, *, assign_faces=False):
     _give(obj, material, True, _KINDS[kind], assign_faces)
 
 
+def take_over_look(obj, other):
+    """Give a mesh object the material that shows a pattern on another one, in the slots where it can be placed."""
+    shown = next((slot.material for slot in other.material_slots if shows_pattern(slot.material)), None)
+    if shown is not None:
+        _place(obj, shown)
+
+
 def pattern_node(obj, kind):
     """The node that shows a `kind` of pattern in a material of an object, the first of them, or None."""
     name = _KINDS[kind].name
-    for slot in obj.material_slots:
+    for slot in surface_of(obj).material_slots:
         tree = slot.material and slot.material.node_tree
         for node in tree.nodes if tree else ():
             if _is_of(getattr(node, "node_tree", None), name):

@@ -9,8 +9,8 @@ from ...core.errors import SynchError
 from ...core.files.json_text import json_text
 from ..blender import meshes
 from ..blender.defect_empties import defect_empties
-from ..blender.translations import translate
 from ..blender.objects import set_mode
+from ..blender.translations import translate
 from ..patterns import memory
 from .ready import PromptOperator, ReadyOperator
 

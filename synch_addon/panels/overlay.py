@@ -14,6 +14,7 @@ from ...core.settings.pins import parse_pins
 from ...core.settings.surface import SYMMETRY_ORDERS
 from ..blender import attributes, groups, meshes
 from ..blender.defect_empties import COLORS as DEFECT_COLORS
+from ..blender.pattern_surface import surface_of
 from ..blender.schema import DIRECTION, PHASES, SINGULARITY, SPACING_ERROR
 from ..patterns.loops import faces_of_loop, shown_edge
 
@@ -48,6 +49,7 @@ def direction_lines(obj):
 
 
 def _directions(obj, draw):
+    settings, obj = obj.synch, surface_of(obj)
     if DIRECTION.name not in obj.data.attributes:
         return []
     try:
@@ -55,7 +57,7 @@ def _directions(obj, draw):
         vectors = attributes.read_vectors(obj, DIRECTION.name, given)
     except SynchError:  # the mesh was edited, and cannot carry a field any more
         return []
-    segments = draw(given.mesh, vectors, SYMMETRY_ORDERS[obj.synch.symmetry.lower()])
+    segments = draw(given.mesh, vectors, SYMMETRY_ORDERS[settings.symmetry.lower()])
     return [(segments @ np.linalg.inv(given.stretch).T, DIRECTION_COLOR)]
 
 
@@ -64,6 +66,7 @@ def defect_points(obj):
 
     A quad with a disclination has no index: what dislocation its other triangle has is a part of how its values close.
     """
+    obj = surface_of(obj)
     if not len(obj.data.polygons):
         return []
     polygons = meshes.read_polygons(obj)
@@ -92,6 +95,7 @@ def pin_points(obj):
         pins = parse_pins(obj.synch.pins)
     except SynchError:
         return []
+    obj = surface_of(obj)
     faces = {face: turns for face, turns in pins.items() if 0 <= face < len(obj.data.polygons)}
     positive, negative = DEFECT_COLORS["disclination"]
     colours = [positive if turns > 0 else negative if turns < 0 else UNTURNED_COLOR for turns in faces.values()]
@@ -102,6 +106,7 @@ def pin_points(obj):
 def spacing_errors(obj):
     """The faces in colours by the attribute ``synch_spacing_error``: red where lines are too far apart, blue where they
     are too near."""
+    obj = surface_of(obj)
     errors = attributes.read(obj, SPACING_ERROR)
     if errors is None or not len(errors):
         return []

@@ -13,6 +13,7 @@ from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from ..blender.changes import changes
+from ..blender.pattern_surface import surface_of
 from ..blender.registration import register_all
 from ..jobs.lru_cache import LruCache
 from ..patterns.loops import shown_edge
@@ -137,7 +138,7 @@ def key(obj):
     proportions = (scale / max(np.trace(scale), np.finfo(float).tiny)).round(3) + 0.0
     rows = tuple((row.where, row.what, row.vertex_group, row.enabled) for row in obj.synch.constraints)
     settings = obj.synch.symmetry, obj.synch.boundary, obj.synch.vertex_group, rows, shown_edge(obj), obj.synch.pins
-    return changes.state(obj.data), proportions.tobytes(), *settings
+    return changes.state(obj.data), changes.state(surface_of(obj).data), proportions.tobytes(), *settings
 
 
 def layers(obj, part):

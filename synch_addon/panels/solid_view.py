@@ -10,6 +10,7 @@ import numpy as np
 from ...core.extract.pictures.drawn_phases import DrawnTriangles
 from ..blender import attributes, meshes
 from ..blender.changes import changes
+from ..blender.pattern_surface import surface_of
 from ..blender.phases import pattern_kind, read_phases
 from ..jobs.lru_cache import LruCache
 from ..jobs.queue import queue
@@ -73,7 +74,9 @@ def drawn_pattern(obj, depsgraph):
         found = corners_of(obj.evaluated_get(depsgraph))
         return None if found is None else DrawnPattern(*found[:2], of_quads=found[2], covers=False)
 
-    return _drawn.renewed(obj.session_uid, (changes.state(obj.data), changes.state(obj)), make)
+    return _drawn.renewed(
+        obj.session_uid, (changes.state(obj.data), changes.state(surface_of(obj).data), changes.state(obj)), make
+    )
 
 
 class _View:

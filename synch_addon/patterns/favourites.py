@@ -10,6 +10,7 @@ import numpy as np
 
 from ...core.errors import SynchError
 from ..blender import attributes, meshes, schema
+from ..blender.pattern_surface import surface_of
 from ..blender.transaction import at_the_end, undone_by, whole_or_nothing
 from ..jobs.kept_results import read_result, read_settings
 from ..jobs.report import Report
@@ -37,7 +38,9 @@ def keep(obj, name=""):
     if is_apart(read_settings(result, obj.name), result):
         raise SynchError(f"the pattern of {obj.name} has cuts, which attributes of vertices cannot tell: use the seed")
     with meshes.object_mode(obj), whole_or_nothing():
-        values = {attribute: attributes.read(obj, attribute) for attribute in schema.KEPT[result["command"]]}
+        values = {
+            attribute: attributes.read(surface_of(obj), attribute) for attribute in schema.KEPT[result["command"]]
+        }
         if any(part is None for part in values.values()):
             raise SynchError(f"attributes of the pattern of {obj.name} are missing: solve it again")
         number = _unused_number(obj)
@@ -47,7 +50,7 @@ def keep(obj, name=""):
         favourite.number, favourite.variation, favourite.result = number, obj.synch_shown.variation, obj.synch.result
         favourite.name = name
         for attribute, part in values.items():
-            attributes.write(obj, attribute.in_favourite(number), part)
+            attributes.write(surface_of(obj), attribute.in_favourite(number), part)
     return favourite.name
 
 
@@ -85,7 +88,7 @@ def remove(obj, name):
     with meshes.object_mode(obj), whole_or_nothing():
         if not _is_shared(obj, favourite):
             for attribute in (*schema.KEPT["stripes"], *schema.KEPT["quads"]):
-                attributes.remove_attribute(obj, attribute.in_favourite(favourite.number).name)
+                attributes.remove_attribute(surface_of(obj), attribute.in_favourite(favourite.number).name)
         at_the_end(lambda: obj.synch.favourites.remove(obj.synch.favourites.find(name)))
 
 
@@ -112,12 +115,13 @@ def _solve_of(obj, request, field):
 
 def _unused_number(obj):
     """The next number for a favourite: of the mesh, which other objects may show, too."""
-    found = [schema.FAVOURITE.match(attribute.name) for attribute in obj.data.attributes]
+    found = [schema.FAVOURITE.match(attribute.name) for attribute in surface_of(obj).data.attributes]
     numbers = [favourite.number for favourite in obj.synch.favourites]
     return max([*numbers, *(int(match[1]) for match in found if match)], default=0) + 1
 
 
 def _is_shared(obj, favourite):
     """Whether another object of the same mesh has the same favourite, as linked copies do."""
-    others = [other for other in bpy.data.objects if other.data == obj.data and other != obj]
+    data, made = surface_of(obj).data, [other for other in bpy.data.objects if other.type == "MESH" and other != obj]
+    others = [other for other in made if surface_of(other).data == data and other != surface_of(obj)]
     return any(favourite.number == kept.number for other in others for kept in other.synch.favourites)

@@ -12,8 +12,9 @@ from ..blender.objects import ObjectLink, Selection
 from ..blender.transaction import whole_or_nothing
 from ..jobs.kept_results import result_line
 from ..jobs.report import Report
+from ..reading.refinement import refinement_of, solved_object
 from ..reading.surface import gather, settings_for
-from . import frame_attributes, memory, numbers, quad_mesh, write
+from . import frame_attributes, memory, numbers, own_surface, quad_mesh, write
 from .curves_read import curves_read
 
 
@@ -27,20 +28,29 @@ class FieldJob:
         self.link, self._selection = ObjectLink.to(obj), Selection.now()
         self._report = Report(command, obj, settings)
         with meshes.object_mode(obj), self._report.clock("read"):
-            self.request = gather(command, obj, settings)
+            self._refinement, given = refinement_of(command, obj, settings)
+            with solved_object(obj, self._refinement) as surface:
+                self.request = gather(command, surface, settings, given=given)
             self._report.curves_read = curves_read(obj, settings)
-            self._report.warn_about(obj, self.request)
+            self._report.warn_about(obj, self.request, self._refinement)
 
     def write(self, result):
         """Write the result to the object at once; returns the report."""
         obj, request = self.link.found, self.request
         self._report.take(result)
         with meshes.object_mode(obj), whole_or_nothing():
-            if not meshes.is_unchanged(obj, request.given):
-                raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
-            if result.quads is None:
-                return write_result(obj, request, result.field, result.pattern, self._report)
-            return write_quads(obj, request, result, self._report, self._selection)
+            if result.quads is not None:
+                with solved_object(obj, self._refinement) as surface:
+                    _refuse_changed(obj, meshes.is_unchanged(surface, request.given))
+                    return write_quads(obj, request, result, self._report, self._selection, surface)
+            own_surface.bind(obj, self._refinement, self._report.warn)
+            _refuse_changed(obj, own_surface.is_unchanged(obj, request.given))
+            return write_result(obj, request, result.field, result.pattern, self._report)
+
+
+def _refuse_changed(obj, is_unchanged):
+    if not is_unchanged:
+        raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
 
 
 def write_result(obj, request, field, pattern, report, number=0, change=None, renumber=True, instead=False):
@@ -100,11 +110,11 @@ def _remember(obj, solved, instead=False):
     memory.remember(obj, line, solved, instead)
 
 
-def write_quads(obj, request, result, report, selection):
-    """Make the quad mesh's object; returns the report."""
+def write_quads(obj, request, result, report, selection, surface):
+    """Make the quad mesh's object, with what the object ``surface`` carries that was solved on; returns the report."""
     with report.clock("write"):
         defects = write.reported_defects(obj, request, result.field, result.pattern)
-        report.quad_mesh = quad_mesh.write(obj, request, result.quads, selection)
+        report.quad_mesh = quad_mesh.write(obj, request, result.quads, selection, surface)
         if result.loops_before is not None:
             report.quad_mesh["loops_before"] = result.loops_before
     plain = report.finish(result.field, result.pattern, defects)

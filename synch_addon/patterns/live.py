@@ -16,15 +16,15 @@ from ...core.errors import Cancelled, SynchError
 from ...core.solve.warm_start import Follower
 from ...core.tasks.live import LiveRequest
 from ...core.tasks.surfaces import SHOWN
-from ..blender import meshes
 from ..blender.objects import ObjectLink
+from ..blender.pattern_surface import surface_of
 from ..blender.timers import Timer
 from ..blender.transaction import whole_or_nothing
 from ..jobs.queue import queue
 from ..jobs.report import Report
 from ..reading.surface import gather, settings_for
 from ..settings.fields import stored_settings
-from . import memory
+from . import memory, own_surface
 from .curves_read import curves_read
 from .job import write_result
 
@@ -57,7 +57,7 @@ class LiveJob:
         if _cuts(settings) != _cuts(before) or settings.symmetry != before.symmetry:
             raise SynchError("live settings cut no edges and change no symmetry: solve again")
         with self._report.clock("read"):
-            self._asked = gather(shown.request.command, obj, settings, given=given)
+            self._asked = gather(shown.request.command, surface_of(obj), settings, given=given)
             self._report.curves_read = curves_read(obj, settings)
             self._report.warn_about(obj, self._asked)
         field, pattern = shown.field, shown.pattern
@@ -75,7 +75,7 @@ class LiveJob:
             result = replace(result, field=field)
         self._report.take(result)
         with whole_or_nothing():
-            if not meshes.is_unchanged(obj, self._asked.given):
+            if not own_surface.is_unchanged(obj, self._asked.given):
                 raise SynchError(f"the mesh or the scale of {obj.name} changed while it was solved: run again")
             pair = result.field, result.pattern
             return write_result(obj, self._asked, *pair, self._report, instead=self._instead)

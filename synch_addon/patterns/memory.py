@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 from ...core.errors import SynchError
 from ...core.fields import DirectionField, Pattern
 from ...core.tasks.surfaces import SurfaceRequest
-from ..blender import meshes as blender_meshes
 from ..blender.changes import changes
+from ..blender.pattern_surface import surface_of
 from ..blender.transaction import assign, at_the_end
 from ..jobs.lru_cache import LruCache, ObjectCache
 from ..jobs.report import Report
-from . import write
+from . import own_surface, write
 
 # Objects whose solves are kept, the latest ones: some hundred bytes a vertex each.
 MOST = 8
@@ -154,10 +154,12 @@ def recall(obj):
         where there is none, the mesh has changed since, or another object that shares it has been solved
     """
     solved = state(obj)
-    if not blender_meshes.is_unchanged(obj, solved.request.given):
+    if not own_surface.is_unchanged(obj, solved.request.given):
         raise SynchError(f"the mesh or the scale of {obj.name} has changed since it was solved: solve it again")
     if not write.is_written(obj, solved.request, solved.field, solved.pattern):
-        raise SynchError(f"the mesh {obj.data.name} shows another pattern than {obj.name} was given: solve it again")
+        raise SynchError(
+            f"the mesh {surface_of(obj).data.name} shows another pattern than {obj.name} was given: solve it again"
+        )
     return solved
 
 
@@ -166,8 +168,13 @@ def is_outdated(obj):
     if obj.mode != "OBJECT" or not holds(obj):
         return False
     given = solve_of(obj).request.given
-    key = changes.state(obj.data), id(given), tuple(map(tuple, obj.matrix_world.to_3x3()))
-    return _outdated.renewed(obj.session_uid, key, lambda: not blender_meshes.is_unchanged(obj, given))
+    key = (
+        changes.state(obj.data),
+        changes.state(surface_of(obj).data),
+        id(given),
+        tuple(map(tuple, obj.matrix_world.to_3x3())),
+    )
+    return _outdated.renewed(obj.session_uid, key, lambda: not own_surface.is_unchanged(obj, given))
 
 
 def solve_of(obj):

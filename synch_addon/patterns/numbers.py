@@ -7,6 +7,7 @@ from ...core.errors import SettingError, SynchError
 from ...core.extract.lines.isolines import isolines
 from ...core.extract.lines.stripe_numbers import StripeNumbers, slot_numbers, stripe_table
 from ..blender import attributes, meshes, schema
+from ..blender.pattern_surface import surface_of
 from ..blender.phases import pattern_kind, read_phases
 from ..blender.transaction import whole_or_nothing
 from ..nodes.stripe_profiles import ALONG, NUMBER
@@ -44,7 +45,7 @@ def number_stripes(obj):
 
 def numbers_of(obj, phase, polygons):
     """The :class:`StripeNumbers` of an object's stripes, numbered or not; errors as :func:`shown_pattern`."""
-    written = attributes.read(obj, schema.NUMBER)
+    written = attributes.read(surface_of(obj), schema.NUMBER)
     slots = (
         slot_numbers(*_numbering_phases(obj, *shown_pattern(obj))) if written is None else np.abs(written).astype(int)
     )
@@ -62,22 +63,23 @@ def _write(obj, request, pattern):
     if len(lines.sizes) == 0:
         raise SettingError(f"no stripe has its middle on {obj.name}: reduce the spacing and solve again")
     table = stripe_table(phase, polygons, lines, request.spacing)
-    attributes.write(obj, schema.NUMBER, table.numbers)
-    attributes.write(obj, schema.ALONG, table.along)
-    meshes.update(obj)
+    surface = surface_of(obj)
+    attributes.write(surface, schema.NUMBER, table.numbers)
+    attributes.write(surface, schema.ALONG, table.along)
+    meshes.update(surface)
     return len(lines.sizes)
 
 
 def renew_shown(obj):
     """Number the stripes that an object shows anew where they were numbered before."""
-    if NUMBER in obj.data.attributes:
+    if NUMBER in surface_of(obj).data.attributes:
         with meshes.object_mode(obj), whole_or_nothing():
             renew_numbers(obj, *shown_pattern(obj))
 
 
 def renew_numbers(obj, request, pattern):
     """Number the stripes of an object anew where they were numbered before; they go where that cannot be."""
-    if NUMBER not in obj.data.attributes:
+    if NUMBER not in surface_of(obj).data.attributes:
         return
     if pattern is None or pattern_kind(obj) != "stripes":
         remove_numbers(obj)
@@ -91,4 +93,4 @@ def renew_numbers(obj, request, pattern):
 def remove_numbers(obj):
     """Take the numbers of an object's stripes away."""
     for name in (NUMBER, ALONG):
-        attributes.remove_attribute(obj, name)
+        attributes.remove_attribute(surface_of(obj), name)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vertices, edges and places picked with the mouse: those of an object's own mesh, where its modifiers show them."""
+"""Vertices, edges and places of the mesh that carries an object's pattern, picked with the mouse where modifiers show
+them."""
 
 from dataclasses import dataclass
 
@@ -13,11 +14,12 @@ from ...core.geometry.polygons import Polygons
 from ..blender import meshes
 from ..blender.bvh import surface_tree
 from ..blender.modifiers import changes_faces, hidden
+from ..blender.pattern_surface import surface_modifier, surface_of
 
 
 @dataclass(frozen=True)
 class PickedSurface:
-    """The faces of an object's own mesh.
+    """The faces of the mesh that carries an object's pattern.
 
     Attributes
     ----------
@@ -34,9 +36,11 @@ class PickedSurface:
 
     @classmethod
     def of(cls, obj):
-        """The surface of an object in object mode, bent by its modifiers up to those that change faces."""
-        polygons, own = meshes.read_polygons(obj), meshes.measured_places(obj)
-        with hidden([modifier for modifier in obj.modifiers if changes_faces(modifier)]):
+        """The surface of an object in object mode, bent by its modifiers up to those that change its faces."""
+        surface, bound = surface_of(obj), surface_modifier(obj)
+        polygons, own = meshes.read_polygons(surface), meshes.measured_places(surface)
+        later = list(obj.modifiers)[0 if bound is None else obj.modifiers.find(bound.name) + 1 :]
+        with hidden([modifier for modifier in later if changes_faces(modifier)]):
             depsgraph = bpy.context.evaluated_depsgraph_get()
             seen = obj.evaluated_get(depsgraph)
             if len(seen.data.vertices) == len(own) and len(seen.data.polygons) == len(polygons.starts):

@@ -21,8 +21,11 @@ from ..settings.fields import STORED_NAMES
 _INSIDE = 0.05
 
 
-def write(obj, request, quads, selection):
-    """Make the object, show it instead of the given one, and return its figures for the report."""
+def write(obj, request, quads, selection, carrying):
+    """Make the object, show it instead of the given one, and return its figures for the report.
+
+    ``carrying`` is the object whose mesh was solved on: the given one, or one with a surface of the pattern's own.
+    """
     mesh = request.given.mesh
     points = quads.vertices @ np.linalg.inv(request.given.stretch).T
     data = new_mesh(f"{obj.data.name} Quads", points, quads.corner_vertices, quads.sizes, smooth=True)
@@ -38,7 +41,7 @@ def write(obj, request, quads, selection):
     surface = NearestTriangles(mesh.vertices, mesh.triangles)
     centres = np.add.reduceat(quads.vertices[quads.corner_vertices], quads.starts) / quads.sizes[:, None]
     at_centres, under = surface.nearest(centres)
-    _carry(obj, made, request.given, quads, centres, under, surface)
+    _carry(carrying, made, request.given, quads, centres, under, surface)
     data.update()
     _show_instead(obj, made, selection)
     given = np.delete(mesh.vertices, mesh.loose_vertices, axis=0)

@@ -14,6 +14,7 @@ from ...core.errors import SynchError
 from ...core.geometry.manifold_repair import APART
 from ...core.settings.surface import SurfaceSettings
 from ..blender import attributes, schema
+from ..blender.pattern_surface import surface_of
 from ..jobs.kept_results import read_result, read_settings
 from ..reading.surface import gather, settings_for
 from . import memory
@@ -55,7 +56,8 @@ def read_back(obj, result, favourite=None):
         where an attribute is missing or of a newer version, or the surface is apart, so that second sides have phases
         of their own
     """
-    kept, stamp = read_result(result, obj.name), obj.data.get(schema.STAMP, 1)
+    surface = surface_of(obj)
+    kept, stamp = read_result(result, obj.name), surface.data.get(schema.STAMP, 1)
     found = max(kept.get("format", 1), stamp if isinstance(stamp, int) else 1)
     if found > schema.FORMAT:
         raise SynchError(
@@ -68,11 +70,11 @@ def read_back(obj, result, favourite=None):
     settings = settings_for(command, obj, read_settings(kept, obj.name))
     if is_apart(settings, kept):
         raise SynchError(f"the pattern of {obj.name} has cuts, which its attributes cannot tell: solve it again")
-    request = gather(command, obj, _asked_along_edges(settings))
+    request = gather(command, surface, _asked_along_edges(settings))
     given = request.given
     own = schema.KEPT[command] if favourite is None else [a.in_favourite(favourite) for a in schema.KEPT[command]]
-    vectors = attributes.read_vectors(obj, own[0].name, given)
-    columns = [attributes.read_numbers(obj, phase.name, given) for phase in own[1:]]
+    vectors = attributes.read_vectors(surface, own[0].name, given)
+    columns = [attributes.read_numbers(surface, phase.name, given) for phase in own[1:]]
     phases = np.exp(1j * np.column_stack(columns)).ravel()
     return settings, request, *request.known(vectors, phases)
 

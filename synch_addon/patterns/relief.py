@@ -19,6 +19,7 @@ from ...core.validation import convert_value
 from ..blender.attributes import read_all, read_values
 from ..blender.defect_empties import mean_scale
 from ..blender.modifiers import RELIEFS, is_relief
+from ..blender.pattern_surface import surface_of
 from ..blender.phases import pattern_kind
 from ..blender.transaction import assign
 from ..nodes.canvas import Expression, GeometryCanvas, Socket, add_modifier, group_tree, set_inputs
@@ -212,8 +213,9 @@ def _kind_of(obj):
 
 def _level_for(obj, spacing):
     """As often as edges have to be halved for a period to have enough of them, as long as the faces stay few enough."""
-    data = obj.data
-    ends, places = read_all(data.edges, "vertices", 2), read_values(obj, "position", "POINT")
+    surface = surface_of(obj)
+    data = surface.data
+    ends, places = read_all(data.edges, "vertices", 2), read_values(surface, "position", "POINT")
     edge = np.median(np.linalg.norm(places[ends[:, 0]] - places[ends[:, 1]], axis=1))
     wanted = math.ceil(math.log2(max(_EDGES_PER_PERIOD * edge / spacing, 1)))
     # The first level gives a face to each corner.

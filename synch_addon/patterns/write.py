@@ -7,8 +7,9 @@ from mathutils import Vector
 from ...core.interpolate import face_phases
 from ..blender import attributes, meshes, schema
 from ..blender.defect_empties import KINDS, DefectEmpty, write_defects
-from ..blender.transaction import assign, at_the_end
-from ..nodes.materials import pattern_material
+from ..blender.pattern_surface import surface_of
+from ..blender.transaction import assign, at_the_end, store
+from ..nodes.materials import SPACING, pattern_material
 
 # How far attributes may be off what was solved to be the same: single precision.
 SAME = 1e-4
@@ -22,12 +23,12 @@ def results(obj, request, field, pattern, report):
     Returns the defects as dicts of plain values for the report, and the faces as they are afterwards.
     """
     given, spacing = request.given, request.spacing
-    polygons = given.polygons
+    polygons, surface = given.polygons, surface_of(obj)
     if pattern is not None:
-        polygons = write_phases(obj, given, pattern.edge_phases, report.warn)
-        attributes.write(obj, schema.SPACING_ERROR, _at_faces(given, polygons, pattern.evenness.errors))
+        polygons = write_phases(surface, given, pattern.edge_phases, report.warn)
+        attributes.write(surface, schema.SPACING_ERROR, _at_faces(given, polygons, pattern.evenness.errors))
     defects = _defects(given, field, pattern, polygons)
-    _write_field(obj, given, field, polygons, [d for d in defects if d.kind == "disclination"])
+    _write_field(surface, given, field, polygons, [d for d in defects if d.kind == "disclination"])
     kinds = ("disclination",) if pattern is None else KINDS
     if len(defects) > MOST_EMPTIES:
         report.warn(
@@ -36,15 +37,16 @@ def results(obj, request, field, pattern, report):
         )
     write_defects(obj, defects if len(defects) <= MOST_EMPTIES else [], kinds=kinds, length=spacing)
     if pattern is not None:
-        all_faces = report.settings.assign_material or has_one_material(obj)
-        pattern_material(obj, request.command, spacing=spacing, assign_faces=all_faces)
-    meshes.update(obj)
+        all_faces = report.settings.assign_material or has_one_material(surface)
+        pattern_material(surface, request.command, spacing=spacing, assign_faces=all_faces)
+        store(obj, SPACING, float(spacing))
+    meshes.update(surface)
     return [_plain(obj, d) for d in defects], polygons
 
 
 def is_written(obj, request, field, pattern):
     """Whether an object's attributes are those of a field or a pattern, up to single precision."""
-    given = request.given
+    given, obj = request.given, surface_of(obj)
     if pattern is None:
         values = attributes.read(obj, schema.DIRECTION)
         return values is not None and np.abs(values - given.to_object(field.vectors)).max(initial=0) < SAME

@@ -10,23 +10,19 @@ from ...core.fields import quad_pattern
 from ...core.fields.mirror import Mirror, Seam
 from ...core.fields.patterns import check_lengths, check_spacing
 from ...core.geometry.mirror import mirrored_vertices
+from ...core.refinement import spacing as spacing_rules
 from ...core.settings.pins import parse_pins
 from ...core.settings.surface import SYMMETRY_ORDERS
 from ...core.solve import Options
 from ...core.tasks.quad_meshes import smallest_sides, spacing_factor
-from ...core.tasks.surfaces import COARSE_SHARE, PATTERNS, SurfaceRequest
+from ...core.tasks.surfaces import PATTERNS, SurfaceRequest
 from ..blender import attributes, meshes
+from ..blender.objects import SURFACE_MARK
 from ..blender.vertex_maps import read_factors, read_turns
 from ..settings.constraint_list import stored_constraints
 from ..settings.fields import default_shares
 from . import constraints
 from .guides import read_guides
-
-# Automatic spacing: this many stripes or quads across the object, and at least this many edges to a period;
-# an object of few edges gets these lines all the same, with a warning.
-LINES_ACROSS = 40
-EDGES_PER_PERIOD = 4
-FEWEST_LINES = 2
 
 
 def settings_for(command, obj, settings):
@@ -54,18 +50,13 @@ def gather(command, obj, settings, base=None, given=None):
     """
     if given is None:
         given = constraints.cut_mesh(obj, meshes.read_mesh(obj, base, settings.strict), settings.constraints)
-    spacing = automatic_spacing(command, given.mesh) if settings.spacing is None else settings.spacing
-    spacings, turn, directions, guides = spacing, settings.angle, None, ()
-    if settings.spacing_map:
-        spacings = spacing * read_factors(obj, given, settings.spacing_map, settings.spacing_range)
-    if settings.symmetry == "cross" and settings.aspect != 1:
-        spacings = np.reshape(spacings, (-1, 1)) * [1.0, settings.aspect]
-    if command == "quad_mesh" and settings.faces:
-        check_lengths(spacings)
-        factor = spacing_factor(given.mesh, spacings, settings.faces)
-        spacing, spacings = factor * spacing, factor * spacings
-    else:
-        check_spacing(given.mesh.vertices[np.unique(given.mesh.triangles)], spacings)
+    spacing = settings.spacing
+    if spacing is None:
+        # A surface of the pattern's own is as fine as the spacing needs.
+        of_own = SURFACE_MARK in obj
+        spacing = wished_spacing(command, given.mesh) if of_own else automatic_spacing(command, given.mesh)
+    spacing, spacings = asked_spacings(command, obj, given, settings, spacing)
+    turn, directions, guides = settings.angle, None, ()
     if settings.angle_attribute:
         turn = turn + read_turns(obj, given, settings.angle_attribute, settings.angle_range)
     if settings.exact_attribute is None:
@@ -101,7 +92,24 @@ def gather(command, obj, settings, base=None, given=None):
         settings.faces or None,
         settings.straighten,
         pinned_triangles(parse_pins(settings.pins), given.polygons, settings.symmetry),
+        strict=settings.strict,
     )
+
+
+def asked_spacings(command, obj, given, settings, spacing):
+    """The spacing, and that times its map: for quads with an aspect (n, 2); both as the face count asks, if there is
+    one. Errors as :func:`gather`."""
+    spacings = spacing
+    if settings.spacing_map:
+        spacings = spacing * read_factors(obj, given, settings.spacing_map, settings.spacing_range)
+    if settings.symmetry == "cross" and settings.aspect != 1:
+        spacings = np.reshape(spacings, (-1, 1)) * [1.0, settings.aspect]
+    if command == "quad_mesh" and settings.faces:
+        check_lengths(spacings)
+        factor = spacing_factor(given.mesh, spacings, settings.faces)
+        return factor * spacing, factor * spacings
+    check_spacing(given.mesh.vertices[np.unique(given.mesh.triangles)], spacings)
+    return spacing, spacings
 
 
 def pinned_triangles(pins, polygons, symmetry):
@@ -134,22 +142,16 @@ def read_mirrors(given, axes):
         raise error.renumbered(given.source) from None
 
 
-def automatic_spacing(command, mesh, across=LINES_ACROSS):
-    """About this many stripes or quads across the object, or as many as its edges can carry, but two at least."""
-    size = np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max()
-    return spacing_across(command, size, carried_spacing(mesh.edge_lengths), across)
+def automatic_spacing(command, mesh, across=spacing_rules.LINES_ACROSS):
+    """The spacing that suits a command on a surface (see :mod:`core.refinement.spacing`)."""
+    return spacing_rules.automatic_spacing(mesh, lines_in_period(command), across)
 
 
-def spacing_across(command, size, finest, across=LINES_ACROSS):
-    """Spacing at which this many stripes or quads cross a size; the finest that a mesh carries, but two at least.
-
-    A period has one stripe, and two quads.
-    """
-    per_period = 2 if PATTERNS.get(command) is quad_pattern else 1
-    return float(min(max(per_period * size / across, finest), per_period * size / FEWEST_LINES))
+def wished_spacing(command, mesh):
+    """The automatic spacing where faces are made as fine as it needs."""
+    return spacing_rules.wished_spacing(mesh.areas.sum(), lines_in_period(command))
 
 
-def carried_spacing(lengths):
-    """The finest spacing for (e,) lengths of edges: four edges to it as a rule, and two where they are longest."""
-    median, long = np.quantile(lengths, [0.5, 1 - COARSE_SHARE])
-    return float(max(EDGES_PER_PERIOD * median, 2 * long))
+def lines_in_period(command):
+    """A period has one stripe, and two quads."""
+    return 2 if PATTERNS.get(command) is quad_pattern else 1

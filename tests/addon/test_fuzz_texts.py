@@ -198,7 +198,7 @@ def test_any_rows_are_done_or_fail_alone(content):
         write_inputs()
         Path("rows.jsonl").write_bytes(content + b'\n{"command": "info", "input": "cube.stl"}\n')
         Path("out").mkdir()
-        way = batch.Way(lambda line: main._parsed(parser, line), declared_files, main._carry_out_row)
+        way = batch.Way(lambda line: main._parse_row(parser, line), declared_files, main._carry_out_row)
         try:
             rows = plan(read_rows("rows.jsonl"), lambda line: batch._understood(line, way), {"one": 1})
         except SettingError as error:  # two rows that write one file

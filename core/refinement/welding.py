@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Boundary vertices at the same place, joined where that closes edges."""
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..geometry import TriangleMesh
+from ..graphs import components
+
+# Vertices nearer than this share of the surface's size are at the same place.
+SAME_PLACE = 1e-6
+
+
+def welded_vertices(places, triangles):
+    """(n,) the vertex that stands for each vertex: itself, or the first of those that it is joined with.
+
+    Two boundary edges whose ends are at the same places become one. What has no boundary stays as it is: bodies that
+    are closed are not joined where they touch.
+
+    Parameters
+    ----------
+    places : (n, 3)
+    triangles : (t, 3)
+    """
+    own = np.arange(len(places))
+    mesh = TriangleMesh(places, triangles)
+    ends = mesh.edges[mesh.boundary_edges]
+    ends = ends[np.isfinite(places[ends]).all(axis=(1, 2))]
+    rim = np.unique(ends)
+    if len(rim) == 0:
+        return own
+    size = np.ptp(places[rim], axis=0).max()
+    pairs = cKDTree(places[rim]).query_pairs(SAME_PLACE * size, output_type="ndarray")
+    if len(pairs) == 0:
+        return own
+    spots = own.copy()
+    spots[rim] = components(len(rim), pairs)
+    met = spots[ends]
+    ends, met = (values[met[:, 0] != met[:, 1]] for values in (ends, met))
+    swapped = met[:, 0] > met[:, 1]
+    ends[swapped], met[swapped] = ends[swapped][:, ::-1], met[swapped][:, ::-1]
+    order = np.lexsort(met.T)
+    ends, met = ends[order], met[order]
+    same = np.flatnonzero((met[1:] == met[:-1]).all(axis=1))
+    joined = np.concatenate([np.column_stack([ends[same, k], ends[same + 1, k]]) for k in (0, 1)])
+    labels = components(len(places), joined)
+    first = np.unique(labels, return_index=True)[1]
+    return first[labels]

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which mesh carries an object's pattern: its own, or a finer one that a modifier puts in place of its faces."""
+
+from .modifiers import is_surface
+from .objects import SURFACE_MARK
+
+
+def surface_of(obj):
+    """The object whose mesh carries an object's pattern: the object, or the one that its modifier shows.
+
+    Of an evaluated object it is always its own mesh, which has the pattern when all modifiers are done.
+    """
+    modifier = None if obj.is_evaluated else surface_modifier(obj)
+    return obj if modifier is None else shown_by(modifier)
+
+
+def surface_modifier(obj):
+    """The modifier of an object that shows a surface of its pattern's own, or None."""
+    return next((modifier for modifier in obj.modifiers if is_surface(modifier) and shown_by(modifier)), None)
+
+
+def shown_by(modifier):
+    """The object whose mesh a modifier shows, None where it was removed or is none of ours."""
+    identifier = modifier.node_group.interface.items_tree["Surface"].identifier
+    if hasattr(modifier, "properties"):  # from Blender 5.2 on
+        found = getattr(modifier.properties.inputs, identifier).value
+    else:
+        found = modifier.get(identifier)
+    return found if found is not None and SURFACE_MARK in found else None

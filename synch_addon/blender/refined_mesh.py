@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A finer copy of an object's mesh with everything that the mesh has, as an object that no scene shows."""
+
+import bpy
+import numpy as np
+
+from . import attributes, groups, schema
+from .new_geometry import new_mesh
+from .objects import SURFACE_MARK
+
+# Of a pattern itself nothing goes over but its directions, which guide.
+_DIRECTION = schema.DIRECTION.name
+# What Blender makes anew with the faces, and the normals, which are carried as vectors.
+_MADE_ANEW = ("position", "custom_normal")
+
+
+def refined_object(source, bound, owner, mark):
+    """A new object with the mesh of a BoundSurface of another object, with the place of a third.
+
+    Materials, vertex groups, marks of edges, UV maps, colours and all other attributes go over, and custom normals;
+    numbers are interpolated, what is no real number is that of the nearest corner or vertex. Each vertex keeps its
+    three vertices of ``source`` and their weights.
+
+    Parameters
+    ----------
+    source : bpy.types.Object in object mode
+    bound : BoundSurface of its mesh
+    owner : bpy.types.Object whose pattern the mesh is for
+    mark : state of what the mesh is made of, for :data:`objects.SURFACE_MARK`
+    """
+    name = f"{owner.name} Surface"
+    sizes = np.diff(bound.starts, append=len(bound.corner_vertices))
+    data = new_mesh(name, bound.vertices, bound.corner_vertices, sizes, smooth=True)
+    for slot in source.material_slots:
+        data.materials.append(slot.material)
+    made = bpy.data.objects.new(name, data)
+    made.parent = owner
+    made[SURFACE_MARK] = mark
+    _carry_attributes(source, made, bound)
+    _carry_normals(source, data, bound)
+    for group in source.vertex_groups:
+        weights = groups.read_weights(source, group.name)[bound.parents]
+        groups.write_weights(made, group.name, np.einsum("vk,vk->v", bound.weights, weights))
+    for attribute, values in zip(schema.PARENTS, bound.parents.T, strict=True):
+        attributes.write(made, attribute, values)
+    attributes.write(made, schema.WEIGHTS, bound.weights)
+    data.update()
+    return made
+
+
+def _carry_attributes(source, made, bound):
+    edges = _edge_numbers(made, bound.edge_vertices)
+    for attribute in list(source.data.attributes):
+        name, domain, data_type = attribute.name, attribute.domain, attribute.data_type
+        is_pattern = name.startswith(schema.PREFIX) and name != _DIRECTION
+        values = (
+            None if is_pattern or name[0] == "." or name in _MADE_ANEW else attributes.read_values(source, name, domain)
+        )
+        if values is None:
+            continue
+        if domain == "FACE":
+            values = values[bound.face_source]
+        elif domain == "EDGE":
+            values = _at_edges(values[bound.edge_source], edges, len(made.data.edges))
+        else:
+            of_corners = domain == "CORNER"
+            parents = bound.corner_parents if of_corners else bound.parents
+            values = _mean(values, parents, bound.corner_weights if of_corners else bound.weights, name)
+        attributes.write_attribute(made, name, domain, data_type, values)
+    attributes.show_same_maps(source, made)
+
+
+def _mean(values, parents, weights, name):
+    """Values at places between three elements; directions that may point either way have no mean."""
+    if values.dtype.kind == "f" and name != _DIRECTION:
+        return np.einsum("vk,vk...->v...", weights, values[parents])
+    return values[np.take_along_axis(parents, weights.argmax(axis=1)[:, None], axis=1)[:, 0]]
+
+
+def _edge_numbers(made, pairs):
+    """(e,) edges of a mesh by (e, 2) their vertices."""
+    count = len(made.data.vertices)
+    known, asked = (np.sort(ends, axis=1).astype(np.int64) for ends in (_ends(made), pairs))
+    known, asked = known @ [count, 1], asked @ [count, 1]
+    order = np.argsort(known)
+    return order[np.searchsorted(known[order], asked)]
+
+
+def _ends(obj):
+    return attributes.read_all(obj.data.edges, "vertices", 2)
+
+
+def _at_edges(values, edges, count):
+    """Values at all edges of a mesh: zero inside faces of the source; where edges were joined, marked if one was."""
+    result = np.zeros((count, *values.shape[1:]), values.dtype)
+    if values.dtype == bool:
+        result[edges[values]] = True
+    else:
+        result[edges] = values
+    return result
+
+
+def _carry_normals(source, data, bound):
+    if not source.data.has_custom_normals:
+        return
+    normals = attributes.read_all(source.data.corner_normals, "vector", 3, np.float32)
+    normals = np.einsum("ck,ckx->cx", bound.corner_weights, normals[bound.corner_parents])
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    data.normals_split_custom_set(np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0))

@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The surface of its own that a pattern has where the object's faces are not what it is solved on.
+
+An object that no scene shows has its mesh, and a modifier of the pattern's object puts it in place of the faces.
+"""
+
+import numpy as np
+
+from ..blender import attributes, meshes, schema
+from ..blender.modifiers import changes_faces, is_ours
+from ..blender.objects import SURFACE_MARK
+from ..blender.pattern_surface import surface_modifier, surface_of
+from ..blender.transaction import assign, at_the_end, leave, set_aside, undone_by
+from ..nodes.bound_surface import bound_surface_group
+from ..nodes.canvas import add_modifier, set_inputs
+from ..nodes.materials import take_over_look
+from ..reading.refinement import made_of, source_of, state_of, unequal_levels
+
+
+def bind(obj, refinement, warn):
+    """Give an object the surface of a refinement, in place of one that it has; None for its own faces.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object in object mode
+    refinement : Refinement, or None
+    warn : called with lines that the user should read
+
+    Raises
+    ------
+    SynchError
+        where the object's faces are others by now
+    """
+    if refinement is None:
+        release(obj)
+        return
+    former, present = surface_of(obj), surface_modifier(obj)
+    with source_of(obj, refinement.is_seen) as source:
+        made = made_of(obj, source, refinement)
+        if former != obj:
+            _take_over(obj, former, made)
+    if refinement.is_seen:
+        _level(obj, warn)
+    values = {"Surface": made, "Vertices": refinement.source_vertices}
+    group = bound_surface_group()
+    if present is None:
+        add_modifier(obj, group, values)
+    else:
+        _let_go(former, made)
+        set_inputs(present, values)
+    _move_to_its_place(obj, surface_modifier(obj), refinement.is_seen)
+
+
+def release(obj):
+    """Let an object show its own faces again."""
+    modifier = surface_modifier(obj)
+    if modifier is None:
+        return
+    _let_go(surface_of(obj), None)
+    set_inputs(modifier, {"Surface": None})
+    set_aside(modifier)
+    at_the_end(lambda: obj.modifiers.remove(modifier))
+
+
+def is_unchanged(obj, given):
+    """Whether what an object's pattern was solved on is still there: a MeshInput of its own mesh, or of the surface
+    that its modifier shows, made of the same mesh as the object has now."""
+    surface = surface_of(obj)
+    return meshes.is_unchanged(surface, given) and (surface == obj or surface[SURFACE_MARK] == state_of(obj))
+
+
+def _let_go(former, made):
+    """Remove a surface that nothing else shows, when nothing can fail any more; ``made`` may have its name."""
+    if former.users > 1:  # a copy of the object shows it, too
+        return
+    data = former.data
+    leave([former, data] if data.users == 1 else [former])
+    if made is not None:
+        made.name = made.name.rsplit(".", 1)[0]
+
+
+def _take_over(obj, former, made):
+    """Give a new surface the look of the former one, and where it has the same faces all that the former got as well:
+    favourites, numbers, UV maps."""
+    take_over_look(made, former)
+    if not _are_alike(former, made):
+        if hasattr(obj, "synch"):  # as long as the extension is registered
+            at_the_end(obj.synch.favourites.clear)
+        if schema.NUMBER.name in former.data.attributes:  # so that its stripes are numbered anew
+            attributes.write(made, schema.NUMBER, np.zeros((len(made.data.polygons), 3)))
+        return
+    for attribute in list(former.data.attributes):
+        name, domain = attribute.name, attribute.domain
+        values = attributes.read_values(former, name, domain)
+        if name[0] != "." and name not in made.data.attributes and values is not None:
+            attributes.write_attribute(made, name, domain, attribute.data_type, values)
+
+
+def _are_alike(first, second):
+    names = (("position", "POINT"), (".corner_vert", "CORNER"))
+    pairs = [[attributes.read_values(obj, *name) for obj in (first, second)] for name in names]
+    return all(np.array_equal(*pair) for pair in pairs) and len(first.data.polygons) == len(second.data.polygons)
+
+
+def _level(obj, warn):
+    """Let viewport and renders subdivide as often, since the pattern is bound to the faces of both."""
+    for modifier in unequal_levels(obj):
+        level = max(modifier.levels, modifier.render_levels)
+        warn(f"{modifier.name} has level {level} in viewport and renders now: the pattern is bound to its faces")
+        assign(modifier, "levels", level)
+        assign(modifier, "render_levels", level)
+    for modifier in obj.modifiers:
+        if changes_faces(modifier) and not is_ours(modifier) and modifier.show_viewport != modifier.show_render:
+            where = "the viewport" if modifier.show_viewport else "renders"
+            warn(
+                f"{modifier.name} is shown in {where} alone, and the pattern is bound to the faces of the viewport: "
+                "show it in both, or in neither"
+            )
+
+
+def _move_to_its_place(obj, modifier, is_seen):
+    """Put the modifier behind what its faces are made of: all that does not show a pattern, or does not change faces
+    where the mesh itself was refined."""
+    others = [other for other in obj.modifiers if other != modifier]
+    later = [is_ours(other) or (changes_faces(other) and not is_seen) for other in others]
+    place = later.index(True) if True in later else len(others)
+    now, name = list(obj.modifiers).index(modifier), modifier.name
+    if now != place:
+        undone_by(obj, lambda: obj.modifiers.move(obj.modifiers.find(name), now))
+        obj.modifiers.move(now, place)

@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A finer copy has the same surface, short edges, and knows where it lies on the mesh that it was made of."""
+
+import numpy as np
+import pytest
+
+from synch_fields.core.errors import SettingError
+from synch_fields.core.geometry import TriangleMesh, check_mesh
+from synch_fields.core.refinement import bound_surface, refine
+
+CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
+QUADS = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+
+
+def edges_of(faces):
+    """(e, 2) of faces that all have as many corners."""
+    return np.unique(np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1), axis=0)
+
+
+def refined(vertices, faces, longest, **more):
+    faces = np.asarray(faces)
+    starts = np.arange(len(faces)) * faces.shape[1]
+    return refine(vertices, starts, faces.ravel(), edges_of(faces), longest, **more)
+
+
+def as_mesh(bound):
+    return TriangleMesh(bound.vertices, bound.corner_vertices.reshape(-1, 3))
+
+
+@pytest.fixture(scope="module")
+def cube():
+    return refined(CUBE, QUADS, 0.1)
+
+
+def test_a_cube_is_the_same_closed_cube_with_short_edges(cube):
+    mesh = as_mesh(cube)
+    check_mesh(mesh)
+    assert len(mesh.boundary_edges) == 0 and mesh.euler_characteristic == 2
+    assert mesh.areas.sum() == pytest.approx(6)
+    assert mesh.edge_lengths.max() <= 0.1
+    assert np.array_equal(cube.vertices[:8], CUBE)
+
+
+def test_vertices_and_corners_lie_where_their_parents_say(cube):
+    assert cube.weights.sum(axis=1) == pytest.approx(1)
+    np.testing.assert_allclose(np.einsum("vk,vkx->vx", cube.weights, CUBE[cube.parents]), cube.vertices, atol=1e-15)
+    at_corners = np.einsum("ck,ckx->cx", cube.corner_weights, CUBE[QUADS.ravel()[cube.corner_parents]])
+    np.testing.assert_allclose(at_corners, cube.vertices[cube.corner_vertices], atol=1e-15)
+    assert np.array_equal(cube.corner_parents // 4, np.repeat(cube.face_source, 3)[:, None].repeat(3, axis=1))
+
+
+def test_edges_of_the_object_are_covered_by_edges_on_them(cube):
+    ends = cube.vertices[cube.edge_vertices]
+    lengths = np.bincount(cube.edge_source, np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1))
+    assert lengths == pytest.approx(np.ones(12))
+    line = CUBE[edges_of(QUADS)[cube.edge_source]]
+    along = (line[:, 1] - line[:, 0])[:, None]
+    assert np.abs(np.cross(ends - line[:, :1], along)).max() < 1e-15
+
+
+def test_lengths_are_measured_as_stretched():
+    bound = refined(CUBE, QUADS, 1.0, stretch=np.diag([4.0, 1.0, 1.0]))
+    lengths = np.linalg.norm(
+        np.diff(bound.vertices[edges_of(bound.corner_vertices.reshape(-1, 3))], axis=1)[:, 0], axis=1
+    )
+    assert TriangleMesh(bound.vertices * [4, 1, 1], bound.corner_vertices.reshape(-1, 3)).edge_lengths.max() <= 1
+    assert lengths.max() > 0.5
+
+
+def test_faces_with_short_edges_stay_as_they_are():
+    strip = np.array([[0, 0, 0], [1, 0, 0], [11, 0, 0], [0, 1, 0], [1, 1, 0], [11, 1, 0]], float)
+    bound = refined(strip, [[0, 1, 4, 3], [1, 2, 5, 4]], 2.0)
+    assert np.array_equal(bound.corner_vertices[:4], [0, 1, 4, 3])
+    assert np.array_equal(bound.corner_parents[:4, 0], np.arange(4))
+    assert len(bound.starts) > 8 and np.array_equal(bound.face_source, np.sort(bound.face_source))
+    sizes = np.diff(bound.starts, append=len(bound.corner_vertices))
+    assert np.array_equal(np.unique(sizes), [3, 4])
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-9])
+def test_triangles_that_share_no_vertex_become_one_surface(noise):
+    mesh = as_mesh(refined(CUBE, QUADS, 0.5))
+    soup = mesh.vertices[mesh.triangles].reshape(-1, 3) * np.array([1, -1, 1]) + 0.0
+    soup = soup + noise * np.random.default_rng(0).normal(size=soup.shape)
+    soup[soup == 0] *= -1
+    bound = refined(soup, np.arange(len(soup)).reshape(-1, 3), 2.0)
+    assert bound.welded == len(soup) - mesh.vertex_count
+    assert len(bound.vertices) == mesh.vertex_count and len(bound.starts) == mesh.triangle_count
+    assert len(as_mesh(bound).boundary_edges) == 0
+
+
+def test_closed_bodies_that_touch_are_not_joined():
+    both = np.concatenate([CUBE, CUBE + [1, 0, 0]])
+    bound = refined(both, np.concatenate([QUADS, QUADS + 8]), 2.0)
+    assert bound.welded == 0 and len(bound.vertices) == 16
+
+
+def test_a_hole_stays_open_where_nothing_lies_on_its_other_side():
+    bound = refined(CUBE, QUADS[:5], 0.3)
+    assert bound.welded == 0
+    assert len(as_mesh(bound).boundary_edges) == 4 * 4
+
+
+def test_too_many_triangles_are_refused_with_a_length_that_works(monkeypatch):
+    monkeypatch.setattr(bound_surface, "MOST_TRIANGLES", 1000)
+    with pytest.raises(SettingError, match=r"edges of at most 0.05 .* spacing that is [0-9.]+ times as large") as error:
+        refined(CUBE, QUADS, 0.05)
+    factor = float(str(error.value).split("that is ")[1].split()[0])
+    assert len(refined(CUBE, QUADS, 0.05 * factor * 1.001).starts) <= 1000
