@@ -29,6 +29,7 @@ class SurfaceKeywords(TypedDict, total=False):
     features: float
     smoothing: int
     straighten: bool
+    surface: str
     assign_material: bool
     strict: bool
     method: str

@@ -57,8 +57,8 @@ def release(obj):
     if modifier is None:
         return
     _let_go(surface_of(obj), None)
-    set_inputs(modifier, {"Surface": None})
     set_aside(modifier)
+    set_inputs(modifier, {"Surface": None})
     at_the_end(lambda: obj.modifiers.remove(modifier))
 
 

@@ -19,15 +19,12 @@ from ..blender.translations import said
 from ..jobs.kept_results import shown_result
 from ..jobs.report import versions
 from ..jobs.shelf import Shelf
-from ..reading.surface import LINES_ACROSS, carried_spacing, spacing_across
+from ..reading.refinement import SLACK
+from ..reading.surface import FEW_LINES, LINES_REFINED, carried_spacing, spacing_across
 from . import memory, write
 
 # Faces that are looked at, spread over all of them.
 FACES_SEEN = 500
-# Automatic spacing takes what the mesh carries: the panel offers more when that is fewer lines across than this.
-FEW_LINES = LINES_ACROSS // 3
-# No warning while the edges are at most this much longer than they should be.
-SLACK = 1.1
 MOST_LEVELS, MOST_FACES = 6, 4_000_000
 
 # Of the objects that were asked for last.
@@ -92,7 +89,12 @@ def carried(obj):
 def told_spacing(command, obj):
     """About what the automatic spacing of a command on an object is, before it runs; None where that is not known."""
     found = carried(obj) if obj.mode == "OBJECT" else None
-    return None if found is None else spacing_across(command, found.size, found.finest)
+    if found is None:
+        return None
+    told = spacing_across(command, found.size, found.finest)
+    few = SLACK * spacing_across(command, found.size, 0.0, FEW_LINES)
+    is_refined = obj.synch.surface == "SEEN" or (obj.synch.surface == "AUTOMATIC" and told > few)
+    return spacing_across(command, found.size, 0.0, LINES_REFINED) if is_refined else told
 
 
 def missing_levels(obj):
@@ -188,8 +190,9 @@ def _subdivide(obj, levels, smooth):
 
 
 def draw_warning(layout, obj):
-    """Say where the mesh is too coarse for the spacing that is set, with a button that subdivides it."""
-    if obj.mode != "OBJECT" or _is_made(obj) or missing_levels(obj) <= 0:
+    """Say where the object's own faces, if they are chosen, are too coarse for the spacing that is set, with a button
+    that subdivides them."""
+    if obj.synch.surface != "FACES" or obj.mode != "OBJECT" or _is_made(obj) or missing_levels(obj) <= 0:
         return
     found, levels = carried(obj), offered_levels(obj)
     column = layout.box().column(align=True)

@@ -16,7 +16,7 @@ from ..blender import attributes, meshes
 from ..blender.modifiers import changing_modifiers, foreign_modifiers, hidden, is_ours
 from ..blender.refined_mesh import refined_object
 from . import constraints
-from .surface import FEW_LINES, asked_spacings, automatic_spacing, spacing_across, wished_spacing
+from .surface import FEW_LINES, asked_spacings, automatic_spacing, wished_spacing
 
 # No refinement while the edges are at most this much longer than they should be.
 SLACK = 1.1
@@ -77,8 +77,7 @@ def is_fine(command, obj, given, settings):
     """Whether faces carry what is asked of a pattern: edges that are short enough, and joined where they meet."""
     mesh = given.mesh
     if settings.spacing is None and not (command == "quad_mesh" and settings.faces):
-        least = spacing_across(command, np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max(), 0.0, FEW_LINES)
-        short = automatic_spacing(command, mesh) <= SLACK * least
+        short = automatic_spacing(command, mesh) <= SLACK * automatic_spacing(command, mesh, FEW_LINES, 0.0)
     else:
         spacing = automatic_spacing(command, mesh) if settings.spacing is None else settings.spacing
         _, spacings = asked_spacings(command, obj, given, settings, spacing)

@@ -148,19 +148,18 @@ def read_mirrors(given, axes):
         raise error.renumbered(given.source) from None
 
 
-def automatic_spacing(command, mesh, across=LINES_ACROSS):
-    """About this many stripes or quads across the object, or as many as its edges can carry, but two at least."""
-    return spacing_across(command, _size(mesh), carried_spacing(mesh.edge_lengths), across)
+def automatic_spacing(command, mesh, across=LINES_ACROSS, finest=None):
+    """About this many stripes or quads across the object, or as many as its edges can carry, but two at least.
+
+    ``finest`` is the finest spacing in place of what the edges carry.
+    """
+    finest = carried_spacing(mesh.edge_lengths) if finest is None else finest
+    return spacing_across(command, np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max(), finest, across)
 
 
 def wished_spacing(command, mesh):
     """The automatic spacing where faces can be made as fine as it needs."""
-    return spacing_across(command, _size(mesh), 0.0, LINES_REFINED)
-
-
-def _size(mesh):
-    """The longest side of a mesh."""
-    return np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max()
+    return automatic_spacing(command, mesh, LINES_REFINED, 0.0)
 
 
 def spacing_across(command, size, finest, across=LINES_ACROSS):
