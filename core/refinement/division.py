@@ -114,7 +114,7 @@ def _middles(vertices, corners, long):
     where there is none."""
     ends = np.stack([corners, corners[:, [1, 2, 0]]], axis=2)[long]
     ends.sort(axis=1)
-    keys, first, numbers = np.unique(ends[:, 0] * len(vertices) + ends[:, 1], return_index=True, return_inverse=True)
+    _, first, numbers = np.unique(ends[:, 0] * len(vertices) + ends[:, 1], return_index=True, return_inverse=True)
     middles = np.full(corners.shape, -1)
     middles[long] = len(vertices) + numbers.reshape(-1)
     return np.concatenate([vertices, vertices[ends[first]].mean(axis=1)]), middles

@@ -4,10 +4,12 @@
 import numpy as np
 
 from ...core.errors import MeshError
+from ...core.fields.growth import COARSE_SHARE
 from ...core.graphs import components
+from ...core.refinement.spacing import EDGES_PER_PERIOD
 from ..blender.meshes import read_mesh
 from ..jobs.report import versions
-from ..reading.surface import COARSE_SHARE, EDGES_PER_PERIOD, automatic_spacing
+from ..reading.surface import automatic_spacing
 
 
 def describe(obj):

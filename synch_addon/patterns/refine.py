@@ -6,12 +6,14 @@ The panel asks at every redraw, so that the answer is kept until a mesh changes,
 
 import math
 from dataclasses import dataclass
+from itertools import pairwise
 
 import bpy
 import numpy as np
 
 from ...core.errors import SettingError, SynchError, shown
 from ...core.keywords import taken
+from ...core.refinement.spacing import LINES_ACROSS, carried_spacing, spacing_across
 from ..blender import attributes, groups, meshes
 from ..blender.changes import changes
 from ..blender.transaction import assign, keep, undone_by, whole_or_nothing
@@ -19,12 +21,15 @@ from ..blender.translations import said
 from ..jobs.kept_results import shown_result
 from ..jobs.report import versions
 from ..jobs.shelf import Shelf
-from ..reading.refinement import SLACK
-from ..reading.surface import FEW_LINES, LINES_REFINED, carried_spacing, spacing_across
+from ..reading.surface import lines_in_period
 from . import memory, write
 
 # Faces that are looked at, spread over all of them.
 FACES_SEEN = 500
+# Automatic spacing takes what the mesh carries: the panel offers more when that is fewer lines across than this.
+FEW_LINES = LINES_ACROSS // 3
+# No warning while the edges are at most this much longer than they should be.
+SLACK = 1.1
 MOST_LEVELS, MOST_FACES = 6, 4_000_000
 
 # Of the objects that were asked for last.
@@ -40,11 +45,13 @@ class MeshDetail:
     spacing : the finest one, with what the spacing map does to it
     finest : the same without the map
     size : longest side of the object
+    area : of its faces
     """
 
     spacing: float
     finest: float
     size: float
+    area: float
 
 
 def refine(obj, levels=None):
@@ -89,12 +96,7 @@ def carried(obj):
 def told_spacing(command, obj):
     """About what the automatic spacing of a command on an object is, before it runs; None where that is not known."""
     found = carried(obj) if obj.mode == "OBJECT" else None
-    if found is None:
-        return None
-    told = spacing_across(command, found.size, found.finest)
-    few = SLACK * spacing_across(command, found.size, 0.0, FEW_LINES)
-    is_refined = obj.synch.surface == "SEEN" or (obj.synch.surface == "AUTOMATIC" and told > few)
-    return spacing_across(command, found.size, 0.0, LINES_REFINED) if is_refined else told
+    return None if found is None else spacing_across(found.size, found.area, found.finest, lines_in_period(command))
 
 
 def missing_levels(obj):
@@ -225,32 +227,36 @@ def _is_made(obj):
 
 
 def _look_at(obj):
-    places, ends = _sample(obj.data)
-    if len(ends) == 0:
+    places, triangles, share = _sample(obj.data)
+    if len(triangles) == 0:
         return None
     vertices = np.array(list(places))
     points = np.array(list(places.values()))
     rotated = points @ np.array(obj.matrix_world.to_3x3()).T
-    first, second = np.searchsorted(vertices, ends.T)
-    lengths = np.linalg.norm(rotated[first] - rotated[second], axis=1)
-    factors = np.maximum(_factors(obj, vertices.tolist()), 1e-6)
+    seen = np.searchsorted(vertices, triangles)
+    sides = np.roll(rotated[seen], -1, axis=1) - rotated[seen]
+    lengths = np.linalg.norm(sides, axis=2).ravel()
+    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum() / 2
+    factors = np.maximum(_factors(obj, vertices.tolist()), 1e-6)[seen].ravel()
     stretched = np.ptp(points, axis=0) * np.array(obj.matrix_world.to_scale())
-    with_map = carried_spacing(lengths / factors[first])
-    return MeshDetail(with_map, carried_spacing(lengths), float(np.abs(stretched).max()))
+    size = float(np.abs(stretched).max())
+    return MeshDetail(carried_spacing(lengths / factors), carried_spacing(lengths), size, float(area / share))
 
 
 def _sample(data):
-    """Positions by vertex, in order, and (k, 2) ends of the edges of some faces, cut into triangles.
+    """Positions by vertex, in order, (t, 3) triangles that some faces are cut into, and the share of these faces.
 
-    Edges between faces come up for both, so that those inside a face count twice.
+    Edges between faces come up for both, as those inside a face do.
     """
-    places, ends = {}, []
-    for number in range(0, len(data.polygons), max(1, len(data.polygons) // FACES_SEEN)):
+    places, triangles = {}, []
+    step = max(1, len(data.polygons) // FACES_SEEN)
+    chosen = range(0, len(data.polygons), step)
+    for number in chosen:
         corners = data.polygons[number].vertices[:]
-        ends += zip(corners, corners[1:] + corners[:1], strict=True)
-        ends += [(corners[0], other) for other in corners[2:-1]] * 2
+        triangles += [(corners[0], *pair) for pair in pairwise(corners[1:])]
         places.update((vertex, data.vertices[vertex].co[:]) for vertex in corners)
-    return dict(sorted(places.items())), np.array(ends, int).reshape(-1, 2)
+    share = len(chosen) / max(len(data.polygons), 1)
+    return dict(sorted(places.items())), np.array(triangles, int).reshape(-1, 3), share
 
 
 def _factors(obj, vertices):

@@ -10,18 +10,13 @@ import numpy as np
 
 from ...core.errors import SynchError
 from ...core.refinement import BoundSurface, refine
+from ...core.refinement.spacing import longest_edge
 from ...core.refinement.welding import welded_vertices
-from ...core.tasks.surfaces import COARSE_SHARE
 from ..blender import attributes, meshes
 from ..blender.modifiers import changing_modifiers, foreign_modifiers, hidden, is_ours
 from ..blender.refined_mesh import refined_object
 from . import constraints
-from .surface import FEW_LINES, asked_spacings, automatic_spacing, wished_spacing
-
-# No refinement while the edges are at most this much longer than they should be.
-SLACK = 1.1
-# At least this many edges of a refined surface to a period.
-_EDGES = 2
+from .surface import asked_spacings, automatic_spacing, wished_spacing
 
 
 @dataclass(frozen=True)
@@ -68,38 +63,29 @@ def refinement_of(command, obj, settings):
         is_seen = bool(changing_modifiers(obj))
     with source_of(obj, is_seen) as source:
         given = meshes.read_mesh(source, strict=settings.strict)
-        longest = np.inf if command == "directions" else _longest_edge(command, source, given, settings)
-        bound = _refined(source, given, longest)
+        longest = None
+        if command != "directions":
+            spacing = wished_spacing(command, given.mesh) if settings.spacing is None else settings.spacing
+            longest = _longest_edge(command, source, given, settings, spacing)
+        bound = _refined(source, given, np.inf if longest is None else longest)
         return Refinement(bound, is_seen, state_of(obj), len(source.data.vertices)), None
 
 
 def is_fine(command, obj, given, settings):
     """Whether faces carry what is asked of a pattern: edges that are short enough, and joined where they meet."""
-    mesh = given.mesh
-    if settings.spacing is None and not (command == "quad_mesh" and settings.faces):
-        short = automatic_spacing(command, mesh) <= SLACK * automatic_spacing(command, mesh, FEW_LINES, 0.0)
-    else:
-        spacing = automatic_spacing(command, mesh) if settings.spacing is None else settings.spacing
-        _, spacings = asked_spacings(command, obj, given, settings, spacing)
-        of_vertices = np.broadcast_to(_least(spacings), mesh.vertex_count)
-        long = mesh.edge_lengths > SLACK / 2 * of_vertices[mesh.edges].min(axis=1)
-        short = long.mean() <= COARSE_SHARE
-    if not short or len(given.uncut.boundary_edges) == 0:
-        return short
-    return bool(
-        (welded_vertices(given.uncut.vertices, given.uncut.triangles) == np.arange(given.uncut.vertex_count)).all()
-    )
+    uncut = given.uncut
+    spacing = automatic_spacing(command, given.mesh) if settings.spacing is None else settings.spacing
+    if _longest_edge(command, obj, given, settings, spacing) is not None:
+        return False
+    if len(given.uncut.boundary_edges) == 0:
+        return True
+    return bool((welded_vertices(uncut.vertices, uncut.triangles) == np.arange(uncut.vertex_count)).all())
 
 
-def _least(spacings):
-    """The least spacing at each vertex, of quads that of both directions."""
-    return spacings.min(axis=1) if np.ndim(spacings) == 2 else spacings
-
-
-def _longest_edge(command, obj, given, settings):
-    spacing = wished_spacing(command, given.mesh) if settings.spacing is None else settings.spacing
+def _longest_edge(command, obj, given, settings, spacing):
+    """How long edges may be for a spacing, or for the number of faces that is asked for; None where they are fine."""
     _, spacings = asked_spacings(command, obj, given, settings, spacing)
-    return float(np.quantile(_least(spacings), COARSE_SHARE)) / _EDGES
+    return longest_edge(given.mesh, spacings)
 
 
 def _refined(source, given, longest):

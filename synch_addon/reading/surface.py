@@ -10,11 +10,12 @@ from ...core.fields import quad_pattern
 from ...core.fields.mirror import Mirror, Seam
 from ...core.fields.patterns import check_lengths, check_spacing
 from ...core.geometry.mirror import mirrored_vertices
+from ...core.refinement import spacing as spacing_rules
 from ...core.settings.pins import parse_pins
 from ...core.settings.surface import SYMMETRY_ORDERS
 from ...core.solve import Options
 from ...core.tasks.quad_meshes import smallest_sides, spacing_factor
-from ...core.tasks.surfaces import COARSE_SHARE, PATTERNS, SurfaceRequest
+from ...core.tasks.surfaces import PATTERNS, SurfaceRequest
 from ..blender import attributes, meshes
 from ..blender.objects import SURFACE_MARK
 from ..blender.vertex_maps import read_factors, read_turns
@@ -22,14 +23,6 @@ from ..settings.constraint_list import stored_constraints
 from ..settings.fields import default_shares
 from . import constraints
 from .guides import read_guides
-
-# Automatic spacing: this many stripes or quads across the object, and at least this many edges to a period;
-# an object of few edges gets these lines all the same, with a warning.
-LINES_ACROSS = 40
-EDGES_PER_PERIOD = 4
-# The same of an object whose faces carry fewer than these at least, on a surface that is refined for it.
-FEW_LINES, LINES_REFINED = LINES_ACROSS // 3, LINES_ACROSS // 2
-FEWEST_LINES = 2
 
 
 def settings_for(command, obj, settings):
@@ -148,30 +141,16 @@ def read_mirrors(given, axes):
         raise error.renumbered(given.source) from None
 
 
-def automatic_spacing(command, mesh, across=LINES_ACROSS, finest=None):
-    """About this many stripes or quads across the object, or as many as its edges can carry, but two at least.
-
-    ``finest`` is the finest spacing in place of what the edges carry.
-    """
-    finest = carried_spacing(mesh.edge_lengths) if finest is None else finest
-    return spacing_across(command, np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max(), finest, across)
+def automatic_spacing(command, mesh, across=spacing_rules.LINES_ACROSS):
+    """The spacing that suits a command on a surface (see :mod:`core.refinement.spacing`)."""
+    return spacing_rules.automatic_spacing(mesh, lines_in_period(command), across)
 
 
 def wished_spacing(command, mesh):
-    """The automatic spacing where faces can be made as fine as it needs."""
-    return automatic_spacing(command, mesh, LINES_REFINED, 0.0)
+    """The automatic spacing where faces are made as fine as it needs."""
+    return spacing_rules.wished_spacing(mesh.areas.sum(), lines_in_period(command))
 
 
-def spacing_across(command, size, finest, across=LINES_ACROSS):
-    """Spacing at which this many stripes or quads cross a size; the finest that a mesh carries, but two at least.
-
-    A period has one stripe, and two quads.
-    """
-    per_period = 2 if PATTERNS.get(command) is quad_pattern else 1
-    return float(min(max(per_period * size / across, finest), per_period * size / FEWEST_LINES))
-
-
-def carried_spacing(lengths):
-    """The finest spacing for (e,) lengths of edges: four edges to it as a rule, and two where they are longest."""
-    median, long = np.quantile(lengths, [0.5, 1 - COARSE_SHARE])
-    return float(max(EDGES_PER_PERIOD * median, 2 * long))
+def lines_in_period(command):
+    """A period has one stripe, and two quads."""
+    return 2 if PATTERNS.get(command) is quad_pattern else 1

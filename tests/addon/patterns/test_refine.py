@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SynchError
+from synch_fields.core.refinement.spacing import carried_spacing
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import groups, meshes
 from synch_fields.synch_addon.patterns import refine
@@ -60,7 +61,7 @@ def test_what_the_panel_sees_is_what_the_automatic_spacing_takes(build, scale):
     obj = build()
     obj.scale = scale
     bpy.context.view_layer.update()
-    exact = reading.carried_spacing(meshes.read_mesh(obj).mesh.edge_lengths)
+    exact = carried_spacing(meshes.read_mesh(obj).mesh.edge_lengths)
     assert refine.carried(obj).spacing == pytest.approx(exact, rel=0.1)
 
 
@@ -89,7 +90,7 @@ def test_what_the_panel_tells_is_a_length_in_the_units_of_the_scene():
 def test_a_sample_of_many_faces_is_close():
     obj = sphere(5)
     obj.data.transform(((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 3, 0), (0, 0, 0, 1)))
-    exact = reading.carried_spacing(meshes.read_mesh(obj).mesh.edge_lengths)
+    exact = carried_spacing(meshes.read_mesh(obj).mesh.edge_lengths)
     assert len(obj.data.polygons) > 8 * refine.FACES_SEEN
     assert refine.carried(obj).spacing == pytest.approx(exact, rel=0.1)
 
