@@ -44,6 +44,7 @@ def refined_object(source, bound, owner, mark):
     for attribute, values in zip(schema.PARENTS, bound.parents.T, strict=True):
         attributes.write(made, attribute, values)
     attributes.write(made, schema.WEIGHTS, bound.weights)
+    attributes.write(made, schema.SOURCE_FACE, bound.face_source)
     data.update()
     return made
 

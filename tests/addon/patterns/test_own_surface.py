@@ -365,3 +365,43 @@ def test_animations_and_their_removal_go_back_to_own_faces():
     obj, _ = solved_cube()
     api.animate(obj, frames=(1, 2), spacing=1.2)
     assert surface_modifier(obj) is None and "synch_phase.1" in obj.data.attributes
+
+
+def test_pins_stay_in_their_places_when_the_surface_is_another_one():
+    obj = cube()
+    side = next(f for f in obj.data.polygons if f.normal.x > 0.9)
+    obj.synch.pins = f"{side.index}=1"
+    report = api.stripes(obj, spacing=0.5)
+    middles = []
+    for spacing in (0.4, 0.3, 1.9):
+        assert [d for d in report["disclinations"] if d["index"] == 0.5 and np.abs(d["position"][0] - 1) < 1e-5]
+        (face,) = (int(pin.split("=")[0]) for pin in obj.synch.pins.split(","))
+        middles.append(surface_of(obj).data.polygons[face].center[:])
+        report = api.stripes(obj, spacing=spacing)
+    assert np.abs(np.array(middles) - [1, 0, 0]).max() < 0.35
+
+
+def test_faces_of_defects_are_those_of_the_mesh_that_is_edited():
+    obj, report = solved_cube()
+    assert bpy.ops.synch.select_defects() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    chosen = {polygon.index for polygon in obj.data.polygons if polygon.select}
+    at = np.array([d["position"] for d in report["disclinations"] + report["dislocations"]])
+    for number, polygon in enumerate(obj.data.polygons):
+        off = np.abs((at - np.array(polygon.center)) @ np.array(polygon.normal))
+        inside = (off < 1e-6) & (np.abs(at) < 1 - 1e-6).sum(axis=1).__ge__(2)
+        assert not inside.any() or number in chosen
+
+
+@pytest.mark.parametrize("build", [cube, half_suzanne])
+def test_bakes_read_the_surface(build, tmp_path):
+    obj = build()
+    if not obj.data.uv_layers:
+        obj.data.uv_layers.new(name="UVMap")
+    api.stripes(obj, spacing=0.4, guidance="axis:Z")
+    before = bytes_of(obj.data)
+    report = api.bake(obj, maps="mask", size=64, margin=0, folder=str(tmp_path), unwrap=build is cube)
+    assert bytes_of(obj.data) == before
+    image = bpy.data.images.load(report["maps"]["mask"]["file"])
+    values = np.array(image.pixels[:]).reshape(-1, 4)[:, 0]
+    assert 0.05 < (values > 0.5).mean() < 0.95
