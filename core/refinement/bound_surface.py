@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import SettingError
+from ..geometry.welding import welded_vertices
 from .division import divided
-from .welding import welded_vertices
 
 # Triangles of a finer copy: more would take minutes and gigabytes to solve on.
 MOST_TRIANGLES = 1_000_000

@@ -9,9 +9,9 @@ import bpy
 import numpy as np
 
 from ...core.errors import SettingError, SynchError
+from ...core.geometry.welding import welded_vertices
 from ...core.refinement import BoundSurface, TooFineError, refine
 from ...core.refinement.spacing import longest_edge
-from ...core.refinement.welding import welded_vertices
 from ..blender import attributes, meshes
 from ..blender.modifiers import changing_modifiers, foreign_modifiers, hidden, is_ours
 from ..blender.refined_mesh import refined_object
