@@ -9,6 +9,7 @@ from ...core.errors import SynchError
 from ...core.files.json_text import json_text
 from ..blender import meshes
 from ..blender.defect_empties import defect_empties
+from ..blender.pattern_surface import faces_of_object
 from ..blender.translations import said
 from ..patterns import memory
 from .ready import PromptOperator, ReadyOperator
@@ -54,6 +55,7 @@ class SYNCH_OT_select_defects(_DefectOperator, PromptOperator, bpy.types.Operato
         obj = context.active_object
         faces = sorted({empty["synch_face"] for empty in defect_empties(obj)})
         with meshes.object_mode(obj):
+            faces = faces_of_object(obj, faces)
             meshes.select_faces(obj, faces)
         bpy.ops.object.mode_set(mode="EDIT")
         return f"{len(faces)} faces selected"
