@@ -15,6 +15,7 @@ from scipy.spatial import cKDTree
 
 from ..fields.constraints.features import quads_around
 from .feature_lines import FeatureLines
+from .quad_mesh import SHORTEST
 
 # Distances, in sides of a quad, up to which a vertex may be put onto a corner, and onto a line.
 CORNER_REACH, LINE_REACH = 1.0, 0.8
@@ -72,7 +73,7 @@ def on_features(quads, features, side, cut=False):
     edges, counts = quads.edges
     on_rim = np.zeros(len(quads.vertices), bool)
     on_rim[edges[counts == 1]] = True
-    at_corner = _corner_vertices(quads, features, side, on_rim)
+    at_corner = _left_to_neighbours(quads, features, side, _corner_vertices(quads, features, side, on_rim))
     taken = np.zeros(len(quads.vertices), bool)
     taken[list(at_corner.values())] = True
     lines, fixed = np.full(len(taken), -1), taken.copy()
@@ -126,6 +127,19 @@ def _corner_vertices(quads, features, side, on_rim):
             found[int(corners[place])] = vertex
             used.add(vertex)
     return found
+
+
+def _left_to_neighbours(quads, features, side, at_corner):
+    """The same, but a corner at which a neighbour of its vertex stands is the neighbour's: the edge between them would
+    have no length."""
+    corner_of = np.full(len(quads.vertices), -1)
+    corner_of[list(at_corner.values())] = list(at_corner)
+    ends = quads.edges[0]
+    ends = np.concatenate([ends, ends[:, ::-1]])
+    ends = ends[(corner_of[ends[:, 0]] >= 0) & (corner_of[ends[:, 1]] < 0)]
+    apart = quads.vertices[ends[:, 1]] - features.mesh.vertices[corner_of[ends[:, 0]]]
+    stands = np.linalg.norm(apart, axis=1) < SHORTEST * side
+    return at_corner | dict(zip(corner_of[ends[stands, 0]].tolist(), ends[stands, 1].tolist(), strict=True))
 
 
 def _pieces(quads, mesh):

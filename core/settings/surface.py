@@ -261,7 +261,7 @@ class SurfaceSettings(SolverSettings):
     strict: bool = setting(
         False,
         "Strict",
-        "Refuse meshes that are not a surface, instead of solving on a repaired copy",
+        "Refuse meshes that are not a surface, instead of solving on a repaired copy, and results with faults",
         commands=SURFACES,
     )
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..errors import Cancelled, ContradictionError, SettingError, SynchError
 from ..extract.chords import TooManyLines
+from ..extract.quad_faults import quad_faults
 from ..extract.quad_loops import quad_loops
 from ..extract.quad_smoothing import lost_lines
 from ..fields.growth import Growth
@@ -30,8 +31,10 @@ def solved_mesh(request, progress=None):
     )
     if request.straighten:
         found = _straightened(request, found, portion(progress, share, 1.0 - share))
-    said = [line for about in (_about_pieces, _about_lines, _about_others) for line in about(request, found)]
-    return replace(found, warnings=(*found.warnings, *said))
+    faults = [
+        line for about in (_about_pieces, _about_lines, _about_others, _about_shape) for line in about(request, found)
+    ]
+    return replace(found, warnings=(*found.warnings, *request.refused_faults(faults)))
 
 
 def _meshed(request, directions, progress):
@@ -119,6 +122,10 @@ def _about_others(request, found):
     if others and request.branching == 0:
         faces = len(found.quads.sizes)
         yield f"{others} of {faces} faces are no quads though no branches are asked for: reduce the spacing"
+
+
+def _about_shape(request, found):
+    return quad_faults(found.quads, request.given.mesh, request.given.is_closed)
 
 
 def spacing_factor(mesh, spacings, faces):

@@ -101,6 +101,7 @@ class SurfaceRequest:
     pins : triangles and the indices of the disclinations that are to be there
     start : (n,) radians of directions before they are turned, and (k n,) complex phases along them, from which the
         whole solve starts and near which it stays; None for a search
+    strict : whether a result with faults is refused
     """
 
     command: str
@@ -122,6 +123,7 @@ class SurfaceRequest:
     straighten: bool = False
     pins: tuple[tuple[int, float], ...] = ()
     start: tuple[np.ndarray, np.ndarray] | None = None
+    strict: bool = False
 
     @property
     def shared(self):
@@ -186,7 +188,7 @@ class SurfaceRequest:
         growth = Growth.of(self.given.mesh, directions, self.spacings)
         # What the map asks for is seen before the stripes are there.
         Monitor(progress).at(f"pattern, {growth.forced_dislocations:.0f} dislocations asked for", 0.0)
-        warnings = self._judged(growth.coarse_share)
+        warnings = self.refused_faults(self._judged(growth.coarse_share))
 
         def result(pattern):
             return SurfaceResult(directions, pattern, None, growth.forced_dislocations, warnings)
@@ -226,6 +228,18 @@ class SurfaceRequest:
             only_quads = self.command == "quad_mesh" and self.branching == 0
             quads = smoothed(quads, self.given.mesh, self.rows, planes, self.smoothing, only_quads)
         return {"quads": quads, "seconds": clock.seconds}
+
+    def refused_faults(self, faults):
+        """Lines about faults of a result, which are warnings where it need not be without any.
+
+        Raises
+        ------
+        SettingError
+            with the first one
+        """
+        if self.strict and faults:
+            raise SettingError(faults[0])
+        return tuple(faults)
 
     def _judged(self, coarse_share):
         if coarse_share <= COARSE_SHARE:

@@ -92,6 +92,7 @@ def gather(command, obj, settings, base=None, given=None):
         settings.faces or None,
         settings.straighten,
         pinned_triangles(parse_pins(settings.pins), given.polygons, settings.symmetry),
+        strict=settings.strict,
     )
 
 

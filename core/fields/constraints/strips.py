@@ -15,7 +15,7 @@ from .rows import GRID
 
 # Quads asked for across a strip: more than one, so that two come before none where their number has to be even; and how
 # many times as much as elsewhere at most.
-ACROSS, MOST = 1.3, 6.0
+ACROSS, MOST = 1.3, 1e4
 # Cosine of the angle that the way to the second line may have to the perpendicular on the first.
 STRAIGHT = 0.8
 # Cosine of the angle between two lines beyond which they are no strip but meet at a corner.

@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A quad mesh that is not as it should be is said to be so, and one that is has nothing said of it."""
+
+import numpy as np
+import pytest
+
+from synch_fields.core.extract.quad_faults import distance, quad_faults
+from synch_fields.core.extract.quad_mesh import QuadMesh
+from synch_fields.core.geometry import TriangleMesh
+
+CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
+FACES = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
+SURFACE = TriangleMesh(CUBE, np.concatenate([FACES[:, [0, 1, 2]], FACES[:, [0, 2, 3]]]))
+
+
+def quads(vertices=CUBE, faces=FACES):
+    return QuadMesh(np.array(vertices, float), None, None, np.ravel(faces), np.full(len(faces), len(faces[0])))
+
+
+def moved(number, place):
+    vertices = CUBE.copy()
+    vertices[number] = place
+    return quads(vertices)
+
+
+def test_a_cube_has_no_faults():
+    assert quad_faults(quads(), SURFACE, True) == ()
+    assert distance(quads(), SURFACE) == pytest.approx(0)
+
+
+@pytest.mark.parametrize(
+    "made, line",
+    [
+        (moved(0, CUBE[1]), "1 of 12 edges of the quad mesh have no length"),
+        (moved(0, (0.9, 0.9, 0)), "folded over"),
+        (quads(faces=FACES[:5]), "the surface is closed and the quad mesh is not"),
+        (moved(0, (-3, -3, -3)), "the quad mesh is 5.2 away from the surface"),
+    ],
+)
+def test_each_fault_is_said_with_a_remedy(made, line):
+    found = quad_faults(made, SURFACE, True)
+    assert any(line in said and said.endswith("ask for more faces, or a smaller spacing") for said in found), found
+
+
+def test_a_face_of_many_corners_is_said():
+    angles = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+    ring = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
+    disk = quads(ring, [np.arange(12)])
+    flat = TriangleMesh(ring, [[0, k, k + 1] for k in range(1, 11)])
+    assert quad_faults(disk, flat, False) == (
+        "1 of 1 faces have more than 8 corners: ask for more faces, or a smaller spacing",
+    )
+
+
+def test_an_open_surface_may_have_an_open_quad_mesh():
+    assert quad_faults(quads(faces=FACES[:5]), SURFACE, False) == ()
