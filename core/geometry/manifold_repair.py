@@ -23,6 +23,7 @@ from .vertex_splitting import following, split_pinched_vertices
 
 # What is done about each kind of place, and its elements.
 KINDS = {
+    "joined_vertices": ("vertex", "the same place as another on the other side of a gap", "they count as one"),
     "lost_vertices": ("vertex", "no finite position", "their faces are left out"),
     "flat_faces": ("face", "no area", "left out of the surface"),
     "doubled_faces": ("face", "the same corners as another face", "they count once, and look like it"),

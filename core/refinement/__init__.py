@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A finer copy of a mesh, bound to it point by point, for meshes that are too coarse for what is asked of them."""
 
-from .bound_surface import BoundSurface, refine
+from .bound_surface import BoundSurface, TooFineError, refine
 
-__all__ = ["BoundSurface", "refine"]
+__all__ = ["BoundSurface", "TooFineError", "refine"]

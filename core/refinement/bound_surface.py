@@ -6,13 +6,32 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import SettingError
+from ..geometry.welding import welded_vertices
 from .division import divided
-from .welding import welded_vertices
 
 # Triangles of a finer copy: more would take minutes and gigabytes to solve on.
 MOST_TRIANGLES = 1_000_000
 # How much longer the edges are that are tried where those that were asked for make too many triangles.
 _COARSER = 1.25
+
+
+class TooFineError(SettingError):
+    """A finer copy would have too many triangles.
+
+    Attributes
+    ----------
+    factor : how many times as long the edges of a copy are that was made instead
+    """
+
+    def __init__(self, longest, factor):
+        super().__init__(
+            f"edges of at most {longest:.3g} would make more than {MOST_TRIANGLES} triangles of this mesh: "
+            f"ask for edges of {factor * longest:.3g}"
+        )
+        self.longest, self.factor = longest, factor
+
+    def __reduce__(self):
+        return TooFineError, (self.longest, self.factor)
 
 
 @dataclass(frozen=True)
@@ -66,8 +85,8 @@ def refine(vertices, starts, corner_vertices, edges, longest, stretch=None, tria
 
     Raises
     ------
-    SettingError
-        where the edges would be too many, naming a length that is possible
+    TooFineError
+        where there would be too many triangles
     """
     vertices, starts = np.asarray(vertices, float), np.asarray(starts, int)
     corner_vertices, edges = np.asarray(corner_vertices, int), np.asarray(edges, int).reshape(-1, 2)
@@ -117,14 +136,11 @@ def _divided(places, triangles, sides, longest):
     division = divided(places, triangles, sides, longest, MOST_TRIANGLES)
     if division is not None:
         return division
-    asked = longest
+    factor = 1.0
     while division is None:
-        longest *= _COARSER
-        division = divided(places, triangles, sides, longest, MOST_TRIANGLES)
-    raise SettingError(
-        f"edges of at most {asked:.3g} would make more than {MOST_TRIANGLES} triangles of this mesh: ask for a spacing "
-        f"that is {longest / asked:.3g} times as large"
-    )
+        factor *= _COARSER
+        division = divided(places, triangles, sides, factor * longest, MOST_TRIANGLES)
+    raise TooFineError(longest, factor)
 
 
 def _kept(division, faces, corners, triangle_corners, usable):

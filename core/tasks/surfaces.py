@@ -247,7 +247,7 @@ class SurfaceRequest:
         finest = np.min(self.spacings)
         return (
             f"the spacing {finest:g} is finer than the mesh can carry on {coarse_share:.0%} of its edges: "
-            f"it needs edges shorter than {finest / 2:.3g}, subdivide or remesh",
+            f"it needs edges shorter than {finest / 2:.3g}, set the surface to automatic",
         )
 
     @contextmanager

@@ -11,9 +11,10 @@ import numpy as np
 from ...core.errors import MeshError, SynchError
 from ...core.geometry import TriangleMesh
 from ...core.geometry.check import check_mesh, coarse_places
-from ...core.geometry.manifold_repair import carrier, finite_places
+from ...core.geometry.manifold_repair import Finding, carrier, finite_places
 from ...core.geometry.mesh_input import MeshInput
 from ...core.geometry.polygons import Polygons
+from ...core.geometry.welding import welded_vertices
 from .attributes import read_all, read_values
 from .objects import no_object, set_mode, world_of
 from .transaction import at_the_end, undone_by
@@ -56,7 +57,7 @@ def object_mode(obj):
             set_mode(obj, "EDIT")
 
 
-def read_mesh(obj, base=None, strict=False):
+def read_mesh(obj, base=None, strict=False, weld=False):
     """Read the object's own mesh (before modifiers) in object mode, in the shape of :func:`measured_key` and measured
     with the object's scale.
 
@@ -67,6 +68,7 @@ def read_mesh(obj, base=None, strict=False):
     obj : bpy.types.Object
     base : MeshInput of the same faces, at other places perhaps: the surface is made of the same ones
     strict : refuse what cannot carry a field as it is, instead of solving on its carrier
+    weld : join boundary vertices at the same place
 
     Raises
     ------
@@ -85,6 +87,10 @@ def read_mesh(obj, base=None, strict=False):
         check_mesh(mesh, base.polygons.triangle_faces)
         return replace(base, mesh=mesh, uncut=mesh, stretch=stretch)
     polygons = read_polygons(obj)
+    joined = welded_vertices(vertices, polygons.triangles) if weld else np.arange(len(vertices))
+    moved = np.flatnonzero(joined != np.arange(len(joined)))
+    welds = (Finding("joined_vertices", moved),) if len(moved) else ()
+    polygons = replace(polygons, corner_vertices=joined[polygons.corner_vertices])
     mesh = TriangleMesh(vertices, polygons.triangles)
     try:
         check_mesh(mesh, polygons.triangle_faces)
@@ -97,8 +103,9 @@ def read_mesh(obj, base=None, strict=False):
             raise MeshError(f"{obj.name} has lost its shape: {coarse}") from None
         places = found.mesh, found.polygons, stretch, found.mesh, found.source
         across = found.across if len(found.across) else None
-        return MeshInput(*places, found.findings, found.own, across, across)
-    return MeshInput(mesh, polygons, stretch, mesh, np.arange(mesh.vertex_count))
+        return MeshInput(*places, welds + found.findings, found.own[joined], across, across)
+    places = mesh, polygons, stretch, mesh, np.arange(mesh.vertex_count)
+    return MeshInput(*places, welds, joined if len(moved) else None)
 
 
 def measured_key(obj):

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which mesh carries an object's pattern: its own, or a finer one that a modifier puts in place of its faces."""
 
+from ...core.errors import SynchError
+from .attributes import read
 from .modifiers import is_surface
 from .objects import SURFACE_MARK
+from .schema import SOURCE_FACE
 
 
 def surface_of(obj):
@@ -17,6 +20,23 @@ def surface_of(obj):
 def surface_modifier(obj):
     """The modifier of an object that shows a surface of its pattern's own, or None."""
     return next((modifier for modifier in obj.modifiers if is_surface(modifier) and shown_by(modifier)), None)
+
+
+def faces_of_object(obj, faces):
+    """The faces of an object's own mesh that faces of the mesh that carries its pattern are part of, ascending.
+
+    Raises
+    ------
+    SynchError
+        where that is made of what modifiers made of the object
+    """
+    surface = surface_of(obj)
+    if surface == obj:
+        return faces
+    source = read(surface, SOURCE_FACE)
+    if source is None or source.max(initial=-1) >= len(obj.data.polygons):
+        raise SynchError(f"the pattern of {obj.name} lies on faces that its modifiers make: apply them to select faces")
+    return sorted(set(source[faces].tolist()))
 
 
 def shown_by(modifier):

@@ -44,6 +44,7 @@ def refined_object(source, bound, owner, mark):
     for attribute, values in zip(schema.PARENTS, bound.parents.T, strict=True):
         attributes.write(made, attribute, values)
     attributes.write(made, schema.WEIGHTS, bound.weights)
+    attributes.write(made, schema.SOURCE_FACE, bound.face_source)
     data.update()
     return made
 
@@ -101,9 +102,12 @@ def _at_edges(values, edges, count):
 
 
 def _carry_normals(source, data, bound):
-    if not source.data.has_custom_normals:
+    """Carry custom normals, and those of smooth faces that were divided: their parts are flat."""
+    is_smooth = source.data.normals_domain != "FACE" and len(bound.starts) != len(source.data.polygons)
+    if not (source.data.has_custom_normals or is_smooth):
         return
     normals = attributes.read_all(source.data.corner_normals, "vector", 3, np.float32)
     normals = np.einsum("ck,ckx->cx", bound.corner_weights, normals[bound.corner_parents])
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    data.normals_split_custom_set(np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0))
+    normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
+    data.normals_split_custom_set(normals.tolist())

@@ -92,6 +92,7 @@ PARENTS = tuple(
     Attribute(f"synch_parent_{number}", "POINT", "INT", _PARENT.format(which))
     for number, which in enumerate(("first", "second", "third"), start=1)
 )
+SOURCE_FACE = Attribute("synch_source_face", "FACE", "INT", "likewise: face of the object that a face is part of")
 WEIGHTS = Attribute("synch_weights", "POINT", "FLOAT_VECTOR", "likewise: weights of these vertices, which add up to 1")
 
 # What each kind of pattern has; what tells it by itself, which a favourite keeps; and what each frame of an animation
@@ -105,7 +106,7 @@ FRAMED = {
     kind: (*(a for a in own if a not in (BARYCENTRIC, SPACING_ERROR, *KEPT[kind])), DIRECTION)
     for kind, own in PATTERNS.items()
 }
-_OTHERS = SINGULARITY, NUMBER, ALONG, LAYER, SPHERE, COLOR, STRENGTH, *PARENTS, WEIGHTS
+_OTHERS = SINGULARITY, NUMBER, ALONG, LAYER, SPHERE, COLOR, STRENGTH, *PARENTS, WEIGHTS, SOURCE_FACE
 ATTRIBUTES = tuple(dict.fromkeys((DIRECTION, *PATTERNS["stripes"], *PATTERNS["quads"], *_OTHERS)))
 _NUMBERS = re.compile(rf"(?<=\.)-?\d+$|(?<={PREFIX}favourite_)\d+")
 _LAYOUTS = {a.name: a.layout for a in ATTRIBUTES}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A geometry node group that shows a pattern's own surface in place of the faces it was made of and moves it along.
+"""A geometry node group that puts a pattern's own surface in place of the faces it was made of, which it follows.
 
 Each vertex of that surface keeps three vertices of the faces and their weights: it lies at the weighted mean of their
 places, wherever modifiers have moved them. Where the faces are others by now, they are left as they are.

@@ -10,6 +10,7 @@ from ...core.files.json_text import json_text
 from ..blender import meshes
 from ..blender.defect_empties import defect_empties
 from ..blender.objects import set_mode
+from ..blender.pattern_surface import faces_of_object
 from ..blender.translations import translate
 from ..patterns import memory
 from .ready import PromptOperator, ReadyOperator
@@ -55,6 +56,7 @@ class SYNCH_OT_select_defects(_DefectOperator, PromptOperator, bpy.types.Operato
         obj = context.active_object
         faces = sorted({empty["synch_face"] for empty in defect_empties(obj)})
         with meshes.object_mode(obj):
+            faces = faces_of_object(obj, faces)
             meshes.select_faces(obj, faces)
         set_mode(obj, "EDIT")
         return f"{len(faces)} faces selected"

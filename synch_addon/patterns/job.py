@@ -9,7 +9,8 @@ import numpy as np
 from ...core.errors import SynchError
 from ..blender import meshes
 from ..blender.objects import ObjectLink, Selection
-from ..blender.transaction import whole_or_nothing
+from ..blender.pattern_surface import surface_of
+from ..blender.transaction import assign, whole_or_nothing
 from ..jobs.kept_results import result_line
 from ..jobs.report import Report
 from ..reading.refinement import refinement_of, solved_object
@@ -27,9 +28,12 @@ class FieldJob:
         bpy.context.view_layer.update()  # a script may have scaled the object just now
         self.link, self._selection = ObjectLink.to(obj), Selection.now()
         self._report = Report(command, obj, settings)
+        self._pins_before = settings.pins
         with meshes.object_mode(obj), self._report.clock("read"):
             self._refinement, given = refinement_of(command, obj, settings)
             with solved_object(obj, self._refinement) as surface:
+                self._pins = own_surface.moved_pins(settings.pins, surface_of(obj), surface)
+                settings = self._report.settings = replace(settings, pins=self._pins)
                 self.request = gather(command, surface, settings, given=given)
             self._report.curves_read = curves_read(obj, settings)
             self._report.warn_about(obj, self.request, self._refinement)
@@ -45,6 +49,8 @@ class FieldJob:
                     return write_quads(obj, request, result, self._report, self._selection, surface)
             own_surface.bind(obj, self._refinement, self._report.warn)
             _refuse_changed(obj, own_surface.is_unchanged(obj, request.given))
+            if hasattr(obj, "synch") and obj.synch.pins == self._pins_before != self._pins:
+                assign(obj.synch, "pins", self._pins)
             return write_result(obj, request, result.field, result.pattern, self._report)
 
 

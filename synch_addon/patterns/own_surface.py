@@ -6,7 +6,9 @@ An object that no scene shows has its mesh, and a modifier of the pattern's obje
 
 import numpy as np
 
+from ...core.settings.pins import parse_pins, text_of_pins
 from ..blender import attributes, meshes, schema
+from ..blender.bvh import surface_tree
 from ..blender.modifiers import changes_faces, is_ours
 from ..blender.objects import SURFACE_MARK
 from ..blender.pattern_surface import surface_modifier, surface_of
@@ -57,8 +59,8 @@ def release(obj):
     if modifier is None:
         return
     _let_go(surface_of(obj), None)
-    set_inputs(modifier, {"Surface": None})
     set_aside(modifier)
+    set_inputs(modifier, {"Surface": None})
     at_the_end(lambda: obj.modifiers.remove(modifier))
 
 
@@ -67,6 +69,21 @@ def is_unchanged(obj, given):
     that its modifier shows, made of the same mesh as the object has now."""
     surface = surface_of(obj)
     return meshes.is_unchanged(surface, given) and (surface == obj or surface[SURFACE_MARK] == state_of(obj))
+
+
+def moved_pins(text, before, after):
+    """Pins as text on faces of another mesh, for pins on faces of an object's mesh at the same places."""
+    pins = parse_pins(text)
+    if not pins or before == after or _are_alike(before, after):
+        return text
+    polygons, there = (meshes.read_polygons(obj) for obj in (before, after))
+    corners = meshes.measured_places(before)[polygons.corner_vertices]
+    centres = np.add.reduceat(corners, polygons.starts) / polygons.sizes[:, None]
+    tree = surface_tree(meshes.measured_places(after), there.triangles)
+    known = {face: turns for face, turns in pins.items() if 0 <= face < len(centres)}
+    if len(known) < len(pins):  # of a mesh that is there no more
+        return text
+    return text_of_pins({int(there.triangle_faces[tree.find_nearest(centres[f])[2]]): t for f, t in known.items()})
 
 
 def _let_go(former, made):

@@ -8,6 +8,7 @@ from dataclasses import replace
 
 from ...core.settings.pins import parse_pins
 from ...core.solution import FIRST
+from ..blender.pattern_surface import surface_of
 from ..blender.translations import translate, translate_count
 from ..jobs.kept_results import read_result_or_empty
 from ..jobs.lru_cache import LruCache
@@ -38,7 +39,7 @@ class PinCosts:
     def __init__(self, obj):
         last = read_result_or_empty(obj.synch.result).get("command")
         command = last if last in ("quads", "quad_mesh") else "directions"
-        request = gather(command, obj, replace(settings_for(command, obj, stored_settings(obj)), pins=""))
+        request = gather(command, surface_of(obj), replace(settings_for(command, obj, stored_settings(obj)), pins=""))
         if request.given.mesh.vertex_count > _SOLVED:
             request = replace(request, options=replace(request.options, method=FIRST))
         self._request = request

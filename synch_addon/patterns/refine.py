@@ -192,8 +192,9 @@ def _subdivide(obj, levels, smooth):
 
 
 def draw_warning(layout, obj):
-    """Say where the mesh is too coarse for the spacing that is set, with a button that subdivides it."""
-    if obj.mode != "OBJECT" or _is_made(obj) or missing_levels(obj) <= 0:
+    """Say where the object's own faces, if they are chosen, are too coarse for the spacing that is set, with a button
+    that subdivides them."""
+    if obj.synch.surface != "FACES" or obj.mode != "OBJECT" or _is_made(obj) or missing_levels(obj) <= 0:
         return
     found, levels = mesh_detail(obj), offered_levels(obj)
     column = layout.box().column(align=True)

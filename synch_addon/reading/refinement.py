@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ...core.errors import SynchError
-from ...core.refinement import BoundSurface, refine
+from ...core.errors import SettingError, SynchError
+from ...core.geometry.welding import welded_vertices
+from ...core.refinement import BoundSurface, TooFineError, refine
 from ...core.refinement.spacing import longest_edge
-from ...core.refinement.welding import welded_vertices
 from ..blender import attributes, meshes
 from ..blender.modifiers import changing_modifiers, foreign_modifiers, hidden, is_ours
 from ..blender.refined_mesh import refined_object
@@ -67,7 +67,10 @@ def refinement_of(command, obj, settings):
         if command != "directions":
             spacing = wished_spacing(command, given.mesh) if settings.spacing is None else settings.spacing
             longest = _longest_edge(command, source, given, settings, spacing)
-        bound = _refined(source, given, np.inf if longest is None else longest)
+        try:
+            bound = _refined(source, given, np.inf if longest is None else longest)
+        except TooFineError as error:
+            raise SettingError(_finest(command, settings, spacing, error.factor)) from None
         return Refinement(bound, is_seen, state_of(obj), len(source.data.vertices)), None
 
 
@@ -86,6 +89,13 @@ def _longest_edge(command, obj, given, settings, spacing):
     """How long edges may be for a spacing, or for the number of faces that is asked for; None where they are fine."""
     _, spacings = asked_spacings(command, obj, given, settings, spacing)
     return longest_edge(given.mesh, spacings)
+
+
+def _finest(command, settings, spacing, factor):
+    """The line that refuses faces or a spacing, and says which would do."""
+    if command == "quad_mesh" and settings.faces:
+        return f"{settings.faces} faces are too many for this mesh: ask for {int(settings.faces / factor**2)} at most"
+    return f"the spacing {spacing:g} is too fine for this mesh: use one from {factor * spacing:.3g} on"
 
 
 def _refined(source, given, longest):

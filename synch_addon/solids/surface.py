@@ -28,7 +28,7 @@ def read_surface(obj, strict=False):
     MeshError
         naming the first element that is in the way, and carrying vertices where the surface is open or meets itself
     """
-    given = meshes.read_mesh(obj, strict=strict)
+    given = meshes.read_mesh(obj, strict=strict, weld=not strict)
     if given.across is not None:
         vertices = np.unique(given.source[given.seam])
         raise MeshError(f"{obj.name} is one-sided and encloses nothing: fill a closed surface with two sides", vertices)

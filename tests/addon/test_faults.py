@@ -58,6 +58,17 @@ def quads_after_stripes():
     return written(lambda: FieldJob("quads", obj, SurfaceSettings(spacing=0.7, **ROUGH)))
 
 
+def surface(before="seen", after="seen"):
+    """A pattern on what modifiers make of an object with materials, groups and a twin, in place of another one."""
+    obj = furnished()
+    subdivision = obj.modifiers.new("Subdivision", "SUBSURF")
+    subdivision.levels, subdivision.render_levels = 0, 1
+    if before:
+        api.stripes(obj, spacing=0.6, surface=before, **ROUGH)
+        api.relief(obj, level=0)
+    return written(lambda: FieldJob("stripes", obj, SurfaceSettings(spacing=0.7, surface=after, **ROUGH)))
+
+
 def frames():
     obj = sphere(2)
     api.stripes(obj, spacing=0.6, **ROUGH)
@@ -184,6 +195,10 @@ SCENES = {
     "quad mesh": lambda: field("quad_mesh", spacing=0.8),
     "stripes again": again,
     "quads after stripes": quads_after_stripes,
+    "surface of its own": lambda: surface(None),
+    "surface of its own again": surface,
+    "surface of its own after own faces": lambda: surface("faces"),
+    "own faces after a surface of its own": lambda: surface(after="faces"),
     "frames": frames,
     "frames again": frames_again,
     "layers": layers,

@@ -33,13 +33,6 @@ def figures(blender, found):
     return "Result", blender.counts(found["disclinations"], "swirl point"), energy
 
 
-def offer_to_subdivide(blender):
-    """What the button says that subdivides the active object."""
-    refine = "part('patterns.refine')"
-    count = blender.value(f"{refine}.faces_after(active(), {refine}.offered_levels(active()))")
-    return blender.says("Subdivide to {count:,} Faces", count=count)
-
-
 def bar_length(picture):
     """Pixels of the longest blue run of any line, where a progress bar is."""
     blue = picture[..., 2].astype(int) - picture[..., 0] > _BLUE
@@ -283,7 +276,7 @@ def stripes_are_seen(picture):
     return min(dark.sum(), light.sum()) > 2000
 
 
-def test_five_clicks_from_suzanne_to_a_striped_render(as_delivered, keep):
+def test_four_clicks_from_suzanne_to_a_striped_render(as_delivered, keep):
     """With nothing but what the panel says: the click list of the README."""
     blender = as_delivered
     blender.run("bpy.ops.mesh.primitive_monkey_add(); bpy.ops.object.shade_smooth()")
@@ -292,12 +285,10 @@ def test_five_clicks_from_suzanne_to_a_striped_render(as_delivered, keep):
     assert not stripes_are_seen(blender.picture("WINDOW"))
     blender.open_panel()  # 1: the key N; 2: the tab
     keep("click_2", blender.picture("UI")[:340])
-    blender.click(offer_to_subdivide(blender))  # 3
-    blender.until("len(active().data.polygons) > 5000")
-    blender.click("Stripes")  # 4
+    blender.click("Stripes")  # 3
     blender.wait_for("Rendered")
-    keep("click_4", blender.picture("UI")[:340])
-    blender.click("Rendered")  # 5
+    keep("click_3", blender.picture("UI")[:340])
+    blender.click("Rendered")  # 4
     blender.until("area().spaces[0].shading.type in ('MATERIAL', 'RENDERED')")
     picture = blender.wait_to_see(stripes_are_seen, "WINDOW", still=5)
-    keep("click_5", picture[220:680, 300:830])
+    keep("click_4", picture[220:680, 300:830])

@@ -12,6 +12,7 @@ import numpy as np
 from ...errors import MeshError
 from ..check import check_mesh
 from ..nearest import NearestTriangles, nearest_in_triangles
+from ..welding import welded_vertices
 from .shells import orient_outwards
 
 
@@ -97,8 +98,10 @@ def check_closed(mesh, source):
         edges = source[mesh.edges[mesh.boundary_edges]]
         i, j = edges[0]
         more = f" and {len(mesh.boundary_edges) - 1} more" if len(mesh.boundary_edges) > 1 else ""
+        is_torn = (welded_vertices(mesh.vertices, mesh.triangles) != np.arange(mesh.vertex_count)).any()
+        remedy = "join vertices at the same place" if is_torn else "fill the holes"
         raise MeshError(
             f"the edge between vertices {i} and {j}{more} has one face only, and a solid needs a closed surface: "
-            "fill the holes with Mesh > Clean Up > Fill Holes",
+            f"{remedy} with Mesh > Clean Up > {'Merge by Distance' if is_torn else 'Fill Holes'}",
             edges,
         )

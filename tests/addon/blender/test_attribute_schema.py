@@ -75,6 +75,7 @@ WRITERS = {
     "stripes in frames": (lambda: animated("stripes"), {"synch_phase.1", "synch_direction.2"}),
     "quads in frames": (lambda: animated("quads"), {"synch_phase_x.2", "synch_closing.1"}),
     "layers": (layered, {"synch_layer"}),
+    "own surface": (lambda: solved(api.stripes, surface="seen", spacing=0.5), {"synch_parent_1", "synch_weights"}),
     "flow": (flowing, {"synch_sphere", "synch_color", "synch_strength", "synch_phase"}),
 }
 

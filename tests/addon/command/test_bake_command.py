@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender.pattern_surface import surface_of
 from synch_fields.synch_addon.command import main
 
 from ..scenes import sphere
@@ -57,7 +58,7 @@ def test_packed_images_and_their_material_are_saved(striped, tmp_path, capfd):
     assert f"wrote {out}" in printed and [p.name for p in tmp_path.iterdir()] == ["out.blend"]
     bpy.ops.wm.open_mainfile(filepath=str(out))
     obj = bpy.data.objects["Ball"]
-    (material,) = obj.data.materials
+    (material,) = surface_of(obj).data.materials
     images = {node.image.name for node in material.node_tree.nodes if node.type == "TEX_IMAGE"}
     assert images == {"Ball_colour.exr", "Ball_normal.exr", "Ball_height.exr"}
     assert np.ptp(np.array(bpy.data.images["Ball_colour.exr"].pixels[:])) > 0.3

@@ -41,6 +41,7 @@ def figures(path):
     return {name: value for name, value in report.items() if name not in ("times", "peak_memory_mb")}
 
 
+@pytest.mark.any_surface
 def test_rows_are_done_as_alone_whatever_came_before_and_once(ball, tmp_path, monkeypatch, capfd):
     """By a warm process; alone in this one."""
     monkeypatch.chdir(tmp_path)

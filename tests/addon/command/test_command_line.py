@@ -55,7 +55,18 @@ def files(tmp_path_factory, extension):
 def test_stripes_from_obj_to_blend_and_report(files, tmp_path):
     blend, report_file = tmp_path / "out.blend", tmp_path / "out.json"
     done = command_line(
-        "stripes", files[".obj"], "--spacing", 0.4, "--seed", 3, "--output", blend, "--report", report_file
+        "stripes",
+        files[".obj"],
+        "--spacing",
+        0.4,
+        "--seed",
+        3,
+        "--surface",
+        "faces",
+        "--output",
+        blend,
+        "--report",
+        report_file,
     )
     assert done.returncode == 0, done.stderr
     report = json.loads(report_file.read_text())

@@ -59,6 +59,7 @@ def made():
     return found
 
 
+@pytest.mark.any_surface
 @pytest.mark.parametrize("command", COMMANDS)
 def test_window_script_and_command_line_give_the_same(command, tmp_path):
     quad_sphere(11).name = "Ball"

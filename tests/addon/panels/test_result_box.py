@@ -36,7 +36,7 @@ def test_a_result_is_of_its_mesh_until_that_changes(solved):
 
 def test_it_is_looked_at_once_after_a_change(solved, monkeypatch):
     looked = []
-    monkeypatch.setattr(memory.blender_meshes, "is_unchanged", lambda *_: looked.append(1) or True)
+    monkeypatch.setattr(memory.own_surface, "is_unchanged", lambda *_: looked.append(1) or True)
     for _ in range(5):
         assert not memory.is_outdated(solved)
     assert len(looked) == 1

@@ -50,7 +50,8 @@ class Layout:
 
 
 def warning(obj):
-    layout = Layout()
+    """What the panel says where the object's own faces are to carry the pattern."""
+    layout, obj.synch.surface = Layout(), "FACES"
     refine.draw_warning(layout, obj)
     return layout.lines, getattr(layout, "levels", 0)
 
@@ -118,6 +119,13 @@ def test_warning_appears_where_the_spacing_is_too_fine_and_goes_after_subdividin
     assert warning(obj) == ([], 0)
     report = api.stripes(obj, spacing=0.2, method="spectral")
     assert not report["warnings"]
+
+
+def test_no_warning_where_the_pattern_has_a_surface_of_its_own():
+    bpy.ops.mesh.primitive_cube_add()
+    layout = Layout()
+    refine.draw_warning(layout, bpy.context.active_object)
+    assert not layout.lines
 
 
 def test_automatic_spacing_warns_of_few_lines():

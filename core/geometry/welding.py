@@ -4,8 +4,8 @@
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ..geometry import TriangleMesh
 from ..graphs import components
+from .triangle_mesh import TriangleMesh
 
 # Vertices nearer than this share of the surface's size are at the same place.
 SAME_PLACE = 1e-6
