@@ -12,7 +12,7 @@ import pytest
 
 from synch_fields.synch_addon.blender import files
 
-from .fuzz_cases import COUNTS, command_line, empty_scene, mostly, st, tried
+from .fuzz_cases import command_line, empty_scene, mostly, st, tried
 from .scenes import sphere
 from .solid_objects import block
 from .vortex_scenes import write_npz

@@ -39,7 +39,7 @@ def test_sizes_that_the_bytes_hold_pass(tmp_path):
     ids=str,
 )
 def test_what_is_only_promised_is_refused(tmp_path, promised):
-    with pytest.raises(ValueError, match="it promises|it has something at byte"):
+    with pytest.raises(ValueError, match=r"it promises|it has something at byte"):
         check_vdb_sizes(vdb(tmp_path / "bomb.vdb", **promised))
 
 
