@@ -171,7 +171,8 @@ class Place:
                 except ValueError:
                     return False
             case ".blend":
-                return content.startswith(b"BLENDER") and b"ENDB" in content[-64:] or content[:4] == b"\x28\xb5\x2f\xfd"
+                is_packed = content.startswith(b"\x28\xb5\x2f\xfd")
+                return is_packed or (content.startswith(b"BLENDER") and b"ENDB" in content[-64:])
             case ".csv" | ".html" | ".vdb" if "rows" in path.parts or path.suffix == ".vdb":
                 return len(content) > 100
         return not self._finished or content == self._finished.get(path)
