@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The materials that show patterns on an object, placed so that nothing of the user's is lost."""
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
 import bpy
 import numpy as np
 
+from ...core.errors import SettingError, shown
 from ..blender import attributes
 from ..blender.transaction import assign, store, undone_by
 from .canvas import Canvas, surface_material
@@ -61,6 +63,22 @@ def show_material(obj, material, kind, *, assign_faces=False):
     """Give a mesh object this material in place of those that show a pattern; else as :func:`pattern_material`."""
     _store_spacing(obj, None)
     _give(obj, material, True, _KINDS[kind], assign_faces)
+
+
+def kept_spacing(obj):
+    """The length of a period that an object keeps, in scene units; None where it keeps none.
+
+    Raises
+    ------
+    SettingError
+        for a value that others have written there
+    """
+    spacing = obj.get(SPACING)
+    if spacing is None:
+        return None
+    if not isinstance(spacing, float | int) or not 0 < spacing < math.inf:
+        raise SettingError(f"{obj.name}: its custom property {SPACING} is {shown(spacing)}: solve its pattern again")
+    return float(spacing)
 
 
 def pattern_node(obj, kind):
