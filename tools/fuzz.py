@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Try meshes, settings, files and faults for some minutes: `python tools/fuzz.py MINUTES [SEED]`.
+"""Try meshes, settings, texts, files and faults at random for some minutes: `python tools/fuzz.py MINUTES [SEED]`.
 
 Each round has a seed of its own, which is printed with the number of cases so far and what came out of them; what
 fails is made as small as it can be, shown, and kept in out/fuzz, from where the next run tries it first. The exit
@@ -47,7 +47,7 @@ def _tried(tests, seed, settings, kept, counts):
     status = subprocess.run(command, cwd=ROOT, env=os.environ | settings, check=False).returncode
     if (kept / COUNTED).exists():
         counts.update(json.loads((kept / COUNTED).read_text()))
-    if status not in (0, 1):  # the process has ended in the middle of a case
+    if status not in (0, 1) or (kept / "hang.txt").read_text():  # the process has ended in the middle of a case
         print(*((kept / name).read_text() for name in SHOWN if (kept / name).exists()), sep="\n", flush=True)
     return status
 

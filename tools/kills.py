@@ -53,6 +53,8 @@ def main(count, seed):
             for fault in faults:
                 print(f"seed {seed}, kill {number}, {name} {sent.name}: {fault}", flush=True)
             counts["faults"] += len(faults)
+            if number % KILLS == KILLS - 1:
+                print(f"{number + 1} kills, {counts['faults']} faults", flush=True)
         for name, each in places.items():
             for fault in each.finish():
                 print(f"seed {seed}, at the end, {name}: {fault}", flush=True)
