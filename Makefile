@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-slow fuzz ui-test soak ui-pictures lint extension package install-test wheel-test matrix docs library bench bench-solver pictures paper thumbnails environment lock latest clean
+.PHONY: help demo test test-slow fuzz kills ui-test soak ui-pictures lint extension package install-test wheel-test matrix docs library bench bench-solver pictures paper thumbnails environment lock latest clean
 
 VENV ?= .venv
 # The Pythons that may be used, in order of preference; those that Blender has a module for where it is empty.
@@ -31,7 +31,8 @@ help:
 	@echo 'make demo         stripes on a sample mesh: out/demo.blend, out/demo.png, out/demo.json'
 	@echo 'make test         the tests, in some minutes'
 	@echo 'make test-slow    the other tests'
-	@echo 'make fuzz         meshes, settings, files and faults at random; MINUTES=60 SEED=0'
+	@echo 'make fuzz         meshes, settings, texts, files and faults at random; MINUTES=60 SEED=0'
+	@echo 'make kills        commands and batches that are killed at random moments; KILLS=200 SEED=0'
 	@echo 'make ui-test      a real Blender window, driven, in English and in German; SYNCH_BLENDER=command starts a Blender, Xvfb has to be there'
 	@echo 'make soak         everyday actions at random in that window, without an error on its console; MINUTES=60 SEED=0'
 	@echo 'make ui-pictures  the same, and its pictures into docs/'
@@ -68,6 +69,11 @@ SEED ?= 0
 
 fuzz: environment
 	$(python) tools/fuzz.py $(MINUTES) $(SEED)
+
+KILLS ?= 200
+
+kills: environment
+	$(python) tools/kills.py $(KILLS) $(SEED)
 
 # In English, then in German with translated names of new data.
 ui-test: environment

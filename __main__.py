@@ -7,6 +7,7 @@ import signal
 import sys
 import traceback
 from importlib.util import find_spec
+from pathlib import Path
 
 try:
     import resource
@@ -29,6 +30,7 @@ def run():
     _open_what_is_closed()
     if not _has_blender() or not _has_space():
         sys.exit(1)
+    _mark_temporary_folder()
     from . import register
     from .synch_addon.command.interrupts import report_signal
     from .synch_addon.command.main import main
@@ -42,6 +44,16 @@ def run():
         traceback.print_exc()
     finally:
         leave(status)
+
+
+def _mark_temporary_folder():
+    """Let a later process remove Blender's temporary folder, should this one be killed: before the second that the
+    imports of ours take."""
+    import bpy
+
+    from .core.files.leftovers import mark
+
+    mark(Path(bpy.app.tempdir))
 
 
 def _has_blender():

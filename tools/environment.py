@@ -34,6 +34,7 @@ LIBRARIES = {
     "libSM.so.6": "libsm6",
     "libICE.so.6": "libice6",
     "libGL.so.1": "libgl1",
+    "libEGL.so.1": "libegl1",  # opened when something is drawn without a window
 }
 # Each prints the version of its Python: the second only with pip, the third only where Python can make environments.
 VERSION = "import sys; print('%d.%d' % sys.version_info[:2])"

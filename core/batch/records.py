@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 
 from ..errors import SettingError, one_line
+from ..files.json_text import json_text
 from ..files.whole import write_text
 
 # Types of the optional figures of a record, and of the entries that it must have.
@@ -71,7 +72,7 @@ class Records:
         return self.folder / kind / key[:2] / f"{key}.json"
 
     def _write(self, kind, key, record):
-        write_text(self._path(kind, key), json.dumps(record) + "\n")
+        write_text(self._path(kind, key), json_text(record) + "\n")
 
 
 def _read(path, kinds):

@@ -2,8 +2,8 @@
 """What became of the rows of a batch: a table as .csv and .json, row by row, so that there may be many."""
 
 import csv
-import json
 
+from ..files.json_text import json_text
 from ..files.whole import write_whole
 
 # Figures of a report that the table has, and lists of it whose lengths it has.
@@ -73,7 +73,7 @@ def write_tables(folder, rows, records):
             before = "[\n"
             for entry in entries(rows, records):
                 done += entry["state"] == "done"
-                file.write(before + json.dumps(entry))
+                file.write(before + json_text(entry))
                 before = ",\n"
                 cells = entry | {"files": " ".join(entry.get("files", ()))}
                 writer.writerow({name: _cell(value) for name, value in cells.items()})

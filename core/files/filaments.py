@@ -6,6 +6,8 @@ Closed filaments come back to their first point; those that go around a periodic
 
 import numpy as np
 
+from .digits import DIGITS, number_format
+
 # Of each filament, in the order of the columns: what it is called, and its kind in VTK.
 _VALUES = (
     ("circulation", "Float64"),
@@ -16,6 +18,8 @@ _VALUES = (
     ("winding_y", "Int32"),
     ("winding_z", "Int32"),
 )
+# Of what is not a place.
+_FORM = f"%.{DIGITS}g"
 
 
 def table_of(lines, winding):
@@ -27,16 +31,15 @@ def table_of(lines, winding):
     winding : Linked of these, None where it is not known
     """
     rows = ["filament,x,y,z," + ",".join(name for name, _ in _VALUES)]
+    form = ",".join(3 * [number_format(_points(lines))] + len(_VALUES) * [_FORM])
     for number, (line, values) in enumerate(zip(lines, _values(lines, winding), strict=True)):
-        for point in line.whole:
-            rows.append(f"{number}," + ",".join(f"{value:.9g}" for value in (*point, *values)))
+        rows += [f"{number}," + form % (*point, *values) for point in line.whole]
     return "\n".join(rows) + "\n"
 
 
 def polydata_of(lines, winding):
     """Text of a .vtp file, a polyline and its values for each filament; parameters as :func:`table_of`."""
-    courses, values = [line.whole for line in lines], _values(lines, winding)
-    sizes = [len(points) for points in courses]
+    sizes, values = [len(line.whole) for line in lines], _values(lines, winding)
     total = sum(sizes)
     parts = [
         '<?xml version="1.0"?>',
@@ -44,7 +47,7 @@ def polydata_of(lines, winding):
         f'<PolyData><Piece NumberOfPoints="{total}" NumberOfVerts="0" NumberOfLines="{len(lines)}" '
         'NumberOfStrips="0" NumberOfPolys="0">',
         '<Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">',
-        *_rows(np.vstack([np.empty((0, 3)), *courses])),
+        *_places(lines),
         "</DataArray></Points>",
         '<Lines><DataArray type="Int32" Name="connectivity" format="ascii">',
         " ".join(map(str, range(total))),
@@ -60,8 +63,7 @@ def polydata_of(lines, winding):
 
 def legacy_of(lines, winding):
     """Text of a .vtk file, the same in VTK's older form; parameters as :func:`table_of`."""
-    courses, values = [line.whole for line in lines], _values(lines, winding)
-    sizes = [len(points) for points in courses]
+    sizes, values = [len(line.whole) for line in lines], _values(lines, winding)
     firsts = np.cumsum(sizes, dtype=int) - sizes
     parts = [
         "# vtk DataFile Version 3.0",
@@ -69,7 +71,7 @@ def legacy_of(lines, winding):
         "ASCII",
         "DATASET POLYDATA",
         f"POINTS {sum(sizes)} double",
-        *_rows(np.vstack([np.empty((0, 3)), *courses])),
+        *_places(lines),
         f"LINES {len(lines)} {len(lines) + sum(sizes)}",
         *(_row([size, *range(first, first + size)]) for first, size in zip(firsts, sizes, strict=True)),
         f"CELL_DATA {len(lines)}",
@@ -78,7 +80,7 @@ def legacy_of(lines, winding):
         parts += [
             f"SCALARS {name} {'int' if kind == 'Int32' else 'double'} 1",
             "LOOKUP_TABLE default",
-            *_rows([column]),
+            _row(column),
         ]
     return "\n".join(parts) + "\n"
 
@@ -99,12 +101,20 @@ def _columns(values):
     return list(zip(*values, strict=True)) or [()] * len(_VALUES)
 
 
-def _rows(values):
-    return [_row(row) for row in values]
+def _points(lines):
+    """(n, 3) points of all filaments."""
+    return np.vstack([np.empty((0, 3)), *(line.whole for line in lines)])
+
+
+def _places(lines):
+    """A row of text for each point."""
+    points = _points(lines)
+    form = " ".join(3 * [number_format(points)])
+    return [form % tuple(point) for point in points]
 
 
 def _row(values):
-    return " ".join(f"{value:.9g}" for value in values)
+    return " ".join(_FORM % value for value in values)
 
 
 WRITERS = {".csv": table_of, ".vtp": polydata_of, ".vtk": legacy_of}

@@ -86,10 +86,14 @@ def far_centre(path):
         if not _is_far(_places(_PLACE.finditer(content), _SAMPLE)):
             return None
         check_promise(path, _VERTEX_BYTES * (content.count(b"\nv") + 1))
-        places = _places(_PLACE.finditer(content))
-        if not _is_far(places):
-            return None
-        return np.float32((places.min(axis=0) + places.max(axis=0)) / 2).astype(float)
+        return centre_of_far(_places(_PLACE.finditer(content)))
+
+
+def centre_of_far(places):
+    """(3,) the centre of (n, 3) places in single precision, where they are far from the origin; else None."""
+    if not _is_far(places):
+        return None
+    return np.float32((places.min(axis=0) + places.max(axis=0)) / 2).astype(float)
 
 
 def write_centred(path, centre, target):

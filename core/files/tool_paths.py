@@ -6,6 +6,8 @@ Closed paths come back to their first point.
 
 import numpy as np
 
+from .digits import DIGITS, number_format
+
 
 def table_of(lines, layers, points, normals, heights, widths):
     """Text of a .csv file: layer, path, place and normal of each point, the layer's height and the bead's width there.
@@ -18,16 +20,17 @@ def table_of(lines, layers, points, normals, heights, widths):
     heights, widths : (n,) there
     """
     rows = ["layer,path,x,y,z,nx,ny,nz,height,width"]
+    form = ",".join(3 * [number_format(points)] + 5 * [f"%.{DIGITS}g"])
     for number, (layer, run) in enumerate(zip(layers, lines.runs, strict=True)):
         for values in np.column_stack([points[run], normals[run], heights[run], widths[run]]):
-            rows.append(f"{layer},{number}," + ",".join(f"{value:.9g}" for value in values))
+            rows.append(f"{layer},{number}," + form % tuple(values))
     return "\n".join(rows) + "\n"
 
 
 def polylines_of(lines, layers, points, *_):
     """Text of an .obj file, an object for each layer; parameters as :func:`table_of`, what has no place is left out."""
-    rows, before = [], None
-    rows += ["v " + " ".join(f"{value:.9g}" for value in point) for point in points]
+    form, before = "v " + " ".join(3 * [number_format(points)]), None
+    rows = [form % tuple(point) for point in points]
     for layer, run in zip(layers, lines.runs, strict=True):
         if layer != before:
             rows.append(f"o layer_{layer:03d}")

@@ -11,7 +11,7 @@ from ...core.files.whole import unwritten
 from ...core.settings.bake import MAPS, SUFFIXES
 from ..blender.transaction import assign, at_the_end, keep, set_aside
 from ..nodes.canvas import find_node, surface_material
-from ..nodes.materials import append_material
+from ..nodes.materials import append_material, kept_spacing
 from .shaders import SOURCE, pattern_node, sources
 
 # Custom property of what a bake has made, and may replace: its map, or the object.
@@ -185,4 +185,4 @@ def _relief(source, obj):
     """How high the pattern is raised by a material of ours, in scene units."""
     nodes = source.node_tree.nodes if source and source.node_tree else ()
     parts = [node.inputs[1].default_value for node in nodes if node.label == _RELIEF_NODE]
-    return obj.get("synch_spacing", 0.0) * (parts[0] if parts else _RELIEF)
+    return (kept_spacing(obj) or 0.0) * (parts[0] if parts else _RELIEF)

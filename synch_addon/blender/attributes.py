@@ -144,12 +144,13 @@ def _make_way(mesh, name):
     if name not in mesh.attributes:
         return
     hidden = next(free for free in map(".synch_leaving_{}".format, _numbers) if free not in mesh.attributes)
-    mesh.attributes[name].name = hidden
 
     def give_back():
-        mesh.attributes[hidden].name = name
+        if hidden in mesh.attributes:
+            mesh.attributes[hidden].name = name
 
     undone_by(mesh, give_back)
+    mesh.attributes[name].name = hidden
     at_the_end(lambda: _remove(mesh, hidden))
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Defects of a field as empties: one for each, parented to the object, coloured by its sign."""
 
+import math
 from collections.abc import Iterable
 from fractions import Fraction
 from typing import NamedTuple
@@ -72,7 +73,15 @@ def write_defects(obj, defects: Iterable[DefectEmpty], *, kinds=KINDS, length=1.
 
 def defect_empties(obj) -> list[bpy.types.Object]:
     """The empties of `obj` that mark defects, wherever the user may have put them."""
-    return [child for child in obj.children if child.type == "EMPTY" and _KIND in child]
+    return [child for child in obj.children if _marks_defect(child)]
+
+
+def _marks_defect(obj):
+    """Whether an object is an empty whose custom properties are those of a defect; others can write there."""
+    if obj.type != "EMPTY" or obj.get(_KIND) not in KINDS:
+        return False
+    index, face, phase = obj.get(_INDEX), obj.get(_FACE), obj.get(_PHASE, "")
+    return isinstance(index, float) and math.isfinite(index) and isinstance(face, int) and isinstance(phase, str)
 
 
 def orphaned_empties():
@@ -82,7 +91,7 @@ def orphaned_empties():
     for collection in bpy.data.collections:
         if collection.get(_MARK) != "object" or not collection.is_editable:
             continue
-        empties = [obj for obj in collection.objects if obj.type == "EMPTY" and _KIND in obj]
+        empties = [obj for obj in collection.objects if _marks_defect(obj)]
         name = collection.name.removeprefix(f"{COLLECTION_NAME}: ")
         if not any(empty.parent for empty in empties) and name not in bpy.data.objects:
             found += empties

@@ -30,6 +30,13 @@ def refusal(obj):
     for owner, kind in ((obj, "object"), (obj.data, "mesh")):
         if not owner.is_editable:
             return f"the {kind} {owner.name} is linked: make it local with Object > Relations > Make Local"
+    return _edited_elsewhere(obj)
+
+
+def _edited_elsewhere(obj):
+    """Why the mesh of an object cannot be read while another object that shares it is in edit mode, or None."""
+    if obj.type == "MESH" and obj.data.is_editmode and obj.mode != "EDIT":
+        return f"the mesh {obj.data.name} of {obj.name} is in edit mode by another object: leave edit mode"
     return None
 
 
@@ -43,7 +50,9 @@ def refuse(obj):
 @contextmanager
 def object_mode(obj):
     """Leave edit mode while attributes are read and written, and come back to it."""
-    editing = obj.mode == "EDIT"
+    reason, editing = _edited_elsewhere(obj), obj.mode == "EDIT"
+    if reason:
+        raise SynchError(reason)
     if editing:
         if bpy.context.view_layer.objects.active != obj:
             raise SynchError(

@@ -6,7 +6,9 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from ...core.files.obj_files import centre_of_far
 from ...core.files.tets import SUFFIXES, read_marked_tets
+from ...core.geometry.tet_mesh import TetMesh
 from ...core.settings.layers import LayerSettings
 from .. import api
 from ..blender import files
@@ -59,12 +61,16 @@ def run(options, open_object, progress):
 
 def _open_solid(path):
     """An object of the boundary of the tetrahedra in a file, in an empty scene, and these; its vertex groups are what
-    the file's triangles are marked with."""
+    the file's triangles are marked with. Where they are far from the origin, the object is at their centre."""
     solid, marks = read_marked_tets(path)
+    centre = centre_of_far(solid.vertices)
+    if centre is not None:
+        solid = TetMesh(solid.vertices - centre, solid.tets)
     bpy.ops.wm.read_homefile(use_empty=True)
     boundary, source = solid.boundary_surface
     name = Path(path).stem
     obj = bpy.data.objects.new(name, new_mesh(name, boundary.vertices, boundary.triangles, smooth=True))
+    obj.location = (0, 0, 0) if centre is None else centre
     bpy.context.scene.collection.objects.link(obj)
     bpy.context.view_layer.objects.active = obj
     for mark, triangles in marks.items():

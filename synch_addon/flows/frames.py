@@ -12,6 +12,7 @@ from ...core.files.flows import VELOCITY, VolumeFile, flow_file
 from ...core.tasks.flow_sequences import FrameFile
 from ..blender.openvdb import module_file
 from ..blender.volume_files import played_file
+from .memory import MOST_FRAMES
 
 _MARKS = re.compile(r"#+")
 
@@ -38,6 +39,8 @@ def flow_frames(source, first, last, attribute=VELOCITY):
     elif isinstance(source, bpy.types.Object) and source.type == "VOLUME":
         if not source.data.is_sequence:
             raise SettingError(f"the volume {source.name} is no sequence: open its files as one, or solve it as it is")
+        if last - first >= MOST_FRAMES:  # one that repeats has a file for each
+            raise SettingError(f"the frames are {first} to {last}: give {MOST_FRAMES} frames or fewer at once")
         path_at, name = lambda frame: played_file(source.data, frame), source.name
         matrix = np.array(source.matrix_world)
         read = lambda path: VolumeFile(path, matrix, name, attribute, module)  # noqa: E731

@@ -8,6 +8,9 @@ from ...core.settings.flow import FlowSettings
 from ...core.tasks.flows import FlowResult
 from ..jobs.lru_cache import ObjectCache
 
+# Frames of a sequence that are kept, and so solved at once.
+MOST_FRAMES = 10_000
+
 
 @dataclass(frozen=True)
 class SolvedFlow:
@@ -52,7 +55,7 @@ class _Flows:
     all frames of the latest sequence."""
 
     def __init__(self):
-        self._single, self._frames = ObjectCache(4), ObjectCache(10_000)
+        self._single, self._frames = ObjectCache(4), ObjectCache(MOST_FRAMES)
 
     def put(self, obj, solved):
         """Keep the :class:`SolvedFlow` of an object."""

@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The materials that show patterns on an object, placed so that nothing of the user's is lost."""
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
 import bpy
 import numpy as np
 
+from ...core.errors import SettingError, quote_value
 from ..blender import attributes
 from ..blender.pattern_surface import surface_of
 from ..blender.transaction import assign, store, undone_by
@@ -69,6 +71,24 @@ def take_over_look(obj, other):
     shown = next((slot.material for slot in other.material_slots if shows_pattern(slot.material)), None)
     if shown is not None:
         _place(obj, shown)
+
+
+def kept_spacing(obj):
+    """The length of a period that an object keeps, in scene units; None where it keeps none.
+
+    Raises
+    ------
+    SettingError
+        for a value that others have written there
+    """
+    spacing = obj.get(SPACING)
+    if spacing is None:
+        return None
+    if not isinstance(spacing, float | int) or not 0 < spacing < math.inf:
+        raise SettingError(
+            f"{obj.name}: its custom property {SPACING} is {quote_value(spacing)}: solve its pattern again"
+        )
+    return float(spacing)
 
 
 def pattern_node(obj, kind):

@@ -23,6 +23,7 @@ from ..blender.pattern_surface import surface_of
 from ..blender.phases import pattern_kind
 from ..blender.transaction import assign
 from ..nodes.canvas import Expression, GeometryCanvas, Socket, add_modifier, group_tree, set_inputs
+from ..nodes.materials import kept_spacing
 from ..nodes.quads import PROFILES as QUAD_PROFILES
 from ..nodes.quads import phase_groups, profile_shapes
 from ..nodes.stripe_profiles import PROFILES as STRIPE_PROFILES
@@ -154,7 +155,7 @@ def add_relief(obj, height, width, profile, level, smooth):
     Arguments as :func:`api.relief`. Returns the modifier's name and what its inputs are set to, for the report.
     """
     kind = _kind_of(obj)
-    spacing = obj["synch_spacing"] / mean_scale(obj)
+    spacing = kept_spacing(obj) / mean_scale(obj)
     values = {
         "Height": _number("height", height, -math.inf, math.inf) * spacing,
         "Width": _number("width", width, 0, 1),
@@ -206,7 +207,7 @@ def relief_modifier(obj):
 
 def _kind_of(obj):
     kind = pattern_kind(obj)
-    if kind is None or "synch_spacing" not in obj:
+    if kind is None or kept_spacing(obj) is None:
         raise SynchError(f"{obj.name} has no stripes or quads: solve one of them first")
     return kind
 

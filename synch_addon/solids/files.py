@@ -126,7 +126,8 @@ def _collection(obj):
     if collection is None:
         collection = bpy.data.collections.new(f"{obj.name} Paths")
         collection[SOLID] = obj
-    earlier = [made for made in collection.get(_CURVES, {}).values() if made is not None]
+    kept = collection.get(_CURVES, {})
+    earlier = [made for made in getattr(kept, "values", list)() if isinstance(made, bpy.types.Object)]
     curves = {made.data for made in earlier}
     for data in curves:
         if data.users == sum(made.data == data for made in earlier):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What layers follow, read from the scene: functions of the filled surface that are called when the solid is there."""
 
+from dataclasses import replace
 from functools import partial
 
 import bpy
@@ -8,9 +9,11 @@ import numpy as np
 
 from ...core.errors import MeshError, SettingError, name_elements
 from ...core.fields.guidance import filled
+from ...core.files.obj_files import centre_of_far
 from ...core.files.solid_vectors import read_vectors
 from ...core.geometry import TriangleMesh
 from ...core.geometry.check import check_mesh
+from ...core.geometry.tet_mesh import TetMesh
 from ...core.settings.guidance import AXES, BOUNDARY
 from ...core.validation import check_path
 from ..blender import attributes
@@ -93,11 +96,21 @@ def _attribute(obj, given, name):
 
 
 def _file(obj, given, path, name=""):
-    return partial(filled.of_given_vectors, read_vectors(bpy.path.abspath(check_path(path)), name), given.stretch)
+    return partial(filled.of_given_vectors, _vectors_of_file(obj, given, path, name), given.stretch)
 
 
 def _lines(obj, given, path, name=""):
-    return partial(filled.of_given_lines, read_vectors(bpy.path.abspath(check_path(path)), name), given.stretch)
+    return partial(filled.of_given_lines, _vectors_of_file(obj, given, path, name), given.stretch)
+
+
+def _vectors_of_file(obj, given, path, name):
+    """The :class:`SolidVectors` of a file in the object's space: files that are far from the origin are read about
+    their centre, at which their object is then."""
+    found = read_vectors(bpy.path.abspath(check_path(path)), name)
+    if centre_of_far(found.mesh.vertices) is None or centre_of_far(given.mesh.vertices) is not None:
+        return found
+    vertices = found.mesh.vertices - np.array(obj.matrix_world, float)[:3, 3]
+    return replace(found, mesh=TetMesh(vertices, found.mesh.tets))
 
 
 _READERS = {

@@ -3,6 +3,7 @@
 """Meshes far from the origin and tiny ones: solved in their own frame, written with all their digits."""
 
 import json
+from itertools import permutations, product
 
 import bpy
 import numpy as np
@@ -55,6 +56,42 @@ def test_a_mesh_far_from_the_origin_is_solved_in_its_own_frame_and_written_back(
     made = places_of(tmp_path / "far_quads.obj")
     assert np.abs(np.linalg.norm(made - FAR, axis=1) - 4).max() < 0.1
     assert len(np.unique(made, axis=0)) == len(made)
+
+
+def write_block(folder, shift, count=6):
+    """A unit cube of 6 tetrahedra in each of its cells as block.mesh, with vertical vectors as block.sol."""
+    places = np.array(list(product(range(count + 1), repeat=3))) / count + shift
+    rows = ["MeshVersionFormatted 2", "Dimension 3", "Vertices", str(len(places))]
+    rows += [" ".join(map(repr, place)) + " 0" for place in places.tolist()]
+    numbers = np.arange(len(places)).reshape(3 * [count + 1])
+    tets = []
+    for corner in product(range(count), repeat=3):
+        for axes in permutations(range(3)):
+            steps = np.cumsum([np.zeros(3, int), *(np.eye(3, dtype=int)[axis] for axis in axes)], axis=0)
+            tets.append([numbers[tuple(step)] + 1 for step in steps + corner])
+    rows += ["Tetrahedra", str(len(tets)), *(" ".join(map(str, tet)) + " 0" for tet in tets), "End"]
+    (folder / "block.mesh").write_text("\n".join(rows) + "\n")
+    vectors = f"SolAtVertices\n{len(places)}\n1 2\n" + f"0 {0.6} {0.8}\n" * len(places)
+    (folder / "block.sol").write_text(f"MeshVersionFormatted 2\nDimension 3\n{vectors}End\n")
+
+
+def test_tetrahedra_far_from_the_origin_are_solved_in_their_own_frame_and_written_back(tmp_path, capfd):
+    reports, made = [], []
+    for name, shift in (("near", np.zeros(3)), ("far", FAR)):
+        (tmp_path / name).mkdir()
+        write_block(tmp_path / name, shift)
+        place = str(tmp_path / name / "block")
+        outputs = ["--export-mesh", f"{place}.obj", "--export-paths", f"{place}.csv", "--report", f"{place}.json"]
+        arguments = ["layers", f"{place}.mesh", "--spacing", "0.4", "--guidance", f"file:{place}.sol", "--quiet"]
+        assert main([*arguments, *outputs]) == 0, capfd.readouterr().err
+        reports.append(json.loads((tmp_path / name / "block.json").read_text()))
+        made.append(places_of(tmp_path / name / "block.obj"))
+    near, far = reports
+    assert far["layers"] == near["layers"] and far["energy"] == pytest.approx(near["energy"], rel=1e-3, abs=1e-6)
+    assert np.abs(made[1] - FAR - made[0]).max() < 1e-4
+    paths = [np.loadtxt(tmp_path / name / "block.csv", delimiter=",", skiprows=1)[:, 2:5] for name in ("near", "far")]
+    assert len(np.unique(paths[1], axis=0)) == len(np.unique(paths[0], axis=0))
+    assert np.median(np.abs(paths[1] - FAR - paths[0])) < 1e-6
 
 
 def test_what_is_read_far_away_is_written_as_it_was(tmp_path):

@@ -9,6 +9,7 @@ import json
 import os
 import re
 import signal
+import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -299,3 +300,44 @@ def test_what_the_importer_says_of_each_line_is_not_repeated(tmp_path, capfd):
     path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n" + "f 1 x 99999\n" * 2000)
     assert main(["info", str(path)]) == 0
     assert capfd.readouterr().err == ""
+
+
+def test_a_volume_on_a_full_disk_is_told_in_one_line_and_the_older_one_stays(tmp_path):
+    bpy.ops.mesh.primitive_cube_add(size=1)
+    cube, volume = tmp_path / "cube.obj", tmp_path / "v.vdb"
+    files.export_mesh(bpy.context.object, cube)
+    volume.write_bytes(b"old")
+    arguments = ["layers", cube, "--spacing", 0.6, "--size", 0.3, "--quiet", "--export-volume", volume]
+    found = limited(2000, *arguments, "--resolution", 32)
+    assert found.returncode == 1 and found.stderr.count("\n") == 1, found.stderr
+    assert found.stderr.startswith(f"synch layers: {volume}: cannot be written (")
+    assert volume.read_bytes() == b"old" and len(list(tmp_path.iterdir())) == 2
+    assert limited(10**8, *arguments, "--resolution", 32).returncode == 0
+    assert len(volume.read_bytes()) > 2000
+
+
+def damaged_glb(text):
+    return struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text), len(text), b"JSON") + text
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        damaged_glb(b'{"asset": {"version": "2.0"}, "scenes": [{"nodes": [5]}], "nodes": []}'),
+        damaged_glb(b'{"asset": {"version": "2.0"}, "nodes": [{"mesh": 9}], "scenes": [{"nodes": [0]}], "scene": 0}'),
+        damaged_glb(b'{"asset": {}, "buffers": 5}'),
+        damaged_glb(b"[1, 2]"),
+        damaged_glb(b"{"),
+        b"glTF",
+        b"",
+    ],
+    ids=range(7),
+)
+def test_the_reason_of_a_damaged_glb_is_one_line_without_the_importers_traceback(tmp_path, content):
+    path = tmp_path / "bad.glb"
+    path.write_bytes(content)
+    found = limited(10**9, "info", path)
+    assert found.returncode == 1 and found.stdout == ""
+    lines = found.stderr.splitlines()
+    assert len(lines) == 1 and lines[0].startswith(f"synch info: {path}"), found.stderr
+    assert "Traceback" not in found.stderr and 'File "' not in found.stderr

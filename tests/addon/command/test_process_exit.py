@@ -68,7 +68,7 @@ def test_a_file_with_a_python_driver_is_worked_on_and_the_process_ends(tmp_path,
 def test_a_script_that_has_registered_ends_with_its_own_status(place, last, status):
     code = f"import sys, bpy, synch_fields\nsynch_fields.register()\nprint('done', flush=True)\n{last}"
     done = subprocess.run([sys.executable, "-c", code], timeout=LONG, check=False, **place)
-    assert (done.returncode, done.stdout) == (status, "done\n"), done.stderr
+    assert (done.returncode, done.stdout.splitlines()[-1]) == (status, "done"), done.stderr  # Blender may warn before
 
 
 def test_a_script_may_register_and_unregister_several_times(place):

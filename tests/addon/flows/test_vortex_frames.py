@@ -190,6 +190,16 @@ def test_what_is_no_sequence_is_refused_in_one_line(folder, tmp_path):
         api.clebsch(bpy.context.active_object, frames=(1, 2))
 
 
+@pytest.mark.parametrize("mode", ["EXTEND", "REPEAT", "PING_PONG"])
+def test_a_range_without_end_of_a_volume_that_repeats_is_refused_at_once(folder, mode):
+    volume = volume_of(folder)
+    volume.data.sequence_mode = mode
+    with pytest.raises(SettingError, match="give 10000 frames or fewer at once"):
+        flow_frames(volume, -(2**20) + 1, 2**20 - 1)
+    files, _ = flow_frames(volume, 1, 9)
+    assert len(files) == 9
+
+
 def test_cancelling_between_frames_writes_nothing(folder):
     before = snapshot()
     with pytest.raises(Cancelled):

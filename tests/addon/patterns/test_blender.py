@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
+from synch_fields.core.errors import SynchError
 from synch_fields.synch_addon import api
 
 from ..scenes import add_object, attribute, empties, grid, make_active, quad_sphere, snapshot, sphere, tube
@@ -64,6 +65,22 @@ def test_shared_mesh_works_with_a_warning():
     assert obj.data.name in warning and "2 users" in warning
     assert len(obj.data.attributes["synch_phase"].data) == len(other.data.loops)
     assert empties(obj) and not empties(other)
+
+
+@pytest.mark.parametrize("command", ["stripes", "directions", "quad_mesh", "isolines", "relief"])
+def test_a_shared_mesh_that_another_object_has_in_edit_mode_is_refused_in_one_line(command):
+    obj = sphere(2)
+    settings = {} if command in ("isolines", "relief") else {"method": "spectral"}
+    if not settings:
+        api.stripes(obj, method="spectral")
+    other = bpy.data.objects.new("Other", obj.data)
+    bpy.context.scene.collection.objects.link(other)
+    make_active(other)
+    bpy.ops.object.mode_set(mode="EDIT")
+    with pytest.raises(SynchError, match="is in edit mode by another object: leave edit mode"):
+        getattr(api, command)(obj, **settings)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert getattr(api, command)(obj, **settings)
 
 
 def test_fake_user_is_no_user():

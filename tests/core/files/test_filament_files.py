@@ -79,3 +79,15 @@ def test_no_filaments_are_files_too():
     assert len(table_of([], none).splitlines()) == 1
     assert ElementTree.fromstring(polydata_of([], none)).find("PolyData/Piece").get("NumberOfLines") == "0"
     assert "LINES 0 0" in legacy_of([], none)
+
+
+def test_places_far_from_the_origin_keep_their_digits():
+    far = np.array([512002.87, 5403003.61, 216.4])
+    line = Filament(RING + far, 1.0, True)
+    whole = np.vstack([RING, RING[:1]])
+    rows = list(csv.reader(table_of([line], None).splitlines()))[1:]
+    np.testing.assert_allclose(np.array(rows, float)[:, 1:4] - far, whole, atol=2e-9)
+    points = ElementTree.fromstring(polydata_of([line], None)).find(".//Points/DataArray").text
+    np.testing.assert_allclose(np.array(points.split(), float).reshape(-1, 3) - far, whole, atol=2e-9)
+    lines = legacy_of([line], None).splitlines()
+    np.testing.assert_allclose(np.loadtxt(lines[5 : 5 + len(whole)]) - far, whole, atol=2e-9)
