@@ -18,7 +18,7 @@ def over_view(operator, **settings):
     window = bpy.context.window_manager.windows[0]
     with bpy.context.temp_override(window=window, area=area(), region=window_region()):
         try:
-            operator("INVOKE_DEFAULT", **settings)
+            operator("INVOKE_DEFAULT", True, **settings)  # with its undo step: Blender crashes where modes lack theirs
         except RuntimeError as refusal:
             if "Traceback" in str(refusal):
                 raise

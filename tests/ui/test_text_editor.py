@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Python of README and manual, run from Blender's Text Editor with the extension installed from its zip."""
+"""The Python that README and manual show, run from Blender's Text Editor with the extension installed from its zip."""
 
 import json
 import sys
