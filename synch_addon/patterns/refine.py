@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 
 from ...core.errors import SettingError, SynchError, quote_value
-from ...core.refinement.spacing import LINES_ACROSS, carried_spacing, spacing_across
+from ...core.refinement.spacing import carried_spacing, spacing_across, wished_spacing
 from ...core.validation import convert_value
 from ..blender import attributes, groups, meshes
 from ..blender.changes import changes
@@ -21,15 +21,12 @@ from ..blender.translations import translate
 from ..jobs.kept_results import read_result_or_empty
 from ..jobs.lru_cache import LruCache
 from ..jobs.report import versions
+from ..reading.refinement import FEW_LINES, SLACK, carries_few_lines
 from ..reading.surface import lines_in_period
 from . import memory, write
 
 # Faces that are looked at, spread over all of them.
 FACES_SEEN = 500
-# Automatic spacing takes what the mesh carries: the panel offers more when that is fewer lines across than this.
-FEW_LINES = LINES_ACROSS // 3
-# No warning while the edges are at most this much longer than they should be.
-SLACK = 1.1
 MOST_LEVELS, MOST_FACES = 6, 4_000_000
 
 # Of the objects that were asked for last.
@@ -96,7 +93,12 @@ def mesh_detail(obj):
 def expected_spacing(command, obj):
     """About what the automatic spacing of a command on an object is, before it runs; None where that is not known."""
     found = mesh_detail(obj) if obj.mode == "OBJECT" else None
-    return None if found is None else spacing_across(found.size, found.area, found.finest, lines_in_period(command))
+    if found is None:
+        return None
+    per_period = lines_in_period(command)
+    told = spacing_across(found.size, found.area, found.finest, per_period)
+    is_refined = obj.synch.surface == "SEEN" or carries_few_lines(command, found.size, told)
+    return wished_spacing(found.area, per_period) if is_refined and obj.synch.surface != "FACES" else told
 
 
 def missing_levels(obj):

@@ -11,12 +11,17 @@ import numpy as np
 from ...core.errors import SettingError, SynchError
 from ...core.geometry.welding import welded_vertices
 from ...core.refinement import BoundSurface, TooFineError, refine
-from ...core.refinement.spacing import longest_edge
+from ...core.refinement.spacing import LINES_ACROSS, longest_edge
 from ..blender import attributes, meshes
 from ..blender.modifiers import changing_modifiers, foreign_modifiers, hidden, is_ours
 from ..blender.refined_mesh import refined_object
 from . import constraints
-from .surface import asked_spacings, automatic_spacing, wished_spacing
+from .surface import asked_spacings, automatic_spacing, lines_in_period, wished_spacing
+
+# Fewer lines across than these, which is all that some faces carry, are reason for a surface of their own.
+FEW_LINES = LINES_ACROSS // 3
+# That much longer than they should be edges may be.
+SLACK = 1.1
 
 
 @dataclass(frozen=True)
@@ -74,10 +79,19 @@ def refinement_of(command, obj, settings):
         return Refinement(bound, is_seen, state_of(obj), len(source.data.vertices)), None
 
 
+def carries_few_lines(command, size, spacing):
+    """Whether an automatic spacing gives so few lines across a size that a finer surface is worth it."""
+    return spacing > SLACK * lines_in_period(command) * size / FEW_LINES
+
+
 def is_fine(command, obj, given, settings):
     """Whether faces carry what is asked of a pattern: edges that are short enough, and joined where they meet."""
     uncut = given.uncut
     spacing = automatic_spacing(command, given.mesh) if settings.spacing is None else settings.spacing
+    if settings.spacing is None and not (command == "quad_mesh" and settings.faces):
+        size = np.ptp(given.mesh.vertices[np.unique(given.mesh.triangles)], axis=0).max()
+        if carries_few_lines(command, size, spacing):
+            return False
     if _longest_edge(command, obj, given, settings, spacing) is not None:
         return False
     if len(given.uncut.boundary_edges) == 0:

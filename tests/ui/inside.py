@@ -95,9 +95,10 @@ def active():
 def state():
     """All that an operator of the extension changes of the active object: two are equal only if nothing has changed."""
     obj = active()
+    mesh = part("blender.pattern_surface").surface_of(obj).data
     return {
-        "attributes": {attribute.name: _digest(attribute) for attribute in obj.data.attributes},
-        "materials": [material and material.name for material in obj.data.materials],
+        "attributes": {attribute.name: _digest(attribute) for attribute in mesh.attributes},
+        "materials": [material and material.name for material in mesh.materials],
         "children": sorted([child.name, *map(float, child.location)] for child in obj.children),
         "collections": sorted(collection.name for collection in bpy.data.collections),
         "result": obj.synch.result,
