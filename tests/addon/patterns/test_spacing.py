@@ -105,10 +105,10 @@ def test_automatic_spacing_follows_the_scale():
 
 
 def test_automatic_spacing_is_always_accepted():
-    """Even on the mesh that every new file starts with, which carries no stripes; it is told so."""
+    """Even on the faces that every new file starts with, which carry no stripes; it is told so."""
     bpy.ops.mesh.primitive_cube_add()
     report = api.stripes(bpy.context.active_object)
-    assert any("subdivide" in line for line in report["warnings"])
+    assert any("set the surface to automatic" in line for line in report["warnings"])
 
 
 def test_spacing_does_not_count_for_directions():
