@@ -51,7 +51,8 @@ def strips(mesh, edges, sides):
     edges : (k,) of the lines
     sides : (n,) length of a quad's side at the vertices
     """
-    points, tangents, regions = _on_lines(mesh, edges, STEP * sides.min())
+    step = STEP * sides.min()
+    points, tangents, regions = _on_lines(mesh, edges, step)
     places, reach = mesh.vertices[mesh.triangles].mean(axis=1), ACROSS * sides[mesh.triangles].mean(axis=1)
     triangles, met = _within_reach(places, reach, points)
     same = (regions[met] == _regions(mesh, edges)[triangles, None]).any(axis=1)
@@ -67,7 +68,10 @@ def strips(mesh, edges, sides):
     heights = np.einsum("kx,kx->k", ways, across)
     own_heights = np.einsum("kx,kx->k", points[own] - places[triangles], across)
     beside = np.abs(np.einsum("kx,kx->k", tangents[met], tangents[own])) > BESIDE
-    opposite = np.flatnonzero(beside & (-np.sign(own_heights) * heights > STRAIGHT * lengths))
+    # The line itself is straight across where the nearest point of a narrower strip lies within one step beside it.
+    along = np.einsum("kx,kx->k", ways, tangents[met])
+    straight = np.where(np.abs(along) < step, np.sqrt(np.maximum(lengths**2 - along**2, 0)), lengths)
+    opposite = np.flatnonzero(beside & (-np.sign(own_heights) * heights > STRAIGHT * straight))
     found = _first_of_each(triangles, lengths, opposite)
     widths = np.maximum(np.abs(heights - own_heights)[found], np.finfo(float).tiny)
     at, directions, factors = triangles[found], np.zeros((mesh.triangle_count, 3)), np.ones(mesh.triangle_count)

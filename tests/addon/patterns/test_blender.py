@@ -227,4 +227,4 @@ def test_too_fine_a_spacing_warns_with_the_edge_length_it_needs():
     report = api.stripes(grid(), spacing=0.1)
     (warning,) = report["warnings"]
     assert "0.1 is finer than the mesh can carry" in warning
-    assert "edges shorter than 0.05" in warning and "subdivide" in warning
+    assert "edges shorter than 0.05" in warning and "set the surface to automatic" in warning

@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
+from synch_fields.core.errors import SettingError
 from synch_fields.synch_addon import api
 
 from ..scenes import attribute, grid, set_vectors, sphere
@@ -104,10 +105,10 @@ def test_automatic_spacing_follows_the_scale():
 
 
 def test_automatic_spacing_is_always_accepted():
-    """Even on the mesh that every new file starts with, which carries no stripes; it is told so."""
+    """Even on the faces that every new file starts with, which carry no stripes; it is told so."""
     bpy.ops.mesh.primitive_cube_add()
     report = api.stripes(bpy.context.active_object)
-    assert any("subdivide" in line for line in report["warnings"])
+    assert any("set the surface to automatic" in line for line in report["warnings"])
 
 
 def test_spacing_does_not_count_for_directions():
@@ -115,3 +116,10 @@ def test_spacing_does_not_count_for_directions():
     assert bpy.ops.synch.directions(spacing=1e9) == {"FINISHED"}
     with pytest.raises(RuntimeError, match=r"the spacing is -1\.0: give a positive number"):  # no command allows it
         bpy.ops.synch.directions(spacing=-1)
+
+
+def test_stripes_finer_than_the_mesh_carries_are_refused_where_strict():
+    obj = grid(8)
+    assert "finer than the mesh can carry" in api.stripes(obj, spacing=0.2, surface="faces")["warnings"][0]
+    with pytest.raises(SettingError, match="finer than the mesh can carry"):
+        api.stripes(obj, spacing=0.2, surface="faces", strict=True)

@@ -17,6 +17,7 @@ from synch_fields.core.settings.layers import (
     text_of_groups,
 )
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.solids.surface import read_surface
 
 from ...corpus.makers import boxes, fans, klein_bottle
 from ..scenes import add_group, add_object, attribute, grid, make_active, places, snapshot, tube
@@ -30,6 +31,18 @@ def refused(obj, match, **settings):
         api.layers(obj, **settings)
     assert snapshot() == before and "\n" not in str(caught.value)
     return caught.value
+
+
+def test_faces_that_share_no_vertex_enclose_a_solid_and_are_told():
+    bpy.ops.mesh.primitive_cube_add()
+    cube = bpy.context.active_object.data
+    corners = [cube.vertices[vertex].co[:] for face in cube.polygons for vertex in face.vertices]
+    obj = add_object(corners, np.arange(24).reshape(-1, 4))
+    surface = read_surface(obj)
+    assert surface.distance.volume == pytest.approx(8)
+    assert surface.given.finding_counts == {"joined_vertices": 16}
+    with pytest.raises(MeshError, match="join vertices at the same place with Mesh > Clean Up > Merge by Distance"):
+        read_surface(obj, strict=True)
 
 
 def test_open_meshes_are_refused_with_their_open_edges_selected():

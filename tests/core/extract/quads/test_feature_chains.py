@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from synch_fields.bench.meshes import read_obj
-from synch_fields.core.extract.quads.features.chains import on_features
+from synch_fields.core.extract.quads.features.chains import CORNER_REACH, on_features
 from synch_fields.core.extract.quads.features.feature_lines import FeatureLines
 from synch_fields.core.extract.quads.measure.quality import corner_angles
 from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
@@ -130,3 +130,31 @@ def test_a_face_that_a_line_crosses_is_cut_along_it():
     mended, chains = on_features(joined, features, 0.25, cut=True)
     assert chains.missed == () and is_surface(mended)
     assert set(map(tuple, mended.edges[0])) == set(map(tuple, quads.edges[0]))
+
+
+def test_a_corner_stays_with_the_vertex_that_stands_there():
+    """The vertex beside it has the right number of edges, and would leave an edge without length between the two."""
+    mesh = TriangleMesh([[0, 0, 0], [4, 0, 0], [4, 4, 0], [0, 4, 0]], [[0, 1, 2], [0, 2, 3]])
+    features = FeatureLines.of(mesh, mesh.boundary_edges)
+    cells = grid_quads(4, 4)
+    points = np.array([[x, y, 0] for y in range(5) for x in range(5)], float)
+    corner = np.flatnonzero((points == 0).all(axis=1))[0]
+    # The cell at the corner is cut in two: its vertex there has an edge too many.
+    cell = cells[(cells == corner).any(axis=1)][0]
+    turned = np.roll(cell, -int(np.flatnonzero(cell == corner)[0]))
+    faces = [face.tolist() for face in cells if corner not in face] + [
+        turned[[0, 1, 2]].tolist(),
+        turned[[0, 2, 3]].tolist(),
+    ]
+    points[turned[1]] = np.where(points[turned[1]] > 0, 0.1, 0)
+    assert np.linalg.norm(points[turned[1]]) < CORNER_REACH
+    quads = QuadMesh(
+        points,
+        np.zeros(len(points), int),
+        np.full((len(points), 3), 1 / 3),
+        np.concatenate(faces),
+        np.array([len(face) for face in faces]),
+    )
+    found, _ = on_features(quads, features, 1.0)
+    edges = found.edges[0]
+    assert np.linalg.norm(np.diff(found.vertices[edges], axis=1)[:, 0], axis=1).min() > 1e-3
