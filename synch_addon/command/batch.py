@@ -12,7 +12,7 @@ from typing import NamedTuple
 import bpy
 
 from ...core.algebra.workers import MOST_WORKERS, WORKERS
-from ...core.batch import child_loop as serving
+from ...core.batch import child_loop
 from ...core.batch.process_pool import ProcessPool
 from ...core.batch.records import Records
 from ...core.batch.rows import Row, read_rows, share_of
@@ -147,7 +147,7 @@ def _understood(arguments, way):
 def serve(way):
     """Carry out rows that come by standard input, until it is closed."""
     here = versions() | {"threads": WORKERS}
-    serving.serve(lambda task: _answer(task, way, here), leave_now)
+    child_loop.serve(lambda task: _answer(task, way, here), leave_now)
 
 
 def _answer(task, way, here):

@@ -14,7 +14,7 @@ import bpy
 import pytest
 
 import synch_fields
-from synch_fields.core.batch import child_loop as serving
+from synch_fields.core.batch import child_loop
 from synch_fields.synch_addon.blender import files
 
 from .. import scenes
@@ -131,7 +131,7 @@ def test_the_next_command_removes_the_temporary_folder_of_a_killed_one(ball, tem
 def test_a_warm_process_that_is_not_needed_leaves_nothing(temporary, place, monkeypatch):
     for name, value in place["env"].items():
         monkeypatch.setenv(name, value)
-    hand = serving.Hand([*COMMAND, "batch", "-"], 1)
+    hand = child_loop.Hand([*COMMAND, "batch", "-"], 1)
     task = {"key": "0" * 32, "arguments": ["info"], "working_folder": ".", "folder": ".", "versions": {"numpy": "0"}}
     assert "numpy is " in hand.ask(task)["failed"]
     hand.end()

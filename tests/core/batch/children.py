@@ -10,7 +10,7 @@ from synch_fields.core.batch.run import Planned
 CODE = """
 import os, signal, time
 from pathlib import Path
-from synch_fields.core.batch import serving
+from synch_fields.core.batch import child_loop
 from synch_fields.core.batch.records import Records
 from synch_fields.core.files.whole import write_text
 
@@ -37,7 +37,7 @@ def answer(task):
     return {}
 
 print("Blender says something")
-serving.serve(answer)
+child_loop.serve(answer)
 """
 ARGUMENTS = ["-c", CODE]
 COMMAND = [sys.executable, *ARGUMENTS]
