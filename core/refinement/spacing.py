@@ -31,15 +31,28 @@ def automatic_spacing(mesh, per_period, across=LINES_ACROSS):
     per_period : lines in a period: 1 for stripes, 2 for quads
     across : lines across the longest side
     """
-    size = np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max()
-    return spacing_across(size, mesh.areas.sum(), carried_spacing(mesh.edge_lengths), per_period, across)
+    return spacing_across(_size(mesh), mesh.areas.sum(), carried_spacing(mesh.edge_lengths), per_period, across)
 
 
 def spacing_across(size, area, finest, per_period, across=LINES_ACROSS):
     """As :func:`automatic_spacing`, for a surface's longest side, its area, and the finest spacing that it carries."""
     if finest <= 2 * np.sqrt(area / FEWEST_QUADS):
-        return float(min(max(per_period * size / across, finest), per_period * size / FEWEST_LINES))
+        return _spacing_carried(size, finest, per_period, across)
     return wished_spacing(area, per_period) * LINES_ACROSS / across
+
+
+def spacing_on_faces(mesh, per_period, across=LINES_ACROSS):
+    """As :func:`automatic_spacing` for a mesh that stays as it is: as many lines as its edges carry, two at least."""
+    return _spacing_carried(_size(mesh), carried_spacing(mesh.edge_lengths), per_period, across)
+
+
+def _spacing_carried(size, finest, per_period, across):
+    return float(min(max(per_period * size / across, finest), per_period * size / FEWEST_LINES))
+
+
+def _size(mesh):
+    """The longest side of the box around a mesh's triangles."""
+    return np.ptp(mesh.vertices[np.unique(mesh.triangles)], axis=0).max()
 
 
 def wished_spacing(area, per_period):

@@ -124,7 +124,7 @@ class FlowResult:
     sphere: SphericalMap | None
     seen: ClebschMap
     shown: Shown | None
-    linking_numbers: Linked | None = None
+    linked: Linked | None = None
     warnings: tuple[str, ...] = ()
     seconds: dict[str, float] = dataclasses.field(default_factory=dict)
 

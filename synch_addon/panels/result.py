@@ -15,6 +15,7 @@ from .thumbnails import draw_variations
 
 # What is said of each kind of place where the surface is not the mesh.
 FINDINGS = {
+    "joined_vertices": "Joined vertices: {count}",
     "lost_vertices": "Vertices without a place: {count}",
     "flat_faces": "Faces without area: {count}",
     "doubled_faces": "Doubled faces: {count}",

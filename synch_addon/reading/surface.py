@@ -54,7 +54,7 @@ def gather(command, obj, settings, base=None, given=None):
     if spacing is None:
         # A surface of the pattern's own is as fine as the spacing needs.
         of_own = SURFACE_MARK in obj
-        spacing = wished_spacing(command, given.mesh) if of_own else automatic_spacing(command, given.mesh)
+        spacing = wished_spacing(command, given.mesh) if of_own else spacing_on_faces(command, given.mesh)
     spacing, spacings = asked_spacings(command, obj, given, settings, spacing)
     turn, directions, guides = settings.angle, None, ()
     if settings.angle_attribute:
@@ -145,6 +145,11 @@ def read_mirrors(given, axes):
 def automatic_spacing(command, mesh, across=spacing_rules.LINES_ACROSS):
     """The spacing that suits a command on a surface (see :mod:`core.refinement.spacing`)."""
     return spacing_rules.automatic_spacing(mesh, lines_in_period(command), across)
+
+
+def spacing_on_faces(command, mesh):
+    """The automatic spacing where faces stay as they are."""
+    return spacing_rules.spacing_on_faces(mesh, lines_in_period(command))
 
 
 def wished_spacing(command, mesh):

@@ -68,7 +68,7 @@ def places(file, obj):
 
 def test_there_are_kinds_enough():
     assert len(MESHES) >= 60 and {*NOTHING, *FOUND} <= MESHES.keys()
-    assert {kind for found in FOUND.values() for kind in found} == KINDS.keys()
+    assert {kind for found in FOUND.values() for kind in found} | {"joined_vertices"} == KINDS.keys()
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, id=name.replace(" ", "-")) for name in MESHES])

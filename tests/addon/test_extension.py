@@ -35,7 +35,7 @@ import sys, bpy
 import addon_utils  # on the path once bpy is loaded
 module = addon_utils.enable("{MODULE}", default_set=False)
 assert module is not None, "the extension cannot be enabled"
-bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4)
+bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=6)
 assert "synch_phase" not in bpy.context.object.data.attributes
 assert bpy.ops.synch.stripes() == {{"FINISHED"}}
 from pathlib import Path

@@ -185,7 +185,7 @@ def test_every_message_of_the_page_is_one_that_the_program_says():
     code = re.sub(r'"\s*\n\s*f?"', "", code)
     messages = re.findall(r"^\| `([^`]+)` \|", PAGES["messages"], re.MULTILINE)
     assert len(messages) > 30
-    assert not [message for message in messages if message not in code]
+    assert not [message for message in messages if message not in code.replace("{SPACING}", "synch_spacing")]
 
 
 def test_the_manual_lists_every_page():

@@ -95,7 +95,8 @@ MEASURE = """
 import numpy as np
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.geometry import TriangleMesh
-from synch_fields.core.solve import Options, solve, staircase
+from synch_fields.core.solve import Options, solve
+from synch_fields.core.solve.methods import staircase
 from synch_fields.core.solve.methods.memory_estimate import connection_bytes
 from synch_fields.tests.core.memory_peak import bytes_taken
 u, v = (a.ravel() for a in np.mgrid[:120, :60])

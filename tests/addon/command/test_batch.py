@@ -118,7 +118,7 @@ def test_pictures_come_small_on_the_sheet(ball, tmp_path, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(batch, "ProcessPool", Here)
     monkeypatch.setattr(
-        main, "_delivered", lambda made, options, _progress: draw(made, getattr(options, "render", None))
+        main, "_write_outputs", lambda made, options, _progress: draw(made, getattr(options, "render", None))
     )
     rows = written(
         tmp_path / "rows.jsonl",

@@ -129,7 +129,7 @@ def lumps():
 def test_lines_that_are_lost_are_told_with_their_length(share, lost, monkeypatch):
     """Chamfers of a share of a quad's side, which are lost where no room is made for a quad across them."""
     if lost:
-        monkeypatch.setattr("synch_fields.core.fields.patterns.widened", lambda growth, _: growth)
+        monkeypatch.setattr("synch_fields.core.fields.patterns.widen_strips", lambda growth, _: growth)
     side = 0.1
     mesh = chamfered_cube(16, share * side / np.sqrt(2))
     edges = feature_edges(mesh, ANGLE, side)
