@@ -35,8 +35,9 @@ def flip_edges(quads, normals, keep=()):
     wanted[edges[counts == 1]] = 3
     turned = False
     for _ in range(ROUNDS):
-        offs = {number: _off(faces, corners) for number, corners in faces.corners.items() if len(corners) == 4}
-        straight = sorted((number for number, off in offs.items() if off > STRAIGHT), key=lambda n: -offs[n])
+        numbers = [number for number, corners in faces.corners.items() if len(corners) == 4]
+        offs = _off(faces, np.reshape([faces.corners[number] for number in numbers], (-1, 4)).astype(int))
+        straight = [numbers[k] for k in np.argsort(-offs, kind="stable")[: (offs > STRAIGHT).sum()]]
         done = [_turn(faces, number, valences, wanted) for number in straight if number in faces.corners]
         if not any(done):
             break
@@ -83,10 +84,12 @@ def _more_irregular(valences, wanted, removed, added):
 
 
 def _off(faces, corners):
-    """By how many degrees the worst corner of a face is off a right angle, those turned over seen along its normal."""
+    """By how many degrees the worst corner of a face is off a right angle, of (..., k) corners; corners that are turned
+    over count as those beyond a full turn, seen along the face's normal."""
     points = faces.vertices[corners]
-    ahead, behind = np.roll(points, -1, axis=0) - points, np.roll(points, 1, axis=0) - points
+    ahead, behind = np.roll(points, -1, axis=-2) - points, np.roll(points, 1, axis=-2) - points
     crosses = np.cross(ahead, behind)
-    angles = np.degrees(np.arctan2(np.linalg.norm(crosses, axis=1), np.einsum("ij,ij->i", ahead, behind)))
-    along = faces.normals[corners].sum(axis=0)
-    return float(np.abs(np.where(crosses @ along < 0, 360 - angles, angles) - 90).max())
+    angles = np.degrees(np.arctan2(np.linalg.norm(crosses, axis=-1), np.einsum("...ij,...ij->...i", ahead, behind)))
+    along = faces.normals[corners].sum(axis=-2)
+    is_over = np.einsum("...ij,...j->...i", crosses, along) < 0
+    return np.abs(np.where(is_over, 360 - angles, angles) - 90).max(axis=-1)
