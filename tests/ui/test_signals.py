@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Signals to a real Blender in the background that runs `--command synch`: it ends in one line, with all its children."""
+"""Signals to a Blender in the background that runs `--command synch`: it ends in one line, with all its children."""
 
 import json
 import os
@@ -8,7 +8,6 @@ import shlex
 import signal
 import subprocess
 import time
-from pathlib import Path
 
 import pytest
 
@@ -61,7 +60,7 @@ def test_a_signal_ends_blender_and_leaves_neither_files_nor_processes(started, c
     (folder / "rows.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
     before = sorted(os.listdir(folder))
     if command == "batch":
-        process = synch(started, "batch", "rows.jsonl", "--jobs", 2)
+        process = synch(started, "batch", "rows.jsonl", "--jobs", 2, "--folder", "out")
         end = time.monotonic() + LONG
         while len(processes_with(temporary)) < 3 and time.monotonic() < end:  # itself and two rows
             time.sleep(0.05)
@@ -73,10 +72,11 @@ def test_a_signal_ends_blender_and_leaves_neither_files_nor_processes(started, c
     process.send_signal(getattr(signal, number))
     _, errors = process.communicate(timeout=SOON)
     assert process.returncode == status, errors
-    assert "Traceback" not in errors and errors.splitlines()[-1] == f"synch {command}: {word}"
+    assert "Traceback" not in errors, errors
+    assert errors.splitlines()[-1] == f"synch {command}: {word}"
     end = time.monotonic() + SOON
     while (left := processes_with(temporary)) and time.monotonic() < end:
         time.sleep(0.05)
     assert not left
-    assert [name for name in sorted(os.listdir(folder)) if name not in ("rows", *before)] == []
+    assert [name for name in sorted(os.listdir(folder)) if name not in ("out", *before)] == []  # records of rows
     assert not list(folder.rglob("[abc].blend"))
