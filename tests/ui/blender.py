@@ -21,8 +21,10 @@ import numpy as np
 from . import reading
 from .screen import write_png
 
-# Seconds after which what is waited for counts as missing, and that an event needs to reach the window.
-PATIENCE, SETTLING = 300, 0.3
+# Seconds after which what is waited for counts as missing, more where other work has the processors, and that an event
+# needs to reach the window.
+PATIENCE = round(300 * max(1.0, os.getloadavg()[1] / os.cpu_count()))
+SETTLING = 0.3
 # Mean difference of bytes up to which two pictures are the same: samples are still added to what is rendered.
 _SAME = 0.2
 # Points of the interface's font.
