@@ -60,18 +60,6 @@ def _check_grid(reader, begin, kind):
     reader.skip(value)
     tiles, children = reader.number(), reader.number()
     reader.check(tiles * (_ORIGIN + value + _ACTIVE) + children * _ORIGIN)
-    for _ in range(tiles):
-        _check_origin(reader, kind)
-        reader.skip(value + _ACTIVE)
-    if children:  # the others follow after parts of unknown size
-        _check_origin(reader, kind)
-
-
-def _check_origin(reader, kind):
-    """Refuse a node of the root between the places for such nodes: the library looks for it in vain, and crashes."""
-    side = 2 ** sum(map(int, re.findall(r"_(\d+)", kind)))
-    if any(place % side for place in struct.unpack("<3i", reader.bytes(_ORIGIN))):
-        raise ValueError(f"it has a part that does not begin at a multiple of {side} voxels")
 
 
 class _Reader:

@@ -13,13 +13,13 @@ def text(word):
     return struct.pack("<I", len(word)) + word.encode()
 
 
-def vdb(path, metadata=0, grids=1, tiles=0, children=1, end=None, version=224, place=0):
+def vdb(path, metadata=0, grids=1, tiles=0, children=1, end=None, version=224):
     """An OpenVDB file of one grid of vectors up to its root's child."""
     head = b" BDV\0\0\0\0" + struct.pack("<3Ib", version, 10, 0, 1) + bytes(36) + struct.pack("<2I", metadata, grids)
     names = text("velocity") + text("Tree_vec3s_5_4_3") + text("")
     begin = len(head) + len(names) + 24
     grid = struct.pack("<2I", 0, 0) + text("UniformScaleMap") + bytes(120)
-    grid += struct.pack("<I", 1) + bytes(12) + struct.pack("<2I3i", tiles, children, 0, place, 0) + bytes(13)
+    grid += struct.pack("<I", 1) + bytes(12) + struct.pack("<2I", tiles, children) + bytes(25)
     places = struct.pack("<3q", begin, begin, begin + len(grid) if end is None else end)
     path.write_bytes(head + names + places + grid)
     return path
@@ -41,15 +41,6 @@ def test_sizes_that_the_bytes_hold_pass(tmp_path):
 def test_what_is_only_promised_is_refused(tmp_path, promised):
     with pytest.raises(ValueError, match=r"it promises|it has something at byte"):
         check_vdb_sizes(vdb(tmp_path / "bomb.vdb", **promised))
-
-
-@pytest.mark.parametrize("kind", [{}, {"tiles": 1, "children": 0}], ids=["child", "tile"])
-def test_nodes_begin_at_multiples_of_their_side(tmp_path, kind):
-    for place in (-8192, 4096, 2**31 - 4096):
-        check_vdb_sizes(vdb(tmp_path / "far.vdb", place=place, **kind))
-    for place in (1, -8, 0x1A90F0C0):
-        with pytest.raises(ValueError, match="does not begin at a multiple of 4096 voxels"):
-            check_vdb_sizes(vdb(tmp_path / "aside.vdb", place=place, **kind))
 
 
 def test_a_file_that_is_cut_off_is_refused(tmp_path):
