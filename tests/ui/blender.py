@@ -127,11 +127,11 @@ class Blender:
 
     def says(self, text, **parts):
         """A text with parts in braces as the extension puts it together, in the window's language."""
-        return self.value(f"part('blender.translations').said({text!r}, **{parts!r})")
+        return self.value(f"part('blender.translations').translate({text!r}, **{parts!r})")
 
     def counts(self, count, noun):
         """Such as "2 line ends", in the window's language."""
-        return self.value(f"part('blender.translations').counted({count}, {noun!r})")
+        return self.value(f"part('blender.translations').translate_count({count}, {noun!r})")
 
     def wait_for(self, text, kind="UI", tab=False, last=False):
         """Wait for a region to show a text; returns its middle, the topmost or the last if there are several."""
