@@ -29,7 +29,7 @@ from synch_fields.synch_addon.blender.strokes import read_strokes
 # Where they are seen from.
 SPOT, BEHIND = (205, 12), (150, 18)
 # What a row is about: radius of tubes and length of arrows over the longest side, and vertices for each arrow.
-RADIUS, ARROW, ARROWS_APART = 0.005, 0.05, 12
+RADIUS, ARROW, ARROWS_APART = 0.006, 0.05, 12
 
 
 def main():
@@ -42,7 +42,7 @@ def main():
             for label, mesh, view, prepare, settings in chosen:
                 obj = files.open_object(options.meshes / f"{mesh}.obj")
                 prepare(obj)
-                report = api.stripes(obj, assign_material=True, **settings)
+                report = api.stripes(obj, assign_material=True, surface="faces", **settings)
                 rows.append(row(label, report))
                 picture = Path(folder) / f"{len(rows)}.png"
                 lines = asked_lines(obj, settings)
