@@ -282,7 +282,7 @@ def stripes_are_seen(picture):
 
 
 def test_four_clicks_from_suzanne_to_a_striped_render(as_delivered, keep):
-    """With nothing but what the panel says: the click list of the README. The last picture has no overlays."""
+    """With nothing but what the panel says: the click list of the README. The last picture is of the monkey alone."""
     blender = as_delivered
     blender.run("bpy.ops.mesh.primitive_monkey_add(); bpy.ops.object.shade_smooth()")
     blender.run("bpy.ops.object.subdivision_set(level=2)")
@@ -300,7 +300,7 @@ def test_four_clicks_from_suzanne_to_a_striped_render(as_delivered, keep):
     blender.click("Preview")  # 4
     blender.until("area().spaces[0].shading.type in ('MATERIAL', 'RENDERED')")
     blender.wait_to_see(stripes_are_seen, "WINDOW", still=5)
-    blender.run(without_overlays("overlays"))
+    blender.run(without_overlays("overlays") + "; area().spaces[0].show_gizmo = False")
     picture = blender.wait_to_see(stripes_are_seen, "WINDOW", still=2)
-    blender.run("area().spaces[0].overlay.show_overlays = True")
-    keep("click_4", picture[220:700, 320:])
+    blender.run("area().spaces[0].overlay.show_overlays = area().spaces[0].show_gizmo = True")
+    keep("click_4", picture[220:690, 320:])
