@@ -127,10 +127,11 @@ def test_a_stripe_lies_on_a_stroke_and_follows_it_live(ball, keep):
     ball.until(f"state()['attributes']['synch_direction'] != {directions!r}")
     ball.until("part('patterns.live').live._work is None")
     keep("stroke_live", ball.picture())
-    ball.run("bpy.ops.object.shade_smooth(); view().view_distance = 5.5")
+    ball.run("bpy.ops.object.shade_smooth(); view().view_distance = 7.1")
     ball.run(without_overlays("floor axis_x axis_y cursor extras outline_selected relationship_lines object_origins"))
+    ball.run("area().spaces[0].show_gizmo = False")
     x, y, _, height = ball.region("WINDOW")
-    middle, across = np.array(ball.value("pixel((0, 0, 0))")), 370
+    middle, across = np.array(ball.value("pixel((0, 0, 0))")), 270
     left, row = middle[0] - x, y + height - middle[1]
     picture = ball.wait_to_see(lambda picture: True, "WINDOW", still=2)
     keep("strokes", picture[int(row) - across : int(row) + across, int(left) - across : int(left) + across])
