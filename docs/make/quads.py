@@ -24,7 +24,7 @@ from synch_fields.synch_addon.nodes.stripes import INK_BLUE, WARM_IVORY
 WAVES = (("spot", (230, 15), 12), ("fertility", (-20, 10), 18), ("rocker-arm", (30, 20), 16))
 MESHES = (("spot", (230, 15), 13), ("fertility", (-20, 10), 24), ("stanford-bunny", (-20, 12), 20))
 # What the sliders are shown on, and their values.
-SLID, SHARES = ("rocker-arm", (30, 20), 4000), (1.0, 0.5, 0.0)
+SLID, SHARES = ("rocker-arm", (30, 20), 2000), (1.0, 0.5, 0.0)
 PATTERNED = ("spot", (230, 15), 12)
 
 WAVE_NODES = ("ShaderNodeGroup", "ShaderNodeMapRange", "ShaderNodeMixRGB", "ShaderNodeGamma")
@@ -122,7 +122,7 @@ def sliders(options, folder, path):
             shown = bpy.data.objects[made["object"]]
             shown.data.materials.clear()
             picture = folder / f"{singularities} {branching}.png"
-            pictures.append(render_picture(shown, picture, view=view, resolution=(600, 560), edges=True))
+            pictures.append(render_picture(shown, picture, view=view, resolution=(480, 520), edges=True))
             found = ", ".join(f"{len(report[kind])} {kind}" for kind in ("disclinations", "dislocations"))
             even = report["evenness"]["spacing"]
             print(
@@ -131,8 +131,7 @@ def sliders(options, folder, path):
                 f"{made['angle_deviation']:.1f} degrees off on average, spacing {even[0]:.2f} to {even[-1]:.2f}"
             )
         rows.append(folder / f"{singularities}.png")
-        labels = [f"singularities {singularities:.0%}, branching {share:.0%}" for share in SHARES]
-        beside(pictures, rows[-1], labels=labels)
+        beside(pictures, rows[-1])
     beside(rows, path, vertical=True)
 
 
