@@ -290,7 +290,7 @@ def test_four_clicks_from_suzanne_to_a_striped_render(as_delivered, keep):
     blender.run("view().view_distance = 4.6")
     assert not stripes_are_seen(blender.picture("WINDOW"))
     blender.open_panel()  # 1: the key N; 2: the tab
-    keep("click_2", blender.picture("UI")[:340])
+    keep("click_2", blender.picture("UI")[:333])
     blender.click("Stripes")  # 3
     blender.wait_for("Show Defects")
     blender.wait_to_see(lambda picture: True, "UI", still=2)
