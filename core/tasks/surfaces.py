@@ -218,15 +218,26 @@ class SurfaceRequest:
         field = known_directions(mesh, symmetry, vectors, wishes)
         return field, known_pattern(mesh, field, self.spacings, phases, self.rows, self.mirrors, self.branching)
 
-    def traced(self, pattern):
-        """The quad mesh of a pattern's grid lines, and the seconds that it took, as fields of a result."""
+    @property
+    def has_only_quads(self):
+        """Whether other faces are to become quads."""
+        return self.command == "quad_mesh" and self.branching == 0
+
+    def trace(self, pattern):
+        """The :class:`QuadMesh` of a pattern's grid lines as they are, and the seconds that it took."""
         clock = Clock()
+        with clock("extract"):
+            quads = quad_mesh(pattern.edge_phases)
+        return quads, clock.seconds
+
+    def finish(self, quads, seconds):
+        """A traced quad mesh on its lines and smoothed, and the seconds of both, as fields of a result."""
+        clock = Clock()
+        clock.add(seconds)
         with clock("extract"):
             inverse = np.linalg.inv(self.given.stretch)
             planes = [inverse[axis] for axis in self.mirror_axes]
-            quads = quad_mesh(pattern.edge_phases)
-            only_quads = self.command == "quad_mesh" and self.branching == 0
-            quads = finish_quads(quads, self.given.mesh, self.rows, planes, self.smoothing, only_quads)
+            quads = finish_quads(quads, self.given.mesh, self.rows, planes, self.smoothing, self.has_only_quads)
         return {"quads": quads, "seconds": clock.seconds}
 
     def refused_faults(self, faults):

@@ -71,7 +71,6 @@ def finish_quads(quads, mesh, rows, planes, rounds, only_quads=False):
         free, loose = free & ~crossing, loose & ~crossing
     held = list(zip(planes, on_planes, strict=True))
     quads = fit_quads(quads, mesh, loose, held, rounds, chains)
-    quads = move_worst_corners(quads, mesh, free, held, chains)
     quads = move_worst_corners(recover_tips(quads, mesh, free, held, chains), mesh, free, held, chains)
     if not planes:  # halves that mirror each other would be turned in other ways
         turned = flip_edges(quads, mesh.face_normals[quads.triangles], _fixed_edges(quads, free, chains))
