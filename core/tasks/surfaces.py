@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import ContradictionError, SettingError
 from ..extract.pictures.drawn_phases import drawn_phases
-from ..extract.quads.finishing import finish_quads
+from ..extract.quads.finishing import check_quads, finish_quads
 from ..extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
 from ..fields import (
     DirectionField,
@@ -224,10 +224,17 @@ class SurfaceRequest:
         return self.command == "quad_mesh" and self.branching == 0
 
     def trace(self, pattern):
-        """The :class:`QuadMesh` of a pattern's grid lines as they are, and the seconds that it took."""
+        """The :class:`QuadMesh` of a pattern's grid lines as they are, and the seconds that it took.
+
+        Raises
+        ------
+        SettingError
+            for quads that are too large for a mesh
+        """
         clock = Clock()
         with clock("extract"):
             quads = quad_mesh(pattern.edge_phases)
+            check_quads(quads, self.given.mesh)
         return quads, clock.seconds
 
     def finish(self, quads, seconds):

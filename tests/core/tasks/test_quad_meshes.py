@@ -92,7 +92,7 @@ def test_faces_that_no_spacing_gives_are_refused_with_their_number(monkeypatch):
     def refuse(*_):
         raise SettingError("the quads are too large")
 
-    monkeypatch.setattr(quad_meshes, "_trace_pattern", refuse)
+    monkeypatch.setattr(quad_meshes, "_draw", refuse)
     with pytest.raises(SettingError, match="7 faces are too few for a quad mesh of this surface"):
         asked(icosphere(2), faces=7).solve()
 
