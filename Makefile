@@ -84,7 +84,7 @@ soak: environment
 	SYNCH_SOAK=$(MINUTES) SYNCH_SEED=$(SEED) $(python) -m pytest -rs -s tests/ui/test_soak.py
 
 ui-pictures: ui-test
-	cp out/ui/simple.png out/ui/panel.png out/ui/progress.png out/ui/click_2.png out/ui/click_3.png out/ui/click_4.png docs/
+	cp out/ui/simple.png out/ui/panel.png out/ui/progress.png out/ui/strokes.png out/ui/click_2.png out/ui/click_3.png out/ui/click_4.png docs/
 
 # Written from environments with the newest versions, to be tested before they are committed.
 lock: $(call each_python,lock-)

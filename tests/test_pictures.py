@@ -40,7 +40,7 @@ EXPECTED = {
     "docs/click_2.png": {"blue": 0.02},
     "docs/click_3.png": {"blue": 0.02, "ink": 0.01, "ivory": 0.01},
     "docs/click_4.png": {"ink": 0.03, "ivory": 0.02},
-    "docs/constraints.png": STRIPED,
+    "docs/constraints.png": STRIPED | {"rose": 0.004},
     "docs/contact_sheet.png": {"ink": 0.02, "ivory": 0.02},
     "docs/gallery.png": STRIPED | {"orange": 0.03, "teal": 0.02},
     "docs/makes/directions.png": STRIPED,
@@ -72,6 +72,10 @@ EXPECTED = {
 }
 # The largest share of pixels of about one colour; a diagram is mostly paper.
 MOST_BACKGROUND, MOST_PAPER, DIAGRAMS = 0.8, 0.95, ("docs/paper/figure9.png",)
+# Not dark: at most this share of the pixels is nearly black. Not cut off: neighbours in the last row, where a panel
+# would go on, differ by less than this; in pictures of one object, on all sides. Around what is baked images are black.
+DARK, MOST_DARK, LARGEST_STEP, LARGEST_AROUND, IMAGES = 0.1, 0.01, 0.2, 0.1, ("docs/bake.png",)
+OF_ONE_OBJECT = ("docs/makes/", "docs/bunny.png", "docs/spot.png", "docs/suzanne.png", "docs/vortices.png")
 # Sharp: the hundredth of the pixels that differ most from their neighbours differ by at least this.
 LEAST_CONTRAST = 0.02
 
@@ -87,6 +91,22 @@ def faults(pixels, expected, background=MOST_BACKGROUND):
     counts = np.unique(np.rint(pixels * 32).astype(int) @ [1, 64, 4096], return_counts=True)[1]
     if counts.max() > background * counts.sum():
         found.append(f"one colour on {counts.max() / counts.sum():.0%}")
+    return found
+
+
+def dark_or_cut(pixels, all_sides):
+    """What is too dark in (height, width, 3) pixels or goes on beyond their edge, as lines."""
+    found = []
+    dark = float((pixels.max(axis=2) < DARK).mean())
+    if dark > MOST_DARK:
+        found.append(f"black on {dark:.0%}")
+    sides = {"below": pixels[-1]}
+    if all_sides:
+        sides |= {"above": pixels[0], "left": pixels[:, 0], "right": pixels[:, -1]}
+    for name, side in sides.items():
+        step = np.abs(np.diff(side.mean(axis=1))).max()
+        if step > (LARGEST_AROUND if all_sides else LARGEST_STEP):
+            found.append(f"cut off {name}")
     return found
 
 
@@ -115,6 +135,8 @@ def test_a_picture_shows_what_its_caption_says(path, tmp_path):
     background = MOST_PAPER if name_of(path) in DIAGRAMS else MOST_BACKGROUND
     for pixels in pictures_of(path, tmp_path):
         assert not faults(pixels, EXPECTED[name_of(path)], background)
+        if name_of(path) not in IMAGES:
+            assert not dark_or_cut(pixels, name_of(path).startswith(OF_ONE_OBJECT))
 
 
 def test_a_view_whose_shaders_still_compile_is_found():
@@ -124,6 +146,30 @@ def test_a_view_whose_shaders_still_compile_is_found():
     view[np.abs(np.hypot(x - 265, y - 230) - 150) < 1.5] = (1.0, 0.6, 0.1)
     found = faults(view, EXPECTED["docs/click_4.png"])
     assert {"ink: 0.000", "ivory: 0.000", "one colour on 99%"} <= set(found)
+
+
+@pytest.mark.parametrize(("rows", "found"), [(slice(340), ["cut off below"]), (slice(None), [])])
+def test_a_panel_that_goes_on_is_found(rows, found):
+    """The first rows of the simple panel, through its thumbnails, and all of it."""
+    assert dark_or_cut(pixels_of(ROOT / "docs" / "simple.png")[rows.start : rows.stop, :, :3], False) == found
+
+
+def test_a_dark_or_cropped_picture_is_found():
+    whole = pixels_of(ROOT / "docs" / "spot.png")[..., :3]
+    assert dark_or_cut(whole, True) == []
+    assert dark_or_cut(whole[:, 500:], True) == ["cut off left"]
+    assert dark_or_cut(0.1 * whole, True) == ["black on 100%"]
+
+
+def test_stripes_of_the_moving_picture_lie_farther_apart_when_its_knob_spacing_goes_up(tmp_path):
+    """The knob is turned in the first half of the frames with stripes, two thirds of all."""
+    stills = webp.frames((ROOT / "docs" / "moving.webp").read_bytes())[0]
+    counts = []
+    for still in stills[0], stills[len(stills) // 3]:
+        (tmp_path / "still.webp").write_bytes(still)
+        ink = pixels_of(tmp_path / "still.webp")[:, :500, 2] < 0.45  # beside the knobs
+        counts.append((np.diff(ink, axis=1)).sum())
+    assert counts[1] < 0.7 * counts[0]
 
 
 def test_the_moving_picture_is_small_and_moves():

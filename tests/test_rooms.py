@@ -6,10 +6,12 @@ import ast
 import importlib.util
 import re
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
+SVG = "{http://www.w3.org/2000/svg}"
 
 
 @pytest.fixture(scope="module")
@@ -143,6 +145,24 @@ def test_every_room_says_in_one_line_what_it_is_for(rooms, found):
 def test_the_picture_is_of_the_imports_as_they_are(rooms, found):
     drawn = (ROOT / "docs" / "architecture.svg").read_text(encoding="utf-8")
     assert drawn == rooms.drawn(found), "draw it anew with python tools/rooms.py"
+
+
+def test_the_picture_has_whole_texts_and_arrows_with_heads_that_pass_beside_the_rooms(rooms, found):
+    picture = ElementTree.fromstring(rooms.drawn(found))
+    graph = rooms.arrows(found)
+    texts = [text.text for text in picture.iter(SVG + "text")]
+    whole = [f"{name} {rooms.line_of(name, found).replace('`', '')}" for name in texts if name in graph]
+    assert " ".join(texts) == " ".join(whole)
+    assert graph.keys() <= set(texts)
+    sides = ("x", "y", "width", "height")
+    boxes = [[float(box.get(side)) for side in sides] for box in picture.findall(SVG + "rect") if box.get("x")]
+    ways = picture.findall(SVG + "path")
+    assert len(ways) == sum(map(len, rooms.direct(graph).values()))
+    for way in ways:
+        assert way.get("marker-end") == "url(#head)"
+        for x, y in re.findall(r" (\d+) \d+ V (\d+)", way.get("d")):
+            for left, top, width, height in boxes:
+                assert not (left < int(x) < left + width and top < int(y) <= top + height)
 
 
 def test_every_module_that_a_text_names_is_there(found):

@@ -169,7 +169,9 @@ def use(bpy, _source, scipy_of):
         assert module is not None, "the extension cannot be enabled"
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4)
         assert bpy.ops.synch.stripes() == {"FINISHED"}
-        values = [element.value for element in bpy.context.object.data.attributes["synch_phase"].data]
+        surfaces = sys.modules[f"{name}.synch_addon.blender.pattern_surface"]
+        carrier = surfaces.surface_of(bpy.context.object)  # the object, or a finer surface
+        values = [element.value for element in carrier.data.attributes["synch_phase"].data]
         assert max(values) - min(values) > 1, "the phase is constant"
         addon_utils.disable(name, default_set=False)
         assert not hasattr(bpy.types, "SYNCH_OT_stripes") and not hasattr(bpy.types.Object, "synch")

@@ -41,8 +41,9 @@ def main(count, seed):
     chance, counts = random.Random(seed), Counter()
     with tempfile.TemporaryDirectory() as place:
         places = {name: Place(Path(place, name), line) for name, line in COMMANDS.items()}
-        for each in places.values():
-            each.finish()
+        for name, each in places.items():
+            if faults := each.finish():
+                sys.exit(f"{name} does not run undisturbed: {faults[0]}")
         for number in range(count):
             name = chance.choice(sorted(places))
             sent = chance.choice([signal.SIGKILL, signal.SIGTERM])

@@ -14,13 +14,15 @@ import textwrap
 from collections import defaultdict
 from functools import cache
 from html import escape
+from itertools import pairwise
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 TOPS = ("core", "synch_addon")
-# Of the picture, in pixels: a room, the space between two, and the letters of a line.
-WIDTH, HEIGHT, GAP, FLOOR, LETTERS = 200, 74, 26, 132, 31
-COLOURS = {"core": "#e8eef7", "synch_addon": "#f7efe2"}
+# Of the picture, in pixels: a room's width, its height without lines of text and that of a line, the space beside a
+# room and below it; and the letters of a line.
+WIDTH, HEAD, LINE, GAP, BETWEEN, LETTERS = 230, 30, 14, 22, 60, 34
+COLOURS, ARROWS = {"core": "#e8eef7", "synch_addon": "#f7efe2"}, "#5b6673"
 
 
 def modules():
@@ -120,58 +122,91 @@ def line_of(room, found):
 def drawn(found):
     """The picture as SVG."""
     graph = arrows(found)
-    levels = floors(graph)
-    rows = defaultdict(list)
-    for name in sorted(graph, key=lambda name: (TOPS.index(name.split(".")[0]), name)):
-        rows[levels[name]].append(name)
-    _order(rows, graph)
-    highest, widest = max(rows), max(map(len, rows.values()))
-    width, height = widest * (WIDTH + GAP) + GAP, highest * FLOOR + GAP
-    places = {}
-    for level, names in rows.items():
-        start = (width - len(names) * (WIDTH + GAP) + GAP) / 2
-        for number, name in enumerate(names):
-            places[name] = start + number * (WIDTH + GAP), (highest - level) * FLOOR + GAP
+    names = sorted(graph, key=lambda name: (TOPS.index(name.split(".")[0]), name))
+    lines = {name: _wrapped(line_of(name, found)) for name in names}
+    rows, ways = _rows_and_ways(names, floors(graph), direct(graph))
+    _order(rows, ways)
+    width = max(map(_row_width, rows.values())) + 2 * GAP
+    places, top = {}, GAP
+    for level in sorted(rows, reverse=True):
+        left = (width - _row_width(rows[level])) / 2
+        height = HEAD + LINE * max(len(lines.get(place, ())) for place in rows[level])
+        for place in rows[level]:
+            places[place] = left, top, height
+            left += _width(place) + GAP
+        top += height + BETWEEN
+    height = top - BETWEEN + GAP
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif">',
         f'<rect width="{width}" height="{height}" fill="white"/>',
+        '<marker id="head" viewBox="0 0 8 8" refX="8" refY="4" markerWidth="9" markerHeight="9" '
+        f'markerUnits="userSpaceOnUse" orient="auto"><path d="M 0 0 L 8 4 L 0 8 z" fill="{ARROWS}"/></marker>',
     ]
-    for name, targets in sorted(direct(graph).items()):
-        for target in sorted(targets):
-            parts.append(_arrow(places[name], places[target]))
-    parts += [_box(name, line_of(name, found), *places[name]) for name in sorted(places)]
+    parts += [_arrow([(places[place][0] + _width(place) / 2, *places[place][1:]) for place in way]) for way in ways]
+    parts += [_box(name, lines[name], *places[name]) for name in names]
     return "\n".join([*parts, "</svg>"]) + "\n"
 
 
-def _order(rows, graph):
-    """Put each room near the middle of what it imports and what imports it, floor by floor, some times."""
+def _wrapped(line):
+    return textwrap.wrap(line.replace("`", ""), LETTERS, break_on_hyphens=False)
+
+
+def _rows_and_ways(names, levels, targets):
+    """Rooms on each floor with gaps for the arrows that pass it, and the way of each arrow through these."""
+    rows, ways = defaultdict(list), []
+    for name in names:
+        rows[levels[name]].append(name)
+    for name in names:
+        for target in sorted(targets[name]):
+            passed = [(name, target, level) for level in range(levels[name] - 1, levels[target], -1)]
+            for gap in passed:
+                rows[gap[2]].append(gap)
+            ways.append([name, *passed, target])
+    return rows, ways
+
+
+def _order(rows, ways):
+    """Put each room or gap near the middle of what arrows join it to, floor by floor, some times."""
+    joined = defaultdict(list)
+    for way in ways:
+        for one, other in pairwise(way):
+            joined[one].append(other)
+            joined[other].append(one)
     for _ in range(12):
-        place = {name: (k + 0.5) / len(names) for names in rows.values() for k, name in enumerate(names)}
-        for level in sorted(rows):
-            near = {name: [place[t] for t in graph[name]] for name in rows[level]}
-            for other, targets in graph.items():
-                for name in targets & near.keys():
-                    near[name].append(place[other])
-            rows[level].sort(key=lambda name: (sum(near[name]) / max(len(near[name]), 1), name))
+        shares = {place: (k + 0.5) / len(row) for row in rows.values() for k, place in enumerate(row)}
+        for row in rows.values():
+            near = {place: [shares[other] for other in joined[place]] for place in row}
+            row.sort(key=lambda place: (sum(near[place]) / max(len(near[place]), 1), str(place)))
 
 
-def _arrow(start, end):
-    x, y, u, v = start[0] + WIDTH / 2, start[1] + HEIGHT, end[0] + WIDTH / 2, end[1]
-    bend = max((v - y) / 2, 20)
-    way = f"M {x:.0f} {y:.0f} C {x:.0f} {y + bend:.0f} {u:.0f} {v - bend:.0f} {u:.0f} {v:.0f}"
-    return f'<path d="{way}" fill="none" stroke="#9aa3ad" stroke-width="1.2"/>'
+def _width(place):
+    return WIDTH if isinstance(place, str) else 0
 
 
-def _box(name, line, x, y):
-    lines = textwrap.wrap(line, LETTERS)
-    lines = lines[:3] if len(lines) < 4 else [*lines[:2], lines[2][: LETTERS - 2] + " …"]
-    size = 13 if len(name) < 24 else 11
+def _row_width(row):
+    return sum(map(_width, row)) + GAP * (len(row) - 1)
+
+
+def _arrow(stops):
+    """An arrow from below the first of its stops, (middle, top, height), down through the gaps to the last."""
+    x, y = stops[0][0], stops[0][1] + stops[0][2]
+    way = f"M {x:.0f} {y:.0f}"
+    for u, top, height in stops[1:]:
+        bend = (top - y) / 2
+        way += f" C {x:.0f} {y + bend:.0f} {u:.0f} {top - bend:.0f} {u:.0f} {top:.0f}"
+        x, y = u, top + height
+        way += f" V {y:.0f}" if (u, top, height) != stops[-1] else ""
+    return f'<path d="{way}" fill="none" stroke="{ARROWS}" stroke-width="1.2" marker-end="url(#head)"/>'
+
+
+def _box(name, lines, x, y, height):
+    size = 13 if len(name) < 28 else 11
     texts = [f'<text x="{x + 8:.0f}" y="{y + 17:.0f}" font-size="{size}" font-weight="bold">{escape(name)}</text>']
-    for number, part in enumerate(lines):
-        at = f'x="{x + 8:.0f}" y="{y + 33 + 14 * number:.0f}"'
-        texts.append(f'<text {at} font-size="11" fill="#444">{escape(part)}</text>')
+    for number, line in enumerate(lines):
+        at = f'x="{x + 8:.0f}" y="{y + 33 + LINE * number:.0f}"'
+        texts.append(f'<text {at} font-size="11" fill="#444">{escape(line)}</text>')
     fill = COLOURS[name.split(".")[0]]
-    rect = f'<rect x="{x:.0f}" y="{y:.0f}" width="{WIDTH}" height="{HEIGHT}" rx="6" fill="{fill}" stroke="#666"/>'
+    rect = f'<rect x="{x:.0f}" y="{y:.0f}" width="{WIDTH}" height="{height}" rx="6" fill="{fill}" stroke="#666"/>'
     return rect + "".join(texts)
 
 

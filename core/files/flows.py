@@ -42,6 +42,8 @@ _PLACES = {
 SOLID = "solid"
 # No transform of a volume has a number as large as this.
 _FARTHEST = 1e30
+# The library crashes at copying voxels whose numbers are above 2**29.
+_FARTHEST_VOXEL = 2**28
 
 
 def flow_file(path, attribute=VELOCITY, module=None):
@@ -285,6 +287,8 @@ class VolumeFile:
         except Exception as error:  # the reader's library raises whatever it likes at damaged files
             raise SettingError(f"{error}: choose an OpenVDB file") from None
         low, high = found.evalActiveVoxelBoundingBox()
+        if max(map(abs, (*low, *high))) > _FARTHEST_VOXEL:
+            raise SettingError(f"the grid {found.name} has voxels too far from its origin: move them nearer to it")
         counts = np.array(high, float) - low + 1
         if counts.prod() * _VOXEL_BYTES > machine_bytes() / 2:
             size = " x ".join(f"{count:.0f}" for count in counts)

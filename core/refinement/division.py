@@ -72,9 +72,9 @@ def divided(vertices, triangles, sides, longest, most):
         count += int(settled.sum())
         if settled.all():
             break
-        now = _halved(now[~settled], lengths[~settled], long[~settled])
-        if count + len(now.triangles) > most:
+        if count + _fewest_triangles(now[~settled], lengths[~settled], longest) > most:
             return None
+        now = _halved(now[~settled], lengths[~settled], long[~settled])
     fields = ("triangles", "source", "weights", "sides")
     parts = {name: np.concatenate([getattr(part, name) for part in done]) for name in fields}
     order = np.argsort(parts["source"], kind="stable")
@@ -84,6 +84,15 @@ def divided(vertices, triangles, sides, longest, most):
 def _edge_lengths(division):
     corners = division.vertices[division.triangles]
     return np.linalg.norm(corners[:, [1, 2, 0]] - corners, axis=2)
+
+
+def _fewest_triangles(division, lengths, longest):
+    """A lower bound on the number of triangles that these become: each part of a longest edge has one of its own, and
+    none is larger than an even one."""
+    a, b, c = np.moveaxis(division.vertices[division.triangles], 1, 0)
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    parts = 2.0 ** np.ceil(np.log2(lengths.max(axis=1)) - np.log2(longest))
+    return np.maximum(parts, areas / (np.sqrt(3) / 4 * longest**2)).sum()
 
 
 def _halved(division, lengths, long):

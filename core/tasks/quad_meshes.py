@@ -56,8 +56,9 @@ def _mesh_field(request, directions, progress):
     if request.faces is None:
         return _finish(_draw(request, directions, portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)))
     growth = TargetOneForm.of(request.given.mesh, directions, request.spacings)
-    spacing = _SpacingFactor(float(np.sqrt(YIELD * growth.quad_count / request.faces)), request.faces)
-    drafts, found = [], []
+    least = _least_factor(request.given.mesh, request.spacings, request.faces)
+    first = max(float(np.sqrt(YIELD * growth.quad_count / request.faces)), least)
+    spacing, drafts, found = _SpacingFactor(first, request.faces), [], []
     for number in range(TRIES):
         share = (1 - _DIRECTIONS) / TRIES
         part = portion(progress, _DIRECTIONS + number * share, share)
@@ -224,7 +225,8 @@ def _about_shape(request, found):
 
 
 def spacing_factor(mesh, spacings, faces):
-    """What spacings are to be multiplied with for about a number of quads on a flat surface.
+    """What spacings are to be multiplied with for about a number of quads on a flat surface; no less than it takes for
+    the quads to reach from one end of each piece to the other.
 
     Parameters
     ----------
@@ -232,8 +234,29 @@ def spacing_factor(mesh, spacings, faces):
     spacings : one, (n,), or (n, 2) or (1, 2) along two axes
     faces : number of quads
     """
+    return max(_area_factor(mesh, spacings) / np.sqrt(faces), _least_factor(mesh, spacings, faces))
+
+
+def faces_of_factor(mesh, spacings, factor):
+    """The number of quads for which :func:`spacing_factor` gives a factor, rounded down."""
+    return int(max((_area_factor(mesh, spacings) / factor) ** 2, _least_factor(mesh, spacings, 1) / factor))
+
+
+def _area_factor(mesh, spacings):
+    """The factor at which one quad is as large as the surface."""
     sides = np.broadcast_to(_along_axes(spacings), (mesh.vertex_count, 2)) / 2
-    return float(np.sqrt((mesh.vertex_masses / sides.prod(axis=1)).sum() / faces))
+    return float(np.sqrt((mesh.vertex_masses / sides.prod(axis=1)).sum()))
+
+
+def _least_factor(mesh, spacings, faces):
+    """The factor at which so many quads in a row, corner to corner, are as long as the longest piece of the mesh: a
+    needle has too little area for a spacing to follow from it."""
+    low, high = np.full((2, mesh.vertex_count, 3), np.inf)
+    np.minimum.at(low, mesh.pieces, mesh.vertices)
+    np.minimum.at(high, mesh.pieces, -mesh.vertices)
+    present = np.unique(mesh.pieces[mesh.triangles])
+    reach = (-high[present] - low[present]).max()
+    return float(reach / (np.sqrt(0.5) * np.max(spacings) * faces))
 
 
 def smallest_sides(mesh, spacings):

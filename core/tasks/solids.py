@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import SettingError
+from ..extract.layers.crossings import refuse_too_many_layers
 from ..extract.layers.curve_ends import CurveEnd, curve_ends
 from ..extract.layers.defect_curves import DefectCurve, defect_curves
 from ..extract.layers.surfaces import LayerSurfaces, layer_surfaces
@@ -131,6 +132,7 @@ class SolidRequest:
         with clock("build"):
             directions, continued, spacings, groups = monitor.during(lambda: self._asked(filled))
             growth = SolidTargetOneForm.of(solid, directions, spacings)
+            refuse_too_many_layers(growth.changes)
         solving = portion(progress, _PHASES, _SURFACES - _PHASES)
         pattern, growth = solve_within(growth, self.limits, groups, self.options, solving, self.branching)
         outside = self.limits.outside_share(pattern)

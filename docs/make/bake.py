@@ -28,6 +28,7 @@ SIZE, CLOSE_SIZE = 2048, 4096
 COLUMNS = (Column("s", "seconds", ".1f"), Column("MB", "mb", ".2f"))
 # Of each picture in the row, and how many times the pixels of the close one are enlarged.
 TILE, TIMES = 512, 4
+LABELS = ("rendered from the images", "colour image", "normal image", "a line end, enlarged")
 
 
 def main():
@@ -56,7 +57,7 @@ def make(options):
         api.bake(obj, maps="colour", size=CLOSE_SIZE, naming="close", **settings)
         whole = pixels_of(Path(folder) / "close.png")
         save(close_up(obj, whole, solved["dislocations"]), tiles[3])
-        beside(tiles, options.folder / "bake.png")
+        beside(tiles, options.folder / "bake.png", labels=LABELS)
 
 
 def pixels_of(path):

@@ -14,14 +14,22 @@ import numpy as np
 
 from synch_fields.bench.command import arguments
 from synch_fields.bench.tables import print_table
+from synch_fields.core.fields import boundary_line
+from synch_fields.core.fields.constraints.lines import group_edges
 from synch_fields.docs.make.figures import COLUMNS, row
 from synch_fields.docs.make.sheets import beside
+from synch_fields.docs.make.solid_pictures import ROSE
+from synch_fields.docs.make.tubes import render_with_tubes
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import attributes, files
-from synch_fields.synch_addon.looks.render import render_picture
+from synch_fields.synch_addon.blender.groups import read_group
+from synch_fields.synch_addon.blender.meshes import read_mesh
+from synch_fields.synch_addon.blender.strokes import read_strokes
 
 # Where they are seen from.
 SPOT, BEHIND = (205, 12), (150, 18)
+# What a row is about: radius of tubes and length of arrows over the longest side, and vertices for each arrow.
+RADIUS, ARROW, ARROWS_APART = 0.006, 0.05, 12
 
 
 def main():
@@ -30,19 +38,40 @@ def main():
     rows, sheets = [], []
     with tempfile.TemporaryDirectory() as folder:
         for number in range(0, len(CASES), 4):
-            pictures = []
-            for label, mesh, view, prepare, settings in CASES[number : number + 4]:
+            pictures, chosen = [], CASES[number : number + 4]
+            for label, mesh, view, prepare, settings in chosen:
                 obj = files.open_object(options.meshes / f"{mesh}.obj")
                 prepare(obj)
-                report = api.stripes(obj, assign_material=True, **settings)
+                report = api.stripes(obj, assign_material=True, surface="faces", **settings)
                 rows.append(row(label, report))
                 picture = Path(folder) / f"{len(rows)}.png"
-                look = dict(view=view, resolution=(480, 420), samples=16, markers=False)
-                pictures.append(render_picture(obj, picture, **look))
+                lines = asked_lines(obj, settings)
+                look = dict(color=ROSE, radius=RADIUS, resolution=(480, 420), samples=16, view=view)
+                pictures.append(render_with_tubes(obj, lines, picture, **look))
             sheets.append(Path(folder) / f"sheet{number}.png")
-            beside(pictures, sheets[-1])
+            beside(pictures, sheets[-1], labels=[case[0] for case in chosen])
         beside(sheets, options.folder / "constraints.png", vertical=True)
     print_table("Constraints", COLUMNS, rows)
+
+
+def asked_lines(obj, settings):
+    """What the constraint or the boundary setting of a case is about, as (n, 3) lines in the object's space."""
+    given = read_mesh(obj)
+    (row,) = settings.get("constraints", [{"where": "boundary"}])
+    if row["where"] == "curve":
+        return [points for _, points in read_strokes(obj, row["name"], given)]
+    if row["where"] == "attribute":
+        vectors = attributes.read_vectors(obj, row["name"], given)
+        chosen = np.flatnonzero(vectors.any(axis=1))[::ARROWS_APART]
+        halves = ARROW / 2 * max(obj.dimensions) * vectors[chosen] / np.linalg.norm(vectors[chosen], axis=1)[:, None]
+        return np.stack([given.mesh.vertices[chosen] - halves, given.mesh.vertices[chosen] + halves], axis=1)
+    if row["where"] == "boundary":
+        edges = boundary_line(given.mesh).links
+    elif row["where"] == "group":
+        edges = given.mesh.edges[group_edges(given.mesh, read_group(obj, row["name"]))]
+    else:
+        edges = attributes.read_marked_edges(obj, row["where"])
+    return given.mesh.vertices[edges]
 
 
 def mark_between(axis, place):

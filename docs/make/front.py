@@ -1,25 +1,29 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The six pictures of the README: `python docs/make/front.py MESHES [--folder docs]`.
+"""The six pictures of the README: `python docs/make/front.py MESHES [--folder docs] [--only NAME]`.
 
-Three are rendered by the command line and halved, directions as streamlines; layers and vortices are cut out of the
-pictures of their pages.
+Three are rendered by the command line, directions and layers here, all at twice their size; vortices are those of
+vortices.py, made smaller.
 """
 
-import argparse
+import shutil
 import subprocess
 import sys
-from pathlib import Path
-
-import bpy
-import numpy as np
 
 import synch_fields
+from synch_fields.bench.command import arguments
+from synch_fields.bench.solids import SPACINGS, shape_of
 from synch_fields.core.extract import evenly_traced
+from synch_fields.core.fields.guidance.potentials import harmonic_function
+from synch_fields.core.fields.guidance.solids import gradient_directions
+from synch_fields.core.fields.layers import solve_layers
+from synch_fields.docs.make.sheets import pixels_of, save_pixels
+from synch_fields.docs.make.solid_pictures import picture_of_layers
+from synch_fields.docs.make.tubes import render_with_tubes
 from synch_fields.synch_addon import api
-from synch_fields.synch_addon.blender import attributes, files, meshes
+from synch_fields.synch_addon.blender import attributes, files
+from synch_fields.synch_addon.blender.meshes import read_mesh
 from synch_fields.synch_addon.blender.schema import DIRECTION
-from synch_fields.synch_addon.looks.render import render_picture
 from synch_fields.synch_addon.nodes.canvas import surface_material
 from synch_fields.synch_addon.nodes.stripes import INK_BLUE, WARM_IVORY
 
@@ -28,87 +32,68 @@ COMMANDS = {
     "quads": ["quads", "spot.obj", "--view", "205", "12"],
     "quad_mesh": ["quad_mesh", "spot.obj", "--faces", "1500", "--view", "205", "12"],
 }
-# Pictures that are cut out, and the pixels from left and from the bottom.
-CUT = {"layers": ("paper/figure3.png", (1680, 22, 2240, 442)), "vortices": ("vortices.png", (0, 0, 960, 720))}
 # Where directions are shown, from where, at most how many streamlines, and their radius over the longest side.
 SHOWN, VIEW, STREAMLINES, RADIUS = "fertility.obj", (-20, 10), 400, 0.004
-# Width and height of the pictures.
-SIZE = 600, 450
+# Width and height of the pictures, and of those that are made smaller.
+SIZE, LARGE = (600, 450), (1200, 900)
 
 
-def pixels(path):
-    """(height, width, 4) of a picture, from the bottom."""
-    image = bpy.data.images.load(str(path))
-    values = np.empty(image.size[0] * image.size[1] * 4, np.float32)
-    image.pixels.foreach_get(values)
-    return values.reshape(image.size[1], image.size[0], 4)
+def halved(path):
+    """Make a picture smaller, to this script's size."""
+    values = pixels_of(path)[..., :3]
+    height, width, _ = values.shape
+    rows, columns = height // SIZE[1], width // SIZE[0]
+    save_pixels(path, values.reshape(SIZE[1], rows, SIZE[0], columns, 3).mean(axis=(1, 3)))
 
 
-def save(values, path):
-    """Write a picture of this script's size; a larger one is made smaller."""
-    image = bpy.data.images.new(path.stem, values.shape[1], values.shape[0])
-    image.pixels.foreach_set(np.ascontiguousarray(values).ravel())
-    image.scale(*SIZE)
-    image.filepath_raw, image.file_format = str(path), "PNG"
-    image.save()
-
-
-def directions(path, picture):
-    """Render the streamlines of a smooth line field as tubes on the shape of a file."""
-    synch_fields.register()
-    obj = files.open_object(path)
+def directions(meshes, picture):
+    """Render the streamlines of a smooth line field as tubes."""
+    obj = files.open_object(meshes / SHOWN)
     obj.data.shade_smooth()
     api.directions(obj)
-    given = meshes.read_mesh(obj)
+    given = read_mesh(obj)
     vectors = attributes.read_vectors(obj, DIRECTION.name, given)
     lines = evenly_traced(given.mesh, vectors, 2, STREAMLINES).segments(given.mesh)
-    for name, color in (("Surface", WARM_IVORY), ("Streamlines", INK_BLUE)):
-        material, surface, _ = surface_material(name)
-        surface.inputs["Base Color"].default_value = color
-        obj.data.materials.append(material)
-    add_tubes(obj, lines, RADIUS * max(obj.dimensions))
-    render_picture(obj, picture, view=VIEW, resolution=(2 * SIZE[0], 2 * SIZE[1]), samples=24, markers=False)
-    synch_fields.unregister()
+    material, surface, _ = surface_material("Surface")
+    surface.inputs["Base Color"].default_value = WARM_IVORY
+    obj.data.materials.append(material)
+    look = dict(color=INK_BLUE, radius=RADIUS, resolution=LARGE, samples=24, view=VIEW)
+    render_with_tubes(obj, lines, picture, **look)
 
 
-def add_tubes(obj, lines, radius):
-    """Join tubes around (n, 2, 3) segments to an object, in its second material."""
-    curve = bpy.data.curves.new("Tubes", "CURVE")
-    curve.dimensions, curve.bevel_depth, curve.bevel_resolution = "3D", radius, 3
-    for ends in lines:
-        spline = curve.splines.new("POLY")
-        spline.points.add(1)
-        spline.points.foreach_set("co", np.column_stack([ends, np.ones(2)]).astype(np.float32).ravel())
-    source = bpy.data.objects.new("Tubes", curve)
-    bpy.context.scene.collection.objects.link(source)
-    mesh = bpy.data.meshes.new_from_object(source.evaluated_get(bpy.context.evaluated_depsgraph_get()))
-    bpy.data.objects.remove(source)
-    mesh.materials.append(obj.data.materials[1])
-    mesh.shade_smooth()
-    tubes = bpy.data.objects.new("Tubes", mesh)
-    tubes.matrix_world = obj.matrix_world
-    bpy.context.scene.collection.objects.link(tubes)
-    with bpy.context.temp_override(active_object=obj, selected_editable_objects=[obj, tubes]):
-        bpy.ops.object.join()
+def layers(meshes, picture):
+    """Render layers in the stuffed bunny, cut open."""
+    shape = shape_of("bunny", meshes)
+    growth = gradient_directions(shape.mesh, harmonic_function(shape.mesh, shape.low, shape.high))
+    pattern = solve_layers(shape.mesh, growth, SPACINGS["bunny"] * shape.size, shape.groups)
+    picture_of_layers("bunny", pattern, True, picture, curves=False, resolution=LARGE)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("meshes", type=Path)
-    parser.add_argument("--folder", type=Path, default=Path("docs"))
+    parser = arguments(__doc__, "the meshes", "the pictures go")
+    parser.add_argument("--only", choices=[*COMMANDS, *DRAWN, "vortices"], help="the name of one picture")
     options = parser.parse_args()
     made = options.folder / "makes"
     made.mkdir(parents=True, exist_ok=True)
     for name, (command, mesh, *flags) in COMMANDS.items():
-        picture = made / f"{name}.png"
-        arguments = [command, str(options.meshes / mesh), *flags, "--render", str(picture), "--quiet"]
-        subprocess.run([sys.executable, "-m", "synch_fields", *arguments], check=True)
-        save(pixels(picture), picture)
-    directions(options.meshes / SHOWN, made / "directions.png")
-    save(pixels(made / "directions.png"), made / "directions.png")
-    for name, (whole, (left, bottom, right, top)) in CUT.items():
-        save(pixels(options.folder / whole)[bottom:top, left:right], made / f"{name}.png")
+        if options.only in (None, name):
+            picture = made / f"{name}.png"
+            given = [command, str(options.meshes / mesh), *flags, "--render", str(picture), "--quiet"]
+            subprocess.run([sys.executable, "-m", "synch_fields", *given], check=True)
+            halved(picture)
+    synch_fields.register()
+    for name, draw in DRAWN.items():
+        if options.only in (None, name):
+            draw(options.meshes, made / f"{name}.png")
+            halved(made / f"{name}.png")
+    synch_fields.unregister()
+    if options.only in (None, "vortices"):
+        shutil.copy(options.folder / "vortices.png", made)
+        halved(made / "vortices.png")
 
+
+# The pictures that are rendered here.
+DRAWN = {"directions": directions, "layers": layers}
 
 if __name__ == "__main__":
     main()

@@ -2,21 +2,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Knobs and a button, drawn into a picture of floats: rows from the top, linear in what the eye sees, 0 to 1."""
 
-import tempfile
-from functools import cache
-from pathlib import Path
-
-import blf
-import imbuf
 import numpy as np
 
-from synch_fields.docs.make.sheets import pixels_of
+from synch_fields.docs.make.sheets import NAVY, paint, write
 
-NAVY, IVORY, WHITE, GREY = np.array([(24, 43, 92), (240, 231, 210), (252, 250, 246), (186, 182, 174)]) / 255
+IVORY, WHITE, GREY = np.array([(240, 231, 210), (252, 250, 246), (186, 182, 174)]) / 255
 RADIUS = 33
 # From where to where a knob turns, in radians to the right of straight up.
 FIRST, LAST = np.radians([-135, 135])
-_TEXT_SIZE = 15
 
 
 def knob(picture, place, name, value):
@@ -31,15 +24,15 @@ def knob(picture, place, name, value):
     x, y = _grid(picture, place)
     away, turned = np.hypot(x, y), np.arctan2(x, -y)
     angle = FIRST + value * (LAST - FIRST)
-    _paint(picture, GREY, 0.8 * _arc(away, turned, FIRST, LAST))
-    _paint(picture, NAVY, _arc(away, turned, FIRST, angle))
-    _paint(picture, NAVY, 0.35 * _soft(np.hypot(x, y - 4) - RADIUS, 9))  # the shadow
+    paint(picture, GREY, 0.8 * _arc(away, turned, FIRST, LAST))
+    paint(picture, NAVY, _arc(away, turned, FIRST, angle))
+    paint(picture, NAVY, 0.35 * _soft(np.hypot(x, y - 4) - RADIUS, 9))  # the shadow
     shade = np.clip(0.5 - y / (2.2 * RADIUS), 0, 1)[..., None]
-    _paint(picture, IVORY + shade * (WHITE - IVORY), _soft(away - RADIUS, 0.7))
+    paint(picture, IVORY + shade * (WHITE - IVORY), _soft(away - RADIUS, 0.7))
     along, across = x * np.sin(angle) - y * np.cos(angle), x * np.cos(angle) + y * np.sin(angle)
     beyond = along - np.clip(along, 0.42 * RADIUS, 0.8 * RADIUS)
-    _paint(picture, NAVY, _soft(np.hypot(beyond, across) - 2.6, 0.7))
-    write(picture, (place[0], place[1] + RADIUS + 25), name, NAVY)
+    paint(picture, NAVY, _soft(np.hypot(beyond, across) - 2.6, 0.7))
+    write(picture, (place[0], place[1] + RADIUS + 25), name)
 
 
 def button(picture, place, name, pressed):
@@ -47,34 +40,9 @@ def button(picture, place, name, pressed):
     x, y = _grid(picture, place)
     half, radius = 36, 15
     away = np.hypot(x - np.clip(x, -half, half), y) - radius
-    _paint(picture, NAVY, 0.3 * _soft(np.hypot(x - np.clip(x, -half, half), y - 3) - radius, 7))
-    _paint(picture, NAVY if pressed else WHITE, _soft(away, 0.7))
+    paint(picture, NAVY, 0.3 * _soft(np.hypot(x - np.clip(x, -half, half), y - 3) - radius, 7))
+    paint(picture, NAVY if pressed else WHITE, _soft(away, 0.7))
     write(picture, place, name, WHITE if pressed else NAVY)
-
-
-def write(picture, place, text, color):
-    """Write a text around a place."""
-    cover = _text(text)
-    height, width = cover.shape
-    left, top = round(place[0] - width / 2), round(place[1] - height / 2)
-    _paint(picture[top : top + height, left : left + width], color, cover)
-
-
-@cache
-def _text(text):
-    """What a text covers of a box around it, (height, width), 0 to 1; capitals without a tail are in the middle."""
-    font = 0
-    blf.size(font, _TEXT_SIZE)
-    blf.color(font, 1, 1, 1, 1)
-    width, height, capital = round(blf.dimensions(font, text)[0]) + 4, 3 * _TEXT_SIZE, blf.dimensions(font, "H")[1]
-    canvas = imbuf.new((width, height))
-    with blf.bind_imbuf(font, canvas):
-        blf.position(font, 2, (height - capital) / 2, 0)
-        blf.draw_buffer(font, text)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "text.png"
-        imbuf.write(canvas, filepath=str(path))
-        return pixels_of(path)[..., 3]
 
 
 def _grid(picture, place):
@@ -90,7 +58,3 @@ def _arc(away, turned, first, last):
 def _soft(distance, width):
     """1 inside, 0 outside, and between them over a width on both sides."""
     return np.clip(0.5 - distance / (2 * width), 0, 1)
-
-
-def _paint(picture, color, cover):
-    picture += cover[..., None] * (color - picture)

@@ -23,7 +23,7 @@ from synch_fields.synch_addon.solids import memory
 
 TILE, SAMPLES = (560, 500), 12
 # Points around a bead, and the power that squares it: 1 for an ellipse.
-AROUND, SQUARE = 12, 0.6
+AROUND, SQUARE = 24, 0.6
 # Of a bead's width and height, so that its neighbours show.
 GAP = 0.97
 # Heights in spacings, and their colours.
@@ -65,7 +65,10 @@ def printing(options, folder, path):
 
 
 def beads_object(plan, share, spacing):
-    """The first beads of a plan, a share of their length, as one mesh object whose values are their heights."""
+    """The first beads of a plan, a share of their length, as one mesh object whose values are their heights.
+
+    Its faces are small and flat: in narrow turns beads overlap themselves, where smooth shades would be black.
+    """
     lines = plan.lines
     lengths = np.cumsum(lines.lengths)
     points, faces, values = [], [], []
@@ -73,13 +76,12 @@ def beads_object(plan, share, spacing):
         rows = slice(lines.starts[line], lines.starts[line] + lines.sizes[line])
         heights = np.minimum(plan.heights[rows], HEIGHTS[1] * spacing)
         ring = rings(plan.places[rows], plan.normals[rows], plan.widths[rows], heights, lines.closed[line])
-        faces.append(tube(len(ring), lines.closed[line]) + sum(map(len, points)))
+        faces += tube(len(ring), lines.closed[line], sum(map(len, points)))
         points.append(ring.reshape(-1, 3))
         values.append(np.repeat(plan.heights[rows] / spacing, AROUND))
     mesh = bpy.data.meshes.new("Beads")
-    mesh.from_pydata(np.concatenate(points), [], np.concatenate(faces).tolist())
+    mesh.from_pydata(np.concatenate(points), [], faces)
     mesh.attributes.new("value", "FLOAT", "POINT").data.foreach_set("value", np.concatenate(values).astype(np.float32))
-    mesh.shade_smooth()
     mesh.materials.append(material_of_values("Beads", COLORS, HEIGHTS))
     obj = bpy.data.objects.new("Beads", mesh)
     bpy.context.scene.collection.objects.link(obj)
@@ -100,13 +102,14 @@ def rings(places, normals, widths, heights, closed):
     return places[:, None] + offsets
 
 
-def tube(count, closed):
-    """(f, 4) faces between rings, from the last to the first where they close."""
+def tube(count, closed, start):
+    """Faces between rings whose points are counted from a start, from the last to the first ring or with two caps."""
     ring = np.arange(count if closed else count - 1)
     around = np.arange(AROUND)
     corners = [(ring, around), (ring, around + 1), (ring + 1, around + 1), (ring + 1, around)]
-    faces = [(a % count)[:, None] * AROUND + (b % AROUND) for a, b in corners]
-    return np.stack(faces, axis=-1).reshape(-1, 4)
+    faces = [(a % count)[:, None] * AROUND + (b % AROUND) + start for a, b in corners]
+    caps = [] if closed else [start + around[::-1], start + (count - 1) * AROUND + around]
+    return np.stack(faces, axis=-1).reshape(-1, 4).tolist() + [cap.tolist() for cap in caps]
 
 
 if __name__ == "__main__":

@@ -29,14 +29,15 @@ TUBE = 0.004
 BEAD = 0.12
 
 
-def picture_of_layers(name, pattern, is_sdp, path):
-    """Layers, dark where the phase is near a multiple of 2 pi, and dislocation curves where the wedge was."""
+def picture_of_layers(name, pattern, is_sdp, path, curves=True, resolution=RESOLUTION):
+    """Layers, dark where the phase is near a multiple of 2 pi, and dislocation curves, also where the wedge was."""
     _start()
     mesh = pattern.mesh
     surface = (cut_away(mesh, _wedge(name, mesh)) if VIEWS[name][0] else boundary(mesh)).refined(pattern.tet_phases)
     obj = _add_surface(surface, surface.values(pattern.tet_phases), _stripes(ROSE if is_sdp else BLUE))
-    _add_tubes(obj, defect_curves(mesh, pattern.face_numbers), TUBE * np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
-    return _render(name, obj, path)
+    if curves:
+        _add_tubes(obj, defect_curves(mesh, pattern.face_numbers), TUBE * np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
+    return _render(name, obj, path, resolution)
 
 
 def picture_of_print(name, pattern, share, path):
@@ -74,8 +75,8 @@ def _start():
     bpy.ops.wm.read_homefile(use_empty=True)
 
 
-def _render(name, obj, path):
-    return render_picture(obj, path, resolution=RESOLUTION, samples=SAMPLES, markers=False, view=VIEWS[name][2])
+def _render(name, obj, path, resolution=RESOLUTION):
+    return render_picture(obj, path, resolution=resolution, samples=SAMPLES, markers=False, view=VIEWS[name][2])
 
 
 def _wedge(name, mesh):

@@ -22,11 +22,14 @@ from synch_fields.docs.make.sheets import beside, make_pictures
 from synch_fields.synch_addon.blender.transaction import only_for_now
 from synch_fields.synch_addon.flows.job import clebsch
 from synch_fields.synch_addon.looks.render import render_picture
+from synch_fields.synch_addon.nodes.canvas import find_node
 from synch_fields.synch_addon.nodes.globe import SPHERE, globe_group
 from synch_fields.synch_addon.nodes.stripes import STRIPES_NAME
 
 NODES_OF_KNOT = 40
 VIEW = (-20, 38)
+# The single knot: where all of it is seen from, and a surface without highlights, which would show every triangle.
+FROM_ABOVE, MATT = (10, 84), (0.85, 0.2)
 SMALL, SAMPLES = (330, 290), 16
 # Figure 7: quanta of the disk, nodes and half the side of the plane, colours of the points on the globe.
 DISK_QUANTA, NODES, HALF = 5, 120, 1.6
@@ -73,9 +76,19 @@ def figure5(place):
 def knot(_options, folder, path):
     """Tubes of one quantum on a finer grid, in the colours of the sphere."""
     bpy.ops.wm.read_homefile(use_empty=True)
-    report = clebsch(save_trefoil(folder, 80), quantum=2 * np.pi * QUANTA / 2, show="tubes", opening=70, smoothing=4)
-    obj = in_hues(bpy.data.objects[report["object"]])
-    render_picture(obj, path, resolution=(1000, 720), samples=24, view=VIEW)
+    report = clebsch(save_trefoil(folder, 80), quantum=2 * np.pi * QUANTA / 2, show="tubes", opening=46, smoothing=12)
+    obj = smoothed(in_hues(bpy.data.objects[report["object"]]))
+    surface = find_node(obj.active_material.node_tree, "ShaderNodeBsdfPrincipled")
+    surface.inputs["Roughness"].default_value, surface.inputs["Specular IOR Level"].default_value = MATT
+    render_picture(obj, path, resolution=(1200, 900), samples=16, view=FROM_ABOVE)
+
+
+def smoothed(obj):
+    """A tube of larger triangles, smoothed: those of the grid differ much in size, and their shades too."""
+    obj.modifiers.new("Larger", "DECIMATE").ratio = 0.5
+    obj.modifiers.new("Smooth", "SMOOTH").iterations = 12
+    obj.modifiers.new("Round", "SUBSURF").render_levels = 1
+    return obj
 
 
 def save_trefoil(folder, nodes):

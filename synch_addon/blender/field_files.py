@@ -13,6 +13,7 @@ from ...core.geometry import mesh_input
 from ...core.settings.surface import SYMMETRY_ORDERS
 from ...core.validation import check_path
 from . import attributes, meshes
+from .pattern_surface import source_faces, surface_of
 from .schema import DIRECTION
 
 
@@ -80,14 +81,32 @@ def export_directions(obj, path, symmetry):
     MeshError, SettingError
         for faces that are no triangles, an object without directions, and files that cannot be written
     """
-    path = bpy.path.abspath(check_path(path))
+    path, number = bpy.path.abspath(check_path(path)), SYMMETRY_ORDERS[symmetry]
+    check_triangles(meshes.read_polygons(obj))
+    surface = surface_of(obj)
+    local = _face_directions(surface, number)
+    if surface != obj:
+        local = local[_middle_faces(obj, surface)]
+    write_field(path, FaceField(number, local))
+
+
+def _face_directions(obj, number):
+    """(m, number, 3) directions on an object's faces, in its own space."""
     given = meshes.read_mesh(obj)
-    check_triangles(given.polygons)
-    number = SYMMETRY_ORDERS[symmetry]
     angles = given_directions(given.mesh, number, attributes.read_vectors(obj, DIRECTION.name, given)).angles
     found = from_vertices(given.mesh, number, angles).vectors
     vectors = np.zeros((len(given.polygons.starts), *found.shape[1:]))
     vectors[given.polygons.triangle_faces] = found
     vectors = given.polygons.at_faces(vectors)
-    local = mesh_input.unstretched(vectors.reshape(-1, 3), given.stretch).reshape(vectors.shape)
-    write_field(path, FaceField(number, local))
+    return mesh_input.unstretched(vectors.reshape(-1, 3), given.stretch).reshape(vectors.shape)
+
+
+def _middle_faces(obj, surface):
+    """(m,) the face of a pattern's own surface that is nearest to the middle of each face of the object."""
+    source = source_faces(obj)
+    middles, parts = (attributes.read_all(mesh.data.polygons, "center", 3, np.float32) for mesh in (obj, surface))
+    order = np.lexsort((((parts - middles[source]) ** 2).sum(axis=1), source))
+    faces, first = np.unique(source[order], return_index=True)
+    nearest = np.zeros(len(middles), int)
+    nearest[faces] = order[first]
+    return nearest

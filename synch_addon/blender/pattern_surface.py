@@ -25,18 +25,23 @@ def surface_modifier(obj):
 def faces_of_object(obj, faces):
     """The faces of an object's own mesh that faces of the mesh that carries its pattern are part of, ascending.
 
+    Errors as :func:`source_faces`.
+    """
+    return faces if surface_of(obj) == obj else sorted(set(source_faces(obj)[faces].tolist()))
+
+
+def source_faces(obj):
+    """(m,) the face of an object's own mesh that each face of its pattern's own surface is part of.
+
     Raises
     ------
     SynchError
         where that is made of what modifiers made of the object
     """
-    surface = surface_of(obj)
-    if surface == obj:
-        return faces
-    source = read(surface, SOURCE_FACE)
+    source = read(surface_of(obj), SOURCE_FACE)
     if source is None or source.max(initial=-1) >= len(obj.data.polygons):
-        raise SynchError(f"the pattern of {obj.name} lies on faces that its modifiers make: apply them to select faces")
-    return sorted(set(source[faces].tolist()))
+        raise SynchError(f"the pattern of {obj.name} lies on faces that its modifiers make: apply them and solve again")
+    return source
 
 
 def shown_by(modifier):

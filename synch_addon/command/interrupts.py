@@ -5,7 +5,9 @@ import signal
 import sys
 from contextlib import ExitStack, contextmanager
 
-# What is said of a signal; the exit status is 128 and its number, as shells have it.
+# The exit status is this and the signal's number, as shells have it.
+SIGNALLED = 128
+# What is said of a signal.
 _WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 
 
@@ -40,4 +42,4 @@ def catch_interrupts():
 def report_signal(what, number):
     """Print that something has been ended by a signal; the exit status."""
     print(f"{what}: {_WORDS[number]}", file=sys.stderr)
-    return 128 + number
+    return SIGNALLED + number

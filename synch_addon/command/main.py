@@ -33,7 +33,7 @@ from . import animate, bake, batch, clebsch, fields, layers, process_exit
 from . import lines as cli_lines
 from .declared_files import DEMO, declared_files
 from .flags import Made, add_input, add_quiet, add_view, save_scene
-from .interrupts import Interrupted, catch_interrupts, report_signal
+from .interrupts import SIGNALLED, Interrupted, catch_interrupts, report_signal
 
 # What is told in one line.
 _REFUSALS = SynchError, MemoryError, OSError, RuntimeError
@@ -288,10 +288,17 @@ class _BlenderCommand:
         self._handle = None
 
     def register(self):
-        self._handle = bpy.utils.register_cli_command("synch", lambda arguments: main(arguments, loaded=True))
+        self._handle = bpy.utils.register_cli_command("synch", self._run)
 
     def unregister(self):
         bpy.utils.unregister_cli_command(self._handle)
+
+    @staticmethod
+    def _run(arguments):
+        status = main(arguments, loaded=True)
+        if status > SIGNALLED:  # Blender's own end prints faults of the threads that a signal leaves running
+            process_exit.leave(status)
+        return status
 
 
 blender_command = _BlenderCommand()

@@ -2,7 +2,8 @@
 """The one exit of the command line's processes, whatever ran in them.
 
 Blender's own exit as a module waits for ever after a file with drivers, may abort while threads of what was interrupted
-still run, and crashes where classes are left. Inside a Blender program that program ends the process itself.
+still run, and crashes where classes are left. Inside a Blender program that program ends the process itself, except
+where a signal has interrupted a command.
 """
 
 import atexit

@@ -223,7 +223,8 @@ def versions():
 
 def summary(report):
     """The lines that a person wants to read."""
-    lines = [f"{report['command']} on {report['object']}: {report['nodes']} vertices, {report['edges']} edges"]
+    name = one_line(report["object"])
+    lines = [f"{report['command']} on {name}: {report['nodes']} vertices, {report['edges']} edges"]
     if report["energy"] is not None:
         saving = "no field saves more than" if report["certificate"] == "proved" else "gap"
         bound = f"lower bound {report['lower_bound']:.6g} ({report['certificate']})"

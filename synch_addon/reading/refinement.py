@@ -12,6 +12,7 @@ from ...core.errors import SettingError, SynchError
 from ...core.geometry.welding import welded_vertices
 from ...core.refinement import BoundSurface, TooFineError, refine
 from ...core.refinement.spacing import LINES_ACROSS, longest_edge
+from ...core.tasks.quad_meshes import faces_of_factor
 from ..blender import attributes, meshes
 from ..blender.modifiers import changing_modifiers, foreign_modifiers, hidden, is_ours
 from ..blender.refined_mesh import refined_object
@@ -75,7 +76,7 @@ def refinement_of(command, obj, settings):
         try:
             bound = _refined(source, given, np.inf if longest is None else longest)
         except TooFineError as error:
-            raise SettingError(_finest(command, settings, spacing, error.factor)) from None
+            raise SettingError(_finest(command, obj, given, settings, spacing, error.factor)) from None
         return Refinement(bound, is_seen, state_of(obj), len(source.data.vertices)), None
 
 
@@ -105,10 +106,14 @@ def _longest_edge(command, obj, given, settings, spacing):
     return longest_edge(given.mesh, spacings)
 
 
-def _finest(command, settings, spacing, factor):
+def _finest(command, obj, given, settings, spacing, factor):
     """The line that refuses faces or a spacing, and says which would do."""
     if command == "quad_mesh" and settings.faces:
-        return f"{settings.faces} faces are too many for this mesh: ask for {int(settings.faces / factor**2)} at most"
+        _, asked = asked_spacings(command, obj, given, settings, spacing)
+        fitting = faces_of_factor(given.mesh, asked, factor)
+        if fitting < 1:
+            return "parts of this mesh are too long and thin for quads: delete vertices that lie far out, or remesh it"
+        return f"{settings.faces} faces are too many for this mesh: ask for {fitting} at most"
     return f"the spacing {spacing:g} is too fine for this mesh: use one from {factor * spacing:.3g} on"
 
 

@@ -277,7 +277,8 @@ def test_any_result_that_an_object_keeps_is_taken_or_refused(value, kind):
     text = _dumped(value)
     with suppress(UnicodeError, ValueError, TypeError):
         obj.synch.result = text
-    if isinstance(value, str | int | float):
+    # After halves of characters Blender leaves an error behind that shows anywhere.
+    if isinstance(value, int | float) or (isinstance(value, str) and value.isprintable()):
         with suppress(UnicodeError, ValueError, OverflowError, TypeError):
             obj["synch_extra"] = value
     for work in (lambda: api.isolines(obj), lambda: api.vary(obj, 1), lambda: api.stripes(obj, **SOLVED)):

@@ -21,8 +21,10 @@ import numpy as np
 from . import reading
 from .screen import write_png
 
-# Seconds after which what is waited for counts as missing, and that an event needs to reach the window.
-PATIENCE, SETTLING = 300, 0.3
+# Seconds after which what is waited for counts as missing, more where other work has the processors, and that an event
+# needs to reach the window.
+PATIENCE = round(300 * max(1.0, os.getloadavg()[1] / os.cpu_count()))
+SETTLING = 0.3
 # Mean difference of bytes up to which two pictures are the same: samples are still added to what is rendered.
 _SAME = 0.2
 # Points of the interface's font.
@@ -125,11 +127,11 @@ class Blender:
 
     def says(self, text, **parts):
         """A text with parts in braces as the extension puts it together, in the window's language."""
-        return self.value(f"part('blender.translations').said({text!r}, **{parts!r})")
+        return self.value(f"part('blender.translations').translate({text!r}, **{parts!r})")
 
     def counts(self, count, noun):
         """Such as "2 line ends", in the window's language."""
-        return self.value(f"part('blender.translations').counted({count}, {noun!r})")
+        return self.value(f"part('blender.translations').translate_count({count}, {noun!r})")
 
     def wait_for(self, text, kind="UI", tab=False, last=False):
         """Wait for a region to show a text; returns its middle, the topmost or the last if there are several."""

@@ -78,7 +78,7 @@ def _installed(folder, size=SIZE):
         blender = Blender(command, screen, folder)
         try:
             install = "bpy.ops.extensions.package_install_files"
-            blender.run(f"{install}(filepath={_built(folder)!r}, repo='user_default', enable_on_install=True)")
+            blender.run(f"{install}(filepath={build_extension(folder)!r}, repo='user_default', enable_on_install=True)")
             blender.run("part('settings.preferences').preferences().panel = 'ADVANCED'")
             blender.run(SPEAK)
             yield blender
@@ -122,7 +122,8 @@ def keep():
     return lambda name, picture: write_png(folder / f"{name}.png", picture)
 
 
-def _built(folder):
+def build_extension(folder):
+    """The path of the extension's zip, built into a folder."""
     sys.path.insert(0, str(ROOT / "tools"))
     try:
         from extension import build

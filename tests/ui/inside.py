@@ -108,7 +108,7 @@ def state():
 
 def _digest(attribute):
     field = {"FLOAT_VECTOR": "vector", "FLOAT_COLOR": "color", "FLOAT2": "vector"}.get(attribute.data_type, "value")
-    width = {"FLOAT_VECTOR": 3, "FLOAT_COLOR": 4, "FLOAT2": 2, "INT32_2D": 2}.get(attribute.data_type, 1)
+    width = {"FLOAT_VECTOR": 3, "FLOAT_COLOR": 4, "FLOAT2": 2, "INT32_2D": 2, "INT16_2D": 2}.get(attribute.data_type, 1)
     values = np.zeros(len(attribute.data) * width, np.float32 if "FLOAT" in attribute.data_type else np.int32)
     attribute.data.foreach_get(field, values)
     return hashlib.sha1(values).hexdigest()

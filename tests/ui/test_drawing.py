@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from .test_window import add_ball, solved
+from .test_window import add_ball, solved, without_overlays
 
 # Runs inside: what the tests look at.
 STROKES = """
@@ -74,7 +74,7 @@ def test_strokes_are_drawn_erased_smoothed_and_undone(ball, keep):
     assert ball.value(COUNT) == 1
     ball.drag(other)
     ball.until(f"{COUNT} == 2")
-    keep("strokes", ball.picture())
+    keep("strokes_drawn", ball.picture())
     ball.press("Z", ctrl=True)
     ball.until(f"{COUNT} == 1")
     ball.press("Z", ctrl=True, shift=True)
@@ -127,6 +127,14 @@ def test_a_stripe_lies_on_a_stroke_and_follows_it_live(ball, keep):
     ball.until(f"state()['attributes']['synch_direction'] != {directions!r}")
     ball.until("part('patterns.live').live._work is None")
     keep("stroke_live", ball.picture())
+    ball.run("bpy.ops.object.shade_smooth(); view().view_distance = 7.1")
+    ball.run(without_overlays("floor axis_x axis_y cursor extras outline_selected relationship_lines object_origins"))
+    ball.run("area().spaces[0].show_gizmo = False")
+    x, y, _, height = ball.region("WINDOW")
+    middle, across = np.array(ball.value("pixel((0, 0, 0))")), 270
+    left, row = middle[0] - x, y + height - middle[1]
+    picture = ball.wait_to_see(lambda picture: True, "WINDOW", still=2)
+    keep("strokes", picture[int(row) - across : int(row) + across, int(left) - across : int(left) + across])
     ball.run("bpy.context.window_manager.synch_live = False")
 
 

@@ -23,6 +23,11 @@ def solved(blender):
     return result(blender)
 
 
+def without_overlays(names):
+    """Code that hides some of the view's overlays, for a picture of the rest."""
+    return f"[setattr(area().spaces[0].overlay, f'show_{{name}}', False) for name in {names.split()}]"
+
+
 def result(blender):
     return json.loads(blender.value("active().synch.result"))
 
@@ -277,18 +282,25 @@ def stripes_are_seen(picture):
 
 
 def test_four_clicks_from_suzanne_to_a_striped_render(as_delivered, keep):
-    """With nothing but what the panel says: the click list of the README."""
+    """With nothing but what the panel says: the click list of the README. The last picture is of the monkey alone."""
     blender = as_delivered
     blender.run("bpy.ops.mesh.primitive_monkey_add(); bpy.ops.object.shade_smooth()")
-    blender.run("from mathutils import Euler; view().view_rotation = Euler((1.25, 0, 0.7)).to_quaternion()")
-    blender.run("view().view_distance = 5")
+    blender.run("bpy.ops.object.subdivision_set(level=2)")
+    blender.run("from mathutils import Euler; view().view_rotation = Euler((1.4, 0, 0.35)).to_quaternion()")
+    blender.run("view().view_distance = 4.6")
     assert not stripes_are_seen(blender.picture("WINDOW"))
     blender.open_panel()  # 1: the key N; 2: the tab
-    keep("click_2", blender.picture("UI")[:340])
+    keep("click_2", blender.picture("UI")[:333])
     blender.click("Stripes")  # 3
-    blender.wait_for("Rendered")
-    keep("click_3", blender.picture("UI")[:340])
-    blender.click("Rendered")  # 4
+    blender.wait_for("Show Defects")
+    blender.wait_to_see(lambda picture: True, "UI", still=2)
+    last = blender.wait_for("Show Defects")
+    _, y, _, height = blender.region("UI")
+    keep("click_3", blender.picture("UI")[: y + height - int(last[1]) + 20])
+    blender.click("Preview")  # 4
     blender.until("area().spaces[0].shading.type in ('MATERIAL', 'RENDERED')")
-    picture = blender.wait_to_see(stripes_are_seen, "WINDOW", still=5)
-    keep("click_4", picture[220:680, 300:830])
+    blender.wait_to_see(stripes_are_seen, "WINDOW", still=5)
+    blender.run(without_overlays("overlays") + "; area().spaces[0].show_gizmo = False")
+    picture = blender.wait_to_see(stripes_are_seen, "WINDOW", still=2)
+    blender.run("area().spaces[0].overlay.show_overlays = area().spaces[0].show_gizmo = True")
+    keep("click_4", picture[220:690, 320:])

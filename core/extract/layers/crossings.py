@@ -17,9 +17,13 @@ from ...geometry.tet_mesh import TetMesh
 from ...graphs import components, ragged_arange
 from ...interpolate import TURN
 from ...interpolate_solid import EDGE_CORNERS, FACE_CORNERS
+from ...memory import check_memory
+from ..lines.edge_crossings import refuse_more
 
 # Vertices this near to a level are moved off it, in periods.
 ASIDE = 1e-7
+# Measured while a million crossings became layers: 630.
+BYTES_PER_CROSSING = 650
 
 
 @dataclass(frozen=True)
@@ -48,9 +52,17 @@ class LayerCrossings:
     faces: np.ndarray
 
 
+def refuse_too_many_layers(changes):
+    """Refuse changes of the phase along edges, in radians, with more crossings than are drawn or fit into memory."""
+    count = np.abs(changes).sum() / TURN
+    refuse_more(count, "the layers cross the solid's edges", 1)
+    check_memory(BYTES_PER_CROSSING * count, f"layers that cross the solid's edges {count:.2g} times")
+
+
 def crossings_of(edge_phases, offset=0.0):
-    """:class:`LayerCrossings` of the levels offset + 2 pi k."""
+    """:class:`LayerCrossings` of the levels offset + 2 pi k; errors as :func:`refuse_too_many_layers`."""
     mesh = edge_phases.mesh
+    refuse_too_many_layers(edge_phases.changes)
     given, changes = (edge_phases.arguments[:, 0] - offset) / TURN, edge_phases.changes[:, 0] / TURN
     near = np.abs(given - np.rint(given)) < ASIDE
     faces, sides = _layers_on_boundary(mesh, near, changes)

@@ -16,6 +16,8 @@ SEEDS = 0.5
 ASPECT = 16
 # Nearer than this share of the distance is too near.
 TOO_NEAR = 0.7
+# Stretches of one line that are more than this many apart along it lie beside each other where it comes back.
+SAME_TURN = 4
 # Lines of at least this share of their full length are kept first, then shorter ones.
 SHARES = (0.8, 0.4, 0.15)
 
@@ -51,7 +53,7 @@ def _keep_apart(mesh, traced, apart):
     starts = np.flatnonzero(np.diff(stretch, prepend=-1))
     side_by_side = _SideBySide(mesh, traced[starts], TOO_NEAR * apart)
     first = np.searchsorted(traced.line[starts], np.arange(traced.line.max() + 2))
-    blocked, kept = np.zeros((2, len(starts)), bool)
+    blocked, kept = side_by_side.coming_back(numbers[starts]), np.zeros(len(starts), bool)
     waiting = list(range(len(first) - 1))
     for share in SHARES:
         left = []
@@ -99,13 +101,26 @@ class _SideBySide:
         along = ends[:, 1] - ends[:, 0]
         self.along = along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), np.finfo(float).tiny)
         self.normals = mesh.face_normals[pieces.triangle]
-        self.centres = ends.mean(axis=1)
+        self.centres, self.line = ends.mean(axis=1), pieces.line
         self.tree, self.radius = cKDTree(self.centres), radius
 
     def with_run(self, run):
         """Indices of the pieces beside any of a run of pieces, the run itself among them."""
+        return self._pairs(run)[1]
+
+    def coming_back(self, numbers):
+        """(p,) bool: pieces beside another of their line that is nearer to its seed, by numbers from there."""
+        i, j = self._pairs(np.arange(len(numbers)))
+        back = (self.line[i] == self.line[j]) & (np.abs(numbers[i] - numbers[j]) > SAME_TURN)
+        back &= 2 * np.abs(numbers[i]) + (numbers[i] < 0) > 2 * np.abs(numbers[j]) + (numbers[j] < 0)
+        found = np.zeros(len(numbers), bool)
+        found[i[back]] = True
+        return found
+
+    def _pairs(self, run):
+        """Each of a run of pieces, and each that lies beside it, as two arrays of indices."""
         rows, j = pairs_within(self.tree, self.centres[run], self.radius)
         i = run[rows]
         beside = np.abs(np.einsum("ij,ij->i", self.along[i], self.along[j])) > 0.7
         beside &= np.einsum("ij,ij->i", self.normals[i], self.normals[j]) > 0.5
-        return j[beside]
+        return i[beside], j[beside]

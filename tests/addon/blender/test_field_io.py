@@ -12,6 +12,7 @@ from synch_fields.core.errors import SynchError
 from synch_fields.core.files.directions import FaceField, read_field, write_field
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender.pattern_surface import surface_of
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.settings.guide_list import stored_guidance
 
@@ -217,6 +218,37 @@ def test_what_cannot_be_read_or_written_is_one_line(tmp_path, capfd):
         assert main.main(["directions", "--quiet", "--export-field", str(tmp_path / name)], loaded=True) == 1
         assert message in capfd.readouterr().err
     assert snapshot() == before
+
+
+@pytest.mark.any_surface
+@pytest.mark.parametrize("scale", [(1, 1, 1), (1, 1, 2)])
+def test_directions_of_a_pattern_on_its_own_surface_are_written_for_the_faces_of_the_object(scale, tmp_path):
+    obj = sphere(2)
+    obj.scale = scale
+    bpy.context.view_layer.update()
+    api.stripes(obj, spacing=0.3, guidance="axis:Z", method="spectral")
+    assert surface_of(obj) != obj and "synch_direction" not in obj.data.attributes
+    api.export_field(obj, tmp_path / "field.rawfield", "line")
+    vectors, up = read_field(tmp_path / "field.rawfield").vectors[:, 0], normals(obj)
+    assert len(vectors) == len(obj.data.polygons)
+    assert np.abs(np.einsum("ij,ij->i", vectors, up)).max() < 1e-4
+    beside = np.abs(up[:, 2]) < 0.5  # away from the poles: along the axis, as seen on the face
+    measured, axis = vectors * scale, np.array([0, 0, 1.0])
+    across = up / scale
+    across /= np.linalg.norm(across, axis=1)[:, None]
+    axis = axis - across[:, 2:] * across
+    cosines = np.einsum("ij,ij->i", measured, axis) / np.linalg.norm(measured, axis=1) / np.linalg.norm(axis, axis=1)
+    assert np.abs(cosines[beside]).min() > 0.95
+
+
+@pytest.mark.any_surface
+def test_a_pattern_on_the_faces_of_modifiers_is_refused_with_what_helps(tmp_path):
+    obj = sphere(2)
+    obj.modifiers.new("smooth", "SUBSURF").levels = 1
+    api.stripes(obj, spacing=0.3, method="spectral", surface="seen")
+    with pytest.raises(SynchError, match="lies on faces that its modifiers make: apply them and solve again"):
+        api.export_field(obj, tmp_path / "field.rawfield", "line")
+    assert not list(tmp_path.iterdir())
 
 
 def test_stretched_crosses_need_the_file_that_holds_them_all(tmp_path):

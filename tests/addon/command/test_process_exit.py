@@ -8,6 +8,8 @@ import signal
 import subprocess
 import sys
 import textwrap
+import time
+from contextlib import suppress
 from pathlib import Path
 
 import bpy
@@ -24,6 +26,8 @@ ROOT = Path(synch_fields.__file__).parents[1]
 COMMAND = [sys.executable, "-m", "synch_fields"]
 # Seconds in which a command ends; one that does not end waits for ever.
 LONG = 120
+# And in which one ends that a signal has asked to, long before its work is done.
+SOON = 30
 
 
 @pytest.fixture
@@ -102,17 +106,50 @@ def test_a_fault_of_ours_is_shown_and_the_status_is_1(ball, temporary, place):
     assert done.returncode == 1 and "ZeroDivisionError" in done.stderr and list(temporary.iterdir()) == []
 
 
+SIGNALS = [("SIGTERM", 143, "terminated"), ("SIGINT", 130, "interrupted")]
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="processes are ended at once there")
-@pytest.mark.parametrize(("number", "status", "word"), [("SIGTERM", 143, "terminated"), ("SIGINT", 130, "interrupted")])
+@pytest.mark.parametrize(("number", "status", "word"), SIGNALS)
 def test_a_signal_ends_a_command_in_one_line_and_leaves_nothing(ball, tmp_path, temporary, place, number, status, word):
     arguments = ["stripes", ball, "--spacing", 0.05, "--output", tmp_path / "new" / "out.blend"]
     process = subprocess.Popen([*COMMAND, *map(str, arguments)], **place)
     process.stderr.readline()
     process.send_signal(getattr(signal, number))
-    _, errors = process.communicate(timeout=LONG)
+    _, errors = process.communicate(timeout=SOON)
     assert process.returncode == status, errors
     assert "Traceback" not in errors and errors.splitlines()[-1] == f"synch stripes: {word}"
     assert sorted(os.listdir(tmp_path)) == ["ball.obj", "temporary"] and list(temporary.iterdir()) == []
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the system does not tell whose a process is")
+@pytest.mark.parametrize(("number", "status", "word"), SIGNALS)
+def test_a_signal_ends_a_batch_and_the_processes_of_its_rows(ball, tmp_path, temporary, place, number, status, word):
+    rows = [{"command": "stripes", "input": ball.name, "spacing": 0.02, "report": f"{row}.json"} for row in range(3)]
+    (tmp_path / "rows.jsonl").write_text("".join(json.dumps(row) + "\n" for row in rows))
+    process = subprocess.Popen([*COMMAND, "batch", "rows.jsonl", "--jobs", "2"], cwd=tmp_path, **place)
+    end = time.monotonic() + LONG
+    while len(processes_with(temporary)) < 3 and time.monotonic() < end:  # itself and two rows
+        time.sleep(0.05)
+    time.sleep(1)  # in which the rows begin
+    process.send_signal(getattr(signal, number))
+    _, errors = process.communicate(timeout=SOON)
+    assert process.returncode == status and errors.splitlines()[-1] == f"synch batch: {word}", errors
+    assert "Traceback" not in errors
+    while (left := processes_with(temporary)) and time.monotonic() < end:
+        time.sleep(0.05)
+    assert not left
+    assert not list(tmp_path.glob("*.json"))
+
+
+def processes_with(temporary):
+    """Numbers of the running processes that have this folder for their temporary files."""
+    found, mark = [], f"TMPDIR={temporary}\0".encode()
+    for entry in Path("/proc").iterdir():
+        with suppress(OSError):  # it has ended
+            if entry.name.isdigit() and mark in (entry / "environ").read_bytes():
+                found.append(int(entry.name))
+    return found
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the system does not tell when a process began")

@@ -12,6 +12,7 @@ import pytest
 from synch_fields.core.errors import SettingError, SynchError
 from synch_fields.core.fields.biot_savart import filament_velocity
 from synch_fields.core.fields.clebsch import edge_integrals, faces_of_filament
+from synch_fields.core.files.flows import flow_file
 from synch_fields.core.geometry.grid import Grid
 from synch_fields.core.tasks.flows import showing
 from synch_fields.synch_addon import api
@@ -173,6 +174,18 @@ def test_settings_out_of_range_are_refused(settings, message):
     with pytest.raises(SettingError, match=message):
         clebsch(obj, **settings)
     assert len(bpy.data.objects) == 1
+
+
+@pytest.mark.parametrize("far", [2**30, -(2**31)])
+def test_voxels_too_far_for_the_library_are_refused(tmp_path, far):
+    """It ends the process when it copies them."""
+    vdb = openvdb.openvdb_module()
+    volume = vdb.Vec3SGrid()
+    volume.name = "velocity"
+    volume.fill((far, 0, 0), (far + 9, 9, 9), (0.5, 0.2, 0.1))
+    vdb.write(str(tmp_path / "far.vdb"), [volume])
+    with pytest.raises(SettingError, match="velocity has voxels too far from its origin: move them nearer"):
+        flow_file(tmp_path / "far.vdb", module=openvdb.module_file()).read()
 
 
 def test_of_several_grids_of_vectors_the_velocity_is_solved(tmp_path):

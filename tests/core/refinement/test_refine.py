@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.geometry import TriangleMesh, check_mesh
-from synch_fields.core.refinement import TooFineError, bound_surface, refine
+from synch_fields.core.refinement import TooFineError, bound_surface, division, refine
 
 CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
 QUADS = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
@@ -106,3 +106,19 @@ def test_too_many_triangles_are_refused_with_a_length_that_works(monkeypatch):
     with pytest.raises(TooFineError, match=r"edges of at most 0.05 .* ask for edges of 0\.[0-9]+") as error:
         refined(CUBE, QUADS, 0.05)
     assert 100 < len(refined(CUBE, QUADS, 0.05 * error.value.factor).starts) <= 1000
+
+
+def test_edges_far_too_fine_are_refused_before_triangles_are_made(monkeypatch):
+    made, halved = [], division._halved
+
+    def count_triangles(*arguments):
+        found = halved(*arguments)
+        made.append(len(found.triangles))
+        return found
+
+    monkeypatch.setattr(division, "_halved", count_triangles)
+    monkeypatch.setattr(bound_surface, "MOST_TRIANGLES", 10_000)
+    spiked = np.vstack([CUBE[:-1], 1e9 * CUBE[-1:]])
+    with pytest.raises(TooFineError):
+        refined(spiked, QUADS, 1.0)
+    assert sum(made) < 40_000

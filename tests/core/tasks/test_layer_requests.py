@@ -3,7 +3,9 @@
 """Layers in closed surfaces without Blender: exact ones, what is told of coarse ones, lengths, and outputs."""
 
 import pickle
+import re
 import sys
+import tracemalloc
 from dataclasses import replace
 from functools import partial
 
@@ -13,7 +15,9 @@ from scipy.spatial.transform import Rotation
 
 from synch_fields.core import memory
 from synch_fields.core.errors import Cancelled, SettingError, SynchError
+from synch_fields.core.extract.layers.crossings import refuse_too_many_layers
 from synch_fields.core.fields.guidance.filled import along_axis, away_from_area, between_areas, of_vectors
+from synch_fields.core.fields.layers import SolidTargetOneForm
 from synch_fields.core.files.tool_paths import polylines_of, table_of
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.filling.closed_surface import Area, ClosedSurface
@@ -169,6 +173,27 @@ print(taken / request.estimate.bytes, taken / result.solid.tet_count)
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere what a process has is told otherwise")
 def test_layers_take_about_as_much_memory_as_was_estimated():
     assert 0.7 <= numbers_of_child(MEASURE, "0.09")[0] < 1.5
+
+
+@pytest.mark.parametrize("spacing", [1e-5, 1e-8])
+def test_more_layers_than_are_drawn_are_refused_before_they_take_memory(spacing):
+    """In given tetrahedra, where no spacing is too fine; with one that is not refused."""
+    request = request_in(closed(cube(2)), 0.5, 0.2)
+    solid = request.surface.filled(0.2, [])
+
+    def with_spacing(given):
+        return replace(request, solid=solid, lengths=Lengths.carried(request.surface.distance, given, 0.2))
+
+    tracemalloc.start()
+    try:
+        with pytest.raises(SettingError, match=r"^the layers cross the solid's edges .* times") as caught:
+            with_spacing(spacing).solve()
+        assert tracemalloc.get_traced_memory()[1] < 20e6
+    finally:
+        tracemalloc.stop()
+    factor = float(re.search(r"make the spacing (\S+) times as large", str(caught.value))[1])
+    growth = SolidTargetOneForm.of(solid, np.tile([0.0, 0.0, 1.0], (solid.vertex_count, 1)), factor * spacing)
+    refuse_too_many_layers(growth.changes)
 
 
 def test_a_spacing_that_no_layer_fits_is_told_the_depth():

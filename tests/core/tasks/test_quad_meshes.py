@@ -81,6 +81,23 @@ def test_a_number_that_cannot_be_met_is_said():
     assert any("faces, not 13" in line for line in result.warnings)
 
 
+@pytest.mark.parametrize("reach", [1e3, 1e6])
+def test_a_spike_makes_no_more_faces_than_the_search_can_use(reach, monkeypatch):
+    """The area of a needle says little of how many quads lie along it."""
+    counts, traced = [], quad_meshes._draw
+
+    def count_faces(*arguments):
+        found = traced(*arguments)
+        counts.append(len(found.quads.sizes))
+        return found
+
+    monkeypatch.setattr(quad_meshes, "_draw", count_faces)
+    ball = icosphere(2)
+    ball.vertices[0] *= reach
+    asked(TriangleMesh(ball.vertices, ball.triangles), faces=8, branching=1.0).solve()
+    assert max(counts) <= 400
+
+
 @pytest.mark.parametrize("faces", [1, 3])
 def test_too_few_faces_give_the_coarsest_mesh_there_is_and_a_warning(faces):
     result = asked(icosphere(3), faces=faces).solve()
@@ -170,6 +187,16 @@ def test_the_factor_of_spacings_leads_to_a_number_of_quads(spacings):
     field = given_directions(mesh, 4, np.tile([1.0, 0, 0], (mesh.vertex_count, 1)))
     factor = quad_meshes.spacing_factor(mesh, spacings, 321)
     assert TargetOneForm.of(mesh, field, factor * spacings).quad_count == pytest.approx(321)
+
+
+@pytest.mark.parametrize("stretch", [1.0, 1e4])
+def test_as_many_faces_as_a_spacing_leaves_room_for(stretch):
+    mesh = square(5)
+    mesh = TriangleMesh(mesh.vertices * [stretch, 1, 1], mesh.triangles)
+    for faces in (1, 7, 100, 10_000):
+        assert (
+            quad_meshes.faces_of_factor(mesh, 0.2, (1 - 1e-9) * quad_meshes.spacing_factor(mesh, 0.2, faces)) == faces
+        )
 
 
 def test_the_smallest_sides_keep_a_map_and_take_the_shorter_axis():

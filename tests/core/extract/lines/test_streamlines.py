@@ -120,22 +120,42 @@ def test_pieces_of_a_line_follow_one_another_and_stay_in_their_triangles():
     np.testing.assert_allclose(ends[1:, 0][same], ends[:-1, 1][same], atol=1e-9)
 
 
-def test_lines_on_a_coarse_cylinder_follow_its_helices():
-    """Directions turn with the surface, from vertex to triangle and across edges: the pitch stays."""
-    turns, rings, height = 8, 20, 2.0
+def cylinder_with_helices(turns, rings, radius, height, slope):
+    """A mesh, and vectors on it that climb at an angle."""
     angle, z = np.meshgrid(2 * np.pi * np.arange(turns) / turns, np.linspace(0, height, rings))
-    vertices = np.column_stack([np.cos(angle).ravel(), np.sin(angle).ravel(), z.ravel()])
+    vertices = np.column_stack([radius * np.cos(angle).ravel(), radius * np.sin(angle).ravel(), z.ravel()])
     i, j = (a.ravel() for a in np.meshgrid(np.arange(turns), np.arange(rings - 1)))
     a, b = j * turns + i, j * turns + (i + 1) % turns
     mesh = TriangleMesh(
         vertices, np.concatenate([np.column_stack([a, b, b + turns]), np.column_stack([a, b + turns, a + turns])])
     )
-    around = np.column_stack([-vertices[:, 1], vertices[:, 0], 0 * vertices[:, 0]])
-    vectors = np.cos(0.5) * around + np.sin(0.5) * np.array([0, 0, 1])
+    around = np.column_stack([-vertices[:, 1], vertices[:, 0], 0 * vertices[:, 0]]) / radius
+    return mesh, np.cos(slope) * around + np.sin(slope) * np.array([0, 0, 1])
+
+
+def test_lines_on_a_coarse_cylinder_follow_its_helices():
+    """Directions turn with the surface, from vertex to triangle and across edges: the pitch stays."""
+    height = 2.0
+    mesh, vectors = cylinder_with_helices(8, 20, 1.0, height, 0.5)
     middle = np.flatnonzero(np.abs(mesh.vertices[mesh.triangles].mean(axis=1)[:, 2] - 1) < 0.05)[:5]
     lines = trace(mesh, vectors, 2, middle, np.full((len(middle), 3), 1 / 3), 100.0)
     assert lines.segments(mesh)[:, :, 2].max() == pytest.approx(height)
     np.testing.assert_allclose(line_lengths(mesh, lines), height / np.sin(0.5), rtol=1e-6)
+
+
+def test_lines_around_a_thin_limb_do_not_lie_beside_themselves():
+    """Where a line would wind on and on at less than the distance between lines, it ends."""
+    mesh, vectors = cylinder_with_helices(12, 400, 0.006, 2.0, 0.05)
+    lines = evenly_traced(mesh, vectors, 2, 100)
+    ends = lines.segments(mesh)
+    apart = np.sqrt(mesh.areas.sum()) / 32
+    along = np.cumsum(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
+    i, j = cKDTree(ends.mean(axis=1)).query_pairs(0.5 * apart, output_type="ndarray").T
+    far = (lines.line[i] != lines.line[j]) | (np.abs(along[i] - along[j]) > 3 * apart)
+    normals = mesh.face_normals[lines.triangle]
+    assert len(np.unique(lines.line)) > 50
+    beside = far & (np.einsum("ij,ij->i", normals[i], normals[j]) > 0.5)
+    assert beside.sum() < 0.01 * len(lines.line)
 
 
 def test_lines_lie_at_even_distances():

@@ -9,7 +9,9 @@ import pytest
 
 from synch_fields.core.errors import MeshError, SettingError
 from synch_fields.core.geometry import TriangleMesh
-from synch_fields.core.geometry.filling.stuffing import fill_surface
+from synch_fields.core.geometry.filling import topology_check
+from synch_fields.core.geometry.filling.lengths import AUTOMATIC_CUBES, estimate
+from synch_fields.core.geometry.filling.stuffing import estimated_cubes, fill_surface
 from synch_fields.core.geometry.filling.surface_distance import SurfaceDistance
 from synch_fields.core.geometry.filling.topology_check import fill_with_same_topology, more_holes
 
@@ -53,6 +55,41 @@ def test_another_body_is_refused_with_a_size_that_fits(mesh, size, flaw):
 def test_what_no_size_fills_is_refused():
     with pytest.raises(MeshError, match=r"sizes above 0.\d+ would not do: thicken these parts"):
         fill_with_same_topology(SurfaceDistance(turned_box(10, 10, 0.001)), 0.04)
+
+
+def slanting_rod(rings=28, around=4, thickness=1e-3):
+    """A square rod along the diagonal of a cube, 112 vertices, that fills a millionth of its box."""
+    along = np.linspace(0, 1, rings)[:, None, None] * np.ones(3)
+    turns = 2 * np.pi * np.arange(around) / around
+    across = np.outer(np.cos(turns), [1, -1, 0]) / np.sqrt(2) + np.outer(np.sin(turns), [1, 1, -2]) / np.sqrt(6)
+    places = (along + thickness * across).reshape(-1, 3)
+    walls = split_quads(grid_quads(rings - 1, around, wrap_rows=True))
+    first = np.array([[0, 1, 2], [0, 2, 3]])
+    mesh = TriangleMesh(places, np.concatenate([walls, first, first[:, ::-1] + around * (rings - 1)]))
+    signed = np.einsum("ij,ij->", mesh.vertices[mesh.triangles[:, 0]], mesh.face_normals * mesh.areas[:, None])
+    return mesh if signed > 0 else TriangleMesh(mesh.vertices, mesh.triangles[:, ::-1])
+
+
+def test_a_thin_rod_across_its_box_is_given_up_after_a_bounded_search(monkeypatch):
+    """Sizes that fill it have more cubes than are tried, however few tetrahedra they make."""
+    cubes, fill = [], topology_check.fill_surface
+
+    def count_cubes(signed_distance, bounds, size):
+        cubes.append(estimated_cubes(bounds, size))
+        return fill(signed_distance, bounds, size)
+
+    monkeypatch.setattr(topology_check, "fill_surface", count_cubes)
+    monkeypatch.setattr(topology_check, "MOST_TRIED_CUBES", 1_000_000)
+    distance = SurfaceDistance(slanting_rod())
+    assert distance.mesh.vertex_count == 112
+    with pytest.raises(MeshError, match="would not do: thicken these parts"):
+        fill_with_same_topology(distance, 0.05)
+    assert 2 < len(cubes) < 12 and sum(cubes) < 3 * topology_check.MOST_TRIED_CUBES
+
+
+def test_the_automatic_size_of_a_thin_rod_makes_a_bounded_number_of_cubes():
+    distance = SurfaceDistance(slanting_rod())
+    assert estimated_cubes(distance.bounds, estimate(distance).size) <= AUTOMATIC_CUBES
 
 
 @pytest.mark.parametrize("speck", [0.02, 0.004])
