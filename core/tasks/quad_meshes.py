@@ -153,8 +153,11 @@ class _Draft:
 
 
 def _draw(request, directions, progress):
-    """The :class:`_Draft` of the pattern along a field."""
+    """The :class:`_Draft` of the pattern along a field; of a whole solve where a coarse stage leaves dislocations."""
     result = request.along(directions, progress)
+    if request.options.method == COARSE and result.pattern.dislocations:
+        whole = _with_options(request, method="sdp").along(directions, progress)
+        result = min(result, whole, key=lambda result: result.pattern.energy)
     return _Draft(request, result, *request.trace(result.pattern))
 
 
