@@ -27,7 +27,9 @@ def check_options(options, problem, start):
         raise SettingError("the method 'descent' goes on from a start: give one")
     if options.method not in (*METHODS, DESCENT, FIRST, COARSE):
         raise SettingError(f"method {options.method!r} is unknown: use one of {', '.join(METHODS)}")
-    for name in ("target_gap", "time_limit") if options.rounding == COARSE else ("rounding", "target_gap", "time_limit"):
+    if options.rounding != COARSE:
+        _RECORDS["rounding"].check("rounding", options.rounding)
+    for name in ("target_gap", "time_limit"):
         _RECORDS[name].check(name, getattr(options, name))
     if start is not None:
         _check_start(problem, start, options)

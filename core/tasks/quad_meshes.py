@@ -54,7 +54,8 @@ def _mesh_field(request, directions, progress):
         # Patterns without dislocations are found on a coarse stage; variations are those of a whole solve.
         request = _with_options(request, method=COARSE)
     if request.faces is None:
-        return _finish(_draw(request, directions, portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)))
+        part = portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)
+        return _finish(_settle(_draw(request, directions, part), part))
     growth = TargetOneForm.of(request.given.mesh, directions, request.spacings)
     least = _least_factor(request.given.mesh, request.spacings, request.faces)
     first = max(float(np.sqrt(YIELD * growth.quad_count / request.faces)), least)
@@ -66,7 +67,7 @@ def _mesh_field(request, directions, progress):
             drafts.append(_draw(_scale_spacing(request, spacing.factor), directions, part))
             count = drafts[-1].face_count
             if abs(count / request.faces - 1) <= NEAR:
-                found.append(_finish(drafts.pop()))
+                found.append(_finish(_settle(drafts.pop(), part)))
                 count = len(found[-1].quads.sizes)
         except ContradictionError:
             raise
@@ -153,12 +154,17 @@ class _Draft:
 
 
 def _draw(request, directions, progress):
-    """The :class:`_Draft` of the pattern along a field; of a whole solve where a coarse stage leaves dislocations."""
+    """The :class:`_Draft` of the pattern along a field."""
     result = request.along(directions, progress)
-    if request.options.method == COARSE and result.pattern.dislocations:
-        whole = _with_options(request, method="sdp").along(directions, progress)
-        result = min(result, whole, key=lambda result: result.pattern.energy)
     return _Draft(request, result, *request.trace(result.pattern))
+
+
+def _settle(draft, progress):
+    """The :class:`_Draft` of a whole solve where the search on a coarse stage has left dislocations."""
+    if draft.request.options.method != COARSE or not draft.result.pattern.dislocations:
+        return draft
+    whole = _draw(_with_options(draft.request, method="sdp"), draft.result.field, progress)
+    return min(draft, whole, key=lambda draft: draft.result.pattern.energy)
 
 
 def _finish(draft):
@@ -281,7 +287,7 @@ def _straighten_loops(request, found, progress):
     for number, phases in enumerate(variations[1:], 1):
         monitor.at("straightening", 0.5 * number / len(variations))
         pattern = found.pattern.showing(phases)
-        candidates.append(_try_candidate(lambda shown=pattern: replace(found, pattern=shown, **request.finish(*request.trace(shown)))))
+        candidates.append(_try_candidate(lambda shown=pattern: _show_pattern(request, found, shown)))
     if request.singularities > 0 and request.directions is None:
         calmer = replace(request, singularities=max(0.0, request.singularities - CALMER))
         directions = calmer.directed(portion(progress, 0.5, 0.2))
@@ -293,6 +299,10 @@ def _straighten_loops(request, found, progress):
         key=lambda result: (quad_loops(result.quads).spirals.sum(), quad_loops(result.quads).lengths.max(initial=0)),
     )
     return replace(best, loops_before=quad_loops(found.quads).figures)
+
+
+def _show_pattern(request, found, pattern):
+    return replace(found, pattern=pattern, **request.finish(*request.trace(pattern)))
 
 
 def _try_candidate(make):

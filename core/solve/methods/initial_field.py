@@ -104,7 +104,7 @@ def first_field(workspace, rank, seed, monitor):
 
 
 def search_coarsely(workspace, rank, seed, samples, monitor):
-    """(N * width, 1) field found by a search like that of a whole solve, but on a coarse stage and without a relaxation.
+    """(N * width, 1) field found by a search like that of a whole solve, on a coarse stage and without a relaxation.
 
     Parameters
     ----------
