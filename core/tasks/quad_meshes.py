@@ -2,6 +2,7 @@
 """Quad meshes of a wanted number of faces, and with fewer long loops."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -141,8 +142,8 @@ class _Draft:
     seconds : that tracing took
     """
 
-    request: object
-    result: object
+    request: Any
+    result: Any
     quads: QuadMesh
     seconds: dict[str, float]
 

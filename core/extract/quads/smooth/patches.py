@@ -87,7 +87,7 @@ class Ground:
 
 
 def _squares_to_faces(quads, vertices, middles, points, faces):
-    """(s,) squares of the distances of points to the nearest of (s, k) faces each, made of triangles at their middles."""
+    """(s,) squared distances of points to the nearest of (s, k) faces each, made of triangles at their middles."""
     flat = faces.ravel()
     sizes = quads.sizes[flat]
     starts = np.cumsum(sizes) - sizes
