@@ -28,6 +28,8 @@ YIELD = 0.97
 CALMER = 0.25
 # Share of the work that directions are.
 _DIRECTIONS = 0.4
+# Share of the work on a pattern after which its quads are smoothed.
+_SMOOTHING = 0.9
 
 
 def solve_quad_mesh(request, progress=None):
@@ -56,7 +58,7 @@ def _mesh_field(request, directions, progress):
         request = _with_options(request, method=COARSE)
     if request.faces is None:
         part = portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)
-        return _finish(_settle(_draw(request, directions, part), part))
+        return _finish(_settle(_draw(request, directions, part), part), part)
     growth = TargetOneForm.of(request.given.mesh, directions, request.spacings)
     least = _least_factor(request.given.mesh, request.spacings, request.faces)
     first = max(float(np.sqrt(YIELD * growth.quad_count / request.faces)), least)
@@ -68,7 +70,7 @@ def _mesh_field(request, directions, progress):
             drafts.append(_draw(_scale_spacing(request, spacing.factor), directions, part))
             count = drafts[-1].face_count
             if abs(count / request.faces - 1) <= NEAR:
-                found.append(_finish(_settle(drafts.pop(), part)))
+                found.append(_finish(_settle(drafts.pop(), part), part))
                 count = len(found[-1].quads.sizes)
         except ContradictionError:
             raise
@@ -168,8 +170,9 @@ def _settle(draft, progress):
     return min(draft, whole, key=lambda draft: draft.result.pattern.energy)
 
 
-def _finish(draft):
+def _finish(draft, progress=None):
     """The result with its quads, and the settings that they are made with."""
+    Monitor(progress).at("smoothing", _SMOOTHING)
     request = draft.request
     settled = {"spacing": request.spacing, "singularities": request.singularities}
     return replace(draft.result, **request.finish(draft.quads, draft.seconds), settled=settled)
