@@ -286,6 +286,9 @@ class VolumeFile:
             raise SettingError("reading it takes more memory than a sound file of its size: export it again") from None
         except Exception as error:  # the reader's library raises whatever it likes at damaged files
             raise SettingError(f"{error}: choose an OpenVDB file") from None
+        empty = SettingError(f"the grid {found.name} is empty: export a frame that has a flow")
+        if found.activeVoxelCount() == 0:  # its box may be anything
+            raise empty
         low, high = found.evalActiveVoxelBoundingBox()
         if max(map(abs, (*low, *high))) > _FARTHEST_VOXEL:
             raise SettingError(f"the grid {found.name} has voxels too far from its origin: move them nearer to it")
@@ -296,8 +299,8 @@ class VolumeFile:
                 f"the grid {found.name} spans {size} voxels, more than memory holds: remove what lies far away"
             )
         counts = counts.astype(int)
-        if found.activeVoxelCount() == 0 or (counts < 2).any():
-            raise SettingError(f"the grid {found.name} is empty: export a frame that has a flow")
+        if (counts < 2).any():
+            raise empty
         values = np.empty((*counts, 3), np.float32)
         found.copyToArray(values, ijk=low)
         if not np.isfinite(values).all():
