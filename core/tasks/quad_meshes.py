@@ -14,7 +14,7 @@ from ..extract.quads.measure.loops import quad_loops
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields.target_one_form import TargetOneForm
 from ..monitor import Monitor, portion
-from ..solution import COARSE
+from ..solution import COARSE, FIRST
 
 # Share by which the number of faces may miss without more tries and without a warning.
 NEAR, FAR = 0.03, 0.05
@@ -48,6 +48,29 @@ def solve_quad_mesh(request, progress=None):
     return replace(found, warnings=(*found.warnings, *request.refused_faults(faults)))
 
 
+def draft_quad_mesh(request, progress=None):
+    """A SurfaceResult with quads after a small part of the time of :func:`solve_quad_mesh`: of first fields, with the
+    number of faces that the area has room for, and not smoothed. None where its quads are no mesh; Cancelled as there.
+    """
+    quick = replace(_with_options(request, method=FIRST), smoothing=0, start=None)
+
+    def make():
+        directions = quick.directed(portion(progress, 0.0, _DIRECTIONS))
+        scaled = quick
+        if quick.faces is not None:
+            growth = TargetOneForm.of(quick.given.mesh, directions, quick.spacings)
+            scaled = _scale_spacing(quick, _first_factor(quick, growth))
+        return _finish(_draw(scaled, directions, portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)))
+
+    return _try_candidate(make)
+
+
+def _first_factor(request, growth):
+    """What the spacing is multiplied with for the wanted number of faces, by the area alone."""
+    least = _least_factor(request.given.mesh, request.spacings, request.faces)
+    return max(float(np.sqrt(YIELD * growth.quad_count / request.faces)), least)
+
+
 def _mesh_field(request, directions, progress):
     """The mesh along a field; of the wanted number of faces as nearly as can be.
 
@@ -60,9 +83,7 @@ def _mesh_field(request, directions, progress):
         part = portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)
         return _finish(_settle(_draw(request, directions, part), part), part)
     growth = TargetOneForm.of(request.given.mesh, directions, request.spacings)
-    least = _least_factor(request.given.mesh, request.spacings, request.faces)
-    first = max(float(np.sqrt(YIELD * growth.quad_count / request.faces)), least)
-    spacing, drafts, found = _SpacingFactor(first, request.faces), [], []
+    spacing, drafts, found = _SpacingFactor(_first_factor(request, growth), request.faces), [], []
     for number in range(TRIES):
         share = (1 - _DIRECTIONS) / TRIES
         part = portion(progress, _DIRECTIONS + number * share, share)

@@ -33,7 +33,7 @@ from ..monitor import Monitor, portion
 from ..settings.surface import SYMMETRY_ORDERS
 from ..solution import FIRST, Clock
 from ..solve import Options
-from .quad_meshes import solve_quad_mesh
+from .quad_meshes import draft_quad_mesh, solve_quad_mesh
 
 # What a command solves along its directions; "directions" stops before.
 PATTERNS: dict[str, Callable[..., Pattern]] = {
@@ -43,6 +43,8 @@ PATTERNS: dict[str, Callable[..., Pattern]] = {
 }
 # Of these there are pictures on the way.
 SHOWN = ("stripes", "quads")
+# Share of the work that the draft of a quad mesh is.
+_DRAFT = 0.15
 
 
 @dataclass(frozen=True)
@@ -150,8 +152,14 @@ class SurfaceRequest:
         """What :meth:`solve` gives, and what there is on the way; errors as there.
 
         ``show(result)`` is called with a first :class:`SurfaceResult` after a small part of the time, and then with
-        each one that is better or whose bound is known; for stripes and quads by the default method.
+        each one that is better or whose bound is known; for stripes and quads by the default method. Of a quad mesh it
+        is one draft.
         """
+        if self.command == "quad_mesh" and self.options.method == "sdp":
+            draft = draft_quad_mesh(self, portion(progress, 0.0, _DRAFT))
+            if draft is not None:
+                show(draft)
+            return self.solve(portion(progress, _DRAFT, 1.0 - _DRAFT))
         if self.command not in SHOWN or self.options.method != "sdp":
             return self.solve(progress)
         quick = replace(self, options=replace(self.options, method=FIRST))
@@ -164,7 +172,7 @@ class SurfaceRequest:
         polygons, inverse = self.given.polygons, np.linalg.inv(self.given.stretch)
         vertices = self.given.mesh.vertices @ inverse.T
         places, phases = drawn_phases(result.pattern.on_faces(polygons), polygons, vertices)
-        return Picture(places, phases, self.command == "quads")
+        return Picture(places, phases, self.command != "stripes")
 
     def directed(self, progress=None, before=None, follower=None):
         """The :class:`DirectionField`, turned by its angle; from the one of the frame before, if there is one."""

@@ -206,3 +206,28 @@ def test_the_smallest_sides_keep_a_map_and_take_the_shorter_axis():
     both = 0.2 * factors[:, None] * [1.0, 0.5]
     np.testing.assert_allclose(quad_meshes.smallest_sides(mesh, both), 0.05 * factors)
     np.testing.assert_allclose(quad_meshes.smallest_sides(mesh, 0.2), np.full(mesh.vertex_count, 0.1))
+
+
+@pytest.mark.parametrize("faces", [None, 700])
+def test_a_draft_is_shown_before_the_mesh_and_leaves_it_as_it_is(faces):
+    request, shown = asked(bumpy_torus(24), faces=faces), []
+    found = request.solve_showing(shown.append)
+    (draft,) = shown
+    assert draft.quads.is_simple and (draft.quads.sizes == 4).mean() > 0.9
+    assert request.picture(draft).of_quads
+    if faces:
+        assert len(draft.quads.sizes) == pytest.approx(faces, rel=0.15)
+    assert np.array_equal(found.quads.vertices, request.solve().quads.vertices)
+
+
+def test_a_draft_that_is_no_mesh_is_not_shown(monkeypatch):
+    draw = quad_meshes._draw
+
+    def refuse_first_fields(request, *rest):
+        if request.options.method == "first":
+            raise SettingError("the quads are too large")
+        return draw(request, *rest)
+
+    monkeypatch.setattr(quad_meshes, "_draw", refuse_first_fields)
+    shown = []
+    assert asked(icosphere(3)).solve_showing(shown.append).quads is not None and shown == []
