@@ -14,6 +14,7 @@ from .settings.solver import SolverSettings
 METHODS: tuple[str, ...] = tuple(choice.name for choice in solver.METHODS)
 DESCENT = "descent"
 FIRST = "first"
+COARSE = "coarse"
 ROUNDINGS: tuple[str, ...] = tuple(choice.name for choice in solver.ROUNDINGS)
 
 
@@ -68,10 +69,11 @@ class Options:
     ----------
     method : "sdp", the default, relaxes, certifies and rounds; "spectral" takes the smallest eigenvector and
         "diffusion" the best of some starts of threshold dynamics, both with the weaker bound of Eq. (23); "descent"
-        only goes on from a start, and "first" gives the first field that is shown, both without a bound
+        only goes on from a start, "first" gives the first field that is shown, and "coarse" searches on a coarse stage;
+        these three have no bound
     rounding : how the lifted field of "sdp" becomes phases: "svd"; "random", the best of ``samples``
         projections (Eq. 29); "polish", the best of those followed by descent; "continuation", the default,
-        with rounds of a seeded continuation before
+        with rounds of a seeded continuation before; "coarse", with those rounds on a coarse stage
     target_gap : relative gap between the relaxation's value and its lower bound at which "sdp" stops, from
         :data:`core.settings.solver.SMALLEST_GAP` to 1; it says nothing of what rounding adds
     samples : random projections tried, at least 1; not for the rounding "svd"

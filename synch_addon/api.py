@@ -195,7 +195,7 @@ def trace_quads(obj, smoothing=SurfaceSettings.smoothing):
         if solved.request.command != "quads":
             raise SynchError(f"{obj.name} shows no quads: solve quads first")
         request = replace(solved.request, smoothing=smoothing)
-        found = SurfaceResult(solved.field, solved.pattern, **request.traced(solved.pattern))
+        found = SurfaceResult(solved.field, solved.pattern, **request.finish(*request.trace(solved.pattern)))
         report = solved.report.again("quad_mesh")
         report.take(found)
         return write_quads(obj, request, found, report, Selection.now(), surface_of(obj))

@@ -82,7 +82,7 @@ class _Figures:
     def ranked(self, entry):
         """The entry behind how much it should be shown."""
         self.count += 1
-        state, gap = entry["state"], entry.get("gap")
+        state, gap = entry["state"], _gap(entry)
         self._states[state] = self._states.get(state, 0) + 1
         self._seconds += entry.get("seconds", 0.0)
         self._proved += entry.get("certificate") == "proved"
@@ -104,6 +104,11 @@ class _Figures:
         return f'<div class="tiles">{"".join(boxes)}</div>'
 
 
+def _gap(entry):
+    """The gap of an entry, None where no bound was asked."""
+    return None if entry.get("certificate") == "none" else entry.get("gap")
+
+
 def _time(seconds):
     if seconds < 120:
         return f"{seconds:.1f} s"
@@ -121,7 +126,7 @@ def _card(entry, thumbnail):
     except OSError:
         picture = '<div class="none">no picture asked for</div>'
     told = [f"<dt>{what}<dd>{value}" for what, value in _card_lines(entry)]
-    gap = entry.get("gap")
+    gap = _gap(entry)
     bar = "" if gap is None else f'<div class="bar"><i style="width:{100 * min(max(gap, 0), 1):.1f}%"></i></div>'
     return (
         f'<div class="card">{picture}<div class="told"><h3>{entry["row"]} · {escape(entry["label"])}</h3>'
@@ -135,7 +140,7 @@ def _card_lines(entry):
         yield "vertices", f"{entry['nodes']:,}"
     if "energy" in entry:
         yield "energy", f"{entry['energy']:.6g}"
-    if "gap" in entry:
+    if _gap(entry) is not None:
         kind = escape(str(entry.get("certificate", "")))
         yield "gap", f'{entry["gap"]:.1%} <span class="{kind}">{kind}</span>'
     defects = [entry.get(name) for name in ("disclinations", "dislocations")]

@@ -159,35 +159,48 @@ def nearest_in_triangles(points, corners):
     ------
     Ericson, "Real-Time Collision Detection" (2005), Section 5.1.5
     """
-    a, b, c = corners
-    ab, ac, ap = b - a, c - a, points - a
-    aa, bb, cross = _dot(ab, ab), _dot(ac, ac), _dot(ab, ac)
-    d1, d2 = _dot(ab, ap), _dot(ac, ap)
+    points = np.asarray(points, float)
+    points = points.reshape((1,) * (np.ndim(corners[0]) - points.ndim) + points.shape)
+    # By component, so that the loops are along the triangles.
+    point, a, b, c = (_by_component(places) for places in (points, *corners))
+    ab, ac, ap = b - a, c - a, point - a
+    aa, bb, cross = _product(ab, ab), _product(ac, ac), _product(ab, ac)
+    d1, d2 = _product(ab, ap), _product(ac, ap)
     d3, d4, d5, d6 = d1 - aa, d2 - cross, d1 - cross, d2 - bb
     va, vb, vc = d3 * d6 - d5 * d4, d5 * d2 - d1 * d6, d1 * d4 - d3 * d2
     to_b, to_c = d4 - d3, d5 - d6
-    zero = np.zeros_like(va)
-    # In the order in which a region rules out those after it.
-    regions = [
-        ((d1 <= 0) & (d2 <= 0), (zero, zero)),
-        ((d3 >= 0) & (d4 <= d3), (zero + 1, zero)),
-        ((vc <= 0) & (d1 >= 0) & (d3 <= 0), (_ratio(d1, d1 - d3), zero)),
-        ((d6 >= 0) & (d5 <= d6), (zero, zero + 1)),
-        ((vb <= 0) & (d2 >= 0) & (d6 <= 0), (zero, _ratio(d2, d2 - d6))),
-        ((va <= 0) & (to_b >= 0) & (to_c >= 0), (1 - _ratio(to_b, to_b + to_c), _ratio(to_b, to_b + to_c))),
-    ]
-    conditions = [condition for condition, _ in regions]
     total = va + vb + vc
-    at_b = np.select(conditions, [shares[0] for _, shares in regions], _ratio(vb, total))
-    at_c = np.select(conditions, [shares[1] for _, shares in regions], _ratio(vc, total))
-    on_far_edge = np.select(conditions, [False] * 5 + [True], False)
-    at_a = np.where(on_far_edge | (at_b == 1) | (at_c == 1), 0, 1 - at_b - at_c)
+    at_b, at_c = _ratio(vb, total), _ratio(vc, total)
+    at_a = 1 - at_b - at_c
+    # The regions of edges and corners, a later one before those above it.
+    for region, of_b, of_c in (
+        ((va <= 0) & (to_b >= 0) & (to_c >= 0), lambda k: 1 - _ratio(to_b[k], (to_b + to_c)[k]), None),
+        ((vb <= 0) & (d2 >= 0) & (d6 <= 0), lambda k: 0.0, lambda k: _ratio(d2[k], (d2 - d6)[k])),
+        ((d6 >= 0) & (d5 <= d6), lambda k: 0.0, lambda k: 1.0),
+        ((vc <= 0) & (d1 >= 0) & (d3 <= 0), lambda k: _ratio(d1[k], (d1 - d3)[k]), lambda k: 0.0),
+        ((d3 >= 0) & (d4 <= d3), lambda k: 1.0, lambda k: 0.0),
+        ((d1 <= 0) & (d2 <= 0), lambda k: 0.0, lambda k: 0.0),
+    ):
+        inside = np.nonzero(region)
+        at_b[inside] = of_b(inside)
+        at_c[inside] = 1 - at_b[inside] if of_c is None else of_c(inside)
+        at_a[inside] = 0.0 if of_c is None else 1 - at_b[inside] - at_c[inside]
     shares = np.stack([at_a, at_b, at_c], axis=-1)
     thin = total <= THIN * aa * bb
     if thin.any():
-        points, *corners = (np.broadcast_to(places, shares.shape)[thin] for places in (points, a, b, c))
+        points, *corners = (np.broadcast_to(places, shares.shape)[thin] for places in (points, *corners))
         shares[thin] = _nearest_in_thin(points, corners)
     return shares
+
+
+def _by_component(places):
+    """(3, ...) of (..., 3) places."""
+    return np.ascontiguousarray(np.moveaxis(np.asarray(places, float), -1, 0))
+
+
+def _product(u, v):
+    """(...) scalar products of (3, ...) vectors."""
+    return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
 
 
 def _nearest_in_thin(points, corners):

@@ -6,7 +6,7 @@ import numpy as np
 from ..errors import SettingError
 from ..settings.setting import records
 from ..settings.solver import SolverSettings
-from ..solution import DESCENT, FIRST, METHODS, Options, Solution
+from ..solution import COARSE, DESCENT, FIRST, METHODS, Options, Solution
 
 _RECORDS = dict(records(SolverSettings))
 
@@ -25,16 +25,18 @@ def check_options(options, problem, start):
             raise SettingError(f"{name} is {value!r}: give a number")
     if options.method == DESCENT and start is None:
         raise SettingError("the method 'descent' goes on from a start: give one")
-    if options.method not in (*METHODS, DESCENT, FIRST):
+    if options.method not in (*METHODS, DESCENT, FIRST, COARSE):
         raise SettingError(f"method {options.method!r} is unknown: use one of {', '.join(METHODS)}")
-    for name in ("rounding", "target_gap", "time_limit"):
+    if options.rounding != COARSE:
+        _RECORDS["rounding"].check("rounding", options.rounding)
+    for name in ("target_gap", "time_limit"):
         _RECORDS[name].check(name, getattr(options, name))
     if start is not None:
         _check_start(problem, start, options)
 
 
 def _check_start(problem, start, options):
-    if options.method not in ("sdp", DESCENT, FIRST):
+    if options.method not in ("sdp", DESCENT, FIRST, COARSE):
         raise SettingError(f"a start is given to method {options.method!r}, which has no use for it: take 'sdp'")
     phases = np.asarray(start.phases if isinstance(start, Solution) else start)
     count = problem.connection.node_count

@@ -13,12 +13,12 @@ from ..algebra.workers import solving
 from ..memory import check_memory
 from ..monitor import Callback, Monitor, OutOfTime
 from ..problem import SynchronizationProblem
-from ..solution import DESCENT, FIRST, Certificate, Clock, Options, Solution, Status, relative_gap
+from ..solution import COARSE, DESCENT, FIRST, Certificate, Clock, Options, Solution, Status, relative_gap
 from .batched.components import solve_components
 from .batched.parts import PartResult, Start, combine
 from .methods import rounding
 from .methods.diffusion import diffuse
-from .methods.initial_field import first_field
+from .methods.initial_field import first_field, search_below, search_coarsely
 from .methods.manifolds import fields_of, random_columns
 from .methods.memory_estimate import connection_bytes
 from .methods.spectral import smallest_eigenpair
@@ -233,7 +233,7 @@ def _solve_by_method(piece, options, monitor, clock, start, calm, watch):
         return _solve_diffusion(workspace, options, monitor, clock)
     if options.method == DESCENT:
         return _solve_descent(workspace, monitor, clock, start.column)
-    if options.method == FIRST:
+    if options.method in (FIRST, COARSE):
         return _solve_first(workspace, options, monitor, clock, start.column)
     return _solve_sdp(workspace, options, monitor, clock, start, calm, watch)
 
@@ -292,11 +292,16 @@ def _solve_descent(workspace, monitor, clock, start):
 
 
 def _solve_first(workspace, options, monitor, clock, start):
-    """The first field that is shown: where there is a start, that one."""
+    """The first field that is shown, or the one that a search on a coarse stage finds: where there is a start, that."""
     with clock("first"):
         monitor.at("first field", 0.0)
         rank = start_rank(workspace.piece, True, options.target_gap)
-        column = first_field(workspace, rank, options.seed, monitor) if start is None else start
+        if start is not None:
+            column = start
+        elif options.method == FIRST:
+            column = first_field(workspace, rank, options.seed, monitor)
+        else:
+            column = search_coarsely(workspace, rank, options.seed, options.samples, monitor)
     return _finish_piece(workspace.piece, column, certificate=Certificate.NONE, status=Status.UNCERTIFIED)
 
 
@@ -334,7 +339,7 @@ def _solve_sdp(workspace, options, monitor, clock, start, calm, watch):
 def _round(workspace, relaxation, options, monitor, start, calm):
     """Candidates as columns, best first, and whether time ran out before they were finished."""
     piece, stage, lifted = workspace.piece, workspace.stages[0], relaxation.lifted
-    start = start if options.rounding in ("polish", "continuation") else None
+    start = start if options.rounding in ("polish", "continuation", COARSE) else None
     leading = lifted[:, : piece.width].reshape(-1, 1)
     by_svd = stage.candidates.normalize(leading) if start is None else start
     if options.rounding == "svd" or relaxation.out_of_time:
@@ -349,6 +354,8 @@ def _round(workspace, relaxation, options, monitor, start, calm):
             columns = rounding.projections(stage, lifted, directions, rounding.ALONE.kept, monitor).astype(lifted.dtype)
             if options.rounding == "random":
                 return columns, False
+        if options.rounding == COARSE and start is None:
+            return search_below(workspace, lifted, options.samples, random, monitor), False
         if options.rounding == "continuation" and start is None:
             monitor.at("continuation", 0.4)
             energy = float(piece.energy(by_svd)[0])

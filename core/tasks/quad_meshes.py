@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Quad meshes of a wanted number of faces, and with fewer long loops."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -10,25 +11,35 @@ from ..extract.lines.edge_crossings import TooManyLines
 from ..extract.quads.finishing import lost_lines
 from ..extract.quads.measure.faults import quad_faults
 from ..extract.quads.measure.loops import quad_loops
+from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields.target_one_form import TargetOneForm
 from ..monitor import Monitor, portion
+from ..solution import COARSE, FIRST
 
-# Share by which the number of faces may miss without more tries and without a warning, and how often one is made.
-NEAR, FAR, CORRECTIONS = 0.03, 0.05, 6
+# Share by which the number of faces may miss without more tries and without a warning.
+NEAR, FAR = 0.03, 0.05
+# Spacings that are tried for a number of faces.
+TRIES = 7
+# Vertices from which on the search for directions is made on a coarse stage: its energies are as low there.
+LARGE_MESH = 15_000
 # What part of the quads that a spacing has room for there are in the end, about: on most meshes 0.94 to 1.01.
 YIELD = 0.97
 # How much the singularities are turned down where loops are to be straightened.
 CALMER = 0.25
-# Shares of the work: directions, and of the rest the pattern.
-_DIRECTIONS, _PATTERN, _CORRECTION = 0.4, 0.3, 0.05
+# Share of the work that directions are.
+_DIRECTIONS = 0.4
+# Share of the work on a pattern after which its quads are smoothed.
+_SMOOTHING = 0.9
 
 
 def solve_quad_mesh(request, progress=None):
     """The SurfaceResult of a SurfaceRequest with its quads; errors as :meth:`SurfaceRequest.solve`."""
     share = 0.5 if request.straighten else 1.0
-    found = _mesh_field(
-        request, request.directed(portion(progress, 0.0, share * _DIRECTIONS)), portion(progress, 0.0, share)
-    )
+    wanted = request
+    if _is_default_search(request) and request.given.mesh.vertex_count > LARGE_MESH:
+        wanted = _with_options(request, rounding=COARSE)
+    directions = wanted.directed(portion(progress, 0.0, share * _DIRECTIONS))
+    found = _mesh_field(request, directions, portion(progress, 0.0, share))
     if request.straighten:
         found = _straighten_loops(request, found, portion(progress, share, 1.0 - share))
     faults = [
@@ -37,49 +48,165 @@ def solve_quad_mesh(request, progress=None):
     return replace(found, warnings=(*found.warnings, *request.refused_faults(faults)))
 
 
+def draft_quad_mesh(request, progress=None):
+    """A SurfaceResult with quads after a small part of the time of :func:`solve_quad_mesh`: of first fields, with the
+    number of faces that the area has room for, and not smoothed. None where its quads are no mesh; Cancelled as there.
+    """
+    quick = replace(_with_options(request, method=FIRST), smoothing=0, start=None)
+
+    def make():
+        directions = quick.directed(portion(progress, 0.0, _DIRECTIONS))
+        scaled = quick
+        if quick.faces is not None:
+            growth = TargetOneForm.of(quick.given.mesh, directions, quick.spacings)
+            scaled = _scale_spacing(quick, _first_factor(quick, growth))
+        return _finish(_draw(scaled, directions, portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)))
+
+    return _try_candidate(make)
+
+
+def _first_factor(request, growth):
+    """What the spacing is multiplied with for the wanted number of faces, by the area alone."""
+    least = _least_factor(request.given.mesh, request.spacings, request.faces)
+    return max(float(np.sqrt(YIELD * growth.quad_count / request.faces)), least)
+
+
 def _mesh_field(request, directions, progress):
     """The mesh along a field; of the wanted number of faces as nearly as can be.
 
-    The number falls in steps, by whole loops: the spacing is mended in proportion, and then halfway between those with
-    too many and too few.
+    The faces are counted on grid lines as they are traced; only meshes whose number is near are finished.
     """
+    if _is_default_search(request) and request.branching == 0 and not request.straighten:
+        # Patterns without dislocations are found on a coarse stage; variations are those of a whole solve.
+        request = _with_options(request, method=COARSE)
     if request.faces is None:
-        return _trace_pattern(request, directions, portion(progress, _DIRECTIONS, 1 - _DIRECTIONS))
+        part = portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)
+        return _finish(_settle(_draw(request, directions, part), part), part)
     growth = TargetOneForm.of(request.given.mesh, directions, request.spacings)
-    least = _least_factor(request.given.mesh, request.spacings, request.faces)
-    factor, bounds, found = max(np.sqrt(YIELD * growth.quad_count / request.faces), least), [0.0, np.inf], []
-    for number in range(1 + CORRECTIONS):
-        start = _DIRECTIONS + number * _CORRECTION + (number > 0) * _PATTERN
-        share = _CORRECTION if number else _PATTERN
+    spacing, drafts, found = _SpacingFactor(_first_factor(request, growth), request.faces), [], []
+    for number in range(TRIES):
+        share = (1 - _DIRECTIONS) / TRIES
+        part = portion(progress, _DIRECTIONS + number * share, share)
         try:
-            found.append(
-                _trace_pattern(_scale_spacing(request, float(factor)), directions, portion(progress, start, share))
-            )
+            drafts.append(_draw(_scale_spacing(request, spacing.factor), directions, part))
+            count = drafts[-1].face_count
+            if abs(count / request.faces - 1) <= NEAR:
+                found.append(_finish(_settle(drafts.pop(), part), part))
+                count = len(found[-1].quads.sizes)
         except ContradictionError:
             raise
         except TooManyLines as error:
             raise SettingError(f"{request.faces} faces are too many for this mesh ({error}): ask for fewer") from None
-        except SettingError:  # quads as large as that are no mesh
-            bounds[1] = factor
-            factor = np.sqrt(np.prod(bounds)) if bounds[0] > 0 else factor / 2
+        except SettingError:
+            spacing.be_smaller()
             continue
-        count = len(found[-1].quads.sizes)
         if abs(count / request.faces - 1) <= NEAR:
             break
-        bounds[count < request.faces] = factor
-        proportional = factor * np.sqrt(count / request.faces)
-        factor = np.sqrt(np.prod(bounds)) if bounds[0] > 0 and np.isfinite(bounds[1]) else proportional
-    if not found:
-        raise SettingError(f"{request.faces} faces are too few for a quad mesh of this surface: ask for more")
-    best = min(found, key=lambda result: abs(len(result.quads.sizes) - request.faces))
+        spacing.correct(count)
+    best = _nearest_count(request.faces, drafts, found)
     return replace(best, warnings=(*best.warnings, *_about_faces(request, len(best.quads.sizes))))
 
 
-def _trace_pattern(request, directions, progress):
-    """The result of the pattern along a field with its quads, and the settings that they are made with."""
-    found = request.along(directions, progress)
+def _nearest_count(faces, drafts, found):
+    """Of finished meshes, and drafts where there are none that are near, the one with the number nearest to the wanted
+    one.
+
+    Raises
+    ------
+    SettingError
+        where all drafts have quads too large for a mesh
+    """
+    found = found.copy()
+    for draft in sorted(drafts, key=lambda draft: abs(draft.face_count - faces)):
+        if found and abs(len(found[0].quads.sizes) - faces) <= abs(draft.face_count - faces):
+            break
+        try:
+            found.append(_finish(draft))
+            break
+        except SettingError:
+            continue
+    if not found:
+        raise SettingError(f"{faces} faces are too few for a quad mesh of this surface: ask for more")
+    return min(found, key=lambda result: abs(len(result.quads.sizes) - faces))
+
+
+class _SpacingFactor:
+    """What the spacing is multiplied with for a number of faces.
+
+    The number falls in steps, by whole loops: the factor is corrected in proportion, and then to the geometric mean of
+    one with too many faces and one with too few.
+    """
+
+    def __init__(self, factor, faces):
+        self.factor, self._faces, self._bounds = factor, faces, [0.0, np.inf]
+
+    def correct(self, count):
+        """The factor gave a number of faces."""
+        self._bounds[count < self._faces] = self.factor
+        proportional = self.factor * float(np.sqrt(count / self._faces))
+        low, high = self._bounds
+        self.factor = float(np.sqrt(low * high)) if low > 0 and np.isfinite(high) else proportional
+
+    def be_smaller(self):
+        """The factor gave quads too large for a mesh."""
+        self._bounds[1] = self.factor
+        self.factor = float(np.sqrt(np.prod(self._bounds))) if self._bounds[0] > 0 else self.factor / 2
+
+
+@dataclass(frozen=True)
+class _Draft:
+    """A pattern's result and its faces as they were traced.
+
+    Attributes
+    ----------
+    request : SurfaceRequest of the spacing
+    result : SurfaceResult without quads
+    quads : QuadMesh as it was traced
+    seconds : that tracing took
+    """
+
+    request: Any
+    result: Any
+    quads: QuadMesh
+    seconds: dict[str, float]
+
+    @property
+    def face_count(self):
+        """About how many faces there are after finishing: a polygon of 2 k corners becomes k - 1 quads."""
+        sizes = self.quads.sizes
+        return float((sizes - 2).sum() / 2) if self.request.has_only_quads else len(sizes)
+
+
+def _draw(request, directions, progress):
+    """The :class:`_Draft` of the pattern along a field."""
+    result = request.along(directions, progress)
+    return _Draft(request, result, *request.trace(result.pattern))
+
+
+def _settle(draft, progress):
+    """The :class:`_Draft` of a whole solve where the search on a coarse stage has left dislocations."""
+    if draft.request.options.method != COARSE or not draft.result.pattern.dislocations:
+        return draft
+    whole = _draw(_with_options(draft.request, method="sdp"), draft.result.field, progress)
+    return min(draft, whole, key=lambda draft: draft.result.pattern.energy)
+
+
+def _finish(draft, progress=None):
+    """The result with its quads, and the settings that they are made with."""
+    Monitor(progress).at("smoothing", _SMOOTHING)
+    request = draft.request
     settled = {"spacing": request.spacing, "singularities": request.singularities}
-    return replace(found, **request.traced(found.pattern), settled=settled)
+    return replace(draft.result, **request.finish(draft.quads, draft.seconds), settled=settled)
+
+
+def _is_default_search(request):
+    """Whether the search for phases may be made smaller: nothing is said of it, and there is no start."""
+    options = request.options
+    return options.method == "sdp" and options.rounding == "continuation" and request.start is None
+
+
+def _with_options(request, **changes):
+    return replace(request, options=replace(request.options, **changes))
 
 
 def _scale_spacing(request, factor):
@@ -185,7 +312,7 @@ def _straighten_loops(request, found, progress):
     for number, phases in enumerate(variations[1:], 1):
         monitor.at("straightening", 0.5 * number / len(variations))
         pattern = found.pattern.showing(phases)
-        candidates.append(_try_candidate(lambda shown=pattern: replace(found, pattern=shown, **request.traced(shown))))
+        candidates.append(_try_candidate(lambda shown=pattern: _show_pattern(request, found, shown)))
     if request.singularities > 0 and request.directions is None:
         calmer = replace(request, singularities=max(0.0, request.singularities - CALMER))
         directions = calmer.directed(portion(progress, 0.5, 0.2))
@@ -197,6 +324,10 @@ def _straighten_loops(request, found, progress):
         key=lambda result: (quad_loops(result.quads).spirals.sum(), quad_loops(result.quads).lengths.max(initial=0)),
     )
     return replace(best, loops_before=quad_loops(found.quads).figures)
+
+
+def _show_pattern(request, found, pattern):
+    return replace(found, pattern=pattern, **request.finish(*request.trace(pattern)))
 
 
 def _try_candidate(make):

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import ContradictionError, SettingError
 from ..extract.pictures.drawn_phases import drawn_phases
-from ..extract.quads.finishing import finish_quads
+from ..extract.quads.finishing import check_quads, finish_quads
 from ..extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
 from ..fields import (
     DirectionField,
@@ -33,7 +33,7 @@ from ..monitor import Monitor, portion
 from ..settings.surface import SYMMETRY_ORDERS
 from ..solution import FIRST, Clock
 from ..solve import Options
-from .quad_meshes import solve_quad_mesh
+from .quad_meshes import draft_quad_mesh, solve_quad_mesh
 
 # What a command solves along its directions; "directions" stops before.
 PATTERNS: dict[str, Callable[..., Pattern]] = {
@@ -43,6 +43,8 @@ PATTERNS: dict[str, Callable[..., Pattern]] = {
 }
 # Of these there are pictures on the way.
 SHOWN = ("stripes", "quads")
+# Share of the work that the draft of a quad mesh is.
+_DRAFT = 0.15
 
 
 @dataclass(frozen=True)
@@ -150,8 +152,14 @@ class SurfaceRequest:
         """What :meth:`solve` gives, and what there is on the way; errors as there.
 
         ``show(result)`` is called with a first :class:`SurfaceResult` after a small part of the time, and then with
-        each one that is better or whose bound is known; for stripes and quads by the default method.
+        each one that is better or whose bound is known; for stripes and quads by the default method. Of a quad mesh it
+        is one draft.
         """
+        if self.command == "quad_mesh" and self.options.method == "sdp":
+            draft = draft_quad_mesh(self, portion(progress, 0.0, _DRAFT))
+            if draft is not None:
+                show(draft)
+            return self.solve(portion(progress, _DRAFT, 1.0 - _DRAFT))
         if self.command not in SHOWN or self.options.method != "sdp":
             return self.solve(progress)
         quick = replace(self, options=replace(self.options, method=FIRST))
@@ -164,7 +172,7 @@ class SurfaceRequest:
         polygons, inverse = self.given.polygons, np.linalg.inv(self.given.stretch)
         vertices = self.given.mesh.vertices @ inverse.T
         places, phases = drawn_phases(result.pattern.on_faces(polygons), polygons, vertices)
-        return Picture(places, phases, self.command == "quads")
+        return Picture(places, phases, self.command != "stripes")
 
     def directed(self, progress=None, before=None, follower=None):
         """The :class:`DirectionField`, turned by its angle; from the one of the frame before, if there is one."""
@@ -218,15 +226,33 @@ class SurfaceRequest:
         field = known_directions(mesh, symmetry, vectors, wishes)
         return field, known_pattern(mesh, field, self.spacings, phases, self.rows, self.mirrors, self.branching)
 
-    def traced(self, pattern):
-        """The quad mesh of a pattern's grid lines, and the seconds that it took, as fields of a result."""
+    @property
+    def has_only_quads(self):
+        """Whether other faces are to become quads."""
+        return self.command == "quad_mesh" and self.branching == 0
+
+    def trace(self, pattern):
+        """The :class:`QuadMesh` of a pattern's grid lines as they are, and the seconds that it took.
+
+        Raises
+        ------
+        SettingError
+            for quads that are too large for a mesh
+        """
         clock = Clock()
+        with clock("extract"):
+            quads = quad_mesh(pattern.edge_phases)
+            check_quads(quads, self.given.mesh)
+        return quads, clock.seconds
+
+    def finish(self, quads, seconds):
+        """A traced quad mesh on its lines and smoothed, and the seconds of both, as fields of a result."""
+        clock = Clock()
+        clock.add(seconds)
         with clock("extract"):
             inverse = np.linalg.inv(self.given.stretch)
             planes = [inverse[axis] for axis in self.mirror_axes]
-            quads = quad_mesh(pattern.edge_phases)
-            only_quads = self.command == "quad_mesh" and self.branching == 0
-            quads = finish_quads(quads, self.given.mesh, self.rows, planes, self.smoothing, only_quads)
+            quads = finish_quads(quads, self.given.mesh, self.rows, planes, self.smoothing, self.has_only_quads)
         return {"quads": quads, "seconds": clock.seconds}
 
     def refused_faults(self, faults):

@@ -221,14 +221,23 @@ def versions():
     }
 
 
+def _energy_line(values):
+    """Energy and bound, of values as :func:`quality` has them."""
+    if values["certificate"] == "none":
+        return f"energy {values['energy']:.6g}, no bound asked"
+    saving = "no field saves more than" if values["certificate"] == "proved" else "gap"
+    bound = f"lower bound {values['lower_bound']:.6g} ({values['certificate']})"
+    return f"energy {values['energy']:.6g}, {bound}: {saving} {values['gap']:.1%}"
+
+
 def summary(report):
     """The lines that a person wants to read."""
     name = one_line(report["object"])
     lines = [f"{report['command']} on {name}: {report['nodes']} vertices, {report['edges']} edges"]
     if report["energy"] is not None:
-        saving = "no field saves more than" if report["certificate"] == "proved" else "gap"
-        bound = f"lower bound {report['lower_bound']:.6g} ({report['certificate']})"
-        lines.append(f"energy {report['energy']:.6g}, {bound}: {saving} {report['gap']:.1%}")
+        lines.append(_energy_line(report))
+    if report["certificate"] == "none" and (report["directions"] or {}).get("energy") is not None:
+        lines.append(f"directions: {_energy_line(report['directions'])}")
     if report["sdp_value"] is not None:
         width = f"the bound is {report['sdp_gap']:.2%} below it"
         lines.append(f"relaxation {report['sdp_value']:.6g}, {width}: {report['status']}")

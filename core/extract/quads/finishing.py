@@ -44,7 +44,7 @@ def finish_quads(quads, mesh, rows, planes, rounds, only_quads=False):
     SettingError
         for a pattern without any face, one whose faces would meet themselves, and one that loses a handle
     """
-    _check(quads, mesh)
+    check_quads(quads, mesh)
     planes = [np.asarray(normal) / np.linalg.norm(normal) for normal in planes]
     links = _feature_links(rows)
     features, chains = None, None
@@ -59,7 +59,7 @@ def finish_quads(quads, mesh, rows, planes, rounds, only_quads=False):
         quads, chains = on_features(quads, features, _side(quads))
     if only_quads and not planes and (quads.sizes == 4).all():  # halves would be closed in other ways
         quads, chains = _collapse_quads(quads, mesh, rows, chains)
-    _check(quads, mesh)
+    check_quads(quads, mesh)
     if rounds == 0:
         return quads
     mates = [partners(quads, unit) for unit in planes]
@@ -71,7 +71,6 @@ def finish_quads(quads, mesh, rows, planes, rounds, only_quads=False):
         free, loose = free & ~crossing, loose & ~crossing
     held = list(zip(planes, on_planes, strict=True))
     quads = fit_quads(quads, mesh, loose, held, rounds, chains)
-    quads = move_worst_corners(quads, mesh, free, held, chains)
     quads = move_worst_corners(recover_tips(quads, mesh, free, held, chains), mesh, free, held, chains)
     if not planes:  # halves that mirror each other would be turned in other ways
         turned = flip_edges(quads, mesh.face_normals[quads.triangles], _fixed_edges(quads, free, chains))
@@ -110,8 +109,8 @@ def _feature_links(rows):
     return np.concatenate([np.empty((0, 2), int), *(row.line.links for row in rows if row.kind == GRID)])
 
 
-def _check(quads, mesh):
-    """Refuse what is no mesh of the surface."""
+def check_quads(quads, mesh):
+    """Refuse quads that are not a mesh of the surface."""
     if len(quads.sizes) == 0:
         raise SettingError("no grid lines cross on the mesh: reduce the spacing")
     if not quads.is_simple:

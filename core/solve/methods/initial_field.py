@@ -27,6 +27,9 @@ COARSE_TOLERANCE = 3e-3
 LIFTED_STEPS = 5
 PROJECTIONS, DIFFUSED, POLISHED = 32, 12, 6
 COARSE_STEPS, FINE_STEPS, TOLERANCE = 8, 8, 1e-4
+# Of a search on a coarse stage: steps of the lifted descents before it, fields that are brought to the finest stage and
+# steps of the best one there.
+SEARCHED_STEPS, CARRIED, LAST_STEPS = 20, 3, 20
 
 
 def coarse_field(workspace, rank, random, monitor, steps):
@@ -96,11 +99,53 @@ def first_field(workspace, rank, seed, monitor):
     if density > 0:  # a fit that rounding tells from a perfect one
         columns = diffuse(stage, columns, rounding.metrics(stage, rounding.TIMES[:2], density), 1, monitor)
     columns = _polish_columns(stage, rounding.lowest(stage, columns, POLISHED), density, COARSE_STEPS, monitor)
+    columns = _on_finest(workspace, stage, columns[:, :1])
+    return _polish_columns(workspace.stages[0], columns, density, FINE_STEPS, monitor)
+
+
+def search_coarsely(workspace, rank, seed, samples, monitor):
+    """(N * width, 1) field found by a search like that of a whole solve, on a coarse stage and without a relaxation.
+
+    Parameters
+    ----------
+    workspace : Workspace
+    rank : columns of the lifted field that it comes from
+    seed : int
+    samples : random projections tried
+    monitor : Monitor
+    """
+    random = np.random.default_rng(seed)
+    stage, lifted = coarse_field(workspace, rank, random, monitor, SEARCHED_STEPS)
+    return search_on(workspace, stage, lifted, samples, random, monitor)
+
+
+def search_below(workspace, lifted, samples, random, monitor):
+    """(N * width, 1) field from the lifted field of a relaxation, by a search on a coarse stage."""
     finest = workspace.stages[0]
-    if stage is not finest:
-        rows = columns[:, :1].reshape(stage.matrix.shape[0], -1)
-        columns = finest.candidates.normalize(stage.prolong(rows).reshape(-1, 1))
-    return _polish_columns(finest, columns[:, :1], density, FINE_STEPS, monitor)
+    coarser = [stage for stage in workspace.stages[1:2] if stage.node_count >= SMALLEST_START]
+    for stage in coarser:
+        lifted = stage.lifted.normalize(stage.restrict(lifted.astype(stage.matrix.dtype)))
+    return search_on(workspace, (coarser or [finest])[0], lifted, samples, random, monitor)
+
+
+def search_on(workspace, stage, lifted, samples, random, monitor):
+    """(N * width, 1) field: the best of those that a search on a stage finds, after descent on the finest."""
+    finest, density = workspace.stages[0], stage.density(lifted)
+    columns = lifted[:, : stage.width].reshape(-1, 1)
+    if density > 0:
+        columns, _ = rounding.continuation(stage, lifted, samples, density, random, monitor)
+    columns = _on_finest(workspace, stage, columns[:, :CARRIED])
+    columns = _polish_columns(finest, columns, density, FINE_STEPS, monitor)
+    return _polish_columns(finest, columns[:, :1], density, LAST_STEPS, monitor)
+
+
+def _on_finest(workspace, stage, columns):
+    """(N * width, k) fields in columns of a coarser stage, or of the finest, on the finest."""
+    finest = workspace.stages[0]
+    if stage is finest:
+        return columns
+    rows = [stage.prolong(column.reshape(stage.matrix.shape[0], -1)).reshape(-1, 1) for column in columns.T]
+    return finest.candidates.normalize(np.hstack(rows))
 
 
 def _polish_columns(stage, columns, density, steps, monitor):

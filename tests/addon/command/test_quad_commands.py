@@ -11,6 +11,7 @@ import pytest
 from synch_fields.core.errors import Cancelled, SynchError
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.jobs.report import summary
 from synch_fields.synch_addon.looks import render
 from synch_fields.synch_addon.patterns import job as field_job
 
@@ -361,3 +362,12 @@ def test_help_says_what_quads_are_set_by(capfd):
     assert "--smoothing N" in quad_mesh and "--smoothing" not in quads
     assert "--export-mesh FILE.obj write the quads as a file (.obj, .ply, .stl)" in quad_mesh
     assert "--aspect" not in said("stripes", "--help")
+
+
+def test_a_pattern_without_a_bound_shows_that_of_its_directions():
+    obj = sphere()
+    report = api.quad_mesh(obj, spacing=SPACING)
+    lines = summary(report)
+    assert report["certificate"] == "none" and report["directions"]["certificate"] == "proved"
+    assert any(line.endswith("no bound asked") for line in lines) and not any("gap 100" in line for line in lines)
+    assert any(line.startswith("directions: energy") and "no field saves more than" in line for line in lines)

@@ -275,6 +275,20 @@ def test_good_enough_writes_what_is_shown_and_nothing_is_kept_of_it_for_the_next
     assert memory.recall(obj).plain["certificate"] == "proved"
 
 
+def test_good_enough_keeps_the_draft_of_a_quad_mesh():
+    sphere(6)
+    operator = Stripes(spacing=0.15, faces=2000)
+    operator.command = "quad_mesh"
+    loop, operator = begun(operator)
+    loop.run(operator, until=lambda: queue.running.picture is not None)
+    assert queue.running.picture.of_quads
+    bpy.ops.synch.keep()
+    assert loop.run(operator) == {"FINISHED"}
+    made = [obj for obj in bpy.data.objects if obj.type == "MESH" and len(obj.data.polygons) < 4000]
+    assert len(made) == 1 and len(made[0].data.polygons) == pytest.approx(2000, rel=0.2)
+    assert all(len(face.vertices) == 4 for face in made[0].data.polygons)
+
+
 @pytest.mark.parametrize("quick", [True, False])
 def test_nothing_is_drawn_together_and_a_picture_alone_where_that_is_quick(quick, monkeypatch):
     sphere(6)

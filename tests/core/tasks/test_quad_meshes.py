@@ -84,14 +84,14 @@ def test_a_number_that_cannot_be_met_is_said():
 @pytest.mark.parametrize("reach", [1e3, 1e6])
 def test_a_spike_makes_no_more_faces_than_the_search_can_use(reach, monkeypatch):
     """The area of a needle says little of how many quads lie along it."""
-    counts, traced = [], quad_meshes._trace_pattern
+    counts, traced = [], quad_meshes._draw
 
     def count_faces(*arguments):
         found = traced(*arguments)
         counts.append(len(found.quads.sizes))
         return found
 
-    monkeypatch.setattr(quad_meshes, "_trace_pattern", count_faces)
+    monkeypatch.setattr(quad_meshes, "_draw", count_faces)
     ball = icosphere(2)
     ball.vertices[0] *= reach
     asked(TriangleMesh(ball.vertices, ball.triangles), faces=8, branching=1.0).solve()
@@ -109,7 +109,7 @@ def test_faces_that_no_spacing_gives_are_refused_with_their_number(monkeypatch):
     def refuse(*_):
         raise SettingError("the quads are too large")
 
-    monkeypatch.setattr(quad_meshes, "_trace_pattern", refuse)
+    monkeypatch.setattr(quad_meshes, "_draw", refuse)
     with pytest.raises(SettingError, match="7 faces are too few for a quad mesh of this surface"):
         asked(icosphere(2), faces=7).solve()
 
@@ -206,3 +206,28 @@ def test_the_smallest_sides_keep_a_map_and_take_the_shorter_axis():
     both = 0.2 * factors[:, None] * [1.0, 0.5]
     np.testing.assert_allclose(quad_meshes.smallest_sides(mesh, both), 0.05 * factors)
     np.testing.assert_allclose(quad_meshes.smallest_sides(mesh, 0.2), np.full(mesh.vertex_count, 0.1))
+
+
+@pytest.mark.parametrize("faces", [None, 700])
+def test_a_draft_is_shown_before_the_mesh_and_leaves_it_as_it_is(faces):
+    request, shown = asked(bumpy_torus(24), faces=faces), []
+    found = request.solve_showing(shown.append)
+    (draft,) = shown
+    assert draft.quads.is_simple and (draft.quads.sizes == 4).mean() > 0.9
+    assert request.picture(draft).of_quads
+    if faces:
+        assert len(draft.quads.sizes) == pytest.approx(faces, rel=0.15)
+    assert np.array_equal(found.quads.vertices, request.solve().quads.vertices)
+
+
+def test_a_draft_that_is_no_mesh_is_not_shown(monkeypatch):
+    draw = quad_meshes._draw
+
+    def refuse_first_fields(request, *rest):
+        if request.options.method == "first":
+            raise SettingError("the quads are too large")
+        return draw(request, *rest)
+
+    monkeypatch.setattr(quad_meshes, "_draw", refuse_first_fields)
+    shown = []
+    assert asked(icosphere(3)).solve_showing(shown.append).quads is not None and shown == []

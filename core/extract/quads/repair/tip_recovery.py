@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from ....geometry.nearest import NearestTriangles
 from ..smooth.fitting import slid_lines
-from ..smooth.patches import Ground, Patches, middles_of
+from ..smooth.patches import Ground, Patches, faces_near, middles_of
 
 # What is farther from all faces than this part of their mean edge is cut off.
 CUT_OFF = 0.5
@@ -88,7 +88,7 @@ def _judge(patches, samples, faces):
     labels = np.full(len(patches.quads.sizes), -1)
     labels[patches.touched] = patches.of_faces
     own = labels[faces] >= 0
-    below = samples[own], labels[faces[own]]
+    below = samples[own], labels[faces[own]], faces_near(patches.quads, samples[own])
     ground, before = patches.ground, patches.quads.vertices
     limits = np.maximum(patches.norms(before)[1], np.radians(WORST))
     apart = ground.apart(patches, before, np.ones(len(limits), bool), below)

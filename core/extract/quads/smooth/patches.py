@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ....geometry import TriangleMesh
-from ....geometry.nearest import NearestTriangles
+from ....geometry.nearest import NearestTriangles, nearest_in_triangles
 from ....graphs import components
 from ..features.chains import move_vertices
 from ..trace.quad_mesh import QuadMesh
@@ -22,8 +22,8 @@ REACH, STEPS = 0.4, 25
 FIRST = 0.1
 # Edges and triangles of the surface longer than this part of a quad's side are measured at their middles, too.
 LONG = 0.6
-# Points of the surface within this part of a patch's mean edge from a face's middle are below it.
-BELOW = 0.75
+# Faces whose middles are nearest to a point of the surface, one of which is nearest to it.
+CANDIDATES = 3
 _TINY = np.finfo(float).tiny
 
 
@@ -35,6 +35,12 @@ def regular_degrees(sizes):
 def middles_of(quads, vertices):
     """(f, 3) of the faces, with the vertices at (n, 3) places."""
     return np.add.reduceat(vertices[quads.corner_vertices], quads.starts) / quads.sizes[:, None]
+
+
+def faces_near(quads, points):
+    """(s, :data:`CANDIDATES`) faces whose middles are nearest to points."""
+    tree = cKDTree(middles_of(quads, quads.vertices))
+    return tree.query(points, k=range(1, 1 + min(CANDIDATES, len(quads.sizes))))[1]
 
 
 @dataclass(frozen=True)
@@ -73,11 +79,25 @@ class Ground:
         labels = np.concatenate([patches.of_faces[faces], patches.labels[edges]])
         result = np.zeros(len(patches.sides))
         np.maximum.at(result, labels, np.linalg.norm(self.surface.nearest(here)[0] - here, axis=1))
-        below, labels = below
-        below, labels = below[wanted[labels]], labels[wanted[labels]]
-        there, _ = NearestTriangles(np.concatenate([vertices, middles]), patches.fans).nearest(below)
-        np.maximum.at(result, labels, np.linalg.norm(there - below, axis=1))
+        points, labels, near = below
+        wanted = wanted[labels]
+        squares = _squares_to_faces(quads, vertices, middles, points[wanted], near[wanted])
+        np.maximum.at(result, labels[wanted], np.sqrt(squares))
         return result
+
+
+def _squares_to_faces(quads, vertices, middles, points, faces):
+    """(s,) squared distances of points to the nearest of (s, k) faces each, made of triangles at their middles."""
+    flat = faces.ravel()
+    sizes = quads.sizes[flat]
+    starts = np.cumsum(sizes) - sizes
+    corners = np.repeat(quads.starts[flat] - starts, sizes) + np.arange(sizes.sum())
+    tails, heads = quads.half_edges[corners].T
+    triangles = np.stack([vertices[tails], vertices[heads], np.repeat(middles[flat], sizes, axis=0)])
+    points = np.repeat(np.repeat(points, faces.shape[1], axis=0), sizes, axis=0)
+    offsets = points - np.einsum("sk,ksx->sx", nearest_in_triangles(points, triangles), triangles)
+    squares = np.einsum("sx,sx->s", offsets, offsets)
+    return np.minimum.reduceat(squares, starts).reshape(faces.shape).min(axis=1) if len(flat) else np.empty(0)
 
 
 @dataclass(frozen=True)
@@ -136,25 +156,14 @@ class Patches:
         return self.of_faces[self.faces]
 
     @cached_property
-    def fans(self):
-        """(t, 3) triangles of the faces and of those around them; vertex n + f is the middle of face f."""
-        near = np.zeros(len(self.quads.vertices), bool)
-        near[self.corners[:, 1]] = True
-        around = np.zeros(len(self.quads.sizes), bool)
-        around[self.quads.corner_faces[near[self.quads.corner_vertices]]] = True
-        fans = np.column_stack([self.quads.half_edges, len(near) + self.quads.corner_faces])
-        return fans[around[self.quads.corner_faces]]
-
-    @cached_property
     def below(self):
-        """Points of the surface below the patches, and the patch of each."""
+        """Points of the surface below the patches, the patch of each, and (s, :data:`CANDIDATES`) faces beside it."""
         samples = self.ground.samples
-        middles = middles_of(self.quads, self.quads.vertices)[self.touched]
-        apart, nearest = cKDTree(middles).query(samples, distance_upper_bound=self.sides.max())
-        near = np.flatnonzero(np.isfinite(apart))
-        labels = self.of_faces[nearest[near]]
-        is_below = apart[near] < BELOW * self.sides[labels]
-        return samples[near[is_below]], labels[is_below]
+        near = faces_near(self.quads, samples)
+        labels = np.full(len(self.quads.sizes), -1)
+        labels[self.touched] = self.of_faces
+        labels = labels[near[:, 0]]
+        return samples[labels >= 0], labels[labels >= 0], near[labels >= 0]
 
     def moves(self, directions):
         """(k, 3) ways of the vertices to where the norms are lower, by descent with steps of Barzilai and Borwein."""
