@@ -47,6 +47,12 @@ class Monitor:
         part.fraction, part._start, part._share = float(start), start, share
         return part
 
+    def without_found(self):
+        """The same monitor, but for ``on_found``: for fields that are not those of the problem itself."""
+        quiet = copy(self)
+        quiet.on_found = None
+        return quiet
+
     def at(self, stage, fraction):
         """Enter a stage at a fraction of the whole work, 0..1."""
         self.stage, self.fraction = stage, float(self._start + fraction * self._share)

@@ -18,7 +18,7 @@ from .batched.components import solve_components
 from .batched.parts import PartResult, Start, combine
 from .methods import rounding
 from .methods.diffusion import diffuse
-from .methods.initial_field import first_field, search_below, search_coarsely
+from .methods.initial_field import first_field, search_after_relaxation, search_without_relaxation
 from .methods.manifolds import fields_of, random_columns
 from .methods.memory_estimate import connection_bytes
 from .methods.spectral import smallest_eigenpair
@@ -295,14 +295,15 @@ def _solve_first(workspace, options, monitor, clock, start):
     """The first field that is shown, or the one that a search on a coarse stage finds: where there is a start, that."""
     with clock("first"):
         monitor.at("first field", 0.0)
-        rank = start_rank(workspace.piece, True, options.target_gap)
+        rank, timed_out = start_rank(workspace.piece, True, options.target_gap), False
         if start is not None:
             column = start
         elif options.method == FIRST:
             column = first_field(workspace, rank, options.seed, monitor)
         else:
-            column = search_coarsely(workspace, rank, options.seed, options.samples, monitor)
-    return _finish_piece(workspace.piece, column, certificate=Certificate.NONE, status=Status.UNCERTIFIED)
+            column, timed_out = search_without_relaxation(workspace, rank, options.seed, options.samples, monitor)
+    status = Status.TIME_LIMIT if timed_out else Status.UNCERTIFIED
+    return _finish_piece(workspace.piece, column, certificate=Certificate.NONE, status=status)
 
 
 def _solve_sdp(workspace, options, monitor, clock, start, calm, watch):
@@ -355,7 +356,7 @@ def _round(workspace, relaxation, options, monitor, start, calm):
             if options.rounding == "random":
                 return columns, False
         if options.rounding == COARSE and start is None:
-            return search_below(workspace, lifted, options.samples, random, monitor), False
+            return search_after_relaxation(workspace, lifted, options.samples, random, monitor)
         if options.rounding == "continuation" and start is None:
             monitor.at("continuation", 0.4)
             energy = float(piece.energy(by_svd)[0])

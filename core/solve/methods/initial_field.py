@@ -11,6 +11,7 @@ from functools import partial
 
 import numpy as np
 
+from ...monitor import OutOfTime
 from . import rounding
 from .descent import descend
 from .diffusion import diffuse
@@ -103,40 +104,58 @@ def first_field(workspace, rank, seed, monitor):
     return _polish_columns(workspace.stages[0], columns, density, FINE_STEPS, monitor)
 
 
-def search_coarsely(workspace, rank, seed, samples, monitor):
-    """(N * width, 1) field found by a search like that of a whole solve, on a coarse stage and without a relaxation.
+def search_without_relaxation(workspace, rank, seed, samples, monitor):
+    """A field found by a search like that of a whole solve, on a coarse stage and from a lifted field of its own.
 
     Parameters
     ----------
     workspace : Workspace
-    rank : columns of the lifted field that it comes from
+    rank : columns of the lifted field
     seed : int
     samples : random projections tried
     monitor : Monitor
+
+    Returns
+    -------
+    column : (N * width, 1) field on the finest stage
+    timed_out : whether time ran out before it was finished
+
+    Raises
+    ------
+    OutOfTime
+        when there is no field yet
     """
     random = np.random.default_rng(seed)
     stage, lifted = coarse_field(workspace, rank, random, monitor, SEARCHED_STEPS)
-    return search_on(workspace, stage, lifted, samples, random, monitor)
+    return _search_on_stage(workspace, stage, lifted, samples, random, monitor)
 
 
-def search_below(workspace, lifted, samples, random, monitor):
-    """(N * width, 1) field from the lifted field of a relaxation, by a search on a coarse stage."""
+def search_after_relaxation(workspace, lifted, samples, random, monitor):
+    """A field found by a search on a coarse stage from the lifted field of a relaxation; returns and errors as
+    :func:`search_without_relaxation`."""
     finest = workspace.stages[0]
     coarser = [stage for stage in workspace.stages[1:2] if stage.node_count >= SMALLEST_START]
     for stage in coarser:
         lifted = stage.lifted.normalize(stage.restrict(lifted.astype(stage.matrix.dtype)))
-    return search_on(workspace, (coarser or [finest])[0], lifted, samples, random, monitor)
+    return _search_on_stage(workspace, (coarser or [finest])[0], lifted, samples, random, monitor)
 
 
-def search_on(workspace, stage, lifted, samples, random, monitor):
-    """(N * width, 1) field: the best of those that a search on a stage finds, after descent on the finest."""
+def _search_on_stage(workspace, stage, lifted, samples, random, monitor):
+    """The best field that a search on a stage finds, after descent on the finest, and whether time ran out."""
     finest, density = workspace.stages[0], stage.density(lifted)
-    columns = lifted[:, : stage.width].reshape(-1, 1)
+    columns, timed_out = lifted[:, : stage.width].reshape(-1, 1), False
     if density > 0:
-        columns, _ = rounding.continuation(stage, lifted, samples, density, random, monitor)
+        told = monitor if stage is finest else monitor.without_found()  # who is told expects fields on the finest
+        columns, timed_out = rounding.continuation(stage, lifted, samples, density, random, told)
     columns = _on_finest(workspace, stage, columns[:, :CARRIED])
-    columns = _polish_columns(finest, columns, density, FINE_STEPS, monitor)
-    return _polish_columns(finest, columns[:, :1], density, LAST_STEPS, monitor)
+    try:
+        if not timed_out:
+            columns = _polish_columns(finest, columns, density, FINE_STEPS, monitor)
+            columns = _polish_columns(finest, columns[:, :1], density, LAST_STEPS, monitor)
+            monitor.check()
+    except OutOfTime:
+        timed_out = True
+    return columns[:, :1], timed_out
 
 
 def _on_finest(workspace, stage, columns):
