@@ -140,6 +140,19 @@ def calming(circulation, holonomy, weights, known=None, precision=PRECISION):
     return CurlRemoval(correction - flow @ found, found)
 
 
+def removable_rows(circulation, free, laplacian):
+    """Numbers of the sums that free changes, (c,) bool, can alter, without those that follow from the others.
+
+    Parameters
+    ----------
+    circulation : Circulation
+    free : (c,) bool
+    laplacian : (s, s) between the sums
+    """
+    _, follows = _removable(circulation, free, np.zeros(laplacian.shape[0]))
+    return np.flatnonzero(~follows & (laplacian.diagonal() > 0))
+
+
 def _removable(circulation, free, holonomy):
     """The holonomy less its means over the pieces on which free changes cannot alter the sum, and (s,) bool: one sum
     of each of these, which follows from the others."""

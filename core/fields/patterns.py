@@ -4,6 +4,7 @@
 Stripes and quads are the same but for the number of phases at a vertex (:class:`TargetOneForm`).
 """
 
+import dataclasses
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
@@ -17,7 +18,7 @@ from ..problem import SynchronizationProblem, join_targets
 from ..solve import Solution, solve
 from .animation import next_solution
 from .constraints.features import loops_at, with_grid_lines
-from .constraints.groups import TOLERANCE, join_links
+from .constraints.groups import TOLERANCE, Links, join_links
 from .constraints.phase_rows import phase_constraints
 from .constraints.rows import GRID
 from .constraints.strips import widen_strips
@@ -40,12 +41,14 @@ class Pattern:
     problem : SynchronizationProblem of the phases, or None for phases that were given
     solution : Solution of it, or None
     phases : (k n,) complex, the solution's or others (:meth:`showing`)
+    on_planes : Links from phases on mirror planes to themselves
     """
 
     growth: TargetOneForm
     problem: SynchronizationProblem | None
     solution: Solution | None
     phases: np.ndarray
+    on_planes: Links = dataclasses.field(default_factory=lambda: join_links([]))
 
     @property
     def mesh(self) -> TriangleMesh:
@@ -195,8 +198,7 @@ def solve_pattern(
     growth, problem, loops = _pose_pattern(mesh, field, spacing, rows, mirrors, branching)
 
     def pattern(solution):
-        solution = snap_to_plane(problem, solution, loops)
-        return Pattern(growth, problem, solution, solution.phases)
+        return _pattern_of(growth, problem, solution, loops)
 
     if before is None:
         shows = None if show is None else lambda solution: show(pattern(solution))
@@ -205,6 +207,26 @@ def solve_pattern(
         weights = hold * growth.masses * (growth.rates.ravel() / (2 * np.pi)) ** 2
         solution = next_solution(problem, before.phases, options, callback, weights, follower)
     return pattern(solution)
+
+
+def change_pattern(pattern, correction, options=None, callback=None):
+    """The :class:`Pattern` where (e, k) more is added to the changes that are asked for.
+
+    Parameters
+    ----------
+    pattern : Pattern with its problem, whose growth is corrected already
+    correction : (e, k) radians
+    options, callback : as :func:`core.solve.solve` has them
+    """
+    growth = pattern.growth
+    problem = pattern.problem.turned_by(growth.connection_turns(correction))
+    growth = replace(growth, correction=growth.correction + correction)
+    return _pattern_of(growth, problem, solve(problem, options, callback), pattern.on_planes)
+
+
+def _pattern_of(growth, problem, solution, on_planes):
+    solution = snap_to_plane(problem, solution, on_planes)
+    return Pattern(growth, problem, solution, solution.phases, on_planes)
 
 
 def known_pattern(mesh, field, spacing, phases, rows=(), mirrors=(), branching=1.0):

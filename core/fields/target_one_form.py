@@ -153,7 +153,11 @@ class TargetOneForm:
 
         Constraints as for :meth:`calmed`; to a low precision, which does for candidates.
         """
-        turns = self._calming(fixed, merged, ROUGH).ravel()
+        return self.connection_turns(self._calming(fixed, merged, ROUGH))
+
+    def connection_turns(self, changes):
+        """(k e,) radians by which (e, k) changes more turn the connection's edges further."""
+        turns = changes.ravel()
         return np.where(self._flips, -turns, turns)
 
     def _calming(self, fixed, merged, precision):

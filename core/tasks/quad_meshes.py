@@ -10,11 +10,11 @@ from ..errors import Cancelled, ContradictionError, SettingError, SynchError
 from ..extract.lines.edge_crossings import TooManyLines
 from ..extract.quads.finishing import lost_lines
 from ..extract.quads.measure.faults import quad_faults
-from ..extract.quads.measure.loops import quad_loops
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields.target_one_form import TargetOneForm
 from ..monitor import Monitor, portion
 from ..solution import COARSE, FIRST
+from .close_loops import close_loops
 
 # Share by which the number of faces may miss without more tries and without a warning.
 NEAR, FAR = 0.03, 0.05
@@ -24,8 +24,6 @@ TRIES = 7
 LARGE_MESH = 15_000
 # What part of the quads that a spacing has room for there are in the end, about: on most meshes 0.94 to 1.01.
 YIELD = 0.97
-# How much the singularities are turned down where loops are to be straightened.
-CALMER = 0.25
 # Share of the work that directions are.
 _DIRECTIONS = 0.4
 # Share of the work on a pattern after which its quads are smoothed.
@@ -34,14 +32,11 @@ _SMOOTHING = 0.9
 
 def solve_quad_mesh(request, progress=None):
     """The SurfaceResult of a SurfaceRequest with its quads; errors as :meth:`SurfaceRequest.solve`."""
-    share = 0.5 if request.straighten else 1.0
     wanted = request
     if _is_default_search(request) and request.given.mesh.vertex_count > LARGE_MESH:
         wanted = _with_options(request, rounding=COARSE)
-    directions = wanted.directed(portion(progress, 0.0, share * _DIRECTIONS))
-    found = _mesh_field(request, directions, portion(progress, 0.0, share))
-    if request.straighten:
-        found = _straighten_loops(request, found, portion(progress, share, 1.0 - share))
+    directions = wanted.directed(portion(progress, 0.0, _DIRECTIONS))
+    found = _mesh_field(request, directions, progress)
     faults = [
         line for about in (_about_pieces, _about_lines, _about_others, _about_shape) for line in about(request, found)
     ]
@@ -76,12 +71,12 @@ def _mesh_field(request, directions, progress):
 
     The faces are counted on grid lines as they are traced; only meshes whose number is near are finished.
     """
-    if _is_default_search(request) and request.branching == 0 and not request.straighten:
+    if _is_default_search(request) and request.branching == 0:
         # Patterns without dislocations are found on a coarse stage; variations are those of a whole solve.
         request = _with_options(request, method=COARSE)
     if request.faces is None:
         part = portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)
-        return _finish(_settle(_draw(request, directions, part), part), part)
+        return _finish(_close(_settle(_draw(request, directions, part), part), part), part)
     growth = TargetOneForm.of(request.given.mesh, directions, request.spacings)
     spacing, drafts, found = _SpacingFactor(_first_factor(request, growth), request.faces), [], []
     for number in range(TRIES):
@@ -91,7 +86,7 @@ def _mesh_field(request, directions, progress):
             drafts.append(_draw(_scale_spacing(request, spacing.factor), directions, part))
             count = drafts[-1].face_count
             if abs(count / request.faces - 1) <= NEAR:
-                found.append(_finish(_settle(drafts.pop(), part), part))
+                found.append(_finish(_close(_settle(drafts.pop(), part), part), part))
                 count = len(found[-1].quads.sizes)
         except ContradictionError:
             raise
@@ -189,6 +184,16 @@ def _settle(draft, progress):
         return draft
     whole = _draw(_with_options(draft.request, method="sdp"), draft.result.field, progress)
     return min(draft, whole, key=lambda draft: draft.result.pattern.energy)
+
+
+def _close(draft, progress):
+    """The draft with more of its quads in short loops, where that is asked for."""
+    request = draft.request
+    if request.loops == 0:
+        return draft
+    pattern, before = close_loops(request, draft.result.pattern, progress)
+    result = replace(draft.result, pattern=pattern, loops_before=before)
+    return _Draft(request, result, *request.trace(pattern))
 
 
 def _finish(draft, progress=None):
@@ -303,33 +308,6 @@ def _along_axes(spacings):
     return spacings if spacings.ndim == 2 else np.repeat(spacings.reshape(-1, 1), 2, axis=1)
 
 
-def _straighten_loops(request, found, progress):
-    """The mesh of the fewest spirals, and then of the shortest longest loop, of about as many faces, among those of the
-    pattern's variations and of a calmer field."""
-    monitor = Monitor(progress)
-    variations = found.pattern.solution.variations
-    candidates = []
-    for number, phases in enumerate(variations[1:], 1):
-        monitor.at("straightening", 0.5 * number / len(variations))
-        pattern = found.pattern.showing(phases)
-        candidates.append(_try_candidate(lambda shown=pattern: _show_pattern(request, found, shown)))
-    if request.singularities > 0 and request.directions is None:
-        calmer = replace(request, singularities=max(0.0, request.singularities - CALMER))
-        directions = calmer.directed(portion(progress, 0.5, 0.2))
-        candidates.append(_try_candidate(lambda: _mesh_field(calmer, directions, portion(progress, 0.7, 0.3))))
-    share, count = _quad_share(found), len(found.quads.sizes)
-    near = [c for c in candidates if c is not None and abs(len(c.quads.sizes) / count - 1) <= NEAR]
-    best = min(
-        [found, *(c for c in near if _quad_share(c) >= share)],
-        key=lambda result: (quad_loops(result.quads).spirals.sum(), quad_loops(result.quads).lengths.max(initial=0)),
-    )
-    return replace(best, loops_before=quad_loops(found.quads).figures)
-
-
-def _show_pattern(request, found, pattern):
-    return replace(found, pattern=pattern, **request.finish(*request.trace(pattern)))
-
-
 def _try_candidate(make):
     """A candidate; None where its quads would be no mesh."""
     try:
@@ -339,6 +317,3 @@ def _try_candidate(make):
     except SynchError:
         return None
 
-
-def _quad_share(result):
-    return float((result.quads.sizes == 4).mean())

@@ -99,7 +99,7 @@ class SurfaceRequest:
     singularities : share of the shape's unevenness that the directions answer with disclinations
     branching : share of the dislocations that even spacing asks for; None for directions alone
     faces : of quad meshes, how many there should be, whatever the spacing; None for as many as it gives
-    straighten : of quad meshes, whether shorter loops are looked for
+    loops : of quad meshes, how much is done for short loops, from 0, nothing, to 1, whatever it costs
     pins : triangles and the indices of the disclinations that are to be there
     start : (n,) radians of directions before they are turned, and (k n,) complex phases along them, from which the
         whole solve starts and near which it stays; None for a search
@@ -122,7 +122,7 @@ class SurfaceRequest:
     singularities: float = 1.0
     branching: float | None = 1.0
     faces: int | None = None
-    straighten: bool = False
+    loops: float = 0.0
     pins: tuple[tuple[int, float], ...] = ()
     start: tuple[np.ndarray, np.ndarray] | None = None
     strict: bool = False
@@ -314,7 +314,7 @@ class SurfaceResult:
     warnings : lines that the user should read
     seconds : that parts of the work took which solutions do not tell, by their names
     settled : settings, by their names, with which the result was made in place of those that were asked for
-    loops_before : figures of the quad mesh's loops before they were straightened (:mod:`..extract.quads.measure.loops`)
+    loops_before : figures of the quad mesh's loops before more of them were closed (:mod:`..extract.quads.measure.loops`)
     """
 
     field: DirectionField

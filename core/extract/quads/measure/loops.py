@@ -11,6 +11,8 @@ from ..trace.quad_mesh import QuadMesh
 
 # Quads along a loop within which others cross it at one place.
 NEAR = 16
+# Loops are short up to this many times the root of the number of faces.
+SHORT = 5.0
 
 
 @dataclass(frozen=True)
@@ -45,12 +47,19 @@ class QuadLoops:
         return result
 
     @property
+    def short_share(self):
+        """The share of all passages of quads in loops of at most 5 sqrt(f) of f quads."""
+        short = self.lengths <= SHORT * np.sqrt(len(self.quads.sizes))
+        return float(self.lengths[short].sum() / max(self.lengths.sum(), 1))
+
+    @property
     def figures(self):
         """For reports, as a dict of plain numbers."""
         return {
             "loops": len(self.lengths),
             "longest_loop": int(self.lengths.max(initial=0)),
             "spirals": int(self.spirals.sum()),
+            "short_loop_share": self.short_share,
         }
 
 
@@ -76,11 +85,11 @@ def _walks(loops):
     starts, sizes = quads.starts[quads.corner_faces], quads.sizes[quads.corner_faces]
     places = np.arange(len(starts))
     opposite = np.where(sizes == 4, starts + (places - starts + 2) % 4, -1)
-    twins = _twins(quads)
+    across = twins(quads)
     # Where a walk that comes in through a corner's side comes in next; -1 where it ends.
-    after = np.where(sizes == 4, twins[opposite], -1)
+    after = np.where(sizes == 4, across[opposite], -1)
     after[(after >= 0) & (sizes[after] != 4)] = -1
-    comes = (sizes == 4) & ((twins < 0) | (sizes[twins] != 4))
+    comes = (sizes == 4) & ((across < 0) | (sizes[across] != 4))
     crossed = loops.corner_loops[quads.next_corners]
     seen = np.zeros(len(places), bool)
     for first in (*np.flatnonzero(comes), *np.flatnonzero(sizes == 4)):
@@ -93,7 +102,7 @@ def _walks(loops):
             yield crossed[walk], corner == first
 
 
-def _twins(quads):
+def twins(quads):
     """(c,) the corner whose side is the same edge the other way round; -1 at the boundary."""
     tails, heads = quads.half_edges.T
     count = len(quads.vertices)

@@ -13,9 +13,6 @@ def quality(quads):
     over all corners, ``length_spread`` the standard deviation of the edges' lengths over their mean.
     """
     edges, counts = quads.edges
-    valences = np.bincount(edges.ravel(), minlength=len(quads.vertices))
-    inside = np.ones(len(quads.vertices), bool)
-    inside[edges[counts == 1]] = False
     off = np.abs(corner_angles(quads) - 90)
     lengths = np.linalg.norm(quads.vertices[edges[:, 1]] - quads.vertices[edges[:, 0]], axis=1)
     return {
@@ -23,7 +20,7 @@ def quality(quads):
         "edges": len(edges),
         "faces": len(quads.sizes),
         "quad_share": float((quads.sizes == 4).mean()),
-        "irregular_vertices": int((inside & (valences != 4)).sum()),
+        "irregular_vertices": int(quads.is_irregular.sum()),
         "euler_characteristic": quads.euler_characteristic,
         "closed": bool((counts == 2).all()),
         "angle_deviation": float(off.mean()),

@@ -76,6 +76,14 @@ class QuadMesh:
         return np.unique(np.sort(self.half_edges, axis=1), axis=0, return_counts=True)
 
     @property
+    def is_irregular(self):
+        """(n,) bool: vertices inside with other than four edges."""
+        edges, counts = self.edges
+        result = np.bincount(edges.ravel(), minlength=len(self.vertices)) != 4
+        result[edges[counts == 1]] = False
+        return result
+
+    @property
     def euler_characteristic(self):
         """V - E + F over all pieces."""
         return len(self.vertices) - len(self.edges[0]) + len(self.sizes)

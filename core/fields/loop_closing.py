@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Grid lines that close: the changes across a walk around a limb or a handle add up to nothing.
+
+A grid line that comes back k quads beside its beginning spirals, since the asked changes c across it add up to about
+k pi around the walk: r . c, with r the row of the sum. Asking for 0 there is one linear condition. The nearest changes
+without curl that meet conditions R c = 0 are
+
+    c + D^T mu,    (R D^T) mu = -R c,    d = G (r - C^T y),    C G C^T y = C G r,
+
+where C sums changes around the faces, G is the softness of the edges (:mod:`.curl_removal`), and the rows d of D are
+the projections of the rows r of R to changes without curl. They raise the sum of c^2 / G by v^T (R D^T)^-1 v, v = R c.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import csr_matrix, diags_array
+from scipy.sparse.csgraph import dijkstra
+
+from ..algebra.factorization import factorize
+from ..matchings import after_turns
+from .curl_removal import SMALLEST_WEIGHT, known_turns, removable_rows, surface_circulation
+
+# Rows whose part that is independent of those before is smaller than this share follow from them.
+INDEPENDENT = 1e-2
+# How far sums along the mesh's edges may differ from the quads that the walk passes, in quads.
+SAME_WALK = 0.4
+
+
+@dataclass(frozen=True)
+class Condition:
+    """That a walk closes.
+
+    Attributes
+    ----------
+    row : (2 e,) r
+    change : (2 e,) d
+    """
+
+    row: np.ndarray
+    change: np.ndarray
+
+
+class LoopClosing:
+    """Conditions that loops close, on the changes of a quad pattern without dislocations.
+
+    Parameters
+    ----------
+    pattern : Pattern of quads, whose growth is that of branching 0
+    """
+
+    def __init__(self, pattern):
+        self._growth = growth = pattern.growth
+        self._asked = growth.changes.ravel()
+        self._softness = 1 / np.maximum(np.repeat(growth.mesh.weights, 2), SMALLEST_WEIGHT)
+        fixed, merged = pattern.problem.fixed, pattern.problem.merged
+        self._softness[~np.isnan(known_turns(growth.connection, fixed, merged))] = 0
+        circulation, _ = surface_circulation(growth.mesh, growth.matchings, 2)
+        self._flow = (diags_array(self._softness) @ circulation.matrix.T).tocsr()
+        laplacian = (circulation.matrix @ self._flow).tocsr()
+        self._rows = removable_rows(circulation, self._softness > 0, laplacian)
+        self._circulation = circulation.matrix[self._rows]
+        self._factor = factorize(laplacian[self._rows][:, self._rows], single=False)
+
+    def _project(self, row):
+        """d of a row r."""
+        soft = self._softness * row
+        around = np.zeros(self._flow.shape[1])
+        around[self._rows] = self._factor.solve(self._circulation @ soft)
+        return soft - self._flow @ around
+
+    def condition(self, walk, reached, steps, aside):
+        """The :class:`Condition` that a walk closes; None where it passes other quads on the mesh's edges.
+
+        Parameters
+        ----------
+        walk : (v,) vertices of the mesh, the last of which is the first
+        reached : (e, 2) changes of the pattern
+        steps, aside : quads that the walk passes straight on and sideways
+        """
+        rows = self._sums(walk)
+        if rows is None:
+            return None
+        quads = np.abs(rows @ reached.ravel()) / np.pi
+        across = int(np.argmin(np.abs(quads - aside) + np.abs(quads[::-1] - steps)))
+        if abs(quads[across] - aside) > SAME_WALK or abs(quads[1 - across] - steps) > SAME_WALK:
+            return None
+        return Condition(rows[across], self._project(rows[across]))
+
+    def _sums(self, walk):
+        """(2, 2 e) rows of the sums of changes along a closed walk, for both phases of its first vertex; None where
+        they come back as others."""
+        mesh, matchings = self._growth.mesh, self._growth.matchings
+        tails, heads = walk[:-1], walk[1:]
+        edges, forward = mesh.edges_between(tails, heads), tails < heads
+        matched = np.where(forward, 1, -1) * matchings[edges]
+        turns = np.cumsum(matched)
+        if len(turns) == 0 or turns[-1] % 4:
+            return None
+        before = np.where(forward, turns - matched, turns)
+        parts = after_turns(np.broadcast_to(np.eye(2), (len(edges), 2, 2)), -before[:, None])
+        parts = np.where(forward, 1.0, -1.0)[:, None, None] * parts
+        rows = np.zeros((2, len(mesh.edges), 2))
+        for phase in range(2):
+            np.add.at(rows[phase], edges, parts[:, :, phase])
+        return rows.reshape(2, -1)
+
+    def correction(self, conditions):
+        """(e, 2) changes that are added for all conditions to hold, and what they raise the sum of c^2 / G by."""
+        if not conditions:
+            return np.zeros((len(self._growth.mesh.edges), 2)), 0.0
+        rows = np.array([condition.row for condition in conditions])
+        changes = np.array([condition.change for condition in conditions])
+        missing = -rows @ self._asked
+        shares = np.linalg.lstsq(rows @ changes.T, missing, rcond=1e-8)[0]
+        return (shares @ changes).reshape(-1, 2), float(missing @ shares)
+
+    def choose(self, held, candidates, gains, price, most):
+        """Which candidates to hold besides others: the one whose gain is largest against what it costs, and so on, as
+        long as the gain is worth it.
+
+        Parameters
+        ----------
+        held, candidates : lists of :class:`Condition`
+        gains : (k,) of the candidates
+        price : gain that is asked for, per unit of the sum of c^2 / G
+        most : of that sum, what the chosen ones may cost together
+
+        Returns
+        -------
+        list of numbers of candidates, in the order of their choice
+        """
+        both = [*held, *candidates]
+        if not both:
+            return []
+        rows = np.array([condition.row for condition in both])
+        gram = rows @ np.array([condition.change for condition in both]).T
+        values, own = rows @ self._asked, gram.diagonal().copy()
+        # Elimination: what is left of rows and values when the chosen conditions hold.
+        chosen = []
+
+        def hold(number):
+            share = gram[:, number] / gram[number, number]
+            values[:] -= share * values[number]
+            gram[:] -= np.outer(share, gram[number])
+
+        for number in range(len(held)):
+            if gram[number, number] > INDEPENDENT * own[number]:
+                hold(number)
+        left = set(range(len(held), len(both)))
+        while left:
+            free = [number for number in left if gram[number, number] > INDEPENDENT * own[number]]
+            costs = [values[number] ** 2 / gram[number, number] for number in free]
+            worth = [
+                gains[number - len(held)] - price * cost if cost <= most else 0.0
+                for number, cost in zip(free, costs, strict=True)
+            ]
+            if not free or max(worth) <= 0:
+                break
+            place = int(np.argmax(worth))
+            number, most = free[place], most - costs[place]
+            hold(number)
+            left.remove(number)
+            chosen.append(number - len(held))
+        return chosen
+
+
+class MeshWalks:
+    """Walks along a mesh's edges near walks on a quad mesh.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+    """
+
+    def __init__(self, mesh):
+        self._mesh = mesh
+
+    @cached_property
+    def _graph(self):
+        i, j = self._mesh.edges.T
+        count, lengths = self._mesh.vertex_count, self._mesh.edge_lengths
+        graph = csr_matrix((lengths, (i, j)), shape=(count, count))
+        return graph + graph.T
+
+    def near(self, quads, walk):
+        """(v,) vertices of the mesh along a closed walk over vertices of a quad mesh on it."""
+        corners = self._mesh.triangles[quads.triangles[walk]]
+        nearest = corners[np.arange(len(walk)), quads.weights[walk].argmax(axis=1)]
+        nearest = nearest[np.append(True, nearest[1:] != nearest[:-1])]
+        result = [nearest[:1]]
+        for tail, head in zip(nearest[:-1], nearest[1:], strict=True):
+            result.append(self._way(tail, head))
+        return np.concatenate(result)
+
+    def _way(self, tail, head):
+        """The vertices of a way after its first: each the neighbour nearest to the end, or else a shortest way."""
+        vertices, graph = self._mesh.vertices, self._graph
+        way = [tail]
+        while way[-1] != head:
+            near = graph.indices[graph.indptr[way[-1]] : graph.indptr[way[-1] + 1]]
+            distances = np.linalg.norm(vertices[near] - vertices[head], axis=1)
+            if distances.min() >= np.linalg.norm(vertices[way[-1]] - vertices[head]):
+                return self._shortest_way(tail, head)
+            way.append(near[distances.argmin()])
+        return np.array(way[1:], int)
+
+    def _shortest_way(self, tail, head):
+        _, before = dijkstra(self._graph, indices=head, return_predecessors=True)
+        way = [tail]
+        while way[-1] != head:
+            way.append(before[way[-1]])
+        return np.array(way[1:], int)
