@@ -42,6 +42,15 @@ class Condition:
     change: np.ndarray
 
 
+def cosines(conditions):
+    """(k, k) of the angles between the changes of conditions, measured in the edges' softness."""
+    if not conditions:
+        return np.empty((0, 0))
+    gram = np.array([c.row for c in conditions]) @ np.array([c.change for c in conditions]).T
+    lengths = np.sqrt(gram.diagonal())
+    return gram / np.outer(lengths, lengths)
+
+
 class LoopClosing:
     """Conditions that loops close, on the changes of a quad pattern without dislocations.
 
@@ -150,7 +159,7 @@ class LoopClosing:
                 hold(number)
         left = set(range(len(held), len(both)))
         while left:
-            free = [number for number in left if gram[number, number] > INDEPENDENT * own[number]]
+            free = [number for number in left if gains[number - len(held)] > 0 and gram[number, number] > INDEPENDENT * own[number]]
             costs = [values[number] ** 2 / gram[number, number] for number in free]
             worth = [
                 gains[number - len(held)] - price * cost if cost <= most else 0.0

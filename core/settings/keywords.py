@@ -28,7 +28,7 @@ class SurfaceKeywords(TypedDict, total=False):
     faces: int
     features: float
     smoothing: int
-    straighten: bool
+    loops: float
     surface: str
     assign_material: bool
     strict: bool

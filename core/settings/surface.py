@@ -236,11 +236,12 @@ class SurfaceSettings(SolverSettings):
         commands=("quad_mesh",),
         group="quad_mesh",
     )
-    straighten: bool = setting(
-        False,
-        "Straighten",
-        "Look for a quad mesh of shorter loops and fewer spirals among variations and with fewer singularities; takes "
-        "two to three times as long",
+    loops: float = setting(
+        0.0,
+        "Loops",
+        "How much the quad mesh may give up for short loops around limbs and handles: at 0 nothing, and it is as smooth "
+        "as can be; at 100 % as many close as the shape allows. Takes several times as long, and needs no branching",
+        **_SHARE,
         commands=("quad_mesh",),
         group="quad_mesh",
     )

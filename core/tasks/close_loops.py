@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from ..errors import Cancelled, SynchError
-from ..extract.quads.measure.loops import quad_loops
+from ..extract.quads.measure.loops import SHORT, quad_loops
 from ..extract.quads.measure.near_loops import near_loops
 from ..extract.quads.trace.quad_mesh import QuadMesh
-from ..fields.loop_closing import LoopClosing, MeshWalks
+from ..fields.loop_closing import LoopClosing, MeshWalks, cosines
 from ..fields.patterns import Pattern, change_pattern
 from ..monitor import Monitor
 from ..solution import FIRST
@@ -19,13 +19,15 @@ from ..solution import FIRST
 # loops, then for dearer ones.
 PRICES = (0.3, 0.1, 0.03, 0.01, 0.003)
 # Of a class of loops, the least share of the mesh's loops that closing it is for; how many classes are looked at.
-LEAST_GAIN, MOST_CLASSES = 2e-3, 60
+LEAST_GAIN, MOST_CLASSES = 2e-3, 100
+# Conditions whose changes have a larger cosine than this are alike.
+ALIKE = 0.97
 # What a mesh has to have in short loops more than the best one, to be kept.
 BETTER = 3e-3
 # How much the number of faces, and of irregular vertices, may change.
 NEAR_COUNT, MORE_IRREGULAR, SPARE_IRREGULAR = 0.06, 1.1, 2
 # Patterns that are tried at most.
-TRIES = 24
+TRIES, AHEAD = 40, 3
 
 
 @dataclass(frozen=True)
@@ -51,18 +53,17 @@ class _Closed:
 
 
 def close_loops(request, pattern, progress=None):
-    """The pattern with more of its quads in short loops as far as energy allows, and the figures of the given loops.
+    """The pattern with more of its quads in short loops, as far as energy allows, and the figures of the loops before.
 
-    Loops are short where they pass at most 5 sqrt(f) of f quads (:attr:`QuadLoops.short_share`). The conditions that
-    are held may cost ``loops / (1 - loops)`` times the pattern's energy.
+    Loops are short up to 5 sqrt(f) of f quads (:attr:`QuadLoops.short_share`). All conditions together may raise the
+    energy by ``loops / (1 - loops)`` times what it is.
 
     Parameters
     ----------
     request : SurfaceRequest with its share ``loops``
-    pattern : Pattern without dislocations
+    pattern : Pattern of branching 0
     progress : callback, optional
     """
-    monitor = Monitor(progress)
     try:
         given = _Closed(pattern, _whole_quads(request, pattern), [], 0.0)
     except SynchError:  # whoever finishes the mesh says what is wrong
@@ -70,8 +71,8 @@ def close_loops(request, pattern, progress=None):
     figures = quad_loops(given.quads).figures
     if pattern.energy == 0:
         return pattern, figures
-    budget = 2 * pattern.energy * (request.loops / (1 - request.loops) if request.loops < 1 else np.inf)
-    search = _Search(request, given, budget, monitor)
+    allowed = request.loops / (1 - request.loops) if request.loops < 1 else np.inf
+    search = _Search(request, given, allowed, Monitor(progress))
     for number, price in enumerate(PRICES):
         search.fraction = number / len(PRICES)
         while search.improve(price):
@@ -79,58 +80,96 @@ def close_loops(request, pattern, progress=None):
     return search.best.pattern, figures
 
 
+@dataclass(frozen=True)
+class _Offers:
+    """What would close more loops.
+
+    Attributes
+    ----------
+    conditions : list of Condition
+    gains : (k,) the share of all loops that each would close; 0 where that is too little, or was tried in vain
+    """
+
+    conditions: list[Any]
+    gains: np.ndarray
+
+
 class _Search:
     """The best pattern so far, and what closes more of its loops."""
 
-    def __init__(self, request, given, budget, monitor):
-        self._request, self._given, self._budget, self._monitor = request, given, budget, monitor
+    def __init__(self, request, given, allowed, monitor):
+        self._request, self._given, self._monitor = request, given, monitor
         self._closing, self._walks = LoopClosing(given.pattern), MeshWalks(given.pattern.mesh)
-        self._tries, self._left = TRIES, {}
+        # The energy is half the sum of squares that a correction raises.
+        self._unit = 2 * given.pattern.energy
+        self._budget, self._tries_left = allowed * self._unit, TRIES
         self.best, self.fraction = given, 0.0
+        self._offers = self._look(given)
 
     def improve(self, price):
         """Close more loops at a price; whether there is a better pattern."""
-        conditions, gains = self._candidates()
-        energy = self._given.pattern.energy
-        most = self._budget - self.best.cost
-        chosen = self._closing.choose(self.best.conditions, conditions, gains, price / (2 * energy), most)
-        # All at once; where that is worse, the better half, and so on.
-        while chosen and self._tries > 0:
-            self._tries -= 1
-            tried = self._try([*self.best.conditions, *(conditions[number] for number in chosen)])
-            if tried is not None and tried.short_share > self.best.short_share + BETTER:
-                self.best, self._left = tried, {}
+        while self._tries_left > 0:
+            chosen = self._choose(self.best, self._offers, price)
+            if not chosen:
+                return False
+            if self._follow(chosen, price):
                 return True
-            chosen = chosen[: len(chosen) // 2]
+            self._offers.gains[chosen[0]] = 0  # is not tried again
         return False
 
-    def _candidates(self):
-        """Conditions that would close more of the best pattern's loops, and the share of all loops in each."""
-        if self._left:
-            return self._left["candidates"]
-        quads, reached = self.best.quads, self.best.pattern.edge_phases.changes
-        near = near_loops(quads, int(5 * np.sqrt(len(quads.sizes))))
-        gains = near.quads / (2 * len(quads.sizes))
-        conditions, kept = [], []
-        for number in np.argsort(-gains, kind="stable")[:MOST_CLASSES]:
-            if gains[number] < LEAST_GAIN:
-                break
-            self._monitor.at("closing loops", self.fraction)
+    def _follow(self, chosen, price):
+        """Hold what is chosen, and what that leads to, until there is a better pattern; whether there is one."""
+        state, offers = self.best, self._offers
+        for _ in range(AHEAD):
+            tried = None
+            while chosen and tried is None and self._tries_left > 0:
+                tried = self._try([*state.conditions, *(offers.conditions[number] for number in chosen)])
+                chosen = chosen[: len(chosen) // 2]
+            if tried is None:
+                return False
+            state, offers = tried, self._look(tried)
+            if state.short_share > self.best.short_share + BETTER:
+                self.best, self._offers = state, offers
+                return True
+            chosen = self._choose(state, offers, price)
+        return False
+
+    def _choose(self, state, offers, price):
+        """Numbers of the conditions that are worth their price."""
+        most = self._budget - state.cost
+        return self._closing.choose(state.conditions, offers.conditions, offers.gains, price / self._unit, most)
+
+    def _look(self, state):
+        """The :class:`_Offers` of a pattern."""
+        quads, reached = state.quads, state.pattern.edge_phases.changes
+        near = near_loops(quads, int(SHORT * np.sqrt(len(quads.sizes))))
+        shares = near.quads / (2 * len(quads.sizes))
+        found, gains = [], []
+        for number in np.argsort(-shares, kind="stable")[:MOST_CLASSES]:
+            self._tell()
             walk = self._walks.near(quads, near.walks[number])
             condition = self._closing.condition(walk, reached, near.steps[number], near.asides[number])
             if condition is not None:
-                conditions.append(condition)
-                kept.append(gains[number])
-        self._left["candidates"] = conditions, np.array(kept)
-        return self._left["candidates"]
+                found.append(condition)
+                gains.append(shares[number])
+        # Loops around one limb ask for the same, whatever is between them, and however often they go around: the first
+        # of them stands for all.
+        alike = np.abs(cosines(found)) > ALIKE
+        first = alike.argmax(axis=1) if len(found) else np.zeros(0, int)
+        gains = np.bincount(first, gains, minlength=len(found))
+        gains[gains < LEAST_GAIN] = 0
+        return _Offers(found, gains)
+
+    def _tell(self, *_):
+        self._monitor.at("closing loops", self.fraction)
 
     def _try(self, conditions):
         """The :class:`_Closed` of conditions; None where its mesh is worse in other ways."""
+        self._tries_left -= 1
         correction, cost = self._closing.correction(conditions)
         options = replace(self._request.options, method=FIRST)
-        self._monitor.at("closing loops", self.fraction)
         try:
-            pattern = change_pattern(self._given.pattern, correction, options)
+            pattern = change_pattern(self._given.pattern, correction, options, self._tell)
             quads = _whole_quads(self._request, pattern)
         except Cancelled:
             raise

@@ -26,8 +26,8 @@ LARGE_MESH = 15_000
 YIELD = 0.97
 # Share of the work that directions are.
 _DIRECTIONS = 0.4
-# Share of the work on a pattern after which its quads are smoothed.
-_SMOOTHING = 0.9
+# Share of the work on a pattern after which its loops are closed, and its quads smoothed.
+_CLOSING, _SMOOTHING = 0.3, 0.9
 
 
 def solve_quad_mesh(request, progress=None):
@@ -174,7 +174,7 @@ class _Draft:
 
 def _draw(request, directions, progress):
     """The :class:`_Draft` of the pattern along a field."""
-    result = request.along(directions, progress)
+    result = request.along(directions, portion(progress, 0.0, _CLOSING if request.loops else 1.0))
     return _Draft(request, result, *request.trace(result.pattern))
 
 
@@ -187,11 +187,11 @@ def _settle(draft, progress):
 
 
 def _close(draft, progress):
-    """The draft with more of its quads in short loops, where that is asked for."""
+    """The draft with more of its quads in short loops, where that is asked for and lines do not branch."""
     request = draft.request
-    if request.loops == 0:
+    if request.loops == 0 or request.branching > 0:
         return draft
-    pattern, before = close_loops(request, draft.result.pattern, progress)
+    pattern, before = close_loops(request, draft.result.pattern, portion(progress, _CLOSING, _SMOOTHING - _CLOSING))
     result = replace(draft.result, pattern=pattern, loops_before=before)
     return _Draft(request, result, *request.trace(pattern))
 

@@ -31,7 +31,7 @@ from .job import write_result
 # Seconds between two looks; after which a solve is ended if something else is asked for; of rest that end a change.
 _TICK, _PATIENCE, _REST = 0.03, 0.7, 0.6
 # What a pattern does not depend on, but its search, its faces and quad meshes do.
-_OF_OTHERS = ("method", "rounding", "target_gap", "seed", "features", "smoothing", "faces", "straighten", "strict")
+_OF_OTHERS = ("method", "rounding", "target_gap", "seed", "features", "smoothing", "faces", "loops", "strict")
 # What directions do not depend on, but for their turn.
 _OF_PATTERNS = ("spacing", "spacing_map", "spacing_range", "aspect", "branching")
 _OF_PATTERNS += ("angle", "angle_attribute", "angle_range")

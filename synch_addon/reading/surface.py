@@ -90,7 +90,7 @@ def gather(command, obj, settings, base=None, given=None):
         settings.singularities,
         settings.branching,
         settings.faces or None,
-        settings.straighten,
+        settings.loops,
         pinned_triangles(parse_pins(settings.pins), given.polygons, settings.symmetry),
         strict=settings.strict,
     )
