@@ -43,17 +43,21 @@ def near_loops(quads, longest=LONGEST):
     at, singular = starts.copy(), quads.is_irregular
     edges, counts = quads.edges
     singular[edges[counts == 1]] = True
-    passed = np.zeros(len(starts), int)
+    # How many irregular vertices a walk has passed, and places where it has left the walk on its right.
+    passed, apart = np.zeros((2, len(starts)), int)
+    singular, parts = np.append(singular, False), ahead[right] != right[ahead]
     found = []
     for step in range(1, min(longest, LONGEST) + 1):
-        passed += np.append(singular, False)[tails[at]]
+        passed += singular[tails[at]]
+        apart += parts[at]
         at = ahead[at]
         if step < SHORTEST:
             continue
         for aside, places in beside.items():
             met = np.flatnonzero((at == places[starts]) & (at != last))
-            found.append(np.column_stack([met, np.full_like(met, step), np.full_like(met, aside), passed[met]]))
-    rows = np.concatenate([np.empty((0, 4), int), *found])
+            same = np.ones_like(met)
+            found.append(np.column_stack([met, step * same, aside * same, passed[met], apart[met]]))
+    rows = np.concatenate([np.empty((0, 5), int), *found])
     # The shortest walk from each beginning to each place beside it.
     _, first = np.unique(rows[:, [0, 2]], axis=0, return_index=True)
     rows = rows[first]
@@ -96,7 +100,7 @@ def _one_way(quads):
 
 
 def _classes(starts, rows, ahead, right, left, tails):
-    """Walks of as many quads, as far aside, that begin beside each other, as one class."""
+    """Walks of as many quads, as far aside, that stay beside each other, as one class."""
     order = np.lexsort((rows[:, 0], abs(rows[:, 2]), rows[:, 1]))
     rows = rows[order]
     count = len(starts)
@@ -108,9 +112,9 @@ def _classes(starts, rows, ahead, right, left, tails):
     number[starts[0::2] + 2] = np.arange(0, count, 2)
     number[starts[0::2] + 3] = np.arange(1, count, 2)
     pairs = []
-    for way in (ahead, right):
+    for way, stays in ((ahead, np.ones(len(rows), bool)), (right, rows[:, 4] == 0)):
         other = number[way[starts[rows[:, 0]]]]
-        wanted = np.where(other < 0, -1, kinds * count + other)
+        wanted = np.where((other < 0) | ~stays, -1, kinds * count + other)
         place = np.minimum(np.searchsorted(keys, wanted), max(len(keys) - 1, 0))
         same = (wanted >= 0) & (keys[place] == wanted) if len(keys) else np.zeros(0, bool)
         pairs.append(np.column_stack([np.flatnonzero(same), place[same]]))
@@ -119,7 +123,7 @@ def _classes(starts, rows, ahead, right, left, tails):
     # The walk of a class that passes the fewest irregular vertices.
     first = np.lexsort((np.arange(len(rows)), rows[:, 3], labels))
     first = first[np.unique(labels[first], return_index=True)[1]]
-    walks = [_walk(starts[start], steps, aside, ahead, right, left, tails) for start, steps, aside, _ in rows[first]]
+    walks = [_walk(starts[start], steps, aside, ahead, right, left, tails) for start, steps, aside, *_ in rows[first]]
     return NearLoops(walks, rows[first, 1], abs(rows[first, 2]), sizes)
 
 

@@ -21,12 +21,22 @@ def of_quads(faces, seed=None):
     return QuadMesh(np.zeros((count, 3)), None, None, np.concatenate(faces), np.array([len(face) for face in faces]))
 
 
+def tube(around, across, step):
+    """Quads of a closed tube, so many around in one direction, and after each turn some rows on."""
+    i, j = (a.ravel() for a in np.mgrid[:around, :across])
+
+    def vertex(i, j):
+        return (i % around) * across + (j + step * (i // around)) % across
+
+    return np.column_stack([vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)])
+
+
 @pytest.mark.parametrize("seed", [None, 0])
 def test_a_grid_has_its_rows_and_columns(seed):
     loops = quad_loops(of_quads(grid_quads(5, 3), seed))
     assert sorted(loops.lengths.tolist()) == [3] * 5 + [5] * 3
     assert (np.diff(loops.lengths) <= 0).all()
-    assert loops.figures == {"loops": 8, "longest_loop": 5, "spirals": 0}
+    assert loops.figures == {"loops": 8, "longest_loop": 5, "spirals": 0, "short_loop_share": 1.0}
 
 
 def test_every_loop_of_a_cube_goes_around_it():
@@ -39,15 +49,8 @@ def test_every_loop_of_a_cube_goes_around_it():
 
 @pytest.mark.parametrize(("across", "step"), [(3, 1), (5, 1), (16, 1), (16, 2), (16, 4), (16, 8), (40, 20)])
 def test_on_a_tube_that_closes_some_quads_further_loops_are_spirals(across, step):
-    """Twelve quads around in one direction, and after each turn some rows on."""
     around = 12
-    i, j = (a.ravel() for a in np.mgrid[:around, :across])
-
-    def vertex(i, j):
-        return (i % around) * across + (j + step * (i // around)) % across
-
-    faces = np.column_stack([vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)])
-    loops = quad_loops(of_quads(faces))
+    loops = quad_loops(of_quads(tube(around, across, step)))
     count = np.gcd(step, across)
     turns = across // count
     winding = loops.lengths == around * turns
