@@ -159,7 +159,11 @@ class LoopClosing:
                 hold(number)
         left = set(range(len(held), len(both)))
         while left:
-            free = [number for number in left if gains[number - len(held)] > 0 and gram[number, number] > INDEPENDENT * own[number]]
+            free = [
+                number
+                for number in left
+                if gains[number - len(held)] > 0 and gram[number, number] > INDEPENDENT * own[number]
+            ]
             costs = [values[number] ** 2 / gram[number, number] for number in free]
             worth = [
                 gains[number - len(held)] - price * cost if cost <= most else 0.0

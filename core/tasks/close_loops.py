@@ -19,7 +19,7 @@ from ..solution import FIRST
 # loops, then for dearer ones.
 PRICES = (0.3, 0.1, 0.03, 0.01, 0.003)
 # Of a class of loops, the least share of the mesh's loops that closing it is for; how many classes are looked at.
-LEAST_GAIN, MOST_CLASSES = 2e-3, 100
+LEAST_GAIN, MOST_CLASSES = 1e-3, 60
 # Conditions whose changes have a larger cosine than this are alike.
 ALIKE = 0.97
 # What a mesh has to have in short loops more than the best one, to be kept.

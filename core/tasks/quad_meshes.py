@@ -316,4 +316,3 @@ def _try_candidate(make):
         raise
     except SynchError:
         return None
-

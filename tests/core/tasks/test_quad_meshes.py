@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Quad meshes of a number of faces, and straighter ones, by what they are."""
+"""Quad meshes of a number of faces, by what they are."""
 
 from dataclasses import replace
 
@@ -112,34 +112,6 @@ def test_faces_that_no_spacing_gives_are_refused_with_their_number(monkeypatch):
     monkeypatch.setattr(quad_meshes, "_draw", refuse)
     with pytest.raises(SettingError, match="7 faces are too few for a quad mesh of this surface"):
         asked(icosphere(2), faces=7).solve()
-
-
-def straightened(**settings):
-    """Spirals and the longest loop of a mesh before and after it was straightened."""
-    request = asked(lumps(), **settings)
-    before, after = request.solve(), replace(request, straighten=True).solve()
-    figures, found = quad_loops(before.quads).figures, quad_loops(after.quads).figures
-    assert after.loops_before == figures
-    assert (after.quads.sizes == 4).mean() >= (before.quads.sizes == 4).mean()
-    assert len(after.quads.sizes) == pytest.approx(len(before.quads.sizes), rel=0.03)
-    again = replace(request, singularities=after.settled["singularities"]).directed()
-    assert len(again.disclinations) == len(after.field.disclinations)
-    return tuple((loops["spirals"], loops["longest_loop"]) for loops in (figures, found))
-
-
-def test_straightened_loops_are_shorter_than_before():
-    """Never more spirals, and loops shorter in one of a few meshes at least: some have no better one."""
-    asked_for = [{"spacing": 0.25, "spacings": 0.25}, {"spacing": 0.3, "spacings": 0.3}, {"faces": 300}, {"faces": 400}]
-    loops = [straightened(**settings) for settings in asked_for]
-    assert all(after <= before for before, after in loops) and any(after < before for before, after in loops)
-
-
-def lumps():
-    """A sphere with bumps, on which directions have more disclinations than they need."""
-    sphere = icosphere(4)
-    x, y, z = sphere.vertices.T
-    radius = 1 + 0.12 * np.sin(4 * x + 1) * np.sin(5 * y) + 0.12 * np.sin(4 * z + 2 * x)
-    return TriangleMesh(sphere.vertices * radius[:, None], sphere.triangles)
 
 
 @pytest.mark.parametrize(("share", "lost"), [(0.03, True), (0.03, False), (0.5, False)])

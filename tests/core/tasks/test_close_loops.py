@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Quad meshes whose loops are to be short: on a torus where all can be, on limbs, mirrored, and what it may cost."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from synch_fields.core.errors import Cancelled
+from synch_fields.core.extract.quads.measure.loops import quad_loops
+from synch_fields.core.fields import given_directions
+from synch_fields.core.geometry import TriangleMesh
+
+from ..meshes import bumpy_torus, icosphere, torus
+from .test_quad_meshes import asked
+
+
+def around_tube(mesh, degrees):
+    """(n, 3) directions at an angle to the circles around a torus's axis."""
+    x, y, _ = mesh.vertices.T
+    field = given_directions(mesh, 4, np.column_stack([-y, x, 0 * x]))
+    return field.turned(np.radians(degrees)).vectors
+
+
+@pytest.mark.parametrize("degrees", [4.0, 9.0])
+def test_spirals_of_a_torus_all_close(degrees):
+    """Lines at a small angle to its circles wind around it; turned onto them, each is a loop."""
+    mesh = torus(around=72, across=30)
+    request = asked(mesh, directions=around_tube(mesh, degrees), spacing=0.3, spacings=0.3)
+    before, after = request.solve(), replace(request, loops=1.0).solve()
+    given, found = quad_loops(before.quads), quad_loops(after.quads)
+    assert given.short_share < 0.6 and found.short_share == 1.0
+    assert after.loops_before == given.figures and before.loops_before is None
+    assert (after.quads.sizes == 4).all() and not after.quads.is_irregular.any()
+
+
+def test_nothing_closes_where_nothing_may_be_given_up():
+    mesh = torus(around=72, across=30)
+    request = asked(mesh, directions=around_tube(mesh, 9.0), spacing=0.3, spacings=0.3)
+    before, after = request.solve(), replace(request, loops=1e-6).solve()
+    np.testing.assert_array_equal(before.pattern.phases, after.pattern.phases)
+    branching = replace(request, branching=1.0)
+    np.testing.assert_array_equal(branching.solve().quads.sizes, replace(branching, loops=1.0).solve().quads.sizes)
+
+
+def limbs():
+    """A sphere with two horns, around which lines spiral."""
+    sphere = icosphere(4)
+    x, y, z = sphere.vertices.T
+    horns = sum(
+        np.exp(-((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2) / 0.06) for a, b, c in ((0.9, 0.3, 0.3), (-0.7, 0.7, 0))
+    )
+    return TriangleMesh(sphere.vertices * (1 + 0.9 * horns[:, None]), sphere.triangles)
+
+
+@pytest.mark.parametrize("settings", [{"spacing": 0.2, "spacings": 0.2}, {"faces": 700}], ids=["spacing", "faces"])
+def test_limbs_get_more_short_loops_at_a_bounded_cost(settings):
+    request = asked(limbs(), **settings)
+    before, after = request.solve(), replace(request, loops=0.5).solve()
+    given, found = quad_loops(before.quads), quad_loops(after.quads)
+    assert found.short_share >= given.short_share
+    assert (after.quads.sizes == 4).all() and after.quads.euler_characteristic == 2
+    assert len(after.quads.sizes) == pytest.approx(len(before.quads.sizes), rel=0.065)
+    assert after.quads.is_irregular.sum() <= 1.1 * before.quads.is_irregular.sum() + 2
+    again = replace(request, loops=0.5).solve()
+    np.testing.assert_array_equal(after.quads.vertices, again.quads.vertices)
+
+
+def test_closing_can_be_cancelled():
+    request = asked(bumpy_torus(20), spacing=0.25, spacings=0.25, loops=1.0)
+    heard = []
+
+    def stop(stage, fraction):
+        heard.append((stage, fraction))
+        return stage != "closing loops"
+
+    with pytest.raises(Cancelled):
+        request.solve(stop)
+    fractions = [fraction for _, fraction in heard]
+    assert heard[-1][0] == "closing loops" and max(fractions) == fractions[-1]
