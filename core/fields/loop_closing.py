@@ -13,6 +13,7 @@ the projections of the rows r of R to changes without curl. They raise the sum o
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array
@@ -115,13 +116,16 @@ class LoopClosing:
             np.add.at(rows[phase], edges, parts[:, :, phase])
         return rows.reshape(2, -1)
 
-    def correction(self, conditions):
-        """(e, 2) changes that are added for all conditions to hold, and what they raise the sum of c^2 / G by."""
+    def correction(self, conditions, sums=0.0):
+        """(e, 2) changes that are added for all conditions to hold, and what they raise the sum of c^2 / G by.
+
+        ``sums`` are the (k,) values that the conditions ask for in place of 0.
+        """
         if not conditions:
             return np.zeros((len(self._growth.mesh.edges), 2)), 0.0
         rows = np.array([condition.row for condition in conditions])
         changes = np.array([condition.change for condition in conditions])
-        missing = -rows @ self._asked
+        missing = sums - rows @ self._asked
         shares = np.linalg.lstsq(rows @ changes.T, missing, rcond=1e-8)[0]
         return (shares @ changes).reshape(-1, 2), float(missing @ shares)
 
@@ -203,7 +207,7 @@ class MeshWalks:
         nearest = corners[np.arange(len(walk)), quads.weights[walk].argmax(axis=1)]
         nearest = nearest[np.append(True, nearest[1:] != nearest[:-1])]
         result = [nearest[:1]]
-        for tail, head in zip(nearest[:-1], nearest[1:], strict=True):
+        for tail, head in pairwise(nearest):
             result.append(self._way(tail, head))
         return np.concatenate(result)
 

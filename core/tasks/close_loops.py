@@ -26,8 +26,13 @@ ALIKE = 0.97
 BETTER = 3e-3
 # How much the number of faces, and of irregular vertices, may change.
 NEAR_COUNT, MORE_IRREGULAR, SPARE_IRREGULAR = 0.06, 1.1, 2
-# Patterns that are tried at most.
-TRIES, AHEAD = 40, 3
+# Meshes that are tried at most.
+TRIES = 30
+# How many patterns in a row may be no better, where each is chosen from the one before.
+AHEAD = 3
+# Where the phases do not close a walk though nothing is asked across it, they are asked for this much the other way,
+# in radians; solves in all.
+PUSH, PUSHES = 1.0, 3
 
 
 @dataclass(frozen=True)
@@ -156,9 +161,9 @@ class _Search:
         # of them stands for all.
         alike = np.abs(cosines(found)) > ALIKE
         first = alike.argmax(axis=1) if len(found) else np.zeros(0, int)
-        gains = np.bincount(first, gains, minlength=len(found))
-        gains[gains < LEAST_GAIN] = 0
-        return _Offers(found, gains)
+        sums = np.bincount(first, gains, minlength=len(found))
+        sums[sums < LEAST_GAIN] = 0
+        return _Offers(found, sums)
 
     def _tell(self, *_):
         self._monitor.at("closing loops", self.fraction)
@@ -166,10 +171,17 @@ class _Search:
     def _try(self, conditions):
         """The :class:`_Closed` of conditions; None where its mesh is worse in other ways."""
         self._tries_left -= 1
-        correction, cost = self._closing.correction(conditions)
         options = replace(self._request.options, method=FIRST)
+        sums = np.zeros(len(conditions))
         try:
-            pattern = change_pattern(self._given.pattern, correction, options, self._tell)
+            for _ in range(PUSHES):
+                correction, cost = self._closing.correction(conditions, sums)
+                pattern = change_pattern(self._given.pattern, correction, options, self._tell)
+                reached = np.array([c.row @ pattern.edge_phases.changes.ravel() for c in conditions])
+                is_open = np.abs(reached) > 0.5 * np.pi
+                if not is_open.any():
+                    break
+                sums[is_open] -= PUSH * np.sign(reached[is_open])
             quads = _whole_quads(self._request, pattern)
         except Cancelled:
             raise

@@ -314,7 +314,7 @@ class SurfaceResult:
     warnings : lines that the user should read
     seconds : that parts of the work took which solutions do not tell, by their names
     settled : settings, by their names, with which the result was made in place of those that were asked for
-    loops_before : figures of the quad mesh's loops before more of them were closed (:mod:`..extract.quads.measure.loops`)
+    loops_before : figures of the loops before more of them were closed (:mod:`..extract.quads.measure.loops`)
     """
 
     field: DirectionField

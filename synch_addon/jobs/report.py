@@ -279,7 +279,7 @@ def _quad_line(made):
 
 def _loops(made):
     counts = f"{count_text(made['loops'], 'loop')}, {count_text(made['spirals'], 'spiral')}"
-    line = f"{counts}, the longest of {made['longest_loop']} quads, {made['short_loop_share']:.0%} of the mesh in short ones"
+    line = f"{counts}, the longest of {made['longest_loop']} quads, {made['short_loop_share']:.0%} in short ones"
     before = made.get("loops_before")
     return line if before is None else f"{line} ({before['short_loop_share']:.0%} before more of them were closed)"
 

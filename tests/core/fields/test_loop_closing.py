@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.linalg import null_space
 
+from synch_fields.core.extract.quads.trace.quad_mesh import quad_mesh
 from synch_fields.core.fields import given_directions
 from synch_fields.core.fields.curl_removal import SMALLEST_WEIGHT, surface_circulation
 from synch_fields.core.fields.loop_closing import LoopClosing, MeshWalks, cosines
 from synch_fields.core.fields.patterns import change_pattern
 from synch_fields.core.fields.quads import quad_pattern
 from synch_fields.core.matchings import after_turns
-from synch_fields.core.extract.quads.trace.quad_mesh import quad_mesh
 
 from ..crosses import turned_crosses
 from ..meshes import bumpy_torus, torus

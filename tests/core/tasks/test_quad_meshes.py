@@ -9,7 +9,6 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.extract.quads import finishing as quad_smoothing
-from synch_fields.core.extract.quads.measure.loops import quad_loops
 from synch_fields.core.fields import direction_field, given_directions
 from synch_fields.core.fields.constraints.features import feature_edges, feature_row
 from synch_fields.core.fields.target_one_form import TargetOneForm
