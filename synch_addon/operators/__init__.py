@@ -34,6 +34,7 @@ register, unregister = bpy.utils.register_classes_factory(
         stripes.SYNCH_OT_stripes,
         quads.SYNCH_OT_quads,
         quads.SYNCH_OT_quad_mesh,
+        quads.SYNCH_OT_quad_mesh_again,
         field_operator.SYNCH_OT_cancel,
         field_operator.SYNCH_OT_keep,
         *variations.CLASSES,

@@ -3,8 +3,12 @@
 
 import bpy
 
+from ..blender.meshes import refusal
+from ..blender.objects import shown
 from ..panels.sidebar import draw_directions, draw_faces, draw_pattern, draw_quad_mesh, draw_quads
-from ..settings.fields import MESH_NAMES, MeshProperties, SettingProperties
+from ..patterns.job import FieldJob
+from ..settings.fields import MESH_NAMES, MeshProperties, SettingProperties, source_of
+from ..settings.guide_list import stored_guidance
 from .field_operator import FieldOperator
 
 
@@ -22,13 +26,10 @@ class SYNCH_OT_quads(FieldOperator, SettingProperties, bpy.types.Operator):
         draw_faces(self.layout, self)
 
 
-class SYNCH_OT_quad_mesh(FieldOperator, MeshProperties, SettingProperties, bpy.types.Operator):
-    """Make a new mesh of quads along the grid lines of a quad pattern, and hide the active one"""
+class _QuadMeshOperator(FieldOperator, MeshProperties, SettingProperties):
+    """Mixed into operators that make a mesh of quads."""
 
-    bl_idname = "synch.quad_mesh"
-    bl_label = "Quad Mesh"
     command = "quad_mesh"
-
     stored_as = MESH_NAMES
 
     def draw(self, context):
@@ -36,3 +37,36 @@ class SYNCH_OT_quad_mesh(FieldOperator, MeshProperties, SettingProperties, bpy.t
         draw_pattern(self.layout, self)
         draw_quads(self.layout, self)
         draw_quad_mesh(self.layout, self)
+
+
+class SYNCH_OT_quad_mesh(_QuadMeshOperator, bpy.types.Operator):
+    """Make a new mesh of quads along the grid lines of a quad pattern, and hide the active one"""
+
+    bl_idname = "synch.quad_mesh"
+    bl_label = "Quad Mesh"
+
+
+class SYNCH_OT_quad_mesh_again(_QuadMeshOperator, bpy.types.Operator):
+    """Make this quad mesh anew from the object that it was made of, with the settings shown here"""
+
+    bl_idname = "synch.quad_mesh_again"
+    bl_label = "Quad Mesh Again"
+
+    @classmethod
+    def lacking(cls, obj):
+        source = source_of(obj)
+        if source is None:
+            return f"{obj.name} is not the quad mesh of another object, or that is gone: use Quad Mesh"
+        return refusal(source)
+
+    def _take(self, context):
+        super()._take(context)
+        self.properties.property_unset("guidance")
+
+    def _job(self, context):
+        made = context.active_object
+        source = source_of(made)
+        if not self.properties.is_property_set("guidance"):
+            self.guidance = stored_guidance(source.synch)
+        with shown(source):
+            return FieldJob(self.command, source, self._settings(), replaced=made)

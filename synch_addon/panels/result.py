@@ -8,6 +8,7 @@ from ..blender.modifiers import carries, changing_modifiers
 from ..blender.translations import translate, translate_count
 from ..jobs.kept_results import read_result_or_empty
 from ..patterns import memory
+from ..settings.fields import source_of
 from ..settings.preferences import is_simple
 from .look import draw_look
 from .sidebar import SettingsPanel, property_column
@@ -53,7 +54,8 @@ class SYNCH_PT_result(SettingsPanel, bpy.types.Panel):
             row = self.layout.row()
             row.alert = True
             text = "Mesh Changed: Solve Again"
-            row.operator(SOLVES[result["command"]], text=text, icon="FILE_REFRESH")
+            again = "synch.quad_mesh_again" if source_of(context.active_object) else SOLVES[result["command"]]
+            row.operator(again, text=text, icon="FILE_REFRESH")
         simple = is_simple()
         if not simple:
             draw_figures(self.layout, result, held, len(context.active_object.data.polygons))

@@ -12,7 +12,7 @@ from ..jobs.queue import queue
 from ..patterns.live import live
 from ..patterns.pin_costs import cost_line
 from ..patterns.refine import draw_told, draw_warning
-from ..settings.fields import MESH_NAMES
+from ..settings.fields import MESH_NAMES, source_of
 from ..settings.preferences import is_simple, preferences
 from .guides import draw_guidance
 from .painting import draw_map, draw_painting
@@ -88,6 +88,9 @@ def draw_pins(column, settings, obj):
 def draw_simple(layout, obj):
     """What an artist sets first, and the button that makes what was chosen last."""
     simple, settings = obj.synch_simple, obj.synch
+    if source_of(obj) is not None:
+        draw_again(layout, obj)
+        return
     row = layout.row(align=True)
     row.scale_y = 1.3
     icon = layout.enum_item_icon(simple, "kind", simple.kind)
@@ -104,6 +107,20 @@ def draw_simple(layout, obj):
     if simple.direction == "AXIS":
         column.row().prop(settings.guide, "axis", expand=True)
     column.prop(settings, "mesh_branching" if simple.kind == "quad_mesh" else "branching", text="Branching")
+
+
+def draw_again(layout, obj):
+    """The button that makes a quad mesh anew from its source, and what an artist changes for it."""
+    layout.label(text=translate("Made of {name}", name=source_of(obj).name), icon="OBJECT_DATA", translate=False)
+    row = layout.row()
+    row.scale_y = 1.3
+    row.operator("synch.quad_mesh_again", icon="MOD_REMESH")
+    settings, column = obj.synch, property_column(layout)
+    column.prop(settings, "faces")
+    if not settings.faces:
+        draw_automatic(column, settings, "spacing", "automatic_spacing")
+    column.prop(settings, "loops")
+    column.prop(settings, "mesh_branching", text="Branching")
 
 
 def draw_pattern(layout, settings):
@@ -246,6 +263,8 @@ class SYNCH_PT_fields(SidebarPanel, bpy.types.Panel):
         if is_simple():
             draw_simple(self.layout, obj)
             return
+        if source_of(obj) is not None:
+            draw_again(self.layout, obj)
         column = self.layout.column(align=True)
         column.scale_y = 1.3
         row = column.row(align=True)

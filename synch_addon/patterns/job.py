@@ -8,7 +8,7 @@ import numpy as np
 
 from ...core.errors import SynchError
 from ..blender import meshes
-from ..blender.objects import ObjectLink, Selection
+from ..blender.objects import ObjectLink, Selection, shown
 from ..blender.pattern_surface import surface_of
 from ..blender.transaction import assign, whole_or_nothing
 from ..jobs.kept_results import result_line
@@ -20,13 +20,17 @@ from .curves_read import curves_read
 
 
 class FieldJob:
-    """A field, a pattern or a quad mesh of an object; see :mod:`..jobs.job`."""
+    """A field, a pattern or a quad mesh of an object; see :mod:`..jobs.job`.
 
-    def __init__(self, command, obj, settings):
+    ``replaced`` is an earlier quad mesh of the object, whose place the new one takes.
+    """
+
+    def __init__(self, command, obj, settings, replaced=None):
         meshes.refuse(obj)
         settings = settings_for(command, obj, settings)
         bpy.context.view_layer.update()  # a script may have scaled the object just now
         self.link, self._selection = ObjectLink.to(obj), Selection.now()
+        self._replaced = None if replaced is None else ObjectLink.to(replaced)
         self._report = Report(command, obj, settings)
         self._pins_before = settings.pins
         with meshes.object_mode(obj), self._report.clock("read"):
@@ -42,11 +46,12 @@ class FieldJob:
         """Write the result to the object at once; returns the report."""
         obj, request = self.link.found, self.request
         self._report.take(result)
-        with meshes.object_mode(obj), whole_or_nothing():
+        with shown(obj), meshes.object_mode(obj), whole_or_nothing():
             if result.quads is not None:
                 with solved_object(obj, self._refinement) as surface:
                     _refuse_changed(obj, meshes.is_unchanged(surface, request.given))
-                    return write_quads(obj, request, result, self._report, self._selection, surface)
+                    replaced = None if self._replaced is None else self._replaced.found
+                    return write_quads(obj, request, result, self._report, self._selection, surface, replaced)
             own_surface.bind(obj, self._refinement, self._report.warn)
             _refuse_changed(obj, own_surface.is_unchanged(obj, request.given))
             if hasattr(obj, "synch") and obj.synch.pins == self._pins_before != self._pins:
@@ -116,11 +121,12 @@ def _remember(obj, solved, instead=False):
     memory.remember(obj, line, solved, instead)
 
 
-def write_quads(obj, request, result, report, selection, surface):
-    """Make the quad mesh's object, with what the object ``surface`` carries that was solved on; returns the report."""
+def write_quads(obj, request, result, report, selection, surface, replaced=None):
+    """Make the quad mesh's object, or give ``replaced`` its faces, with what the object ``surface`` carries that was
+    solved on; returns the report."""
     with report.clock("write"):
         defects = write.reported_defects(obj, request, result.field, result.pattern)
-        report.quad_mesh = quad_mesh.write(obj, request, result.quads, selection, surface)
+        report.quad_mesh = quad_mesh.write(obj, request, result.quads, selection, surface, replaced)
         if result.loops_before is not None:
             report.quad_mesh["loops_before"] = result.loops_before
     plain = report.finish(result.field, result.pattern, defects)

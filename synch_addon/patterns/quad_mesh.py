@@ -13,7 +13,7 @@ from ..blender.defect_empties import defect_empties
 from ..blender.new_geometry import new_mesh
 from ..blender.objects import hide
 from ..blender.schema import PREFIX
-from ..blender.transaction import assign
+from ..blender.transaction import assign, leave
 from ..nodes.materials import shows_pattern
 from ..settings.fields import STORED_NAMES
 
@@ -21,23 +21,22 @@ from ..settings.fields import STORED_NAMES
 _INSIDE = 0.05
 
 
-def write(obj, request, quads, selection, carrying):
+def write(obj, request, quads, selection, carrying, replaced=None):
     """Make the object, show it instead of the given one, and return its figures for the report.
 
     ``carrying`` is the object whose mesh was solved on: the given one, or one with a surface of the pattern's own.
+    ``replaced`` is an earlier quad mesh of the object, which gets the new faces.
     """
     mesh = request.given.mesh
     points = quads.vertices @ np.linalg.inv(request.given.stretch).T
+    if replaced is not None and replaced.data.users == 1:
+        leave([replaced.data])
     data = new_mesh(f"{obj.data.name} Quads", points, quads.corner_vertices, quads.sizes, smooth=True)
-    made = bpy.data.objects.new(f"{obj.name} Quads", data)
-    # In the same place as the given one: a parent may shear it.
-    made.parent, made.parent_type, made.parent_bone = obj.parent, obj.parent_type, obj.parent_bone
-    made.matrix_parent_inverse, made.matrix_basis = obj.matrix_parent_inverse, obj.matrix_basis
-    for collection in obj.users_collection:
-        collection.objects.link(made)
-    if hasattr(obj, "synch"):  # as long as the extension is registered
-        for name in STORED_NAMES:
-            setattr(made.synch, name, getattr(obj.synch, name))
+    if replaced is None:
+        made = _new_object(obj, data)
+    else:
+        made = replaced
+        assign(made, "data", data)
     surface = NearestTriangles(mesh.vertices, mesh.triangles)
     centres = np.add.reduceat(quads.vertices[quads.corner_vertices], quads.starts) / quads.sizes[:, None]
     at_centres, under = surface.nearest(centres)
@@ -49,6 +48,22 @@ def write(obj, request, quads, selection, carrying):
     apart = np.linalg.norm(back - given, axis=1)
     distance = max(np.linalg.norm(at_centres - centres, axis=1).max(), apart.max())
     return {"object": made.name, **quality(quads), **quad_loops(quads).figures, "hausdorff_distance": float(distance)}
+
+
+def _new_object(obj, data):
+    """An object for a quad mesh, in the place of the given one and with its settings."""
+    made = bpy.data.objects.new(f"{obj.name} Quads", data)
+    # In the same place as the given one: a parent may shear it.
+    made.parent, made.parent_type, made.parent_bone = obj.parent, obj.parent_type, obj.parent_bone
+    made.matrix_parent_inverse, made.matrix_basis = obj.matrix_parent_inverse, obj.matrix_basis
+    for collection in obj.users_collection:
+        collection.objects.link(made)
+    if hasattr(obj, "synch"):  # as long as the extension is registered
+        for name in STORED_NAMES:
+            setattr(made.synch, name, getattr(obj.synch, name))
+        made.synch.source = obj
+        made.synch_simple.kind = "quad_mesh"
+    return made
 
 
 def _carry(obj, made, given, quads, centres, under, surface):

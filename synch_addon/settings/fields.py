@@ -75,7 +75,16 @@ class SynchSettings(SettingProperties, _StoredMeshProperties, bpy.types.Property
     pins: StringProperty(name=_RECORDS["pins"].label, description=_RECORDS["pins"].tip)
     active_constraint: IntProperty(name="Active Constraint", description="Row that the panel shows", min=0)
     favourites: CollectionProperty(name="Favourites", description="Variations that are kept", type=SynchFavourite)
+    source: PointerProperty(
+        name="Source", description="The object that this quad mesh was made of", type=bpy.types.Object
+    )
     result: StringProperty(name="Result", description="What the panel shows of the last solve, as JSON")
+
+
+def source_of(obj):
+    """The object of the scene that a quad mesh was made of, None where there is none."""
+    source = obj.synch.source
+    return source if source is not None and bpy.context.scene in source.users_scene else None
 
 
 def stored_settings(obj):

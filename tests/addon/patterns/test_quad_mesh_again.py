@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A quad mesh made anew from the object that it was made of: another count, one click, in the same place."""
+
+import bpy
+import pytest
+
+from synch_fields.core.errors import SynchError
+from synch_fields.synch_addon.patterns import quad_mesh
+from synch_fields.synch_addon.settings.fields import source_of
+
+from ..scenes import make_active, places, snapshot, sphere
+
+
+def made_of(obj, **settings):
+    """The quad mesh of an object by the operator, active as it leaves it."""
+    make_active(obj)
+    assert bpy.ops.synch.quad_mesh(**settings) == {"FINISHED"}
+    return bpy.context.active_object
+
+
+def again(made, **settings):
+    """Another quad mesh in its place."""
+    make_active(made)
+    assert bpy.ops.synch.quad_mesh_again(**settings) == {"FINISHED"}
+
+
+@pytest.fixture
+def ball():
+    return sphere()
+
+
+def test_another_count_takes_the_place_of_the_quad_mesh(ball):
+    before = places(ball)
+    made = made_of(ball, faces=200)
+    assert source_of(made) == ball and made.synch_simple.kind == "quad_mesh"
+    name, objects = made.name, set(bpy.data.objects)
+    for faces in (500, 300):
+        again(made, faces=faces)
+        assert len(made.data.polygons) == pytest.approx(faces, rel=0.08)
+        assert made.name == name and set(bpy.data.objects) == objects and bpy.context.active_object == made
+        assert made.data.name == f"{ball.data.name} Quads" and len(bpy.data.meshes) == 2
+        assert ball.hide_get() and not made.hide_get()
+    assert (places(ball) == before).all()
+
+
+def test_modifiers_of_the_hidden_source_count(ball):
+    """What is seen is larger than the mesh."""
+    own = max(ball.dimensions)
+    modifier = ball.modifiers.new("Wide", "CAST")
+    modifier.cast_type, modifier.factor, modifier.size, modifier.use_radius_as_size = "SPHERE", 1.0, 2 * own, False
+    made = made_of(ball, faces=300, surface="SEEN")
+    wide = max(made.dimensions)
+    again(made, faces=400, surface="SEEN")
+    assert wide > 1.5 * own and max(made.dimensions) == pytest.approx(wide, rel=0.05)
+
+
+def test_a_failure_leaves_the_quad_mesh_as_it_was(ball, monkeypatch):
+    made_of(ball, faces=200)
+    before = snapshot()
+
+    def fail(*_):
+        raise SynchError("no figures")
+
+    monkeypatch.setattr(quad_mesh, "quality", fail)
+    with pytest.raises(RuntimeError, match="no figures"):
+        bpy.ops.synch.quad_mesh_again(faces=300)
+    assert snapshot() == before and ball.hide_get()
+
+
+def test_without_its_source_a_quad_mesh_says_so(ball):
+    made = made_of(ball, faces=200)
+    bpy.data.objects.remove(ball)
+    assert source_of(made) is None and not bpy.ops.synch.quad_mesh_again.poll()
+
+
+def test_directions_follow_what_the_source_follows(ball):
+    ball.synch.guidance, ball.synch.guide.axis = "AXIS", "Z"
+    made = made_of(ball, faces=300, guidance="axis:Z")
+    around = snapshot()
+    again(made, faces=300)
+    assert snapshot() == around
