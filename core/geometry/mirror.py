@@ -28,17 +28,23 @@ def mirrored_vertices(mesh, polygons, axis):
     AsymmetryError
         with the vertices that have no counterpart, or whose faces have none
     """
+    return mirrored_corners(mesh, polygons, axis)[0]
+
+
+def mirrored_corners(mesh, polygons, axis):
+    """(n,) the vertex that mirrors each one, and (c,) the corner that mirrors each corner of the faces; parameters and
+    errors as :func:`mirrored_vertices`."""
     used = np.unique(mesh.triangles)
     places, image = _mirrored_places(mesh.vertices[used], axis, TOLERANCE * np.median(mesh.edge_lengths))
     lonely = used[image[places] < 0]
+    partner, opposite = np.arange(mesh.vertex_count), np.arange(len(polygons.corner_vertices))
     if len(lonely) == 0:
         place_of = np.zeros(mesh.vertex_count, int)
         place_of[used] = places
-        partner = np.arange(mesh.vertex_count)
-        lonely = _match_by_faces(polygons, place_of, image, partner)
+        lonely = _match_by_faces(polygons, place_of, image, partner, opposite)
     if len(lonely):
         raise AsymmetryError("XYZ"[axis], lonely)
-    return partner
+    return partner, opposite
 
 
 def _mirrored_places(points, axis, near):
@@ -55,8 +61,9 @@ def _mirrored_places(points, axis, near):
     return places, image
 
 
-def _match_by_faces(polygons, places, image, partner):
-    """Fill ``partner`` from corner to corner of mirrored faces; returns the vertices for which that fails."""
+def _match_by_faces(polygons, places, image, partner, opposite):
+    """Fill the vertices ``partner`` and the corners ``opposite`` from corner to corner of mirrored faces; returns the
+    vertices for which that fails."""
     lonely = []
     for size in np.unique(polygons.sizes):
         corners = polygons.starts[polygons.drawn & (polygons.sizes == size), None] + np.arange(size)
@@ -67,9 +74,9 @@ def _match_by_faces(polygons, places, image, partner):
         face_of[labels[: len(vertices)]] = np.arange(len(vertices))
         face = face_of[labels[len(vertices) :]]
         lonely.append(vertices[face < 0].ravel())
-        opposite = vertices[face]
-        corner = (places[opposite][:, None] == image[places[vertices]][:, :, None]).argmax(axis=2)
-        partner[vertices] = np.take_along_axis(opposite, corner, axis=1)
+        corner = (places[vertices[face]][:, None] == image[places[vertices]][:, :, None]).argmax(axis=2)
+        partner[vertices] = np.take_along_axis(vertices[face], corner, axis=1)
+        opposite[corners] = np.take_along_axis(corners[face], corner, axis=1)
     corners = polygons.corner_vertices[polygons.drawn[polygons.corner_faces]]
     lonely.append(corners[partner[partner[corners]] != corners])
     return np.concatenate(lonely)

@@ -6,8 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import SettingError
+from ..geometry.polygons import Polygons
+from ..geometry.triangle_mesh import TriangleMesh
 from ..geometry.welding import welded_vertices
-from .division import divided
+from .division import divided, undivided
+from .mirroring import Reflection, cut_at_plane, on_positive_side, with_reflection
 
 # Triangles of a finer copy: more would take minutes and gigabytes to solve on.
 MOST_TRIANGLES = 1_000_000
@@ -66,7 +69,9 @@ class BoundSurface:
     welded: int
 
 
-def refine(vertices, starts, corner_vertices, edges, longest, stretch=None, triangle_corners=None) -> BoundSurface:
+def refine(
+    vertices, starts, corner_vertices, edges, longest, stretch=None, triangle_corners=None, axes=()
+) -> BoundSurface:
     """The surface of a mesh with boundary vertices joined and without edges longer than a limit.
 
     Faces stay as they are where none of their triangles has a longer edge. Faces without a finite place, and triangles
@@ -82,11 +87,14 @@ def refine(vertices, starts, corner_vertices, edges, longest, stretch=None, tria
     stretch : (3, 3) scale that lengths are measured with
     triangle_corners : (t, 3) corners of the triangles that faces consist of, face by face; by default each face is
         split from its first corner, which only suits convex ones
+    axes : 0, 1 or 2, in which the surface is to be its own mirror image, as the mesh is
 
     Raises
     ------
     TooFineError
         where there would be too many triangles
+    AsymmetryError
+        for a mesh that is not its own mirror image
     """
     vertices, starts = np.asarray(vertices, float), np.asarray(starts, int)
     corner_vertices, edges = np.asarray(corner_vertices, int), np.asarray(edges, int).reshape(-1, 2)
@@ -98,10 +106,38 @@ def refine(vertices, starts, corner_vertices, edges, longest, stretch=None, tria
     usable = _usable(places, joined[triangle_corners])
     corners = triangle_corners[usable]
     sides = _labels(edges, corner_vertices[corners], len(vertices))
-    division = _divided(places, joined[corners], sides, longest)
     faces = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(corner_vertices)))
-    kept = _kept(division, faces, corners, triangle_corners, usable)
-    return _bound(vertices, starts, joined, faces, corners, division, kept, int((own != np.arange(len(own))).sum()))
+    whole = undivided(places, joined[corners], sides)
+    if not axes or len(corners) == 0:
+        division = _divided(whole, longest)
+        parents = corners[division.source]
+    else:
+        mesh = TriangleMesh(places, joined[corners])
+        polygons = _polygons(starts, joined, faces, corners)
+        reflections = [Reflection.of(mesh, polygons, own[edges], axis) for axis in axes]
+        division, parents = _mirrored(whole, corners, reflections, longest)
+    kept = _kept(division, parents, faces, corners, triangle_corners, usable)
+    joins = int((own != np.arange(len(own))).sum())
+    return _bound(vertices, starts, joined, faces, parents, division, kept, joins)
+
+
+def _polygons(starts, corner_vertices, faces, corners):
+    """The Polygons of faces, without what belongs to no usable triangle."""
+    sizes = np.bincount(faces, minlength=len(starts))
+    return Polygons(corner_vertices, starts, sizes, corners, faces[corners[:, 0]])
+
+
+def _mirrored(whole, corners, reflections, longest):
+    """The division of triangles that is its own mirror image, and (t, 3) the corners that its weights are for."""
+    cut = whole
+    for reflection in reflections:
+        cut = cut_at_plane(cut, reflection)
+        cut = cut[on_positive_side(cut, reflection)]
+    division = _divided(cut, longest, 2 ** len(reflections))
+    parents = corners[division.source]
+    for reflection in reflections:
+        division, parents = with_reflection(division, parents, reflection)
+    return division, parents
 
 
 def fan_triangles(starts, count):
@@ -132,35 +168,38 @@ def _labels(edges, triangles, count):
     return np.where(keys[found] == asked, found, -1)
 
 
-def _divided(places, triangles, sides, longest):
-    division = divided(places, triangles, sides, longest, MOST_TRIANGLES)
+def _divided(whole, longest, copies=1):
+    """The division, of which there will be so many copies."""
+    most = MOST_TRIANGLES // copies
+    division = divided(whole, longest, most)
     if division is not None:
         return division
     factor = 1.0
     while division is None:
         factor *= _COARSER
-        division = divided(places, triangles, sides, factor * longest, MOST_TRIANGLES)
+        division = divided(whole, factor * longest, most)
     raise TooFineError(longest, factor)
 
 
-def _kept(division, faces, corners, triangle_corners, usable):
-    """(p,) bool: faces that stay as they are."""
-    whole = np.bincount(division.source, minlength=len(corners)) == 1
+def _kept(division, parents, faces, corners, triangle_corners, usable):
+    """(p,) bool: faces that stay as they are: they have as many triangles as before, and all of them are whole."""
     count = faces[-1] + 1 if len(faces) else 0
-    kept = np.bincount(faces[triangle_corners[:, 0]], minlength=count) > 0
+    before, now = (np.bincount(faces[of[:, 0]], minlength=count) for of in (triangle_corners, parents))
+    kept = (before > 0) & (before == now)
     kept[faces[triangle_corners[~usable, 0]]] = False
-    kept[faces[corners[~whole, 0]]] = False
+    whole = (division.weights.max(axis=2) == 1).all(axis=1)
+    kept[faces[parents[~whole, 0]]] = False
     return kept
 
 
-def _bound(vertices, starts, joined, faces, corners, division, kept, welded):
+def _bound(vertices, starts, joined, faces, parents_of, division, kept, welded):
     """The surface of the divided triangles of faces that are not kept, and of the others."""
-    rows = ~kept[faces[corners[division.source, 0]]]
+    rows = ~kept[faces[parents_of[:, 0]]]
     old = np.flatnonzero(kept[faces])
     sizes = np.concatenate([np.bincount(faces, minlength=len(starts))[kept], np.full(int(rows.sum()), 3)])
-    source = np.concatenate([np.flatnonzero(kept), faces[corners[division.source[rows], 0]]])
+    source = np.concatenate([np.flatnonzero(kept), faces[parents_of[rows, 0]]])
     names = np.concatenate([joined[old], division.triangles[rows].ravel()])
-    parents = np.concatenate([np.repeat(old[:, None], 3, axis=1), np.repeat(corners[division.source[rows]], 3, axis=0)])
+    parents = np.concatenate([np.repeat(old[:, None], 3, axis=1), np.repeat(parents_of[rows], 3, axis=0)])
     weights = np.concatenate([np.broadcast_to([1.0, 0.0, 0.0], (len(old), 3)), division.weights[rows].reshape(-1, 3)])
     # Faces in the order of the object's, and vertices in that of the first that were there.
     order = np.argsort(source, kind="stable")

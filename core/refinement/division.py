@@ -47,21 +47,30 @@ class Division:
         return Division(self.vertices, self.triangles[rows], self.source[rows], self.weights[rows], self.sides[rows])
 
 
-def divided(vertices, triangles, sides, longest, most):
-    """The :class:`Division` whose edges are all at most ``longest``; None where it has more than ``most`` triangles.
-
-    An edge is halved as often as it takes, alike in all triangles at it. The places of old vertices stay.
+def undivided(vertices, triangles, sides):
+    """The :class:`Division` of triangles that are whole.
 
     Parameters
     ----------
     vertices : (n, 3)
     triangles : (m, 3)
     sides : (m, 3) label of the edge from corner k to corner k + 1
+    """
+    weights = np.broadcast_to(np.eye(3), (len(triangles), 3, 3))
+    return Division(vertices, triangles, np.arange(len(triangles)), weights, sides)
+
+
+def divided(now, longest, most):
+    """The :class:`Division` whose edges are all at most ``longest``; None where it has more than ``most`` triangles.
+
+    An edge is halved as often as it takes, alike in all triangles at it. The places of old vertices stay.
+
+    Parameters
+    ----------
+    now : Division
     longest : float
     most : int
     """
-    weights = np.broadcast_to(np.eye(3), (len(triangles), 3, 3))
-    now = Division(vertices, triangles, np.arange(len(triangles)), weights, sides)
     done, count = [], 0
     while True:
         lengths = _edge_lengths(now)

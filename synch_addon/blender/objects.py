@@ -113,7 +113,7 @@ def set_mode(obj, mode):
 
 
 @contextmanager
-def shown(obj):
+def unhidden(obj):
     """Inside, an object is not hidden in the view layer, so that its modifiers count."""
     hidden = obj.name in bpy.context.view_layer.objects and obj.hide_get()
     if hidden:

@@ -4,7 +4,7 @@
 import bpy
 
 from ..blender.meshes import refusal
-from ..blender.objects import shown
+from ..blender.objects import unhidden
 from ..panels.sidebar import draw_directions, draw_faces, draw_pattern, draw_quad_mesh, draw_quads
 from ..patterns.job import FieldJob
 from ..settings.fields import MESH_NAMES, MeshProperties, SettingProperties, source_of
@@ -68,5 +68,5 @@ class SYNCH_OT_quad_mesh_again(_QuadMeshOperator, bpy.types.Operator):
         source = source_of(made)
         if not self.properties.is_property_set("guidance"):
             self.guidance = stored_guidance(source.synch)
-        with shown(source):
+        with unhidden(source):
             return FieldJob(self.command, source, self._settings(), replaced=made)

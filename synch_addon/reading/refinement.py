@@ -74,7 +74,7 @@ def refinement_of(command, obj, settings):
             spacing = wished_spacing(command, given.mesh) if settings.spacing is None else settings.spacing
             longest = _longest_edge(command, source, given, settings, spacing)
         try:
-            bound = _refined(source, given, np.inf if longest is None else longest)
+            bound = _refined(source, given, np.inf if longest is None else longest, settings.mirror)
         except TooFineError as error:
             raise SettingError(_finest(command, obj, given, settings, spacing, error.factor)) from None
         return Refinement(bound, is_seen, state_of(obj), len(source.data.vertices)), None
@@ -117,11 +117,11 @@ def _finest(command, obj, given, settings, spacing, factor):
     return f"the spacing {spacing:g} is too fine for this mesh: use one from {factor * spacing:.3g} on"
 
 
-def _refined(source, given, longest):
+def _refined(source, given, longest, axes):
     polygons = meshes.read_polygons(source)
     edges = attributes.read_all(source.data.edges, "vertices", 2)
     mesh = meshes.measured_places(source), polygons.starts, polygons.corner_vertices, edges
-    return refine(*mesh, longest, given.stretch, polygons.triangle_corners)
+    return refine(*mesh, longest, given.stretch, polygons.triangle_corners, tuple(map("XYZ".index, axes)))
 
 
 @contextmanager

@@ -5,9 +5,11 @@
 import bpy
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from synch_fields.core.errors import AsymmetryError
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender.pattern_surface import surface_of
 
 from ..scenes import attribute, bent, grid, snapshot, torus
 
@@ -94,3 +96,20 @@ def test_asymmetric_vertices_are_selected_and_nothing_is_written():
 def test_unknown_axes_are_refused(axes):
     with pytest.raises(Exception, match=r"use axes of X, Y and Z|give a text"):
         api.stripes(grid(), mirror=axes)
+
+
+def test_coarse_meshes_are_mirrored_on_a_surface_of_their_own():
+    """Suzanne, whose faces are too coarse and whose triangles are not mirrored everywhere."""
+    bpy.ops.mesh.primitive_monkey_add()
+    obj = bpy.context.active_object
+    report = api.stripes(obj, mirror="X", surface="automatic", spacing=0.1)
+    assert report["surface"]["vertices"] > len(obj.data.vertices)
+    surface = surface_of(obj)
+    pattern = attribute(surface, "synch_pattern")
+    corners = attribute(surface, "position")[attribute(surface, ".corner_vert")].astype(float)
+    image = corners * [-1, 1, 1]
+    _, near = cKDTree(corners).query(image, k=8, distance_upper_bound=1e-5)
+    found = [np.abs(pattern[n[n < len(corners)]] - value).min() for n, value in zip(near, pattern, strict=True)]
+    assert max(found) < 1e-5
+    made = bpy.data.objects[api.quad_mesh(obj, mirror="X", surface="automatic", faces=600)["quad_mesh"]["object"]]
+    assert (mirrored(made, 0)[mirrored(made, 0)] == np.arange(len(made.data.vertices))).all()

@@ -5,7 +5,10 @@
 import numpy as np
 import pytest
 
+from synch_fields.core.errors import AsymmetryError
 from synch_fields.core.geometry import TriangleMesh, check_mesh
+from synch_fields.core.geometry.mirror import mirrored_vertices
+from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.refinement import TooFineError, bound_surface, division, refine
 
 CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
@@ -122,3 +125,64 @@ def test_edges_far_too_fine_are_refused_before_triangles_are_made(monkeypatch):
     with pytest.raises(TooFineError):
         refined(spiked, QUADS, 1.0)
     assert sum(made) < 40_000
+
+
+def slanted_block():
+    """A block with edges on the plane X = 0 and faces across Y = 0."""
+    x, y = np.meshgrid([-2.0, -1.0, 0.0, 1.0, 2.0], [-1.5, 1.5], indexing="ij")
+    rings = np.stack([np.stack([x, y, np.full_like(x, z) - 0.1 * x**2], axis=-1) for z in (0.0, 1.0)])
+    number = np.arange(20).reshape(2, 5, 2)
+    faces = [[number[0, k, 0], number[0, k, 1], number[0, k + 1, 1], number[0, k + 1, 0]] for k in range(4)]
+    faces += [[number[1, k, 0], number[1, k + 1, 0], number[1, k + 1, 1], number[1, k, 1]] for k in range(4)]
+    faces += [[number[0, k, 0], number[0, k + 1, 0], number[1, k + 1, 0], number[1, k, 0]] for k in range(4)]
+    faces += [[number[0, k + 1, 1], number[0, k, 1], number[1, k, 1], number[1, k + 1, 1]] for k in range(4)]
+    faces += [[number[0, 0, 1], number[0, 0, 0], number[1, 0, 0], number[1, 0, 1]]]
+    faces += [[number[0, 4, 0], number[0, 4, 1], number[1, 4, 1], number[1, 4, 0]]]
+    return rings.reshape(-1, 3), np.array(faces)
+
+
+@pytest.mark.parametrize("longest", [0.11, 0.3, 1.7, 9.0])
+@pytest.mark.parametrize("axes", [(0,), (1,), (0, 1)], ids=["X", "Y", "XY"])
+def test_a_mirrored_surface_is_its_own_mirror_image(axes, longest):
+    vertices, faces = slanted_block()
+    bound = refined(vertices, faces, longest, axes=axes)
+    sizes = np.diff(bound.starts, append=len(bound.corner_vertices))
+    fans = np.concatenate(
+        [[[k, k + i, k + i + 1] for i in range(1, size - 1)] for k, size in zip(bound.starts, sizes, strict=True)]
+    )
+    of_fans = np.repeat(np.arange(len(sizes)), sizes - 2)
+    mesh = TriangleMesh(bound.vertices, bound.corner_vertices[fans])
+    polygons = Polygons(bound.corner_vertices, bound.starts, sizes, fans, of_fans)
+    for axis in axes:
+        partner = mirrored_vertices(mesh, polygons, axis)
+        mirror = np.where(np.arange(3) == axis, -1, 1)
+        np.testing.assert_allclose(mesh.vertices[partner], mesh.vertices * mirror, atol=1e-14)
+    check_mesh(mesh)
+    assert mesh.euler_characteristic == 2 and mesh.areas.sum() == pytest.approx(surface_area(vertices, faces))
+    volume = np.einsum("ij,ij->i", mesh.vertices[mesh.triangles[:, 0]], mesh.face_normals * mesh.areas[:, None]).sum()
+    assert volume > 0, "faces look outward"
+    if longest < 1:
+        assert mesh.edge_lengths.max() <= longest
+    np.testing.assert_allclose(np.einsum("vk,vkx->vx", bound.weights, vertices[bound.parents]), bound.vertices)
+    at_corners = np.einsum("ck,ckx->cx", bound.corner_weights, vertices[faces.ravel()[bound.corner_parents]])
+    np.testing.assert_allclose(at_corners, bound.vertices[bound.corner_vertices], atol=1e-14)
+    of_corners = np.repeat(bound.face_source, sizes)
+    assert (bound.corner_parents // 4 == of_corners[:, None]).all()
+    ends = bound.vertices[bound.edge_vertices]
+    lengths = np.bincount(bound.edge_source, np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1))
+    own = vertices[edges_of(faces)]
+    assert lengths == pytest.approx(np.linalg.norm(own[:, 0] - own[:, 1], axis=1))
+
+
+def surface_area(vertices, faces):
+    """Of planar quads."""
+    a, b, c, d = np.moveaxis(vertices[faces], 1, 0)
+    return 0.5 * np.linalg.norm(np.cross(c - a, d - b), axis=1).sum()
+
+
+def test_a_mesh_that_is_not_symmetric_is_refused_by_its_own_vertices():
+    bent = CUBE - 0.5
+    bent[3] += 0.2
+    with pytest.raises(AsymmetryError) as error:
+        refined(bent, QUADS, 0.1, axes=(1,))
+    assert 3 in error.value.vertices and max(error.value.vertices) < 8
