@@ -47,6 +47,16 @@ def mirrored_corners(mesh, polygons, axis):
     return partner, opposite
 
 
+def symmetric_axes(points, near):
+    """The axes, 0, 1 or 2, in which (n, 3) points have a mirror image within a distance."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    axes = np.flatnonzero(np.abs(low + high) <= near)
+    if len(axes) == 0:
+        return ()
+    tree, mirrors = cKDTree(points), 1 - 2 * np.eye(3)
+    return tuple(int(axis) for axis in axes if (tree.query(points * mirrors[axis])[0] <= near).all())
+
+
 def _mirrored_places(points, axis, near):
     """(n,) label of each point's place, and the place at the mirror image of each place, -1 where there is none."""
     tree = cKDTree(points)

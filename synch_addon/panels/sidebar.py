@@ -12,6 +12,7 @@ from ..jobs.queue import queue
 from ..patterns.live import live
 from ..patterns.pin_costs import cost_line
 from ..patterns.refine import draw_told, draw_warning
+from ..patterns.symmetry import mirror_axes
 from ..settings.fields import MESH_NAMES, source_of
 from ..settings.preferences import is_simple, preferences
 from .guides import draw_guidance
@@ -106,6 +107,11 @@ def draw_simple(layout, obj):
     column.prop(simple, "direction")
     if simple.direction == "AXIS":
         column.row().prop(settings.guide, "axis", expand=True)
+    axes = mirror_axes(obj)
+    if axes:
+        row = column.row(align=True, heading="Mirror")
+        for axis in axes:
+            row.prop(settings, "mirror", index=axis, text="XYZ"[axis], toggle=True)
     column.prop(settings, "mesh_branching" if simple.kind == "quad_mesh" else "branching", text="Branching")
 
 

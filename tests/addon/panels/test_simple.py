@@ -8,13 +8,14 @@ from unittest.mock import MagicMock
 
 import bpy
 import pytest
+from mathutils import Vector
 
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.panels import sidebar
 from synch_fields.synch_addon.settings import preferences
 from synch_fields.synch_addon.settings.fields import stored_settings
 
-from ..scenes import sphere
+from ..scenes import grid, sphere
 
 
 @pytest.fixture(params=["SIMPLE", "ADVANCED"])
@@ -96,3 +97,13 @@ def test_rings_around_an_axis_are_the_preset():
     path = sidebar.__file__.replace("sidebar.py", "shipped/presets/synch_fields/Rings_around_Z.py")
     bpy.ops.script.python_file_run(filepath=path)
     assert stored_settings(other) == simple
+
+
+@pytest.mark.parametrize("chosen", ["SIMPLE"], indirect=True)
+def test_mirrors_are_offered_where_the_mesh_has_them(chosen):
+    obj = grid()
+    assert drawn().count("mirror") == 3
+    obj.data.vertices[0].co += Vector((0.01, 0, 0.01))
+    obj.data.update()
+    bpy.context.view_layer.update()
+    assert drawn().count("mirror") == 0

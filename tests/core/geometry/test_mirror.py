@@ -13,7 +13,7 @@ from synch_fields.core.fields.mirror import Mirror
 from synch_fields.core.fields.stripes import stripe_problem
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.cut import cut_open
-from synch_fields.core.geometry.mirror import mirrored_vertices
+from synch_fields.core.geometry.mirror import mirrored_vertices, symmetric_axes
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.solve import Options
 
@@ -198,3 +198,12 @@ def test_faces_that_are_not_mirrored_are_named():
     triangles = Polygons.of_triangles(mesh)  # whose diagonals all lean one way or alternate
     with pytest.raises(AsymmetryError):
         mirrored_vertices(mesh, triangles, 0)
+
+
+def test_axes_of_points_are_those_in_which_each_has_an_image():
+    points = torus_points(1.0, 0.4, 24, 12)
+    assert symmetric_axes(points, 1e-6) == (0, 1, 2)
+    assert symmetric_axes(points + [0.1, 0, 0], 1e-6) == (1, 2)
+    assert symmetric_axes(np.delete(points, 17, axis=0), 1e-6) == ()
+    bent = points + 0.1 * points[:, :1] ** 2 * [0, 1, 0]
+    assert symmetric_axes(bent, 1e-6) == (0, 2) and symmetric_axes(bent, 0.5) == (0, 1, 2)

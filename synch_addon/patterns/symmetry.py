@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The axes in which an object's mesh is its own mirror image, as far as its vertices say."""
+
+import numpy as np
+
+from ...core.geometry.mirror import TOLERANCE, symmetric_axes
+from ..blender import attributes
+from ..blender.changes import changes
+from ..jobs.lru_cache import LruCache
+
+# Of larger meshes a redraw would take too long.
+MOST_VERTICES = 100_000
+# Of the last four objects that were asked for.
+_kept = LruCache(4)
+
+
+def mirror_axes(obj):
+    """The axes, 0, 1 or 2, of an object in object mode, kept until its mesh changes; none of a very large mesh."""
+    if obj.mode != "OBJECT" or not 0 < len(obj.data.vertices) <= MOST_VERTICES or len(obj.data.edges) == 0:
+        return ()
+    return _kept.renewed(obj.session_uid, changes.state(obj.data), lambda: _axes(obj))
+
+
+def _axes(obj):
+    places = attributes.read_values(obj, "position", "POINT").astype(float)
+    if not np.isfinite(places).all():
+        return ()
+    ends = attributes.read_values(obj, ".edge_verts", "EDGE")
+    lengths = np.linalg.norm(places[ends[:, 0]] - places[ends[:, 1]], axis=1)
+    return symmetric_axes(places, TOLERANCE * np.median(lengths))
