@@ -25,7 +25,7 @@ from synch_fields.synch_addon.nodes.stripes import INK_BLUE, WARM_IVORY
 
 # Name of a mesh, where it is seen from, and its period's part of the longest side.
 WAVES = (("spot", (230, 15), 12), ("fertility", (-20, 10), 18), ("rocker-arm", (30, 20), 16))
-MESHES = (("spot", (230, 15), 13), ("fertility", (-20, 10), 24), ("stanford-bunny", (-20, 12), 20))
+MESHES = (("spot", (230, 15), 24), ("fertility", (-20, 10), 24), ("stanford-bunny", (-20, 12), 24))
 # Where the double torus of the sliders is seen from, its faces, the sliders' values, and what the table tells.
 SLID, SHARES = ((20, 50), 1500), (1.0, 0.5, 0.0)
 SLIDER_COLUMNS = (
@@ -110,7 +110,7 @@ def plain_material(name, color):
 
 def quad_mesh(options, folder, path):
     """Quad meshes with their edges."""
-    pictures = []
+    pictures, labels = [], []
     for name, view, count in MESHES:
         obj, size = opened(options.meshes, name)
         report = api.quad_mesh(obj, spacing=size / count)["quad_mesh"]
@@ -118,8 +118,8 @@ def quad_mesh(options, folder, path):
         made.data.materials.clear()
         picture = folder / f"{name}.png"
         pictures.append(render_picture(made, picture, view=view, resolution=(640, 620), edges=True))
-        print(f"{name} {count}: {report['faces']} faces, {report['quad_share']:.1%} quads")
-    beside(pictures, path)
+        labels.append(f"{report['faces']} faces, {report['quad_share']:.0%} quads")
+    beside(pictures, path, labels=labels)
 
 
 def sliders(_options, folder, path):
@@ -158,7 +158,7 @@ def quads(options, folder, path):
         group.inputs["Profile"].default_value = number
         picture = folder / f"{profile}.png"
         pictures.append(render_picture(obj, picture, view=view, resolution=(560, 620), samples=32, markers=False))
-    beside(pictures, path)
+    beside(pictures, path, labels=PROFILES)
 
 
 PICTURES = {"quad_mesh": quad_mesh, "sliders": sliders, "quads": quads}
