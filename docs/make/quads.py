@@ -19,6 +19,7 @@ from synch_fields.docs.make.figures import read_directions, row, write_direction
 from synch_fields.docs.make.sheets import beside, make_pictures
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import files
+from synch_fields.synch_addon.blender.pattern_surface import surface_of
 from synch_fields.synch_addon.looks.render import render_picture
 from synch_fields.synch_addon.nodes.quads import PROFILES, QUADS_NAME
 from synch_fields.synch_addon.nodes.stripes import INK_BLUE, WARM_IVORY
@@ -152,7 +153,7 @@ def quads(options, folder, path):
     name, view, count = PATTERNED
     obj, size = opened(options.meshes, name)
     api.quads(obj, spacing=size / count, assign_material=True)
-    group = next(node for node in obj.active_material.node_tree.nodes if node.type == "GROUP")
+    group = next(node for node in surface_of(obj).active_material.node_tree.nodes if node.type == "GROUP")
     pictures = []
     for number, profile in enumerate(PROFILES):
         group.inputs["Profile"].default_value = number
