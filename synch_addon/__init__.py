@@ -10,6 +10,7 @@ import bpy
 
 from . import operators, panels
 from .blender import changes, left_defects, translations
+from .blender.registration import Registration
 from .command import main
 from .flows import properties as flow_properties
 from .jobs import lru_cache as shelf
@@ -41,14 +42,15 @@ _MODULES = (
 )
 
 
+_registration = Registration(*((module.register, module.unregister) for module in _MODULES))
+
+
 def register():
-    for module in _MODULES:
-        module.register()
+    _registration.register()
     if bpy.app.module:
         atexit.register(unregister)  # Blender as a module crashes at its exit where classes are left
 
 
 def unregister():
     atexit.unregister(unregister)
-    for module in reversed(_MODULES):
-        module.unregister()
+    _registration.unregister()

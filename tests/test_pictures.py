@@ -12,7 +12,7 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from synch_fields.docs.make import webp  # noqa: E402
-from synch_fields.docs.make.sheets import pixels_of  # noqa: E402
+from synch_fields.docs.make.sheets import LETTERS, beside, pixels_of, save_pixels  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -179,6 +179,17 @@ def test_the_moving_picture_is_small_and_moves():
     assert 60 <= len(stills) <= 90 and len(set(stills)) > 50
     assert min(milliseconds) > 0 and sum(milliseconds) < 20_000
     assert webp.frames(webp.animated(stills, (640, 400), milliseconds)) == (stills, milliseconds)
+
+
+@pytest.mark.parametrize("vertical", [False, True])
+def test_labels_are_above_pictures_side_by_side_and_on_the_left_of_those_below_one_another(tmp_path, vertical):
+    save_pixels(tmp_path / "one.png", np.ones((150, 180, 3)))
+    beside([tmp_path / "one.png"] * 2, tmp_path / "sheet.png", vertical, labels=["first", "second"])
+    sheet = pixels_of(tmp_path / "sheet.png")[..., :3]
+    turned = np.rot90(sheet, -1) if vertical else sheet
+    band, below = np.split(turned, [2 * LETTERS])
+    assert below.shape == ((180, 300, 3) if vertical else (150, 360, 3)) and (below == 1).all()
+    assert all((half < 0.5).any() for half in np.split(band, 2, axis=1))
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "docs" / "make").glob("*.py")), ids=lambda path: path.stem)

@@ -76,7 +76,7 @@ def main(arguments):
 
 
 def step(blender, resources, *words):
-    """What a step in a process of its own tells; it must succeed."""
+    """What a step in a process of its own tells; it must succeed, without an error on the console."""
     here = str(Path(__file__).resolve())
     if blender:
         command = [*blender, "--background", "--python-exit-code", "1", "--python", here, "--", "--step", *words]
@@ -84,7 +84,7 @@ def step(blender, resources, *words):
         command = [sys.executable, here, "--step", *words]
     result = subprocess.run(command, capture_output=True, text=True, env=environment(resources))
     told = [line for line in result.stdout.splitlines() if line.startswith(MARK)]
-    if result.returncode or not told:
+    if result.returncode or not told or "Traceback" in result.stderr:
         sys.exit(f"install-test: {words[0]}: {result.stdout}{result.stderr}")
     return json.loads(told[-1].removeprefix(MARK))
 

@@ -4,27 +4,41 @@
     python docs/make/quads.py MESHES --folder docs [--only quad_mesh | sliders | quads]
 
 Figure 4, which paper.py makes: cos x cos y along one cross field, the spectral relaxation on the left and the
-semidefinite one on the right. MESHES holds spot.obj, fertility.obj, rocker-arm.obj and stanford-bunny.obj. Needs
-Blender as a module (bpy).
+semidefinite one on the right. The sliders are shown on a double torus. MESHES holds spot.obj, fertility.obj,
+rocker-arm.obj and stanford-bunny.obj. Needs Blender as a module (bpy).
 """
 
 import bpy
 import numpy as np
 
 from synch_fields.bench.command import arguments
+from synch_fields.bench.meshes import write_obj
+from synch_fields.bench.surface_shapes import double_torus
+from synch_fields.bench.tables import Column, print_table
 from synch_fields.docs.make.figures import read_directions, row, write_directions
 from synch_fields.docs.make.sheets import beside, make_pictures
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import files
+from synch_fields.synch_addon.blender.pattern_surface import surface_of
 from synch_fields.synch_addon.looks.render import render_picture
 from synch_fields.synch_addon.nodes.quads import PROFILES, QUADS_NAME
 from synch_fields.synch_addon.nodes.stripes import INK_BLUE, WARM_IVORY
 
 # Name of a mesh, where it is seen from, and its period's part of the longest side.
 WAVES = (("spot", (230, 15), 12), ("fertility", (-20, 10), 18), ("rocker-arm", (30, 20), 16))
-MESHES = (("spot", (230, 15), 13), ("fertility", (-20, 10), 24), ("stanford-bunny", (-20, 12), 20))
-# What the sliders are shown on, and their values.
-SLID, SHARES = ("rocker-arm", (30, 20), 2000), (1.0, 0.5, 0.0)
+MESHES = (("spot", (230, 15), 24), ("fertility", (-20, 10), 24), ("stanford-bunny", (-20, 12), 24))
+# Where the double torus of the sliders is seen from, its faces, the sliders' values, and what the table tells.
+SLID, SHARES = ((20, 50), 1500), (1.0, 0.5, 0.0)
+SLIDER_COLUMNS = (
+    Column("branching", "branching", ".0%"),
+    Column("disclinations", "disclinations", "d"),
+    Column("dislocations", "dislocations", "d"),
+    Column("faces", "faces", "d"),
+    Column("quads", "quad_share", ".1%"),
+    Column("irregular vertices", "irregular_vertices", "d"),
+    Column("corners off by", "angle_deviation", ".1f"),
+    Column("spacing over asked (98 %)", "spacing", ""),
+)
 PATTERNED = ("spot", (230, 15), 12)
 
 WAVE_NODES = ("ShaderNodeGroup", "ShaderNodeMapRange", "ShaderNodeMixRGB", "ShaderNodeGamma")
@@ -97,7 +111,7 @@ def plain_material(name, color):
 
 def quad_mesh(options, folder, path):
     """Quad meshes with their edges."""
-    pictures = []
+    pictures, labels = [], []
     for name, view, count in MESHES:
         obj, size = opened(options.meshes, name)
         report = api.quad_mesh(obj, spacing=size / count)["quad_mesh"]
@@ -105,34 +119,33 @@ def quad_mesh(options, folder, path):
         made.data.materials.clear()
         picture = folder / f"{name}.png"
         pictures.append(render_picture(made, picture, view=view, resolution=(640, 620), edges=True))
-        print(f"{name} {count}: {report['faces']} faces, {report['quad_share']:.1%} quads")
-    beside(pictures, path)
+        labels.append(f"{report['faces']} faces, {report['quad_share']:.0%} quads")
+    beside(pictures, path, labels=labels)
 
 
-def sliders(options, folder, path):
-    """Quad meshes of as many faces: from left to right fewer branches, from above fewer singularities."""
-    name, view, count = SLID
-    rows = []
+def sliders(_options, folder, path):
+    """Quad meshes of as many faces: from left to right fewer branches, from above fewer singularities; and a table."""
+    view, count = SLID
+    source, sheets, rows = folder / "double-torus.obj", [], []
+    write_obj(double_torus(), source)
     for singularities in SHARES:
         pictures = []
         for branching in SHARES:
-            obj, _ = opened(options.meshes, name)
+            obj = files.open_object(source)
             report = api.quad_mesh(obj, faces=count, singularities=singularities, branching=branching)
             made = report["quad_mesh"]
             shown = bpy.data.objects[made["object"]]
             shown.data.materials.clear()
             picture = folder / f"{singularities} {branching}.png"
-            pictures.append(render_picture(shown, picture, view=view, resolution=(480, 520), edges=True))
-            found = ", ".join(f"{len(report[kind])} {kind}" for kind in ("disclinations", "dislocations"))
-            even = report["evenness"]["spacing"]
-            print(
-                f"{singularities:.0%} singularities, {branching:.0%} branching: {found}; {made['faces']} faces, "
-                f"{made['quad_share']:.1%} quads, {made['irregular_vertices']} irregular vertices, "
-                f"{made['angle_deviation']:.1f} degrees off on average, spacing {even[0]:.2f} to {even[-1]:.2f}"
-            )
-        rows.append(folder / f"{singularities}.png")
-        beside(pictures, rows[-1])
-    beside(rows, path, vertical=True)
+            pictures.append(render_picture(shown, picture, view=view, resolution=(640, 480), samples=24, edges=True))
+            low, *_, high = report["evenness"]["spacing"]
+            found = {kind: len(report[kind]) for kind in ("disclinations", "dislocations")}
+            shares = {"label": f"{singularities:.0%}", "branching": branching, "spacing": f"{low:.2f}–{high:.2f}"}
+            rows.append(made | found | shares)
+        sheets.append(folder / f"{singularities}.png")
+        beside(pictures, sheets[-1], labels=() if len(sheets) > 1 else [f"branching {share:.0%}" for share in SHARES])
+    beside(sheets, path, vertical=True, labels=[f"singularities {share:.0%}" for share in SHARES])
+    print_table("Sliders", SLIDER_COLUMNS, rows, first="singularities")
 
 
 def quads(options, folder, path):
@@ -140,13 +153,13 @@ def quads(options, folder, path):
     name, view, count = PATTERNED
     obj, size = opened(options.meshes, name)
     api.quads(obj, spacing=size / count, assign_material=True)
-    group = next(node for node in obj.active_material.node_tree.nodes if node.type == "GROUP")
+    group = next(node for node in surface_of(obj).active_material.node_tree.nodes if node.type == "GROUP")
     pictures = []
     for number, profile in enumerate(PROFILES):
         group.inputs["Profile"].default_value = number
         picture = folder / f"{profile}.png"
         pictures.append(render_picture(obj, picture, view=view, resolution=(560, 620), samples=32, markers=False))
-    beside(pictures, path)
+    beside(pictures, path, labels=PROFILES)
 
 
 PICTURES = {"quad_mesh": quad_mesh, "sliders": sliders, "quads": quads}

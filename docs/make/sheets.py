@@ -53,11 +53,14 @@ def save_pixels(path, pixels, kind="PNG", quality=90):
 def beside(pictures, path, vertical=False, labels=()):
     """One picture of several of the same size, from left to right or from top to bottom.
 
-    Labels, one for each picture, are written above the pictures.
+    Labels, one for each picture, are written above the pictures, upwards on their left where they are from top to
+    bottom.
     """
     pixels = [pixels_of(picture)[..., :3] for picture in pictures]
+    turns = 1 if vertical else 0
     if labels:
-        pixels = [labelled(picture, label) for picture, label in zip(pixels, labels, strict=True)]
+        pairs = zip(pixels, labels, strict=True)
+        pixels = [np.rot90(labelled(np.rot90(picture, -turns), label), turns) for picture, label in pairs]
     save_pixels(path, np.concatenate(pixels, axis=0 if vertical else 1))
 
 

@@ -27,8 +27,7 @@ from synch_fields.synch_addon.nodes.globe import SPHERE, globe_group
 from synch_fields.synch_addon.nodes.stripes import STRIPES_NAME
 
 NODES_OF_KNOT = 40
-VIEW = (-20, 38)
-# The single knot: where all of it is seen from, and a surface without highlights, which would show every triangle.
+# Where all of a knot is seen from, and a surface without highlights, which would show every triangle.
 FROM_ABOVE, MATT = (10, 84), (0.85, 0.2)
 SMALL, SAMPLES = (330, 290), 16
 # Figure 7: quanta of the disk, nodes and half the side of the plane, colours of the points on the globe.
@@ -66,17 +65,17 @@ def figure5(place):
             obj = bpy.data.objects[report["object"]]
             obj = in_hues(obj) if show == "tubes" else obj
             picture = place.folder / f"{show}{cut}.png"
-            pictures.append(render_picture(obj, picture, resolution=SMALL, samples=SAMPLES, view=VIEW))
+            pictures.append(render_picture(obj, picture, resolution=SMALL, samples=SAMPLES, view=FROM_ABOVE))
         sheets.append(place.folder / f"{show}.png")
-        beside(pictures, sheets[-1])
+        beside(pictures, sheets[-1], labels=() if len(sheets) > 1 else [f"quanta: {cut}" for cut in CUTS])
     beside(sheets, place.picture, vertical=True)
     return {"energies": cut_rows(NODES_OF_KNOT)}
 
 
 def knot(_options, folder, path):
-    """Tubes of one quantum on a finer grid, in the colours of the sphere."""
+    """A tube on a finer grid, in the colours of the sphere; with a smaller quantum its strands grow together."""
     bpy.ops.wm.read_homefile(use_empty=True)
-    report = clebsch(save_trefoil(folder, 80), quantum=2 * np.pi * QUANTA / 2, show="tubes", opening=46, smoothing=12)
+    report = clebsch(save_trefoil(folder, 80), quantum=2 * np.pi * QUANTA / 1.5, show="tubes", opening=46, smoothing=12)
     obj = smoothed(in_hues(bpy.data.objects[report["object"]]))
     surface = find_node(obj.active_material.node_tree, "ShaderNodeBsdfPrincipled")
     surface.inputs["Roughness"].default_value, surface.inputs["Specular IOR Level"].default_value = MATT

@@ -1,8 +1,47 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Registering classes together with the settings that Blender's data keeps of them."""
+"""Registering classes, settings that Blender's data keeps, and other parts: all of them or none, as often as called."""
+
+from contextlib import ExitStack
+from functools import partial
 
 import bpy
 from bpy.props import PointerProperty
+
+
+class Registration:
+    """Steps that register something, each with the step that takes it out again.
+
+    Blender calls ``unregister`` of an extension twice where a script has asked for it at the end of the process, too;
+    the second call does nothing, as does registering again.
+
+    Parameters
+    ----------
+    steps : (register, unregister) pairs of functions without arguments
+    """
+
+    def __init__(self, *steps):
+        self._steps, self._undo = steps, None
+
+    def register(self):
+        """Take the steps in order; where one fails, those before it are undone and its error is raised."""
+        if self._undo is not None:
+            return
+        with ExitStack() as undo:
+            for register, unregister in self._steps:
+                register()
+                undo.callback(unregister)
+            self._undo = undo.pop_all()
+
+    def unregister(self):
+        """Undo the steps, the last first; where one fails, the others are undone before its error is raised."""
+        undo, self._undo = self._undo, None
+        if undo is not None:
+            undo.close()
+
+
+def class_steps(*classes):
+    """The steps that register classes of bpy.types."""
+    return [(partial(bpy.utils.register_class, each), partial(bpy.utils.unregister_class, each)) for each in classes]
 
 
 def register_all(classes, *kept):
@@ -13,16 +52,9 @@ def register_all(classes, *kept):
     classes : of bpy.types, a property group before what uses it
     kept : (owner, name, group) for each property group that data of a type keeps, such as bpy.types.Object
     """
-    register_classes, unregister_classes = bpy.utils.register_classes_factory(classes)
-
-    def register():
-        register_classes()
-        for owner, name, group in kept:
-            setattr(owner, name, PointerProperty(type=group))
-
-    def unregister():
-        for owner, name, _ in reversed(kept):
-            delattr(owner, name)
-        unregister_classes()
-
-    return register, unregister
+    properties = [
+        (partial(setattr, owner, name, PointerProperty(type=group)), partial(delattr, owner, name))
+        for owner, name, group in kept
+    ]
+    registration = Registration(*class_steps(*classes), *properties)
+    return registration.register, registration.unregister

@@ -12,7 +12,7 @@ import argparse
 import io
 import os
 import sys
-from contextlib import redirect_stderr
+from contextlib import redirect_stderr, suppress
 from pathlib import Path
 
 import bpy
@@ -291,7 +291,8 @@ class _BlenderCommand:
         self._handle = bpy.utils.register_cli_command("synch", self._run)
 
     def unregister(self):
-        bpy.utils.unregister_cli_command(self._handle)
+        with suppress(ValueError):  # Blender has dropped it already, as it does at its end
+            bpy.utils.unregister_cli_command(self._handle)
 
     @staticmethod
     def _run(arguments):

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """All operators but those of the lists in panels."""
 
-import bpy
-
+from ..blender.registration import register_all
 from . import (
     animate,
     bake,
@@ -28,7 +27,7 @@ from . import (
     variations,
 )
 
-register, unregister = bpy.utils.register_classes_factory(
+register, unregister = register_all(
     (
         directions.SYNCH_OT_directions,
         stripes.SYNCH_OT_stripes,

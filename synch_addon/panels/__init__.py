@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is drawn in the window: sidebar, menus and overlay."""
 
+from ..blender.registration import Registration
 from . import (
     bakes,
     constraints,
@@ -49,11 +50,5 @@ _MODULES = (
 )
 
 
-def register():
-    for module in _MODULES:
-        module.register()
-
-
-def unregister():
-    for module in reversed(_MODULES):
-        module.unregister()
+_registration = Registration(*((module.register, module.unregister) for module in _MODULES))
+register, unregister = _registration.register, _registration.unregister

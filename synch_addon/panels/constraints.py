@@ -4,6 +4,7 @@
 import bpy
 from bpy.props import EnumProperty
 
+from ..blender.registration import register_all
 from .row_operators import RowOperator
 from .sidebar import SettingsPanel, property_column
 
@@ -128,7 +129,7 @@ def _draw_row(layout, item, obj):
         weight.prop(item, "weight", text="")
 
 
-register, unregister = bpy.utils.register_classes_factory(
+register, unregister = register_all(
     (
         SYNCH_OT_constraint_add,
         SYNCH_OT_constraint_remove,

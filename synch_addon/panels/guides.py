@@ -3,6 +3,7 @@
 
 import bpy
 
+from ..blender.registration import register_all
 from ..settings.guide_list import NAME_PROPERTIES
 from .row_operators import RemoveRow, RowOperator
 
@@ -59,4 +60,4 @@ class SYNCH_OT_guide_remove(RemoveRow, bpy.types.Operator):
         return obj.synch.guides
 
 
-register, unregister = bpy.utils.register_classes_factory((SYNCH_OT_guide_add, SYNCH_OT_guide_remove))
+register, unregister = register_all((SYNCH_OT_guide_add, SYNCH_OT_guide_remove))

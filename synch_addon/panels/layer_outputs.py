@@ -3,6 +3,7 @@
 
 import bpy
 
+from ..blender.registration import register_all
 from ..solids import memory
 from ..solids.links import solid_of
 from .sidebar import SidebarPanel
@@ -26,4 +27,4 @@ class SYNCH_PT_layer_files(SidebarPanel, bpy.types.Panel):
         column.operator("synch.layer_volume", icon="VOLUME_DATA")
 
 
-register, unregister = bpy.utils.register_classes_factory((SYNCH_PT_layer_files,))
+register, unregister = register_all((SYNCH_PT_layer_files,))

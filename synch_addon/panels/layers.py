@@ -9,6 +9,7 @@ import numpy as np
 from ...core.geometry.filling.lengths import EDGES_PER_LAYER, Measures, estimate
 from ...core.settings.layers import LayerSettings
 from ..blender.attributes import read_all
+from ..blender.registration import register_all
 from ..blender.translations import translate
 from ..jobs.lru_cache import LruCache
 from ..solids.links import solid_of
@@ -129,6 +130,4 @@ class SYNCH_OT_layer_group_remove(_GroupOperator, RemoveRow, bpy.types.Operator)
         return obj.synch_layering.groups
 
 
-register, unregister = bpy.utils.register_classes_factory(
-    (SYNCH_OT_layer_group_add, SYNCH_OT_layer_group_remove, SYNCH_PT_layers)
-)
+register, unregister = register_all((SYNCH_OT_layer_group_add, SYNCH_OT_layer_group_remove, SYNCH_PT_layers))

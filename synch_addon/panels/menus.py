@@ -2,9 +2,12 @@
 """Entries in Blender's own menus, which its search finds too: Add > Mesh, Object, the right-click menu
 there, File > Import and File > Export."""
 
+from functools import partial
+
 import bpy
 
 from ..blender.meshes import refusal
+from ..blender.registration import Registration, class_steps
 from ..looks.samples import SHAPES
 
 # Operators by what they need, with the text of their entry; each group is set off by a line.
@@ -78,7 +81,6 @@ def _draw_export(menu, context):
     menu.layout.operator("synch.export_field", text="Direction Field (.rawfield, .rosy)")
 
 
-_register, _unregister = bpy.utils.register_classes_factory((SYNCH_MT_samples, SYNCH_MT_object))
 _ADDED = (
     ("VIEW3D_MT_mesh_add", _draw_samples),
     ("VIEW3D_MT_object", _draw_object),
@@ -88,13 +90,16 @@ _ADDED = (
 )
 
 
-def register():
-    _register()
-    for name, draw in _ADDED:
-        getattr(bpy.types, name).append(draw)
+def _append(name, draw):
+    getattr(bpy.types, name).append(draw)
 
 
-def unregister():
-    for name, draw in _ADDED:
-        getattr(bpy.types, name).remove(draw)
-    _unregister()
+def _remove(name, draw):
+    getattr(bpy.types, name).remove(draw)
+
+
+_registration = Registration(
+    *class_steps(SYNCH_MT_samples, SYNCH_MT_object),
+    *((partial(_append, *entry), partial(_remove, *entry)) for entry in _ADDED),
+)
+register, unregister = _registration.register, _registration.unregister

@@ -5,6 +5,7 @@ import bpy
 
 from ..blender.defect_empties import collection_of_defects
 from ..blender.modifiers import carries, changing_modifiers
+from ..blender.registration import register_all
 from ..blender.translations import translate, translate_count
 from ..jobs.kept_results import read_result_or_empty
 from ..patterns import memory
@@ -183,4 +184,4 @@ def draw_figures(layout, result, held, faces):
     line(f"{result['seconds']:.2f} s, {translate_count(result['nodes'], 'vertex')}", "TIME", "time")
 
 
-register, unregister = bpy.utils.register_classes_factory((SYNCH_PT_result,))
+register, unregister = register_all((SYNCH_PT_result,))

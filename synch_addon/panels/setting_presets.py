@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Presets of an object's settings, in the header of the sidebar tab: a few of our own, and the user's."""
 
+from functools import partial
 from pathlib import Path
 
 import bpy
 from bl_operators.presets import AddPresetBase
 from bl_ui.utils import PresetPanel
 
+from ..blender.registration import Registration, class_steps
 from ..settings.fields import STORED_NAMES
 
 FOLDER = "synch_fields"
@@ -34,14 +36,8 @@ class SYNCH_OT_add_preset(AddPresetBase, bpy.types.Operator):
     preset_values = [f"synch.{name}" for name in ("guidance", "guide", "guides", *STORED_NAMES)]
 
 
-_register, _unregister = bpy.utils.register_classes_factory((SYNCH_PT_presets, SYNCH_OT_add_preset))
-
-
-def register():
-    bpy.utils.register_preset_path(str(_SHIPPED))
-    _register()
-
-
-def unregister():
-    _unregister()
-    bpy.utils.unregister_preset_path(str(_SHIPPED))
+_registration = Registration(
+    (partial(bpy.utils.register_preset_path, str(_SHIPPED)), partial(bpy.utils.unregister_preset_path, str(_SHIPPED))),
+    *class_steps(SYNCH_PT_presets, SYNCH_OT_add_preset),
+)
+register, unregister = _registration.register, _registration.unregister

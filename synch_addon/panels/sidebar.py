@@ -7,6 +7,7 @@ from ...core.settings.setting import records
 from ...core.settings.solver import SolverSettings
 from ...core.settings.surface import SurfaceSettings
 from ..blender.meshes import measured_key, refusal
+from ..blender.registration import register_all
 from ..blender.translations import translate
 from ..jobs.queue import queue
 from ..patterns.live import live
@@ -347,6 +348,6 @@ class SYNCH_PT_solver(SettingsPanel, bpy.types.Panel):
         draw_solver(self.layout, context.active_object.synch)
 
 
-register, unregister = bpy.utils.register_classes_factory(
+register, unregister = register_all(
     (SYNCH_PT_fields, SYNCH_PT_directions, SYNCH_PT_pattern, SYNCH_PT_quads, SYNCH_PT_solver)
 )

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The tool that draws guide strokes: its place in the toolbar, its settings, and how strokes are shown meanwhile."""
 
+from functools import partial
+
 import bpy
 import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 
+from ..blender.registration import Registration, class_steps
 from ..jobs.lru_cache import LruCache
 from ..patterns.guide_strokes import state_of, strokes_of
 from ..settings.preferences import is_simple
@@ -101,16 +104,12 @@ class _View:
         self.path, self.changed = np.empty((0, 3)), {}
 
     def register(self):
-        """Put the tool into the toolbar, and begin to draw."""
-        bpy.utils.register_class(SYNCH_PT_strokes)
-        bpy.utils.register_tool(SynchStrokesTool, separator=True)
+        """Begin to draw."""
         self._handler = bpy.types.SpaceView3D.draw_handler_add(self._draw, (), "WINDOW", "POST_VIEW")
 
     def unregister(self):
-        """Draw no longer, and take the tool away."""
+        """Draw no longer."""
         bpy.types.SpaceView3D.draw_handler_remove(self._handler, "WINDOW")
-        bpy.utils.unregister_tool(SynchStrokesTool)
-        bpy.utils.unregister_class(SYNCH_PT_strokes)
 
     def lines_of(self, obj):
         """[(points, colour)] of the strokes as they are now: (p, 3) in the object's space."""
@@ -159,4 +158,12 @@ def draw_lines(lines, view, pixel):
 
 
 view = _View()
-register, unregister = view.register, view.unregister
+_registration = Registration(
+    *class_steps(SYNCH_PT_strokes),
+    (
+        partial(bpy.utils.register_tool, SynchStrokesTool, separator=True),
+        partial(bpy.utils.unregister_tool, SynchStrokesTool),
+    ),
+    (view.register, view.unregister),
+)
+register, unregister = _registration.register, _registration.unregister

@@ -6,6 +6,7 @@ import math
 import bpy
 
 from ...core.tasks.flows import solve_memory
+from ..blender.registration import register_all
 from ..blender.translations import translate, translate_count
 from ..flows import memory
 from ..flows.chosen import expected_shape
@@ -120,4 +121,4 @@ def draw_choice(layout, look):
     column.operator("synch.best_vortices", icon="LOOP_BACK")
 
 
-register, unregister = bpy.utils.register_classes_factory((SYNCH_PT_vortices, SYNCH_PT_vortex_result))
+register, unregister = register_all((SYNCH_PT_vortices, SYNCH_PT_vortex_result))

@@ -7,6 +7,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
 
 from ...core.settings.constraints import PLACES, WISHES, Constraint, wishes_at
+from ..blender.registration import register_all
 from ..blender.strokes import SOURCE_TYPES
 from ..blender.translations import OURS
 from .rna import identifier_of
@@ -130,4 +131,4 @@ def _plain(row):
     )
 
 
-register, unregister = bpy.utils.register_classes_factory((SynchConstraint,))
+register, unregister = register_all((SynchConstraint,))

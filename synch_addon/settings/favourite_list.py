@@ -4,6 +4,8 @@
 import bpy
 from bpy.props import IntProperty, StringProperty
 
+from ..blender.registration import register_all
+
 
 def _tell_apart(favourite, _context):
     """Give a favourite another name where its own is taken, or empty."""
@@ -26,4 +28,4 @@ class SynchFavourite(bpy.types.PropertyGroup):
     result: StringProperty(name="Result", description="What the panel shows of it, as JSON")
 
 
-register, unregister = bpy.utils.register_classes_factory((SynchFavourite,))
+register, unregister = register_all((SynchFavourite,))

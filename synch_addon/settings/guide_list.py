@@ -5,6 +5,7 @@ import bpy
 from bpy.props import EnumProperty, FloatProperty, StringProperty
 
 from ...core.settings.guidance import AXES, BOUNDARY, GUIDES, Source
+from ..blender.registration import register_all
 from .rna import identifier_of
 from .suggestions import suggest_numbers, suggest_origins, suggest_uv_maps, suggest_vectors
 
@@ -69,4 +70,4 @@ def stored_guidance(stored):
     return str(stored.guide.source(stored.guidance, None if exact else stored.guide.strength))
 
 
-register, unregister = bpy.utils.register_classes_factory((SynchGuide,))
+register, unregister = register_all((SynchGuide,))

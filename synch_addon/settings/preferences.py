@@ -7,6 +7,7 @@ import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
 from ...core.memory import machine_bytes
+from ..blender.registration import register_all
 
 # Share of the machine's memory that a solve may take where nothing is set.
 _MEMORY_SHARE = 0.8
@@ -71,4 +72,4 @@ def memory_limit():
     return megabytes * 2**20 or int(_MEMORY_SHARE * machine_bytes())
 
 
-register, unregister = bpy.utils.register_classes_factory((SynchPreferences,))
+register, unregister = register_all((SynchPreferences,))

@@ -81,6 +81,13 @@ def test_a_script_may_register_and_unregister_several_times(place):
     assert done.returncode == 0, done.stderr
 
 
+def test_an_extension_that_is_on_when_blender_ends_is_taken_out_without_an_error(place):
+    """As a module, Blender disables it at its end, after what this process does at its own."""
+    code = "import bpy, addon_utils\naddon_utils.enable('synch_fields')\nbpy.ops.synch.stripes.poll()"
+    done = subprocess.run([sys.executable, "-c", code], timeout=LONG, check=False, **place)
+    assert (done.returncode, "Traceback" in done.stderr + done.stdout) == (0, False), done.stderr
+
+
 def test_what_other_modules_do_at_the_end_is_done(ball, tmp_path, place):
     """Such as saving what tests have covered."""
     code = """
