@@ -65,9 +65,12 @@ def refinement_of(command, obj, settings):
     is_seen = settings.surface == "seen"
     if not is_seen:
         given = meshes.read_mesh(obj, strict=settings.strict)
-        refuse_far_vertices(given.mesh)
-        if is_fine(command, obj, given, settings):
-            return None, constraints.cut_mesh(obj, given, settings.constraints)
+        try:
+            if is_fine(command, obj, given, settings):
+                return None, constraints.cut_mesh(obj, given, settings.constraints)
+        except SettingError:
+            refuse_far_vertices(given.mesh)  # rather than a spacing that suits their distance
+            raise
         is_seen = bool(changing_modifiers(obj))
     with source_of(obj, is_seen) as source:
         given = meshes.read_mesh(source, strict=settings.strict)
