@@ -115,7 +115,7 @@ def check_spacing(places, spacing, what="stripe"):
     if spacing.min() < _FINEST * extent:
         raise SettingError(
             f"the spacing {spacing.min():g} is finer than numbers tell places on an object of {extent:g} apart: "
-            f"give one from {_FINEST * extent:.1g} on"
+            f"give one from {1.1 * _FINEST * extent:.2g} on"
         )
 
 

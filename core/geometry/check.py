@@ -11,6 +11,9 @@ from .triangle_mesh import TriangleMesh
 FLAT_FACE = 1e-12
 # Steps of single precision that are a larger share of the edges than this are told of.
 COARSE_STEP = 0.02
+# Where so few of the vertices are too far out for single precision, this many times as far as the others, they are
+# named, not the whole object.
+FEW_FAR, ALONE = 0.1, 100.0
 
 
 def check_mesh(mesh: TriangleMesh, faces: np.ndarray | None = None) -> None:
@@ -52,19 +55,50 @@ def coarse_places(places, edges):
     places : (n, 3)
     edges : (e, 2)
     """
+    used, reach, steps, median = _steps_of_places(places, edges)
+    if steps.max(initial=0.0) <= COARSE_STEP * median:
+        return ""
+    far = far_vertices(places, edges)
+    if len(far):
+        others = reach[~np.isin(used, far)].max()
+        verb, them, place = ("lies", "it", "its place") if len(far) == 1 else ("lie", "them", "their places")
+        return (
+            f"{name_elements('vertex', far)} {verb} {reach.max():.2g} from the origin, the others within {others:.2g}: "
+            f"delete {them}, or correct {place}"
+        )
+    return (
+        f"coordinates of {reach.max():.2g} leave steps of {steps.max():.2g} between neighbours in single precision: "
+        "move the object's vertices to its origin before export"
+    )
+
+
+def far_vertices(places, edges):
+    """(k,) the few vertices that lie so far out that single precision is too coarse there for the edges of the others;
+    none where many do. Arguments as for :func:`coarse_places`."""
+    used, reach, steps, median = _steps_of_places(places, edges)
+    is_far = steps > COARSE_STEP * median
+    if not 0 < is_far.sum() <= FEW_FAR * len(used) or reach[is_far].min() < ALONE * np.median(reach[~is_far]):
+        return used[:0]
+    return used[is_far]
+
+
+def refuse_far_vertices(mesh):
+    """Raise :class:`MeshError` where :func:`far_vertices` are: finer surfaces and solids that reach to them cannot be
+    kept."""
+    if len(far_vertices(mesh.vertices, mesh.edges)):
+        raise MeshError(coarse_places(mesh.vertices, mesh.edges))
+
+
+def _steps_of_places(places, edges):
+    """Vertices of edges at finite places, their largest coordinates, the steps of single precision there, and the
+    median length of the edges between them, infinite where there is none."""
     known = edges[np.isfinite(places[edges]).all(axis=(1, 2))]
     lengths = np.linalg.norm(np.diff(places[known], axis=1)[:, 0], axis=1)
     lengths = lengths[lengths > 0]
-    if len(lengths) == 0:
-        return ""
-    largest = float(np.abs(places[known]).max())
-    step = float(np.spacing(np.float32(min(largest, float(np.finfo(np.float32).max)))))
-    if step <= COARSE_STEP * np.median(lengths):
-        return ""
-    return (
-        f"coordinates of {largest:.2g} leave steps of {step:.2g} between neighbours in single precision: "
-        "move the object's vertices to its origin before export"
-    )
+    used = np.unique(known)
+    reach = np.abs(places[used]).max(axis=1)
+    steps = np.spacing(np.minimum(reach, np.finfo(np.float32).max).astype(np.float32)).astype(float)
+    return used, reach, steps, np.median(lengths) if len(lengths) else np.inf
 
 
 def _piece(mesh, vertex):

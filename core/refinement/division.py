@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Triangles divided at the middles of their long edges, until no edge is longer than a limit."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from itertools import combinations
 
 import numpy as np
 
@@ -17,11 +18,32 @@ _SPLITS = {
     (True, True, True): ((0, 3, 5), (3, 1, 4), (3, 4, 2), (3, 2, 5)),
     (True, True, False): ((0, 3, 5), (3, 1, 4), (3, 4, 5), (4, 2, 5)),
 }
-# The edge of the triangle that a pair of these points lies on; 3 for none.
-_EDGE_OF = np.full((6, 6), 3)
-for _edge, _points in enumerate(((0, 3, 1), (1, 4, 2), (2, 5, 0))):
-    for _one, _other in ((0, 1), (1, 2), (0, 2)):
-        _EDGE_OF[_points[_one], _points[_other]] = _EDGE_OF[_points[_other], _points[_one]] = _edge
+# Needles: triangles with two edges that are more than this many times too long, and a third that is short. Divided as
+# above they become 3^k triangles for edges in 2^k parts; their tips are cut off instead, and what is left is a strip.
+_NEEDLE = 8.0
+_TIPS = {(True, False): ((3, 1, 4), (0, 3, 4, 2)), (False, True): ((0, 3, 5), (3, 1, 2, 5))}
+# Strips: quadrilaterals whose first and third edge may be long. Corners, then the middles of these. They stay strips
+# until both are short; whether the first, the third, and the diagonal from corner 0 is the shorter.
+_STRIPS = {
+    (True, True): ((0, 4, 5, 3), (4, 1, 2, 5)),
+    (True, False): ((0, 4, 3), (4, 1, 2), (4, 2, 3)),
+    (False, True): ((0, 1, 5), (1, 2, 5), (0, 5, 3)),
+}
+_DIAGONALS = {True: ((0, 1, 2), (0, 2, 3)), False: ((0, 1, 3), (1, 2, 3))}
+
+
+def _edges_of(lines):
+    """(p, p) the edge that a pair of points lies on, for the points of each edge; -1 for none."""
+    count = max(map(max, lines)) + 1
+    table = np.full((count, count), -1)
+    for edge, points in enumerate(lines):
+        for one, other in combinations(points, 2):
+            table[one, other] = table[other, one] = edge
+    return table
+
+
+_TRIANGLE_EDGES = _edges_of(((0, 3, 1), (1, 4, 2), (2, 5, 0)))
+_STRIP_EDGES = _edges_of(((0, 4, 1), (1, 2), (2, 5, 3), (3, 0)))
 
 
 @dataclass(frozen=True)
@@ -47,6 +69,42 @@ class Division:
         return Division(self.vertices, self.triangles[rows], self.source[rows], self.weights[rows], self.sides[rows])
 
 
+@dataclass(frozen=True)
+class _Faces:
+    """Triangles, or strips: (k, 3 or 4) corners, and the rest as :class:`Division` has it."""
+
+    corners: np.ndarray
+    source: np.ndarray
+    weights: np.ndarray
+    sides: np.ndarray
+
+    def __getitem__(self, rows):
+        return _Faces(self.corners[rows], self.source[rows], self.weights[rows], self.sides[rows])
+
+    def __len__(self):
+        return len(self.corners)
+
+    def turned(self, first):
+        """The same faces, each from its corner ``first``."""
+        count = self.corners.shape[1]
+        turns = (first[:, None] + np.arange(count)) % count
+        corners, sides = (np.take_along_axis(values, turns, 1) for values in (self.corners, self.sides))
+        return _Faces(corners, self.source, np.take_along_axis(self.weights, turns[:, :, None], 1), sides)
+
+    def with_middles(self, middles, edges):
+        """The same, the middles of some edges as corners behind the others."""
+        halves = (self.weights[:, edges] + np.roll(self.weights, -1, axis=1)[:, edges]) / 2
+        corners, weights = np.hstack([self.corners, middles]), np.hstack([self.weights, halves])
+        return _Faces(corners, self.source, weights, np.column_stack([self.sides, np.full(len(self), -1)]))
+
+    def cut(self, rows, points, edges):
+        """The faces of some rows between some of their points, by the table of :func:`_edges_of`."""
+        sides = edges[points, np.roll(points, -1)]
+        return _Faces(
+            self.corners[rows][:, points], self.source[rows], self.weights[rows][:, points], self.sides[rows][:, sides]
+        )
+
+
 def undivided(vertices, triangles, sides):
     """The :class:`Division` of triangles that are whole.
 
@@ -60,86 +118,119 @@ def undivided(vertices, triangles, sides):
     return Division(vertices, triangles, np.arange(len(triangles)), weights, sides)
 
 
-def divided(now, longest, most):
+def divided(whole, longest, most):
     """The :class:`Division` whose edges are all at most ``longest``; None where it has more than ``most`` triangles.
 
     An edge is halved as often as it takes, alike in all triangles at it. The places of old vertices stay.
 
     Parameters
     ----------
-    now : Division
+    whole : Division
     longest : float
     most : int
     """
+    vertices, now = whole.vertices, _Faces(whole.triangles, whole.source, whole.weights, whole.sides)
+    strips = _joined([], 4)
     done, count = [], 0
     while True:
-        lengths = _edge_lengths(now)
-        # An edge has the same length in all of its triangles: those are divided in the same step.
-        long = lengths > longest
+        lengths, strip_lengths = (_edge_lengths(vertices, faces) for faces in (now, strips))
+        # An edge has the same length in all of its faces: those are divided in the same step.
+        long, sides_long = lengths > longest, strip_lengths[:, ::2] > longest
         settled = ~long.any(axis=1)
         done.append(now[settled])
         count += int(settled.sum())
-        if settled.all():
+        if settled.all() and len(strips) == 0:
             break
-        if count + _fewest_triangles(now[~settled], lengths[~settled], longest) > most:
+        left = _fewest_triangles(vertices, now[~settled], lengths[~settled], longest)
+        if count + left + 2 * _parts(strip_lengths[:, ::2].max(axis=1), longest).sum() > most:
             return None
-        now = _halved(now[~settled], lengths[~settled], long[~settled])
-    fields = ("triangles", "source", "weights", "sides")
-    parts = {name: np.concatenate([getattr(part, name) for part in done]) for name in fields}
-    order = np.argsort(parts["source"], kind="stable")
-    return Division(now.vertices, *(parts[name][order] for name in fields))
+        vertices, now, strips = _halved(vertices, now[~settled], lengths[~settled], strips, sides_long, longest)
+    faces = _joined(done, 3)
+    faces = faces[np.argsort(faces.source, kind="stable")]
+    return Division(vertices, faces.corners, faces.source, faces.weights, faces.sides)
 
 
-def _edge_lengths(division):
-    corners = division.vertices[division.triangles]
-    return np.linalg.norm(corners[:, [1, 2, 0]] - corners, axis=2)
+def _joined(parts, corners):
+    """Faces with so many corners as one; none without parts."""
+    none = np.empty((0, corners), int)
+    parts = [_Faces(none, np.empty(0, int), np.empty((0, corners, 3)), none), *parts]
+    return _Faces(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(_Faces)))
 
 
-def _fewest_triangles(division, lengths, longest):
+def _edge_lengths(vertices, faces):
+    corners = vertices[faces.corners]
+    return np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+
+
+def _parts(lengths, longest):
+    """How many parts edges become."""
+    return 2.0 ** np.ceil(np.maximum(np.log2(lengths) - np.log2(longest), 0))
+
+
+def _fewest_triangles(vertices, faces, lengths, longest):
     """A lower bound on the number of triangles that these become: each part of a longest edge has one of its own, and
     none is larger than an even one."""
-    a, b, c = np.moveaxis(division.vertices[division.triangles], 1, 0)
+    a, b, c = np.moveaxis(vertices[faces.corners], 1, 0)
     areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
-    parts = 2.0 ** np.ceil(np.log2(lengths.max(axis=1)) - np.log2(longest))
-    return np.maximum(parts, areas / (np.sqrt(3) / 4 * longest**2)).sum()
+    return np.maximum(_parts(lengths.max(axis=1), longest), areas / (np.sqrt(3) / 4 * longest**2)).sum()
 
 
-def _halved(division, lengths, long):
-    """The triangles with their long edges halved."""
-    turns = (np.argmax(np.where(long, lengths, -1), axis=1)[:, None] + np.arange(3)) % 3
-    corners, sides, long = (
-        np.take_along_axis(values, turns, 1) for values in (division.triangles, division.sides, long)
-    )
-    weights = np.take_along_axis(division.weights, turns[:, :, None], 1)
-    vertices, middles = _middles(division.vertices, corners, long)
-    points = np.concatenate([corners, middles], axis=1)
-    weights = np.concatenate([weights, (weights + weights[:, [1, 2, 0]]) / 2], axis=1)
-    sides = np.column_stack([sides, np.full(len(sides), -1)])
-    kinds = np.column_stack([long[:, 1:], _first_diagonal_is_shorter(vertices, points, long)])
-    parts = []
+def _halved(vertices, faces, lengths, strips, sides_long, longest):
+    """The vertices, triangles and strips with the long edges halved."""
+    long = lengths > longest
+    first = np.argmax(np.where(long, lengths, -1), axis=1)
+    faces = faces.turned(first)
+    turns = (first[:, None] + np.arange(3)) % 3
+    lengths, long = (np.take_along_axis(values, turns, 1) for values in (lengths, long))
+    vertices, middles, strip_middles = _middles(vertices, (faces, [0, 1, 2], long), (strips, [0, 2], sides_long))
+    faces, strips = faces.with_middles(middles, [0, 1, 2]), strips.with_middles(strip_middles, [0, 2])
+    is_needle = (long.sum(axis=1) == 2) & (np.where(long, lengths, np.inf).min(axis=1) > _NEEDLE * longest)
+    kinds = np.column_stack([long[:, 1:], _first_diagonal_is_shorter(vertices, faces.corners, long)])
+    triangles, new_strips = [], []
     for kind, split in _SPLITS.items():
-        rows = np.flatnonzero((kinds == kind).all(axis=1))
-        for triangle in split:
-            edges = _EDGE_OF[triangle, np.roll(triangle, -1)]
-            parts.append(
-                (points[rows][:, triangle], division.source[rows], weights[rows][:, triangle], sides[rows][:, edges])
-            )
-    return Division(vertices, *(np.concatenate(values) for values in zip(*parts, strict=True)))
+        rows = np.flatnonzero((kinds == kind).all(axis=1) & ~is_needle)
+        triangles += [faces.cut(rows, points, _TRIANGLE_EDGES) for points in split]
+    for kind, (tip, rest) in _TIPS.items():
+        rows = np.flatnonzero((long[:, 1:] == kind).all(axis=1) & is_needle)
+        triangles.append(faces.cut(rows, tip, _TRIANGLE_EDGES))
+        new_strips.append(faces.cut(rows, rest, _TRIANGLE_EDGES))
+    for kind, split in _STRIPS.items():
+        rows = np.flatnonzero((sides_long == kind).all(axis=1))
+        parts = [strips.cut(rows, points, _STRIP_EDGES) for points in split]
+        (new_strips if kind == (True, True) else triangles).extend(parts)
+    settled = ~sides_long.any(axis=1)
+    diagonal = _first_is_shorter(vertices, strips.corners[:, [0, 2]], strips.corners[:, [1, 3]])
+    for kind, split in _DIAGONALS.items():
+        rows = np.flatnonzero(settled & (diagonal == kind))
+        triangles += [strips.cut(rows, points, _STRIP_EDGES) for points in split]
+    return vertices, _joined(triangles, 3), _joined(new_strips, 4)
 
 
-def _middles(vertices, corners, long):
-    """The vertices with those in the middle of long edges added, and (k, 3) the vertex in the middle of each edge, -1
-    where there is none."""
-    ends = np.stack([corners, corners[:, [1, 2, 0]]], axis=2)[long]
-    ends.sort(axis=1)
+def _middles(vertices, *parts):
+    """The vertices with those in the middle of long edges added; and for each of the parts, which are faces, some of
+    their edges and which of these are long, the vertex in the middle of each, -1 where there is none."""
+    ends = [
+        np.stack([faces.corners[:, edges], np.roll(faces.corners, -1, axis=1)[:, edges]], axis=2)[long]
+        for faces, edges, long in parts
+    ]
+    ends = np.sort(np.concatenate(ends), axis=1)
     _, first, numbers = np.unique(ends[:, 0] * len(vertices) + ends[:, 1], return_index=True, return_inverse=True)
-    middles = np.full(corners.shape, -1)
-    middles[long] = len(vertices) + numbers.reshape(-1)
-    return np.concatenate([vertices, vertices[ends[first]].mean(axis=1)]), middles
+    numbers = len(vertices) + numbers.reshape(-1)
+    found = []
+    for _, _, long in parts:
+        middles = np.full(long.shape, -1)
+        middles[long], numbers = numbers[: long.sum()], numbers[long.sum() :]
+        found.append(middles)
+    return np.concatenate([vertices, vertices[ends[first]].mean(axis=1)]), *found
 
 
 def _first_diagonal_is_shorter(vertices, points, long):
     """(k,) bool: of the quadrilateral that is left when a corner beside the first middle is cut off."""
     ends = np.where(long[:, 1], points[:, 4], points[:, 1]), np.where(long[:, 2], points[:, 5], points[:, 0])
-    lengths = [((vertices[a] - vertices[b]) ** 2).sum(axis=1) for a, b in ((points[:, 3], points[:, 2]), ends)]
-    return (lengths[0] <= lengths[1]) | ~long[:, 1:].any(axis=1)
+    return _first_is_shorter(vertices, points[:, [3, 2]], np.column_stack(ends)) | ~long[:, 1:].any(axis=1)
+
+
+def _first_is_shorter(vertices, one, other):
+    """(k,) bool: of two lines between (k, 2) vertices, or both are as long."""
+    lengths = [((vertices[ends[:, 0]] - vertices[ends[:, 1]]) ** 2).sum(axis=1) for ends in (one, other)]
+    return lengths[0] <= lengths[1]

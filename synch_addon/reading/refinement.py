@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from ...core.errors import SettingError, SynchError
+from ...core.geometry.check import refuse_far_vertices
 from ...core.geometry.welding import welded_vertices
 from ...core.refinement import BoundSurface, TooFineError, refine
 from ...core.refinement.spacing import LINES_ACROSS, longest_edge
@@ -64,11 +65,16 @@ def refinement_of(command, obj, settings):
     is_seen = settings.surface == "seen"
     if not is_seen:
         given = meshes.read_mesh(obj, strict=settings.strict)
-        if is_fine(command, obj, given, settings):
-            return None, constraints.cut_mesh(obj, given, settings.constraints)
+        try:
+            if is_fine(command, obj, given, settings):
+                return None, constraints.cut_mesh(obj, given, settings.constraints)
+        except SettingError:
+            refuse_far_vertices(given.mesh)  # rather than a spacing that suits their distance
+            raise
         is_seen = bool(changing_modifiers(obj))
     with source_of(obj, is_seen) as source:
         given = meshes.read_mesh(source, strict=settings.strict)
+        refuse_far_vertices(given.mesh)
         longest = None
         if command != "directions":
             spacing = wished_spacing(command, given.mesh) if settings.spacing is None else settings.spacing

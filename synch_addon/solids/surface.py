@@ -4,6 +4,7 @@
 import numpy as np
 
 from ...core.errors import MeshError, SettingError, name_elements, quote_value
+from ...core.geometry.check import refuse_far_vertices
 from ...core.geometry.filling.closed_surface import Area, ClosedSurface
 from ...core.geometry.filling.surface_distance import SurfaceDistance, check_closed
 from ...core.geometry.tet_mesh import TetMesh
@@ -29,6 +30,7 @@ def read_surface(obj, strict=False):
         naming the first element that is in the way, and carrying vertices where the surface is open or meets itself
     """
     given = meshes.read_mesh(obj, strict=strict, weld=not strict)
+    refuse_far_vertices(given.mesh)
     if given.across is not None:
         vertices = np.unique(given.source[given.seam])
         raise MeshError(f"{obj.name} is one-sided and encloses nothing: fill a closed surface with two sides", vertices)

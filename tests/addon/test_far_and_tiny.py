@@ -159,6 +159,54 @@ def test_single_precision_that_is_seen_is_told(tmp_path):
             files.export_mesh(obj, tmp_path / f"ball{suffix}")
 
 
+SPIKED = [
+    ("stripes", {}),
+    ("quads", {}),
+    ("quads", {"spacing": 0.5}),
+    ("quad_mesh", {"faces": 500}),
+    ("layers", {"spacing": 0.5}),
+]
+
+
+@pytest.mark.any_surface
+@pytest.mark.parametrize("out", [1e6, 1e9])
+@pytest.mark.parametrize(("command", "settings"), SPIKED)
+def test_a_vertex_far_out_is_named_and_deleting_it_helps(command, settings, out):
+    places, faces = ball()
+    places[100] *= out
+    obj = add_object(places, faces)
+    with pytest.raises(MeshError, match=r"vertex 100 lies .* from the origin, the others within 4: delete it"):
+        getattr(api, command)(obj, **settings)
+    keep = [face for face in faces if 100 not in face]
+    rim = {vertex for face in faces if 100 in face for vertex in face} - {100}
+    if command == "layers":  # a hole has to be closed, as the vertex may be put back
+        places[100] = np.mean([places[vertex] for vertex in rim], axis=0)
+        keep = faces
+    report = getattr(api, command)(add_object(places, keep), **settings, method="spectral")
+    assert not any("lies" in line for line in report["warnings"])
+
+
+def test_what_needs_no_finer_faces_is_made_with_a_vertex_far_out_and_warned_of(tmp_path):
+    places, faces = ball()
+    places[100] *= 1e9
+    obj = add_object(places, faces)
+    report = api.directions(obj)
+    assert any("vertex 100 lies" in line for line in report["warnings"])
+    report = api.stripes(obj, surface="faces")
+    assert any("vertex 100 lies" in line for line in report["warnings"])
+    api.bake(obj, maps="mask", size=16, samples=1, unwrap=True, folder=str(tmp_path))
+    assert list(tmp_path.glob("*.png"))
+
+
+def test_the_finest_spacing_that_is_named_is_accepted():
+    places, faces = ball()
+    obj = add_object(places * 1e6, faces)
+    with pytest.raises(SettingError, match="finer than numbers tell places") as refused:
+        api.quads(obj, spacing=1e-4, surface="faces")
+    finest = float(str(refused.value).split("give one from ")[1].removesuffix(" on"))
+    api.quads(obj, spacing=finest, surface="faces", method="spectral")
+
+
 def test_numbers_have_nine_digits_of_the_extent():
     assert number_format(np.array([[0, 0, 0], [1e-6, 0, 0]])) == "%.9g"
     assert number_format(np.array([[5e6, 0, 0], [5e6 + 8, 0, 0]])) == "%.15g"

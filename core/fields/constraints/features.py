@@ -22,6 +22,9 @@ LEAST_ALONG = np.radians(50)
 # What is shorter than this many sides of a quad is no feature of quads: lines between corners, and all that hangs
 # together; a boundary always is.
 SHORTEST_LINE, SHORTEST_PIECE = 1.0, 4.0
+# Marked edges that leave most of the surface in facets with room for fewer quads than this are those of a mesh that is
+# shown flat.
+FEWEST_QUADS = 4.0
 
 
 def feature_edges(mesh, angle, side, marked=(), faces=None):
@@ -32,11 +35,12 @@ def feature_edges(mesh, angle, side, marked=(), faces=None):
     mesh : TriangleMesh
     angle : radians between the normals of two faces beyond which their edge is sharp
     side : length of a quad's side, one or (n,) at the vertices
-    marked : indices of further edges that count as sharp
+    marked : indices of further edges that count as sharp, but where they merely make small facets of the surface
     faces : (m,) face of the user's that each triangle is a part of, within which nothing is sharp
     """
     sharp = np.abs(mesh.angles_between(_normals(mesh, faces))) > angle
-    sharp[np.asarray(marked, int)] = True
+    if not _makes_facets(mesh, marked, side):
+        sharp[np.asarray(marked, int)] = True
     sharp[mesh.boundary_edges] = True
     edges = np.flatnonzero(sharp)
     lengths = mesh.edge_lengths / np.broadcast_to(side, mesh.vertex_count)[mesh.edges].mean(axis=1)
@@ -46,6 +50,17 @@ def feature_edges(mesh, angle, side, marked=(), faces=None):
         long = np.bincount(labels, lengths[edges]) >= shortest
         edges = edges[long[labels] | on_boundary[edges]]
     return edges
+
+
+def _makes_facets(mesh, marked, side):
+    """Whether marked edges leave more than half of a surface in parts with room for few quads."""
+    is_marked = np.zeros(len(mesh.edges), bool)
+    is_marked[np.asarray(marked, int)] = True
+    halves = np.flatnonzero((mesh.twins >= 0) & ~is_marked[mesh.triangle_edges.ravel()])
+    parts = components(mesh.triangle_count, np.column_stack([halves, mesh.twins[halves]]) // 3)
+    quads = mesh.areas / np.broadcast_to(side, mesh.vertex_count)[mesh.triangles].mean(axis=1) ** 2
+    is_small = np.bincount(parts, quads)[parts] < FEWEST_QUADS
+    return mesh.areas[is_small].sum() > mesh.areas.sum() / 2
 
 
 def _normals(mesh, faces):

@@ -7,7 +7,7 @@ import pytest
 
 from synch_fields.core.errors import MeshError, SynchError
 from synch_fields.core.geometry import TriangleMesh
-from synch_fields.core.geometry.check import check_mesh
+from synch_fields.core.geometry.check import check_mesh, coarse_places, far_vertices, refuse_far_vertices
 
 from ..meshes import EVERY, cube, honeycomb_sphere, icosphere, mixed_torus, quad_torus, shared_mesh, square, together
 
@@ -170,3 +170,24 @@ def test_needles_of_a_ten_trillionth_of_the_area_are_no_flat_faces():
     mesh = next(p.values[0] for p in EVERY if p.id == "slivers")()
     assert mesh.areas.min() < 1.1e-13 * mesh.areas.sum()
     check_mesh(mesh)
+
+
+@pytest.mark.parametrize("mesh", [icosphere(3), square(12), cube(6)], ids=["ball", "square", "cube"])
+@pytest.mark.parametrize("count", [1, 3])
+def test_few_vertices_far_out_are_named(mesh, count):
+    vertices = mesh.vertices.copy()
+    vertices[7 : 7 + count] += [1e6, 2e7, 0]
+    spiked = TriangleMesh(vertices, mesh.triangles)
+    np.testing.assert_array_equal(far_vertices(vertices, spiked.edges), 7 + np.arange(count))
+    line = "vertex 7 lies 2e.07 .*: delete it" if count == 1 else "vertices 7, 8, 9 lie 2e.07 .*: delete them"
+    with pytest.raises(MeshError, match=line):
+        refuse_far_vertices(spiked)
+
+
+@pytest.mark.parametrize("shift", [0.0, 2.0**22, 1e7])
+def test_an_object_far_out_is_not_blamed_on_single_vertices(shift):
+    mesh = icosphere(3)
+    vertices = mesh.vertices + [shift - 0.9, 0, 0]
+    assert len(far_vertices(vertices, mesh.edges)) == 0
+    refuse_far_vertices(TriangleMesh(vertices, mesh.triangles))
+    assert ("move the object" in coarse_places(vertices, mesh.edges)) == (shift > 0)

@@ -11,6 +11,8 @@ from synch_fields.core.geometry.mirror import mirrored_vertices
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.refinement import TooFineError, bound_surface, division, refine
 
+from ..meshes import icosphere, octahedron, rounded_cube, subdivided
+
 CUBE = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
 QUADS = np.array([[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]])
 
@@ -104,6 +106,27 @@ def test_a_hole_stays_open_where_nothing_lies_on_its_other_side():
     assert len(as_mesh(bound).boundary_edges) == 4 * 4
 
 
+@pytest.mark.parametrize("reach", [30.0, 1e3, 1e6, 1e9])
+@pytest.mark.parametrize("ball", [icosphere(3), subdivided(octahedron()), rounded_cube(8)], ids=["20", "8", "6"])
+def test_needles_become_strips_of_few_triangles(ball, reach):
+    vertices = ball.vertices.copy()
+    vertices[0] *= reach
+    spiked, longest = TriangleMesh(vertices, ball.triangles), reach / 700
+    bound = refined(vertices, ball.triangles, longest)
+    mesh = as_mesh(bound)
+    check_mesh(mesh)
+    assert len(mesh.boundary_edges) == 0 and mesh.euler_characteristic == ball.euler_characteristic
+    assert mesh.edge_lengths.max() <= longest
+    areas = np.bincount(bound.face_source, mesh.areas)
+    np.testing.assert_allclose(areas, spiked.areas, rtol=1e-6)
+    normals = np.cross(*(vertices[ball.triangles[:, k]] - vertices[ball.triangles[:, 0]] for k in (1, 2)))
+    a, b, c = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
+    sides = np.einsum("fx,fx->f", np.cross(b - a, c - a), normals[bound.face_source])
+    assert sides.min() > 0
+    parts = np.ceil(spiked.edge_lengths / longest)[spiked.triangle_edges]
+    assert (np.bincount(bound.face_source) <= 8 * (parts.sum(axis=1) + parts.prod(axis=1) / parts.max(axis=1))).all()
+
+
 def test_too_many_triangles_are_refused_with_a_length_that_works(monkeypatch):
     monkeypatch.setattr(bound_surface, "MOST_TRIANGLES", 1000)
     with pytest.raises(TooFineError, match=r"edges of at most 0.05 .* ask for edges of 0\.[0-9]+") as error:
@@ -116,7 +139,7 @@ def test_edges_far_too_fine_are_refused_before_triangles_are_made(monkeypatch):
 
     def count_triangles(*arguments):
         found = halved(*arguments)
-        made.append(len(found.triangles))
+        made.append(len(found[1]) + len(found[2]))
         return found
 
     monkeypatch.setattr(division, "_halved", count_triangles)

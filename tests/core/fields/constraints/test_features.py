@@ -10,7 +10,7 @@ from synch_fields.core.fields.constraints.features import feature_edges, feature
 from synch_fields.core.geometry import TriangleMesh
 
 from ...crosses import plane_crosses
-from ...meshes import annulus, bent_square, cube, square, torus
+from ...meshes import annulus, bent_square, cube, icosphere, square, torus
 from ...sharp import ANGLE, chamfered_cube, flat_cells, plate, polygon
 from ...wishes import boundary_row
 
@@ -42,6 +42,17 @@ def test_what_a_few_quads_do_not_fit_on_is_no_feature_but_a_boundary_is():
     mesh = cube(6)
     assert len(feature_edges(mesh, ANGLE, 1.1)) == 0
     assert len(feature_edges(square(6), ANGLE, 10.0)) == 24
+
+
+@pytest.mark.parametrize("mesh", [icosphere(3), torus(), cube(12)], ids=["ball", "torus", "cube"])
+def test_marks_of_a_mesh_that_is_shown_flat_are_no_features_but_of_facets_that_quads_fit_on(mesh):
+    every, length = np.arange(len(mesh.edges)), np.median(mesh.edge_lengths)
+    bent = feature_edges(mesh, ANGLE, length / 20)
+    np.testing.assert_array_equal(feature_edges(mesh, ANGLE, length, every), feature_edges(mesh, ANGLE, length))
+    assert len(feature_edges(mesh, ANGLE, length / 20, every)) == len(mesh.edges) > len(bent)
+    heights = mesh.vertices[:, 2] - (mesh.vertices[:, 2].min() + mesh.vertices[:, 2].max()) / 2
+    loop = np.flatnonzero(np.abs(heights[mesh.edges]).max(axis=1) < 1e-9)
+    assert set(loop) <= set(feature_edges(mesh, ANGLE, length, loop))
 
 
 def test_as_many_quads_fit_at_a_corner_as_there_are_right_angles():

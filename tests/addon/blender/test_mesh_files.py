@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Normals of imported meshes: what they mark as sharp stays, and flat faces look flat and get the quads of a smooth
+mesh."""
+
+import bpy
+import numpy as np
+import pytest
+
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.blender import files
+
+from ..scenes import sphere
+
+EXPORTERS = {
+    ".obj": lambda path: bpy.ops.wm.obj_export(filepath=path),
+    ".glb": lambda path: bpy.ops.export_scene.gltf(filepath=path),
+}
+
+
+def sharp_edges(mesh):
+    marks = mesh.attributes.get("sharp_edge")
+    return sum(mark.value for mark in marks.data) if marks else 0
+
+
+@pytest.mark.parametrize("suffix", EXPORTERS)
+def test_sharp_edges_that_normals_mark_stay(tmp_path, suffix):
+    mesh = sphere(4).data
+    mesh.shade_smooth()
+    places = np.array([vertex.co for vertex in mesh.vertices])
+    upper = places[[list(face.vertices) for face in mesh.polygons]].mean(axis=1)[:, 2] > 0.1
+    faces = {}
+    for face in mesh.polygons:
+        for key in face.edge_keys:
+            faces.setdefault(key, []).append(upper[face.index])
+    marked = [bool(sum(faces[edge.key]) == 1) for edge in mesh.edges]
+    mesh.attributes.new("sharp_edge", "BOOLEAN", "EDGE").data.foreach_set("value", np.array(marked))
+    EXPORTERS[suffix](str(tmp_path / f"mesh{suffix}"))
+    files.open_input(tmp_path / f"mesh{suffix}")
+    assert sharp_edges(bpy.context.scene.objects[0].data) == sum(marked) > 10
+
+
+@pytest.mark.any_surface
+@pytest.mark.parametrize("faces", [300, 1000])
+@pytest.mark.parametrize("suffix", EXPORTERS)
+def test_a_flat_ball_from_a_file_gets_the_quads_of_a_smooth_one(tmp_path, suffix, faces):
+    sphere(4).data.shade_flat()
+    EXPORTERS[suffix](str(tmp_path / f"ball{suffix}"))
+    obj = files.open_object(tmp_path / f"ball{suffix}")
+    assert obj.data.normals_domain == "CORNER"  # each corner has that of its face
+    report = api.quad_mesh(obj, faces=faces)
+    assert report["quad_mesh"]["angle_deviation"] < 10
+    assert not report["warnings"]
