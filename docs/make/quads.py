@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of quads: quad meshes, the two sliders, the profiles of the node group, and the paper's Figure 4 again.
+"""Pictures of quads: quad meshes, the two sliders, loops that close, the profiles of the node group, and the paper's
+Figure 4 again.
 
-    python docs/make/quads.py MESHES --folder docs [--only quad_mesh | sliders | quads]
+    python docs/make/quads.py MESHES --folder docs [--only quad_mesh | sliders | loops | quads]
 
 Figure 4, which paper.py makes: cos x cos y along one cross field, the spectral relaxation on the left and the
 semidefinite one on the right. The sliders are shown on a double torus. MESHES holds spot.obj, fertility.obj,
-rocker-arm.obj and stanford-bunny.obj. Needs Blender as a module (bpy).
+rocker-arm.obj, fandisk.obj and stanford-bunny.obj. Needs Blender as a module (bpy).
 """
 
 import bpy
@@ -15,6 +16,7 @@ from synch_fields.bench.command import arguments
 from synch_fields.bench.meshes import write_obj
 from synch_fields.bench.surface_shapes import double_torus
 from synch_fields.bench.tables import Column, print_table
+from synch_fields.core.extract.quads.measure.loops import SHORT
 from synch_fields.docs.make.figures import read_directions, row, write_directions
 from synch_fields.docs.make.sheets import beside, make_pictures
 from synch_fields.synch_addon import api
@@ -23,6 +25,7 @@ from synch_fields.synch_addon.blender.pattern_surface import surface_of
 from synch_fields.synch_addon.looks.render import render_picture
 from synch_fields.synch_addon.nodes.quads import PROFILES, QUADS_NAME
 from synch_fields.synch_addon.nodes.stripes import INK_BLUE, WARM_IVORY
+from synch_fields.synch_addon.patterns.loops import loops_of
 
 # Name of a mesh, where it is seen from, and its period's part of the longest side.
 WAVES = (("spot", (230, 15), 12), ("fertility", (-20, 10), 18), ("rocker-arm", (30, 20), 16))
@@ -39,6 +42,9 @@ SLIDER_COLUMNS = (
     Column("corners off by", "angle_deviation", ".1f"),
     Column("spacing over asked (98 %)", "spacing", ""),
 )
+# A mesh whose loops are closed, where it is seen from, and how much may be given up for it.
+LOOPED, LOOP_SHARES = ("fandisk", (200, 25)), (0.0, 0.3)
+LIGHT_BLUE, MIDDLE_BLUE = (0.45, 0.60, 0.74, 1.0), (0.12, 0.26, 0.50, 1.0)
 PATTERNED = ("spot", (230, 15), 12)
 
 WAVE_NODES = ("ShaderNodeGroup", "ShaderNodeMapRange", "ShaderNodeMixRGB", "ShaderNodeGamma")
@@ -148,6 +154,32 @@ def sliders(_options, folder, path):
     print_table("Sliders", SLIDER_COLUMNS, rows, first="singularities")
 
 
+def loops(options, folder, path):
+    """Quad meshes whose loops are closed or not: faces in no short loop, in one, and in two."""
+    name, view = LOOPED
+    pictures, labels = [], []
+    for share in LOOP_SHARES:
+        obj, _ = opened(options.meshes, name)
+        report = api.quad_mesh(obj, faces=SLID[1], loops=share)["quad_mesh"]
+        made = bpy.data.objects[report["object"]]
+        made.data.materials.clear()
+        for number, color in enumerate((WARM_IVORY, LIGHT_BLUE, MIDDLE_BLUE)):
+            made.data.materials.append(plain_material(f"In {number}", color))
+        made.data.polygons.foreach_set("material_index", short_loops(made))
+        picture = folder / f"{share}.png"
+        pictures.append(render_picture(made, picture, view=view, resolution=(760, 620), edges=True))
+        labels.append(f"loops {share:.0%}: {report['short_loop_share']:.0%} in short loops")
+    beside(pictures, path, labels=labels)
+
+
+def short_loops(obj):
+    """(f,) how many of the two loops through each quad are short."""
+    found = loops_of(obj)
+    short = np.append(found.lengths <= SHORT * np.sqrt(len(found.quads.sizes)), False)
+    corners = short[found.corner_loops].astype(int)
+    return (np.bincount(found.quads.corner_faces, corners) / 2).astype(np.int32)
+
+
 def quads(options, folder, path):
     """The profiles of the node group on one pattern."""
     name, view, count = PATTERNED
@@ -162,7 +194,7 @@ def quads(options, folder, path):
     beside(pictures, path, labels=PROFILES)
 
 
-PICTURES = {"quad_mesh": quad_mesh, "sliders": sliders, "quads": quads}
+PICTURES = {"quad_mesh": quad_mesh, "sliders": sliders, "loops": loops, "quads": quads}
 
 
 if __name__ == "__main__":
