@@ -32,3 +32,20 @@ def test_one_button_and_the_thumbnails_of_what_it_made(simple, keep):
     simple.click(f"{cost}·{defects}")
     simple.until("active().synch_shown.variation == 1")
     keep("simple_variation", simple.picture())
+
+
+def test_another_count_of_faces_is_one_field_and_one_click(simple, keep):
+    add_ball(simple, 4)
+    simple.run("active().synch_simple.kind = 'quad_mesh'; active().synch.faces = 300")
+    simple.click("Quad Mesh")
+    simple.until("active().synch.source is not None")
+    for text in ("Quad Mesh Again", "Face Count", "Loops", "Branching"):
+        simple.wait_for(text)
+    name, count = simple.value("active().name"), simple.value("len(active().data.polygons)")
+    objects = simple.value("len(bpy.data.objects)")
+    assert 280 <= count <= 320
+    simple.run("active().synch.faces = 600")
+    simple.click("Quad Mesh Again")
+    simple.until("len(active().data.polygons) > 550")
+    assert simple.value("active().name") == name and simple.value("len(bpy.data.objects)") == objects
+    keep("quad_mesh_again", simple.picture("UI"))
