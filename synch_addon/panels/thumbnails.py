@@ -119,13 +119,17 @@ class _Galleries:
         name = f"{obj.session_uid} {variation.number}"
         if self._pictured.get(name) is not variation:
             if len(self._icons) >= memory.MOST * MOST:
-                self._icons.clear()
-                self._pictured.clear()
+                self._give_back()
             icon = self._icons[name] if name in self._icons else self._icons.new(name)
             icon.image_size = PIXELS, PIXELS
             icon.image_pixels_float = variation.picture.ravel()
             self._pictured[name] = variation
         return self._icons[name].icon_id
+
+    def _give_back(self):
+        """Give back the icons of objects without a gallery: those of the others may be part of what is being drawn."""
+        for name in [name for name in self._icons if self._kept.get(int(name.split()[0])) is None]:
+            del self._icons[name], self._pictured[name]
 
     def _make(self):
         goes_on = self._wanted.make_next()

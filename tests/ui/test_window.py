@@ -69,7 +69,7 @@ def test_stripes_show_progress_and_then_their_result(panel, keep):
     found = result(panel)
     for text in figures(panel, found):
         assert panel.shows(text), text
-    kinds = panel.value("[e['synch_kind'] for e in active().children]")
+    kinds = panel.value("[child.get('synch_kind') for child in active().children]")
     assert kinds.count("disclination") == found["disclinations"]
     assert kinds.count("dislocation") == found["dislocations"]
 
@@ -158,18 +158,22 @@ def test_variation_slider_shows_other_patterns_without_a_solve(panel):
     assert number > 0
 
 
-# Runs inside: a vertex that the view shows, to the right of its middle by about x, and whether a dislocation is there.
+# Runs inside: a vertex of the mesh that carries the pattern, which the view shows to the right of its middle by about
+# x, and whether a dislocation is there.
 DEFECTS = """
 from mathutils import Vector
 
+def pattern_mesh():
+    return part("blender.pattern_surface").surface_of(active()).data
+
 def shown_vertex(x):
     towards = view().view_rotation @ Vector((x, 0.3, 1))
-    vertex = max(active().data.vertices, key=lambda vertex: vertex.co @ towards)
+    vertex = max(pattern_mesh().vertices, key=lambda vertex: vertex.co @ towards)
     return vertex.index, pixel(vertex.co)
 
 def has_dislocation(vertex):
-    faces = [empty["synch_face"] for empty in active().children if empty["synch_kind"] == "dislocation"]
-    return any(vertex in active().data.polygons[face].vertices for face in faces)
+    faces = [child["synch_face"] for child in active().children if child.get("synch_kind") == "dislocation"]
+    return any(vertex in pattern_mesh().polygons[face].vertices for face in faces)
 """
 
 

@@ -49,3 +49,19 @@ def test_there_is_a_gallery_for_each_solve_and_none_without_variations():
     for solve in (lambda: api.stripes(obj, spacing=0.4, method="spectral"), lambda: api.directions(obj)):
         solve()
         assert memory.holds(obj) and galleries.of(obj) is None
+
+
+def test_icons_that_are_being_drawn_stay_where_others_make_room():
+    obj = torus()
+    api.stripes(obj, spacing=0.3)
+    gallery = galleries.of(obj)
+    while gallery.make_next():
+        pass
+    kept = len(galleries._icons)
+    for number in range(memory.MOST * MOST - kept - 1):  # of objects that nothing is kept of
+        name = f"0 {number}"
+        galleries._pictured[name] = galleries._icons.new(name)
+    for variation in gallery.made:
+        galleries.icon(obj, variation)
+    assert gallery.count >= 2 and len(galleries._icons) < memory.MOST * MOST
+    assert {f"{obj.session_uid} {number}" for number in range(gallery.count)} <= galleries._icons.keys()
