@@ -190,30 +190,30 @@ def _halved(vertices, faces, lengths, strips, sides_long, longest):
     for kind, split in _SPLITS.items():
         rows = np.flatnonzero((kinds == kind).all(axis=1) & ~is_needle)
         triangles += [faces.cut(rows, points, _TRIANGLE_EDGES) for points in split]
-    for kind, (tip, rest) in _TIPS.items():
-        rows = np.flatnonzero((long[:, 1:] == kind).all(axis=1) & is_needle)
+    for ends, (tip, rest) in _TIPS.items():
+        rows = np.flatnonzero((long[:, 1:] == ends).all(axis=1) & is_needle)
         triangles.append(faces.cut(rows, tip, _TRIANGLE_EDGES))
         new_strips.append(faces.cut(rows, rest, _TRIANGLE_EDGES))
-    for kind, split in _STRIPS.items():
-        rows = np.flatnonzero((sides_long == kind).all(axis=1))
-        parts = [strips.cut(rows, points, _STRIP_EDGES) for points in split]
-        (new_strips if kind == (True, True) else triangles).extend(parts)
+    for ends, pieces in _STRIPS.items():
+        rows = np.flatnonzero((sides_long == ends).all(axis=1))
+        parts = [strips.cut(rows, points, _STRIP_EDGES) for points in pieces]
+        (new_strips if ends == (True, True) else triangles).extend(parts)
     settled = ~sides_long.any(axis=1)
     diagonal = _first_is_shorter(vertices, strips.corners[:, [0, 2]], strips.corners[:, [1, 3]])
-    for kind, split in _DIAGONALS.items():
-        rows = np.flatnonzero(settled & (diagonal == kind))
-        triangles += [strips.cut(rows, points, _STRIP_EDGES) for points in split]
+    for is_first, halves in _DIAGONALS.items():
+        rows = np.flatnonzero(settled & (diagonal == is_first))
+        triangles += [strips.cut(rows, points, _STRIP_EDGES) for points in halves]
     return vertices, _joined(triangles, 3), _joined(new_strips, 4)
 
 
 def _middles(vertices, *parts):
     """The vertices with those in the middle of long edges added; and for each of the parts, which are faces, some of
     their edges and which of these are long, the vertex in the middle of each, -1 where there is none."""
-    ends = [
+    of_parts = [
         np.stack([faces.corners[:, edges], np.roll(faces.corners, -1, axis=1)[:, edges]], axis=2)[long]
         for faces, edges, long in parts
     ]
-    ends = np.sort(np.concatenate(ends), axis=1)
+    ends = np.sort(np.concatenate(of_parts), axis=1)
     _, first, numbers = np.unique(ends[:, 0] * len(vertices) + ends[:, 1], return_index=True, return_inverse=True)
     numbers = len(vertices) + numbers.reshape(-1)
     found = []
