@@ -177,30 +177,38 @@ def _halved(vertices, faces, lengths, strips, sides_long, longest):
     for kind, split in _SPLITS.items():
         rows = np.flatnonzero((kinds == kind).all(axis=1) & ~is_needle)
         triangles += [faces.cut(rows, points, _TRIANGLE_EDGES) for points in split]
-    for kind, (tip, rest) in _TIPS.items():
-        rows = np.flatnonzero((long[:, 1:] == kind).all(axis=1) & is_needle)
+    for pair, (tip, rest) in _TIPS.items():
+        rows = np.flatnonzero((long[:, 1:] == pair).all(axis=1) & is_needle)
         triangles.append(faces.cut(rows, tip, _TRIANGLE_EDGES))
         new_strips.append(faces.cut(rows, rest, _TRIANGLE_EDGES))
-    for kind, split in _STRIPS.items():
-        rows = np.flatnonzero((sides_long == kind).all(axis=1))
-        parts = [strips.cut(rows, points, _STRIP_EDGES) for points in split]
-        (new_strips if kind == (True, True) else triangles).extend(parts)
+    more_triangles, more_strips = _cut_strips(vertices, strips, sides_long)
+    return vertices, _joined(triangles + more_triangles, 3), _joined(new_strips + more_strips, 4)
+
+
+def _cut_strips(vertices, strips, sides_long):
+    """Triangles and strips that strips become, whose long sides have middles."""
+    triangles: list[_Faces] = []
+    longer: list[_Faces] = []
+    for sides, faces in _STRIPS.items():
+        rows = np.flatnonzero((sides_long == sides).all(axis=1))
+        parts = [strips.cut(rows, points, _STRIP_EDGES) for points in faces]
+        (longer if all(sides) else triangles).extend(parts)
     settled = ~sides_long.any(axis=1)
-    diagonal = _first_is_shorter(vertices, strips.corners[:, [0, 2]], strips.corners[:, [1, 3]])
-    for kind, split in _DIAGONALS.items():
-        rows = np.flatnonzero(settled & (diagonal == kind))
-        triangles += [strips.cut(rows, points, _STRIP_EDGES) for points in split]
-    return vertices, _joined(triangles, 3), _joined(new_strips, 4)
+    is_shorter = _first_is_shorter(vertices, strips.corners[:, [0, 2]], strips.corners[:, [1, 3]])
+    for is_first, halves in _DIAGONALS.items():
+        rows = np.flatnonzero(settled & (is_shorter == is_first))
+        triangles += [strips.cut(rows, points, _STRIP_EDGES) for points in halves]
+    return triangles, longer
 
 
 def _middles(vertices, *parts):
     """The vertices with those in the middle of long edges added; and for each of the parts, which are faces, some of
     their edges and which of these are long, the vertex in the middle of each, -1 where there is none."""
-    ends = [
+    all_ends = [
         np.stack([faces.corners[:, edges], np.roll(faces.corners, -1, axis=1)[:, edges]], axis=2)[long]
         for faces, edges, long in parts
     ]
-    ends = np.sort(np.concatenate(ends), axis=1)
+    ends = np.sort(np.concatenate(all_ends), axis=1)
     _, first, numbers = np.unique(ends[:, 0] * len(vertices) + ends[:, 1], return_index=True, return_inverse=True)
     numbers = len(vertices) + numbers.reshape(-1)
     found = []
