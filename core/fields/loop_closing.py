@@ -8,7 +8,8 @@ without curl that meet conditions R c = 0 are
     c + D^T mu,    (R D^T) mu = -R c,    d = G (r - C^T y),    C G C^T y = C G r,
 
 where C sums changes around the faces, G is the softness of the edges (:mod:`.curl_removal`), and the rows d of D are
-the projections of the rows r of R to changes without curl. They raise the sum of c^2 / G by v^T (R D^T)^-1 v, v = R c.
+the projections of the rows r of R to changes without curl. The sum of the squares of what is added, over G, is
+v^T (R D^T)^-1 v with v = R c: what the conditions cost. With mirrors, d is the mean of itself and its mirror images.
 """
 
 from dataclasses import dataclass
@@ -22,9 +23,12 @@ from scipy.sparse.csgraph import dijkstra
 from ..algebra.factorization import factorize
 from ..matchings import after_turns
 from .curl_removal import SMALLEST_WEIGHT, known_turns, removable_rows, surface_circulation
+from .mirror import Mirror
 
 # Rows whose part that is independent of those before is smaller than this share follow from them.
 INDEPENDENT = 1e-2
+# A projection that is a smaller share of its row is rounding: what is asked along lines leaves nothing to change.
+FREE = 1e-6
 # How far sums along the mesh's edges may differ from the quads that the walk passes, in quads.
 SAME_WALK = 0.4
 
@@ -58,9 +62,10 @@ class LoopClosing:
     Parameters
     ----------
     pattern : Pattern of quads, whose growth is that of branching 0
+    mirrors : Mirrors that leave it as it is
     """
 
-    def __init__(self, pattern):
+    def __init__(self, pattern, mirrors=()):
         self._growth = growth = pattern.growth
         self._asked = growth.changes.ravel()
         self._softness = 1 / np.maximum(np.repeat(growth.mesh.weights, 2), SMALLEST_WEIGHT)
@@ -72,16 +77,20 @@ class LoopClosing:
         self._rows = removable_rows(circulation, self._softness > 0, laplacian)
         self._circulation = circulation.matrix[self._rows]
         self._factor = factorize(laplacian[self._rows][:, self._rows], single=False)
+        self._images = [_ImageOfChanges(growth, mirror) for mirror in mirrors if isinstance(mirror, Mirror)]
 
     def _project(self, row):
         """d of a row r."""
-        soft = self._softness * row
+        change = self._softness * row
+        for image in self._images:
+            change = (change + image.of(change)) / 2
         around = np.zeros(self._flow.shape[1])
-        around[self._rows] = self._factor.solve(self._circulation @ soft)
-        return soft - self._flow @ around
+        around[self._rows] = self._factor.solve(self._circulation @ change)
+        return change - self._flow @ around
 
     def condition(self, walk, reached, steps, aside):
-        """The :class:`Condition` that a walk closes; None where it passes other quads on the mesh's edges.
+        """The :class:`Condition` that a walk closes; None where it passes other quads on the mesh's edges, and where
+        nothing can change across it.
 
         Parameters
         ----------
@@ -96,7 +105,9 @@ class LoopClosing:
         across = int(np.argmin(np.abs(quads - aside) + np.abs(quads[::-1] - steps)))
         if abs(quads[across] - aside) > SAME_WALK or abs(quads[1 - across] - steps) > SAME_WALK:
             return None
-        return Condition(rows[across], self._project(rows[across]))
+        row = rows[across]
+        change = self._project(row)
+        return Condition(row, change) if row @ change > FREE * (row @ (self._softness * row)) else None
 
     def _sums(self, walk):
         """(2, 2 e) rows of the sums of changes along a closed walk, for both phases of its first vertex; None where
@@ -117,7 +128,7 @@ class LoopClosing:
         return rows.reshape(2, -1)
 
     def correction(self, conditions, sums=0.0):
-        """(e, 2) changes that are added for all conditions to hold, and what they raise the sum of c^2 / G by.
+        """(e, 2) changes that are added for all conditions to hold, and what they cost.
 
         ``sums`` are the (k,) values that the conditions ask for in place of 0.
         """
@@ -137,8 +148,8 @@ class LoopClosing:
         ----------
         held, candidates : lists of :class:`Condition`
         gains : (k,) of the candidates
-        price : gain that is asked for, per unit of the sum of c^2 / G
-        most : of that sum, what the chosen ones may cost together
+        price : gain that is asked for, per unit of cost
+        most : what the chosen ones may cost together
 
         Returns
         -------
@@ -181,6 +192,40 @@ class LoopClosing:
             left.remove(number)
             chosen.append(number - len(held))
         return chosen
+
+
+class _ImageOfChanges:
+    """What changes of a pattern become in a mirror.
+
+    Parameters
+    ----------
+    growth : TargetOneForm of two phases
+    mirror : Mirror
+    """
+
+    def __init__(self, growth, mirror):
+        # Phase l of a vertex is plus or minus phase phases[l] of its partner.
+        directions = mirror.mirrored_directions(growth)
+        self._phases, self._signs = directions % 2, np.where(directions < 2, 1.0, -1.0)
+        mesh = growth.mesh
+        ends = mirror.partner[mesh.edges]
+        found = np.minimum(mesh.edges_between(*ends.T), len(mesh.edges) - 1)
+        # Diagonals of faces need not be mirrored.
+        self._rows = np.flatnonzero((mesh.edges[found] == np.sort(ends, axis=1)).all(axis=1))
+        self._edges, self._tails = found[self._rows], mesh.edges[self._rows, 0]
+        self._forward = (ends[:, 0] < ends[:, 1])[self._rows]
+        self._matchings = growth.matchings[self._edges]
+
+    def of(self, changes):
+        """(2 e,) changes in the mirror; those of an edge that is not the image of another one stay."""
+        result = changes.reshape(-1, 2).copy()
+        moved, image = result[self._rows], np.zeros((len(self._rows), 2))
+        phases, signs = self._phases[self._tails], self._signs[self._tails]
+        np.put_along_axis(image, phases, signs * moved, axis=1)
+        # Along an edge whose image begins at its end, in the phases of that.
+        backward = -after_turns(image, -self._matchings)
+        result[self._edges] = np.where(self._forward[:, None], image, backward)
+        return result.ravel()
 
 
 class MeshWalks:

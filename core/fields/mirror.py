@@ -49,6 +49,11 @@ class Mirror:
         """:class:`Links` between the powers of a direction field."""
         return _direction_links(np.arange(len(self.partner)), self.partner, self.turns, self.name, symmetry)
 
+    def mirrored_directions(self, growth):
+        """(n, k) direction of its partner, 0 to 2 k - 1, that the direction of each of a vertex's k phases comes to;
+        from k on they are the reverses."""
+        return _mirrored_directions(np.arange(len(self.partner)), self.partner, self.turns, growth)
+
     def phase_links(self, growth):
         """:class:`Links` between the phases of a :class:`Growth`, which come out exchanged or reversed."""
         return _phase_links(np.arange(len(self.partner)), self.partner, self.turns, self.name, growth)
@@ -97,11 +102,14 @@ def _direction_links(first, second, turns, name, symmetry):
     return _links(first, second, symmetry * turns, np.ones(len(first), bool), name)
 
 
-def _phase_links(first, second, turns, name, growth):
-    count = growth.phase_count
+def _mirrored_directions(first, second, turns, growth):
+    """(k, phases) the direction that each phase's direction comes to; mirrored ones are counted the other way round."""
     met = np.rint((turns - growth.angles[first] - growth.angles[second]) / growth.turn).astype(int)
-    # Directions mirrored are counted the other way round: direction l comes to direction met - l.
-    directions = (met[:, None] - np.arange(count)) % (2 * count)
+    return (met[:, None] - np.arange(growth.phase_count)) % (2 * growth.phase_count)
+
+
+def _phase_links(first, second, turns, name, growth):
+    count, directions = growth.phase_count, _mirrored_directions(first, second, turns, growth)
     nodes = (count * first[:, None] + np.arange(count)).ravel()
     partners = count * second[:, None] + directions % count
     return _links(nodes, partners.ravel(), np.zeros(len(nodes)), directions.ravel() >= count, name)

@@ -48,9 +48,10 @@ def mirrored_corners(mesh, polygons, axis):
 
 
 def symmetric_axes(points, near):
-    """The axes, 0, 1 or 2, in which (n, 3) points have a mirror image within a distance."""
+    """The axes, 0, 1 or 2, in which (n, 3) points have a mirror image within a distance, and do not all lie in the
+    plane."""
     low, high = points.min(axis=0), points.max(axis=0)
-    axes = np.flatnonzero(np.abs(low + high) <= near)
+    axes = np.flatnonzero((np.abs(low + high) <= near) & (high - low > near))
     if len(axes) == 0:
         return ()
     tree, mirrors = cKDTree(points), 1 - 2 * np.eye(3)

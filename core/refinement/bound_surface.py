@@ -10,7 +10,7 @@ from ..geometry.polygons import Polygons
 from ..geometry.triangle_mesh import TriangleMesh
 from ..geometry.welding import welded_vertices
 from .division import divided, undivided
-from .mirroring import Reflection, cut_at_plane, on_positive_side, with_reflection
+from .mirroring import Reflection, cut_at_plane, on_planes, on_positive_side, with_reflection
 
 # Triangles of a finer copy: more would take minutes and gigabytes to solve on.
 MOST_TRIANGLES = 1_000_000
@@ -129,7 +129,7 @@ def _polygons(starts, corner_vertices, faces, corners):
 
 def _mirrored(whole, corners, reflections, longest):
     """The division of triangles that is its own mirror image, and (t, 3) the corners that its weights are for."""
-    cut = whole
+    cut = on_planes(whole, reflections)
     for reflection in reflections:
         cut = cut_at_plane(cut, reflection)
         cut = cut[on_positive_side(cut, reflection)]

@@ -47,6 +47,16 @@ def _keys(edges, count):
     return low * count + high
 
 
+def on_planes(division, reflections):
+    """The :class:`Division` with the given vertices that mirror themselves exactly on their planes: what lies between
+    them is then on the plane, too."""
+    vertices = division.vertices.copy()
+    for reflection in reflections:
+        own = reflection.vertices == np.arange(len(reflection.vertices))
+        vertices[: len(own), reflection.axis][own] = 0
+    return replace(division, vertices=vertices)
+
+
 def cut_at_plane(division, reflection):
     """The :class:`Division` whose triangles are each on one side of the plane of a :class:`Reflection`."""
     heights = _heights(division, reflection)
@@ -85,11 +95,9 @@ def cut_at_plane(division, reflection):
 
 
 def _heights(division, reflection):
-    """(v,) coordinates along the axis, 0 on the plane: there the given vertices mirror themselves."""
+    """(v,) coordinates along the axis, 0 on the plane."""
     heights = division.vertices[:, reflection.axis].copy()
-    count = len(reflection.vertices)
-    heights[:count][reflection.vertices == np.arange(count)] = 0
-    new = heights[count:]
+    new = heights[len(reflection.vertices) :]
     new[np.abs(new) <= _ON_PLANE * np.nanmax(np.abs(division.vertices), initial=0)] = 0
     return heights
 
@@ -114,13 +122,13 @@ def _with_cuts(vertices, heights, corners, weights, axis):
 
 
 def on_positive_side(division, reflection):
-    """(t,) bool: triangles of a cut division whose sides are on the plane's positive side."""
-    heights = _heights(division, reflection)[division.triangles]
-    return heights.sum(axis=1) > 0
+    """(t,) bool: triangles of a cut division on the plane's positive side, or in the plane."""
+    return (_heights(division, reflection)[division.triangles] >= 0).all(axis=1)
 
 
 def with_reflection(division, parents, reflection):
-    """A division on the positive side together with its mirror image, and the corners that weights are for.
+    """A division on the positive side together with its mirror image, and the corners that weights are for; triangles
+    in the plane are their own image.
 
     Parameters
     ----------
@@ -136,14 +144,15 @@ def with_reflection(division, parents, reflection):
     image[moved] = count + np.arange(len(moved))
     mirrored = division.vertices[moved].copy()
     mirrored[:, reflection.axis] *= -1
-    labels = division.sides[:, ::-1]
+    rows = (heights[division.triangles] != 0).any(axis=1)
+    labels = division.sides[rows, ::-1]
     labels = np.where(labels < 0, -1, reflection.edges[labels]) if len(reflection.edges) else labels
     both = replace(
         division,
         vertices=np.concatenate([division.vertices, mirrored]),
-        triangles=np.concatenate([division.triangles, image[division.triangles][:, [0, 2, 1]]]),
-        source=np.concatenate([division.source, division.source]),
-        weights=np.concatenate([division.weights, division.weights[:, [0, 2, 1]]]),
+        triangles=np.concatenate([division.triangles, image[division.triangles[rows]][:, [0, 2, 1]]]),
+        source=np.concatenate([division.source, division.source[rows]]),
+        weights=np.concatenate([division.weights, division.weights[rows][:, [0, 2, 1]]]),
         sides=np.concatenate([division.sides, labels]),
     )
-    return both, np.concatenate([parents, reflection.corners[parents]])
+    return both, np.concatenate([parents, reflection.corners[parents[rows]]])

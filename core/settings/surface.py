@@ -240,8 +240,7 @@ class SurfaceSettings(SolverSettings):
         0.0,
         "Loops",
         "How much the quad mesh may give up for short loops around limbs and handles: at 0 nothing, and it is as "
-        "smooth as can be; at 100 % as many close as the shape allows. Takes several times as long, and needs no "
-        "branching",
+        "smooth as can be; at 100 % whatever closes them. Takes three to ten times as long, and needs no branching",
         **_SHARE,
         commands=("quad_mesh",),
         group="quad_mesh",

@@ -12,6 +12,7 @@ from ..extract.quads.measure.near_loops import near_loops
 from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields.loop_closing import LoopClosing, MeshWalks, cosines
 from ..fields.patterns import Pattern, change_pattern
+from ..memory import check_memory
 from ..monitor import Monitor
 from ..solution import FIRST
 
@@ -20,12 +21,16 @@ from ..solution import FIRST
 PRICES = (0.3, 0.1, 0.03, 0.01, 0.003)
 # Of a class of loops, the least share of the mesh's loops that closing it is for; how many classes are looked at.
 LEAST_GAIN, MOST_CLASSES = 1e-3, 60
+# Arrays of all changes that each of them takes at most.
+HELD_ARRAYS = 8
 # Conditions whose changes have a larger cosine than this are alike.
 ALIKE = 0.97
 # What a mesh has to have in short loops more than the best one, to be kept.
 BETTER = 3e-3
-# How much the number of faces, and of irregular vertices, may change.
-NEAR_COUNT, MORE_IRREGULAR, SPARE_IRREGULAR = 0.06, 1.1, 2
+# How far the number of faces may be from what it was, and from a number that is asked for; how many more irregular
+# vertices there may be.
+NEAR_COUNT, NEAR_ASKED = 0.06, 0.03
+MORE_IRREGULAR, SPARE_IRREGULAR = 1.1, 2
 # Meshes that are tried at most.
 TRIES = 30
 # How many patterns in a row may be no better, where each is chosen from the one before.
@@ -44,7 +49,7 @@ class _Closed:
     pattern : Pattern
     quads : QuadMesh of it, not smoothed
     conditions : list of Condition
-    cost : what they raise the sum of squares of the asked changes by
+    cost : of what is added to the asked changes for them (see :mod:`..fields.loop_closing`)
     """
 
     pattern: Pattern
@@ -58,10 +63,10 @@ class _Closed:
 
 
 def close_loops(request, pattern, progress=None):
-    """The pattern with more of its quads in short loops, as far as energy allows, and the figures of the loops before.
+    """The pattern with more of its quads in short loops, and the figures of the loops before; None where it stays.
 
-    Loops are short up to 5 sqrt(f) of f quads (:attr:`QuadLoops.short_share`). All conditions together may raise the
-    energy by ``loops / (1 - loops)`` times what it is.
+    Loops are short up to 5 sqrt(f) of f quads (:attr:`QuadLoops.short_share`). What all conditions add to the changes
+    may cost, measured as the energy is, ``loops / (1 - loops)`` times the pattern's energy.
 
     Parameters
     ----------
@@ -73,16 +78,15 @@ def close_loops(request, pattern, progress=None):
         given = _Closed(pattern, _whole_quads(request, pattern), [], 0.0)
     except SynchError:  # whoever finishes the mesh says what is wrong
         return pattern, None
-    figures = quad_loops(given.quads).figures
     if pattern.energy == 0:
-        return pattern, figures
+        return pattern, None
     allowed = request.loops / (1 - request.loops) if request.loops < 1 else np.inf
     search = _Search(request, given, allowed, Monitor(progress))
     for number, price in enumerate(PRICES):
         search.fraction = number / len(PRICES)
         while search.improve(price):
             pass
-    return search.best.pattern, figures
+    return search.best.pattern, None if search.best is given else quad_loops(given.quads).figures
 
 
 @dataclass(frozen=True)
@@ -104,7 +108,10 @@ class _Search:
 
     def __init__(self, request, given, allowed, monitor):
         self._request, self._given, self._monitor = request, given, monitor
-        self._closing, self._walks = LoopClosing(given.pattern), MeshWalks(given.pattern.mesh)
+        numbers = given.pattern.growth.changes.size
+        check_memory(8 * numbers * HELD_ARRAYS * MOST_CLASSES, "closing loops")
+        self._closing = LoopClosing(given.pattern, request.mirrors)
+        self._walks = MeshWalks(given.pattern.mesh)
         # The energy is half the sum of squares that a correction raises.
         self._unit = 2 * given.pattern.energy
         self._budget, self._tries_left = allowed * self._unit, TRIES
@@ -182,13 +189,17 @@ class _Search:
                 if not is_open.any():
                     break
                 sums[is_open] -= PUSH * np.sign(reached[is_open])
+            if is_open.any() or cost > self._budget:
+                return None
             quads = _whole_quads(self._request, pattern)
         except Cancelled:
             raise
         except SynchError:
             return None
         before = self._given.quads
-        is_near = abs(len(quads.sizes) / len(before.sizes) - 1) <= NEAR_COUNT
+        faces = self._request.faces
+        wanted, near = (len(before.sizes), NEAR_COUNT) if faces is None else (faces, NEAR_ASKED)
+        is_near = abs(len(quads.sizes) / wanted - 1) <= near
         is_regular = quads.is_irregular.sum() <= MORE_IRREGULAR * before.is_irregular.sum() + SPARE_IRREGULAR
         has_quads = (quads.sizes == 4).mean() >= (before.sizes == 4).mean()
         return _Closed(pattern, quads, conditions, cost) if is_near and is_regular and has_quads else None

@@ -99,7 +99,7 @@ class SurfaceRequest:
     singularities : share of the shape's unevenness that the directions answer with disclinations
     branching : share of the dislocations that even spacing asks for; None for directions alone
     faces : of quad meshes, how many there should be, whatever the spacing; None for as many as it gives
-    loops : of quad meshes, how much is done for short loops, from 0, nothing, to 1, whatever it costs
+    loops : of quad meshes, how much is given up for short loops, from 0, nothing, to 1, any energy
     pins : triangles and the indices of the disclinations that are to be there
     start : (n,) radians of directions before they are turned, and (k n,) complex phases along them, from which the
         whole solve starts and near which it stays; None for a search

@@ -57,11 +57,14 @@ class SYNCH_OT_quad_mesh_again(_QuadMeshOperator, bpy.types.Operator):
         source = source_of(obj)
         if source is None:
             return f"{obj.name} is not the quad mesh of another object, or that is gone: use Quad Mesh"
-        return refusal(source)
+        return refusal(source) if obj.mode == "OBJECT" else f"leave edit mode: {obj.name} gets other faces"
 
     def _take(self, context):
         super()._take(context)
         self.properties.property_unset("guidance")
+
+    def _target(self, context):
+        return source_of(context.active_object) if self._work is None else super()._target(context)
 
     def _job(self, context):
         made = context.active_object

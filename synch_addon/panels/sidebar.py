@@ -108,10 +108,10 @@ def draw_simple(layout, obj):
     column.prop(simple, "direction")
     if simple.direction == "AXIS":
         column.row().prop(settings.guide, "axis", expand=True)
-    axes = mirror_axes(obj)
+    axes = {*mirror_axes(obj), *(axis for axis in range(3) if settings.mirror[axis])}
     if axes:
         row = column.row(align=True, heading="Mirror")
-        for axis in axes:
+        for axis in sorted(axes):
             row.prop(settings, "mirror", index=axis, text="XYZ"[axis], toggle=True)
     column.prop(settings, "mesh_branching" if simple.kind == "quad_mesh" else "branching", text="Branching")
 

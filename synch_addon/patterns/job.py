@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Fields, patterns and quad meshes as jobs: what is read is a request, and what was found is written and remembered."""
 
+from contextlib import nullcontext
 from dataclasses import replace
 
 import bpy
@@ -51,7 +52,8 @@ class FieldJob:
                 with solved_object(obj, self._refinement) as surface:
                     _refuse_changed(obj, meshes.is_unchanged(surface, request.given))
                     replaced = None if self._replaced is None else self._replaced.found
-                    return write_quads(obj, request, result, self._report, self._selection, surface, replaced)
+                    with nullcontext() if replaced is None else meshes.object_mode(replaced):
+                        return write_quads(obj, request, result, self._report, self._selection, surface, replaced)
             own_surface.bind(obj, self._refinement, self._report.warn)
             _refuse_changed(obj, own_surface.is_unchanged(obj, request.given))
             if hasattr(obj, "synch") and obj.synch.pins == self._pins_before != self._pins:

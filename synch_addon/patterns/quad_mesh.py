@@ -37,6 +37,7 @@ def write(obj, request, quads, selection, carrying, replaced=None):
     else:
         made = replaced
         assign(made, "data", data)
+        assign(made, "scale", obj.scale)  # of the source as it is now
     surface = NearestTriangles(mesh.vertices, mesh.triangles)
     centres = np.add.reduceat(quads.vertices[quads.corner_vertices], quads.starts) / quads.sizes[:, None]
     at_centres, under = surface.nearest(centres)

@@ -23,8 +23,9 @@ def mirror_axes(obj):
 
 def _axes(obj):
     places = attributes.read_values(obj, "position", "POINT").astype(float)
-    if not np.isfinite(places).all():
-        return ()
     ends = attributes.read_values(obj, ".edge_verts", "EDGE")
+    used = places[np.unique(ends)]
+    if not np.isfinite(used).all():
+        return ()
     lengths = np.linalg.norm(places[ends[:, 0]] - places[ends[:, 1]], axis=1)
-    return symmetric_axes(places, TOLERANCE * np.median(lengths))
+    return symmetric_axes(used, TOLERANCE * np.median(lengths))

@@ -150,6 +150,7 @@ def _search_on_stage(workspace, stage, lifted, samples, random, monitor):
     columns = _on_finest(workspace, stage, columns[:, :CARRIED])
     try:
         if not timed_out:
+            monitor.at("polish", 0.9)
             columns = _polish_columns(finest, columns, density, FINE_STEPS, monitor)
             columns = _polish_columns(finest, columns[:, :1], density, LAST_STEPS, monitor)
             monitor.check()

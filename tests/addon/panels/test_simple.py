@@ -102,7 +102,7 @@ def test_rings_around_an_axis_are_the_preset():
 @pytest.mark.parametrize("chosen", ["SIMPLE"], indirect=True)
 def test_mirrors_are_offered_where_the_mesh_has_them(chosen):
     obj = grid()
-    assert drawn().count("mirror") == 3
+    assert drawn().count("mirror") == 2
     obj.data.vertices[0].co += Vector((0.01, 0, 0.01))
     obj.data.update()
     bpy.context.view_layer.update()

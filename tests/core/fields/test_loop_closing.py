@@ -9,13 +9,17 @@ from scipy.linalg import null_space
 from synch_fields.core.extract.quads.trace.quad_mesh import quad_mesh
 from synch_fields.core.fields import given_directions
 from synch_fields.core.fields.curl_removal import SMALLEST_WEIGHT, surface_circulation
-from synch_fields.core.fields.loop_closing import LoopClosing, MeshWalks, cosines
+from synch_fields.core.fields.loop_closing import LoopClosing, MeshWalks, _ImageOfChanges, cosines
+from synch_fields.core.fields.mirror import Mirror
 from synch_fields.core.fields.patterns import change_pattern
 from synch_fields.core.fields.quads import quad_pattern
+from synch_fields.core.geometry import TriangleMesh
+from synch_fields.core.geometry.mirror import mirrored_vertices
+from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.matchings import after_turns
 
 from ..crosses import turned_crosses
-from ..meshes import bumpy_torus, torus
+from ..meshes import bumpy_torus, grid_quads, torus, torus_points
 
 AROUND, ACROSS = 20, 10
 # Around the tube, and around the hole, of a torus of AROUND by ACROSS vertices.
@@ -142,3 +146,43 @@ def test_alike_conditions_have_a_cosine_of_one(pattern):
     np.testing.assert_allclose(found.diagonal(), 1)
     assert abs(found[0, 1]) > 0.999 > 0.9 > abs(found[0, 2])
     assert cosines([]).shape == (0, 0)
+
+
+def starred_torus():
+    """A torus whose quads are four triangles around their middle: its own mirror image in all axes."""
+    points, quads = torus_points(1.0, 0.4, AROUND, ACROSS), grid_quads(AROUND, ACROSS, True, True)
+    quads = np.asarray(quads)
+    middles = np.broadcast_to(len(points) + np.arange(len(quads))[:, None], quads.shape)
+    triangles = np.stack([quads, np.roll(quads, -1, axis=1), middles], axis=2).reshape(-1, 3)
+    return TriangleMesh(np.vstack([points, points[quads].mean(axis=1)]), triangles)
+
+
+def mirror_of(mesh, axis):
+    return Mirror.of(mesh, mirrored_vertices(mesh, Polygons.of_triangles(mesh), axis), axis)
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_mirror_leaves_the_changes_of_a_symmetric_pattern_and_turns_others_round(axis):
+    mesh = starred_torus()
+    symmetric = slanting(mesh, degrees=0.0).growth
+    image = _ImageOfChanges(symmetric, mirror_of(mesh, axis))
+    np.testing.assert_allclose(image.of(symmetric.changes.ravel()), symmetric.changes.ravel(), atol=1e-9)
+    other = np.random.default_rng(axis).normal(size=symmetric.changes.size)
+    assert np.abs(image.of(other) - other).max() > 1
+    np.testing.assert_allclose(image.of(image.of(other)), other, atol=1e-12)
+
+
+@pytest.mark.parametrize("axes", [(0,), (0, 1)])
+def test_with_mirrors_changes_are_symmetric_and_without_curl(axes):
+    mesh = starred_torus()
+    mirrors = [mirror_of(mesh, axis) for axis in axes]
+    pattern = slanting(mesh, degrees=0.0)
+    closing = LoopClosing(pattern, mirrors)
+    row = np.zeros(pattern.growth.changes.size)
+    row[:40] = 1
+    change = closing._project(row)
+    for mirror in mirrors:
+        np.testing.assert_allclose(_ImageOfChanges(pattern.growth, mirror).of(change), change, atol=1e-12)
+    circulation, _ = surface_circulation(mesh, pattern.growth.matchings, 2)
+    np.testing.assert_allclose(circulation.matrix @ change, 0, atol=1e-7)
+    assert np.abs(change).max() > 1e-3

@@ -8,8 +8,8 @@ import numpy as np
 from ....graphs import components
 from .loops import twins
 
-# Quads of a walk at least, and at most; how many quads beside its beginning it may end.
-SHORTEST, LONGEST, ASIDE = 4, 400, 8
+# Quads of a walk at least; how many quads beside its beginning it may end.
+SHORTEST, ASIDE = 4, 8
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class NearLoops:
     quads: np.ndarray
 
 
-def near_loops(quads, longest=LONGEST):
+def near_loops(quads, longest):
     """The :class:`NearLoops` of a quad mesh, of ``longest`` quads at most; walks end at faces of other than four sides.
 
     A walk is at a corner when it enters the corner's face through the side from this corner to the next.
@@ -47,7 +47,7 @@ def near_loops(quads, longest=LONGEST):
     passed, apart = np.zeros((2, len(starts)), int)
     singular, parts = np.append(singular, False), ahead[right] != right[ahead]
     found = []
-    for step in range(1, min(longest, LONGEST) + 1):
+    for step in range(1, longest + 1):
         passed += singular[tails[at]]
         apart += parts[at]
         at = ahead[at]
