@@ -64,7 +64,8 @@ class Span:
                 "give the first and the last, in order"
             )
         if len(self.frames) > MOST_FRAMES:
-            raise SettingError(f"the frames are {self.first} to {self.last}: give {MOST_FRAMES} frames or fewer at once")
+            line = f"the frames are {self.first} to {self.last}: give {MOST_FRAMES} frames or fewer at once"
+            raise SettingError(line)
         convert_value("pattern", str, self.pattern)
         check_choice(self, "pattern", modifiers.FRAMES)
         if not 0 <= convert_value("hold", float, self.hold) < math.inf:
