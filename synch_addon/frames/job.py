@@ -37,6 +37,8 @@ from . import nodes
 
 # How strongly a pattern holds on to the frame before. Measured: jumps become slides, for up to 3 % of energy.
 HOLD = 0.1
+# Frames that are read and kept at once: more than an hour.
+MOST_FRAMES = 100_000
 
 
 @dataclass(frozen=True)
@@ -61,6 +63,9 @@ class Span:
                 f"the frames are {quote_value(self.first)} to {quote_value(self.last)}: "
                 "give the first and the last, in order"
             )
+        if len(self.frames) > MOST_FRAMES:
+            line = f"the frames are {self.first} to {self.last}: give {MOST_FRAMES} frames or fewer at once"
+            raise SettingError(line)
         convert_value("pattern", str, self.pattern)
         check_choice(self, "pattern", modifiers.FRAMES)
         if not 0 <= convert_value("hold", float, self.hold) < math.inf:

@@ -285,3 +285,8 @@ def test_cancelling_changes_nothing(when):
         api.animate(obj, callback, frames=(1, 2), spacing=0.7)
     assert snapshot() == before and bpy.context.scene.frame_current == 1
     assert asked == sorted(asked) and 0 <= asked[-1] < 1
+
+
+def test_more_frames_than_can_be_kept_are_refused_before_they_are_read():
+    with pytest.raises(SynchError, match="the frames are 2 to 1000000: give 100000 frames or fewer at once"):
+        api.animate(sphere(), frames=(2, 10**6))
