@@ -80,3 +80,39 @@ def test_directions_follow_what_the_source_follows(ball):
     around = snapshot()
     again(made, faces=300)
     assert snapshot() == around
+
+
+def test_the_scale_is_that_of_the_source_as_it_is_now(ball):
+    made = made_of(ball, faces=300)
+    for scale in ((2, 2, 2), (1, 3, 1)):
+        ball.scale = scale
+        bpy.context.view_layer.update()
+        again(made, faces=300)
+        bpy.context.view_layer.update()
+        assert list(made.dimensions) == pytest.approx(list(ball.dimensions), rel=0.05)
+    for vertex in ball.data.vertices:
+        vertex.co *= 0.5
+    ball.data.update()
+    again(made, faces=300)
+    bpy.context.view_layer.update()
+    assert list(made.dimensions) == pytest.approx(list(ball.dimensions), rel=0.05)
+
+
+def test_edit_mode_is_left_first(ball):
+    made = made_of(ball, faces=200)
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert not bpy.ops.synch.quad_mesh_again.poll()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert bpy.ops.synch.quad_mesh_again.poll() and bpy.context.active_object == made
+
+
+def test_errors_select_vertices_of_the_source(ball):
+    """One that is not symmetric, though its quad mesh was made without a mirror."""
+    made = made_of(ball, faces=50)
+    far = len(ball.data.vertices) - 1
+    ball.data.vertices[far].co *= 1.3
+    ball.data.update()
+    make_active(made)
+    with pytest.raises(RuntimeError, match="not symmetric in X"):
+        bpy.ops.synch.quad_mesh_again(faces=50, mirror=(True, False, False))
+    assert ball.data.vertices[far].select and not all(vertex.select for vertex in ball.data.vertices)
