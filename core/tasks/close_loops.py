@@ -189,7 +189,7 @@ class _Search:
                 if not is_open.any():
                     break
                 sums[is_open] -= PUSH * np.sign(reached[is_open])
-            if is_open.any() or cost > self._budget:
+            if cost > self._budget:
                 return None
             quads = _whole_quads(self._request, pattern)
         except Cancelled:
