@@ -64,7 +64,7 @@ EXPECTED = {
     "docs/quad_mesh.png": {"ink": 0.02, "ivory": 0.2},
     "docs/quads.png": STRIPED,
     "docs/simple.png": {"ink": 0.02, "ivory": 0.02},
-    "docs/loops.png": {"ink": 0.02, "ivory": 0.1, "blue": 0.012},
+    "docs/loops.png": {"ink": 0.02, "ivory": 0.1, "blue": 0.004},
     "docs/sliders.png": {"ink": 0.02, "ivory": 0.2},
     "docs/spot.png": STRIPED,
     "docs/strokes.png": {"ink": 0.1, "ivory": 0.1},
