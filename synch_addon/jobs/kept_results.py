@@ -28,6 +28,10 @@ _VALUES = {
 }
 
 
+# Settings of earlier versions that are gone; no pattern depended on them.
+GONE = ("straighten",)
+
+
 def result_line(report):
     """What is kept of a report: figures for the panel, and the settings with which the pattern can be read back."""
     names = ("command", "energy", "lower_bound", "gap", "certificate", "status", "nodes", "carrier")
@@ -59,7 +63,7 @@ def read_result(line, name):
 def read_settings(found, name):
     """The :class:`SurfaceSettings` of what :func:`read_result` gave; errors likewise."""
     with border(f"the result that {name} keeps", "solve it again"):
-        return from_names(SurfaceSettings, found["settings"])
+        return from_names(SurfaceSettings, {k: v for k, v in found["settings"].items() if k not in GONE})
 
 
 def read_result_or_empty(line):
