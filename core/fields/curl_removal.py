@@ -141,7 +141,7 @@ def calming(circulation, holonomy, weights, known=None, precision=PRECISION):
 
 
 def removable_rows(circulation, free, laplacian):
-    """Numbers of the sums that free changes, (c,) bool, can alter, without those that follow from the others.
+    """Indices of an independent set of the sums around faces that free changes can alter.
 
     Parameters
     ----------

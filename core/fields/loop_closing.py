@@ -8,8 +8,9 @@ without curl that meet conditions R c = 0 are
     c + D^T mu,    (R D^T) mu = -R c,    d = G (r - C^T y),    C G C^T y = C G r,
 
 where C sums changes around the faces, G is the softness of the edges (:mod:`.curl_removal`), and the rows d of D are
-the projections of the rows r of R to changes without curl. The sum of the squares of what is added, over G, is
-v^T (R D^T)^-1 v with v = R c: what the conditions cost. With mirrors, d is the mean of itself and its mirror images.
+the projections of the rows r of R to changes without curl. The cost of the conditions is the sum of the squares of
+what is added, each divided by G; it equals v^T (R D^T)^-1 v with v = R c. With mirrors, d is averaged with its mirror
+images.
 """
 
 from dataclasses import dataclass
@@ -25,10 +26,12 @@ from ..matchings import after_turns
 from .curl_removal import SMALLEST_WEIGHT, known_turns, removable_rows, surface_circulation
 from .mirror import Mirror
 
-# Rows whose part that is independent of those before is smaller than this share follow from them.
+# A condition counts as new where at least this share of it is independent of the conditions that are held.
 INDEPENDENT = 1e-2
-# A projection that is a smaller share of its row is rounding: what is asked along lines leaves nothing to change.
+# A projection smaller than this share of its row is a rounding error: constraints fix all changes across the walk.
 FREE = 1e-6
+# Keeps the factorized matrix definite, as a share of its diagonal.
+SHIFT = 1e-13
 # How far sums along the mesh's edges may differ from the quads that the walk passes, in quads.
 SAME_WALK = 0.4
 
@@ -47,11 +50,14 @@ class Condition:
     change: np.ndarray
 
 
+def _gram(conditions):
+    """(k, k) R D^T of the conditions."""
+    return np.array([[a.row @ b.change for b in conditions] for a in conditions]).reshape(2 * (len(conditions),))
+
+
 def cosines(conditions):
-    """(k, k) of the angles between the changes of conditions, measured in the edges' softness."""
-    if not conditions:
-        return np.empty((0, 0))
-    gram = np.array([c.row for c in conditions]) @ np.array([c.change for c in conditions]).T
+    """(k, k) cosines of the angles between the changes of conditions, each weighted by 1 / G."""
+    gram = _gram(conditions)
     lengths = np.sqrt(gram.diagonal())
     return gram / np.outer(lengths, lengths)
 
@@ -76,7 +82,10 @@ class LoopClosing:
         laplacian = (circulation.matrix @ self._flow).tocsr()
         self._rows = removable_rows(circulation, self._softness > 0, laplacian)
         self._circulation = circulation.matrix[self._rows]
-        self._factor = factorize(laplacian[self._rows][:, self._rows], single=False)
+        self._factor = None
+        if len(self._rows):
+            own = laplacian[self._rows][:, self._rows]
+            self._factor = factorize(own + SHIFT * diags_array(own.diagonal()), single=False)
         self._images = [_ImageOfChanges(growth, mirror) for mirror in mirrors if isinstance(mirror, Mirror)]
 
     def _project(self, row):
@@ -84,6 +93,8 @@ class LoopClosing:
         change = self._softness * row
         for image in self._images:
             change = (change + image.of(change)) / 2
+        if self._factor is None:
+            return change
         around = np.zeros(self._flow.shape[1])
         around[self._rows] = self._factor.solve(self._circulation @ change)
         return change - self._flow @ around
@@ -128,21 +139,24 @@ class LoopClosing:
         return rows.reshape(2, -1)
 
     def correction(self, conditions, sums=0.0):
-        """(e, 2) changes that are added for all conditions to hold, and what they cost.
+        """The (e, 2) correction of the changes with which all conditions hold, and its cost.
 
         ``sums`` are the (k,) values that the conditions ask for in place of 0.
         """
         if not conditions:
             return np.zeros((len(self._growth.mesh.edges), 2)), 0.0
-        rows = np.array([condition.row for condition in conditions])
-        changes = np.array([condition.change for condition in conditions])
-        missing = sums - rows @ self._asked
-        shares = np.linalg.lstsq(rows @ changes.T, missing, rcond=1e-8)[0]
-        return (shares @ changes).reshape(-1, 2), float(missing @ shares)
+        missing = sums - self._values(conditions)
+        shares = np.linalg.lstsq(_gram(conditions), missing, rcond=1e-8)[0]
+        correction = sum(share * condition.change for share, condition in zip(shares, conditions, strict=True))
+        return correction.reshape(-1, 2), float(missing @ shares)
+
+    def _values(self, conditions):
+        """(k,) v, the sums that the changes have now."""
+        return np.array([condition.row @ self._asked for condition in conditions])
 
     def choose(self, held, candidates, gains, price, most):
-        """Which candidates to hold besides others: the one whose gain is largest against what it costs, and so on, as
-        long as the gain is worth it.
+        """Choose conditions to add to those that are held: again and again the candidate with the largest gain minus
+        price times cost, as long as that is positive.
 
         Parameters
         ----------
@@ -158,13 +172,11 @@ class LoopClosing:
         both = [*held, *candidates]
         if not both:
             return []
-        rows = np.array([condition.row for condition in both])
-        gram = rows @ np.array([condition.change for condition in both]).T
-        values, own = rows @ self._asked, gram.diagonal().copy()
-        # Elimination: what is left of rows and values when the chosen conditions hold.
-        chosen = []
+        gram, values = _gram(both), self._values(both)
+        own, chosen = gram.diagonal().copy(), []
 
         def hold(number):
+            """Eliminate a condition from the others by a Gaussian step."""
             share = gram[:, number] / gram[number, number]
             values[:] -= share * values[number]
             gram[:] -= np.outer(share, gram[number])
@@ -217,7 +229,7 @@ class _ImageOfChanges:
         self._matchings = growth.matchings[self._edges]
 
     def of(self, changes):
-        """(2 e,) changes in the mirror; those of an edge that is not the image of another one stay."""
+        """The mirror image of (2 e,) changes; an edge that is not the image of an edge keeps its change."""
         result = changes.reshape(-1, 2).copy()
         moved, image = result[self._rows], np.zeros((len(self._rows), 2))
         phases, signs = self._phases[self._tails], self._signs[self._tails]

@@ -42,7 +42,7 @@ def _edges_of(lines):
     return table
 
 
-_TRIANGLE_EDGES = _edges_of(((0, 3, 1), (1, 4, 2), (2, 5, 0)))
+TRIANGLE_EDGES = _edges_of(((0, 3, 1), (1, 4, 2), (2, 5, 0)))
 _STRIP_EDGES = _edges_of(((0, 4, 1), (1, 2), (2, 5, 3), (3, 0)))
 
 
@@ -66,11 +66,16 @@ class Division:
     sides: np.ndarray
 
     def __getitem__(self, rows):
-        return Division(self.vertices, self.triangles[rows], self.source[rows], self.weights[rows], self.sides[rows])
+        return self.faces[rows].division(self.vertices)
+
+    @property
+    def faces(self):
+        """The triangles as :class:`Faces`."""
+        return Faces(self.triangles, self.source, self.weights, self.sides)
 
 
 @dataclass(frozen=True)
-class _Faces:
+class Faces:
     """Triangles, or strips: (k, 3 or 4) corners, and the rest as :class:`Division` has it."""
 
     corners: np.ndarray
@@ -79,7 +84,7 @@ class _Faces:
     sides: np.ndarray
 
     def __getitem__(self, rows):
-        return _Faces(self.corners[rows], self.source[rows], self.weights[rows], self.sides[rows])
+        return Faces(self.corners[rows], self.source[rows], self.weights[rows], self.sides[rows])
 
     def __len__(self):
         return len(self.corners)
@@ -89,18 +94,26 @@ class _Faces:
         count = self.corners.shape[1]
         turns = (first[:, None] + np.arange(count)) % count
         corners, sides = (np.take_along_axis(values, turns, 1) for values in (self.corners, self.sides))
-        return _Faces(corners, self.source, np.take_along_axis(self.weights, turns[:, :, None], 1), sides)
+        return Faces(corners, self.source, np.take_along_axis(self.weights, turns[:, :, None], 1), sides)
+
+    def division(self, vertices):
+        """The triangles as a :class:`Division` with (v, 3) vertices."""
+        return Division(vertices, self.corners, self.source, self.weights, self.sides)
 
     def with_middles(self, middles, edges):
         """The same, the middles of some edges as corners behind the others."""
         halves = (self.weights[:, edges] + np.roll(self.weights, -1, axis=1)[:, edges]) / 2
-        corners, weights = np.hstack([self.corners, middles]), np.hstack([self.weights, halves])
-        return _Faces(corners, self.source, weights, np.column_stack([self.sides, np.full(len(self), -1)]))
+        return self.with_points(middles, halves)
+
+    def with_points(self, points, weights):
+        """The same, points with their weights as corners behind the others."""
+        corners, weights = np.hstack([self.corners, points]), np.hstack([self.weights, weights])
+        return Faces(corners, self.source, weights, np.column_stack([self.sides, np.full(len(self), -1)]))
 
     def cut(self, rows, points, edges):
         """The faces of some rows between some of their points, by the table of :func:`_edges_of`."""
         sides = edges[points, np.roll(points, -1)]
-        return _Faces(
+        return Faces(
             self.corners[rows][:, points], self.source[rows], self.weights[rows][:, points], self.sides[rows][:, sides]
         )
 
@@ -129,8 +142,8 @@ def divided(whole, longest, most):
     longest : float
     most : int
     """
-    vertices, now = whole.vertices, _Faces(whole.triangles, whole.source, whole.weights, whole.sides)
-    strips = _joined([], 4)
+    vertices, now = whole.vertices, whole.faces
+    strips = joined_faces([], 4)
     done, count = [], 0
     while True:
         lengths, strip_lengths = (_edge_lengths(vertices, faces) for faces in (now, strips))
@@ -145,16 +158,15 @@ def divided(whole, longest, most):
         if count + left + 2 * _parts(strip_lengths[:, ::2].max(axis=1), longest).sum() > most:
             return None
         vertices, now, strips = _halved(vertices, now[~settled], lengths[~settled], strips, sides_long, longest)
-    faces = _joined(done, 3)
-    faces = faces[np.argsort(faces.source, kind="stable")]
-    return Division(vertices, faces.corners, faces.source, faces.weights, faces.sides)
+    faces = joined_faces(done, 3)
+    return faces[np.argsort(faces.source, kind="stable")].division(vertices)
 
 
-def _joined(parts, corners):
+def joined_faces(parts, corners):
     """Faces with so many corners as one; none without parts."""
     none = np.empty((0, corners), int)
-    parts = [_Faces(none, np.empty(0, int), np.empty((0, corners, 3)), none), *parts]
-    return _Faces(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(_Faces)))
+    parts = [Faces(none, np.empty(0, int), np.empty((0, corners, 3)), none), *parts]
+    return Faces(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Faces)))
 
 
 def _edge_lengths(vertices, faces):
@@ -189,11 +201,11 @@ def _halved(vertices, faces, lengths, strips, sides_long, longest):
     triangles, new_strips = [], []
     for kind, split in _SPLITS.items():
         rows = np.flatnonzero((kinds == kind).all(axis=1) & ~is_needle)
-        triangles += [faces.cut(rows, points, _TRIANGLE_EDGES) for points in split]
+        triangles += [faces.cut(rows, points, TRIANGLE_EDGES) for points in split]
     for ends, (tip, rest) in _TIPS.items():
         rows = np.flatnonzero((long[:, 1:] == ends).all(axis=1) & is_needle)
-        triangles.append(faces.cut(rows, tip, _TRIANGLE_EDGES))
-        new_strips.append(faces.cut(rows, rest, _TRIANGLE_EDGES))
+        triangles.append(faces.cut(rows, tip, TRIANGLE_EDGES))
+        new_strips.append(faces.cut(rows, rest, TRIANGLE_EDGES))
     for ends, pieces in _STRIPS.items():
         rows = np.flatnonzero((sides_long == ends).all(axis=1))
         parts = [strips.cut(rows, points, _STRIP_EDGES) for points in pieces]
@@ -203,7 +215,7 @@ def _halved(vertices, faces, lengths, strips, sides_long, longest):
     for is_first, halves in _DIAGONALS.items():
         rows = np.flatnonzero(settled & (diagonal == is_first))
         triangles += [strips.cut(rows, points, _STRIP_EDGES) for points in halves]
-    return vertices, _joined(triangles, 3), _joined(new_strips, 4)
+    return vertices, joined_faces(triangles, 3), joined_faces(new_strips, 4)
 
 
 def _middles(vertices, *parts):

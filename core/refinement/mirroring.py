@@ -7,10 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..geometry.mirror import mirrored_corners
-from .division import Division
-
-# New vertices nearer to a plane than this share of the size lie on it.
-_ON_PLANE = 1e-12
+from .division import TRIANGLE_EDGES, joined_faces
 
 
 @dataclass(frozen=True)
@@ -59,71 +56,45 @@ def on_planes(division, reflections):
 
 def cut_at_plane(division, reflection):
     """The :class:`Division` whose triangles are each on one side of the plane of a :class:`Reflection`."""
-    heights = _heights(division, reflection)
-    sides = np.sign(heights[division.triangles])
-    across = (sides.min(axis=1) < 0) & (sides.max(axis=1) > 0)
-    kept, crossing = division[~across], division[across]
-    signs = sides[across]
+    heights = division.vertices[:, reflection.axis]
+    signs = np.sign(heights[division.triangles])
+    across = (signs.min(axis=1) < 0) & (signs.max(axis=1) > 0)
+    signs = signs[across]
     # First the corner on the plane, or the one that is alone on its side.
-    on_plane = signs == 0
+    begins = (signs == 0).any(axis=1)
     alone = signs == -np.sign(signs.sum(axis=1))[:, None]
-    turns = (np.where(on_plane.any(axis=1, keepdims=True), on_plane, alone).argmax(axis=1)[:, None] + np.arange(3)) % 3
-    corners, labels = (np.take_along_axis(values, turns, 1) for values in (crossing.triangles, crossing.sides))
-    weights = np.take_along_axis(crossing.weights, turns[:, :, None], 1)
-    vertices, points, weights = _with_cuts(division.vertices, heights, corners, weights, reflection.axis)
-    parts = [kept]
-    labels = np.column_stack([labels, np.full(len(labels), -1)])
-    begins = on_plane.any(axis=1)
-    # Points 0 to 2 are the corners, 3 to 5 the cuts of the edges from 0 to 1, 1 to 2 and 2 to 0; sides by their edges.
-    for rows, split in (
-        (begins, (((0, 1, 4), (0, 1, 3)), ((0, 4, 2), (3, 1, 2)))),
-        (~begins, (((0, 3, 5), (0, 3, 2)), ((3, 1, 2), (0, 1, 3)), ((3, 2, 5), (3, 2, 3)))),
-    ):
-        for triangle, edges in split:
-            parts.append(
-                Division(
-                    vertices,
-                    points[rows][:, triangle],
-                    crossing.source[rows],
-                    weights[rows][:, triangle],
-                    labels[rows][:, edges],
-                )
-            )
-    fields = ("triangles", "source", "weights", "sides")
-    joined = {name: np.concatenate([getattr(part, name) for part in parts]) for name in fields}
-    return Division(vertices, **joined)
+    faces = division.faces[across].turned(np.where(begins[:, None], signs == 0, alone).argmax(axis=1))
+    vertices, faces = _with_cuts(division.vertices, heights, faces, reflection.axis)
+    # Points 3 to 5 are the cuts of the edges from corners 0, 1 and 2.
+    parts = [division.faces[~across]]
+    for rows, split in ((begins, ((0, 1, 4), (0, 4, 2))), (~begins, ((0, 3, 5), (3, 1, 2), (3, 2, 5)))):
+        parts += [faces.cut(rows, points, TRIANGLE_EDGES) for points in split]
+    return joined_faces(parts, 3).division(vertices)
 
 
-def _heights(division, reflection):
-    """(v,) coordinates along the axis, 0 on the plane."""
-    heights = division.vertices[:, reflection.axis].copy()
-    new = heights[len(reflection.vertices) :]
-    new[np.abs(new) <= _ON_PLANE * np.nanmax(np.abs(division.vertices), initial=0)] = 0
-    return heights
-
-
-def _with_cuts(vertices, heights, corners, weights, axis):
-    """The vertices with those where edges of triangles cross the plane, (k, 6) numbers of corners and cuts, -1 for
-    none, and (k, 6, 3) their weights."""
-    following = np.roll(corners, -1, axis=1)
-    crosses = heights[corners] * heights[following] < 0
-    ends = np.sort(np.stack([corners, following], axis=2)[crosses], axis=1)
-    unique, numbers = np.unique(ends, axis=0, return_inverse=True)
-    low, high = heights[unique].T
-    shares = (low / (low - high))[:, None]
-    cuts = (1 - shares) * vertices[unique[:, 0]] + shares * vertices[unique[:, 1]]
-    cuts[:, axis] = 0
-    points = np.column_stack([corners, np.full_like(corners, -1)])
-    points[:, 3:][crosses] = len(vertices) + numbers.reshape(-1)
+def _with_cuts(vertices, heights, faces, axis):
+    """The vertices with those where edges of triangles cross the plane, and the triangles with these cuts as points 3
+    to 5, -1 where there is none."""
+    corners, following = faces.corners, np.roll(faces.corners, -1, axis=1)
     begin, end = heights[corners], heights[following]
+    crosses = begin * end < 0
+    ends, numbers = np.unique(
+        np.sort(np.stack([corners, following], axis=2)[crosses], axis=1), axis=0, return_inverse=True
+    )
+    low, high = heights[ends].T
+    shares = (low / (low - high))[:, None]
+    cuts = (1 - shares) * vertices[ends[:, 0]] + shares * vertices[ends[:, 1]]
+    cuts[:, axis] = 0
+    points = np.full_like(corners, -1)
+    points[crosses] = len(vertices) + numbers.reshape(-1)
     share = np.divide(begin, begin - end, out=np.zeros_like(begin), where=crosses)[:, :, None]
-    between = (1 - share) * weights + share * np.roll(weights, -1, axis=1)
-    return np.concatenate([vertices, cuts]), points, np.concatenate([weights, between], axis=1)
+    between = (1 - share) * faces.weights + share * np.roll(faces.weights, -1, axis=1)
+    return np.concatenate([vertices, cuts]), faces.with_points(points, between)
 
 
 def on_positive_side(division, reflection):
     """(t,) bool: triangles of a cut division on the plane's positive side, or in the plane."""
-    return (_heights(division, reflection)[division.triangles] >= 0).all(axis=1)
+    return (division.vertices[division.triangles, reflection.axis] >= 0).all(axis=1)
 
 
 def with_reflection(division, parents, reflection):
@@ -136,7 +107,7 @@ def with_reflection(division, parents, reflection):
     parents : (t, 3) corners of the faces
     reflection : Reflection
     """
-    heights = _heights(division, reflection)
+    heights = division.vertices[:, reflection.axis]
     count, given = len(division.vertices), len(reflection.vertices)
     image = np.arange(count)
     image[:given] = reflection.vertices

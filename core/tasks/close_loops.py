@@ -2,7 +2,6 @@
 """Quad meshes with short loops: the grid lines of limbs and handles are asked to close, the cheapest first."""
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -10,22 +9,22 @@ from ..errors import Cancelled, SynchError
 from ..extract.quads.measure.loops import SHORT, quad_loops
 from ..extract.quads.measure.near_loops import near_loops
 from ..extract.quads.trace.quad_mesh import QuadMesh
-from ..fields.loop_closing import LoopClosing, MeshWalks, cosines
+from ..fields.loop_closing import Condition, LoopClosing, MeshWalks, cosines
 from ..fields.patterns import Pattern, change_pattern
 from ..memory import check_memory
 from ..monitor import Monitor
 from ..solution import FIRST
 
-# Share of a mesh's loops that an energy as large as the pattern's has to bring into short ones: first for the cheapest
-# loops, then for dearer ones.
+# Prices: the share of a mesh's loops that must become short for a cost as large as the pattern's energy. The search
+# begins with the best bargains.
 PRICES = (0.3, 0.1, 0.03, 0.01, 0.003)
-# Of a class of loops, the least share of the mesh's loops that closing it is for; how many classes are looked at.
+# Classes with a smaller share of the mesh's loops are ignored; so many classes, the largest, are looked at.
 LEAST_GAIN, MOST_CLASSES = 1e-3, 60
 # Arrays of all changes that each of them takes at most.
 HELD_ARRAYS = 8
 # Conditions whose changes have a larger cosine than this are alike.
 ALIKE = 0.97
-# What a mesh has to have in short loops more than the best one, to be kept.
+# A mesh is kept where its share in short loops is larger by this than that of the best so far.
 BETTER = 3e-3
 # How far the number of faces may be from what it was, and from a number that is asked for; how many more irregular
 # vertices there may be.
@@ -35,8 +34,8 @@ MORE_IRREGULAR, SPARE_IRREGULAR = 1.1, 2
 TRIES = 30
 # How many patterns in a row may be no better, where each is chosen from the one before.
 AHEAD = 3
-# Where the phases do not close a walk though nothing is asked across it, they are asked for this much the other way,
-# in radians; solves in all.
+# Where the phases leave a walk open though the asked sum is 0, the sum is moved this many radians the other way; the
+# number of solves in all.
 PUSH, PUSHES = 1.0, 3
 
 
@@ -54,7 +53,7 @@ class _Closed:
 
     pattern: Pattern
     quads: QuadMesh
-    conditions: list[Any]
+    conditions: list[Condition]
     cost: float
 
     @property
@@ -99,7 +98,7 @@ class _Offers:
     gains : (k,) the share of all loops that each would close; 0 where that is too little, or was tried in vain
     """
 
-    conditions: list[Any]
+    conditions: list[Condition]
     gains: np.ndarray
 
 
@@ -164,8 +163,8 @@ class _Search:
             if condition is not None:
                 found.append(condition)
                 gains.append(shares[number])
-        # Loops around one limb ask for the same, whatever is between them, and however often they go around: the first
-        # of them stands for all.
+        # Loops around one limb give nearly parallel conditions, also with irregular vertices between them and where
+        # they go around several times: the first stands for all.
         alike = np.abs(cosines(found)) > ALIKE
         first = alike.argmax(axis=1) if len(found) else np.zeros(0, int)
         sums = np.bincount(first, gains, minlength=len(found))

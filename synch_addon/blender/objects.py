@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Objects found again after undo, a new name, or while something else went on."""
 
-from contextlib import contextmanager
 from dataclasses import dataclass
 
 import bpy
@@ -110,19 +109,6 @@ def set_mode(obj, mode):
     """
     with bpy.context.temp_override(active_object=obj):
         bpy.ops.object.mode_set(mode=mode)
-
-
-@contextmanager
-def unhidden(obj):
-    """Inside, an object is not hidden in the view layer, so that its modifiers count."""
-    hidden = obj.name in bpy.context.view_layer.objects and obj.hide_get()
-    if hidden:
-        obj.hide_set(False)
-    try:
-        yield
-    finally:
-        if hidden:
-            obj.hide_set(True)
 
 
 def hide(obj, hidden):

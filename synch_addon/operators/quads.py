@@ -4,7 +4,6 @@
 import bpy
 
 from ..blender.meshes import refusal
-from ..blender.objects import unhidden
 from ..panels.sidebar import draw_directions, draw_faces, draw_pattern, draw_quad_mesh, draw_quads
 from ..patterns.job import FieldJob
 from ..settings.fields import MESH_NAMES, MeshProperties, SettingProperties, source_of
@@ -71,5 +70,4 @@ class SYNCH_OT_quad_mesh_again(_QuadMeshOperator, bpy.types.Operator):
         source = source_of(made)
         if not self.properties.is_property_set("guidance"):
             self.guidance = stored_guidance(source.synch)
-        with unhidden(source):
-            return FieldJob(self.command, source, self._settings(), replaced=made)
+        return FieldJob(self.command, source, self._settings(), replaced=made)

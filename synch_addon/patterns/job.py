@@ -9,7 +9,7 @@ import numpy as np
 
 from ...core.errors import SynchError
 from ..blender import meshes
-from ..blender.objects import ObjectLink, Selection, unhidden
+from ..blender.objects import ObjectLink, Selection
 from ..blender.pattern_surface import surface_of
 from ..blender.transaction import assign, whole_or_nothing
 from ..jobs.kept_results import result_line
@@ -47,7 +47,7 @@ class FieldJob:
         """Write the result to the object at once; returns the report."""
         obj, request = self.link.found, self.request
         self._report.take(result)
-        with unhidden(obj), meshes.object_mode(obj), whole_or_nothing():
+        with meshes.object_mode(obj), whole_or_nothing():
             if result.quads is not None:
                 with solved_object(obj, self._refinement) as surface:
                     _refuse_changed(obj, meshes.is_unchanged(surface, request.given))

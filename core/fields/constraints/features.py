@@ -22,8 +22,8 @@ LEAST_ALONG = np.radians(50)
 # What is shorter than this many sides of a quad is no feature of quads: lines between corners, and all that hangs
 # together; a boundary always is.
 SHORTEST_LINE, SHORTEST_PIECE = 1.0, 4.0
-# Marked edges that leave most of the surface in facets with room for fewer quads than this are those of a mesh that is
-# shown flat.
+# Where marked edges divide most of the surface into facets with room for fewer quads than this, the marks come from
+# flat shading and are ignored.
 FEWEST_QUADS = 4.0
 
 

@@ -39,7 +39,7 @@ def near_loops(quads, longest):
     tails = np.append(quads.corner_vertices, -1)
     beside = _places_beside(right, left)
     # A walk and the same one backwards are one: of a face's four directions two begin walks.
-    starts = _one_way(quads)
+    starts = (quads.starts[quads.sizes == 4][:, None] + np.arange(2)).ravel()
     at, singular = starts.copy(), quads.is_irregular
     edges, counts = quads.edges
     singular[edges[counts == 1]] = True
@@ -69,7 +69,8 @@ def _neighbours(quads):
     starts, sizes = quads.starts[quads.corner_faces], quads.sizes[quads.corner_faces]
     places, none = np.arange(len(starts)), len(starts)
     is_quad = np.append(sizes == 4, False)
-    twin = np.append(np.where(twins(quads) < 0, none, twins(quads)), none)
+    across = twins(quads)
+    twin = np.append(np.where(across < 0, none, across), none)
 
     def turned(corners, by):
         inside = corners < none
@@ -92,11 +93,6 @@ def _places_beside(right, left):
             at = way[at]
             result[sign * aside] = at
     return result
-
-
-def _one_way(quads):
-    """(s,) the first two corners of each quad."""
-    return (quads.starts[quads.sizes == 4][:, None] + np.arange(2)).ravel()
 
 
 def _classes(starts, rows, ahead, right, left, tails):
