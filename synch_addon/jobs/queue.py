@@ -29,6 +29,7 @@ class Work:
     stage, fraction : how far it is
     picture : of the best result so far, None as long as there is none
     is_seen : whether a view has been drawn with it
+    is_kept : whether the solve was asked to end with that result
     result : what was found
     peak : MB that the solve has taken at most, None where it was not told
     error : what stopped it, or None
@@ -41,7 +42,7 @@ class Work:
     def __init__(self, job, label, is_quiet=False):
         self.job, self.label, self.is_quiet = job, label, is_quiet
         self.stage, self.fraction, self.picture, self.error, self.result, self.peak = "", 0.0, None, None, None, None
-        self.is_over = self.has_begun = self.is_seen = False
+        self.is_over = self.has_begun = self.is_seen = self.is_kept = False
         self.let_go = lambda: None
         self.holds_window = hasattr(job, "advance")
         self._start, self.waited = time.monotonic(), 0.0
@@ -75,6 +76,11 @@ class Work:
     def solves(self):
         """Whether it solves after its pieces, if it has any."""
         return not hasattr(self.job, "advance") or solves_after_pieces(self.job)
+
+    @property
+    def can_be_kept(self):
+        """Whether there is a result to end with, and nobody has asked for that yet."""
+        return self.picture is not None and not (self.is_kept or self.is_over)
 
     def hear(self, word, *rest):
         """Take a message of the worker."""
@@ -180,7 +186,8 @@ class Queue:
 
     def keep(self, work):
         """Take the result whose picture a job shows for the whole one."""
-        if self._asked is work and work.picture is not None:
+        if self._asked is work and work.can_be_kept:
+            work.is_kept = True
             self._worker.tell(("keep",))
 
     def end(self, work):

@@ -16,7 +16,6 @@ from ..blender.translations import translate
 from ..jobs.job import run
 from ..jobs.queue import queue
 from ..jobs.report import count_text
-from ..panels.early_view import view
 from ..panels.row_operators import others_selected
 from ..patterns import job as field_job
 from ..patterns.live import from_shown
@@ -30,6 +29,8 @@ _NAVIGATION = {"MIDDLEMOUSE", "WHEELUPMOUSE", "WHEELDOWNMOUSE", "TRACKPADPAN", "
 _TICK = 0.05
 # Seconds between two drawings of how far a job is, in turns in the status bar and in the panels.
 _TURN = 0.25
+# What Esc does, in the status bar.
+_KEEPS, _CANCELS = "Esc over the 3D view: keep what is shown", "Esc over the 3D view: cancel"
 # Seconds of a look after which nothing is drawn until the next.
 _MOMENT = 0.01
 
@@ -63,7 +64,7 @@ class BackgroundOperator:
         start, work = time.monotonic(), self._work
         meant = work is queue.running or work.is_over
         if meant and event.type == "ESC" and event.value == "PRESS" and _over_view(context, event):
-            queue.cancel(work)
+            (queue.keep if work.can_be_kept else queue.cancel)(work)
         elif event.type == "TIMER" and not work.is_over:
             queue.advance()
             self._look_after(work)
@@ -157,7 +158,7 @@ class BackgroundOperator:
     def _tell(self, context, work):
         """Say how far the first job is, or what a result waits for."""
         if work is queue.running:
-            line = f"{translate(work.label)}: {work.line}   {work.times}   {translate('Esc over the 3D view: cancel')}"
+            line = f"{translate(work.label)}: {work.line}   {work.times}   {translate(_KEEPS if work.can_be_kept else _CANCELS)}"
         elif work.is_over:
             line = self._postponed(context)
         else:
@@ -184,15 +185,14 @@ class _Taken:
                 self._draw_again("WINDOW")
 
     def say(self, line):
-        """Say in the status bar and in the panels how far the job is, and show its picture where that is quickly done.
+        """Say in the status bar and in the panels how far the job is, and show each new picture at once.
 
         Any drawing holds the window up: there is one at a time, unless the job holds it up anyway.
         """
         now = time.monotonic()
         if self._work.picture is not self._picture:
             self._picture = self._work.picture
-            if view.is_quick:
-                self._draw_again("WINDOW")
+            self._draw_again("WINDOW")
         elif self._work.holds_window:
             self._set_status(line)
             self._draw_again("UI")

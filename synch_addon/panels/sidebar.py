@@ -223,12 +223,10 @@ def draw_row(layout):
             continue
         row.label(text=work.times, translate=False)
         box.progress(factor=work.fraction, text=work.line)
-        if work.picture is not None and not work.is_seen and obj is not None and obj.visible_get():
-            box.label(text="Turn the view to see a first result", icon="HIDE_OFF")
         row = box.row(align=True)
-        if work.picture is not None:
-            row.operator("synch.keep", icon="CHECKMARK")
-        row.operator("synch.cancel", icon="EVENT_ESC").place = place
+        if work.can_be_kept:
+            row.operator("synch.keep", icon="EVENT_ESC")
+        row.operator("synch.cancel", text="" if work.picture is None else "Discard", icon="X").place = place
     if len(shown) > 1:
         row = layout.row()
         if len(shown) > SHOWN_JOBS:
