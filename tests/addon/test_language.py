@@ -10,7 +10,7 @@ from synch_fields.synch_addon.flows.job import clebsch
 from synch_fields.synch_addon.looks.presets import PRESETS
 from synch_fields.synch_addon.looks.render import render_picture
 
-from .baked import bake
+from .baked_images import bake
 from .scenes import grid, make_active, sphere
 from .solid_objects import block
 from .vortex_scenes import QUICK, write_npz

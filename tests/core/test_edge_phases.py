@@ -20,7 +20,14 @@ from synch_fields.core.interpolate import (
     face_phases,
 )
 
-from .crosses import plane_crosses, plane_edge_phases, plane_waves, random_edge_phases, random_turns, turned_crosses
+from .flat_crosses import (
+    plane_crosses,
+    plane_edge_phases,
+    plane_waves,
+    random_edge_phases,
+    random_turns,
+    turned_crosses,
+)
 from .meshes import double_torus, icosphere, octahedron, quad_torus, renumbered, square, torus
 
 A = np.array([[0, 1], [-1, 0]])

@@ -8,7 +8,7 @@ import pytest
 from synch_fields.core.fields import DirectionField, direction_field, given_directions
 from synch_fields.core.matchings import after_turns, matchings
 
-from .crosses import plane_crosses, random_turns, turned_crosses, turned_phases
+from .flat_crosses import plane_crosses, random_turns, turned_crosses, turned_phases
 from .meshes import bent_square, double_torus, icosphere, square, torus
 
 

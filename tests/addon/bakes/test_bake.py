@@ -14,8 +14,8 @@ from synch_fields.synch_addon.blender import attributes, meshes
 from synch_fields.synch_addon.nodes.canvas import surface_material
 from synch_fields.synch_addon.patterns import memory
 
-from ..baked import PATTERNS, SIZE, SOFTNESS, bake, inside_of, patterned, phases_at, picture, rasterised
-from ..continuity import phases_of, polygons_of
+from ..baked_images import PATTERNS, SIZE, SOFTNESS, bake, inside_of, patterned, phases_at, picture, rasterised
+from ..rebuilt_pattern import phases_of, polygons_of
 from ..scenes import attribute, grid, mark_edges, places, quad_sphere, sphere, torus
 
 

@@ -15,7 +15,7 @@ from synch_fields.synch_addon.bakes import stage as bake_stage
 from synch_fields.synch_addon.blender import attributes
 from synch_fields.synch_addon.nodes.materials import pattern_material
 
-from ..baked import patterned
+from ..baked_images import patterned
 from ..scenes import add_group, attribute, datablocks, hexagon_sphere, make_active, snapshot, sphere
 
 addon_utils = importlib.import_module("addon_utils")  # on the path once bpy is loaded, as isort cannot know

@@ -8,7 +8,7 @@ import pytest
 from synch_fields.synch_addon.bakes.shaders import pattern_node
 from synch_fields.synch_addon.nodes.canvas import find_node
 
-from ..baked import PATTERNS, bake, patterned, picture, rasterised
+from ..baked_images import PATTERNS, bake, patterned, picture, rasterised
 from ..scenes import add_object, attribute
 from ..single_faces import VIEW_WIDTH, rendered
 

@@ -15,7 +15,7 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.jobs.job import run
 from synch_fields.synch_addon.operators.bake import SYNCH_OT_bake
 
-from ..baked import SIZE, bake, inside_of, patterned, phases_at, picture
+from ..baked_images import SIZE, bake, inside_of, patterned, phases_at, picture
 from ..scenes import snapshot, sphere
 
 addon_utils = importlib.import_module("addon_utils")  # on the path once bpy is loaded, as isort cannot know

@@ -13,7 +13,7 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import attributes, schema
 from synch_fields.synch_addon.patterns import favourites
 
-from ..moving import swaying
+from ..moving_meshes import swaying
 from ..scenes import attribute, hexagon_sphere, places, quad_sphere, set_vectors, snapshot, sphere, torus, tube, written
 from ..solid_objects import block
 

@@ -16,8 +16,8 @@ from synch_fields.synch_addon.blender.pattern_surface import surface_of
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.settings.guide_list import stored_guidance
 
+from ..run_commands import undo_and_redo
 from ..scenes import attribute, directions, grid, snapshot, sphere, torus
-from ..ways import undo_and_redo
 
 OTHER = Path(__file__).resolve().parents[4] / "shared" / "meshes" / "cheburashka-cf.rawfield"
 NUMBERS = {"vector": 1, "line": 2, "cross": 4}

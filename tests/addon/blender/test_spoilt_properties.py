@@ -11,7 +11,7 @@ from synch_fields.core.errors import SynchError
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender.defect_empties import defect_empties
 
-from ..baked import bake
+from ..baked_images import bake
 from ..scenes import make_active, sphere
 from ..solid_objects import block
 

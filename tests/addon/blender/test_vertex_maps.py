@@ -9,6 +9,7 @@ from synch_fields.core.errors import SynchError
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
 
+from ..run_commands import WAYS, add_weights, solve
 from ..scenes import (
     add_group,
     attribute,
@@ -22,7 +23,6 @@ from ..scenes import (
     sphere,
     tube,
 )
-from ..ways import WAYS, add_weights, solve
 
 
 @pytest.mark.parametrize("way", WAYS)

@@ -14,8 +14,8 @@ from synch_fields.core.batch.rows import Row
 from synch_fields.synch_addon.command import batch, main
 from synch_fields.synch_addon.command.declared_files import declared_files
 
+from ..run_commands import run
 from ..scenes import sphere
-from ..ways import run
 
 SUMMARY = "out/rows.batch/summary.csv"
 

@@ -15,8 +15,8 @@ import pytest
 
 from synch_fields.synch_addon.looks import render
 
+from ..run_commands import run
 from ..scenes import attribute, empties, sphere
-from ..ways import run
 
 addon_utils = importlib.import_module("addon_utils")  # on the path once bpy is loaded, as isort cannot know
 

@@ -16,7 +16,7 @@ from synch_fields.synch_addon.command import batch, main
 from synch_fields.synch_addon.command.declared_files import READ, WRITTEN, declared_files
 
 from .. import scenes
-from ..ways import run
+from ..run_commands import run
 
 
 def parsers():

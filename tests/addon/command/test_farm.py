@@ -10,9 +10,9 @@ import pytest
 
 from synch_fields.synch_addon.command import main
 
-from ..moving import stored_frames, swaying
+from ..moving_meshes import stored_frames, swaying
+from ..run_commands import run
 from ..scenes import sphere
-from ..ways import run
 
 
 @pytest.fixture(scope="module")

@@ -15,8 +15,9 @@ from synch_fields.synch_addon.jobs.report import summary
 from synch_fields.synch_addon.looks import render
 from synch_fields.synch_addon.patterns import job as field_job
 
-from ..loop import by_the_worker
+from ..event_loop import by_the_worker
 from ..quad_meshes import corner_vertices, half_edges, made_from
+from ..run_commands import run, undo_and_redo
 from ..scenes import (
     attribute,
     empties,
@@ -29,7 +30,6 @@ from ..scenes import (
     sphere,
     tube,
 )
-from ..ways import run, undo_and_redo
 
 OPERATORS = ["quads", "quad_mesh"]
 SPACING = 0.5

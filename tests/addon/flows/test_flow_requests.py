@@ -16,7 +16,7 @@ from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.flows.job import job_for
 
-from ..plain import solved_apart, unpickled
+from ..plain_data import solved_apart, unpickled
 from ..scenes import make_active
 from ..vortex_scenes import QUICK, points_of, write_npz, write_vdb
 

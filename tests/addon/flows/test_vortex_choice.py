@@ -20,7 +20,7 @@ from synch_fields.synch_addon.flows.job import job_for
 from synch_fields.synch_addon.flows.objects import make_filaments
 from synch_fields.synch_addon.nodes.vortices import filaments_group, tubes_group
 
-from ..loop import by_the_worker
+from ..event_loop import by_the_worker
 from ..scenes import snapshot
 from ..vortex_scenes import QUICK, RADIUS, points_of, write_npz
 

@@ -10,9 +10,9 @@ from synch_fields.core.errors import Cancelled, SynchError
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.patterns.frame_attributes import frame_layout
 
-from ..baked import picture
-from ..continuity import largest_jump
-from ..moving import moving, seen, stored_frames, swaying, turned
+from ..baked_images import picture
+from ..moving_meshes import moving, seen, stored_frames, swaying, turned
+from ..rebuilt_pattern import largest_jump
 from ..scenes import (
     add_object,
     attribute,

@@ -8,7 +8,7 @@ from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.operators import field_operator
 
-from ..loop import Recorded
+from ..event_loop import Recorded
 
 
 class Stripes(Recorded, field_operator.FieldOperator):

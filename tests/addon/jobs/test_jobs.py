@@ -20,7 +20,7 @@ from synch_fields.synch_addon.panels.solid_view import corners_of
 from synch_fields.synch_addon.patterns import memory
 from synch_fields.synch_addon.patterns.job import FieldJob
 
-from ..loop import BESIDE, begun
+from ..event_loop import BESIDE, begun
 from ..scenes import attribute, grid, set_vectors, snapshot, sphere
 from .striping import Stripes, child, in_work, is_alive
 

@@ -15,7 +15,7 @@ from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon.frames.job import AnimationJob, Span
 from synch_fields.synch_addon.patterns.job import FieldJob
 
-from ..moving import swaying
+from ..moving_meshes import swaying
 from ..scenes import add_group, quad_sphere, sphere
 
 

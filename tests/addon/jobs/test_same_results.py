@@ -16,7 +16,7 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.patterns.job import FieldJob
 
-from ..loop import by_the_worker
+from ..event_loop import by_the_worker
 from ..scenes import attribute, quad_sphere
 
 SPACING = 0.4

@@ -16,7 +16,7 @@ from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.jobs.worker import Worker, WorkerGone
 from synch_fields.synch_addon.patterns.job import FieldJob
 
-from ..loop import begun
+from ..event_loop import begun
 from ..scenes import snapshot, sphere
 from .striping import Stripes, child, in_work, is_alive
 

@@ -16,8 +16,8 @@ from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.operators.animate import SYNCH_OT_animate
 from synch_fields.synch_addon.operators.field_operator import BackgroundOperator
 
-from ..loop import Loop, Recorded
-from ..moving import seen, stored_frames, swaying
+from ..event_loop import Loop, Recorded
+from ..moving_meshes import seen, stored_frames, swaying
 from ..scenes import attribute, save_and_reopen, snapshot, sphere
 
 

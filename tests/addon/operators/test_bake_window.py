@@ -15,7 +15,7 @@ from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.operators.bake import SYNCH_OT_bake
 from synch_fields.synch_addon.operators.field_operator import BackgroundOperator
 
-from ..loop import Recorded, begun
+from ..event_loop import Recorded, begun
 from ..scenes import attribute, snapshot, sphere
 
 MAPS = ("mask", "height", "phase")

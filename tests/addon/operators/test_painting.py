@@ -10,8 +10,8 @@ from synch_fields.core.errors import SynchError
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.settings.painting import painted_map
 
+from ..run_commands import add_weights
 from ..scenes import add_group, directions, grid, places, set_numbers, snapshot
-from ..ways import add_weights
 
 
 @pytest.fixture(autouse=True)

@@ -11,7 +11,7 @@ from synch_fields.synch_addon.jobs.queue import queue
 from synch_fields.synch_addon.operators.clebsch import SYNCH_OT_clebsch
 from synch_fields.synch_addon.operators.field_operator import BackgroundOperator
 
-from ..loop import Recorded, begun
+from ..event_loop import Recorded, begun
 from ..scenes import snapshot
 from ..vortex_scenes import QUICK, write_npz, write_vdb
 

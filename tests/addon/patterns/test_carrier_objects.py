@@ -30,8 +30,8 @@ from ...corpus.makers import (
     moebius_strip,
     torus_on_a_sheet,
 )
-from ..continuity import largest_jump
-from ..moving import swaying
+from ..moving_meshes import swaying
+from ..rebuilt_pattern import largest_jump
 from ..scenes import add_group, add_object, attribute, hexagon_sphere, places, quad_sphere, sphere
 
 

@@ -12,7 +12,7 @@ from synch_fields.core.interpolate import evaluate
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender.modifiers import carries, changing_modifiers
 
-from ..continuity import largest_jump, phases_of, polygons_of
+from ..rebuilt_pattern import largest_jump, phases_of, polygons_of
 from ..scenes import attribute, bent, grid, quad_sphere, snapshot
 
 

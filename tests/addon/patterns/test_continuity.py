@@ -8,7 +8,7 @@ import pytest
 
 from synch_fields.synch_addon import api
 
-from ..continuity import largest_jump
+from ..rebuilt_pattern import largest_jump
 from ..scenes import attribute, empties, grid, hexagon_sphere, quad_sphere, save_and_reopen, sphere, torus
 
 TOLERANCE = 1e-4

@@ -10,6 +10,7 @@ from synch_fields.core.errors import SynchError
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.patterns import favourites, memory
 
+from ..run_commands import undo_and_redo
 from ..scenes import (
     add_group,
     attribute,
@@ -25,7 +26,6 @@ from ..scenes import (
     sphere,
     torus,
 )
-from ..ways import undo_and_redo
 
 SOLVES = {
     "stripes": (sphere, "stripes", {"spacing": 0.4}),

@@ -13,8 +13,8 @@ from synch_fields.synch_addon.blender.strokes import polylines
 from synch_fields.synch_addon.patterns import guide_strokes
 from synch_fields.synch_addon.settings.constraint_list import stored_constraints
 
+from ..run_commands import undo_and_redo
 from ..scenes import add_curve, attribute, directions, places, snapshot, sphere
-from ..ways import undo_and_redo
 
 # Knots on the unit sphere, away from its edges' directions.
 TURNS = np.linspace(0.0, 1.6, 9)

@@ -12,8 +12,8 @@ from synch_fields.core.errors import SynchError
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
 
+from ..run_commands import undo_and_redo
 from ..scenes import attribute, grid, hexagon_sphere, mark_edges, quad_sphere, snapshot, sphere, torus, tube
-from ..ways import undo_and_redo
 
 SPACING = 0.25
 

@@ -21,9 +21,9 @@ from synch_fields.synch_addon.patterns.job import FieldJob
 from synch_fields.synch_addon.patterns.picking import PickedSurface
 from synch_fields.synch_addon.patterns.read_back import read_back
 
-from ..continuity import largest_jump
+from ..rebuilt_pattern import largest_jump
+from ..run_commands import undo_and_redo
 from ..scenes import add_group, add_object, attribute, grid, hexagon_sphere, make_active, snapshot, sphere, torus, tube
-from ..ways import undo_and_redo
 
 bmesh = importlib.import_module("bmesh")  # on the path once bpy is loaded, as isort cannot know
 pytestmark = pytest.mark.any_surface

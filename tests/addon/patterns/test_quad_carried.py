@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from ..quad_meshes import corner_vertices, made_from
+from ..run_commands import add_weights
 from ..scenes import attribute, grid, hexagon_sphere, mark_edges, places, quad_sphere, sphere, tube
-from ..ways import add_weights
 
 
 def lattice(obj, **settings):

@@ -8,10 +8,10 @@ import pytest
 
 from synch_fields.synch_addon import api
 
-from ..constrained import pattern, wave
+from ..constrained_sheet import pattern, wave
 from ..quad_meshes import cube, ends, mark_sharp, poked
+from ..run_commands import WAYS, add_weights, solve
 from ..scenes import add_group, attribute, bent, directions, grid, panel, places, ring, set_numbers, set_vectors, torus
-from ..ways import WAYS, add_weights, solve
 
 SPACING = 0.5
 

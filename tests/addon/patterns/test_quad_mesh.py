@@ -14,7 +14,7 @@ from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import meshes
 
-from ..constrained import EVERY_PLACE, line_upright, sheet
+from ..constrained_sheet import EVERY_PLACE, line_upright, sheet
 from ..quad_meshes import (
     corner_vertices,
     cube,

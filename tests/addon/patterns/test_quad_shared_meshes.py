@@ -7,8 +7,8 @@ import pytest
 
 from synch_fields.synch_addon import api
 
-from ..continuity import largest_jump
 from ..quad_meshes import distances, euler_characteristic, is_closed, is_manifold, made_from, surface
+from ..rebuilt_pattern import largest_jump
 from ..scenes import empties, places
 from ..shared_meshes import MARKS, MESHES, opened
 

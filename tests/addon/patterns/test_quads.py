@@ -12,9 +12,9 @@ from synch_fields.core.errors import MeshError, SettingError, SynchError
 from synch_fields.core.settings.surface import SurfaceSettings
 from synch_fields.synch_addon import api
 
-from ..continuity import largest_jump
+from ..constraint_rows import add_row
 from ..quad_meshes import corner_vertices, mixed_sphere, part
-from ..rows import add_row
+from ..rebuilt_pattern import largest_jump
 from ..scenes import (
     add_group,
     attribute,

@@ -13,6 +13,7 @@ from synch_fields.synch_addon.blender import groups, meshes
 from synch_fields.synch_addon.patterns import refine
 from synch_fields.synch_addon.reading import surface as reading
 
+from ..run_commands import undo_and_redo
 from ..scenes import (
     add_group,
     add_object,
@@ -26,7 +27,6 @@ from ..scenes import (
     sphere,
     tube,
 )
-from ..ways import undo_and_redo
 
 
 class Layout:

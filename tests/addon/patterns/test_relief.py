@@ -14,10 +14,10 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.blender import attributes, meshes
 from synch_fields.synch_addon.patterns import relief
 
-from ..continuity import phases_of, polygons_of
 from ..nodes.test_quads_look import random_phases, write_phases
+from ..rebuilt_pattern import phases_of, polygons_of
+from ..run_commands import undo_and_redo
 from ..scenes import attribute, grid, hexagon_sphere, quad_sphere, save_and_reopen, snapshot, sphere, torus
-from ..ways import undo_and_redo
 
 HEIGHT, SPACING = 0.2, 0.5
 

@@ -6,8 +6,8 @@ import pytest
 
 from synch_fields.synch_addon import api
 
-from ..continuity import largest_jump
 from ..quad_meshes import is_closed
+from ..rebuilt_pattern import largest_jump
 from ..scenes import empties, save_and_reopen
 from ..shared_meshes import MARKS, MESHES, opened
 

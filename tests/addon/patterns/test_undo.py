@@ -9,8 +9,8 @@ from synch_fields.core.errors import Cancelled, SynchError
 from synch_fields.core.tasks.surfaces import SurfaceRequest
 from synch_fields.synch_addon import api
 
+from ..run_commands import step, undo_and_redo
 from ..scenes import furnished, snapshot, sphere, tube
-from ..ways import step, undo_and_redo
 
 OPERATORS = ["directions", "stripes"]
 

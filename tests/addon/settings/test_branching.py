@@ -20,9 +20,9 @@ from synch_fields.synch_addon.patterns import favourites, memory
 from synch_fields.synch_addon.patterns.job import FieldJob
 from synch_fields.synch_addon.patterns.read_back import read_back
 
-from ..moving import moving, stored_frames, swaying, turned
+from ..moving_meshes import moving, stored_frames, swaying, turned
+from ..run_commands import run
 from ..scenes import add_group, attribute, bent, empties, grid, quad_sphere, sphere
-from ..ways import run
 
 
 def hills():

@@ -9,8 +9,8 @@ import pytest
 from synch_fields.core.interpolate import evaluate
 from synch_fields.synch_addon import api
 
-from ..constrained import SOURCES, SPACING, pattern, sheet, wave
-from ..continuity import phases_of, polygons_of
+from ..constrained_sheet import SOURCES, SPACING, pattern, sheet, wave
+from ..rebuilt_pattern import phases_of, polygons_of
 from ..scenes import (
     add_drawing,
     directions,

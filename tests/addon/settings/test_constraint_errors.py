@@ -12,7 +12,7 @@ import pytest
 from synch_fields.core.errors import ContradictionError, SettingError
 from synch_fields.synch_addon import api
 
-from ..rows import OPERATORS, add_row, middle, sheet
+from ..constraint_rows import OPERATORS, add_row, middle, sheet
 from ..scenes import (
     add_curve,
     add_group,

@@ -17,7 +17,7 @@ from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.panels import constraints
 from synch_fields.synch_addon.settings.constraint_list import stored_constraints
 
-from ..rows import OPERATORS, add_row, sheet
+from ..constraint_rows import OPERATORS, add_row, sheet
 from ..scenes import (
     add_curve,
     add_group,

@@ -10,7 +10,7 @@ import pytest
 
 from synch_fields.synch_addon import api
 
-from ..constrained import EVERY_PLACE, MARKS, SPACING, line_upright, pattern, sheet, wave
+from ..constrained_sheet import EVERY_PLACE, MARKS, SPACING, line_upright, pattern, sheet, wave
 from ..scenes import (
     add_group,
     add_object,

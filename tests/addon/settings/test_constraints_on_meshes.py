@@ -8,8 +8,8 @@ import pytest
 
 from synch_fields.synch_addon import api
 
-from ..continuity import largest_jump
 from ..quad_meshes import ends
+from ..rebuilt_pattern import largest_jump
 from ..scenes import attribute, make_active, save_and_reopen
 from ..shared_meshes import MARKS, opened
 

@@ -13,6 +13,7 @@ from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.settings.guide_list import GUIDE_ITEMS, stored_guidance
 
+from ..run_commands import WAYS, add_weights, solve
 from ..scenes import (
     add_curve,
     add_group,
@@ -26,7 +27,6 @@ from ..scenes import (
     sphere,
     tube,
 )
-from ..ways import WAYS, add_weights, solve
 
 
 def furnished_grid():

@@ -7,7 +7,7 @@ import pytest
 
 from synch_fields.synch_addon import api
 
-from ..constrained import line_upright, sheet
+from ..constrained_sheet import line_upright, sheet
 from ..scenes import (
     add_group,
     attribute,

@@ -15,7 +15,7 @@ from synch_fields.synch_addon.patterns import memory
 from synch_fields.synch_addon.solids.memory import recall_layers
 
 from ...core.solids import block as tetrahedra
-from ..continuity import largest_jump
+from ..rebuilt_pattern import largest_jump
 from ..scenes import add_object, attribute, empties, make_active, quad_sphere, snapshot, sphere
 from ..solid_objects import bent_bar, block, layers_of, made
 

@@ -15,7 +15,7 @@ from synch_fields.synch_addon.jobs.job import run
 from synch_fields.synch_addon.solids import memory, objects, outputs, volume
 
 from ...core.solids import block as tetrahedra
-from ..plain import solved_apart, unpickled
+from ..plain_data import solved_apart, unpickled
 from ..scenes import add_curve, add_object, attribute, make_active, set_numbers, set_vectors, snapshot, sphere
 from ..solid_objects import bent_bar, block, layers_of, made
 

@@ -17,7 +17,7 @@ from synch_fields.core.solve.methods.stage import TAKEN_OFF, Workspace
 from synch_fields.core.solve.methods.staircase import relax
 
 from ..graphs import only_piece
-from ..multilevel import MULTILEVEL
+from ..multigrid_problems import MULTILEVEL
 
 
 @pytest.mark.parametrize("build", [build for build in MULTILEVEL if build.id != "slivers"])

@@ -25,6 +25,7 @@ from synch_fields.core.piece import Piece
 from synch_fields.core.problem import Merged, SynchronizationProblem
 from synch_fields.core.solve.methods.stage import Stage, Workspace
 
+from ..direction_wishes import along_curvature, bordered_problem
 from ..graphs import (
     KINDS,
     fixed_stripes,
@@ -36,8 +37,7 @@ from ..graphs import (
     random_weights,
 )
 from ..meshes import bent_square, bumpy_torus, cube, cylinder, torus
-from ..multilevel import MULTILEVEL
-from ..wishes import along_curvature, bordered_problem
+from ..multigrid_problems import MULTILEVEL
 
 
 def adjoint(units):

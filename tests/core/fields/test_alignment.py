@@ -8,8 +8,8 @@ from synch_fields.core.fields import DirectionWishes, direction_field
 from synch_fields.core.fields.alignment import along_curvature
 from synch_fields.core.solve import Options
 
+from ..direction_wishes import boundary_row
 from ..meshes import disk, together, torus
-from ..wishes import boundary_row
 
 
 def off_axes(field):

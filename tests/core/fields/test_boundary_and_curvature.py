@@ -11,8 +11,8 @@ from synch_fields.core.fields.constraints.rows import direction_targets
 from synch_fields.core.fields.guidance.curvature import principal_directions
 from synch_fields.core.geometry import TriangleMesh
 
+from ..direction_wishes import along_curvature, boundary_row, on_boundary
 from ..meshes import annulus, cylinder, disk, icosphere, square, torus
-from ..wishes import along_curvature, boundary_row, on_boundary
 
 
 def agreement(vectors, expected):

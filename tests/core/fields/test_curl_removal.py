@@ -26,7 +26,8 @@ from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.interpolate import EdgePhases, dislocation_numbers
 from synch_fields.core.problem import Merged, Targets
 
-from ..crosses import random_turns, turned_crosses
+from ..direction_wishes import boundary_row, on_boundary
+from ..flat_crosses import random_turns, turned_crosses
 from ..meshes import (
     annulus,
     bent_square,
@@ -40,7 +41,6 @@ from ..meshes import (
     together,
     torus,
 )
-from ..wishes import boundary_row, on_boundary
 from .test_invariance import Change
 
 TURN = 2 * np.pi

@@ -10,8 +10,8 @@ from synch_fields.core.errors import SettingError
 from synch_fields.core.fields import direction_field, given_directions
 from synch_fields.core.geometry import TriangleMesh
 
+from ..direction_wishes import on_boundary
 from ..meshes import CLOSED, EVERY, FLAT, cube, disk, icosphere, octahedron, shared_mesh, square, together, torus
-from ..wishes import on_boundary
 
 
 def total_index(defects, symmetry):

@@ -13,7 +13,7 @@ from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.interpolate import EdgePhases, dislocation_numbers
 from synch_fields.core.matchings import after_turns
 
-from ..crosses import random_turns
+from ..flat_crosses import random_turns
 from ..meshes import icosphere, square
 
 # Of the spacing that grows along x from the one to the other.

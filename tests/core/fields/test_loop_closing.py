@@ -18,7 +18,7 @@ from synch_fields.core.geometry.mirror import mirrored_vertices
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.matchings import after_turns
 
-from ..crosses import turned_crosses
+from ..flat_crosses import turned_crosses
 from ..meshes import bumpy_torus, grid_quads, torus, torus_points
 
 AROUND, ACROSS = 20, 10

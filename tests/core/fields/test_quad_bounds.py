@@ -13,7 +13,7 @@ from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.problem import SynchronizationProblem, Targets
 from synch_fields.core.solve import Options, Status, solve
 
-from ..crosses import plane_crosses, random_turns, turned_crosses
+from ..flat_crosses import plane_crosses, random_turns, turned_crosses
 from ..graphs import brute_force, lifted_matrix, relaxation
 from ..meshes import (
     annulus,

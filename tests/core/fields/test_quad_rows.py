@@ -25,10 +25,10 @@ from synch_fields.core.geometry.mirror import mirrored_vertices
 from synch_fields.core.problem import Merged, Targets
 from synch_fields.core.solve import Options, solve
 
-from ..crosses import plane_crosses, products
+from ..direction_wishes import boundary_row, chain
+from ..flat_crosses import plane_crosses, products
 from ..graphs import brute_force
 from ..meshes import annulus, bent_square, grid_quads, polygon_mesh, square, square_points
-from ..wishes import boundary_row, chain
 
 TIGHT = Options(target_gap=1e-5)
 # Sides of the unit square and the way in from there.

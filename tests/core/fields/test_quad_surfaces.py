@@ -19,7 +19,7 @@ from synch_fields.core.fields import (
     quad_pattern,
 )
 
-from ..crosses import random_edge_phases
+from ..flat_crosses import random_edge_phases
 from ..meshes import (
     annulus,
     bent_square,

@@ -20,7 +20,7 @@ from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import dislocation_numbers, evaluate
 from synch_fields.core.solve import Options, solve
 
-from ..crosses import plane_crosses, plane_waves, products, random_turns, turned_crosses, turned_phases
+from ..flat_crosses import plane_crosses, plane_waves, products, random_turns, turned_crosses, turned_phases
 from ..meshes import (
     CLOSED,
     FLAT,

@@ -10,8 +10,8 @@ from synch_fields.core.fields import Row, given_directions, stripe_pattern
 from synch_fields.core.fields.directions import DirectionField
 from synch_fields.core.fields.target_one_form import TargetOneForm
 
+from ..direction_wishes import along, chain, cosines
 from ..meshes import annulus, square
-from ..wishes import along, chain, cosines
 
 
 def test_a_spacing_that_grows_across_the_stripes():

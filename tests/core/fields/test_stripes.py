@@ -12,8 +12,8 @@ from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import evaluate
 
+from ..direction_wishes import boundary_row
 from ..meshes import FLAT, square, subdivided, together
-from ..wishes import boundary_row
 
 
 def tilted(mesh, seed=4):

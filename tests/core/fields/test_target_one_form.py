@@ -12,7 +12,7 @@ from synch_fields.core.fields import direction_field, given_directions
 from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 
-from ..crosses import plane_crosses, plane_waves, random_turns, turned_crosses, turned_phases
+from ..flat_crosses import plane_crosses, plane_waves, random_turns, turned_crosses, turned_phases
 from ..meshes import annulus, bent_square, double_torus, icosphere, square, together, torus
 
 A = np.array([[0, 1], [-1, 0]])  # of Eq. (7), conjugation being the sign of a phase

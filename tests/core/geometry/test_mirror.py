@@ -17,8 +17,8 @@ from synch_fields.core.geometry.mirror import mirrored_vertices, symmetric_axes
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.solve import Options
 
+from ..direction_wishes import boundary_row
 from ..meshes import grid_quads, split_quads, square_points, torus_points
-from ..wishes import boundary_row
 
 
 def polygons_of(quads):

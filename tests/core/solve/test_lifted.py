@@ -12,8 +12,8 @@ from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.solve import Options
 from synch_fields.core.solve.lifted import LiftedField
 
+from ..direction_wishes import boundary_row
 from ..meshes import annulus, bumpy_torus, icosphere, together
-from ..wishes import boundary_row
 
 
 def solved(kind, mesh=None, rows=()):

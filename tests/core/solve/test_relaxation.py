@@ -16,9 +16,9 @@ from synch_fields.core.problem import SynchronizationProblem
 from synch_fields.core.solve import Options, Status, solve
 from synch_fields.core.solve.methods.staircase import start_rank
 
+from ..direction_wishes import bordered_problem, boundary_row
 from ..graphs import PROBLEMS, half_turned_stripes, lifted_matrix, only_piece, random_connection, relaxation
 from ..meshes import bent_square, bumpy_torus, icosphere, torus
-from ..wishes import bordered_problem, boundary_row
 
 TIGHT = Options(target_gap=1e-6)
 

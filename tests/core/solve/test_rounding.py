@@ -20,9 +20,9 @@ from synch_fields.core.solve.methods.manifolds import random_columns
 from synch_fields.core.solve.methods.stage import Workspace
 from synch_fields.core.solve.methods.staircase import relax
 
+from ..direction_wishes import bordered_problem
 from ..graphs import KINDS, fixed_stripes, half_turned_stripes, only_piece, random_connection
 from ..meshes import bent_square, bumpy_torus, double_torus, icosphere, quad_torus, together, torus
-from ..wishes import bordered_problem
 
 
 def relaxed(piece):

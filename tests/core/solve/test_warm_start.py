@@ -13,9 +13,9 @@ from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.problem import SynchronizationProblem, Targets
 from synch_fields.core.solve import Options, Status, solve
 
+from ..direction_wishes import bordered_problem
 from ..graphs import KINDS, fixed_stripes, half_turned_stripes, random_connection, random_constraints, random_values
 from ..meshes import bent_square, bumpy_torus, double_torus, together
-from ..wishes import bordered_problem
 
 
 def lengths_of(phases):

@@ -19,9 +19,9 @@ from synch_fields.core.solve import Options
 from synch_fields.core.tasks import quad_meshes, surfaces
 from synch_fields.core.tasks.surfaces import SurfaceRequest
 
-from ..crosses import plane_crosses
+from ..flat_crosses import plane_crosses
 from ..meshes import bumpy_torus, icosphere, square, torus
-from ..sharp import ANGLE, chamfered_cube, distances_from_edges, samples
+from ..sharp_shapes import ANGLE, chamfered_cube, distances_from_edges, samples
 
 
 def asked(mesh, **settings):

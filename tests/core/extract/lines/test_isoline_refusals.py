@@ -10,7 +10,7 @@ from synch_fields.core.extract.lines.isolines import isolines
 from synch_fields.core.extract.quads.trace.quad_mesh import quad_mesh
 from synch_fields.core.interpolate import EdgePhases
 
-from ...crosses import plane_edge_phases
+from ...flat_crosses import plane_edge_phases
 from ...meshes import icosphere, square
 from ...plane_stripes import plane_stripes
 

@@ -23,10 +23,10 @@ from synch_fields.core.interpolate import (
     face_phases,
 )
 
-from ...crosses import plane_edge_phases, random_edge_phases
+from ...direction_wishes import boundary_row
+from ...flat_crosses import plane_edge_phases, random_edge_phases
 from ...meshes import annulus, bent_square, cube, cylinder, disk, double_torus, icosphere, renumbered, square, torus
 from ...plane_stripes import plane_stripes
-from ...wishes import boundary_row
 
 WIDTHS = [0, 0.3, 0.5, 1]
 

@@ -13,7 +13,7 @@ from synch_fields.core.fields.patterns import solve_pattern
 from synch_fields.core.geometry.polygons import Polygons
 from synch_fields.core.interpolate import evaluate, face_phases
 
-from ...crosses import plane_edge_phases
+from ...flat_crosses import plane_edge_phases
 from ...meshes import bent_square, cube, icosphere, mixed_torus, quad_cube, square, with_split
 
 

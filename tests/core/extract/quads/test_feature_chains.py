@@ -18,7 +18,7 @@ from synch_fields.core.fields.constraints.features import line_corners
 from synch_fields.core.geometry import TriangleMesh
 
 from ...meshes import SHARED, cube, cylinder, double_torus, grid_quads
-from ...sharp import chamfered_cube, distances_from_edges, flat_cells, kept_quads, plate, polygon, samples
+from ...sharp_shapes import chamfered_cube, distances_from_edges, flat_cells, kept_quads, plate, polygon, samples
 from ...topology import euler, is_surface
 
 # Of a quad's side.

@@ -21,7 +21,7 @@ from synch_fields.core.interpolate import (
     face_phases,
 )
 
-from ...crosses import cone, plane_edge_phases, random_edge_phases
+from ...flat_crosses import cone, plane_edge_phases, random_edge_phases
 from ...meshes import annulus, bent_square, cube, disk, double_torus, icosphere, rounded_cube, square, torus
 
 

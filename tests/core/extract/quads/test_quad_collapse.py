@@ -8,7 +8,7 @@ from synch_fields.core.extract.quads.repair.quad_collapse import with_faces_clos
 from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
 from synch_fields.core.geometry import TriangleMesh
 
-from ...crosses import plane_edge_phases
+from ...flat_crosses import plane_edge_phases
 from ...meshes import square
 from ...topology import euler, on_rim, valences
 

@@ -13,10 +13,10 @@ from synch_fields.core.fields.target_one_form import TargetOneForm
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.interpolate import EdgePhases, disclination_centres, dislocation_numbers
 
-from ...crosses import cone, plane_crosses, plane_edge_phases, plane_waves, random_turns, turned_crosses
+from ...direction_wishes import boundary_row
+from ...flat_crosses import cone, plane_crosses, plane_edge_phases, plane_waves, random_turns, turned_crosses
 from ...meshes import cube, flat_torus, icosphere, renumbered, square, together
 from ...topology import edges_of, euler, face_vectors, irregular, is_surface, on_rim, valences
-from ...wishes import boundary_row
 
 TOLERANCE = 1e-6  # of a cell
 

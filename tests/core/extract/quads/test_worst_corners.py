@@ -14,7 +14,7 @@ from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.nearest import NearestTriangles
 
-from ...crosses import plane_edge_phases
+from ...flat_crosses import plane_edge_phases
 from ...meshes import square
 from ...topology import on_rim
 

@@ -9,10 +9,10 @@ from synch_fields.core.fields import DirectionWishes, Row, direction_field, line
 from synch_fields.core.fields.constraints.features import feature_edges, feature_row, line_corners, quads_around
 from synch_fields.core.geometry import TriangleMesh
 
-from ...crosses import plane_crosses
+from ...direction_wishes import boundary_row
+from ...flat_crosses import plane_crosses
 from ...meshes import annulus, bent_square, cube, icosphere, square, torus
-from ...sharp import ANGLE, chamfered_cube, flat_cells, plate, polygon
-from ...wishes import boundary_row
+from ...sharp_shapes import ANGLE, chamfered_cube, flat_cells, plate, polygon
 
 
 @pytest.mark.parametrize("cuts", [5, 8])

@@ -12,8 +12,8 @@ from synch_fields.core.fields.guidance.guides import distance_guide
 from synch_fields.core.fields.stripes import stripe_problem
 from synch_fields.core.solve import Options
 
+from ...direction_wishes import SPACING, along, boundary_row, chain, cosines
 from ...meshes import annulus, disk, square
-from ...wishes import SPACING, along, boundary_row, chain, cosines
 
 
 def strip(stripes, columns=30, symmetry=2, seed=0):

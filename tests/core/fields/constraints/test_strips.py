@@ -11,7 +11,7 @@ from synch_fields.core.fields.constraints.strips import ACROSS, strips, widen_st
 from synch_fields.core.fields.target_one_form import TargetOneForm
 
 from ...meshes import cylinder, square
-from ...sharp import ANGLE, chamfered_cube
+from ...sharp_shapes import ANGLE, chamfered_cube
 
 
 @pytest.mark.parametrize("share", [0.02, 0.1, 0.4, 0.8])

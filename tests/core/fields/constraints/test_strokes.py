@@ -10,8 +10,8 @@ from synch_fields.core.fields import DirectionWishes, Row, direction_field, stri
 from synch_fields.core.fields.constraints.lines import line_of_points, line_of_strokes
 from synch_fields.core.fields.stripes import stripe_problem
 
+from ...direction_wishes import SPACING, along, cosines
 from ...meshes import disk, square, subdivided
-from ...wishes import SPACING, along, cosines
 
 
 def stroke(mesh, points):

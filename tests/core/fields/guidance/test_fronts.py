@@ -9,7 +9,7 @@ from synch_fields.core.fields.guidance.fronts import front_distance
 from synch_fields.core.fields.guidance.guides import distance_guide
 from synch_fields.core.geometry import TriangleMesh
 
-from ...guides import misses
+from ...guide_errors import misses
 from ...meshes import (
     annulus,
     cylinder,

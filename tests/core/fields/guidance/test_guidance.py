@@ -21,7 +21,7 @@ from synch_fields.core.fields.guidance.guides import (
 )
 from synch_fields.core.geometry import TriangleMesh
 
-from ...guides import in_space, misses
+from ...guide_errors import in_space, misses
 from ...meshes import (
     EVERY,
     FLAT,

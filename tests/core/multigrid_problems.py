@@ -8,9 +8,9 @@ import pytest
 from synch_fields.core.fields.directions import direction_problem
 from synch_fields.core.problem import Merged, SynchronizationProblem, Targets
 
+from .direction_wishes import bordered_problem
 from .graphs import fixed_stripes, half_turned_stripes, random_transports, random_weights
 from .meshes import bent_square, bumpy_torus, slivers, subdivided
-from .wishes import bordered_problem
 
 
 def merged_directions():
