@@ -158,7 +158,8 @@ class BackgroundOperator:
     def _tell(self, context, work):
         """Say how far the first job is, or what a result waits for."""
         if work is queue.running:
-            line = f"{translate(work.label)}: {work.line}   {work.times}   {translate(_KEEPS if work.can_be_kept else _CANCELS)}"
+            escape = translate(_KEEPS if work.can_be_kept else _CANCELS)
+            line = f"{translate(work.label)}: {work.line}   {work.times}   {escape}"
         elif work.is_over:
             line = self._postponed(context)
         else:
