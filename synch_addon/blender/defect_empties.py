@@ -190,7 +190,6 @@ def _scene_collection(obj):
 def _new_collection(name, role):
     collection = bpy.data.collections.new(name)
     collection[_MARK] = role
-    collection.color_tag = "COLOR_01"
     return collection
 
 

@@ -30,6 +30,12 @@ class SYNCH_PT_material_presets(SettingsPanel, bpy.types.Panel):
             layout.operator("synch.asset_library", icon="ASSET_MANAGER")
 
 
+def _apply(scene, _context):
+    """A click on a look's picture in the window applies it."""
+    if not bpy.app.background and bpy.ops.synch.preset.poll():
+        bpy.ops.synch.preset("INVOKE_DEFAULT", preset=scene.synch_preset)
+
+
 class _Thumbnails:
     """The choice of a preset in every scene, with thumbnails."""
 
@@ -44,7 +50,10 @@ class _Thumbnails:
             icon = self._icons.load(name, str(assets.THUMBNAILS / f"{name}.png"), "IMAGE")
             items.append((name, label, tip, icon.icon_id, number))
         bpy.types.Scene.synch_preset = EnumProperty(
-            name="Preset", description="What the object looks like", items=lambda _owner, _context: items
+            name="Preset",
+            description="What the object looks like",
+            items=lambda _owner, _context: items,
+            update=_apply,
         )
         bpy.utils.register_class(SYNCH_PT_material_presets)
 

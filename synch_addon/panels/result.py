@@ -116,13 +116,14 @@ def draw_findings(layout, findings):
 
 
 def draw_shading(layout, context):
-    """Buttons that show the pattern in a view which does not draw materials."""
+    """How the view shows the pattern: as ink over Solid, or by its material."""
     shading = context.space_data.shading
-    if shading.type in {"MATERIAL", "RENDERED"}:
-        return
     row = layout.row(align=True)
     row.scale_y = 1.3
-    row.prop(context.scene.synch_overlay, "pattern", toggle=True, icon="SHADING_SOLID")
+    if shading.type in {"MATERIAL", "RENDERED"}:
+        row.prop_enum(shading, "type", "SOLID", text="Solid")
+    else:
+        row.prop(context.scene.synch_overlay, "pattern", text="Solid", toggle=True, icon="SHADING_SOLID")
     row.prop_enum(shading, "type", "MATERIAL", text="Preview")
     row.prop_enum(shading, "type", "RENDERED", text="Rendered")
 

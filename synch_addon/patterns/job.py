@@ -120,6 +120,8 @@ def show(obj, request, field, pattern, report, renumber=True):
 def _remember(obj, solved, instead=False):
     line = result_line(solved.plain)
     memory.show_line(obj, line, solved.number)
+    if solved.pattern is not None and hasattr(obj, "synch") and obj.synch.automatic_spacing:
+        assign(obj.synch, "spacing", solved.request.spacing)  # where it begins once it is no longer automatic
     memory.remember(obj, line, solved, instead)
 
 

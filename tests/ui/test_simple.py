@@ -49,3 +49,10 @@ def test_another_count_of_faces_is_one_field_and_one_click(simple, keep):
     simple.until("len(active().data.polygons) > 550")
     assert simple.value("active().name") == name and simple.value("len(bpy.data.objects)") == objects
     keep("quad_mesh_again", simple.picture("UI"))
+
+
+def test_a_click_on_the_picture_of_a_look_applies_it(simple):
+    add_ball(simple, 4)
+    simple.run("active().synch.automatic_spacing = False; active().synch.spacing = 0.4")
+    simple.run("bpy.context.scene.synch_preset = 'corduroy'")  # as the click does
+    simple.until("active().active_material and active().active_material.name == 'Synch Corduroy'")

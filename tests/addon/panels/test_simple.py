@@ -66,6 +66,14 @@ def test_there_is_one_button_and_it_makes_what_was_chosen(chosen):
     assert "automatic_spacing" not in drawn()
 
 
+def test_a_spacing_that_is_no_longer_automatic_begins_at_the_one_that_was_used():
+    obj = sphere()
+    used = api.stripes(obj)["settings"]["spacing"]
+    assert obj.synch.spacing == used and obj.synch.automatic_spacing
+    obj.synch.automatic_spacing, obj.synch.spacing = False, 0.4
+    assert api.stripes(obj, spacing=0.5) and obj.synch.spacing == pytest.approx(0.4)
+
+
 def test_a_direction_is_what_the_settings_say():
     obj = sphere()
     simple, stored = obj.synch_simple, obj.synch
