@@ -7,6 +7,7 @@ from ...core.settings.setting import records
 from ...core.settings.solver import SolverSettings
 from ...core.settings.surface import SurfaceSettings
 from ..blender.meshes import measured_key, refusal
+from ..blender.modifiers import is_of_filaments
 from ..blender.registration import register_all
 from ..blender.translations import translate
 from ..jobs.queue import queue
@@ -191,7 +192,9 @@ def property_column(layout):
 def draw_unready(layout, obj):
     """Say why an object can carry nothing, or that its job is on its way; whether there is either."""
     reason = refusal(obj)
-    if reason:
+    if obj is not None and any(map(is_of_filaments, obj.modifiers)):
+        layout.label(text=translate("{name}: vortex filaments", name=obj.name), icon="FORCE_VORTEX", translate=False)
+    elif reason:
         layout.label(text=reason[0].upper() + reason[1:], icon="INFO", translate=False)
     elif not obj.visible_get():
         layout.label(text=translate("{name} is hidden", name=obj.name), icon="HIDE_ON", translate=False)

@@ -11,6 +11,7 @@ import pytest
 from mathutils import Vector
 
 from synch_fields.synch_addon import api
+from synch_fields.synch_addon.nodes.vortices import add_filaments_modifier
 from synch_fields.synch_addon.panels import sidebar
 from synch_fields.synch_addon.settings import preferences
 from synch_fields.synch_addon.settings.fields import stored_settings
@@ -115,3 +116,12 @@ def test_mirrors_are_offered_where_the_mesh_has_them(chosen):
     obj.data.update()
     bpy.context.view_layer.update()
     assert drawn().count("mirror") == 0
+
+
+def test_a_vortex_curve_is_named_as_what_it_is():
+    curve = bpy.data.objects.new("Ring", bpy.data.curves.new("Ring", "CURVE"))
+    bpy.context.scene.collection.objects.link(curve)
+    add_filaments_modifier(curve, 0.1, 1.0)
+    layout = MagicMock()
+    assert sidebar.draw_unready(layout, curve)
+    assert [call.kwargs["text"] for call in layout.label.call_args_list] == ["Ring: vortex filaments"]
