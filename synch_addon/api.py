@@ -131,7 +131,7 @@ def vary(obj, number):
     Parameters
     ----------
     obj : bpy.types.Object that was solved since the file was opened
-    number : 0 for the solution, then the other local optima that were found, then random projections (Eq. 29)
+    number : 0 for the solution, then the other local optima that were found, then seeds of further searches
 
     Returns
     -------

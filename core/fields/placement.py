@@ -5,23 +5,38 @@ import numpy as np
 
 from ..errors import SettingError, name_elements, quote_value
 from ..interpolate import dislocation_numbers
+from ..solution import COARSE, Options
+from ..solve import solve
 from ..solve.lifted import LiftedField
 
 # Directions that are tried for defects at chosen vertices.
 TRIES = 16
+# Energy above the best, as a share of it, up to which a drawn variation counts as near.
+NEAR = 0.05
 
 
 def variation(pattern, number):
     """A :class:`Pattern` or DirectionField with other near-optimal phases of the same solve.
 
-    First, from 0 on, come the local optima that the solve has found, best first; higher numbers are projections of the
-    lifted field on random directions, as they are.
+    First, from 0 on, come the local optima that the solve has found, best first; higher numbers are the seeds of a
+    search on a coarser problem, from which descent leads to a local optimum.
     """
     ready = pattern.solution.variations
     if number < len(ready):
         return pattern.showing(ready[number])
-    field = LiftedField(pattern.problem, pattern.solution)
-    return pattern.showing(field.phases(field.random_direction(number)))
+    if pattern.solution.lifted is None:
+        raise SettingError("only the semidefinite method finds variations: choose it and solve again")
+    return pattern.showing(solve(pattern.problem, Options(method=COARSE, seed=number)).phases)
+
+
+def nearest_variation(pattern, numbers):
+    """The first of some numbers whose variation is near the best in energy, or the one that is nearest."""
+    energies = {}
+    for number in numbers:
+        energies[number] = variation(pattern, number).energy
+        if energies[number] <= (1 + NEAR) * pattern.solution.energy:
+            break
+    return min(energies, key=energies.get)
 
 
 def with_defects(pattern, vertices):

@@ -6,6 +6,7 @@ import random
 import bpy
 from bpy.props import IntProperty
 
+from ...core.fields.placement import nearest_variation
 from ...core.settings.surface import SurfaceSettings
 from .. import api
 from ..patterns import memory
@@ -14,8 +15,8 @@ from ..settings.rna import property_of
 from .picking import PickingOperator
 from .ready import PromptOperator, ReadyOperator
 
-# Numbers that the dice draw: from here on every one is another random projection.
-_DRAWN = (100, 1_000_000)
+# Numbers that the dice draw: from here on every one is the seed of another search. So many are tried.
+_DRAWN, _TRIES = (100, 1_000_000), 4
 
 
 class _SolvedOperator(ReadyOperator):
@@ -51,7 +52,7 @@ energy it has than the best, and the number of line ends"""
 
     number: IntProperty(
         name="Variation",
-        description="0 is the best one, the next are other good ones, high numbers are drawn at random",
+        description="0 is the best one, the next are other good ones, high numbers are found by a search of their own",
         min=0,
     )
 
@@ -76,13 +77,18 @@ class SYNCH_OT_trace_quads(_SolvedOperator, PromptOperator, bpy.types.Operator):
 
 
 class SYNCH_OT_draw_variation(_VaryingOperator, PromptOperator, bpy.types.Operator):
-    """Show a configuration of defects that is drawn at random, from the last solve"""
+    """Show another field of nearly the same energy, found by a search that begins at random"""
 
     bl_idname = "synch.draw_variation"
     bl_label = "Draw Variation"
 
     def make(self, context):
-        return _find_variations(api.vary(context.active_object, random.randrange(*_DRAWN)))
+        obj = context.active_object
+        best = memory.solve_of(obj).shown
+        number = nearest_variation(best, [random.randrange(*_DRAWN) for _ in range(_TRIES)])
+        report = api.vary(obj, number)
+        more = report["energy"] / best.solution.energy - 1 if best.solution.energy > 0 else 0.0
+        return f"{more:+.1%} energy, against the best; {_find_variations(report)}"
 
 
 class SYNCH_OT_place_defect(_VaryingOperator, PickingOperator, bpy.types.Operator):

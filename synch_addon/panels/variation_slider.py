@@ -32,7 +32,7 @@ class SynchShown(bpy.types.PropertyGroup):
     variation: IntProperty(
         name="Variation",
         description="Other configurations of defects from the last solve: 0 is the best one, the next are other good "
-        "ones, high numbers are drawn at random",
+        "ones, high numbers are found by a search of their own",
         min=0,
         soft_max=20,
         update=_show_variation,

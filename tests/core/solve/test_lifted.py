@@ -7,7 +7,7 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields import direction_field, quad_pattern, stripe_pattern
-from synch_fields.core.fields.placement import variation, with_defects
+from synch_fields.core.fields.placement import nearest_variation, variation, with_defects
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.solve import Options
 from synch_fields.core.solve.lifted import LiftedField
@@ -127,8 +127,18 @@ def test_variations_of_a_pattern():
     energies = [variation(pattern, number).energy for number in range(ready + 3)]
     assert energies[0] == pattern.solution.energy == min(energies) and energies[:ready] == sorted(energies[:ready])
     assert len(set(energies)) == ready + 3
-    drawn = field.phases(field.random_direction(ready + 1))
-    np.testing.assert_array_equal(variation(pattern, ready + 1).phases, drawn)
+    projected = pattern.showing(field.phases(field.random_direction(ready + 1)))
+    assert variation(pattern, ready + 1).energy < projected.energy
+    np.testing.assert_array_equal(variation(pattern, ready + 1).phases, variation(pattern, ready + 1).phases)
+
+
+def test_of_drawn_variations_the_first_near_one_is_taken_or_else_the_nearest(monkeypatch):
+    pattern, _ = solved("line")
+    energies = {number: variation(pattern, number).energy / pattern.solution.energy for number in range(100, 104)}
+    near = [number for number, energy in energies.items() if energy <= 1.05]
+    assert nearest_variation(pattern, energies) == (near or [min(energies, key=energies.get)])[0]
+    monkeypatch.setattr("synch_fields.core.fields.placement.NEAR", -1.0)
+    assert nearest_variation(pattern, energies) == min(energies, key=energies.get)
 
 
 def test_variations_of_a_direction_field():
