@@ -62,7 +62,9 @@ def test_stripes_show_progress_and_then_their_result(panel, keep):
     while panel.value("part('jobs.queue').queue.running is not None"):
         seen.append(panel.picture("UI"))
     panel.wait_for("Variation")
-    seen = [picture[:160] for picture in seen if any(panel.reads(picture[:160], text) for text in ("Cancel", "Discard"))]
+    seen = [
+        picture[:160] for picture in seen if any(panel.reads(picture[:160], text) for text in ("Cancel", "Discard"))
+    ]
     lengths = {bar_length(picture) for picture in seen}
     assert len(lengths) >= 3, f"the bar was seen at the lengths {sorted(lengths)}"
     keep("progress", max(seen, key=bar_length))
