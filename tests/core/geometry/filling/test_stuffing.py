@@ -251,9 +251,9 @@ def test_float32_distances_do_for_the_boundary():
 def test_estimates(size):
     exact = fill_surface(ball_distance, BALL, size).tet_count
     assert estimated_tets(4 / 3 * np.pi, size, 4 * np.pi) == pytest.approx(exact, rel=0.05)
-    assert estimated_tets(BALL, size) > 1.5 * exact
-    box = fill_surface(turned_box, 0.9 * BALL, size).tet_count
-    assert estimated_tets(BALL / 2, size) == pytest.approx(box, rel=0.12)
+    box, sides = fill_surface(turned_box, 0.9 * BALL, size).tet_count, np.ptp(BALL / 2, axis=0)
+    area = 2 * (sides * np.roll(sides, 1)).sum()
+    assert estimated_tets(sides.prod(), size, area) == pytest.approx(box, rel=0.12)
     assert 700 * exact < estimated_bytes(exact, BALL, size) < 760 * exact
 
 
