@@ -14,10 +14,20 @@ They run NumPy, SciPy and pipes: ``core`` does not know Blender.
 """
 
 from collections.abc import Callable
-from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
 from threading import Event, Lock, Thread, local
 
-__all__ = ["FIRST_EXCEPTION", "Event", "Lock", "Thread", "ThreadPoolExecutor", "local", "start_thread", "wait"]
+__all__ = [
+    "FIRST_EXCEPTION",
+    "Event",
+    "Future",
+    "Lock",
+    "Thread",
+    "ThreadPoolExecutor",
+    "local",
+    "start_thread",
+    "wait",
+]
 
 
 def start_thread(work: Callable[..., object], *arguments: object, is_daemon: bool = True) -> Thread:
