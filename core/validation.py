@@ -57,12 +57,12 @@ def convert_value(name: str, hint: object, value: Any) -> Any:
         return value
     for kind in kinds:
         if isinstance(value, _KINDS[kind][0]) and (kind is bool or not isinstance(value, bool | np.bool_)):
-            return check_text(value, f"the {label_of(name)}") if kind is str else _converted(name, kind, value)
+            return check_text(value, f"the {label_of(name)}") if kind is str else _convert_number(name, kind, value)
     asked = " or ".join(_KINDS[kind][1] for kind in kinds)
     raise SettingError(f"the {label_of(name)} is {quote_value(value)}: give {asked}")
 
 
-def _converted(name: str, kind: type, value: Any) -> float:
+def _convert_number(name: str, kind: type, value: Any) -> float:
     try:
         number = kind(value)
     except OverflowError:

@@ -17,7 +17,7 @@ def row_parts(count: int, width: int) -> list[slice]:
     return [slice(first, min(first + rows, count)) for first in range(0, count, rows)]
 
 
-def _together(rows: np.ndarray) -> np.ndarray:
+def _join_rows(rows: np.ndarray) -> np.ndarray:
     """View C-contiguous rows with TOGETHER joined to one."""
     return rows.reshape(len(rows) // TOGETHER, TOGETHER * rows.shape[1])
 
@@ -57,6 +57,6 @@ def add_multiples(columns: np.ndarray, shares: np.ndarray, others: np.ndarray) -
     tiled = np.tile(shares, TOGETHER)
     whole = len(columns) // TOGETHER * TOGETHER
     for part in row_parts(whole, columns.shape[1]):
-        changed = _together(columns[part])
-        changed += tiled * _together(others[part])
+        changed = _join_rows(columns[part])
+        changed += tiled * _join_rows(others[part])
     columns[whole:] += shares * others[whole:]

@@ -46,7 +46,7 @@ def check_mesh(mesh: TriangleMesh, faces: np.ndarray | None = None) -> None:
 def coarse_places(places: np.ndarray, edges: np.ndarray) -> str:
     """Write a warning if single precision, in which Blender stores (n, 3) places, is too coarse for (e, 2) edges;
     otherwise return ""."""
-    used, reach, steps, median = _steps_of_places(places, edges)
+    used, reach, steps, median = _measure_steps(places, edges)
     if steps.max(initial=0.0) <= COARSE_STEP * median:
         return ""
     far = far_vertices(places, edges)
@@ -66,7 +66,7 @@ def coarse_places(places: np.ndarray, edges: np.ndarray) -> str:
 def far_vertices(places: np.ndarray, edges: np.ndarray) -> np.ndarray:
     """Find the (k,) vertices so far out that single precision is too coarse there for the others' edges; none if many
     are. Arguments as for :func:`coarse_places`."""
-    used, reach, steps, median = _steps_of_places(places, edges)
+    used, reach, steps, median = _measure_steps(places, edges)
     is_far = steps > COARSE_STEP * median
     if not 0 < is_far.sum() <= FEW_FAR * len(used) or reach[is_far].min() < ALONE * np.median(reach[~is_far]):
         return used[:0]
@@ -79,7 +79,7 @@ def refuse_far_vertices(mesh: TriangleMesh) -> None:
         raise MeshError(coarse_places(mesh.vertices, mesh.edges))
 
 
-def _steps_of_places(places: np.ndarray, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+def _measure_steps(places: np.ndarray, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
     """Compute the vertices of edges between finite places, (k,), their largest coordinates, the steps of single
     precision there, and the median edge length, infinite without edges."""
     known = edges[np.isfinite(places[edges]).all(axis=(1, 2))]
@@ -91,7 +91,7 @@ def _steps_of_places(places: np.ndarray, edges: np.ndarray) -> tuple[np.ndarray,
     return used, reach, steps, np.median(lengths) if len(lengths) else np.inf
 
 
-def _piece(mesh: TriangleMesh, vertex: int) -> str:
+def _name_piece(mesh: TriangleMesh, vertex: int) -> str:
     count = len(np.unique(mesh.pieces[mesh.triangles[:, 0]]))
     first = np.flatnonzero(mesh.pieces == mesh.pieces[vertex])[0]
     return f" (in the piece of vertex {first}, one of {count})" if count > 1 else ""
@@ -101,7 +101,7 @@ def _refuse_vertices(mesh: TriangleMesh, is_bad: np.ndarray, what: str, remedy: 
     bad = np.flatnonzero(is_bad)
     if len(bad):
         verb = "has" if len(bad) == 1 else "have"
-        raise MeshError(f"{name_elements('vertex', bad)} {verb} {what}{_piece(mesh, bad[0])}: {remedy}")
+        raise MeshError(f"{name_elements('vertex', bad)} {verb} {what}{_name_piece(mesh, bad[0])}: {remedy}")
 
 
 def flat_faces(mesh: TriangleMesh, faces: np.ndarray) -> np.ndarray:
@@ -128,7 +128,7 @@ def _refuse_faces(mesh: TriangleMesh, faces: np.ndarray) -> None:
         if bad.any():
             names = np.unique(faces[bad])
             verb = "has" if len(names) == 1 else "have"
-            where = _piece(mesh, mesh.triangles[bad][0, 0])
+            where = _name_piece(mesh, mesh.triangles[bad][0, 0])
             raise MeshError(f"{name_elements('face', names)} {verb} {what}{where}: use {remedy}")
 
 
@@ -139,7 +139,7 @@ def _refuse_edges(mesh: TriangleMesh, faces: np.ndarray) -> None:
         more = f" and {len(crowded) - 1} more" if len(crowded) > 1 else ""
         raise MeshError(
             f"the edge between vertices {i} and {j}{more} has {mesh.edge_face_counts[crowded[0]]} faces"
-            f"{_piece(mesh, i)}: keep two, see Select > All by Trait > Non Manifold"
+            f"{_name_piece(mesh, i)}: keep two, see Select > All by Trait > Non Manifold"
         )
     inside = mesh.twins > np.arange(len(mesh.twins))
     here, there = np.flatnonzero(inside), mesh.twins[inside]
@@ -151,7 +151,7 @@ def _refuse_edges(mesh: TriangleMesh, faces: np.ndarray) -> None:
     _, balanced = balance(mesh.triangle_count, triangles, clash)
     i, j = mesh.edges[mesh.triangle_edges.ravel()[here[clash][0]]]
     first, second = faces[triangles[clash][0]]
-    where = f"faces {first} and {second} at the edge between vertices {i} and {j}{_piece(mesh, i)}"
+    where = f"faces {first} and {second} at the edge between vertices {i} and {j}{_name_piece(mesh, i)}"
     if balanced.all():
         raise MeshError(f"{where} face opposite ways: use Mesh > Normals > Recalculate Outside")
     raise MeshError(f"the surface is one-sided at {where}: cut it open along a loop of edges (Mesh > Split)")

@@ -43,8 +43,8 @@ def join_curves(numbers: np.ndarray, cell_faces: np.ndarray, outward: np.ndarray
     faces = np.repeat(np.arange(len(numbers)), np.abs(numbers))
     starts = np.cumsum(np.abs(numbers)) - np.abs(numbers)
     leaving_numbers = numbers[cell_faces] * outward
-    leaving = _through(cell_faces, leaving_numbers, starts)
-    coming = _through(cell_faces, -leaving_numbers, starts)
+    leaving = _list_passages(cell_faces, leaving_numbers, starts)
+    coming = _list_passages(cell_faces, -leaving_numbers, starts)
     after, cell_after, entered = np.full(len(faces), -1), np.full(len(faces), -1), np.zeros(len(faces), bool)
     after[coming[1]], cell_after[coming[1]] = leaving[1], coming[0]
     entered[leaving[1]] = True
@@ -62,7 +62,7 @@ def join_curves(numbers: np.ndarray, cell_faces: np.ndarray, outward: np.ndarray
     return [FaceCrossingCurve(np.array(met), np.array(cells, int), index) for (met, cells), index in courses.items()]
 
 
-def _through(cell_faces: np.ndarray, numbers: np.ndarray, starts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _list_passages(cell_faces: np.ndarray, numbers: np.ndarray, starts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """List cells and the strands through their faces of positive number, sorted by cell."""
     cells, sides = np.nonzero(numbers > 0)
     repeats = numbers[cells, sides]

@@ -33,24 +33,24 @@ def orient_faces(mesh: TriangleMesh, faces: np.ndarray, joins: np.ndarray) -> tu
     turned, balanced = balance(count, pairs, clash)
     pieces = components(count, pairs)
     if not balanced.all():
-        tree = _tree(count, pairs, ~balanced)
+        tree = _spanning_pairs(count, pairs, ~balanced)
         along_tree = balance(count, pairs[tree], clash[tree])[0]
         lengths = mesh.edge_lengths[mesh.triangle_edges.ravel()[joins[:, 0]]]
-        longer = lengths * clash - lengths * _clashes(clash, along_tree, pairs)
+        longer = lengths * clash - lengths * _find_clashes(clash, along_tree, pairs)
         shortened = np.bincount(pieces[pairs[:, 0]], longer, pieces.max() + 1) > 0
         turned |= along_tree & ~balanced & shortened[pieces]
     areas = np.bincount(faces, mesh.areas, count)
     turned ^= (np.bincount(pieces, np.where(turned, areas, -areas)) > 0)[pieces]
     turned[np.bincount(faces, minlength=count) == 0] = False
-    return turned, _clashes(clash, turned, pairs)
+    return turned, _find_clashes(clash, turned, pairs)
 
 
-def _clashes(clash: np.ndarray, turned: np.ndarray, pairs: np.ndarray) -> np.ndarray:
+def _find_clashes(clash: np.ndarray, turned: np.ndarray, pairs: np.ndarray) -> np.ndarray:
     """Find the joins across which orientations disagree after faces are turned over, (j,) bool."""
     return clash ^ turned[pairs[:, 0]] ^ turned[pairs[:, 1]]
 
 
-def _tree(count: int, pairs: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+def _spanning_pairs(count: int, pairs: np.ndarray, chosen: np.ndarray) -> np.ndarray:
     """Select the pairs of spanning trees of the chosen nodes, which are whole components."""
     first = np.unique(components(count, pairs)[chosen], return_index=True)[1]
     roots = np.flatnonzero(chosen)[first]

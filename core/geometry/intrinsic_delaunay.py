@@ -12,6 +12,8 @@ from functools import cached_property
 
 import numpy as np
 
+from .vertex_splitting import next_half_edges, previous_half_edges
+
 # Cotangent weights are clipped to this range: Eq. (2) needs them positive, and slivers would
 # otherwise outweigh the rest of the mesh by ten orders of magnitude.
 WEIGHT_RANGE = (1e-4, 1e4)
@@ -157,7 +159,7 @@ def flip_edges(mesh: IntrinsicMesh) -> IntrinsicMesh:
     angles, twins = mesh.corner_angles.ravel(), mesh.twins
     waiting = np.flatnonzero(twins > np.arange(len(twins)))
     waiting = waiting[_excess(angles, twins, waiting) > TOLERANCE]
-    if len(waiting) == 0 and not _is_flat(angles[_before(np.arange(len(twins)))], twins).any():
+    if len(waiting) == 0 and not _is_flat(angles[previous_half_edges(np.arange(len(twins)))], twins).any():
         return mesh
     surface = _Flipped(
         mesh.triangles.ravel().copy(),
@@ -178,17 +180,9 @@ def flip_edges(mesh: IntrinsicMesh) -> IntrinsicMesh:
     return IntrinsicMesh(triangles, sides, directions, corner_angles, surface.twins, mesh.angle_scales)
 
 
-def _after(halves: np.ndarray) -> np.ndarray:
-    return halves - halves % 3 + (halves + 1) % 3
-
-
-def _before(halves: np.ndarray) -> np.ndarray:
-    return halves - halves % 3 + (halves + 2) % 3
-
-
 def _excess(angles: np.ndarray, twins: np.ndarray, halves: np.ndarray) -> np.ndarray:
     """Compute (k,) excess over pi of the sum of the two angles opposite inner half-edges."""
-    return angles[_before(halves)] + angles[_before(twins[halves])] - np.pi
+    return angles[previous_half_edges(halves)] + angles[previous_half_edges(twins[halves])] - np.pi
 
 
 def _is_flat(opposite: np.ndarray, twins: np.ndarray) -> np.ndarray:
@@ -235,7 +229,7 @@ class _Flipped:
     def flip(self, left: np.ndarray) -> None:
         """Flip edges, no two of one triangle: the triangles i j k and j i m become k m j and m k i."""
         right = self.twins[left]
-        jk, ki, im, mj = _after(left), _before(left), _after(right), _before(right)
+        (jk, im), (ki, mj) = (of(np.stack([left, right])) for of in (next_half_edges, previous_half_edges))
         at_i, at_j = self.angles[im] + self.angles[left], self.angles[jk] + self.angles[right]
         length, at_k, at_m = self._across(jk, mj, at_j)
         _, above_m, above_k = self._across(im, ki, at_i)
@@ -243,7 +237,7 @@ class _Flipped:
         towards_m = self.directions[ki] + self.scales[k] * above_k
         towards_k = self.directions[mj] + self.scales[m] * at_m
         old = np.stack([mj, jk, ki, im])
-        place = np.stack([_after(left), _before(left), _after(right), _before(right)])
+        place = np.stack([jk, ki, im, mj])
         new_place = np.arange(len(self.twins))
         new_place[old] = place
         opposite = self.twins[old]

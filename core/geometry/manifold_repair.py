@@ -17,9 +17,9 @@ from .check import FLAT_FACE, check_mesh, flat_faces
 from .cut import cut_all_but
 from .face_orientation import orient_faces
 from .nonmanifold_pairing import pair_half_edges
-from .polygons import Polygons, alike_corners, first_alike
+from .polygons import Polygons, find_duplicates, match_corners
 from .triangle_mesh import TriangleMesh
-from .vertex_splitting import following, split_pinched_vertices
+from .vertex_splitting import next_half_edges, split_pinched_vertices
 
 # Kinds of findings: the element, what is wrong with it, and what is done about it.
 KINDS = {
@@ -98,11 +98,11 @@ def carrier(mesh: TriangleMesh, polygons: Polygons) -> Carrier:
     lost = ~np.isfinite(mesh.vertices).all(axis=1)
     vertices = finite_places(mesh.vertices)
     is_lost = np.logical_or.reduceat(lost[polygons.corner_vertices], polygons.starts)
-    is_flat = flat_faces(TriangleMesh(vertices, mesh.triangles), polygons.triangle_faces) | _meets_itself(polygons)
+    is_flat = flat_faces(TriangleMesh(vertices, mesh.triangles), polygons.triangle_faces) | _repeats_vertex(polygons)
     is_flat &= ~is_lost
-    own = _one_for_all(polygons, vertices, is_flat, is_lost)
+    own = _represent_all(polygons, vertices, is_flat, is_lost)
     polygons = replace(polygons, corner_vertices=own[polygons.corner_vertices])
-    first = _first_alike(polygons, ~is_lost & ~is_flat)
+    first = _find_duplicates(polygons, ~is_lost & ~is_flat)
     is_double = first != np.arange(len(first))
     kept = ~(is_lost | is_flat | is_double)
     if not kept.any():
@@ -115,8 +115,8 @@ def carrier(mesh: TriangleMesh, polygons: Polygons) -> Carrier:
     corners = np.where(turned[faces, None], corners[:, ::-1], corners)
     # The same half-edges in triangles that are turned over.
     halves = np.where(turned[faces[joins // 3]], joins - joins % 3 + np.array([1, 0, 2])[joins % 3], joins)
-    surface, source = _in_fans(TriangleMesh(vertices, polygons.corner_vertices[corners]), faces, halves[~seam])
-    alike = alike_corners(polygons, first)
+    surface, source = _split_into_fans(TriangleMesh(vertices, polygons.corner_vertices[corners]), faces, halves[~seam])
+    alike = match_corners(polygons, first)
     corner_vertices = polygons.corner_vertices.copy()
     corner_vertices[corners] = surface.triangles
     fans, counts = np.unique(split_pinched_vertices(whole.triangles)[0], return_counts=True)
@@ -139,9 +139,9 @@ def carrier(mesh: TriangleMesh, polygons: Polygons) -> Carrier:
     )
 
 
-def seam_ends(mesh: TriangleMesh, across: np.ndarray) -> np.ndarray:
+def find_seam_ends(mesh: TriangleMesh, across: np.ndarray) -> np.ndarray:
     """Find the (k, 2) vertices that (s, 2) half-edges of a :class:`Carrier`'s seam join, without loops."""
-    pairs = mesh.triangles.ravel()[np.concatenate([across, following(across)])]
+    pairs = mesh.triangles.ravel()[np.concatenate([across, next_half_edges(across)])]
     nodes, names = np.unique(pairs, return_inverse=True)
     names = names.reshape(pairs.shape)
     graph = coo_array((np.ones(len(pairs)), names.T), shape=(len(nodes),) * 2)
@@ -154,7 +154,7 @@ def finite_places(vertices: np.ndarray) -> np.ndarray:
     return vertices if finite.all() else np.where(finite[:, None], vertices, vertices[np.argmax(finite)])
 
 
-def _one_for_all(polygons: Polygons, vertices: np.ndarray, is_flat: np.ndarray, is_lost: np.ndarray) -> np.ndarray:
+def _represent_all(polygons: Polygons, vertices: np.ndarray, is_flat: np.ndarray, is_lost: np.ndarray) -> np.ndarray:
     """Find the (n,) vertex that represents each: the first at the same place that edges of flat faces join, so that the
     surface closes where these faces were; itself if another face has two of them."""
     ahead = np.arange(len(polygons.corner_vertices)) + 1
@@ -165,12 +165,12 @@ def _one_for_all(polygons: Polygons, vertices: np.ndarray, is_flat: np.ndarray, 
     joined = is_flat[polygons.corner_faces] & (lengths <= 2 * FLAT_FACE * reach)
     places = components(len(vertices), ends[joined])
     within = ~(is_flat | is_lost)[polygons.corner_faces]
-    twice = _met_twice(polygons.corner_faces[within], places[polygons.corner_vertices[within]])[1]
+    twice = _find_repeated(polygons.corner_faces[within], places[polygons.corner_vertices[within]])[1]
     first = np.unique(places, return_index=True)[1]
     return np.where(np.isin(places, twice), np.arange(len(places)), first[places])
 
 
-def _met_twice(faces: np.ndarray, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _find_repeated(faces: np.ndarray, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """List the faces and labels for which two corners of a face have the same label."""
     order = np.lexsort((labels, faces))
     faces, labels = faces[order], labels[order]
@@ -178,16 +178,16 @@ def _met_twice(faces: np.ndarray, labels: np.ndarray) -> tuple[np.ndarray, np.nd
     return faces[same], labels[same]
 
 
-def _meets_itself(polygons: Polygons) -> np.ndarray:
+def _repeats_vertex(polygons: Polygons) -> np.ndarray:
     """Find faces that repeat a vertex, (p,) bool."""
-    faces = _met_twice(polygons.corner_faces, polygons.corner_vertices)[0]
+    faces = _find_repeated(polygons.corner_faces, polygons.corner_vertices)[0]
     return np.bincount(faces, minlength=len(polygons.starts)) > 0
 
 
-def _first_alike(polygons: Polygons, usable: np.ndarray) -> np.ndarray:
+def _find_duplicates(polygons: Polygons, usable: np.ndarray) -> np.ndarray:
     """Find the (p,) face that each usable face duplicates, itself for others: one with the same corners, or a larger
     one that covers all of its triangles."""
-    first = np.where(usable, first_alike(polygons, usable), np.arange(len(usable)))
+    first = np.where(usable, find_duplicates(polygons, usable), np.arange(len(usable)))
     rows = (usable & (first == np.arange(len(first))))[polygons.triangle_faces]
     faces, triangles = polygons.triangle_faces[rows], np.sort(polygons.triangles[rows], axis=1)
     labels = np.unique(triangles, axis=0, return_inverse=True)[1].reshape(-1)
@@ -201,7 +201,7 @@ def _first_alike(polygons: Polygons, usable: np.ndarray) -> np.ndarray:
     return first[first]
 
 
-def _in_fans(mesh: TriangleMesh, faces: np.ndarray, joins: np.ndarray) -> tuple[TriangleMesh, np.ndarray]:
+def _split_into_fans(mesh: TriangleMesh, faces: np.ndarray, joins: np.ndarray) -> tuple[TriangleMesh, np.ndarray]:
     """Split the vertices where no join connects their triangles; also returns the vertex that each was.
 
     Where two edges join the same two vertices, or two triangles the same three, with one fan at each, faces are

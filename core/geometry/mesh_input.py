@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import TriangleMesh
-from .manifold_repair import Finding, seam_ends
+from .manifold_repair import Finding, find_seam_ends
 from .polygons import Polygons
 
 
@@ -58,7 +58,7 @@ class MeshInput:
     @property
     def seam(self) -> np.ndarray | None:
         """(k, 2) vertices on the two sides of a one-sided surface's seam, without loops; None without a seam."""
-        return None if self.linked is None or not len(self.linked) else seam_ends(self.mesh, self.linked)
+        return None if self.linked is None or not len(self.linked) else find_seam_ends(self.mesh, self.linked)
 
     @property
     def euler_characteristic(self) -> int:

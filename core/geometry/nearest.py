@@ -53,9 +53,9 @@ class NearestTriangles:
         points = np.asarray(points, float).reshape(-1, 3)
         found = self._centres.query(points)[1]
         places, squares = np.empty_like(points), np.empty(len(points))
-        parts = _parts(np.arange(len(points)))
+        parts = _split(np.arange(len(points)))
         for part in parts:
-            places[part], squares[part] = self._measured(points[part], found[part])
+            places[part], squares[part] = self._nearest_on(points[part], found[part])
         slack = ROUNDING * max(np.abs(self.vertices).max(), np.abs(points).max(initial=0))
         top = len(self._boxes) - 1
         # The last part is on top, so that few parts wait at any time.
@@ -72,7 +72,7 @@ class NearestTriangles:
             rows, branches = np.nonzero(np.ascontiguousarray(near.T))
             at, nodes = at[rows], BRANCHES * nodes[rows] + branches
             if level:
-                pairs = zip(_parts(at), _parts(nodes), strict=True)
+                pairs = zip(_split(at), _split(nodes), strict=True)
                 waiting.extend([(level - 1, *pair) for pair in pairs][::-1])
             else:
                 self._improve(points, at, self._order[nodes], found, places, squares)
@@ -92,7 +92,7 @@ class NearestTriangles:
         at, triangles = at[other], triangles[other]
         if len(at) == 0:
             return
-        new_places, new_squares = self._measured(points[at], triangles)
+        new_places, new_squares = self._nearest_on(points[at], triangles)
         starts = np.flatnonzero(np.diff(at, prepend=-1))
         owners = np.cumsum(np.diff(at, prepend=-1) > 0) - 1
         least = np.minimum.reduceat(new_squares, starts)[owners]
@@ -102,7 +102,7 @@ class NearestTriangles:
         at = at[better]
         found[at], places[at], squares[at] = triangles[better], new_places[better], new_squares[better]
 
-    def _measured(self, points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _nearest_on(self, points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Compute the (c, 3) places of (c,) triangles nearest to (c, 3) points, and the (c,) squared distances."""
         corners = self._corners[:, triangles]
         shares = nearest_in_triangles(points, corners)
@@ -223,6 +223,6 @@ def _ratio(part: np.ndarray, whole: np.ndarray) -> np.ndarray:
     return np.divide(part, whole, out=np.zeros_like(part), where=whole != 0)
 
 
-def _parts(values: np.ndarray) -> list[np.ndarray]:
+def _split(values: np.ndarray) -> list[np.ndarray]:
     """Split an array into parts of bounded length."""
     return np.array_split(values, max(1, -(-len(values) // BATCH)))

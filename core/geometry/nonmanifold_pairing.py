@@ -5,7 +5,7 @@ import numpy as np
 
 from ..graphs import components, ragged_arange
 from .triangle_mesh import TriangleMesh
-from .vertex_splitting import corner_links, following
+from .vertex_splitting import corner_links, next_half_edges
 
 # Extra cost of a concave bend when cosines of bends are compared, so that solids that touch in an edge are separated.
 _CONCAVE = 0.01
@@ -38,17 +38,17 @@ def pair_half_edges(mesh: TriangleMesh, faces: np.ndarray) -> np.ndarray:
     halves = np.delete(halves, np.concatenate([inside, inside + 1]))
     halves = halves[np.bincount(edges[halves], minlength=len(mesh.edges))[edges[halves]] < _MOST]
     if len(halves):
-        pages = _pages(mesh, np.concatenate(pairs), halves)
-        pairs.append(halves[_match_pairs(edges[halves], *_candidates(mesh, halves, pages))])
+        pages = _label_sheets(mesh, np.concatenate(pairs), halves)
+        pairs.append(halves[_match_pairs(edges[halves], *_list_candidates(mesh, halves, pages))])
     return np.concatenate(pairs)
 
 
-def _pages(mesh: TriangleMesh, joins: np.ndarray, halves: np.ndarray) -> np.ndarray:
+def _label_sheets(mesh: TriangleMesh, joins: np.ndarray, halves: np.ndarray) -> np.ndarray:
     """Label half-edges at crowded edges, (k,), by the connected sheets beside chains of such edges."""
     fans = components(3 * mesh.triangle_count, corner_links(mesh.triangles, *joins.T))
     crowded = np.unique(mesh.triangle_edges.ravel()[halves])
     degrees = np.bincount(mesh.edges[crowded].ravel(), minlength=mesh.vertex_count)
-    number, ends = np.tile(np.arange(len(halves)), 2), np.concatenate([halves, following(halves)])
+    number, ends = np.tile(np.arange(len(halves)), 2), np.concatenate([halves, next_half_edges(halves)])
     fan, inside = fans[ends], degrees[mesh.triangles.ravel()[ends]] == 2
     number, fan = number[inside], fan[inside]
     order = np.argsort(fan, kind="stable")
@@ -56,7 +56,7 @@ def _pages(mesh: TriangleMesh, joins: np.ndarray, halves: np.ndarray) -> np.ndar
     return components(len(halves), np.column_stack([number[order[both]], number[order[both + 1]]]))
 
 
-def _candidates(mesh: TriangleMesh, halves: np.ndarray, pages: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _list_candidates(mesh: TriangleMesh, halves: np.ndarray, pages: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """List (c, 2) positions in ``halves``, sorted by edges, that could be joined, and the (c,) costs."""
     edges = mesh.triangle_edges.ravel()[halves]
     _, starts, sizes = np.unique(edges, return_index=True, return_counts=True)
@@ -68,7 +68,7 @@ def _candidates(mesh: TriangleMesh, halves: np.ndarray, pages: np.ndarray) -> tu
     agrees = signs[first] != signs[second]
     allowed = agrees | ~balanced[first]
     first, second, agrees = first[allowed], second[allowed], agrees[allowed]
-    away, normals = _away(mesh, halves), mesh.face_normals[halves // 3]
+    away, normals = _inward_directions(mesh, halves), mesh.face_normals[halves // 3]
     costs = np.einsum("cx,cx->c", away[first], away[second])
     costs += np.where(agrees, _CONCAVE * np.einsum("cx,cx->c", normals[first], away[second]), 0)
     lengths = mesh.edge_lengths[edges[first]]
@@ -78,7 +78,7 @@ def _candidates(mesh: TriangleMesh, halves: np.ndarray, pages: np.ndarray) -> tu
     return np.column_stack([first, second]), means[kinds]
 
 
-def _away(mesh: TriangleMesh, halves: np.ndarray) -> np.ndarray:
+def _inward_directions(mesh: TriangleMesh, halves: np.ndarray) -> np.ndarray:
     """Compute (k, 3) unit vectors from edges into their triangles, normal to the edge; zero for flat triangles."""
     tails, heads, apexes = (mesh.vertices[mesh.triangles[halves // 3, (halves + k) % 3]] for k in range(3))
     along = heads - tails

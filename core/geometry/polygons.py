@@ -93,7 +93,7 @@ class Polygons:
         turned = _descends(shown[now.triangle_corners[rows]]) != runs[new[rows]]
         corners = np.where(turned[:, None], now.triangle_corners[rows][:, ::-1], now.triangle_corners[rows])
         now = replace(now, triangle_corners=corners, triangle_faces=now.triangle_faces[rows])
-        alike = alike_corners(now, first_alike(now, now.drawn))
+        alike = match_corners(now, find_duplicates(now, now.drawn))
         # Duplicates of a face that was split take the values of its triangles, corner by corner.
         drawn = np.flatnonzero(now.drawn[now.corner_faces])
         known, where = np.unique(shown[drawn], return_index=True)
@@ -107,7 +107,7 @@ def _descends(corners: np.ndarray) -> np.ndarray:
     return (np.roll(corners, -1, axis=1) < corners).sum(axis=1) > 1
 
 
-def first_alike(polygons: Polygons, chosen: np.ndarray) -> np.ndarray:
+def find_duplicates(polygons: Polygons, chosen: np.ndarray) -> np.ndarray:
     """Find the (p,) first of the chosen faces with exactly the vertices of each face; itself if there is none."""
     first = np.arange(len(polygons.starts))
     for size in np.unique(polygons.sizes):
@@ -120,7 +120,7 @@ def first_alike(polygons: Polygons, chosen: np.ndarray) -> np.ndarray:
     return first
 
 
-def alike_corners(polygons: Polygons, first: np.ndarray) -> np.ndarray:
+def match_corners(polygons: Polygons, first: np.ndarray) -> np.ndarray:
     """Find the (c,) corner of another face, (p,) ``first``, at the same vertex as each corner of a face."""
     count = polygons.corner_vertices.max(initial=0) + 1
     own = polygons.corner_faces * count + polygons.corner_vertices

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from ..errors import MeshError
 from ..graphs import components
 from .intrinsic_delaunay import MOST_CLIPPED, IntrinsicMesh, clipped_share, edge_weights, flip_edges
+from .vertex_splitting import next_half_edges, previous_half_edges
 
 # Cotangents are clipped to a range in which sums do not overflow.
 _LARGEST = 1e200
@@ -254,7 +255,7 @@ class TriangleMesh:
         tails = self.triangles.ravel()
         angles = self.scaled_angles.ravel()
         halves = np.arange(len(tails))
-        previous = halves - halves % 3 + (halves + 2) % 3
+        previous = previous_half_edges(halves)
         starts = np.full(self.vertex_count, -1)
         starts[tails[::-1]] = halves[::-1]
         open_starts = halves[self.twins < 0]
@@ -289,8 +290,7 @@ class TriangleMesh:
         """(e, 2) angle of the edge in the tangent plane of its lower vertex, and of the reversed
         edge in that of its higher vertex; counterclockwise from each vertex's reference edge."""
         at_tail = self.half_edge_directions
-        halves = np.arange(len(at_tail))
-        following = halves - halves % 3 + (halves + 1) % 3
+        following = next_half_edges(np.arange(len(at_tail)))
         at_head = at_tail[following] + self.scaled_angles.ravel()[following]
         directions = np.zeros((len(self.edges), 2))
         edge, forward = self._half_edges.numbers, self._half_edges.forward

@@ -29,14 +29,19 @@ def corner_links(triangles: np.ndarray, halves: np.ndarray, others: np.ndarray) 
     Corner c = 3 t + k is the tail of half-edge c.
     """
     opposite = triangles.ravel()[halves] != triangles.ravel()[others]
-    tails = np.where(opposite, following(others), others)
-    heads = np.where(opposite, others, following(others))
-    return np.concatenate([np.column_stack([halves, tails]), np.column_stack([following(halves), heads])])
+    tails = np.where(opposite, next_half_edges(others), others)
+    heads = np.where(opposite, others, next_half_edges(others))
+    return np.concatenate([np.column_stack([halves, tails]), np.column_stack([next_half_edges(halves), heads])])
 
 
-def following(halves: np.ndarray) -> np.ndarray:
+def next_half_edges(halves: np.ndarray) -> np.ndarray:
     """Find the next half-edge in the same triangle."""
     return halves - halves % 3 + (halves + 1) % 3
+
+
+def previous_half_edges(halves: np.ndarray) -> np.ndarray:
+    """Find the previous half-edge in the same triangle."""
+    return halves - halves % 3 + (halves + 2) % 3
 
 
 def merge_corners(cells: np.ndarray, links: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

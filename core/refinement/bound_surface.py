@@ -12,8 +12,8 @@ from ..geometry.polygons import Polygons
 from ..geometry.triangle_mesh import TriangleMesh
 from ..geometry.welding import welded_vertices
 from ..graphs import ragged_arange
-from .division import Division, divided, undivided
-from .mirroring import Reflection, cut_at_plane, on_planes, on_positive_side, with_reflection
+from .division import Division, divide, whole_division
+from .mirroring import Reflection, add_reflection, cut_at_plane, find_positive_side, snap_to_planes
 
 # Most triangles of a finer copy: solves on more would take minutes and gigabytes.
 MOST_TRIANGLES = 1_000_000
@@ -108,49 +108,49 @@ def refine(
     corner_vertices, edges = np.asarray(corner_vertices, int), np.asarray(edges, int).reshape(-1, 2)
     places = vertices if stretch is None else vertices @ np.asarray(stretch).T
     if triangle_corners is None:
-        triangle_corners = fan_triangles(starts, len(corner_vertices))
+        triangle_corners = split_fans(starts, len(corner_vertices))
     own = welded_vertices(places, corner_vertices[triangle_corners])
     joined = own[corner_vertices]
-    usable = _usable(places, joined[triangle_corners])
+    usable = _find_usable(places, joined[triangle_corners])
     corners = triangle_corners[usable]
-    sides = _labels(edges, corner_vertices[corners], len(vertices))
+    sides = _label_sides(edges, corner_vertices[corners], len(vertices))
     faces = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(corner_vertices)))
-    whole = undivided(places, joined[corners], sides)
+    whole = whole_division(places, joined[corners], sides)
     if not axes or len(corners) == 0:
-        division = _divided(whole, longest)
+        division = _divide(whole, longest)
         parents = corners[division.source]
     else:
         mesh = TriangleMesh(places, joined[corners])
-        polygons = _polygons(starts, joined, faces, corners)
+        polygons = _make_polygons(starts, joined, faces, corners)
         reflections = [Reflection.of(mesh, polygons, own[edges], axis) for axis in axes]
-        division, parents = _mirrored(whole, corners, reflections, longest)
-    kept = _kept(division, parents, faces, corners, triangle_corners, usable)
+        division, parents = _divide_symmetrically(whole, corners, reflections, longest)
+    kept = _find_kept(division, parents, faces, corners, triangle_corners, usable)
     joins = int((own != np.arange(len(own))).sum())
-    return _bound(vertices, starts, joined, faces, parents, division, kept, joins)
+    return _build_surface(vertices, starts, joined, faces, parents, division, kept, joins)
 
 
-def _polygons(starts: np.ndarray, corner_vertices: np.ndarray, faces: np.ndarray, corners: np.ndarray) -> Polygons:
+def _make_polygons(starts: np.ndarray, corner_vertices: np.ndarray, faces: np.ndarray, corners: np.ndarray) -> Polygons:
     """Build the Polygons of faces from their usable triangles."""
     sizes = np.bincount(faces, minlength=len(starts))
     return Polygons(corner_vertices, starts, sizes, corners, faces[corners[:, 0]])
 
 
-def _mirrored(
+def _divide_symmetrically(
     whole: Division, corners: np.ndarray, reflections: Sequence[Reflection], longest: float
 ) -> tuple[Division, np.ndarray]:
     """Divide triangles symmetrically; also returns the (t, 3) corners that the weights refer to."""
-    cut = on_planes(whole, reflections)
+    cut = snap_to_planes(whole, reflections)
     for reflection in reflections:
         cut = cut_at_plane(cut, reflection)
-        cut = cut[on_positive_side(cut, reflection)]
-    division = _divided(cut, longest, 2 ** len(reflections))
+        cut = cut[find_positive_side(cut, reflection)]
+    division = _divide(cut, longest, 2 ** len(reflections))
     parents = corners[division.source]
     for reflection in reflections:
-        division, parents = with_reflection(division, parents, reflection)
+        division, parents = add_reflection(division, parents, reflection)
     return division, parents
 
 
-def fan_triangles(starts: np.ndarray, count: int) -> np.ndarray:
+def split_fans(starts: np.ndarray, count: int) -> np.ndarray:
     """Split each face from its first corner into triangles, (t, 3) corners, for ``count`` corners in all."""
     sizes = np.diff(starts, append=count)
     first = np.repeat(starts, np.maximum(sizes - 2, 0))
@@ -159,13 +159,13 @@ def fan_triangles(starts: np.ndarray, count: int) -> np.ndarray:
     return np.column_stack([first, second, second + 1])
 
 
-def _usable(places: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+def _find_usable(places: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """Find triangles with three distinct vertices at finite places, (t,) bool."""
     distinct = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
     return distinct & np.isfinite(places).all(axis=1)[triangles].all(axis=1)
 
 
-def _labels(edges: np.ndarray, triangles: np.ndarray, count: int) -> np.ndarray:
+def _label_sides(edges: np.ndarray, triangles: np.ndarray, count: int) -> np.ndarray:
     """Find the (t, 3) edge from corner k to corner k + 1 of each triangle, -1 for diagonals of faces."""
     ends = np.sort(edges, axis=1)
     keys = ends[:, 0] * count + ends[:, 1]
@@ -178,20 +178,20 @@ def _labels(edges: np.ndarray, triangles: np.ndarray, count: int) -> np.ndarray:
     return np.where(keys[found] == asked, found, -1)
 
 
-def _divided(whole: Division, longest: float, copies: int = 1) -> Division:
+def _divide(whole: Division, longest: float, copies: int = 1) -> Division:
     """Divide triangles of which there will be so many copies."""
     most = MOST_TRIANGLES // copies
-    division = divided(whole, longest, most)
+    division = divide(whole, longest, most)
     if division is not None:
         return division
     factor = 1.0
     while division is None:
         factor *= _COARSER
-        division = divided(whole, factor * longest, most)
+        division = divide(whole, factor * longest, most)
     raise TooFineError(longest, factor)
 
 
-def _kept(
+def _find_kept(
     division: Division,
     parents: np.ndarray,
     faces: np.ndarray,
@@ -209,7 +209,7 @@ def _kept(
     return kept
 
 
-def _bound(
+def _build_surface(
     vertices: np.ndarray,
     starts: np.ndarray,
     joined: np.ndarray,

@@ -120,19 +120,19 @@ class Faces:
         )
 
 
-def undivided(vertices: np.ndarray, triangles: np.ndarray, sides: np.ndarray) -> Division:
+def whole_division(vertices: np.ndarray, triangles: np.ndarray, sides: np.ndarray) -> Division:
     """Build the :class:`Division` of whole triangles; ``sides`` label edges from corner k to corner k + 1, (m, 3)."""
     weights = np.broadcast_to(np.eye(3), (len(triangles), 3, 3))
     return Division(vertices, triangles, np.arange(len(triangles)), weights, sides)
 
 
-def divided(whole: Division, longest: float, most: int) -> Division | None:
+def divide(whole: Division, longest: float, most: int) -> Division | None:
     """Divide triangles until all edges are at most ``longest``; None if there would be more than ``most`` triangles.
 
     An edge is halved as often as needed, in the same way in all its triangles. Old vertices do not move.
     """
     vertices, now = whole.vertices, whole.faces
-    strips = joined_faces([], 4)
+    strips = join_faces([], 4)
     done, count = [], 0
     while True:
         lengths, strip_lengths = (_edge_lengths(vertices, faces) for faces in (now, strips))
@@ -143,15 +143,15 @@ def divided(whole: Division, longest: float, most: int) -> Division | None:
         count += int(settled.sum())
         if settled.all() and len(strips) == 0:
             break
-        left = _fewest_triangles(vertices, now[~settled], lengths[~settled], longest)
+        left = _bound_count(vertices, now[~settled], lengths[~settled], longest)
         if count + left + 2 * _parts(strip_lengths[:, ::2].max(axis=1), longest).sum() > most:
             return None
-        vertices, now, strips = _halved(vertices, now[~settled], lengths[~settled], strips, sides_long, longest)
-    faces = joined_faces(done, 3)
+        vertices, now, strips = _halve_edges(vertices, now[~settled], lengths[~settled], strips, sides_long, longest)
+    faces = join_faces(done, 3)
     return faces[np.argsort(faces.source, kind="stable")].division(vertices)
 
 
-def joined_faces(parts: Sequence[Faces], corners: int) -> Faces:
+def join_faces(parts: Sequence[Faces], corners: int) -> Faces:
     """Concatenate faces with so many corners."""
     none = np.empty((0, corners), int)
     parts = [Faces(none, np.empty(0, int), np.empty((0, corners, 3)), none), *parts]
@@ -168,7 +168,7 @@ def _parts(lengths: np.ndarray, longest: float) -> np.ndarray:
     return 2.0 ** np.ceil(np.maximum(np.log2(lengths) - np.log2(longest), 0))
 
 
-def _fewest_triangles(vertices: np.ndarray, faces: Faces, lengths: np.ndarray, longest: float) -> float:
+def _bound_count(vertices: np.ndarray, faces: Faces, lengths: np.ndarray, longest: float) -> float:
     """Compute a lower bound of the number of triangles after division: each part of a longest edge has one, and none is
     larger than an equilateral one."""
     a, b, c = np.moveaxis(vertices[faces.corners], 1, 0)
@@ -176,7 +176,7 @@ def _fewest_triangles(vertices: np.ndarray, faces: Faces, lengths: np.ndarray, l
     return np.maximum(_parts(lengths.max(axis=1), longest), areas / (np.sqrt(3) / 4 * longest**2)).sum()
 
 
-def _halved(
+def _halve_edges(
     vertices: np.ndarray, faces: Faces, lengths: np.ndarray, strips: Faces, sides_long: np.ndarray, longest: float
 ) -> tuple[np.ndarray, Faces, Faces]:
     """Halve the long edges of triangles and strips."""
@@ -185,7 +185,7 @@ def _halved(
     faces = faces.turned(first)
     turns = (first[:, None] + np.arange(3)) % 3
     lengths, long = (np.take_along_axis(values, turns, 1) for values in (lengths, long))
-    vertices, middles, strip_middles = _middles(vertices, (faces, [0, 1, 2], long), (strips, [0, 2], sides_long))
+    vertices, middles, strip_middles = _add_midpoints(vertices, (faces, [0, 1, 2], long), (strips, [0, 2], sides_long))
     faces, strips = faces.with_middles(middles, [0, 1, 2]), strips.with_middles(strip_middles, [0, 2])
     is_needle = (long.sum(axis=1) == 2) & (np.where(long, lengths, np.inf).min(axis=1) > _NEEDLE * longest)
     kinds = np.column_stack([long[:, 1:], _first_diagonal_is_shorter(vertices, faces.corners, long)])
@@ -206,10 +206,10 @@ def _halved(
     for is_first, halves in _DIAGONALS.items():
         rows = np.flatnonzero(settled & (diagonal == is_first))
         triangles += [strips.cut(rows, points, _STRIP_EDGES) for points in halves]
-    return vertices, joined_faces(triangles, 3), joined_faces(new_strips, 4)
+    return vertices, join_faces(triangles, 3), join_faces(new_strips, 4)
 
 
-def _middles(vertices: np.ndarray, *parts: tuple[Faces, list[int], np.ndarray]) -> tuple[np.ndarray, ...]:
+def _add_midpoints(vertices: np.ndarray, *parts: tuple[Faces, list[int], np.ndarray]) -> tuple[np.ndarray, ...]:
     """Add the midpoints of long edges to the vertices; also returns the midpoint of each edge of each part, or -1.
 
     A part consists of faces, the numbers of some of their edges, and whether each of these is long.

@@ -10,7 +10,7 @@ import numpy as np
 from ..geometry.mirror import mirrored_corners
 from ..geometry.polygons import Polygons
 from ..geometry.triangle_mesh import TriangleMesh
-from .division import TRIANGLE_EDGES, Division, Faces, joined_faces
+from .division import TRIANGLE_EDGES, Division, Faces, join_faces
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ def _keys(edges: np.ndarray, count: int) -> np.ndarray:
     return low * count + high
 
 
-def on_planes(division: Division, reflections: Sequence[Reflection]) -> Division:
+def snap_to_planes(division: Division, reflections: Sequence[Reflection]) -> Division:
     """Move given vertices that mirror themselves exactly onto their planes, so that points between are on them too."""
     vertices = division.vertices.copy()
     for reflection in reflections:
@@ -57,15 +57,15 @@ def cut_at_plane(division: Division, reflection: Reflection) -> Division:
     begins = (signs == 0).any(axis=1)
     alone = signs == -np.sign(signs.sum(axis=1))[:, None]
     faces = division.faces[across].turned(np.where(begins[:, None], signs == 0, alone).argmax(axis=1))
-    vertices, faces = _with_cuts(division.vertices, heights, faces, reflection.axis)
+    vertices, faces = _add_cuts(division.vertices, heights, faces, reflection.axis)
     # Points 3 to 5 are the cuts of the edges from corners 0, 1 and 2.
     parts = [division.faces[~across]]
     for rows, split in ((begins, ((0, 1, 4), (0, 4, 2))), (~begins, ((0, 3, 5), (3, 1, 2), (3, 2, 5)))):
         parts += [faces.cut(rows, points, TRIANGLE_EDGES) for points in split]
-    return joined_faces(parts, 3).division(vertices)
+    return join_faces(parts, 3).division(vertices)
 
 
-def _with_cuts(vertices: np.ndarray, heights: np.ndarray, faces: Faces, axis: int) -> tuple[np.ndarray, Faces]:
+def _add_cuts(vertices: np.ndarray, heights: np.ndarray, faces: Faces, axis: int) -> tuple[np.ndarray, Faces]:
     """Add vertices where edges of triangles cross the plane; the triangles get these cuts as points 3 to 5, or -1."""
     corners, following = faces.corners, np.roll(faces.corners, -1, axis=1)
     begin, end = heights[corners], heights[following]
@@ -84,12 +84,12 @@ def _with_cuts(vertices: np.ndarray, heights: np.ndarray, faces: Faces, axis: in
     return np.concatenate([vertices, cuts]), faces.with_points(points, between)
 
 
-def on_positive_side(division: Division, reflection: Reflection) -> np.ndarray:
+def find_positive_side(division: Division, reflection: Reflection) -> np.ndarray:
     """Find the triangles of a cut division on the plane's positive side or in the plane, (t,) bool."""
     return (division.vertices[division.triangles, reflection.axis] >= 0).all(axis=1)
 
 
-def with_reflection(division: Division, parents: np.ndarray, reflection: Reflection) -> tuple[Division, np.ndarray]:
+def add_reflection(division: Division, parents: np.ndarray, reflection: Reflection) -> tuple[Division, np.ndarray]:
     """Join a division on the positive side with its mirror image; triangles in the plane are their own image.
 
     ``parents`` are the (t, 3) corners that weights refer to, which are also returned for the result.

@@ -48,14 +48,14 @@ def sharpen_edges(
     corners, segments = mesh.vertices[corners_of(mesh, sharp)], mesh.vertices[mesh.edges[sharp]]
     # A vertex that has moved makes room for others.
     for _ in range(ROUNDS):
-        corners = _to_corners(moves, boundary, corners, reach)
-        _to_edges(moves, crossing, segments, reach)
+        corners = _move_to_corners(moves, boundary, corners, reach)
+        _move_to_edges(moves, crossing, segments, reach)
     return TetMesh(moves.vertices, solid.tets)
 
 
 def sharp_edges(mesh: TriangleMesh, labels: np.ndarray | None = None) -> np.ndarray:
     """Find the edges of a closed mesh that are bent by more than ``SHARP``, or between faces of different labels."""
-    first, second = _sides(mesh).T
+    first, second = _edge_triangles(mesh).T
     bent = np.einsum("ex,ex->e", mesh.face_normals[first], mesh.face_normals[second]) < SHARP
     return np.flatnonzero(bent if labels is None else bent | (labels[first] != labels[second]))
 
@@ -64,7 +64,7 @@ def smooth_regions(mesh: TriangleMesh, sharp: np.ndarray) -> np.ndarray:
     """Label the (m,) triangles by the parts of the surface between sharp edges."""
     smooth = np.ones(len(mesh.edges), bool)
     smooth[sharp] = False
-    return components(mesh.triangle_count, _sides(mesh)[smooth])
+    return components(mesh.triangle_count, _edge_triangles(mesh)[smooth])
 
 
 def corners_of(mesh: TriangleMesh, sharp: np.ndarray) -> np.ndarray:
@@ -80,13 +80,13 @@ def corners_of(mesh: TriangleMesh, sharp: np.ndarray) -> np.ndarray:
     return np.flatnonzero((degree > 0) & ((degree != 2) | bends))
 
 
-def _sides(mesh: TriangleMesh) -> np.ndarray:
+def _edge_triangles(mesh: TriangleMesh) -> np.ndarray:
     """Find the (e, 2) triangles at the edges of a closed mesh."""
     order = np.argsort(mesh.triangle_edges.ravel(), kind="stable")
     return order.reshape(-1, 2) // 3
 
 
-def _to_corners(moves: "_Moves", boundary: np.ndarray, corners: np.ndarray, reach: float) -> np.ndarray:
+def _move_to_corners(moves: "_Moves", boundary: np.ndarray, corners: np.ndarray, reach: float) -> np.ndarray:
     """Move to each corner the nearest vertex that can move there; returns the other corners."""
     tree, left = cKDTree(moves.vertices[boundary]), []
     for place in corners:
@@ -96,11 +96,11 @@ def _to_corners(moves: "_Moves", boundary: np.ndarray, corners: np.ndarray, reac
     return np.array(left).reshape(-1, 3)
 
 
-def _to_edges(moves: "_Moves", crossing: np.ndarray, segments: np.ndarray, reach: float) -> None:
+def _move_to_edges(moves: "_Moves", crossing: np.ndarray, segments: np.ndarray, reach: float) -> None:
     """Move one end of each edge that crosses sharp edges to the nearest place on these, nearest ones first."""
     crossing = crossing[~moves.done[crossing].any(axis=1)]
     ends = np.unique(crossing)
-    places = _on_segments(segments, moves.vertices[ends], reach)
+    places = _nearest_on_segments(segments, moves.vertices[ends], reach)
     ways = np.linalg.norm(places - moves.vertices[ends], axis=1)
     others: dict[int, list[int]] = {end: [] for end in ends.tolist()}
     for i, j in crossing.tolist():
@@ -111,7 +111,7 @@ def _to_edges(moves: "_Moves", crossing: np.ndarray, segments: np.ndarray, reach
             moves.attempt(ends[row], places[row])
 
 
-def _on_segments(segments: np.ndarray, points: np.ndarray, reach: float) -> np.ndarray:
+def _nearest_on_segments(segments: np.ndarray, points: np.ndarray, reach: float) -> np.ndarray:
     """Find the (k, 3) points of (s, 2, 3) segments nearest to points within reach; for others farther ones."""
     begin, along = segments[:, 0], segments[:, 1] - segments[:, 0]
     counts = np.ceil(np.linalg.norm(along, axis=1) / (reach / 4)).astype(int)

@@ -132,7 +132,7 @@ class Lattice:
         return (i + j + k) % 2 == 0
 
 
-def lattice_around(bounds: ArrayLike, size: float, multiple: int) -> Lattice:
+def build_lattice(bounds: ArrayLike, size: float, multiple: int) -> Lattice:
     """Build a lattice around a box, (2, 3) lowest and highest corner, with at least a cube beyond it on all sides.
 
     The number of cubes along each axis is a multiple of ``multiple``.

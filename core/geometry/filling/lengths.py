@@ -120,12 +120,16 @@ class Lengths(NamedTuple):
 
 def estimate(measures: SurfaceDistance | Measures, size: float | None = None) -> Estimate:
     """Estimate the solid in a surface for a size, or for the automatic one."""
-    size = max(_size_of(measures, AUTOMATIC_TETS), _coarse_size(measures, AUTOMATIC_CUBES)) if size is None else size
+    size = (
+        max(_size_for_tets(measures, AUTOMATIC_TETS), _size_for_cubes(measures, AUTOMATIC_CUBES))
+        if size is None
+        else size
+    )
     tets = estimated_tets(measures.volume, size, measures.area)
     return Estimate(size, tets, max(SOLVED_BYTES * tets, estimated_bytes(tets, measures.bounds, size)))
 
 
-def _size_of(measures: SurfaceDistance | Measures, tets: int) -> float:
+def _size_for_tets(measures: SurfaceDistance | Measures, tets: int) -> float:
     """Find the size at which a solid has about so many tetrahedra."""
     low, high = 0.0, float(np.ptp(measures.bounds, axis=0).max())
     for _ in range(50):
@@ -146,9 +150,9 @@ def _refuse_size(distance: SurfaceDistance, size: float) -> None:
 
 def _smallest_size(distance: SurfaceDistance) -> float:
     """Find the size that makes the largest permitted number of tetrahedra or cubes."""
-    return max(_size_of(distance, MOST_TETS), _coarse_size(distance, MOST_CUBES))
+    return max(_size_for_tets(distance, MOST_TETS), _size_for_cubes(distance, MOST_CUBES))
 
 
-def _coarse_size(measures: SurfaceDistance | Measures, cubes: int) -> float:
+def _size_for_cubes(measures: SurfaceDistance | Measures, cubes: int) -> float:
     """Find the size that makes about so many cubes in the surface's box, of which long oblique bodies fill little."""
     return 1.1 * float(np.prod(np.ptp(measures.bounds, axis=0)) / cubes) ** (1 / 3)

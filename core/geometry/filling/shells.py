@@ -39,11 +39,11 @@ def winding_numbers(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
     Van Oosterom and Strackee, "The solid angle of a plane triangle" (1983).
     """
     step = max(1, BATCH // len(corners))
-    parts = [_turns(corners, points[start : start + step]) for start in range(0, len(points), step)]
+    parts = [_winding(corners, points[start : start + step]) for start in range(0, len(points), step)]
     return np.concatenate(parts) if parts else np.zeros(0)
 
 
-def _turns(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
+def _winding(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
     a, b, c = np.moveaxis(corners - points[:, None, None], -2, 0)
     la, lb, lc = (np.linalg.norm(v, axis=-1) for v in (a, b, c))
     volume = np.einsum("ptx,ptx->pt", a, np.cross(b, c))

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from ...errors import MeshError, SettingError
 from ..tet_mesh import TET_EDGES, TetMesh
 from ..vertex_splitting import merge_corners
-from .lattice import Lattice, lattice_around
+from .lattice import Lattice, build_lattice
 from .stencils import stencil
 
 # A vertex moves to a cut point that is nearer than this share of the edge. A search by trial found that this pair gives
@@ -66,22 +66,22 @@ def fill_surface(signed_distance: Callable[[np.ndarray], np.ndarray], bounds: Ar
     box = np.asarray(bounds, float)
     reach = float(np.linalg.norm(box[1] - box[0]))
     _refuse_size(box, size)
-    lattice = lattice_around(box, size, COARSEST_BLOCK)
-    distances = _distances(signed_distance, lattice)
+    lattice = build_lattice(box, size, COARSEST_BLOCK)
+    distances = _compute_distances(signed_distance, lattice)
     sides = -np.sign(distances).astype(np.int8)
     _refuse_outside(lattice, sides)
 
     edges, are_long = lattice.edges_across(sides)
-    shares = _cut_shares(signed_distance, lattice, edges, distances, CUT_TOLERANCE * reach)
+    shares = _find_cuts(signed_distance, lattice, edges, distances, CUT_TOLERANCE * reach)
     inner, outer = (lattice.points(ends) for ends in edges.T)
     places = inner + shares[:, None] * (outer - inner)
-    warped, warped_places = _warps(edges, are_long, places, shares, size)
+    warped, warped_places = _find_warps(edges, are_long, places, shares, size)
     sides[warped] = 0
     left = (sides[edges] != 0).all(axis=1)
     edges, places = edges[left], places[left]
 
     # Vertices of the lattice come first, in its numbering, and cut points after them.
-    used, tets = np.unique(_cut_tets(lattice, sides, edges), return_inverse=True)
+    used, tets = np.unique(_build_tets(lattice, sides, edges), return_inverse=True)
     tets = tets.reshape(-1, 4)
     _refuse_nothing(lattice, len(tets) > 0)  # all that were inside may have moved onto the surface
     cuts = used >= lattice.vertex_count
@@ -118,7 +118,7 @@ def _split_solid_vertices(mesh: TetMesh, at: np.ndarray) -> tuple[np.ndarray, np
     return np.concatenate([mesh.vertices, mesh.vertices[source[is_copy]]]), names[numbers]
 
 
-def _distances(signed_distance: Callable[[np.ndarray], np.ndarray], lattice: Lattice) -> np.ndarray:
+def _compute_distances(signed_distance: Callable[[np.ndarray], np.ndarray], lattice: Lattice) -> np.ndarray:
     """Compute (v,) distances at the lattice's vertices; far from the surface only the signs are valid.
 
     Blocks of cubes are halved until each is inside, outside or a single cube.
@@ -151,7 +151,7 @@ def _split_blocks(blocks: np.ndarray) -> np.ndarray:
     return blocks
 
 
-def _cut_shares(
+def _find_cuts(
     signed_distance: Callable[[np.ndarray], np.ndarray],
     lattice: Lattice,
     edges: np.ndarray,
@@ -189,7 +189,7 @@ def _cut_shares(
     return shares
 
 
-def _warps(
+def _find_warps(
     edges: np.ndarray, are_long: np.ndarray, places: np.ndarray, shares: np.ndarray, size: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Find the vertices that move to a cut point, in increasing order, and the (k, 3) nearest cut points."""
@@ -204,25 +204,25 @@ def _warps(
     return vertices, to[order[first]]
 
 
-def _cut_tets(lattice: Lattice, sides: np.ndarray, edges: np.ndarray) -> np.ndarray:
+def _build_tets(lattice: Lattice, sides: np.ndarray, edges: np.ndarray) -> np.ndarray:
     """Build (m, 4) tetrahedra inside, positively oriented; cut point e is numbered vertex_count + e."""
     tets, are_positive, at_2, at_0 = lattice.tets_inside(sides)
     codes = (sides[tets] + 1) @ np.array([27, 9, 3, 1])
     whole = (sides[tets] >= 0).all(axis=1)
-    parts = [_turned(tets[whole], are_positive[whole])]
+    parts = [_orient(tets[whole], are_positive[whole])]
     tets, are_positive, codes, at_2, at_0 = (a[~whole] for a in (tets, are_positive, codes, at_2, at_0))
     choices = 4 * codes + 2 * at_2 + at_0
-    corners = np.column_stack([tets, _cut_numbers(lattice, tets, edges)])
+    corners = np.column_stack([tets, _number_cuts(lattice, tets, edges)])
     for choice in np.unique(choices):
         at = choices == choice
         code, picks = divmod(int(choice), 4)
         pattern = tuple(code // power % 3 - 1 for power in (27, 9, 3, 1))
         for tet in stencil(pattern, picks >= 2, picks % 2 == 1):
-            parts.append(_turned(corners[at][:, tet], are_positive[at]))
+            parts.append(_orient(corners[at][:, tet], are_positive[at]))
     return np.concatenate(parts)
 
 
-def _cut_numbers(lattice: Lattice, tets: np.ndarray, edges: np.ndarray) -> np.ndarray:
+def _number_cuts(lattice: Lattice, tets: np.ndarray, edges: np.ndarray) -> np.ndarray:
     """Number the cut points on the edges of tetrahedra, (m, 6); arbitrary for edges that are not cut."""
     count = lattice.vertex_count
     keys = edges.min(axis=1) * count + edges.max(axis=1)
@@ -232,7 +232,7 @@ def _cut_numbers(lattice: Lattice, tets: np.ndarray, edges: np.ndarray) -> np.nd
     return count + order[np.minimum(found, len(order) - 1)]
 
 
-def _turned(tets: np.ndarray, are_positive: np.ndarray) -> np.ndarray:
+def _orient(tets: np.ndarray, are_positive: np.ndarray) -> np.ndarray:
     return np.where(are_positive[:, None], tets, tets[:, [0, 1, 3, 2]])
 
 

@@ -60,13 +60,13 @@ def _try_filling(distance: SurfaceDistance, size: float) -> TetMesh | str:
         solid = fill_surface(distance, distance.bounds, size)
     except NothingInside:
         return "nothing of the solid is left"
-    return _flaw(solid, distance, size) or solid
+    return _describe_flaw(solid, distance, size) or solid
 
 
-def _flaw(solid: TetMesh, distance: SurfaceDistance, size: float) -> str | None:
+def _describe_flaw(solid: TetMesh, distance: SurfaceDistance, size: float) -> str | None:
     """Describe how a solid differs from the surface's body, None if it does not."""
     mesh = distance.mesh
-    shells = np.bincount(mesh.pieces[mesh.triangles[:, 0]], _cones(mesh))
+    shells = np.bincount(mesh.pieces[mesh.triangles[:, 0]], _cone_volumes(mesh))
     volumes = np.sort(np.bincount(solid.pieces[solid.tets[:, 0]], solid.volumes))[::-1]
     bodies, pieces = np.count_nonzero(shells > 0), np.count_nonzero(volumes)
     if volumes[bodies:].sum() > LOOSE_VOLUME * volumes.sum():
@@ -77,7 +77,7 @@ def _flaw(solid: TetMesh, distance: SurfaceDistance, size: float) -> str | None:
     if -more > MOST_HOLES:
         return f"the solid lacks {-more} holes that the surface has"
     boundary = solid.boundary_surface[0]
-    far = cKDTree(boundary.vertices).query(_places_on(mesh))[0] > FAR * size
+    far = cKDTree(boundary.vertices).query(_draw_places(mesh))[0] > FAR * size
     if far.mean() > LOST_AREA:
         return f"the solid leaves out {far.mean():.0%} of the surface"
     return None
@@ -85,10 +85,10 @@ def _flaw(solid: TetMesh, distance: SurfaceDistance, size: float) -> str | None:
 
 def more_holes(solid: TetMesh, distance: SurfaceDistance) -> int:
     """Count the tunnels and cavities that a solid has more than the surface; negative if it has fewer."""
-    return _tunnels(solid.boundary_surface[0]) - _tunnels(distance.mesh)
+    return _count_tunnels(solid.boundary_surface[0]) - _count_tunnels(distance.mesh)
 
 
-def _cones(mesh: TriangleMesh) -> np.ndarray:
+def _cone_volumes(mesh: TriangleMesh) -> np.ndarray:
     """Compute (m,) six times the volumes of cones from triangles to their piece's first vertex, positive if outward."""
     owners = mesh.pieces[mesh.triangles[:, 0]]
     _, first, inverse = np.unique(owners, return_index=True, return_inverse=True)
@@ -97,12 +97,12 @@ def _cones(mesh: TriangleMesh) -> np.ndarray:
     return np.einsum("tx,tx->t", np.cross(a, b), c)
 
 
-def _tunnels(mesh: TriangleMesh) -> int:
+def _count_tunnels(mesh: TriangleMesh) -> int:
     """Count the handles of all shells of a closed mesh."""
     return len(np.unique(mesh.pieces[mesh.triangles[:, 0]])) - mesh.euler_characteristic // 2
 
 
-def _places_on(mesh: TriangleMesh) -> np.ndarray:
+def _draw_places(mesh: TriangleMesh) -> np.ndarray:
     """Draw (PLACES, 3) points evenly from the surface, the same for the same mesh."""
     random = np.random.default_rng(0)
     triangles = random.choice(mesh.triangle_count, PLACES, p=mesh.areas / mesh.areas.sum())

@@ -9,7 +9,7 @@ import pytest
 
 from synch_fields.core.errors import MeshError, SettingError
 from synch_fields.core.geometry import TriangleMesh, check_mesh
-from synch_fields.core.geometry.filling.lattice import lattice_around
+from synch_fields.core.geometry.filling.lattice import build_lattice
 from synch_fields.core.geometry.filling.stencils import stencil
 from synch_fields.core.geometry.filling.stuffing import (
     DIHEDRAL_BOUNDS,
@@ -173,7 +173,7 @@ def test_stencils_of_both_sides_fill_the_tetrahedron(picks):
 
 
 def test_the_lattice_fills_its_inside_once():
-    lattice = lattice_around(BALL, 0.5, 1)
+    lattice = build_lattice(BALL, 0.5, 1)
     tets, are_positive, _, _ = lattice.tets_inside(np.ones(lattice.vertex_count, np.int8))
     points = lattice.points(np.arange(lattice.vertex_count))
     volumes = signed_volumes(points, tets)
@@ -231,7 +231,7 @@ def test_far_points_are_judged_in_blocks():
         return ball_distance(some)
 
     mesh = fill_surface(counted, BALL, 0.06)
-    lattice = lattice_around(BALL, 0.06, 8)
+    lattice = build_lattice(BALL, 0.06, 8)
     assert sum(points) < 0.8 * lattice.vertex_count
     assert mesh.tet_count > 230_000
 
