@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Matchings: which phase continues as which along an edge, as directions are known up to a turn (paper, Eq. 7).
+"""Matchings: which phase continues as which along an edge, as directions are known up to a turn.
 
 A vertex carries k phases. Phase l grows in direction l, at pi l / k counterclockwise from the first; direction
 l + k is the reverse of direction l, and its phase the negative. A line field has k = 1 and two directions, a cross
-k = 2 and four. Along an edge a *matching* m says that direction m of the tail goes on as direction 0 of the head:
-the phases change by A^m, with A : x -> -x for k = 1 and A : (x, y) -> (y, -x) for k = 2.
+k = 2 and four. Along an edge a *matching* m says that direction m of the tail continues as direction 0 of the head:
+the phases change by A^m (paper, Eq. 7), with A : x -> -x for k = 1 and A : (x, y) -> (y, -x) for k = 2.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ from .geometry.triangle_mesh import TriangleMesh
 def matchings(
     mesh: TriangleMesh, angles: np.ndarray, symmetry: int, correction: np.ndarray | None = None
 ) -> np.ndarray:
-    """Compute the matching of each edge: the lower vertex's direction nearest to direction 0 of the higher (Eq. 7).
+    """Compute the matching of each edge: the lower vertex's direction nearest to direction 0 of the higher.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def matchings(
 
 
 def after_turns(phases: np.ndarray, turns: ArrayLike) -> np.ndarray:
-    """Apply A^turns to (..., k) phases: those of the directions that are ``turns`` further on.
+    """Apply A^turns (Eq. 7) to (..., k) phases, which gives those of the directions ``turns`` further on.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ class Piece:
     factor : CSR, matrix = factor^H factor apart from the ground's unused rows
     mass : (nodes,) positive
     block : rows per node
-    is_complex : whether the one row of a node is a complex number
+    is_complex : whether nodes have one complex row
     ground : index of the ground node among the piece's nodes
     rows : (N,) rows of the whole problem's coordinates
     held : sums over all processes that hold rows of the piece; mass, rows and fields are this process's

@@ -88,7 +88,7 @@ class SynchronizationProblem:
     ------
     SettingError
         for arrays that do not fit, NaN, negative weights or masses, transports and values that are not of unit length,
-        a node that is constrained twice, or merged into a node that is itself constrained
+        a node that is constrained twice, or merged into a constrained node
     """
 
     def __init__(

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Threads: the only module that imports and starts them.
 
-None runs beside Blender while somebody works in it. They run
+No thread runs beside Blender while somebody works in it. Threads run
 
 - in a child process without Blender, which solves for the window (``core.process.child``);
 - in a Blender that is blocked by a solve of a script, the redo panel or the command line: they share its work and are

@@ -40,7 +40,7 @@ def cut_all_but(mesh: TriangleMesh, halves: np.ndarray, twins: np.ndarray) -> tu
 
 
 def edges_after_cut(mesh: TriangleMesh, cut: TriangleMesh, edges: np.ndarray) -> np.ndarray:
-    """Find edges of the uncut mesh in the cut one: both sides of those that were cut."""
+    """Find edges of the uncut mesh in the cut one: both sides of edges that were cut."""
     chosen = np.zeros(len(mesh.edges), bool)
     chosen[edges] = True
     return np.unique(cut.triangle_edges[chosen[mesh.triangle_edges]])

@@ -28,7 +28,7 @@ MOST_ROUNDS = 1000
 
 
 def edge_weights(cotangents: np.ndarray, edges: np.ndarray, count: int) -> np.ndarray:
-    """Compute (e,) weights (cot a + cot b) / 2 (Eq. 2), clipped to :data:`WEIGHT_RANGE`.
+    """Compute (e,) weights (cot a + cot b) / 2, clipped to :data:`WEIGHT_RANGE`.
 
     Parameters
     ----------

@@ -228,8 +228,8 @@ class TriangleMesh:
 
     @cached_property
     def posed(self) -> "TriangleMesh":
-        """The mesh that problems are posed on: this one unless too many of its weights are negative, otherwise its
-        :func:`intrinsic_delaunay` triangulation, which has all attributes that problems need."""
+        """The mesh that problems are posed on: this one, or its :func:`intrinsic_delaunay` triangulation, with all
+        attributes that problems need, if negative weights are too large a share of the energy."""
         lost = clipped_share(self.corner_angles, self.triangle_edges, self.edge_lengths, self.areas)
         return self if lost <= MOST_CLIPPED else intrinsic_delaunay(self)  # type: ignore[return-value]
 

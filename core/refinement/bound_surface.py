@@ -179,7 +179,7 @@ def _label_sides(edges: np.ndarray, triangles: np.ndarray, count: int) -> np.nda
 
 
 def _divide(whole: Division, longest: float, copies: int = 1) -> Division:
-    """Divide triangles of which there will be so many copies."""
+    """Divide triangles, of which there will be ``copies``, or raise a TooFineError."""
     most = MOST_TRIANGLES // copies
     division = divide(whole, longest, most)
     if division is not None:

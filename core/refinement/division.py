@@ -152,7 +152,7 @@ def divide(whole: Division, longest: float, most: int) -> Division | None:
 
 
 def join_faces(parts: Sequence[Faces], corners: int) -> Faces:
-    """Concatenate faces with so many corners."""
+    """Concatenate faces with the same number of corners."""
     none = np.empty((0, corners), int)
     parts = [Faces(none, np.empty(0, int), np.empty((0, corners, 3)), none), *parts]
     return Faces(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Faces)))

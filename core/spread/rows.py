@@ -72,7 +72,7 @@ class Fetching:
 
 @cache
 def _bytes(count: int) -> MPI.Datatype:
-    """Create MPI's type of so many bytes."""
+    """Create MPI's type for a block of bytes."""
     return MPI.BYTE.Create_contiguous(count).Commit()
 
 

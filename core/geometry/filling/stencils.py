@@ -3,7 +3,7 @@
 
 After Labelle and Shewchuk, "Isosurface Stuffing: Fast Tetrahedral Meshes with Good Dihedral Angles", SIGGRAPH 2007. A
 corner is inside (1), on the surface (0) or outside (-1); an edge whose ends lie on different sides has a cut point.
-Corners 0 and 1 are the ends of one long edge, 2 and 3 those of the other.
+Corners 0 and 1 are the ends of one long edge, 2 and 3 of the other.
 
 The rest of a cut triangle with two corners inside is a quadrilateral, and both tetrahedra beside it have to split it
 along the same diagonal: if the cut edges are a long and a short one, the diagonal that ends at the long edge's cut
