@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Connections: what an edge asks of the two nodes that it joins (paper, Def. 3.1 and Eqs. 2, 6).
+"""Connections: the transport that an edge asks for between its two nodes (paper, Def. 3.1 and Eqs. 2, 6).
 
 An edge e = (i, j) asks for ``phi_j = g_e phi_i``. On the circle g_e multiplies by ``exp(1j * angle)``
 after an optional complex conjugation (``flip``).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,16 +16,16 @@ from .geometry.triangle_mesh import TriangleMesh
 
 
 class Fibre(StrEnum):
-    """What the nodes carry where transports are d x d matrices; the text is what a caller gives."""
+    """Values of the nodes where transports are d x d matrices."""
 
     VECTORS = "vectors"
     """unit vectors in R^d"""
     ORTHOGONAL = "orthogonal"
     """frames: orthogonal d x d matrices"""
     ROTATIONS = "rotations"
-    """frames without a reflection"""
+    """frames of determinant 1"""
 
-    def width(self, block):
+    def width(self, block: int) -> int:
         """Columns of a node's value, which has ``block`` rows."""
         return 1 if self is Fibre.VECTORS else block
 
@@ -35,7 +36,6 @@ class Connection:
 
     Attributes
     ----------
-    node_count : int
     edges : (e, 2) int array, from i to j
     weights : (e,) float array, positive
     transports : (e,) complex array of unit modulus for U(1), or (e, d, d) orthogonal matrices for
@@ -47,16 +47,16 @@ class Connection:
     weights: np.ndarray
     transports: np.ndarray
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         make_arrays(self, "edges", "weights", "transports")
 
     @property
-    def block(self):
+    def block(self) -> int:
         """Rows per node in coordinates: 1 complex row for U(1), d real rows otherwise."""
         return 1 if self.transports.ndim == 1 else self.transports.shape[1]
 
     @property
-    def is_circle(self):
+    def is_circle(self) -> bool:
         """Whether phases are given and returned as complex numbers."""
         return self.transports.ndim == 1 or self.block == 2
 
@@ -76,15 +76,59 @@ class Connection:
         return float(self.weights @ squares)
 
 
-def make_arrays(record, *names):
-    """Let lists in attributes of a frozen dataclass be arrays; None stays."""
+@dataclass(frozen=True)
+class Merged:
+    """``phi[nodes] = transports * phi[roots]``: transports as in :class:`Connection`."""
+
+    nodes: np.ndarray
+    roots: np.ndarray
+    transports: np.ndarray
+
+    def __post_init__(self) -> None:
+        make_arrays(self, "nodes", "roots", "transports")
+
+    @classmethod
+    def none(cls) -> Self:
+        """Build the empty record for the circle."""
+        return cls(np.empty(0, int), np.empty(0, int), np.empty(0, complex))
+
+
+@dataclass(frozen=True)
+class Targets:
+    """Values that nodes must have (weights None) or are drawn to by the energy w |phi_i - value|^2.
+
+    ``values`` are complex of unit modulus on the circle, otherwise (k, d) unit vectors or (k, d, d) frames.
+    """
+
+    nodes: np.ndarray
+    values: np.ndarray
+    weights: np.ndarray | None = None
+
+    def __post_init__(self) -> None:
+        make_arrays(self, "nodes", "values", "weights")
+
+    @classmethod
+    def none(cls) -> Self:
+        """Build the empty record for the circle, without weights."""
+        return cls(np.empty(0, int), np.empty(0, complex))
+
+
+def join_targets(parts: list[Targets]) -> Targets:
+    """Join :class:`Targets` with weights into one, without those of weight 0."""
+    parts = parts or [replace(Targets.none(), weights=np.empty(0))]
+    arrays = [np.concatenate([getattr(part, name) for part in parts]) for name in ("nodes", "values", "weights")]
+    return Targets(*(array[arrays[2] > 0] for array in arrays))
+
+
+def make_arrays(record: object, *names: str) -> None:
+    """Convert attributes of a frozen dataclass to arrays, except None."""
     for name in names:
         if getattr(record, name) is not None:
             object.__setattr__(record, name, np.asarray(getattr(record, name)))
 
 
-def compose(first, second):
-    """Transports one after the other, ``second`` first: (k,) numbers or (k, d, d) matrices."""
+def compose(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Compose transports, ``second`` first: (k,) numbers or (k, d, d) matrices."""
     return first * second if first.ndim == 1 else first @ second
 
 
@@ -104,8 +148,8 @@ def circle_transports(angles: ArrayLike, flips: ArrayLike | None = None) -> np.n
     return np.stack([np.stack([cosine, -sine * sign], -1), np.stack([sine, cosine * sign], -1)], -2)
 
 
-def as_matrices(transports):
-    """Turns as 2 x 2 matrices; matrices as they are."""
+def as_matrices(transports: np.ndarray) -> np.ndarray:
+    """Convert complex transports to 2 x 2 matrices; matrices stay."""
     if transports.ndim == 3:
         return transports
     cosine, sine = transports.real, transports.imag

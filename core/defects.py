@@ -4,8 +4,10 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .connection import levi_civita
+from .geometry.triangle_mesh import TriangleMesh
 
 
 @dataclass(frozen=True)
@@ -15,11 +17,10 @@ class Defect:
     Attributes
     ----------
     kind : "disclination" of a direction field, or "dislocation" of a pattern
-    triangle : index of the triangle
     index : k / symmetry for a disclination, the integer N for a dislocation; the sign of N is
         relative to the sheet of the triangle's first corner, and arbitrary for line and cross fields
     position, normal : (3,) the triangle's centre and normal
-    phase : number of the phase of a quad pattern that a dislocation is in, at the triangle's first corner
+    phase : which phase of a quad pattern has the dislocation, at the triangle's first corner
     """
 
     kind: str
@@ -30,12 +31,14 @@ class Defect:
     phase: int
 
 
-def wrap(angles):
+def wrap(angles: ArrayLike) -> np.ndarray:
     """Angles in [-pi, pi)."""
     return (np.asarray(angles) + np.pi) % (2 * np.pi) - np.pi
 
 
-def disclination_numbers(mesh, powers, symmetry, correction=None):
+def disclination_numbers(
+    mesh: TriangleMesh, powers: np.ndarray, symmetry: int, correction: np.ndarray | None = None
+) -> np.ndarray:
     """Integer k of each triangle: the field turns by 2 pi k / symmetry around it against the surface.
 
     Edge residuals enter both triangles of an edge with opposite signs and the curvatures sum to
@@ -44,19 +47,18 @@ def disclination_numbers(mesh, powers, symmetry, correction=None):
     Parameters
     ----------
     powers : (n,) complex, the symmetry-th power of the field in the vertices' tangent planes
-    correction : (e,) radians by which powers turn further along the edges than by the surface's own connection,
-        against which the turns of the field are told; optional
+    correction : (e,) radians that the connection in use adds to the surface's own along the edges
     """
     i, j = mesh.edges.T
     angles = np.angle(powers)
-    correction = 0.0 if correction is None else correction
-    residuals = wrap(angles[j] - angles[i] - levi_civita(mesh, symmetry) - correction) + correction
+    added = np.zeros(len(mesh.edges)) if correction is None else correction
+    residuals = wrap(angles[j] - angles[i] - levi_civita(mesh, symmetry) - added) + added
     around = (mesh.triangle_edge_signs * residuals[mesh.triangle_edges]).sum(axis=1)
     return np.rint((around + symmetry * mesh.face_curvatures) / (2 * np.pi)).astype(int)
 
 
-def list_defects(mesh, kind, numbers, symmetry=1, phase=0):
-    """:class:`Defect` records of the triangles whose number is not zero."""
+def list_defects(mesh: TriangleMesh, kind: str, numbers: np.ndarray, symmetry: int = 1, phase: int = 0) -> list[Defect]:
+    """List a :class:`Defect` for each triangle with a nonzero number."""
     triangles = np.flatnonzero(numbers)
     centres = mesh.vertices[mesh.triangles[triangles]].mean(axis=1)
     indices = numbers[triangles] / symmetry if symmetry > 1 else numbers[triangles]

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What can go wrong, in one line that names the element and the remedy."""
+"""Errors that a user can act on: one line names the element and the remedy."""
 
 import unicodedata
+from typing import Self
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-# Characters of a value that errors show.
+# Number of characters of a value that errors show.
 _LONGEST = 60
 
 
@@ -14,23 +16,23 @@ class SynchError(Exception):
 
     Parameters
     ----------
-    text : one line; ends of lines in names that it quotes are escaped
-    vertices : (k,) those of the mesh that the text names, where it names any; kept ascending, each once
+    text : one line; line ends in quoted names are escaped
+    vertices : (k,) mesh vertices that the text names; kept ascending, each once
 
     Attributes
     ----------
-    source : the file or the data that the text names, where it comes from a reader; else ""
+    source : the file or data that a reader's error is about, otherwise ""
     """
 
     source = ""
 
-    def __init__(self, text, vertices=()):
+    def __init__(self, text: str, vertices: ArrayLike = ()) -> None:
         super().__init__(one_line(text))
         self.vertices = np.unique(np.asarray(vertices, int))
 
 
-def one_line(text):
-    """A text in one line that every stream takes: control characters and halves of characters are escaped."""
+def one_line(text: object) -> str:
+    """Escape control characters and lone surrogates, so that any stream accepts the text as one line."""
     text = str(text).strip()
     if text.isprintable():
         return text
@@ -38,7 +40,7 @@ def one_line(text):
 
 
 class MeshError(SynchError):
-    """The mesh cannot carry a field as it is."""
+    """The mesh cannot carry a field."""
 
 
 class SettingError(SynchError):
@@ -46,34 +48,28 @@ class SettingError(SynchError):
 
 
 class WriteError(SettingError):
-    """A file cannot be written; what was there before is as it was."""
+    """A file cannot be written; an earlier version of it is unchanged."""
 
 
 class ContradictionError(SettingError):
-    """Two wishes that cannot both be met.
+    """Two constraints at the same vertices contradict each other; ``{vertices}`` in the message names them."""
 
-    Attributes
-    ----------
-    message : with ``{vertices}`` where they are named
-    vertices : (k,) where, each once
-    """
-
-    def __init__(self, message, vertices):
+    def __init__(self, message: str, vertices: ArrayLike) -> None:
         super().__init__(message.replace("{vertices}", name_elements("vertex", np.unique(vertices))), vertices)
         self.message = message
 
-    def __reduce__(self):
-        return ContradictionError, (self.message, self.vertices)
+    def __reduce__(self) -> tuple[type[Self], tuple[str, np.ndarray]]:
+        return type(self), (self.message, self.vertices)
 
-    def renumbered(self, numbers):
-        """The same error where each vertex has another number, (n,) ``numbers``."""
-        return ContradictionError(self.message, numbers[self.vertices])
+    def renumbered(self, numbers: np.ndarray) -> Self:
+        """The same error with (n,) new vertex numbers."""
+        return type(self)(self.message, numbers[self.vertices])
 
 
 class AsymmetryError(MeshError):
-    """A mesh that is not its own mirror image; ``vertices`` are those without a counterpart."""
+    """The mesh is not symmetric; ``vertices`` lack a counterpart."""
 
-    def __init__(self, axis, vertices):
+    def __init__(self, axis: str, vertices: ArrayLike) -> None:
         super().__init__(
             f"the mesh is not symmetric in {axis}: {name_elements('vertex', np.unique(vertices))} lack a counterpart: "
             f"symmetrize it (Mesh > Symmetrize), or switch the mirror off",
@@ -81,33 +77,33 @@ class AsymmetryError(MeshError):
         )
         self.axis = axis
 
-    def __reduce__(self):
-        return AsymmetryError, (self.axis, self.vertices)
+    def __reduce__(self) -> tuple[type[Self], tuple[str, np.ndarray]]:
+        return type(self), (self.axis, self.vertices)
 
-    def renumbered(self, numbers):
-        """The same error where each vertex has another number, (n,) ``numbers``."""
-        return AsymmetryError(self.axis, numbers[self.vertices])
+    def renumbered(self, numbers: np.ndarray) -> Self:
+        """The same error with (n,) new vertex numbers."""
+        return type(self)(self.axis, numbers[self.vertices])
 
 
 class Cancelled(SynchError):
     """The user stopped the computation; nothing may be written."""
 
 
-def quote_value(value):
-    """A value as errors show it, cut off where it is long."""
+def quote_value(value: object) -> str:
+    """Format a value for an error message, cut off where it is long."""
     try:
         text = repr(value)
-    except ValueError:  # Python writes no number of more than some thousand digits
+    except ValueError:  # Python refuses to print numbers of several thousand digits
         text = "a number of thousands of digits"
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]} ..."
 
 
-def plural(noun):
+def plural(noun: str) -> str:
     """ "edges", "vertices", "irregular vertices" """
     return noun[:-2] + "ices" if noun.endswith(("vertex", "vortex")) else noun + "s"
 
 
-def name_elements(kind, indices):
+def name_elements(kind: str, indices: ArrayLike) -> str:
     """Name elements for a message: ``"vertex 7"``, ``"vertices 7, 9, 12 and 40 more"``."""
     indices = np.atleast_1d(indices)
     shown = ", ".join(str(i) for i in indices[:3])

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Remove the flips of a graph that a choice of sheet at every node removes."""
+"""Remove flips from a graph by choosing a sheet at each node."""
 
 import numpy as np
 
 from .graphs import components
 
 
-def balance(node_count, edges, flips):
+def balance(node_count: int, edges: np.ndarray, flips: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Choose for every node whether to turn it over, so that as few components as possible keep flips.
 
     An edge flips after the choice when ``flip ^ turned[i] ^ turned[j]``. A component whose loops all
@@ -15,15 +15,14 @@ def balance(node_count, edges, flips):
 
     Parameters
     ----------
-    node_count : int
-    edges : (e, 2) int array
-    flips : (e,) bool array
+    edges : (e, 2) int
+    flips : (e,) bool
 
     Returns
     -------
-    turned : (node_count,) bool array, False throughout unbalanced components and at the first node
+    turned : (node_count,) bool, False throughout unbalanced components and at the first node
         of each balanced one
-    balanced : (node_count,) bool array
+    balanced : (node_count,) bool
     """
     i, j = np.asarray(edges).T
     flips = np.asarray(flips, bool)

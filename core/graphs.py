@@ -1,58 +1,37 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What arrays lack: the connected components of a graph, counting within rows of different lengths, and pairs of what
-is near."""
+"""Connected components of a graph, ranges of different lengths, and pairs of nearby points."""
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
 
 
-def components(count, pairs):
-    """Which nodes hang together.
+def components(count: int, pairs: ArrayLike) -> np.ndarray:
+    """Label the connected components of ``count`` nodes with (e, 2) edges, which may be repeated and run either way.
 
-    Parameters
-    ----------
-    count : int, nodes
-    pairs : (e, 2) nodes that are joined, either way round, any number of times
-
-    Returns
-    -------
-    (count,) int label of each node's component: from 0 up, in the order of their first nodes
+    Returns (count,) int labels, numbered from 0 in the order of the components' first nodes.
     """
     pairs = np.asarray(pairs, int).reshape(-1, 2)
     graph = coo_matrix((np.ones(len(pairs)), pairs.T), shape=(count, count))
-    return connected_components(graph, directed=False)[1]
+    labels: np.ndarray = connected_components(graph, directed=False)[1]
+    return labels
 
 
-def ragged_arange(counts):
-    """The places 0, 1 ... counts[k] - 1 of each row k, one row after the other.
-
-    Parameters
-    ----------
-    counts : (k,) int, not negative
-
-    Returns
-    -------
-    rows : (counts.sum(),) int, the row that each place is in
-    places : (counts.sum(),) int
-    """
+def ragged_arange(counts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Concatenate 0, 1 ... n - 1 for each n of (k,) counts; returns the row of each entry, and the entries."""
     rows = np.repeat(np.arange(len(counts)), counts)
     return rows, np.arange(len(rows)) - (np.cumsum(counts) - counts)[rows]
 
 
-def pairs_within(tree, points, reach):
-    """Pairs of points and of places of a tree within reach of them.
-
-    Parameters
-    ----------
-    tree : scipy.spatial.cKDTree
-    points : (n, d)
-    reach : a length, or (n,) one for each point
+def pairs_within(tree: cKDTree, points: np.ndarray, reach: float | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Find the points of a tree within reach of (n, d) points; ``reach`` is one length or (n,) lengths.
 
     Returns
     -------
-    rows : (k,) int, ascending, the point of each pair
-    places : (k,) int, that of the tree, ascending for each point
+    rows : (k,) int, ascending, the given point of each pair
+    places : (k,) int, the point of the tree, ascending for each given point
     """
     found = tree.query_ball_point(points, reach, return_sorted=True)
     rows, _ = ragged_arange(np.array([len(near) for near in found], int))

@@ -9,12 +9,11 @@ point is
 - In a regular face the corners' phases differ by sigma and theta is linear on each triangle.
 - With a *dislocation* the sigma around a triangle sum to 2 pi N. The corners share out -2 pi N, and
   ell, which turns once around the centre and linearly along the edges (lArg of Knöppel et al. 2015),
-  gives it back. In a quad split along its diagonal AC, ell grows by pi along the two outer edges of a
+  restores it. In a quad split along its diagonal AC, ell grows by pi along the two outer edges of a
   triangle and not at all along the diagonal, so that both triangles agree on A and C.
-- A face with a *disclination* has no consistent sheet: going round, the values come back turned, as x -> -x + 2 pi M
-  for lines and as (x, y) -> (y, -x) + 2 pi (M, M') for crosses. It is a fan around its centre, whose values must be
-  those that stay, multiples of pi; the corners all carry them, and D interpolates the differences to them along
-  the rim.
+- A face with a *disclination* has no consistent sheet: a walk around it maps the values x -> -x + 2 pi M for lines and
+  (x, y) -> (y, -x) + 2 pi (M, M') for crosses. The face is a fan around its centre, whose values are the fixed points
+  of this map, multiples of pi; all corners carry them, and D interpolates the differences to them along the rim.
 
 From face to face only cos(theta) is continuous for stripes, and for quads the pair {cos(theta_x), cos(theta_y)},
 so that their product is: sheets may differ by a turn (:mod:`core.matchings`), values by 2 pi.
@@ -22,63 +21,74 @@ so that their product is: sheets may differ by a turn (:mod:`core.matchings`), v
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING, Generic
 
 import numpy as np
 
 from .defects import wrap
 from .geometry import TriangleMesh
+from .geometry.polygons import Polygons
+from .geometry.tet_mesh import TetMesh
 from .matchings import after_turns
+
+if TYPE_CHECKING:
+    from typing_extensions import TypeVar
+
+    Mesh = TypeVar("Mesh", bound=TriangleMesh | TetMesh, default=TriangleMesh)  # before Python 3.13 without a default
+else:
+    from typing import TypeVar
+
+    Mesh = TypeVar("Mesh")
 
 TURN = 2 * np.pi
 
 
 @dataclass(frozen=True)
-class EdgePhases:
+class EdgePhases(Generic[Mesh]):
     """Phases at the vertices of a mesh and their changes along its edges, k of each.
 
     Attributes
     ----------
-    mesh : TriangleMesh
     arguments : (n, k) radians
     changes : (e, k) radians from the lower to the higher vertex, for the phases of the lower
-    matchings : (e,) how the phases go over into those of the higher vertex (see :mod:`core.matchings`)
+    matchings : (e,) how the phases continue as those of the higher vertex (see :mod:`core.matchings`)
     """
 
-    mesh: TriangleMesh
+    mesh: Mesh
     arguments: np.ndarray
     changes: np.ndarray
     matchings: np.ndarray
 
     @classmethod
-    def of(cls, mesh, phases, asked, matchings):
-        """From (n, k) complex phases and the (e, k) changes that the edges ask for."""
+    def of(cls, mesh: Mesh, phases: np.ndarray, asked: np.ndarray, matchings: np.ndarray) -> "EdgePhases[Mesh]":
+        """Build from (n, k) complex phases and the (e, k) changes that the edges ask for."""
         i, j = mesh.edges.T
         arguments = np.angle(phases)
         reached = after_turns(arguments[j], -matchings)
         return cls(mesh, arguments, asked + wrap(reached - arguments[i] - asked), matchings)
 
     @property
-    def phase_count(self):
+    def phase_count(self) -> int:
         return self.arguments.shape[1]
 
     @cached_property
-    def dislocations(self):
-        """What :func:`dislocation_numbers` gives for the triangles of the mesh."""
+    def dislocations(self: "EdgePhases[TriangleMesh]") -> tuple[np.ndarray, np.ndarray]:
+        """The :func:`dislocation_numbers` of the triangles of the mesh."""
         return dislocation_numbers(self, self.mesh.triangles)
 
-    def between(self, tails, heads):
-        """(f, k) changes from tail to head for the phases of the tail, and the matching on the way."""
+    def between(self, tails: np.ndarray, heads: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Compute (f, k) changes from tail to head for the phases of the tail, and (f,) the matchings on the way."""
         edge = self.mesh.edges_between(tails, heads)
         forward = tails < heads
         changes, matched = self.changes[edge], self.matchings[edge]
         changes = np.where(forward[:, None], changes, -after_turns(changes, matched))
         return changes, np.where(forward, matched, -matched)
 
-    def around(self, corners):
-        """Values met on a walk around (f, v) vertices, for the phases of the first.
+    def around(self, corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Continue the phases of the first of (f, v) vertices along a walk around all of them.
 
-        Returns (f, v + 1, k) phases, starting with the first vertex's arguments and ending there again,
-        and (f,) the sum of the matchings: 0 where the phases come back as the same ones.
+        Returns (f, v + 1, k) phases, from the first vertex's arguments to the values on the return there,
+        and (f,) the sum of the matchings: 0 where every phase returns as itself.
         """
         values = [self.arguments[corners[:, 0]]]
         turns = np.zeros(len(corners), int)
@@ -89,25 +99,25 @@ class EdgePhases:
         return np.stack(values, axis=1), turns % (2 * self.phase_count)
 
 
-def dislocation_numbers(edge_phases, triangles):
-    """(f, k) integers N of the phases of each triangle's first corner, 0 where it holds a disclination; and
-    whether it does."""
+def dislocation_numbers(
+    edge_phases: EdgePhases[TriangleMesh] | EdgePhases[TetMesh], triangles: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Compute the (f, k) integers N for the phases of each triangle's first corner, 0 where it has a disclination, and
+    (f,) bool whether it has one."""
     values, turns = edge_phases.around(triangles)
     numbers = np.rint((values[:, 3] - values[:, 0]) / TURN).astype(int)
     return np.where(turns[:, None] == 0, numbers, 0), turns != 0
 
 
-def disclination_centres(values, turns):
-    """(f, k) phases at the centres of disclinations, which the walks around them leave in place: multiples of pi.
+def disclination_centres(values: np.ndarray, turns: np.ndarray) -> np.ndarray:
+    """Compute (f, k) phases at the centres of disclinations, fixed by the walk around them: multiples of pi.
 
-    Parameters
-    ----------
-    values, turns : what :meth:`EdgePhases.around` returns; turns other than 0
+    ``values`` and ``turns``, not 0, are those of :meth:`EdgePhases.around`.
     """
     count = values.shape[2]
     own = after_turns(values[:, 0], -turns)
     missed = TURN * np.rint((values[:, -1] - own) / TURN)
-    # p = A^-g p + missed, solved for every g.
+    # Solve p = A^-g p + missed for every g.
     powers = np.stack([after_turns(np.eye(count), -np.full(count, g)).T for g in range(2 * count)])
     inverses = np.zeros_like(powers)
     inverses[1:] = np.linalg.inv(np.eye(count) - powers[1:])
@@ -116,7 +126,7 @@ def disclination_centres(values, turns):
 
 @dataclass(frozen=True)
 class FacePhases:
-    """What a shader or a sampler needs to evaluate one phase anywhere (see :func:`evaluate`).
+    """Values from which a shader or a sampler evaluates one phase anywhere (see :func:`evaluate`).
 
     Attributes
     ----------
@@ -125,8 +135,8 @@ class FacePhases:
         singular quad ABCD split along AC (s, t, -1) with s = (0, 1, 0, -1) and t = (0, 0, 1, 0)
     index, index_2 : (p,) dislocation numbers of a face's first and second triangle
     disclination : (p, 4) values along the rim less the centre's value; zero without a disclination
-    closing : (p,) the same at the first corner of the rim, where the walk comes back to it
-    unfit : indices of the faces that only splitting them into triangles can represent
+    closing : (p,) the same at the first corner of the rim, where the walk returns to it
+    unfit : indices of the faces that have to be split into triangles
     """
 
     corner_phase: np.ndarray
@@ -138,17 +148,10 @@ class FacePhases:
     unfit: np.ndarray
 
 
-def face_phases(edge_phases, polygons):
-    """Corner and face values that make the pattern continuous over all faces that can carry them.
+def face_phases(edge_phases: EdgePhases, polygons: Polygons) -> tuple[FacePhases, ...]:
+    """Compute corner and face values that make the pattern continuous over all faces that can carry them.
 
-    Parameters
-    ----------
-    edge_phases : EdgePhases, of the mesh of ``polygons.triangles``
-    polygons : Polygons
-
-    Returns
-    -------
-    tuple of k :class:`FacePhases`, for the phases of each face's first corner
+    The mesh is that of ``polygons.triangles``. Returns k records, for the phases of each face's first corner.
     """
     is_mesh = np.array_equal(polygons.triangles, edge_phases.mesh.triangles)
     numbers, torn = edge_phases.dislocations if is_mesh else dislocation_numbers(edge_phases, polygons.triangles)
@@ -179,10 +182,10 @@ def face_phases(edge_phases, polygons):
     )
 
 
-def _walked_phases(edge_phases, polygons):
-    """(c, k) corner phases by a walk along each face's rim: right wherever nothing in it is singular.
+def _walked_phases(edge_phases: EdgePhases, polygons: Polygons) -> np.ndarray:
+    """Compute (c, k) corner phases by a walk along each face's rim: correct for faces without singularity.
 
-    Faces without triangles have those of their vertices.
+    Faces without triangles get the phases of their vertices.
     """
     phases = np.zeros((len(polygons.corner_vertices), edge_phases.phase_count))
     phases[polygons.starts] = edge_phases.arguments[polygons.corner_vertices[polygons.starts]]
@@ -199,8 +202,8 @@ def _walked_phases(edge_phases, polygons):
     return phases
 
 
-def _fill_triangles(result, edge_phases, polygons, faces):
-    """Dislocations of triangle faces: the corners share out -2 pi N evenly."""
+def _fill_triangles(result: FacePhases, edge_phases: EdgePhases, polygons: Polygons, faces: np.ndarray) -> None:
+    """Fill in dislocations of triangle faces: the corners share -2 pi N evenly."""
     corners = polygons.starts[faces, None] + np.arange(3)
     values, _ = edge_phases.around(polygons.corner_vertices[corners])
     number = np.rint((values[:, 3] - values[:, 0]) / TURN).astype(int)
@@ -209,8 +212,8 @@ def _fill_triangles(result, edge_phases, polygons, faces):
     result.index[faces] = number
 
 
-def _diagonal_corners(polygons, faces):
-    """(f, 4) corners A, B, C, D of quads, the first triangle being ABC and the second CDA."""
+def _diagonal_corners(polygons: Polygons, faces: np.ndarray) -> np.ndarray:
+    """Find the (f, 4) corners A, B, C, D of quads with first triangle ABC and second CDA."""
     triangles = polygons.triangle_corners[polygons.first_triangles[faces, None] + np.arange(2)]
     corners = polygons.starts[faces, None] + np.arange(4)
     shared = (corners[:, :, None, None] == triangles[:, None]).any(axis=3).all(axis=2)
@@ -218,8 +221,8 @@ def _diagonal_corners(polygons, faces):
     return polygons.starts[faces, None] + (first[:, None] + np.arange(4)) % 4
 
 
-def _fill_quads(result, edge_phases, polygons, faces):
-    """Dislocations of quads: -pi N on the outer edges, nothing along the diagonal."""
+def _fill_quads(result: FacePhases, edge_phases: EdgePhases, polygons: Polygons, faces: np.ndarray) -> None:
+    """Fill in dislocations of quads: -pi N on the outer edges, nothing along the diagonal."""
     corners = _diagonal_corners(polygons, faces)
     vertices = polygons.corner_vertices[corners]
     first, _ = edge_phases.around(vertices[:, [0, 1, 2]])
@@ -234,8 +237,8 @@ def _fill_quads(result, edge_phases, polygons, faces):
     result.index[faces], result.index_2[faces] = number, number_2
 
 
-def _fill_fans(result, edge_phases, polygons, faces):
-    """Disclinations: the rim's values less the centre's, which the walk around it leaves in place."""
+def _fill_fans(result: FacePhases, edge_phases: EdgePhases, polygons: Polygons, faces: np.ndarray) -> None:
+    """Fill in disclinations: the rim's values less the centre's, fixed by the walk around it."""
     for size in (3, 4):
         sized = faces[polygons.sizes[faces] == size]
         corners = polygons.starts[sized, None] + np.arange(3) if size == 3 else _diagonal_corners(polygons, sized)
@@ -247,13 +250,9 @@ def _fill_fans(result, edge_phases, polygons, faces):
         result.index[sized] = result.index_2[sized] = 0
 
 
-def ell(weights):
-    """lArg of Knöppel et al. 2015: 0 at the first corner, 2 pi / 3 more along each edge.
-
-    Parameters
-    ----------
-    weights : (..., 3) barycentric; at the centre the value is arbitrary
-    """
+def ell(weights: np.ndarray) -> np.ndarray:
+    """Evaluate lArg of Knöppel et al. 2015 at (..., 3) barycentric weights: 0 at the first corner, 2 pi / 3 more along
+    each edge, arbitrary at the centre."""
     a, b, c = np.moveaxis(weights, -1, 0)
     smallest = np.argmin(np.stack([c, a, b]), axis=0)
     low = np.choose(smallest, [c, a, b])
@@ -262,19 +261,10 @@ def ell(weights):
     return np.pi / 3 * (1 + 2 * smallest + rise / height)
 
 
-def evaluate(phases, polygons, triangles, weights):
-    """Phase at points of triangles: the formula that the shader evaluates, here for arrays.
+def evaluate(phases: FacePhases, polygons: Polygons, triangles: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Evaluate the phase, (k,) radians, at points of (k,) triangles by the shader's formula.
 
-    Parameters
-    ----------
-    phases : FacePhases
-    polygons : Polygons
-    triangles : (k,) triangle indices
-    weights : (k, 3) barycentric weights of the triangles' corners
-
-    Returns
-    -------
-    (k,) radians
+    ``weights`` are the (k, 3) barycentric weights of the triangles' corners.
     """
     corners = polygons.triangle_corners[triangles]
     faces = polygons.triangle_faces[triangles]
@@ -292,14 +282,14 @@ def evaluate(phases, polygons, triangles, weights):
     return theta + number * turn + np.where(is_quad, _quad_fan(s, t, rim), _triangle_fan(b, rim))
 
 
-def _triangle_fan(b, x):
+def _triangle_fan(b: np.ndarray, x: np.ndarray) -> np.ndarray:
     a, b, c = b.T
     parts = [(a - c) * x[:, 0] + (b - c) * x[:, 1], (b - a) * x[:, 1] + (c - a) * x[:, 2]]
     parts.append((c - b) * x[:, 2] + (a - b) * x[:, 4])
     return np.choose(np.argmin(np.stack([c, a, b]), axis=0), parts)
 
 
-def _quad_fan(s, t, x):
+def _quad_fan(s: np.ndarray, t: np.ndarray, x: np.ndarray) -> np.ndarray:
     along = 1 - np.abs(s) - 2 * t
     near_a = np.maximum(along, 0) * np.where(s >= 0, x[:, 0], x[:, 4])
     outer = np.where(s >= 0, s * x[:, 1], -s * x[:, 3])

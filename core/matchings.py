@@ -1,27 +1,29 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sheets: which phase is which, where directions are known up to a turn (paper, Section 3.5, Eq. 7).
+"""Matchings: which phase continues as which along an edge, as directions are known up to a turn.
 
 A vertex carries k phases. Phase l grows in direction l, at pi l / k counterclockwise from the first; direction
 l + k is the reverse of direction l, and its phase the negative. A line field has k = 1 and two directions, a cross
-k = 2 and four. Along an edge a *matching* m says that direction m of the tail goes on as direction 0 of the head:
-the phases change by A^m, with A : x -> -x for k = 1 and A : (x, y) -> (y, -x) for k = 2.
+k = 2 and four. Along an edge a *matching* m says that direction m of the tail continues as direction 0 of the head:
+the phases change by A^m (paper, Eq. 7), with A : x -> -x for k = 1 and A : (x, y) -> (y, -x) for k = 2.
 """
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .connection import levi_civita
+from .geometry.triangle_mesh import TriangleMesh
 
 
-def matchings(mesh, angles, symmetry, correction=None):
-    """Direction of the lower vertex that each edge carries nearest to direction 0 of the higher one.
+def matchings(
+    mesh: TriangleMesh, angles: np.ndarray, symmetry: int, correction: np.ndarray | None = None
+) -> np.ndarray:
+    """Compute the matching of each edge: the lower vertex's direction nearest to direction 0 of the higher.
 
     Parameters
     ----------
-    mesh : TriangleMesh
     angles : (n,) radians in the vertices' tangent planes, direction 0
     symmetry : 1, 2 or 4 directions at a vertex
-    correction : (e,) radians by which the powers of directions turn further along the edges than by the surface's
-        own connection; optional
+    correction : (e,) radians that the connection in use adds to the surface's own, for the powers of directions
 
     Returns
     -------
@@ -35,12 +37,12 @@ def matchings(mesh, angles, symmetry, correction=None):
     return np.rint((angles[j] - angles[i] - carried) / turn).astype(int) % symmetry
 
 
-def after_turns(phases, turns):
-    """Phases of the directions that stand ``turns`` further on: A^turns applied to (..., k) phases.
+def after_turns(phases: np.ndarray, turns: ArrayLike) -> np.ndarray:
+    """Apply A^turns (Eq. 7) to (..., k) phases, which gives those of the directions ``turns`` further on.
 
     Parameters
     ----------
-    phases : (..., k) radians, or rates of growth
+    phases : (..., k) radians, or growth rates
     turns : (...,) int
     """
     count = phases.shape[-1]

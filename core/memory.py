@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much memory this process takes, and how much it may take."""
+"""Memory that this process uses, and how much more it may use."""
 
 import math
 import os
 import sys
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
 from typing import NamedTuple
@@ -15,24 +16,19 @@ try:
 except ImportError:  # Windows
     resource = None  # type: ignore[assignment]
 
-# Estimates may be too high by a third: what takes less than is left by so much is never refused.
+# Estimates may be too high by a third: work is refused only if this share of the estimate does not fit.
 _SURE = 0.75
-# Address space that threads and allocators reserve in a solve for each byte that it takes.
+# Bytes of address space that threads and allocators reserve in a solve for each byte that it uses.
 RESERVED = 2.5
-# Where Linux says in which control groups a process is, and where it has them, by their version: the folder, and the
-# file with a group's limit.
+# Linux: the list of a process's control groups; by version 2 or not, their folder and the file with a group's limit.
 _OWN_GROUPS = Path("/proc/self/cgroup")
 _GROUPS = {True: ("/sys/fs/cgroup", "memory.max"), False: ("/sys/fs/cgroup/memory", "memory.limit_in_bytes")}
 
 
 class Room(NamedTuple):
-    """Memory that this process may take beyond what it has.
+    """Memory that this process may still take: ``bytes``, of which each used byte takes ``reserved``.
 
-    Attributes
-    ----------
-    bytes : how much
-    reserved : how much of it each byte takes that is used
-    name, remedy : what it is, and how to have more
+    ``name`` and ``remedy`` say what kind of memory it is, and how to get more.
     """
 
     bytes: float
@@ -41,14 +37,14 @@ class Room(NamedTuple):
     remedy: str
 
     @property
-    def usable(self):
+    def usable(self) -> float:
         """Bytes that can be used."""
         return self.bytes / self.reserved
 
 
-def room(reserved=RESERVED):
-    """The :class:`Room` that ends first: of the machine, of the container, or of address space, of which each byte that
-    is used takes ``reserved``."""
+def room(reserved: float = RESERVED) -> Room:
+    """Find the tightest :class:`Room`: the machine's, the container's, or that of the address space, of which each used
+    byte takes ``reserved``."""
     used = used_bytes()
     rooms = (
         Room(machine_bytes() - used, 1.0, "memory", "use a machine with more"),
@@ -58,19 +54,19 @@ def room(reserved=RESERVED):
     return min(rooms, key=lambda left: left.usable)
 
 
-def check_memory(needed, what, reserved=RESERVED):
-    """Refuse work that takes more memory than there is, before it begins.
+def check_memory(needed: float, what: str, reserved: float = RESERVED) -> None:
+    """Refuse work that needs more memory than is left, before it begins.
 
     Parameters
     ----------
-    needed : bytes at its peak, beyond what this process has now; it may be a third too high
+    needed : bytes at its peak, beyond the present use; may be a third too high
     what : begins the message, such as "a solve of 9 phases"
-    reserved : address space for each of them
+    reserved : bytes of address space for each of them
 
     Raises
     ------
     SynchError
-        naming what is needed, what is there, and the remedy
+        naming the need, what is left, and the remedy
     """
     left = room(reserved)
     if _SURE * needed > left.usable:
@@ -81,10 +77,10 @@ def check_memory(needed, what, reserved=RESERVED):
 
 
 @contextmanager
-def at_most(size):
-    """Let this process take at most so many bytes of address space more inside, where the system holds it to that.
+def at_most(size: float) -> Iterator[None]:
+    """Context in which this process may add at most ``size`` bytes of address space (on Linux; elsewhere no limit).
 
-    A library that a damaged file leads astray ends with an error then, not with the machine's memory.
+    A library that reads a damaged file then ends with an error before it uses up the machine's memory.
     """
     if sys.platform != "linux":
         yield
@@ -98,14 +94,14 @@ def at_most(size):
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 
-def _space_left():
-    """Bytes of address space that this process may add."""
+def _space_left() -> float:
+    """Compute the bytes of address space that this process may add."""
     limit = resource.getrlimit(resource.RLIMIT_AS)[0] if sys.platform == "linux" else -1
     return math.inf if limit < 0 else limit - _pages(0)
 
 
-def _container_bytes():
-    """Bytes of the least of this process's control groups."""
+def _container_bytes() -> float:
+    """Read the smallest limit of this process's control groups, bytes."""
     try:
         lines = _OWN_GROUPS.read_text().splitlines()
     except OSError:
@@ -119,59 +115,51 @@ def _container_bytes():
         for group in (PurePosixPath(path), *PurePosixPath(path).parents):
             try:
                 text = Path(f"{folder}{group}", name).read_text().strip()
-            except OSError:  # a group that cannot be seen from inside the container
+            except OSError:  # a group that is hidden from inside the container
                 continue
             least = min(least, int(text) if text.isdigit() else math.inf)
     return least
 
 
-def _pages(column):
-    """Bytes of a column of /proc/self/statm: 0 the address space, 1 the memory."""
+def _pages(column: int) -> int:
+    """Read a column of /proc/self/statm in bytes: 0 is the address space, 1 the memory."""
     with open("/proc/self/statm", "rb") as file:
         return int(file.read().split()[column]) * os.sysconf("SC_PAGE_SIZE")
 
 
-def used_bytes():
-    """Bytes of memory that this process has now; on macOS the most it has had."""
+def used_bytes() -> int:
+    """Measure the memory of this process, bytes; on macOS its peak."""
     if sys.platform == "win32":
-        return _windows_process().WorkingSetSize
+        return _windows_process()[0]
     if sys.platform == "darwin":
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return _pages(1)
 
 
-def peak_megabytes():
-    """The most memory that this process has had, in MB."""
+def peak_megabytes() -> float:
+    """Measure the peak memory of this process, MB."""
     if sys.platform == "win32":
-        return _windows_process().PeakWorkingSetSize / 2**20
+        return _windows_process()[1] / 2**20
     unit = 2**20 if sys.platform == "darwin" else 2**10
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / unit
 
 
-def machine_bytes():
-    """Bytes of memory that the machine has."""
+def machine_bytes() -> int:
+    """Measure the memory of the machine, bytes."""
     if sys.platform == "win32":
         return _windows_machine()
     return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
 
 
-def _windows_process():
+def _windows_process() -> tuple[int, int]:
+    """Measure the memory of this process and its peak, bytes."""
     import ctypes
     from ctypes import wintypes
 
     class Counters(ctypes.Structure):
         _fields_ = [("cb", wintypes.DWORD), ("PageFaultCount", wintypes.DWORD)] + [
             (name, ctypes.c_size_t)
-            for name in (
-                "PeakWorkingSetSize",
-                "WorkingSetSize",
-                "QuotaPeakPagedPoolUsage",
-                "QuotaPagedPoolUsage",
-                "QuotaPeakNonPagedPoolUsage",
-                "QuotaNonPagedPoolUsage",
-                "PagefileUsage",
-                "PeakPagefileUsage",
-            )
+            for name in "peak now paged_peak paged nonpaged_peak nonpaged page_file page_file_peak".split()
         ]
 
     counters = Counters(cb=ctypes.sizeof(Counters))
@@ -180,10 +168,10 @@ def _windows_process():
     asked = kernel.K32GetProcessMemoryInfo
     asked.argtypes = wintypes.HANDLE, ctypes.POINTER(Counters), wintypes.DWORD
     asked(kernel.GetCurrentProcess(), ctypes.byref(counters), counters.cb)
-    return counters
+    return counters.now, counters.peak
 
 
-def _windows_machine():
+def _windows_machine() -> int:
     import ctypes
     from ctypes import wintypes
 
@@ -194,4 +182,4 @@ def _windows_machine():
 
     status = Status(dwLength=ctypes.sizeof(Status))
     ctypes.WinDLL("kernel32").GlobalMemoryStatusEx(ctypes.byref(status))  # type: ignore[attr-defined]
-    return status.total
+    return int(status.total)

@@ -1,21 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Progress, cancellation and time limit, asked at every iteration."""
+"""Progress, cancellation and time limit, checked at every iteration."""
 
 import math
 import time
 from collections.abc import Callable
 from copy import copy
+from typing import TypeVar
+
+import numpy as np
 
 from .errors import Cancelled
 from .threads import start_thread
 
 POLL_SECONDS = 0.05
-# Told a stage and a fraction of the work; a false answer other than None cancels.
+# Called with a stage and a fraction of the work; a false answer other than None cancels.
 Callback = Callable[[str, float], bool | None]
+Result = TypeVar("Result")
 
 
 class OutOfTime(Exception):
-    """The time limit has passed; the best result so far is still good."""
+    """The time limit has passed; the best result so far can be used."""
 
 
 class Monitor:
@@ -23,83 +27,83 @@ class Monitor:
 
     Parameters
     ----------
-    callback : callable(stage: str, fraction: float) -> bool, optional
-        Called often; a false answer other than None cancels.
-    time_limit : seconds, optional
+    callback : called often
+    time_limit : seconds
 
     Attributes
     ----------
-    stage, fraction : where the work is
-    on_found : called with the energy of each field that is found and with the field, or None
+    stage, fraction : the current stage, and the share of the work that is done
+    on_found : called with the energy and the column of each field that is found
     """
 
-    def __init__(self, callback=None, time_limit=None):
+    def __init__(self, callback: Callback | None = None, time_limit: float | None = None) -> None:
         self._callback = callback
         self._deadline = None if time_limit is None else time.perf_counter() + time_limit
         self.stage, self.fraction = "", 0.0
-        self._bound, self._expected, self._note = None, -math.inf, ""
+        self._bound: float | None = None
+        self._expected, self._note = -math.inf, ""
         self._start, self._share = 0.0, 1.0
-        self.on_found = None
+        self.on_found: Callable[[float, np.ndarray], object] | None = None
 
-    def portion(self, start, share):
-        """A monitor for one part of the work: its fractions are a part of the whole."""
+    def portion(self, start: float, share: float) -> "Monitor":
+        """Derive a monitor for one part of the work."""
         part = copy(self)
         part.fraction, part._start, part._share = float(start), start, share
         return part
 
-    def without_found(self):
-        """The same monitor, but for ``on_found``: for fields that are not those of the problem itself."""
+    def without_found(self) -> "Monitor":
+        """Derive a monitor without ``on_found``, for fields of other problems."""
         quiet = copy(self)
         quiet.on_found = None
         return quiet
 
-    def at(self, stage, fraction):
+    def at(self, stage: str, fraction: float) -> None:
         """Enter a stage at a fraction of the whole work, 0..1."""
         self.stage, self.fraction = stage, float(self._start + fraction * self._share)
         self.check()
 
-    def expect(self, seconds):
-        """A bound may be there in so many seconds: until then the stage says how many are left."""
+    def expect(self, seconds: float) -> None:
+        """Show in the stage how many of ``seconds`` are left until a bound may be proved."""
         self._expected = time.perf_counter() + seconds
 
-    def proved(self, bound):
-        """There is a bound: from now on the stage says how far above it fields are."""
+    def proved(self, bound: float) -> None:
+        """Show in the stage from now on how far fields are above a bound."""
         self._bound, self._expected = bound, -math.inf
 
-    def found(self, energy, column):
-        """There is a field of an energy."""
+    def found(self, energy: float, column: np.ndarray) -> None:
+        """Report a field that was found."""
         if self._bound is not None and energy > 0:
             self._note = f", gap {max(1 - self._bound / energy, 0):.0%}"
         if self.on_found is not None:
             self.on_found(energy, column)
 
-    def _said(self):
+    def _describe_stage(self) -> str:
         left = self._expected - time.perf_counter()
         return f"{self.stage}, proof in {left:.0f} s" if left >= 1 else self.stage + self._note
 
-    def check(self):
+    def check(self) -> None:
         """Raise :class:`Cancelled` or :class:`OutOfTime` where the computation has to stop."""
         if self._callback is not None:
-            answer = self._callback(self._said(), self.fraction)
+            answer = self._callback(self._describe_stage(), self.fraction)
             if answer is not None and not answer:
                 raise Cancelled("cancelled: nothing was changed")
         if self._deadline is not None and time.perf_counter() > self._deadline:
             raise OutOfTime
 
-    def during(self, work):
-        """Result of ``work()``, which cannot be interrupted: a thread does it, left behind when it must stop.
+    def during(self, work: Callable[[], Result]) -> Result:
+        """Run ``work()``, which cannot be interrupted, in a thread that is abandoned when the computation has to stop.
 
-        Without a callback and a limit it is done at once, which is faster: only Ctrl-C could stop it, and has to wait.
+        Without a callback and a time limit it runs here, which is faster; Ctrl-C then waits for its end.
         """
         if self._callback is None and self._deadline is None:
             return work()
-        results: list = []
-        errors: list = []
+        results: list[Result] = []
+        errors: list[BaseException] = []
 
-        def run():
+        def run() -> None:
             try:
                 results.append(work())
-            except BaseException as error:  # raised again where it was asked for
+            except BaseException as error:  # raised again by the caller's thread
                 errors.append(error)
 
         thread = start_thread(run)
@@ -114,8 +118,8 @@ class Monitor:
 SILENT = Monitor()
 
 
-def portion(callback, start, share):
-    """A callback for a part of the whole work, None for None."""
+def portion(callback: Callback | None, start: float, share: float) -> Callback | None:
+    """Derive a callback for a part of the whole work."""
     if callback is None:
         return None
     return lambda stage, fraction: callback(stage, start + share * fraction)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The connected pieces of a problem, one by one or many small ones as a stack of dense matrices."""
+"""The connected pieces of a problem: each on its own, or many small ones as a stack of dense matrices."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,15 +12,15 @@ from .graphs import ragged_arange
 from .piece import NOISE, PERFECT, Piece
 
 
-class Pieces(Sequence):
-    """The connected pieces with at least one row of the factor; each is made when it is first asked for.
+class Pieces:
+    """The connected pieces with at least one row of the factor, each made when first used.
 
     Parameters
     ----------
     factor : (r, N) CSR, of the whole problem
-    scales : (r,) weights that have come together in each of its rows
-    masses, components : (c,) of the columns of nodes: their mass, and the label of their component
-    grounds : (labels,) column that is the ground of each component, -1 where there is none
+    scales : (r,) sum of the weights that were combined in each of its rows
+    masses, components : (c,) mass and component label of each column of a node
+    grounds : (labels,) column of each component's ground, or -1
     places : (c,) order of the columns in a piece
     block, is_complex, fibre : as in :class:`Piece`
 
@@ -28,12 +28,23 @@ class Pieces(Sequence):
     ----------
     sizes : (k,) nodes of each piece
     weights : (k,) sum of the diagonal of each piece's matrix, without unused rows
-    scales : (k,) sum of the weights that have come together in it, of which some may have cancelled
-    grounds : (k,) column of each piece's ground, -1 where there is none
+    scales : (k,) the same before weights cancelled
+    grounds : (k,) column of each piece's ground, or -1
     roots : (k,) column of each piece's ground, or of its first node
     """
 
-    def __init__(self, factor, scales, masses, components, grounds, places, block, is_complex, fibre=Fibre.VECTORS):
+    def __init__(
+        self,
+        factor: csr_matrix,
+        scales: np.ndarray,
+        masses: np.ndarray,
+        components: np.ndarray,
+        grounds: np.ndarray,
+        places: np.ndarray,
+        block: int,
+        is_complex: bool,
+        fibre: Fibre = Fibre.VECTORS,
+    ) -> None:
         self._factor, self._masses, self._block, self._is_complex = factor, masses, block, is_complex
         self._fibre = fibre
         self._order = np.lexsort((places, components))
@@ -55,32 +66,31 @@ class Pieces(Sequence):
         self.weights, self.scales = self._sums(row_sums), self._sums(scales)
         self._made: dict[int, Piece] = {}
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.sizes)
 
-    def __getitem__(self, number):
-        if isinstance(number, slice):
-            return [self[k] for k in range(*number.indices(len(self)))]
-        number = range(len(self))[number]
+    def __getitem__(self, number: int) -> Piece:
         if number not in self._made:
             self._made[number] = self._piece(number)
         return self._made[number]
 
+    def __iter__(self) -> Iterator[Piece]:
+        return map(self.__getitem__, range(len(self)))
+
     @property
-    def noise(self):
+    def noise(self) -> np.ndarray:
         """(k,) energy that rounding alone can cause."""
         return NOISE * self.scales
 
-    def aligned(self, frames):
-        """(N,) unit coordinates that are the same in the (N, block) frames of a piece, and fit it as well as such can.
+    def aligned(self, frames: np.ndarray) -> np.ndarray:
+        """Compute the (N,) best-fitting unit coordinates that are constant in (N, block) frames of each piece.
 
-        In the frames of a ground they are its value; otherwise the first axis is taken wherever it fits. Where the
-        nodes carry frames, they are these.
+        With a ground they are its value, otherwise the first axis wherever it fits. Nodes that carry frames keep these.
         """
         if self._fibre is not Fibre.VECTORS:
             return frames
         count = len(self)
-        axes = np.zeros((count + 1, self._block), frames.dtype)  # the last for nodes in no piece
+        axes = np.zeros((count + 1, self._block), frames.dtype)  # the last row is for nodes in no piece
         axes[:, 0] = 1
         differences = self._factor @ frames
         products = np.conj(differences[:, :, None]) * differences[:, None, :]
@@ -95,38 +105,38 @@ class Pieces(Sequence):
         nodes = fields.reshape(-1, self._block)
         return (nodes / np.linalg.norm(nodes, axis=1, keepdims=True)).ravel()
 
-    def fitted(self, coordinates):
-        """(k,) bool: pieces that (N,) or (N, width) coordinates fit perfectly."""
+    def fitted(self, coordinates: np.ndarray) -> np.ndarray:
+        """Tell which pieces (N,) or (N, width) coordinates fit perfectly, (k,) bool."""
         return self.energies(coordinates) <= PERFECT * self.scales
 
-    def energies(self, coordinates):
-        """(k,) energies of (N,) or (N, width) coordinates, as sums of squares."""
+    def energies(self, coordinates: np.ndarray) -> np.ndarray:
+        """Compute the (k,) energies of (N,) or (N, width) coordinates as sums of squares."""
         squares = np.abs(self._factor @ coordinates) ** 2
         return self._sums(squares.sum(axis=1) if squares.ndim == 2 else squares)
 
-    def energies_of(self, numbers, columns):
-        """(k,) energies of some pieces by (m, c) columns together, whose rows are theirs, one after the other."""
+    def energies_of(self, numbers: np.ndarray, columns: np.ndarray) -> np.ndarray:
+        """Compute (k,) energies, summed over columns, of pieces whose rows are concatenated in (m, c) columns."""
         rows = self.rows(numbers)
         factor = _with_columns(self._factor[self._factor_rows(numbers)], rows, np.arange(len(rows)), len(rows))
         squares = (np.abs(factor @ columns) ** 2).sum(axis=1)
         return np.add.reduceat(squares, np.append(0, np.cumsum(self._row_counts[numbers])[:-1]))
 
-    def _sums(self, of_rows):
-        """(k,) sums over the factor's rows."""
+    def _sums(self, of_rows: np.ndarray) -> np.ndarray:
+        """Sum (r,) values of the factor's rows per piece."""
         rows = self._rows
         return np.bincount(self._piece_of_row[rows], of_rows[rows], len(self))
 
-    def rows(self, numbers):
-        """Rows of some pieces, one after the other, in the whole problem's coordinates."""
+    def rows(self, numbers: np.ndarray) -> np.ndarray:
+        """Concatenate the rows of pieces in the whole problem's coordinates."""
         columns, _ = self._columns(numbers)
         return self._rows_of(columns)
 
-    def masses(self, numbers):
-        """Masses of the nodes of some pieces, one after the other."""
+    def masses(self, numbers: np.ndarray) -> np.ndarray:
+        """Concatenate the masses of the nodes of pieces."""
         return self._masses[self._columns(numbers)[0]]
 
-    def ground_to_one(self, coordinates):
-        """(N,) coordinates, each piece turned so that its ground has the phase 1."""
+    def ground_to_one(self, coordinates: np.ndarray) -> np.ndarray:
+        """Turn each piece of (N,) coordinates so that its ground has the phase 1."""
         held = np.flatnonzero(self.grounds >= 0)
         values = coordinates[self.grounds[held] * self._block]
         turns = np.repeat(np.conj(values / np.abs(values)), self.sizes[held] * self._block)
@@ -134,19 +144,19 @@ class Pieces(Sequence):
         turned[rows] *= turns
         return turned
 
-    def _columns(self, numbers):
-        """Columns of some pieces, one after the other, and which of these each is in."""
+    def _columns(self, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Concatenate the columns of pieces; also returns the position in ``numbers`` of each column's piece."""
         owners, places = ragged_arange(self.sizes[numbers])
         return self._order[self._starts[numbers][owners] + places], owners
 
-    def _rows_of(self, columns):
+    def _rows_of(self, columns: np.ndarray) -> np.ndarray:
         return (columns[:, None] * self._block + np.arange(self._block)).ravel()
 
-    def _factor_rows(self, numbers):
+    def _factor_rows(self, numbers: np.ndarray) -> np.ndarray:
         owners, places = ragged_arange(self._row_counts[numbers])
         return self._rows[self._row_starts[numbers][owners] + places]
 
-    def _piece(self, number):
+    def _piece(self, number: int) -> Piece:
         block, numbers = self._block, np.array([number])
         rows = self.rows(numbers)
         whole = len(rows) == self._factor.shape[1]
@@ -165,8 +175,8 @@ class Pieces(Sequence):
         masses = self._masses[rows[::block] // block]
         return Piece(matrix, factor, masses, block, self._is_complex, ground, rows, self._fibre)
 
-    def stack(self, numbers):
-        """The :class:`Stack` of some pieces, which have weights."""
+    def stack(self, numbers: np.ndarray) -> "Stack":
+        """Build the :class:`Stack` of pieces with positive weights."""
         block, sizes = self._block, self.sizes[numbers]
         count, most = len(numbers), sizes.max()
         columns, owners = self._columns(numbers)
@@ -190,7 +200,7 @@ class Pieces(Sequence):
         held = np.flatnonzero(grounds >= 0)
         first = grounds[held] * block
         for row in range(1, block):
-            # As in a piece alone, whose mean diagonal is 1 here.
+            # The penalty of _piece, for a mean diagonal of 1.
             matrices[held, first + row, first + row] = np.maximum(2 * np.abs(matrices[held, first, first]), 1.0)
         return Stack(
             matrices, mass.reshape(count, most), used.reshape(count, size), grounds, block, self._is_complex, weights
@@ -199,16 +209,16 @@ class Pieces(Sequence):
 
 @dataclass(frozen=True)
 class Stack:
-    """k pieces as dense matrices, scaled as by :meth:`Piece.scaled` and filled up to the same number n of nodes.
+    """k pieces as dense matrices, scaled as by :meth:`Piece.scaled` and padded to the same number n of nodes.
 
     Attributes
     ----------
-    matrices : (k, N, N) complex Hermitian or real symmetric, N = n * block; zero where they are filled up
+    matrices : (k, N, N) complex Hermitian or real symmetric, N = n * block; zero in the padding
     mass : (k, n) positive
     used : (k, N) bool, rows of the pieces
-    grounds : (k,) ground of each piece among its nodes, -1 where there is none
+    grounds : (k,) ground of each piece among its nodes, or -1
     block, is_complex : as in :class:`Piece`
-    weights : (k,) what energies were divided by
+    weights : (k,) divisors of the energies
     """
 
     matrices: np.ndarray
@@ -219,22 +229,22 @@ class Stack:
     is_complex: bool
     weights: np.ndarray
 
-    def __len__(self):
+    def __len__(self) -> int:
         return len(self.matrices)
 
-    def __getitem__(self, chosen):
-        """The stack of some of the pieces, chosen as by any array of (k,) numbers."""
+    def __getitem__(self, chosen: np.ndarray) -> "Stack":
+        """Select pieces by any index of a (k,) array."""
         names = ("matrices", "mass", "used", "grounds", "weights")
         return replace(self, **{name: getattr(self, name)[chosen] for name in names})
 
     @property
-    def row_mass(self):
-        """(k, N) the mass of each row's node; 1 where the stack is filled up."""
+    def row_mass(self) -> np.ndarray:
+        """(k, N) mass of each row's node; 1 in the padding."""
         return np.repeat(self.mass, self.block, axis=1)
 
 
-def _with_columns(matrix, columns, places, count):
-    """A CSR matrix with (c,) of its columns, which hold all that have entries, at (c,) places of ``count``."""
+def _with_columns(matrix: csr_matrix, columns: np.ndarray, places: np.ndarray, count: int) -> csr_matrix:
+    """Move (c,) columns of a CSR matrix, the only ones with entries, to (c,) places among ``count``."""
     moved = np.empty(matrix.shape[1], matrix.indices.dtype)
     moved[columns] = places
     return csr_matrix((matrix.data.copy(), moved[matrix.indices], matrix.indptr), shape=(matrix.shape[0], count))

@@ -1,23 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The one problem: find unit phases that agree as well as they can with a connection (Eqs. 17, 18).
+"""The synchronization problem: unit phases that agree as well as possible with a connection (Eqs. 17, 18).
 
 Constraints are merged nodes, ``phi_i = g_i phi_root``, so that phases = P x with a sparse P of unit
-blocks and the matrix that is solved is P^H L P. Fixed phases merge into a *ground* node, whose
-value is then turned to 1 (Eqs. 25-27); soft wishes are weighted edges to it.
+blocks and the matrix of the solve is P^H L P. Fixed phases merge into a *ground* node, whose
+value is then turned to 1 (Eqs. 25-27); soft constraints are weighted edges to it.
 """
 
 from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
-from scipy.sparse import coo_matrix
+from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from .algebra.blocks import block_matrix, scale_blocks
 from .algebra.orthonormal import nearest
-from .connection import Connection, Fibre, as_matrices, circle_transports, compose, make_arrays
+from .connection import Connection, Fibre, Merged, Targets, as_matrices, circle_transports, compose, join_targets
 from .errors import SettingError
 from .gauge import balance
 from .graphs import components
@@ -25,61 +26,19 @@ from .pieces import Pieces
 from .problem_check import check_problem
 from .trees import along_trees
 
-
-@dataclass(frozen=True)
-class Merged:
-    """``phi[nodes] = transports * phi[roots]``: transports as in :class:`Connection`."""
-
-    nodes: np.ndarray
-    roots: np.ndarray
-    transports: np.ndarray
-
-    def __post_init__(self):
-        make_arrays(self, "nodes", "roots", "transports")
-
-    @classmethod
-    def none(cls):
-        """Of no node on the circle."""
-        return cls(np.empty(0, int), np.empty(0, int), np.empty(0, complex))
-
-
-@dataclass(frozen=True)
-class Targets:
-    """Values that nodes must have (weights None) or are drawn to: w |phi_i - value|^2.
-
-    ``values`` are complex of unit modulus on the circle, otherwise (k, d) unit vectors or (k, d, d) frames.
-    """
-
-    nodes: np.ndarray
-    values: np.ndarray
-    weights: np.ndarray | None = None
-
-    def __post_init__(self):
-        make_arrays(self, "nodes", "values", "weights")
-
-    @classmethod
-    def none(cls):
-        """Of no node on the circle, without weights."""
-        return cls(np.empty(0, int), np.empty(0, complex))
-
-
-def join_targets(parts):
-    """Several :class:`Targets` with weights as one, without those that do not draw."""
-    parts = parts or [replace(Targets.none(), weights=np.empty(0))]
-    arrays = [np.concatenate([getattr(part, name) for part in parts]) for name in ("nodes", "values", "weights")]
-    return Targets(*(array[arrays[2] > 0] for array in arrays))
+__all__ = ["Merged", "SynchronizationProblem", "Targets", "join_targets"]
 
 
 @dataclass(frozen=True)
 class _Embedding:
-    """Where the phases of nodes stand among the columns that are solved for.
+    """The columns of the solve that the phases of nodes follow from.
 
     Attributes
     ----------
     columns : (n,) column that each node follows
-    units : (n,) complex or (n, d, d) phase of each node where its column has the phase 1
-    masses, components : (c,) of the columns: their mass, and the label of their component of the graph
-    grounds : (labels,) column that is the ground of each component, -1 where there is none
+    units : (n,) complex or (n, d, d) phase of each node when its column has the phase 1
+    masses, components : (c,) mass and component label of each column
+    grounds : (labels,) column of each component's ground, or -1
     """
 
     columns: np.ndarray
@@ -91,9 +50,9 @@ class _Embedding:
 
 @dataclass(frozen=True)
 class ColumnLinks:
-    """What asks columns to agree: weight |after x_head - before x_tail|^2, of (e,) numbers or (e, d, d) blocks.
+    """Energy terms weight |after x_head - before x_tail|^2 with (e,) numbers or (e, d, d) blocks.
 
-    The block of a ground has one column only; a ground is a tail or a head of edges, and the tail of soft wishes.
+    The block of a ground has one column only; a ground is a tail or a head of edges, and the tail of soft constraints.
     """
 
     tails: np.ndarray
@@ -103,8 +62,8 @@ class ColumnLinks:
     weights: np.ndarray
 
     @property
-    def scales(self):
-        """(r,) what each of the factor's rows weighs at both ends together: with it grows what rounding makes of it."""
+    def scales(self) -> np.ndarray:
+        """(r,) weight of each of the factor's rows, both ends together: the scale of its rounding error."""
         squares = np.abs(self.before) ** 2 + np.abs(self.after) ** 2
         if squares.ndim == 3:
             return (self.weights[:, None] * squares.sum(axis=2)).ravel()
@@ -112,26 +71,24 @@ class ColumnLinks:
 
 
 class SynchronizationProblem:
-    """A connection with masses and constraints, and the sparse matrices that it comes to.
+    """A connection with masses and constraints, and the sparse matrices of its energy.
 
     Parameters
     ----------
-    connection : Connection
-    mass : (n,) positive array, optional (ones)
-    merged : Merged, optional
-    fixed : Targets without weights, optional
-    drawn : Targets with weights, optional
-    calmer : callable without arguments, optional; asked for (k,) radians that turn the first k transports further, so
-        that they contradict each other as little as they can. Circle only.
-    fibre : Fibre, optional: what nodes carry where transports are d x d matrices; by default unit vectors
+    mass : (n,) positive, by default ones
+    fixed : Targets without weights
+    drawn : Targets with weights
+    calmer : computes (k,) radians that turn the first k transports to contradict each other as little as possible.
+        Circle only.
+    fibre : values of the nodes where transports are d x d matrices
 
-    What is left out is of no node: the attributes ``merged``, ``fixed`` and ``drawn`` are never None.
+    The attributes ``merged``, ``fixed`` and ``drawn`` are never None.
 
     Raises
     ------
     SettingError
-        for arrays that do not fit, numbers that are none, negative weights or masses, transports and values that are
-        not of unit length; when a node is constrained twice, or merged into a node that is itself constrained
+        for arrays that do not fit, NaN, negative weights or masses, transports and values that are not of unit length,
+        a node that is constrained twice, or merged into a constrained node
     """
 
     def __init__(
@@ -159,7 +116,7 @@ class SynchronizationProblem:
         self.calmer = calmer
         self._check_constraints()
 
-    def _check_constraints(self):
+    def _check_constraints(self) -> None:
         constrained, counts = np.unique(np.append(self.merged.nodes, self.fixed.nodes), return_counts=True)
         if (counts > 1).any():
             raise SettingError(f"node {constrained[counts > 1][0]} is constrained twice: keep one of the constraints")
@@ -168,23 +125,23 @@ class SynchronizationProblem:
             raise SettingError(f"node {roots[0]} leads a merged group and is constrained itself: fix the group instead")
 
     @property
-    def is_circle(self):
+    def is_circle(self) -> bool:
         """Whether phases are given and returned as complex numbers."""
         return self.connection.is_circle and self.fibre is Fibre.VECTORS
 
     @property
-    def width(self):
-        """Columns of the phase of a node: 1, or d of frames."""
+    def width(self) -> int:
+        """Columns of a node's phase: 1, or d for frames."""
         return self.fibre.width(self.block)
 
     @property
-    def value_shape(self):
-        """Shape of the phase of a node: () on the circle, (d,) or (d, d)."""
+    def value_shape(self) -> tuple[int, ...]:
+        """Shape of a node's phase: () on the circle, (d,) or (d, d)."""
         return () if self.is_circle else (self.block, self.block)[: 1 if self.fibre is Fibre.VECTORS else 2]
 
-    def turned_by(self, turns):
-        """The problem with the first transports turned further by (k,) radians; its pieces have the same rows."""
-        twin = copy(self)  # with all that follows from the graph and its flips
+    def turned_by(self, turns: np.ndarray) -> Self:
+        """Turn the first k transports by (k,) radians more; the pieces keep their rows."""
+        twin = copy(self)  # keeps all that depends only on the graph and its flips
         twin.__dict__.pop("factor", None)
         twin.__dict__.pop("pieces", None)
         transports = self.connection.transports.copy()
@@ -194,57 +151,57 @@ class SynchronizationProblem:
         twin.connection = replace(self.connection, transports=transports)
         return twin
 
-    # Gauge: turn nodes over where that removes all flips of a component.
+    # Gauge: turn nodes over where this removes all flips of a component.
 
     @property
-    def _pairs(self):
-        """(p, 2) nodes that a transport joins: the edges, and roots with the nodes merged into them."""
+    def _pairs(self) -> np.ndarray:
+        """(p, 2) nodes that a transport joins: edges, and roots with the nodes merged into them."""
         return np.concatenate([self.connection.edges, np.column_stack([self.merged.roots, self.merged.nodes])])
 
     @cached_property
-    def _components(self):
-        """(n,) label of the component of the graph that each node is in."""
+    def _components(self) -> np.ndarray:
+        """(n,) component label of each node."""
         return components(self.connection.node_count, self._pairs)
 
     @property
-    def component_sizes(self):
-        """(c,) nodes of each component of the graph."""
+    def component_sizes(self) -> np.ndarray:
+        """(c,) number of nodes of each component."""
         return np.bincount(self._components)
 
     @cached_property
-    def turned(self):
+    def turned(self) -> np.ndarray:
         """(n,) bool: nodes whose coordinates are the conjugate of their phase (circle only)."""
         return self._gauge[0]
 
     @cached_property
-    def _gauge(self):
+    def _gauge(self) -> tuple[np.ndarray, bool]:
         count = self.connection.node_count
         if self.connection.block != 2 or not self.is_circle:
             return np.zeros(count, bool), self.connection.transports.ndim == 1
-        flips = np.append(_is_flip(self.connection.transports), _is_flip(self.merged.transports))
+        flips = np.append(_are_flips(self.connection.transports), _are_flips(self.merged.transports))
         turned, balanced = balance(count, self._pairs, flips)
         return turned, bool(balanced.all())
 
     @property
-    def is_complex(self):
-        """True when no flip remains, so that one complex row a node does."""
+    def is_complex(self) -> bool:
+        """Whether no flip remains, so that one complex row per node is enough."""
         return self._gauge[1]
 
     @property
-    def block(self):
+    def block(self) -> int:
         return 1 if self.is_complex else self.connection.block
 
     # Coordinates
 
-    def _transports(self, transports, tails, heads):
-        """Transports in the coordinates that are solved: complex numbers or d x d blocks."""
+    def _transports(self, transports: np.ndarray, tails: np.ndarray, heads: np.ndarray) -> np.ndarray:
+        """Convert transports to the coordinates of the solve: complex numbers or d x d blocks."""
         if not self.is_complex or transports.ndim == 1:
             return transports
         numbers = transports[:, 0, 0] + 1j * transports[:, 1, 0]
         return np.where(self.turned[heads], numbers.conj(), numbers)
 
-    def _values(self, targets):
-        """Target values as (k,) complex coordinates, (k, d) vectors or (k, d, d) frames."""
+    def _values(self, targets: Targets) -> np.ndarray:
+        """Convert target values to (k,) complex coordinates, (k, d) vectors or (k, d, d) frames."""
         values = np.asarray(targets.values)
         if self.is_complex:
             return np.where(self.turned[targets.nodes], values.conj(), values)
@@ -253,7 +210,7 @@ class SynchronizationProblem:
         return values
 
     @cached_property
-    def _embedding(self):
+    def _embedding(self) -> _Embedding:
         count, labels = self.connection.node_count, self._components
         merged, fixed = self.merged, self.fixed
         free = np.ones(count, bool)
@@ -277,8 +234,8 @@ class SynchronizationProblem:
         return _Embedding(columns, units, masses, column_labels, grounds)
 
     @property
-    def links(self):
-        """The :class:`ColumnLinks` that edges and soft wishes come to."""
+    def links(self) -> ColumnLinks:
+        """The :class:`ColumnLinks` of edges and soft constraints."""
         columns, units = self._embedding.columns, self._embedding.units
         i, j = self.connection.edges.T
         moved = compose(self._transports(self.connection.transports, i, j), units[i])
@@ -292,8 +249,8 @@ class SynchronizationProblem:
         )
 
     @cached_property
-    def factor(self):
-        """Sparse B with energy = |B x|^2: one block of rows an edge (Eq. 2 in the merged nodes)."""
+    def factor(self) -> csr_matrix:
+        """Sparse B with energy = |B x|^2, one block of rows per edge: Eq. (2) in the merged nodes."""
         links = self.links
         numbers, scale = np.arange(len(links.tails)), np.sqrt(links.weights)
         rows, places = np.append(numbers, numbers), np.append(links.heads, links.tails)
@@ -301,25 +258,25 @@ class SynchronizationProblem:
         return block_matrix(rows, places, values, (len(numbers), len(self._embedding.masses)))
 
     @cached_property
-    def pieces(self):
-        """The :class:`Pieces`: connected, with at least one edge each; other nodes keep the phase 1."""
+    def pieces(self) -> Pieces:
+        """The connected pieces with at least one edge each; other nodes keep the phase 1."""
         embedding = self._embedding
         shape = (embedding.masses, embedding.components, embedding.grounds)
         return Pieces(self.factor, self.links.scales, *shape, self._places, self.block, self.is_complex, self.fibre)
 
     @cached_property
-    def _places(self):
-        """(columns,) places in an order in which neighbours are near, so that products find them in the cache."""
+    def _places(self) -> np.ndarray:
+        """(columns,) positions in an order that keeps neighbours close, for the cache."""
         count, edges = self.connection.node_count, self.connection.edges
         order = reverse_cuthill_mckee(coo_matrix((np.ones(len(edges)), edges.T), shape=(count, count)).tocsr())
         places = np.full(len(self._embedding.masses), len(order))
         places[self._embedding.columns[order[::-1]]] = np.arange(len(order))[::-1]
         return places
 
-    def along_trees(self):
-        """(N,) or (N, d) unit coordinates that fit all edges of a spanning tree of each piece, and fixed values.
+    def along_trees(self) -> np.ndarray:
+        """Compute (N,) or (N, d) unit coordinates that fit fixed values and all edges of a spanning tree of each piece.
 
-        Where some fit all edges of a piece, these do.
+        They fit all edges of a piece where this is possible.
         """
         links, pieces = self.links, self.pieces
         if links.before.ndim == 1:
@@ -330,12 +287,12 @@ class SynchronizationProblem:
         frames = along_trees(count, links.tails, links.heads, transports, pieces.roots)
         return pieces.aligned(frames.reshape(self.block * count, self.block))
 
-    def expand(self, coordinates):
-        """Phases of all nodes from unit coordinates: (n,) complex on the circle, else (n, d) or (n, d, d).
+    def expand(self, coordinates: np.ndarray) -> np.ndarray:
+        """Compute the phases of all nodes from unit coordinates: (n,) complex on the circle, else (n, d) or (n, d, d).
 
         Parameters
         ----------
-        coordinates : (N,) array in the rows of :attr:`factor`'s columns; of frames (N, d)
+        coordinates : (N,), one for each column of :attr:`factor`; (N, d) for frames
         """
         columns, units = self._embedding.columns, self._embedding.units
         if self.is_complex:
@@ -346,8 +303,8 @@ class SynchronizationProblem:
         vectors = np.einsum("nab,nb->na", units, coordinates.reshape(-1, self.block)[columns])
         return vectors[:, 0] + 1j * vectors[:, 1] if self.is_circle else vectors
 
-    def coordinates(self, phases):
-        """(N,) or (N, d) unit coordinates nearest to phases of all nodes: the inverse of :meth:`expand`.
+    def coordinates(self, phases: np.ndarray) -> np.ndarray:
+        """Find the (N,) or (N, d) unit coordinates nearest to phases of all nodes: the inverse of :meth:`expand`.
 
         Parameters
         ----------
@@ -367,32 +324,32 @@ class SynchronizationProblem:
         lengths = np.sqrt((np.abs(sums) ** 2).reshape(len(sums), -1).sum(axis=1)).reshape(-1, *[1] * (sums.ndim - 1))
         return np.where(lengths > 0, sums / np.where(lengths > 0, lengths, 1), fallback).ravel()
 
-    def rows_of(self, nodes):
-        """(k, block) rows of :meth:`expand`'s coordinates that (k,) nodes follow from."""
+    def rows_of(self, nodes: np.ndarray) -> np.ndarray:
+        """Find the (k, block) rows of :meth:`expand`'s coordinates that (k,) nodes follow from."""
         return self._embedding.columns[nodes][:, None] * self.block + np.arange(self.block)
 
-    def unit_coordinates(self):
-        """(N,) or (N, d) coordinates with the phase 1 at every node."""
+    def unit_coordinates(self) -> np.ndarray:
+        """Build (N,) or (N, d) coordinates with the phase 1 at every node."""
         count = self.factor.shape[1] // self.block
         if self.width > 1:
             return np.tile(np.eye(self.block), (count, 1))
         return np.ones(count, complex) if self.is_complex else np.tile(np.eye(self.block)[0], count)
 
     def energy(self, phases: np.ndarray) -> float:
-        """Energy of phases as the user knows them: edges plus soft wishes."""
+        """Compute the energy (Eq. 17) of phases of all nodes: edges plus soft constraints."""
         difference = phases[self.drawn.nodes] - self.drawn.values
         squares = (difference * np.conj(difference)).real.sum(axis=tuple(range(1, difference.ndim)))
         return self.connection.energy(phases) + float(self.drawn.weights @ squares)
 
 
-def _is_flip(transports):
+def _are_flips(transports: np.ndarray) -> np.ndarray:
     if transports.ndim == 1:
         return np.zeros(len(transports), bool)
     return np.linalg.det(transports) < 0
 
 
-def _ground_blocks(values):
-    """The ground is one number or frame; that of vectors is the first row of a block."""
+def _ground_blocks(values: np.ndarray) -> np.ndarray:
+    """Put vectors into the first column of blocks: the ground of vectors is the first row of its block."""
     if values.ndim != 2:
         return values
     blocks = np.zeros((*values.shape, values.shape[1]))

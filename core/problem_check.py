@@ -1,19 +1,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether arrays make a synchronization problem: one line names the first element that does not, and the remedy."""
+"""Validation of a synchronization problem: one line names the first element that is wrong, and the remedy."""
+
+from collections.abc import Callable
 
 import numpy as np
 
-from .connection import Fibre
+from .connection import Connection, Fibre, Merged, Targets
 from .errors import SettingError
 
-# How far a transport may be from a rotation or reflection, and a value from unit length: what single precision leaves.
+# Tolerance for orthogonal transports and unit values: the error of single precision.
 UNIT = 1e-4
 
 
-def check_problem(connection, mass, merged, fixed, drawn, fibre):
-    """Raise a SettingError for the first thing wrong with the parts of a problem, but for doubled constraints.
+def check_problem(
+    connection: Connection,
+    mass: np.ndarray | None,
+    merged: Merged | None,
+    fixed: Targets | None,
+    drawn: Targets | None,
+    fibre: str,
+) -> Fibre:
+    """Raise a SettingError for the first wrong part of a problem; doubled constraints are checked elsewhere.
 
-    Returns the :class:`Fibre`, which may be given by its word.
+    Returns the :class:`Fibre`, which may be given as a text.
     """
     if fibre not in [*Fibre]:
         raise SettingError(f"the fibre {fibre!r} is unknown: use one of {', '.join(Fibre)}")
@@ -47,25 +56,25 @@ def check_problem(connection, mass, merged, fixed, drawn, fibre):
     return fibre
 
 
-def _refuse_first(wrong, line):
+def _refuse_first(wrong: np.ndarray, line: Callable[[int], str]) -> None:
     """Raise a SettingError with line(number) for the first element that is wrong."""
     if wrong.any():
         raise SettingError(line(int(np.flatnonzero(wrong)[0])))
 
 
-def _check_nodes(name, nodes, count):
+def _check_nodes(name: str, nodes: np.ndarray, count: int) -> None:
     if nodes.size and not np.issubdtype(nodes.dtype, np.integer):
         raise SettingError(f"{name}s are given as {nodes.dtype}: give whole numbers")
     wrong = ((nodes < 0) | (nodes >= count)).any(axis=tuple(range(1, nodes.ndim)))
     _refuse_first(wrong, lambda k: f"{name} {k} is {nodes[k].tolist()} of {count} nodes: count them from 0")
 
 
-def _check_length(name, element, values, count):
+def _check_length(name: str, element: str, values: np.ndarray, count: int) -> None:
     if len(values) != count:
         raise SettingError(f"there are {len(values)} {name} for {count} {element}s: give one for each")
 
 
-def _check_numbers(name, element, values, count):
+def _check_numbers(name: str, element: str, values: np.ndarray, count: int) -> None:
     """Numbers that are not negative."""
     values = np.asarray(values)
     if values.shape != (count,):
@@ -74,7 +83,7 @@ def _check_numbers(name, element, values, count):
     _refuse_first(wrong, lambda k: f"the {name} of {element} {k} is {values[k]}: give a finite number, not below 0")
 
 
-def _check_transports(element, transports, count, fibre):
+def _check_transports(element: str, transports: np.ndarray, count: int, fibre: Fibre) -> None:
     _check_length("transports", element, transports, count)
     if transports.ndim == 1:
         wrong = ~(np.abs(np.abs(transports) - 1) < UNIT)
@@ -90,17 +99,17 @@ def _check_transports(element, transports, count, fibre):
         _refuse_reflections(f"transport of {element}", transports)
 
 
-def _far_from_orthogonal(matrices):
+def _far_from_orthogonal(matrices: np.ndarray) -> np.ndarray:
     squares = np.einsum("eba,ebc->eac", matrices, matrices)
     return ~(np.abs(squares - np.eye(matrices.shape[1])) < UNIT).all(axis=(1, 2))
 
 
-def _refuse_reflections(name, matrices):
+def _refuse_reflections(name: str, matrices: np.ndarray) -> None:
     reflects = np.linalg.det(matrices) < 0
     _refuse_first(reflects, lambda k: f"the {name} {k} is a reflection: give rotations, or let the nodes be orthogonal")
 
 
-def _check_values(element, values, count, connection, fibre):
+def _check_values(element: str, values: np.ndarray, count: int, connection: Connection, fibre: Fibre) -> None:
     if fibre is not Fibre.VECTORS:
         _check_frames(element, values, (count, connection.block, connection.block), fibre)
         return
@@ -113,7 +122,7 @@ def _check_values(element, values, count, connection, fibre):
     _refuse_first(wrong, lambda k: f"the value of {element} {k} is {values[k].tolist()}: it needs the length 1")
 
 
-def _check_frames(element, values, shape, fibre):
+def _check_frames(element: str, values: np.ndarray, shape: tuple[int, ...], fibre: Fibre) -> None:
     if values.shape != shape:
         raise SettingError(f"values of {element}s have the shape {values.shape}: give {shape}")
     wrong = _far_from_orthogonal(values)

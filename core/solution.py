@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a solve is asked and what it answers."""
+"""Options of a solve, and its solution."""
 
 import time
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields
 from enum import Enum, StrEnum
+from typing import Self
 
 import numpy as np
 
@@ -19,16 +21,16 @@ ROUNDINGS: tuple[str, ...] = tuple(choice.name for choice in solver.ROUNDINGS)
 
 
 class Certificate(StrEnum):
-    """What vouches for a lower bound; the text is what reports say.
+    """How a lower bound was obtained; reports show the text.
 
     Attributes
     ----------
-    strength : the larger, the more; a problem of several pieces has the weakest of theirs
+    strength : order; a problem of several pieces has the weakest certificate of its pieces
     """
 
     strength: int
 
-    def __new__(cls, text, strength):
+    def __new__(cls, text: str, strength: int) -> Self:
         member = str.__new__(cls, text)
         member._value_, member.strength = text, strength
         return member
@@ -39,16 +41,16 @@ class Certificate(StrEnum):
 
 
 class Status(Enum):
-    """How far a solve came; the value is what reports say.
+    """How a solve ended; reports show the value.
 
     Attributes
     ----------
-    severity : a problem of several pieces has the status of the most severe of theirs
+    severity : order; a problem of several pieces has the most severe status of its pieces
     """
 
     severity: int
 
-    def __new__(cls, text, severity):
+    def __new__(cls, text: str, severity: int) -> Self:
         member = object.__new__(cls)
         member._value_, member.severity = text, severity
         return member
@@ -63,23 +65,22 @@ class Status(Enum):
 
 @dataclass(frozen=True)
 class Options:
-    """How to solve: all that a caller may turn. What else was chosen are constants beside the code that uses them.
+    """All choices that a caller has; other parameters are constants beside the code that uses them.
 
     Attributes
     ----------
     method : "sdp", the default, relaxes, certifies and rounds; "spectral" takes the smallest eigenvector and
-        "diffusion" the best of some starts of threshold dynamics, both with the weaker bound of Eq. (23); "descent"
-        only goes on from a start, "first" gives the first field that is shown, and "coarse" searches on a coarse stage;
-        these three have no bound
+        "diffusion" the best of several runs of threshold dynamics, both with the weaker bound of Eq. (23); without a
+        bound, "descent" improves a start, "first" gives the first field shown, and "coarse" searches a coarse stage
     rounding : how the lifted field of "sdp" becomes phases: "svd"; "random", the best of ``samples``
         projections (Eq. 29); "polish", the best of those followed by descent; "continuation", the default,
-        with rounds of a seeded continuation before; "coarse", with those rounds on a coarse stage
+        after rounds of a seeded continuation; "coarse", after those rounds on a coarse stage
     target_gap : relative gap between the relaxation's value and its lower bound at which "sdp" stops, from
-        :data:`core.settings.solver.SMALLEST_GAP` to 1; it says nothing of what rounding adds
+        :data:`core.settings.solver.SMALLEST_GAP` to 1; the energy that rounding adds is not included
     samples : random projections tried, at least 1; not for the rounding "svd"
-    seed : of every random choice, 0 or more; the same seed gives the same result to the last digit
-    time_limit : seconds after which the best so far is returned, with the status ``TIME_LIMIT``; None for no limit
-    long_proofs : whether bounds are proved that take more than some ten seconds to prove, as far as memory reaches
+    seed : of all random choices, 0 or more; the same seed gives the same result to the last digit
+    time_limit : seconds after which the best so far is returned, with the status ``TIME_LIMIT``
+    long_proofs : whether to prove bounds that take more than about ten seconds to prove, if memory suffices
     """
 
     method: str = SolverSettings.method
@@ -92,7 +93,7 @@ class Options:
 
     @classmethod
     def of(cls, settings: SolverSettings) -> "Options":
-        """The options that settings stand for."""
+        """Take the options from settings."""
         return cls(**{item.name: getattr(settings, item.name) for item in fields(SolverSettings)})
 
 
@@ -103,21 +104,18 @@ class Solution:
     Attributes
     ----------
     phases : (n,) complex on the circle, else (n, d), or (n, d, d) where nodes carry frames
-    energy : of the phases, by Eq. (17)
-    lower_bound : no phases have less energy; 0 when no bound was asked. What rounding leaves of it above the energy is
-        taken off
-    sdp_value : of the relaxation (22); None for other methods
-    noise : energy that rounding alone can cause, as a share of all weights; gaps are measured above it, so that a fit
-        below it has none
-    certificate : Certificate of the lower bound
-    status : Status
+    energy : of the phases, Eq. (17)
+    lower_bound : no phases have less energy; 0 without a bound, and never above the energy by rounding errors
+    sdp_value : of the relaxation, Eq. (22); None for other methods
+    noise : energy of rounding errors; gaps are measured above it, so that an energy below it has gap 0
+    certificate : of the lower bound
     rank : columns of the lifted field
-    singular_values : of the lifted field, descending, of the largest piece
-    lifted : (N, rank) lifted field in the coordinates of ``problem.factor``, or None
-    variations : (k, n), (k, n, d) or (k, n, d, d) phases of other good fields, near local optima, best first; the first
-        are ``phases``. In problems of several pieces every piece takes its next best at the same time.
-    spectral_bound : the weaker bound of Eq. (23), when the spectral relaxation was solved
-    iterations, products : descent steps, and columns multiplied by L
+    singular_values : of the largest piece's lifted field, descending
+    lifted : (N, rank) lifted field in the coordinates of ``problem.factor``
+    variations : (k, n), (k, n, d) or (k, n, d, d) phases of good fields near local optima, best first, beginning with
+        ``phases``; variation k takes the k-th best of every piece
+    spectral_bound : the weaker bound of Eq. (23), if the spectral relaxation was solved
+    iterations, products : number of descent steps, and of columns multiplied by L
     times : seconds by phase of the work
     """
 
@@ -135,9 +133,9 @@ class Solution:
     spectral_bound: float | None
     iterations: int
     products: int
-    times: dict = field(default_factory=dict)
+    times: dict[str, float] = field(default_factory=dict)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         for name in ("lower_bound", "spectral_bound"):
             bound = getattr(self, name)
             if bound is not None:
@@ -145,7 +143,7 @@ class Solution:
 
     @property
     def gap(self) -> float:
-        """(energy - lower bound) / energy: at most this share of the energy could be saved."""
+        """(energy - lower bound) / energy: better phases can save at most this share of the energy."""
         return relative_gap(self.energy, self.lower_bound, self.noise)
 
     @property
@@ -154,26 +152,26 @@ class Solution:
         return None if self.sdp_value is None else relative_gap(self.sdp_value, self.lower_bound, self.noise)
 
 
-def relative_gap(value, bound, noise):
-    """Share of ``value`` that is above ``bound`` by more than rounding noise."""
+def relative_gap(value: float, bound: float, noise: float) -> float:
+    """Compute the share of ``value`` that is above ``bound`` by more than the noise."""
     return max(value - bound - noise, 0.0) / value if value > 0 else 0.0
 
 
 class Clock:
     """Seconds spent by named phase: ``with clock("relax"): ...``."""
 
-    def __init__(self):
-        self.seconds = {}
+    def __init__(self) -> None:
+        self.seconds: dict[str, float] = {}
 
     @contextmanager
-    def __call__(self, phase):
+    def __call__(self, phase: str) -> Iterator[None]:
         start = time.perf_counter()
         try:
             yield
         finally:
             self.add({phase: time.perf_counter() - start})
 
-    def add(self, seconds):
-        """Seconds that phases have taken elsewhere, by their names."""
+    def add(self, seconds: Mapping[str, float]) -> None:
+        """Add seconds of phases that were measured elsewhere."""
         for phase, spent in seconds.items():
             self.seconds[phase] = self.seconds.get(phase, 0.0) + spent

@@ -1,42 +1,39 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lists of things with names, as one line of text such as ``curvature-max=2,axis:Z`` or ``Top=layer,Bottom=constant``.
+"""Parser of lists in one line of text, such as ``curvature-max=2,axis:Z`` or ``Top=layer,Bottom=constant``.
 
-Items are separated by commas, and look as a form says: ``KIND``, names behind colons, and a value behind an equals
-sign. A name with a comma, an equals sign, a double quote or the end of a line goes in double quotes, which are doubled
-inside, and so does one with a colon, unless it is the last one of the form.
+Items are separated by commas and follow a form: ``KIND``, names after colons, and a value after an equals sign. A name
+that contains a comma, an equals sign, a double quote or a line end is written in double quotes, doubled inside, and so
+is one with a colon unless it is the last name of the form.
 """
 
 import re
 from functools import cache
+from typing import Any
 
 from .errors import SettingError, quote_value
 
-# Nothing that is once read is given back (*+): the time grows with the length alone.
+# Possessive quantifiers (*+) do not backtrack, so that the time grows linearly with the length.
 _QUOTED = r'\s*+"(?:[^"]|"")*+"\s*+'
 _NAMES = rf'({_QUOTED}|[^,:="\r\n]*+)', rf'({_QUOTED}|[^,="\r\n]*+)'
 
 
-def items(text, what, form):
-    """The items of a text.
+def items(text: str, what: str, form: str) -> list[tuple[Any, ...]]:
+    """Split a text into its items: tuples with a str for each part of the form, None where it is missing.
 
     Parameters
     ----------
-    text : str
-    what : the text is, for the error
-    form : of each item, such as "KIND:NAME=STRENGTH" or "NAME=layer"; all but its first part may be missing
-
-    Returns
-    -------
-    list of tuples with a str for each part of the form, None where it is missing
+    what : name of the text in errors
+    form : of each item, such as "KIND:NAME=STRENGTH" or "NAME=layer"; all but its first part are optional
 
     Raises
     ------
     SettingError
-        naming the place that cannot be read, or what is no text
+        for a text that cannot be read, quoted from the first error on, or a value that is not a text
     """
     if not isinstance(text, str):
         raise SettingError(f"the {what} is {quote_value(text)}: give a text such as {form}")
-    result, place, end = [], 0, ","
+    result: list[tuple[str | None, ...]] = []
+    place, end = 0, ","
     while end == ",":
         found = _pattern(form).match(text, place)
         if found is None:
@@ -51,7 +48,7 @@ def items(text, what, form):
 
 
 @cache
-def _pattern(form):
+def _pattern(form: str) -> re.Pattern[str]:
     names, has_value, _ = form.partition("=")
     *others, _ = names.split(":")
     parts = [_NAMES[0]] * len(others) + [_NAMES[1]]
@@ -61,13 +58,13 @@ def _pattern(form):
     return re.compile(pattern + (r"(?:=([^,=\"]*+))?" if has_value else "") + r"\s*+(,|$)")
 
 
-def _unquote(part):
+def _unquote(part: str) -> str:
     part = part.strip()
     return part[1:-1].replace('""', '"') if part.startswith('"') else part
 
 
-def quote_name(name):
-    """A name as it is written in a text."""
+def quote_name(name: str) -> str:
+    """Quote a name where the syntax needs it."""
     if re.search(r'[,:="\r\n]', name) or name != name.strip():
         return '"' + name.replace('"', '""') + '"'
     return name

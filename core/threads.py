@@ -1,27 +1,37 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Threads: all of the program's are begun here, and no other module imports what begins them.
+"""Threads: the only module that imports and starts them.
 
-None runs beside Blender while somebody works in it. They run
+No thread runs beside Blender while somebody works in it. Threads run
 
-- in a child process, which is no Blender: that of a solve for the window (``core.process.child``);
-- in a Blender that is blocked, by a solve that a script, the redo panel or the command line waits for: they share its
-  work and are joined before the call returns. Only where a script's callback or Ctrl-C stops it, a factorization, which
-  cannot be interrupted, is left behind until it is done; the command line ends its process then;
-- in the processes of a batch (``core.batch``), which have no window: the one that hands out rows waits in a thread for
-  each process that does them, and is blocked until all are joined; in each of those a thread reads what it is asked,
-  so that it ends with its pipe.
+- in a child process without Blender, which solves for the window (``core.process.child``);
+- in a Blender that is blocked by a solve of a script, the redo panel or the command line: they share its work and are
+  joined before the call returns. Only a factorization, which cannot be interrupted, outlives a call that a callback or
+  Ctrl-C stops; the command line then ends its process;
+- in the processes of a batch (``core.batch``), which have no window: one thread of the parent waits for each child, and
+  all are joined before it returns; in each child a thread reads the requests, so that it ends with its pipe.
 
-What they do is NumPy's, SciPy's and pipes': ``core`` does not know Blender.
+They run NumPy, SciPy and pipes: ``core`` does not know Blender.
 """
 
-from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from collections.abc import Callable
+from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
 from threading import Event, Lock, Thread, local
 
-__all__ = ["FIRST_EXCEPTION", "Event", "Lock", "Thread", "ThreadPoolExecutor", "local", "start_thread", "wait"]
+__all__ = [
+    "FIRST_EXCEPTION",
+    "Event",
+    "Future",
+    "Lock",
+    "Thread",
+    "ThreadPoolExecutor",
+    "local",
+    "start_thread",
+    "wait",
+]
 
 
-def start_thread(work, *arguments, is_daemon=True):
-    """A thread that does ``work(*arguments)``; the process does not wait for a daemon at its end."""
+def start_thread(work: Callable[..., object], *arguments: object, is_daemon: bool = True) -> Thread:
+    """Start a thread for ``work(*arguments)``; a process ends without waiting for its daemons."""
     thread = Thread(target=work, args=arguments, daemon=is_daemon)
     thread.start()
     return thread

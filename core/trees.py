@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames that agree along a spanning tree of every component of a graph, found for all of them at once."""
+"""Frames that agree along spanning trees of a graph, found for all components at once."""
 
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -8,22 +8,23 @@ from scipy.sparse.csgraph import breadth_first_order
 from .connection import compose
 
 
-def along_trees(count, tails, heads, transports, roots):
-    """Carry the unit frame from the roots along the links of shortest paths.
+def along_trees(
+    count: int, tails: np.ndarray, heads: np.ndarray, transports: np.ndarray, roots: np.ndarray
+) -> np.ndarray:
+    """Carry the unit frame from the roots along shortest paths.
 
     A field that fits all links of a component is the same in all these frames.
 
     Parameters
     ----------
-    count : int, nodes
-    tails, heads : (e,) nodes of the links
+    tails, heads : (e,) nodes of the links, of ``count`` nodes
     transports : (e,) complex or (e, d, d), from tail to head; from head to tail their adjoints lead
     roots : (c,) one node of each component that has links
 
     Returns
     -------
-    (count,) complex of unit modulus or (count, d, d): what each node's value is for each value of its root; the
-    identity where no root leads
+    (count,) complex of unit modulus or (count, d, d): what takes the root's value to each node's; the identity where no
+    root is connected
     """
     starts = np.full(len(roots), count)
     graph = coo_matrix(
@@ -42,7 +43,7 @@ def along_trees(count, tails, heads, transports, roots):
     backward = (heads[links] != reached).reshape(-1, *[1] * len(block))
     adjoints = np.conj(transports[links]).swapaxes(1, 2) if block else np.conj(transports[links])
     carried[reached] = np.where(backward, adjoints, transports[links])
-    # The last node stands for the start, before which there is nothing. Each round doubles the steps that are joined.
+    # The last node is the start of all paths. Each round doubles the length of the composed steps.
     before = np.append(before, count)
     while (before < count).any():
         on_way = np.flatnonzero(before < count)

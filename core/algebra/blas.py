@@ -1,52 +1,53 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keep BLAS to one thread during a solve.
+"""Limit BLAS to one thread during a solve.
 
-Sparse factorizations call BLAS many thousand times on tiny blocks. Waking a pool of threads for each
-made solves up to ten times slower on a busy machine, and never faster.
+Sparse factorizations call BLAS thousands of times on tiny blocks. Waking a pool of threads for each call makes solves
+up to ten times slower on a busy machine, and never faster.
 """
 
 import os
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 from ..threads import Event, Lock, Thread, local, start_thread
 
 try:
     from threadpoolctl import threadpool_limits
-except ImportError:  # an extension built without its wheels, in a Blender that has SciPy only
+except ImportError:  # an extension without wheels, in a Blender that has only SciPy
     threadpool_limits = None
 
 _here = local()
 
 
 class _Everywhere:
-    """The limit of a pool that all threads share, while anybody is inside.
+    """Limit of the pool that all threads share, while any thread is inside.
 
-    threadpoolctl (from 3.7 on) heeds one thread only, the first to ask, until that leaves; the others' limits are
-    nothing. So it is a thread of its own that asks, whoever comes first and whoever leaves last.
+    threadpoolctl (from 3.7 on) obeys only the first thread that sets a limit, until this thread ends it. So a separate
+    thread sets the limit, whichever thread enters first and leaves last.
     """
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.forget()
 
-    def forget(self):
-        """Nobody is inside: a forked process has none of the threads."""
+    def forget(self) -> None:
+        """Reset, as a forked process has none of the threads."""
         self._lock, self._inside = Lock(), 0
         self._ended, self._keeper = Event(), Thread()
 
-    def __enter__(self):
+    def __enter__(self) -> None:
         with self._lock:
             if self._inside == 0:
                 self._begin()
             self._inside += 1
 
-    def __exit__(self, *_error):
+    def __exit__(self, *_error: object) -> None:
         with self._lock:
-            is_last, self._inside = self._inside == 1, max(self._inside - 1, 0)  # 0 where it was forked inside
+            is_last, self._inside = self._inside == 1, max(self._inside - 1, 0)  # 0 if forked inside
             if is_last:
                 self._ended.set()
                 self._keeper.join()
 
-    def _begin(self):
+    def _begin(self) -> None:
         ended, limited = Event(), Event()
         keeper = start_thread(_keep, limited, ended)
         try:
@@ -57,20 +58,20 @@ class _Everywhere:
         self._ended, self._keeper = ended, keeper
 
 
-def _keep(limited, ended):
+def _keep(limited: Event, ended: Event) -> None:
     try:
         with threadpool_limits(1, user_api="blas"):
             limited.set()
             ended.wait()
-    finally:  # nobody waits for a limit that failed
+    finally:  # also end the wait for a limit that failed
         limited.set()
 
 
 _everywhere = _Everywhere()
 
 
-def _forget():
-    """The thread that has forked is not inside in the other process, either."""
+def _forget() -> None:
+    """Reset in a forked process, in which the forking thread is not inside either."""
     _everywhere.forget()
     _here.is_inside = False
 
@@ -80,10 +81,10 @@ if hasattr(os, "register_at_fork"):
 
 
 @contextmanager
-def one_blas_thread():
-    """Context in which BLAS uses one thread, where threadpoolctl is there to say so.
+def one_blas_thread() -> Iterator[None]:
+    """Context in which BLAS uses one thread, if threadpoolctl is installed.
 
-    Some builds of BLAS (OpenMP) have a pool for each thread that calls: that of the calling thread is limited as well.
+    Some builds of BLAS (OpenMP) have a pool for each calling thread, which is limited as well.
     """
     if threadpool_limits is None or getattr(_here, "is_inside", False):
         yield

@@ -1,32 +1,32 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Arithmetic on many short rows: columns of real numbers, so many of them at a time that a core's cache holds them.
+"""Arithmetic on columns of real numbers with many short rows, in parts that fit into a core's cache.
 
-NumPy is slow where the last axis is short. Here that of several rows together is as good; one column alone is for BLAS.
+NumPy is slow if the last axis is short, so that several rows are joined to one; BLAS handles a single column.
 """
 
 import numpy as np
 from scipy.linalg.blas import get_blas_funcs
 
-# Numbers that the cache holds, and rows that are taken as one.
+# Numbers that fit into the cache, and rows that are joined to one.
 HELD, TOGETHER = 131072, 64
 
 
-def row_parts(count, width):
-    """Slices of as many of ``count`` rows of ``width`` numbers as the cache holds."""
+def row_parts(count: int, width: int) -> list[slice]:
+    """Split ``count`` rows of ``width`` numbers into slices that fit into the cache."""
     rows = max(HELD // max(width, 1) // TOGETHER, 1) * TOGETHER
     return [slice(first, min(first + rows, count)) for first in range(0, count, rows)]
 
 
-def _together(rows):
-    """A view of C-contiguous rows, TOGETHER in one."""
+def _join_rows(rows: np.ndarray) -> np.ndarray:
+    """View C-contiguous rows with TOGETHER joined to one."""
     return rows.reshape(len(rows) // TOGETHER, TOGETHER * rows.shape[1])
 
 
-def inner_products(first, second):
-    """(k,) inner products of the columns of two (N, k) arrays, in their precision."""
+def inner_products(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Compute (k,) inner products of the columns of two (N, k) arrays, in their precision."""
     if first.shape[1] == 1:
         return np.dot(first.T, second)[0]
-    # A product with ones is the fast way to add up long columns.
+    # A product with ones is the fastest sum of long columns.
     total = np.zeros(first.shape[1], first.dtype)
     for part in row_parts(*first.shape):
         products = first[part] * second[part]
@@ -34,8 +34,8 @@ def inner_products(first, second):
     return total
 
 
-def precise_inner_products(first, second):
-    """(k,) inner products, of single precision to about eight digits."""
+def precise_inner_products(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Compute (k,) inner products, to about eight digits for single precision."""
     total = np.zeros(first.shape[1])
     ones = np.ones(TOGETHER, first.dtype)
     for part in row_parts(*first.shape):
@@ -46,8 +46,8 @@ def precise_inner_products(first, second):
     return total
 
 
-def add_multiples(columns, shares, others):
-    """columns += shares * others, in place; the columns are C-contiguous."""
+def add_multiples(columns: np.ndarray, shares: np.ndarray, others: np.ndarray) -> None:
+    """Add ``shares * others`` to C-contiguous columns in place."""
     if not columns.flags.c_contiguous:
         raise ValueError("the columns are not contiguous: the sum would be lost in a copy")
     shares = shares.astype(columns.dtype, copy=False)
@@ -57,6 +57,6 @@ def add_multiples(columns, shares, others):
     tiled = np.tile(shares, TOGETHER)
     whole = len(columns) // TOGETHER * TOGETHER
     for part in row_parts(whole, columns.shape[1]):
-        changed = _together(columns[part])
-        changed += tiled * _together(others[part])
+        changed = _join_rows(columns[part])
+        changed += tiled * _join_rows(others[part])
     columns[whole:] += shares * others[whole:]

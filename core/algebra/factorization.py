@@ -1,20 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sparse factorizations of positive definite matrices: for the smallest level, spectral relaxation and proofs."""
+"""Sparse factorizations of positive definite matrices, for the smallest level, spectral relaxation and proofs."""
 
 import numpy as np
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import breadth_first_order, connected_components
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 
 from ..errors import SynchError
 from .coarsening import hubs
 
 
-def factorize(matrix, single=True):
-    """Sparse factorization of a positive definite matrix without row exchanges.
+def factorize(matrix: csr_matrix, single: bool = True) -> SuperLU:
+    """Factorize a positive definite sparse matrix without row exchanges.
 
     Single precision (for preconditioning) takes half the memory and time of double. Panels of one column are a
-    tenth to a third faster here than SuperLU's own choice.
+    tenth to a third faster here than SuperLU's default. A SynchError reports a lack of memory.
     """
     precision = {True: (np.complex64, np.float32), False: (np.complex128, np.float64)}[single]
     dtype = precision[0] if np.iscomplexobj(matrix.data) else precision[1]
@@ -32,11 +32,10 @@ def factorize(matrix, single=True):
         ) from error
 
 
-def front_width(matrix):
-    """Rows of the widest front of a breadth-first sweep: what a factorization costs grows with its cube.
+def front_width(matrix: csr_matrix) -> int:
+    """Compute the largest front of a breadth-first sweep, with the cube of which the cost of a factorization grows.
 
-    About 2 sqrt(n) on surfaces and n^(2/3) in solids. Rows with very many entries, which elimination leaves to
-    the end, are a part of every front.
+    About 2 sqrt(n) on surfaces and n^(2/3) in solids. Hubs, which are eliminated last, are part of every front.
     """
     kept = np.flatnonzero(~hubs(matrix))
     pattern = csr_matrix((np.ones(matrix.nnz, np.int8), matrix.indices, matrix.indptr), shape=matrix.shape)
@@ -53,13 +52,13 @@ def front_width(matrix):
     return widest + matrix.shape[0] - len(kept)
 
 
-def _widest_front(pattern, node):
-    """Nodes of the widest front of a sweep through one component, from a node far from the given one."""
+def _widest_front(pattern: csr_matrix, node: int) -> int:
+    """Compute the largest front of a sweep through the node's component, from a node far from it."""
     far = breadth_first_order(pattern, node)[0][-1]
     order, before = breadth_first_order(pattern, far)
     place = np.empty(pattern.shape[0], int)
     place[order] = np.arange(len(order))
-    # Where a node's predecessor stands in the order; ends of fronts follow from one another.
+    # The position of each node's predecessor in the order; the end of a front gives the end of the next.
     behind = place[before[order[1:]]]
     widest, start, end = 1, 0, 1
     while end < len(order):
@@ -68,11 +67,10 @@ def _widest_front(pattern, node):
     return widest
 
 
-def is_positive_definite(matrix):
-    """Whether a Hermitian sparse matrix is positive definite, by the signs of its pivots.
+def is_positive_definite(matrix: csr_matrix) -> bool:
+    """Check in double precision whether a Hermitian sparse matrix is positive definite, by the signs of its pivots.
 
-    The pivots of a factorization without exchanges are those of L D L^H, and their signs are the
-    inertia (Sylvester). Computed in double precision.
+    The pivots of a factorization without exchanges are those of L D L^H, and their signs give the inertia (Sylvester).
     """
     try:
         lu = factorize(matrix, single=False)
@@ -81,8 +79,8 @@ def is_positive_definite(matrix):
     return has_positive_pivots(lu)
 
 
-def has_positive_pivots(lu):
-    """Whether a factorization of a Hermitian matrix shows it to be positive definite."""
+def has_positive_pivots(lu: SuperLU) -> bool:
+    """Check whether a factorization of a Hermitian matrix shows it to be positive definite."""
     if not np.array_equal(lu.perm_r, lu.perm_c):
         return False  # SuperLU exchanged rows: the diagonal pivot was zero
     return bool((lu.U.diagonal().real > 0).all())

@@ -1,40 +1,43 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The metric A = L + shift M in which descent and certificate measure, inverted by covariant multigrid.
 
-Smoothed aggregation (Vanek, Mandel and Brezina 1996) whose near null space is local: inside an aggregate the
-phase of the root, carried along the transports. So every level is a connection Laplacian with one
-block a node again, and the number of conjugate gradient steps does not grow with the mesh.
+Smoothed aggregation (Vanek, Mandel and Brezina 1996) with a local near null space: inside an aggregate the phase of
+the root, carried along the transports. So every level is again a connection Laplacian with one block per node, and the
+number of conjugate gradient steps does not grow with the mesh.
 
-PyAMG knows no transports: it is given global candidates, and no few fields agree with a connection everywhere. With one
-or three of them, random columns smoothed by Jacobi steps, conjugate gradients took 3 to 20 times the steps that they
-take here, the more the finer the mesh, and the setup 2 to 3 times as long (figures in bench/README.md).
+PyAMG has no transports but global candidates, and a few fields cannot agree with a connection everywhere. With one or
+three candidates, random columns smoothed by Jacobi steps, conjugate gradients took 3 to 20 times as many steps as here,
+more on finer meshes, and the setup 2 to 3 times as long (figures in bench/README.md).
 """
 
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array
+from scipy.sparse.linalg import SuperLU
 
 from .blocks import block_diagonal
 from .coarsening import aggregates, hubs
 from .factorization import factorize, has_positive_pivots
 from .products import SharedRows
-from .reductions import HERE
+from .reductions import HERE, Reductions
 
-# Share of the stiffness below which a shift drowns in single precision.
+# Share of the stiffness below which a shift is lost in single precision.
 SMALLEST_SHIFT = 1e-6
 # Nodes of the smallest level, which is factorized, and the ratio of sizes that stops coarsening.
 SMALLEST_LEVEL = 200
 STAGNATION = 0.7
-# Damped Jacobi smoothing: the part of the spectrum that it damps evenly, below the largest eigenvalue; 0.15 does as
-# well for the relaxation, 0.5 takes 6 % more products (measured as in :mod:`core.solve.methods.staircase`). One step
-# before and after is faster in all than Chebyshev polynomials of degree 2 or 3, which save few steps.
+# Damped Jacobi smoothing: the share of the spectrum, below the largest eigenvalue, that it damps evenly; 0.15 is as
+# good for the relaxation, 0.5 takes 6 % more products (measured as in :mod:`core.solve.methods.staircase`). One step
+# before and after is faster than Chebyshev polynomials of degree 2 or 3, which save few steps.
 SMOOTHED_PART = 0.3
 POWER_STEPS = 10
 SAFETY = 1.1
-# How much longer than in a cycle the Jacobi step is that is added to the coarser levels' part: at half of it the
-# relaxation takes 21 % more products, at twice of it 64 %.
+# Factor on the Jacobi step that is added to the coarser levels' part, against that of a cycle: at half of it the
+# relaxation takes 21 % more products, at twice 64 %.
 ADDED_STEP = 1.5
 
 
@@ -42,8 +45,8 @@ ADDED_STEP = 1.5
 class Level:
     """One level of a hierarchy: single precision matrix, (N,) mass of each row, prolongation from the next.
 
-    ``ground`` is the node whose block may be singular, or None; ``largest`` bounds the spectrum of D^-1 matrix;
-    ``tentative`` is the prolongation before it is smoothed, one unit block a node. Both are None on the smallest level.
+    ``ground`` is the node whose block may be singular; ``largest`` bounds the spectrum of D^-1 matrix; ``tentative`` is
+    the prolongation before smoothing, with one unit block per node. Both prolongations are None on the smallest level.
     """
 
     matrix: csr_matrix
@@ -59,15 +62,21 @@ class Hierarchy:
 
     Parameters
     ----------
-    matrix : (N, N) CSR, Hermitian, positive semidefinite
+    matrix : (N, N), Hermitian, positive semidefinite
     row_mass : (N,) positive
     block : rows per node
-    ground : node whose block may be singular, or None
-    tentatives : tentative prolongations to begin with, optional: those of a hierarchy on the same graph; without a
-        ground only
+    ground : node whose block may be singular
+    tentatives : tentative prolongations of a hierarchy on the same graph, to begin with; only without a ground
     """
 
-    def __init__(self, matrix, row_mass, block, ground=None, tentatives=()):
+    def __init__(
+        self,
+        matrix: csr_matrix,
+        row_mass: np.ndarray,
+        block: int,
+        ground: int | None = None,
+        tentatives: Sequence[csr_matrix] = (),
+    ) -> None:
         random = np.random.default_rng(0)
         matrix = matrix.astype(np.complex64 if np.iscomplexobj(matrix.data) else np.float32)
         row_mass = row_mass.astype(np.float32)
@@ -92,10 +101,10 @@ class Hierarchy:
             row_mass = coarse_mass(tentative, row_mass)
             ground = coarse_ground
 
-    def lowered(self, diagonal, depth=0):
-        """The hierarchy of a level's matrix less (N,) numbers on its diagonal or (n, d, d) blocks.
+    def lowered(self, diagonal: np.ndarray, depth: int = 0) -> "Hierarchy | None":
+        """Subtract (N,) numbers or (n, d, d) blocks from the diagonal of a level's matrix, with the same aggregates.
 
-        The aggregates are the same. None where the diagonal of a level shows that this has negative eigenvalues.
+        Returns None if the diagonal of a level shows that the result has negative eigenvalues.
         """
         random = np.random.default_rng(0)
         result = copy(self)
@@ -111,49 +120,53 @@ class Hierarchy:
                 change = (level.prolongation.conj().T.tocsr() @ (change @ level.prolongation)).tocsr()
         return result
 
-    def rows(self, depth):
-        """The matrix of a level, for products."""
+    def rows(self, depth: int) -> SharedRows:
+        """Prepare the matrix of a level for products."""
         return SharedRows(self.levels[depth].matrix)
 
-    def restricted(self, fields, depth):
-        """Fields of the level before a depth on that level: weighted sums."""
-        return self.levels[depth - 1].prolongation.conj().T @ fields
+    def restricted(self, fields: np.ndarray, depth: int) -> np.ndarray:
+        """Restrict fields of the next finer level to a depth, as weighted sums."""
+        way = self.levels[depth - 1].prolongation
+        assert way is not None  # only the smallest level has none
+        return way.conj().T @ fields
 
     @staticmethod
-    def step(level, scale, coarse_scale):
-        """The :class:`Step` on a level, from the (N,) scales of its rows and of those of the next."""
+    def step(level: Level, scale: np.ndarray, coarse_scale: np.ndarray) -> "Step":
+        """Build the :class:`Step` on a level from the (N,) scales of its rows and of the next level's."""
         prolongation = scale_matrix(level.prolongation, 1 / scale, coarse_scale)
         return Step(
             SharedRows(unit_diagonal(level.matrix, scale)),
-            damping(level),
+            damping(level.largest),
             SharedRows(prolongation),
             SharedRows(prolongation.conj().T.tocsr()),
         )
 
     @staticmethod
-    def factorized(level, scale):
-        """The smallest level with (N,) scales of its rows, to be solved; None where it is not positive definite."""
+    def factorized(level: Level, scale: np.ndarray) -> SuperLU | None:
+        """Factorize the smallest level with (N,) scales of its rows; None if it is not positive definite."""
         return definite_factors(unit_diagonal(level.matrix, scale))
 
     @property
-    def complexity(self):
+    def complexity(self) -> float:
         """Stored entries of all levels over those of the first."""
         return sum(level.matrix.nnz for level in self.levels) / self.levels[0].matrix.nnz
 
 
-def smoothing_weights(matrix, weights):
-    """(N,) weights of the prolongation's Jacobi step: none at hubs, which would join all aggregates beside them."""
+def smoothing_weights(matrix: csr_matrix, weights: np.ndarray) -> np.ndarray:
+    """Set the (N,) weights of the prolongation's Jacobi step to 0 at hubs, which would join all aggregates around."""
     return np.where(hubs(matrix), 0, weights).astype(np.float32)
 
 
-def coarse_mass(tentative, row_mass):
-    """Mass of each coarse row: the squares of a unit block's column add up to one."""
+def coarse_mass(tentative: csr_matrix, row_mass: np.ndarray) -> np.ndarray:
+    """Compute the masses of coarse rows; the squares of a unit block's column sum to 1."""
     squares = csr_matrix((np.abs(tentative.data) ** 2, tentative.indices, tentative.indptr), shape=tentative.shape)
     return squares.T @ row_mass
 
 
-def largest_eigenvalue(matrix, inverse_diagonal, random, held=HERE):
-    """Upper estimate of the spectrum of D^-1 matrix, by the power method."""
+def largest_eigenvalue(
+    matrix: csr_matrix, inverse_diagonal: np.ndarray, random: np.random.Generator, held: Reductions = HERE
+) -> float:
+    """Estimate an upper bound of the spectrum of D^-1 matrix by the power method."""
     vector = random.standard_normal(len(inverse_diagonal)).astype(matrix.dtype)
     size = 1.0
     for _ in range(POWER_STEPS):
@@ -163,8 +176,8 @@ def largest_eigenvalue(matrix, inverse_diagonal, random, held=HERE):
     return max(SAFETY * size, 1.0)
 
 
-def definite_factors(matrix):
-    """The factorization of a Hermitian matrix; None where it is not positive definite to its precision."""
+def definite_factors(matrix: csr_matrix) -> SuperLU | None:
+    """Factorize a Hermitian matrix; None if it is not positive definite to its precision."""
     try:
         factors = factorize(matrix)
     except RuntimeError:  # an exactly singular pivot
@@ -172,50 +185,53 @@ def definite_factors(matrix):
     return factors if has_positive_pivots(factors) else None
 
 
-def definite_metric(hierarchy, shift, depth=0):
-    """The metric of a shift, or of the first of ten, a hundred ... times that which rounding leaves definite."""
+def definite_metric(hierarchy: Hierarchy, shift: float, depth: int = 0) -> "Metric":
+    """Build the metric of a shift, or of the first of 10, 100 ... times the shift that is definite after rounding."""
     metric = Metric(hierarchy, shift, depth)
     return metric if metric.is_definite else definite_metric(hierarchy, 10 * shift, depth)
 
 
+class Matrix(Protocol):
+    """A matrix that multiplies columns."""
+
+    def __matmul__(self, columns: np.ndarray) -> np.ndarray: ...
+
+
 @dataclass(frozen=True)
 class Step:
-    """What a cycle needs on a level above the smallest, scaled to unit diagonal: smoothing then has none to divide by.
+    """The operators of a cycle on a level above the smallest, scaled to unit diagonal so that smoothing is simple.
 
-    ``damping`` is the length of a Jacobi step; ``prolongation`` comes from the next smaller level, and ``restriction``
-    leads to it.
+    ``damping`` is the length of a Jacobi step; ``prolongation`` is from the next smaller level, ``restriction`` to it.
     """
 
-    matrix: SharedRows
+    matrix: Matrix
     damping: np.float32
-    prolongation: SharedRows
-    restriction: SharedRows
+    prolongation: Matrix
+    restriction: Matrix
 
 
-def damping(level):
-    """Length of a Jacobi step on a level."""
-    return np.float32(2 / (level.largest * (1 + SMOOTHED_PART)))
+def damping(largest: float) -> np.float32:
+    """Compute the length of a Jacobi step from the largest eigenvalue."""
+    return np.float32(2 / (largest * (1 + SMOOTHED_PART)))
 
 
 class Metric:
     """A = L + shift M with an approximate inverse: one V-cycle on all columns at once, in single precision.
 
-    The shift makes the matrix definite; at a small share of the mean energy per mass it hardly
-    changes the metric.
+    The shift makes the matrix definite; a small share of the mean energy per mass hardly changes the metric.
 
     Parameters
     ----------
-    hierarchy : Hierarchy of L
+    hierarchy : of L
     shift : positive
     depth : the hierarchy's level that is L
 
     Attributes
     ----------
-    shift : as given
     is_definite : whether the smallest level, to the precision of its factorization, is positive definite
     """
 
-    def __init__(self, hierarchy, shift, depth=0):
+    def __init__(self, hierarchy: Hierarchy, shift: float, depth: int = 0) -> None:
         self.shift = shift
         levels = hierarchy.levels[depth:]
         scales = [1 / np.sqrt(lv.matrix.diagonal().real + np.float32(shift) * lv.row_mass) for lv in levels]
@@ -225,33 +241,34 @@ class Metric:
         self.is_definite = self._smallest is not None
         self.dtype = levels[-1].matrix.dtype
 
-    def solve(self, columns):
-        """Approximate A^-1 on (N, k) or (N,) columns; a fixed Hermitian operator, positive if A is; keeps dtypes.
+    def solve(self, columns: np.ndarray) -> np.ndarray:
+        """Apply A^-1 approximately to (N, k) or (N,) columns: a fixed Hermitian operator, positive if A is.
 
-        Columns may hold several numbers for each row, as those of :class:`.products.SharedRows`.
+        Keeps dtypes. Columns may have several numbers per row, as those of :class:`.products.SharedRows`.
         """
         return self._applied(self._cycle, columns)
 
-    def precondition(self, columns):
-        """The same without products on the finest level: what its smoothing and the coarser levels give is added up.
+    def precondition(self, columns: np.ndarray) -> np.ndarray:
+        """Apply A^-1 roughly, without products on the finest level: add its smoothing and the coarser levels' part.
 
-        It is too long by up to 2.5 where they meet. A descent, which remembers the curvature that it met and may halve
-        a step, takes some more steps with it, of less than half the cost.
+        The result is up to 2.5 times too long where both contribute. A descent, which learns the curvature and can
+        halve a step, takes a few more steps with it, each of less than half the cost.
         """
         return self._applied(self._sum, columns)
 
-    def _applied(self, operator, columns):
+    def _applied(self, operator: Callable[[np.ndarray], np.ndarray], columns: np.ndarray) -> np.ndarray:
         vectors = columns.reshape(len(self._scale), -1)
         result = self._scaled_rows(operator(self._scaled_rows(vectors.astype(self.dtype, order="C"))))
         return result.reshape(columns.shape).astype(columns.dtype, copy=False)
 
-    def _scaled_rows(self, columns):
+    def _scaled_rows(self, columns: np.ndarray) -> np.ndarray:
         reals = columns.view(columns.real.dtype)
         reals *= self._scale
         return columns
 
-    def _cycle(self, right, depth=0):
+    def _cycle(self, right: np.ndarray, depth: int = 0) -> np.ndarray:
         if depth == len(self._steps):
+            assert self._smallest is not None  # the metric is definite
             return self._smallest.solve(np.asfortranarray(right)).astype(self.dtype, order="C")
         step = self._steps[depth]
         guess = step.damping * right
@@ -261,7 +278,7 @@ class Metric:
         guess += change
         return guess
 
-    def _sum(self, right):
+    def _sum(self, right: np.ndarray) -> np.ndarray:
         if not self._steps:
             return self._cycle(right)
         step = self._steps[0]
@@ -270,22 +287,22 @@ class Metric:
         return result
 
 
-def _residual(matrix, guess, right):
-    """right - matrix guess, in one new array: on large grids memory's speed is what a cycle costs."""
+def _residual(matrix: Matrix, guess: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Compute right - matrix guess in one new array, as memory bandwidth limits cycles on large grids."""
     image = matrix @ guess
     return np.subtract(right, image, out=image)
 
 
-def unit_diagonal(matrix, scale):
-    """diag(scale) matrix diag(scale) with ones on the diagonal, which are there but for rounding."""
+def unit_diagonal(matrix: csr_matrix, scale: np.ndarray) -> csr_matrix:
+    """Compute diag(scale) matrix diag(scale), with the diagonal set to the exact ones that rounding misses."""
     result = scale_matrix(matrix, scale, scale)
     result.setdiag(1)
     return result
 
 
-def scale_matrix(matrix, row_scale, column_scale):
-    """diag(row_scale) matrix diag(column_scale)."""
+def scale_matrix(matrix: csr_matrix, row_scale: np.ndarray, column_scale: np.ndarray) -> csr_matrix:
+    """Compute diag(row_scale) matrix diag(column_scale)."""
     rows = np.repeat(row_scale.astype(np.float32), np.diff(matrix.indptr))
-    result = copy(matrix)  # a constructor would look through the indices again
+    result = copy(matrix)  # a constructor would check the indices again
     result.data = matrix.data * (rows * column_scale.astype(np.float32)[matrix.indices])
     return result

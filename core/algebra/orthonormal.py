@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Orthonormal vectors at nodes (the Stiefel manifold): (n, k, m) real arrays, or (n, k, m, c) of c columns each.
+"""Orthonormal vectors at nodes (the Stiefel manifold): (n, k, m) real arrays, or (n, k, m, c) with c columns each.
 
-A unit vector is the case k = 1, whose frame is one vector.
+Unit vectors are the case k = 1.
 """
 
 import numpy as np
 
 
-def _dots(first, second):
-    """(n,) or (n, c) inner products of vectors (n, m) or (n, m, c)."""
+def _dots(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Compute (n,) or (n, c) inner products of vectors (n, m) or (n, m, c)."""
     return np.einsum("ij,ij->i", first, second) if first.ndim == 2 else (first * second).sum(axis=1)
 
 
-def gram(first, second):
-    """(n, k, k) or (n, k, k, c) symmetric parts of the inner products of the vectors of each node."""
+def gram(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Compute (n, k, k) or (n, k, k, c) symmetric parts of the inner products of the vectors of each node."""
     count = first.shape[1]
     products = np.empty((len(first), count, count, *first.shape[3:]), first.dtype)
     for row in range(count):
@@ -24,8 +24,8 @@ def gram(first, second):
     return products
 
 
-def tangent_part(point, vectors):
-    """The part of any vectors that is tangent at orthonormal ones: less their symmetric products with these."""
+def tangent_part(point: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Project vectors to the tangent space at orthonormal ones, subtracting their symmetric products with these."""
     products = gram(point, vectors)[:, :, :, None]
     across = np.empty_like(vectors)
     for row in range(point.shape[1]):
@@ -35,25 +35,25 @@ def tangent_part(point, vectors):
     return np.subtract(vectors, across, out=across)
 
 
-def orthonormalize(vectors):
-    """Make the vectors of each node orthonormal, in place, one after the other; zero ones stay zero. Returns them."""
+def orthonormalize(vectors: np.ndarray) -> np.ndarray:
+    """Make the vectors of each node orthonormal in place, by Gram-Schmidt; zero vectors stay. Returns them."""
     tiny = np.finfo(vectors.dtype).tiny
     for row in range(vectors.shape[1]):
         vector = vectors[:, row]
-        for other in 2 * [*range(row)]:  # once more for what rounding leaves
+        for other in 2 * [*range(row)]:  # twice, against rounding errors
             vector -= vectors[:, other] * _dots(vector, vectors[:, other])[:, None]
         vector *= (1 / np.maximum(np.sqrt(_dots(vector, vector)), tiny))[:, None]
     return vectors
 
 
-def nearest(matrices, is_special, among=None):
-    """The orthogonal matrices nearest to (..., d, d) ones; the identity for zero.
+def nearest(matrices: np.ndarray, is_special: bool, among: int | None = None) -> np.ndarray:
+    """Find the orthogonal matrices nearest to (..., d, d) ones; the identity for zero.
 
     Parameters
     ----------
     matrices : (..., d, d)
-    is_special : whether they are to be rotations
-    among : axis of fields, optional: where most of their matrices reflect, all are reflected first
+    is_special : whether to find rotations
+    among : axis of fields; a field most of whose matrices reflect is reflected first
     """
     left, _, right = np.linalg.svd(matrices)
     if is_special:

@@ -1,27 +1,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sums over all rows of a matrix, whoever holds them."""
+"""Sums over all rows of a matrix, in whichever process they are."""
+
+from typing import TypeVar
 
 import numpy as np
 
+Numbers = TypeVar("Numbers")
+
 
 class Reductions:
-    """All rows are held by this process: what is added up over them is whole.
-
-    Where many processes hold a part each, :class:`core.spread.rows.HeldByAll` stands for it.
-    """
+    """Sums for a process that holds all rows; :class:`core.spread.rows.SpreadReductions` replaces it in several."""
 
     is_whole = True
 
-    def sum(self, numbers):
-        """The sums of numbers, or arrays of them, of all processes."""
+    def sum(self, numbers: Numbers) -> Numbers:
+        """Sum numbers or arrays over all processes."""
         return numbers
 
-    def max(self, numbers):
-        """The largest of numbers, or arrays of them, of all processes."""
+    def max(self, numbers: Numbers) -> Numbers:
+        """Find the largest of numbers or arrays over all processes."""
         return numbers
 
-    def norm(self, vector):
-        """The length of a vector."""
+    def norm(self, vector: np.ndarray) -> float:
+        """Compute the length of a vector."""
         return np.linalg.norm(vector)
 
 

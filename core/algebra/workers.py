@@ -1,41 +1,46 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All cores for one solve: NumPy and SciPy release the interpreter's lock, so that threads may share the work."""
+"""All cores for one solve: NumPy and SciPy release the interpreter's lock, so that threads can share the work."""
 
-import math
 import os
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import TypeVar
 
-from ..monitor import POLL_SECONDS, OutOfTime
-from ..threads import FIRST_EXCEPTION, Event, Lock, ThreadPoolExecutor, local, wait
+from ..monitor import POLL_SECONDS, Monitor, OutOfTime
+from ..threads import FIRST_EXCEPTION, Event, Future, Lock, ThreadPoolExecutor, local, wait
 from .blas import one_blas_thread
 
+Part = TypeVar("Part")
+Result = TypeVar("Result")
+
 MOST_WORKERS = 8
-# Roundings differ with their number: a batch sets one that holds on all its machines.
+# Rounding errors depend on the number: a batch sets the same on all its machines.
 WORKERS = min(int(os.environ.get("SYNCH_THREADS") or os.cpu_count() or 1), MOST_WORKERS)
 
 _thread = local()
 
 
-def idle_workers():
-    """How many threads may share a piece of work begun here: one inside of work that is shared already."""
+def idle_workers() -> int:
+    """Count the threads that may share work started here: one inside shared work."""
     return 1 if getattr(_thread, "is_shared", False) else WORKERS
 
 
 class _Pool:
-    """Threads for short work that never waits; they end with the last solve that is inside."""
+    """Threads for short work that never waits; they end with the last solve inside."""
 
-    def __init__(self):
+    def __init__(self) -> None:
         self.forget()
 
-    def forget(self):
-        """Nobody is inside: a forked process has none of the threads."""
-        self._lock, self._inside, self._executor = Lock(), 0, None
+    def forget(self) -> None:
+        """Reset, as a forked process has none of the threads."""
+        self._lock, self._inside = Lock(), 0
+        self._executor: ThreadPoolExecutor | None = None
 
-    def __enter__(self):
+    def __enter__(self) -> None:
         with self._lock:
             self._inside += 1
 
-    def __exit__(self, *_error):
+    def __exit__(self, *_error: object) -> None:
         with self._lock:
             self._inside -= 1
             ended = None if self._inside else self._executor
@@ -43,8 +48,8 @@ class _Pool:
         if ended is not None:
             ended.shutdown()
 
-    def map(self, work, parts):
-        """[work(part) for part in parts], by threads where a solve is inside that they end with."""
+    def map(self, work: Callable[[Part], Result], parts: Iterable[Part]) -> list[Result]:
+        """Compute [work(part) for part in parts], in threads if a solve is inside."""
         with self._lock:
             if self._inside and self._executor is None:
                 self._executor = ThreadPoolExecutor(WORKERS, thread_name_prefix="synch_fields")
@@ -60,39 +65,42 @@ if hasattr(os, "register_at_fork"):
 
 
 @contextmanager
-def solving():
-    """Context of a solve: BLAS has one thread, and what threads share the work end with it."""
+def solving() -> Iterator[None]:
+    """Context of a solve: BLAS has one thread, and the threads that share the work end with it."""
     with one_blas_thread(), pool:
         yield
 
 
-class _Follower:
-    """What stands for a monitor in the threads that work while it is asked elsewhere."""
+class _Follower(Monitor):
+    """The monitor of threads that work while the calling thread checks its own."""
 
-    def __init__(self):
+    def __init__(self) -> None:
+        super().__init__()
         self._stopped = Event()
 
-    def stop(self):
+    def stop(self) -> None:
         self._stopped.set()
 
-    def check(self):
+    def check(self) -> None:
         if self._stopped.is_set():
             raise OutOfTime
 
 
-def share_out(work, parts, monitor, at_once=math.inf):
-    """[work(part, monitor) for part in parts] by all cores, at most ``at_once`` parts at a time.
+def share_out(
+    work: Callable[[Part, Monitor], Result], parts: Sequence[Part], monitor: Monitor, at_once: int = MOST_WORKERS
+) -> list[Result]:
+    """Compute [work(part, monitor) for part in parts] on all cores, at most ``at_once`` parts at a time.
 
-    Only the calling thread asks the callback of the given monitor. ``work`` has to ask its own often, which stops
-    it with :class:`OutOfTime` when the caller is stopped or another part fails. When the time limit passes, work may
-    return what it has reached instead.
+    Only the calling thread calls the callback of the given monitor. ``work`` has to check its own monitor often, which
+    raises :class:`OutOfTime` when the caller is stopped or another part fails. When the time limit passes, work may
+    return its best result instead.
     """
     threads = min(idle_workers(), len(parts), at_once)
     if threads == 1:
         return [work(part, monitor) for part in parts]
     follower = _Follower()
 
-    def alone(part):
+    def alone(part: Part) -> Result:
         _thread.is_shared = True
         return work(part, follower)
 
@@ -110,8 +118,8 @@ def share_out(work, parts, monitor, at_once=math.inf):
     return [future.result() for future in running]
 
 
-def _wait_for_all(running):
-    """Whether all are done, after a while; the error of one that failed comes out here."""
+def _wait_for_all(running: Sequence[Future[Result]]) -> bool:
+    """Wait a moment and tell whether all are done; raises the error of one that failed."""
     done, waiting = wait(running, POLL_SECONDS, FIRST_EXCEPTION)
     for future in done:
         future.result()

@@ -179,7 +179,7 @@ class LayerPattern:
 
     mesh: TetMesh
     solution: Solution
-    edge_phases: EdgePhases
+    edge_phases: EdgePhases[TetMesh]
 
     @property
     def vertex_phases(self):

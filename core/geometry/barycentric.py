@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Barycentric coordinates of places in the planes of triangles."""
+"""Barycentric coordinates in the planes of triangles."""
 
 import numpy as np
 
+from .triangle_mesh import TriangleMesh
 
-def barycentric(mesh, triangles, places):
-    """(k, 3) barycentric coordinates of places in the planes of triangles, negative beyond a side."""
+
+def barycentric(mesh: TriangleMesh, triangles: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Compute (k, 3) barycentric coordinates of (k, 3) places in the planes of triangles, negative beyond a side."""
     corners = mesh.vertices[mesh.triangles[triangles]]
     normals = mesh.face_normals[triangles]
     weights = np.stack([_double_areas(places, corners[:, k - 2], corners[:, k - 1], normals) for k in range(3)], axis=1)
@@ -13,5 +15,5 @@ def barycentric(mesh, triangles, places):
     return np.divide(weights, sums, out=np.full_like(weights, 1 / 3), where=sums > 0)
 
 
-def _double_areas(a, b, c, normals):
+def _double_areas(a: np.ndarray, b: np.ndarray, c: np.ndarray, normals: np.ndarray) -> np.ndarray:
     return np.einsum("ij,ij->i", np.cross(b - a, c - a), normals)

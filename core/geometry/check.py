@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Refuse meshes that cannot carry a field, naming the element and the remedy."""
+"""Checks for meshes that cannot carry a field; errors name the element and the remedy."""
 
 import numpy as np
 
@@ -9,10 +9,10 @@ from .triangle_mesh import TriangleMesh
 
 # A face whose area is below this share of its longest edge squared has no usable plane.
 FLAT_FACE = 1e-12
-# Steps of single precision that are a larger share of the edges than this are told of.
+# Single precision is too coarse where its steps are a larger share of the median edge than this.
 COARSE_STEP = 0.02
-# Where so few of the vertices are too far out for single precision, this many times as far as the others, they are
-# named, not the whole object.
+# Vertices too far out for single precision are named if they are at most this share of all, and this many times as far
+# out as the median of the others.
 FEW_FAR, ALONE = 0.1, 100.0
 
 
@@ -23,18 +23,15 @@ def check_mesh(mesh: TriangleMesh, faces: np.ndarray | None = None) -> None:
 
     Parameters
     ----------
-    mesh : TriangleMesh
-    faces : (m,) int array, optional
-        The user's face of each triangle (a polygon of a Blender mesh); messages name these.
+    faces : (m,) int, the user's face of each triangle (a polygon of a Blender mesh), which messages name
     """
     faces = np.arange(mesh.triangle_count) if faces is None else np.asarray(faces)
     if mesh.vertex_count == 0:
         raise MeshError("the mesh is empty: add some geometry first")
     if mesh.triangle_count == 0:
         raise MeshError("the mesh has no faces: a field lives on faces, so fill the outline (F) first")
-    _refuse_vertices(
-        mesh, ~np.isfinite(mesh.vertices).all(axis=1), "no finite position", "delete it or set its coordinates"
-    )
+    is_lost = ~np.isfinite(mesh.vertices).all(axis=1)
+    _refuse_vertices(mesh, is_lost, "no finite position", "delete it or set its coordinates")
     _refuse_faces(mesh, faces)
     _refuse_edges(mesh, faces)
     corners = np.bincount(mesh.triangles.ravel(), minlength=mesh.vertex_count)
@@ -46,16 +43,10 @@ def check_mesh(mesh: TriangleMesh, faces: np.ndarray | None = None) -> None:
     )
 
 
-def coarse_places(places, edges):
-    """The line that says that single precision, in which Blender keeps places, is too coarse for the edges between
-    them; "" where it is not.
-
-    Parameters
-    ----------
-    places : (n, 3)
-    edges : (e, 2)
-    """
-    used, reach, steps, median = _steps_of_places(places, edges)
+def coarse_places(places: np.ndarray, edges: np.ndarray) -> str:
+    """Write a warning if single precision, in which Blender stores (n, 3) places, is too coarse for (e, 2) edges;
+    otherwise return ""."""
+    used, reach, steps, median = _measure_steps(places, edges)
     if steps.max(initial=0.0) <= COARSE_STEP * median:
         return ""
     far = far_vertices(places, edges)
@@ -72,26 +63,25 @@ def coarse_places(places, edges):
     )
 
 
-def far_vertices(places, edges):
-    """(k,) the few vertices that lie so far out that single precision is too coarse there for the edges of the others;
-    none where many do. Arguments as for :func:`coarse_places`."""
-    used, reach, steps, median = _steps_of_places(places, edges)
+def far_vertices(places: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """Find the (k,) vertices so far out that single precision is too coarse there for the others' edges; none if many
+    are. Arguments as for :func:`coarse_places`."""
+    used, reach, steps, median = _measure_steps(places, edges)
     is_far = steps > COARSE_STEP * median
     if not 0 < is_far.sum() <= FEW_FAR * len(used) or reach[is_far].min() < ALONE * np.median(reach[~is_far]):
         return used[:0]
     return used[is_far]
 
 
-def refuse_far_vertices(mesh):
-    """Raise :class:`MeshError` where :func:`far_vertices` are: finer surfaces and solids that reach to them cannot be
-    kept."""
+def refuse_far_vertices(mesh: TriangleMesh) -> None:
+    """Raise :class:`MeshError` if there are :func:`far_vertices`: finer surfaces and solids would be too large."""
     if len(far_vertices(mesh.vertices, mesh.edges)):
         raise MeshError(coarse_places(mesh.vertices, mesh.edges))
 
 
-def _steps_of_places(places, edges):
-    """Vertices of edges at finite places, their largest coordinates, the steps of single precision there, and the
-    median length of the edges between them, infinite where there is none."""
+def _measure_steps(places: np.ndarray, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """Compute the vertices of edges between finite places, (k,), their largest coordinates, the steps of single
+    precision there, and the median edge length, infinite without edges."""
     known = edges[np.isfinite(places[edges]).all(axis=(1, 2))]
     lengths = np.linalg.norm(np.diff(places[known], axis=1)[:, 0], axis=1)
     lengths = lengths[lengths > 0]
@@ -101,31 +91,31 @@ def _steps_of_places(places, edges):
     return used, reach, steps, np.median(lengths) if len(lengths) else np.inf
 
 
-def _piece(mesh, vertex):
+def _name_piece(mesh: TriangleMesh, vertex: int) -> str:
     count = len(np.unique(mesh.pieces[mesh.triangles[:, 0]]))
     first = np.flatnonzero(mesh.pieces == mesh.pieces[vertex])[0]
     return f" (in the piece of vertex {first}, one of {count})" if count > 1 else ""
 
 
-def _refuse_vertices(mesh, bad, what, remedy):
-    bad = np.flatnonzero(bad)
+def _refuse_vertices(mesh: TriangleMesh, is_bad: np.ndarray, what: str, remedy: str) -> None:
+    bad = np.flatnonzero(is_bad)
     if len(bad):
         verb = "has" if len(bad) == 1 else "have"
-        raise MeshError(f"{name_elements('vertex', bad)} {verb} {what}{_piece(mesh, bad[0])}: {remedy}")
+        raise MeshError(f"{name_elements('vertex', bad)} {verb} {what}{_name_piece(mesh, bad[0])}: {remedy}")
 
 
-def flat_faces(mesh, faces):
-    """(faces.max() + 1,) bool: faces without area, or with a triangle that has a vertex twice, by triangles' faces."""
-    flat, reach = np.zeros(faces.max() + 1), np.zeros(faces.max() + 1)
-    np.add.at(flat, faces, mesh.areas)
-    with np.errstate(invalid="ignore"):  # this call tells of flags that others have left
+def flat_faces(mesh: TriangleMesh, faces: np.ndarray) -> np.ndarray:
+    """Find faces without area, or with a triangle that repeats a vertex: bool for each of the (m,) triangles' faces."""
+    areas, reach = np.zeros((2, faces.max() + 1))
+    np.add.at(areas, faces, mesh.areas)
+    with np.errstate(invalid="ignore"):  # ufunc.at also reports floating-point flags of earlier calls
         np.maximum.at(reach, faces, mesh.edge_lengths[mesh.triangle_edges].max(axis=1) ** 2)
-    flat = flat <= FLAT_FACE * reach
+    flat = areas <= FLAT_FACE * reach
     flat[faces[(mesh.triangles == np.roll(mesh.triangles, 1, axis=1)).any(axis=1)]] = True
     return flat
 
 
-def _refuse_faces(mesh, faces):
+def _refuse_faces(mesh: TriangleMesh, faces: np.ndarray) -> None:
     sorted_corners = np.sort(mesh.triangles, axis=1)
     flat = flat_faces(mesh, faces)[faces]
     first = np.unique(sorted_corners, axis=0, return_index=True)[1]
@@ -138,18 +128,18 @@ def _refuse_faces(mesh, faces):
         if bad.any():
             names = np.unique(faces[bad])
             verb = "has" if len(names) == 1 else "have"
-            where = _piece(mesh, mesh.triangles[bad][0, 0])
+            where = _name_piece(mesh, mesh.triangles[bad][0, 0])
             raise MeshError(f"{name_elements('face', names)} {verb} {what}{where}: use {remedy}")
 
 
-def _refuse_edges(mesh, faces):
+def _refuse_edges(mesh: TriangleMesh, faces: np.ndarray) -> None:
     crowded = np.flatnonzero(mesh.edge_face_counts > 2)
     if len(crowded):
         i, j = mesh.edges[crowded[0]]
         more = f" and {len(crowded) - 1} more" if len(crowded) > 1 else ""
         raise MeshError(
             f"the edge between vertices {i} and {j}{more} has {mesh.edge_face_counts[crowded[0]]} faces"
-            f"{_piece(mesh, i)}: keep two, see Select > All by Trait > Non Manifold"
+            f"{_name_piece(mesh, i)}: keep two, see Select > All by Trait > Non Manifold"
         )
     inside = mesh.twins > np.arange(len(mesh.twins))
     here, there = np.flatnonzero(inside), mesh.twins[inside]
@@ -161,7 +151,7 @@ def _refuse_edges(mesh, faces):
     _, balanced = balance(mesh.triangle_count, triangles, clash)
     i, j = mesh.edges[mesh.triangle_edges.ravel()[here[clash][0]]]
     first, second = faces[triangles[clash][0]]
-    where = f"faces {first} and {second} at the edge between vertices {i} and {j}{_piece(mesh, i)}"
+    where = f"faces {first} and {second} at the edge between vertices {i} and {j}{_name_piece(mesh, i)}"
     if balanced.all():
         raise MeshError(f"{where} face opposite ways: use Mesh > Normals > Recalculate Outside")
     raise MeshError(f"the surface is one-sided at {where}: cut it open along a loop of edges (Mesh > Split)")

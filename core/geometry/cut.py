@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cut a surface open along edges, so that nothing is carried across them."""
+"""Cuts of a surface along edges."""
 
 import numpy as np
 
@@ -8,18 +8,13 @@ from .triangle_mesh import TriangleMesh
 from .vertex_splitting import corner_links
 
 
-def cut_open(mesh, edges):
-    """The mesh with its two sides apart along given edges.
-
-    Parameters
-    ----------
-    mesh : TriangleMesh, manifold
-    edges : (k,) indices of edges; boundary edges are open already
+def cut_open(mesh: TriangleMesh, edges: np.ndarray) -> tuple[TriangleMesh, np.ndarray]:
+    """Cut a manifold mesh along (k,) edges.
 
     Returns
     -------
-    cut : TriangleMesh of the same triangles, in which every old vertex keeps its number on one side
-    source : (n,) the vertex of ``mesh`` that each vertex of ``cut`` was
+    cut : mesh of the same triangles, in which every old vertex keeps its number on one side
+    source : (n,) vertex of ``mesh`` that each vertex of ``cut`` was
     """
     is_cut = np.zeros(len(mesh.edges), bool)
     is_cut[edges] = True
@@ -27,17 +22,10 @@ def cut_open(mesh, edges):
     return cut_all_but(mesh, halves, mesh.twins[halves])
 
 
-def cut_all_but(mesh, halves, twins):
-    """The mesh whose triangles hold together across given half-edges alone.
+def cut_all_but(mesh: TriangleMesh, halves: np.ndarray, twins: np.ndarray) -> tuple[TriangleMesh, np.ndarray]:
+    """Cut a mesh, with any number of triangles at an edge, along all but given edges; returns as :func:`cut_open`.
 
-    Parameters
-    ----------
-    mesh : TriangleMesh, with any number of triangles at an edge
-    halves, twins : (k,) half-edges that stay together, which run opposite ways; pairs may come up twice
-
-    Returns
-    -------
-    What :func:`cut_open` does
+    ``halves`` and ``twins`` are (k,) opposite half-edges that stay joined; pairs may be repeated.
     """
     fans = components(3 * mesh.triangle_count, corner_links(mesh.triangles, halves, twins))
     _, first_corner = np.unique(fans, return_index=True)
@@ -51,8 +39,8 @@ def cut_all_but(mesh, halves, twins):
     return TriangleMesh(mesh.vertices[source], numbers[fans].reshape(-1, 3)), source
 
 
-def edges_after_cut(mesh, cut, edges):
-    """Indices in a cut mesh of edges of the uncut one: both sides of those that were cut."""
+def edges_after_cut(mesh: TriangleMesh, cut: TriangleMesh, edges: np.ndarray) -> np.ndarray:
+    """Find edges of the uncut mesh in the cut one: both sides of edges that were cut."""
     chosen = np.zeros(len(mesh.edges), bool)
     chosen[edges] = True
     return np.unique(cut.triangle_edges[chosen[mesh.triangle_edges]])

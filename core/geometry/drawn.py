@@ -1,57 +1,43 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lines that a hand draws: taken apart where they jump, evened out, and left with the points that they need."""
+"""Hand-drawn lines: split at jumps, smoothed and simplified."""
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from .polylines import piece_lengths, ways_along
 
 
-def parts(points, most):
-    """A polyline taken apart where a piece is too long, as where the pointer passes from one limb to another.
+def parts(points: np.ndarray, most: np.ndarray) -> list[np.ndarray]:
+    """Split a polyline, (p, 3), at segments longer than allowed, (p - 1,), as where the pointer jumps to another limb.
 
-    Parameters
-    ----------
-    points : (p, 3)
-    most : (p - 1,) lengths that the pieces may have
-
-    Returns
-    -------
-    list of (k, 3) with k > 1
+    Returns the parts, (k, 3) each, with k > 1.
     """
     return [part for part in np.split(points, np.flatnonzero(piece_lengths(points) > most) + 1) if len(part) > 1]
 
 
-def smooth_polyline(points, times, shares=1.0):
-    """A polyline whose points moved to the middle of themselves and their neighbours' middle, but for both ends.
+def smooth_polyline(points: np.ndarray, times: int, shares: ArrayLike = 1.0) -> np.ndarray:
+    """Smooth a polyline, (p, 3), except its ends: each step moves a point halfway to its neighbours' midpoint.
 
-    Parameters
-    ----------
-    points : (p, 3)
-    times : how often
-    shares : of that way, one or (p,) one for each point
+    ``shares``, one or (p,), scale the steps.
     """
     points = np.array(points, float)
-    shares = np.broadcast_to(shares, len(points))[1:-1, None]
+    inner = np.broadcast_to(shares, len(points))[1:-1, None]
     for _ in range(times):
-        points[1:-1] += shares * (0.25 * points[:-2] + 0.5 * points[1:-1] + 0.25 * points[2:] - points[1:-1])
+        points[1:-1] += inner * (0.25 * points[:-2] + 0.5 * points[1:-1] + 0.25 * points[2:] - points[1:-1])
     return points
 
 
-def simplify_polyline(points, tolerance, longest):
-    """Which points of a polyline to keep so that those left out lie near the pieces between these.
+def simplify_polyline(points: np.ndarray, tolerance: float, longest: float) -> np.ndarray:
+    """Select (k,) points of a polyline, ascending and with both ends, so that the others lie near the segments between.
 
-    Points are added where the line is farthest off, until none is (Ramer 1972; Douglas and Peucker 1973), and where
-    pieces would be too long.
+    Points are added where the line is farthest off (Ramer 1972; Douglas and Peucker 1973), and where segments would be
+    too long.
 
     Parameters
     ----------
     points : (p, 3), p > 1
-    tolerance : how far off a point may be left out
-    longest : how long a piece may be, along the polyline, unless there is no point between its ends
-
-    Returns
-    -------
-    (k,) ascending, with both ends
+    tolerance : largest distance of a point that is left out
+    longest : largest length of a segment, along the polyline, that has points between its ends
     """
     along = ways_along(points)
     kept, open_pieces = {0, len(points) - 1}, [(0, len(points) - 1)]
@@ -71,8 +57,8 @@ def simplify_polyline(points, tolerance, longest):
     return np.array(sorted(kept))
 
 
-def _distances(points, start, end):
-    """(k,) from points to the straight piece between two."""
+def _distances(points: np.ndarray, start: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Compute (k,) distances of points to the segment between two."""
     way = end - start
     share = np.clip((points - start) @ way / max(way @ way, np.finfo(float).tiny), 0, 1)
     return np.linalg.norm(points - start - share[:, None] * way, axis=1)

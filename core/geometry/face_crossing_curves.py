@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Curves from the numbers with which they pass the faces of cells: tetrahedra, or cubes of a grid."""
+"""Curves from their numbers of passages through faces of cells: tetrahedra, or cubes of a grid."""
 
 from dataclasses import dataclass
 
@@ -10,13 +10,13 @@ from ..graphs import ragged_arange
 
 @dataclass(frozen=True)
 class FaceCrossingCurve:
-    """One curve, from face to face.
+    """A curve from face to face.
 
     Attributes
     ----------
-    faces : (p,) faces that it passes, in its direction; of a closed one the first does not come again
-    cells : cells that it runs through, the first one from faces[0] on
-    index : positive, how many lie on top of each other
+    faces : (p,) faces in the curve's direction; a closed curve does not repeat the first
+    cells : cells between the faces, beginning after faces[0]
+    index : positive, number of coinciding curves
     """
 
     faces: np.ndarray
@@ -24,36 +24,31 @@ class FaceCrossingCurve:
     index: int
 
     @property
-    def is_closed(self):
+    def is_closed(self) -> bool:
         return len(self.cells) == len(self.faces)
 
 
-def join_curves(numbers, cell_faces, outward):
-    """Join punctured faces to curves.
+def join_curves(numbers: np.ndarray, cell_faces: np.ndarray, outward: np.ndarray) -> list[FaceCrossingCurve]:
+    """Join punctured faces to curves, open ones first, in the order of their first faces.
 
-    A face of number N is passed by |N| strands. The numbers of a cell's faces, counted outwards, add up to 0: as many
-    strands come in as go out; each one that comes in goes on as one that goes out. Strands of the same course are one
-    of higher index.
+    A face of number N is passed by |N| strands. The outward numbers of a cell's faces add up to 0, so that each strand
+    that enters a cell continues as one that leaves it. Strands along the same faces become one of higher index.
 
     Parameters
     ----------
     numbers : (f,) int, positive along the face's normal
     cell_faces : (c, k) faces of each cell
     outward : (c, k) or (k,), +1 where the normal points out of the cell, else -1
-
-    Returns
-    -------
-    list of Strand, open ones first, in the order of their first faces
     """
     faces = np.repeat(np.arange(len(numbers)), np.abs(numbers))
     starts = np.cumsum(np.abs(numbers)) - np.abs(numbers)
     leaving_numbers = numbers[cell_faces] * outward
-    leaving = _through(cell_faces, leaving_numbers, starts)
-    coming = _through(cell_faces, -leaving_numbers, starts)
+    leaving = _list_passages(cell_faces, leaving_numbers, starts)
+    coming = _list_passages(cell_faces, -leaving_numbers, starts)
     after, cell_after, entered = np.full(len(faces), -1), np.full(len(faces), -1), np.zeros(len(faces), bool)
     after[coming[1]], cell_after[coming[1]] = leaving[1], coming[0]
     entered[leaving[1]] = True
-    courses: dict[tuple, int] = {}
+    courses: dict[tuple[tuple[int, ...], tuple[int, ...]], int] = {}
     waiting = np.ones(len(faces), bool)
     for first in [*np.flatnonzero(~entered).tolist(), *range(len(faces))]:
         strands, strand = [], first
@@ -67,8 +62,8 @@ def join_curves(numbers, cell_faces, outward):
     return [FaceCrossingCurve(np.array(met), np.array(cells, int), index) for (met, cells), index in courses.items()]
 
 
-def _through(cell_faces, numbers, starts):
-    """Cells and strands through their faces of positive number, sorted by cell."""
+def _list_passages(cell_faces: np.ndarray, numbers: np.ndarray, starts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """List cells and the strands through their faces of positive number, sorted by cell."""
     cells, sides = np.nonzero(numbers > 0)
     repeats = numbers[cells, sides]
     which, place = ragged_arange(repeats)

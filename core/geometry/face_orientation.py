@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Faces wound the same way, as far as a surface has two sides."""
+"""Consistent orientation of faces, as far as the surface is two-sided."""
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -7,24 +7,24 @@ from scipy.sparse.csgraph import breadth_first_order
 
 from ..gauge import balance
 from ..graphs import components
+from .triangle_mesh import TriangleMesh
 
 
-def orient_faces(mesh, faces, joins):
-    """Which faces to turn over so that windings agree, and where that cannot be.
+def orient_faces(mesh: TriangleMesh, faces: np.ndarray, joins: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Choose the faces to turn over so that orientations agree, and the seams where they cannot.
 
-    In each piece the larger share of the area keeps its winding. A one-sided piece disagrees with itself along a seam:
-    where it was given one, or opposite to its first face, whichever is shorter.
+    In each piece the larger share of the area keeps its orientation. A one-sided piece gets a seam: the given one, or
+    one opposite to its first face, whichever is shorter.
 
     Parameters
     ----------
-    mesh : TriangleMesh
     faces : (m,) face of each triangle
     joins : (j, 2) half-edges across which triangles are joined
 
     Returns
     -------
     turned : (faces.max() + 1,) bool
-    seam : (j,) bool, joins across which the windings disagree
+    seam : (j,) bool, joins across which the orientations disagree
     """
     count = faces.max() + 1
     pairs = faces[joins // 3]
@@ -33,25 +33,25 @@ def orient_faces(mesh, faces, joins):
     turned, balanced = balance(count, pairs, clash)
     pieces = components(count, pairs)
     if not balanced.all():
-        tree = _tree(count, pairs, ~balanced)
+        tree = _spanning_pairs(count, pairs, ~balanced)
         along_tree = balance(count, pairs[tree], clash[tree])[0]
         lengths = mesh.edge_lengths[mesh.triangle_edges.ravel()[joins[:, 0]]]
-        longer = lengths * clash - lengths * _clashes(clash, along_tree, pairs)
+        longer = lengths * clash - lengths * _find_clashes(clash, along_tree, pairs)
         shortened = np.bincount(pieces[pairs[:, 0]], longer, pieces.max() + 1) > 0
         turned |= along_tree & ~balanced & shortened[pieces]
     areas = np.bincount(faces, mesh.areas, count)
     turned ^= (np.bincount(pieces, np.where(turned, areas, -areas)) > 0)[pieces]
     turned[np.bincount(faces, minlength=count) == 0] = False
-    return turned, _clashes(clash, turned, pairs)
+    return turned, _find_clashes(clash, turned, pairs)
 
 
-def _clashes(clash, turned, pairs):
-    """(j,) bool: where windings disagree after some faces were turned over."""
+def _find_clashes(clash: np.ndarray, turned: np.ndarray, pairs: np.ndarray) -> np.ndarray:
+    """Find the joins across which orientations disagree after faces are turned over, (j,) bool."""
     return clash ^ turned[pairs[:, 0]] ^ turned[pairs[:, 1]]
 
 
-def _tree(count, pairs, chosen):
-    """Indices of the pairs by which the chosen nodes, whole components, are reached from the first of each."""
+def _spanning_pairs(count: int, pairs: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """Select the pairs of spanning trees of the chosen nodes, which are whole components."""
     first = np.unique(components(count, pairs)[chosen], return_index=True)[1]
     roots = np.flatnonzero(chosen)[first]
     kept = np.flatnonzero(chosen[pairs[:, 0]])

@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Handles of a solid: changes along its edges that no function has, though they add up to nothing around triangles."""
+"""Handles of a solid: changes along its edges that sum to 0 around triangles but are not differences of a function."""
 
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import breadth_first_tree
 
 from ..graphs import components, ragged_arange
+from .tet_mesh import TetMesh
 
-# Of the square of a combination of changes, on the scale of the largest: below, the combination vanishes.
+# Combinations of changes vanish if their squares are below this share of the largest.
 _NOTHING = 1e-9
 
 
-def triangle_sums(mesh):
-    """(f, e) CSR of a TetMesh: from changes along the edges to their sums around the triangles, along the vertices in
-    increasing order."""
+def triangle_sums(mesh: TetMesh) -> csr_matrix:
+    """Build the (f, e) matrix that sums changes of edges around triangles, in the order of increasing vertices."""
     a, b, c = mesh.faces.T
     columns = np.column_stack([mesh.edges_between(a, b), mesh.edges_between(b, c), mesh.edges_between(a, c)])
     starts = np.arange(0, columns.size + 1, 3)
@@ -21,23 +21,15 @@ def triangle_sums(mesh):
     return csr_matrix((np.tile([1.0, 1.0, -1.0], len(columns)), columns.ravel(), starts), shape=shape)
 
 
-def handle_changes(mesh, resting):
-    """Changes that add up to nothing around all triangles and vanish at given edges, one for each handle.
+def handle_changes(mesh: TetMesh, resting: np.ndarray) -> np.ndarray:
+    """Compute changes that sum to 0 around all triangles and vanish at (e,) resting edges, one for each handle: (e, g).
 
-    Parameters
-    ----------
-    mesh : TetMesh
-    resting : (e,) bool
-
-    Returns
-    -------
-    (e, g) : every such change is a combination of these and the changes of a function that is constant along the
-        resting edges
+    Every such change is a combination of these and the differences of a function that is constant along resting edges.
 
     Notes
     -----
-    Without loss the change along the edges of a tree is zero. Triangles of two known sides give the third; where there
-    is none, an edge is a new unknown, and the triangles all of whose sides are known say how the unknowns depend.
+    Without loss of generality the changes along a tree are zero. Triangles with two known sides give the third; without
+    any, an edge becomes an unknown. Triangles whose sides are all known give the relations between unknowns.
     """
     sums = triangle_sums(mesh)
     known = resting | _tree_edges(mesh, resting)
@@ -64,13 +56,13 @@ def handle_changes(mesh, resting):
     return values @ combinations[:, squares <= _NOTHING * max(1.0, squares.max(initial=0))]
 
 
-def _tree_edges(mesh, resting):
-    """(e,) bool: edges that join all vertices of a piece once, those that resting edges join counting as one."""
+def _tree_edges(mesh: TetMesh, resting: np.ndarray) -> np.ndarray:
+    """Find the edges of a spanning tree of each piece, with vertices that resting edges join as one, (e,) bool."""
     count = mesh.vertex_count
     names = components(count, mesh.edges[resting])
     ends = np.sort(names[mesh.edges], axis=1)
     proper = np.flatnonzero(ends[:, 0] != ends[:, 1])
-    # One edge between each two, its number plus one as the weight; one walk from a node beside all pieces.
+    # One edge between each two, with its number plus one as the weight; one walk from an added node to all pieces.
     pairs, first = np.unique(ends[proper], axis=0, return_index=True)
     _, firsts = np.unique(components(count, pairs), return_index=True)
     tails, heads = np.append(pairs[:, 0], np.full(len(firsts), count)), np.append(pairs[:, 1], firsts)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The surface nearest to a mesh that can carry a field: manifold, wound consistently, without faces that have no area.
+"""Repair of a mesh: the nearest surface that is manifold, oriented consistently and without faces of no area.
 
 Faces that cannot be part of a surface are left out. Where more than two meet in an edge, those that bend least stay
-joined; where faces of solids touch in an edge, each solid stays itself. Then vertices come apart into fans.
+joined; solids that touch in an edge are separated. Then vertices are split into fans.
 """
 
 from dataclasses import dataclass, replace
@@ -17,11 +17,11 @@ from .check import FLAT_FACE, check_mesh, flat_faces
 from .cut import cut_all_but
 from .face_orientation import orient_faces
 from .nonmanifold_pairing import pair_half_edges
-from .polygons import Polygons, alike_corners, first_alike
+from .polygons import Polygons, find_duplicates, match_corners
 from .triangle_mesh import TriangleMesh
-from .vertex_splitting import following, split_pinched_vertices
+from .vertex_splitting import next_half_edges, split_pinched_vertices
 
-# What is done about each kind of place, and its elements.
+# Kinds of findings: the element, what is wrong with it, and what is done about it.
 KINDS = {
     "joined_vertices": ("vertex", "the same place as another on the other side of a gap", "they count as one"),
     "lost_vertices": ("vertex", "no finite position", "their faces are left out"),
@@ -32,13 +32,13 @@ KINDS = {
     "turned_faces": ("face", "the opposite winding of their neighbours", "they count as turned over"),
     "one_sided_edges": ("edge", "both sides of a one-sided surface", "it is open there, with the same on both sides"),
 }
-# Of which vertices have copies, each with values of its own.
+# Findings whose vertices have copies, each with its own values.
 APART = ("non_manifold_edges", "pinched_vertices", "one_sided_edges")
 
 
 @dataclass(frozen=True)
 class Finding:
-    """Where a carrier is not the mesh that was given.
+    """Elements at which the repaired surface differs from the given mesh.
 
     Attributes
     ----------
@@ -50,13 +50,13 @@ class Finding:
     elements: np.ndarray
 
     @property
-    def kind(self):
+    def kind(self) -> str:
         """ "vertex", "edge" or "face" """
         return KINDS[self.name][0]
 
     @property
-    def line(self):
-        """What is there, and what is done about it."""
+    def line(self) -> str:
+        """Description of the problem and of what is done about it."""
         kind, what, done = KINDS[self.name]
         count = len(self.elements)
         if kind == "edge":
@@ -69,16 +69,14 @@ class Finding:
 
 @dataclass(frozen=True)
 class Carrier:
-    """A surface that carries fields, and how its elements belong to those of the mesh that was given.
+    """The repaired surface, and the elements of the given mesh that its elements come from.
 
     Attributes
     ----------
-    mesh : TriangleMesh
-    polygons : all faces that were given, with the triangles of those in the surface alone, in the order of ``mesh``
-    source : (n,) the given vertex that each vertex was: the given ones first, then their copies
-    own : (k,) vertex that stands for each given one: itself, or one at the same place
-    across : (s, 2) half-edges on the two sides along which a one-sided surface is open, from the same place each
-    findings : tuple of :class:`Finding`
+    polygons : all given faces; only those in the surface have triangles, in the order of ``mesh``
+    source : (n,) given vertex of each vertex: the given ones first, then their copies
+    own : (k,) vertex that represents each given one: itself, or one at the same place
+    across : (s, 2) half-edges on the two sides along which a one-sided surface is open, with the same first vertex
     """
 
     mesh: TriangleMesh
@@ -88,33 +86,23 @@ class Carrier:
     across: np.ndarray
     findings: tuple[Finding, ...]
 
-    @property
-    def seam(self):
-        """(k, 2) vertices at the two sides along which a one-sided surface is open; no loop of them."""
-        return seam_ends(self.mesh, self.across)
 
-
-def carrier(mesh, polygons):
-    """The :class:`Carrier` of a mesh that :func:`check_mesh` refuses.
-
-    Parameters
-    ----------
-    mesh : TriangleMesh of the polygons' triangles
-    polygons : Polygons
+def carrier(mesh: TriangleMesh, polygons: Polygons) -> Carrier:
+    """Repair a mesh that :func:`check_mesh` refuses; its triangles are those of the polygons.
 
     Raises
     ------
     MeshError
-        where no face is left
+        if no face is left
     """
     lost = ~np.isfinite(mesh.vertices).all(axis=1)
     vertices = finite_places(mesh.vertices)
     is_lost = np.logical_or.reduceat(lost[polygons.corner_vertices], polygons.starts)
-    is_flat = flat_faces(TriangleMesh(vertices, mesh.triangles), polygons.triangle_faces) | _meets_itself(polygons)
+    is_flat = flat_faces(TriangleMesh(vertices, mesh.triangles), polygons.triangle_faces) | _repeats_vertex(polygons)
     is_flat &= ~is_lost
-    own = _one_for_all(polygons, vertices, is_flat, is_lost)
+    own = _represent_all(polygons, vertices, is_flat, is_lost)
     polygons = replace(polygons, corner_vertices=own[polygons.corner_vertices])
-    first = _first_alike(polygons, ~is_lost & ~is_flat)
+    first = _find_duplicates(polygons, ~is_lost & ~is_flat)
     is_double = first != np.arange(len(first))
     kept = ~(is_lost | is_flat | is_double)
     if not kept.any():
@@ -125,10 +113,10 @@ def carrier(mesh, polygons):
     joins = pair_half_edges(whole, faces)
     turned, seam = orient_faces(whole, faces, joins)
     corners = np.where(turned[faces, None], corners[:, ::-1], corners)
-    # The same half-edges where a triangle runs the other way round.
+    # The same half-edges in triangles that are turned over.
     halves = np.where(turned[faces[joins // 3]], joins - joins % 3 + np.array([1, 0, 2])[joins % 3], joins)
-    surface, source = _in_fans(TriangleMesh(vertices, polygons.corner_vertices[corners]), faces, halves[~seam])
-    alike = alike_corners(polygons, first)
+    surface, source = _split_into_fans(TriangleMesh(vertices, polygons.corner_vertices[corners]), faces, halves[~seam])
+    alike = match_corners(polygons, first)
     corner_vertices = polygons.corner_vertices.copy()
     corner_vertices[corners] = surface.triangles
     fans, counts = np.unique(split_pinched_vertices(whole.triangles)[0], return_counts=True)
@@ -151,24 +139,24 @@ def carrier(mesh, polygons):
     )
 
 
-def seam_ends(mesh, across):
-    """(k, 2) vertices of a mesh that (s, 2) half-edges join, in one way each: those of a :class:`Carrier`'s seam."""
-    pairs = mesh.triangles.ravel()[np.concatenate([across, following(across)])]
+def find_seam_ends(mesh: TriangleMesh, across: np.ndarray) -> np.ndarray:
+    """Find the (k, 2) vertices that (s, 2) half-edges of a :class:`Carrier`'s seam join, without loops."""
+    pairs = mesh.triangles.ravel()[np.concatenate([across, next_half_edges(across)])]
     nodes, names = np.unique(pairs, return_inverse=True)
     names = names.reshape(pairs.shape)
     graph = coo_array((np.ones(len(pairs)), names.T), shape=(len(nodes),) * 2)
     return np.sort(nodes[np.column_stack(minimum_spanning_tree(graph).nonzero())], axis=1)
 
 
-def finite_places(vertices):
-    """(n, 3) points, the first finite one in place of those that are not finite."""
+def finite_places(vertices: np.ndarray) -> np.ndarray:
+    """Replace (n, 3) points that are not finite by the first finite one."""
     finite = np.isfinite(vertices).all(axis=1)
     return vertices if finite.all() else np.where(finite[:, None], vertices, vertices[np.argmax(finite)])
 
 
-def _one_for_all(polygons, vertices, is_flat, is_lost):
-    """(n,) the first of the vertices at one place that edges of flat faces join, which stands for all: the surface
-    closes where these faces were. Not where another face has two of them."""
+def _represent_all(polygons: Polygons, vertices: np.ndarray, is_flat: np.ndarray, is_lost: np.ndarray) -> np.ndarray:
+    """Find the (n,) vertex that represents each: the first at the same place that edges of flat faces join, so that the
+    surface closes where these faces were; itself if another face has two of them."""
     ahead = np.arange(len(polygons.corner_vertices)) + 1
     ahead[polygons.starts + polygons.sizes - 1] = polygons.starts
     ends = np.column_stack([polygons.corner_vertices, polygons.corner_vertices[ahead]])
@@ -177,35 +165,35 @@ def _one_for_all(polygons, vertices, is_flat, is_lost):
     joined = is_flat[polygons.corner_faces] & (lengths <= 2 * FLAT_FACE * reach)
     places = components(len(vertices), ends[joined])
     within = ~(is_flat | is_lost)[polygons.corner_faces]
-    twice = _met_twice(polygons.corner_faces[within], places[polygons.corner_vertices[within]])[1]
+    twice = _find_repeated(polygons.corner_faces[within], places[polygons.corner_vertices[within]])[1]
     first = np.unique(places, return_index=True)[1]
     return np.where(np.isin(places, twice), np.arange(len(places)), first[places])
 
 
-def _met_twice(faces, labels):
-    """Faces, and labels, where two corners of a face have the same label."""
+def _find_repeated(faces: np.ndarray, labels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """List the faces and labels for which two corners of a face have the same label."""
     order = np.lexsort((labels, faces))
     faces, labels = faces[order], labels[order]
     same = np.flatnonzero((faces[1:] == faces[:-1]) & (labels[1:] == labels[:-1]))
     return faces[same], labels[same]
 
 
-def _meets_itself(polygons):
-    """(p,) bool: faces with a vertex twice."""
-    faces = _met_twice(polygons.corner_faces, polygons.corner_vertices)[0]
+def _repeats_vertex(polygons: Polygons) -> np.ndarray:
+    """Find faces that repeat a vertex, (p,) bool."""
+    faces = _find_repeated(polygons.corner_faces, polygons.corner_vertices)[0]
     return np.bincount(faces, minlength=len(polygons.starts)) > 0
 
 
-def _first_alike(polygons, usable):
-    """(p,) the face that each usable face doubles, itself for others: one with the same corners, or with more that
-    covers all of its triangles."""
-    first = np.where(usable, first_alike(polygons, usable), np.arange(len(usable)))
+def _find_duplicates(polygons: Polygons, usable: np.ndarray) -> np.ndarray:
+    """Find the (p,) face that each usable face duplicates, itself for others: one with the same corners, or a larger
+    one that covers all of its triangles."""
+    first = np.where(usable, find_duplicates(polygons, usable), np.arange(len(usable)))
     rows = (usable & (first == np.arange(len(first))))[polygons.triangle_faces]
     faces, triangles = polygons.triangle_faces[rows], np.sort(polygons.triangles[rows], axis=1)
     labels = np.unique(triangles, axis=0, return_inverse=True)[1].reshape(-1)
     order = np.lexsort((-faces, polygons.sizes[faces]))
     covers = np.empty(labels.max(initial=-1) + 1, int)
-    covers[labels[order]] = faces[order]  # of several assignments the last one stays
+    covers[labels[order]] = faces[order]  # the last of several assignments counts
     low, high = np.full(len(first), len(first)), np.full(len(first), -1)
     np.minimum.at(low, faces, covers[labels])
     np.maximum.at(high, faces, covers[labels])
@@ -213,11 +201,11 @@ def _first_alike(polygons, usable):
     return first[first]
 
 
-def _in_fans(mesh, faces, joins):
-    """The mesh with its vertices apart where no join holds their triangles together, and what each vertex was.
+def _split_into_fans(mesh: TriangleMesh, faces: np.ndarray, joins: np.ndarray) -> tuple[TriangleMesh, np.ndarray]:
+    """Split the vertices where no join connects their triangles; also returns the vertex that each was.
 
-    Two edges may join the same two vertices, or two triangles the same three, all in one fan each: faces there come
-    off, until no edge and no triangle has the vertices of another.
+    Where two edges join the same two vertices, or two triangles the same three, with one fan at each, faces are
+    detached until no edge and no triangle has the vertices of another.
     """
     while True:
         surface, source = cut_all_but(mesh, *np.concatenate([joins, joins[:, ::-1]]).T)

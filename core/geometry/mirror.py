@@ -1,27 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Find which vertices mirror which, on a surface that is symmetric about coordinate planes through the origin."""
+"""Mirror images of vertices on a surface that is symmetric about coordinate planes through the origin."""
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from ..errors import AsymmetryError
 from ..graphs import components
+from .polygons import Polygons
+from .triangle_mesh import TriangleMesh
 
-# How far from its mirror image a vertex may lie, in edge lengths.
+# Largest distance of a vertex from its mirror image, in edge lengths.
 TOLERANCE = 1e-3
 
 
-def mirrored_vertices(mesh, polygons, axis):
-    """(n,) the vertex that mirrors each one: coordinate ``axis`` (0, 1, 2) changes its sign.
+def mirrored_vertices(mesh: TriangleMesh, polygons: Polygons, axis: int) -> np.ndarray:
+    """Find the (n,) mirror images of the vertices: coordinate ``axis`` (0, 1, 2) changes its sign.
 
-    Vertices may share a place, as on a mesh that was cut open: their faces tell them apart. Loose vertices
-    mirror themselves.
-
-    Parameters
-    ----------
-    mesh : TriangleMesh
-    polygons : Polygons over its vertices
-    axis : 0, 1 or 2
+    Vertices at the same place, as on a mesh that was cut open, are distinguished by their faces. Loose vertices mirror
+    themselves.
 
     Raises
     ------
@@ -31,9 +27,8 @@ def mirrored_vertices(mesh, polygons, axis):
     return mirrored_corners(mesh, polygons, axis)[0]
 
 
-def mirrored_corners(mesh, polygons, axis):
-    """(n,) the vertex that mirrors each one, and (c,) the corner that mirrors each corner of the faces; parameters and
-    errors as :func:`mirrored_vertices`."""
+def mirrored_corners(mesh: TriangleMesh, polygons: Polygons, axis: int) -> tuple[np.ndarray, np.ndarray]:
+    """Find the (n,) mirror images of the vertices and (c,) of the corners, as :func:`mirrored_vertices`."""
     used = np.unique(mesh.triangles)
     places, image = _mirrored_places(mesh.vertices[used], axis, TOLERANCE * np.median(mesh.edge_lengths))
     lonely = used[image[places] < 0]
@@ -47,9 +42,8 @@ def mirrored_corners(mesh, polygons, axis):
     return partner, opposite
 
 
-def symmetric_axes(points, near):
-    """The axes, 0, 1 or 2, in which (n, 3) points have a mirror image within a distance, and do not all lie in the
-    plane."""
+def symmetric_axes(points: np.ndarray, near: float) -> tuple[int, ...]:
+    """Find the axes in which (n, 3) points have mirror images within a distance, and do not all lie in the plane."""
     low, high = points.min(axis=0), points.max(axis=0)
     axes = np.flatnonzero((np.abs(low + high) <= near) & (high - low > near))
     if len(axes) == 0:
@@ -58,8 +52,8 @@ def symmetric_axes(points, near):
     return tuple(int(axis) for axis in axes if (tree.query(points * mirrors[axis])[0] <= near).all())
 
 
-def _mirrored_places(points, axis, near):
-    """(n,) label of each point's place, and the place at the mirror image of each place, -1 where there is none."""
+def _mirrored_places(points: np.ndarray, axis: int, near: float) -> tuple[np.ndarray, np.ndarray]:
+    """Label the places of points, (n,), and find the place at the mirror image of each, or -1."""
     tree = cKDTree(points)
     pairs = tree.query_pairs(near, output_type="ndarray")
     places = components(len(points), pairs)
@@ -72,9 +66,11 @@ def _mirrored_places(points, axis, near):
     return places, image
 
 
-def _match_by_faces(polygons, places, image, partner, opposite):
-    """Fill the vertices ``partner`` and the corners ``opposite`` from corner to corner of mirrored faces; returns the
-    vertices for which that fails."""
+def _match_by_faces(
+    polygons: Polygons, places: np.ndarray, image: np.ndarray, partner: np.ndarray, opposite: np.ndarray
+) -> np.ndarray:
+    """Fill in the vertices ``partner`` and the corners ``opposite`` by matching mirrored faces; returns the vertices
+    without a counterpart."""
     lonely = []
     for size in np.unique(polygons.sizes):
         corners = polygons.starts[polygons.drawn & (polygons.sizes == size), None] + np.arange(size)

@@ -1,76 +1,68 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The nearest points of triangles, in double precision, by NumPy and SciPy alone.
+"""Nearest points of triangles, in double precision, with NumPy and SciPy.
 
-The triangle whose centre is nearest gives a first distance. Boxes around groups of triangles rule out groups that are
-farther, then smaller ones in the others, down to single triangles, and the nearest of those that are left is taken.
+The triangle whose centre is nearest gives a first distance. A hierarchy of boxes around groups of triangles excludes
+groups that are farther away, down to single triangles, of which the nearest is chosen.
 """
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 from ..errors import MeshError
 
-# Boxes in a larger one.
+# Number of boxes in a larger one.
 BRANCHES = 4
-# Triangles whose sizes differ by less than this power of two share boxes: one that is far larger would widen them all.
+# Triangles share boxes if their sizes differ by less than this power of two, as larger ones would widen the boxes.
 SIZE_POWER = 3
-# Pairs of a point and a box that are looked at together, which bounds the memory to about a kilobyte times as many.
+# Pairs of a point and a box per batch, which take about a kilobyte each.
 BATCH = 16384
 # Squared sine of the angle at the first corner up to which a triangle is thin.
 THIN = 1e-4
-# Share of the largest coordinate that the computed distances may be wrong by, by far.
+# Generous bound of the rounding error of distances, as a share of the largest coordinate.
 ROUNDING = 1e-14
 
 
 class NearestTriangles:
-    """Triangles that can be asked for the nearest point; pickled as its two arrays.
+    """A search structure for nearest points on triangles; pickled as its two arrays.
 
     Parameters
     ----------
     vertices : (n, 3)
-    triangles : (m, 3) of them, of any shape and size, without area too
+    triangles : (m, 3) of any shape and size, also without area
 
     Raises
     ------
     MeshError
-        where there are no triangles
+        without triangles
     """
 
-    def __init__(self, vertices, triangles):
+    def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
         self.vertices, self.triangles = np.array(vertices, float), np.array(triangles, int)
         if len(self.triangles) == 0:
             raise MeshError("there are no faces to find the nearest points on: add some")
 
-    def __getstate__(self):
+    def __getstate__(self) -> dict[str, np.ndarray]:
         return {"vertices": self.vertices, "triangles": self.triangles}
 
-    def nearest(self, points):
-        """Where the triangles are nearest to points, and which these are.
-
-        Parameters
-        ----------
-        points : (k, 3)
-
-        Returns
-        -------
-        places : (k, 3)
-        triangles : (k,), the first of those at the same distance
-        """
+    def nearest(self, points: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """Find the (k, 3) nearest places to (k, 3) points, and their (k,) triangles, the first of several as near."""
         points = np.asarray(points, float).reshape(-1, 3)
         found = self._centres.query(points)[1]
         places, squares = np.empty_like(points), np.empty(len(points))
-        parts = _parts(np.arange(len(points)))
+        parts = _split(np.arange(len(points)))
         for part in parts:
-            places[part], squares[part] = self._measured(points[part], found[part])
+            places[part], squares[part] = self._nearest_on(points[part], found[part])
         slack = ROUNDING * max(np.abs(self.vertices).max(), np.abs(points).max(initial=0))
         top = len(self._boxes) - 1
-        # The last part first, so that few parts wait at any time.
+        # The last part is on top, so that few parts wait at any time.
         waiting = [(top, part, np.zeros(len(part), int)) for part in parts[::-1]]
         while waiting:
             level, at, nodes = waiting.pop()
-            # Places by component, so that the loops are along the pairs.
+            # Coordinates come first, so that NumPy's inner loops run along the pairs.
             low, high = (np.take(corner, nodes, axis=2) for corner in self._boxes[level])
             here = points.T[:, None, at]
             gaps = np.maximum(low - here, here - high)
@@ -80,19 +72,27 @@ class NearestTriangles:
             rows, branches = np.nonzero(np.ascontiguousarray(near.T))
             at, nodes = at[rows], BRANCHES * nodes[rows] + branches
             if level:
-                pairs = zip(_parts(at), _parts(nodes), strict=True)
+                pairs = zip(_split(at), _split(nodes), strict=True)
                 waiting.extend([(level - 1, *pair) for pair in pairs][::-1])
             else:
                 self._improve(points, at, self._order[nodes], found, places, squares)
         return places, found
 
-    def _improve(self, points, at, triangles, found, places, squares):
-        """Take those of (c,) triangles that are nearer to points than what was found; (c,) points in rising order."""
+    def _improve(
+        self,
+        points: np.ndarray,
+        at: np.ndarray,
+        triangles: np.ndarray,
+        found: np.ndarray,
+        places: np.ndarray,
+        squares: np.ndarray,
+    ) -> None:
+        """Replace what was found for (c,) ascending points where (c,) triangles are nearer."""
         other = triangles != found[at]
         at, triangles = at[other], triangles[other]
         if len(at) == 0:
             return
-        new_places, new_squares = self._measured(points[at], triangles)
+        new_places, new_squares = self._nearest_on(points[at], triangles)
         starts = np.flatnonzero(np.diff(at, prepend=-1))
         owners = np.cumsum(np.diff(at, prepend=-1) > 0) - 1
         least = np.minimum.reduceat(new_squares, starts)[owners]
@@ -102,38 +102,36 @@ class NearestTriangles:
         at = at[better]
         found[at], places[at], squares[at] = triangles[better], new_places[better], new_squares[better]
 
-    def _measured(self, points, triangles):
-        """(c, 3) places of (c,) triangles that are nearest to (c, 3) points, and (c,) squares of the distances."""
+    def _nearest_on(self, points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Compute the (c, 3) places of (c,) triangles nearest to (c, 3) points, and the (c,) squared distances."""
         corners = self._corners[:, triangles]
         shares = nearest_in_triangles(points, corners)
         places = np.einsum("pc,cpx->px", shares, corners)
         return places, np.einsum("px,px->p", points - places, points - places)
 
     @cached_property
-    def _corners(self):
-        """(3, m, 3) places."""
+    def _corners(self) -> np.ndarray:
+        """(3, m, 3) coordinates."""
         return self.vertices[self.triangles.T]
 
     @cached_property
-    def _centres(self):
+    def _centres(self) -> cKDTree:
         return cKDTree(self._corners.mean(axis=0))
 
     @cached_property
-    def _order(self):
-        """(m,) triangles in an order in which those of about the same size and place are together."""
+    def _order(self) -> np.ndarray:
+        """(m,) triangles in an order that groups those of similar size and place."""
         sizes = np.linalg.norm(self._corners - self._centres.data, axis=2).max(axis=0)
         powers = np.frexp(np.maximum(sizes, np.finfo(float).tiny))[1] // SIZE_POWER
         order = self._centres.tree.indices
         return order[np.argsort(powers[order], kind="stable")]
 
     @cached_property
-    def _boxes(self):
-        """Lowest and highest corners of boxes around triangles, around groups of them and so on, up to a single group.
-
-        (3, BRANCHES, g) each, of those that are in g larger boxes.
-        """
+    def _boxes(self) -> list[tuple[np.ndarray, ...]]:
+        """Lowest and highest corners, (3, BRANCHES, g) each, of the boxes in g larger ones: level by level from single
+        triangles to one group."""
         low, high = self._corners[:, self._order].min(axis=0).T, self._corners[:, self._order].max(axis=0).T
-        levels: list[tuple] = []
+        levels: list[tuple[np.ndarray, ...]] = []
         while not levels or low.shape[1] > 1:
             missing = ((0, 0), (0, -low.shape[1] % BRANCHES))
             low = np.pad(low, missing, constant_values=np.inf).reshape(3, -1, BRANCHES)
@@ -143,25 +141,15 @@ class NearestTriangles:
         return levels
 
 
-def nearest_in_triangles(points, corners):
-    """Shares of the corners in the nearest point of triangles; exactly 0 for the corners that it does not depend on.
+def nearest_in_triangles(points: ArrayLike, corners: Sequence[np.ndarray] | np.ndarray) -> np.ndarray:
+    """Compute (..., 3) barycentric coordinates of the points of triangles, (3, ..., 3), nearest to (..., 3) points.
 
-    Parameters
-    ----------
-    points : (..., 3)
-    corners : (3, ..., 3)
-
-    Returns
-    -------
-    (..., 3) barycentric coordinates
-
-    Source
-    ------
-    Ericson, "Real-Time Collision Detection" (2005), Section 5.1.5
+    Corners that the nearest point does not depend on get exactly 0 (Ericson, "Real-Time Collision Detection", 2005,
+    Section 5.1.5).
     """
     points = np.asarray(points, float)
     points = points.reshape((1,) * (np.ndim(corners[0]) - points.ndim) + points.shape)
-    # By component, so that the loops are along the triangles.
+    # Coordinates come first, so that NumPy's inner loops run along the triangles.
     point, a, b, c = (_by_component(places) for places in (points, *corners))
     ab, ac, ap = b - a, c - a, point - a
     aa, bb, cross = _product(ab, ab), _product(ac, ac), _product(ab, ac)
@@ -172,7 +160,7 @@ def nearest_in_triangles(points, corners):
     total = va + vb + vc
     at_b, at_c = _ratio(vb, total), _ratio(vc, total)
     at_a = 1 - at_b - at_c
-    # The regions of edges and corners, a later one before those above it.
+    # The regions of edges and corners; later ones override earlier ones.
     for region, of_b, of_c in (
         ((va <= 0) & (to_b >= 0) & (to_c >= 0), lambda k: 1 - _ratio(to_b[k], (to_b + to_c)[k]), None),
         ((vb <= 0) & (d2 >= 0) & (d6 <= 0), lambda k: 0.0, lambda k: _ratio(d2[k], (d2 - d6)[k])),
@@ -188,29 +176,30 @@ def nearest_in_triangles(points, corners):
     shares = np.stack([at_a, at_b, at_c], axis=-1)
     thin = total <= THIN * aa * bb
     if thin.any():
-        points, *corners = (np.broadcast_to(places, shares.shape)[thin] for places in (points, *corners))
-        shares[thin] = _nearest_in_thin(points, corners)
+        chosen, *of_chosen = (np.broadcast_to(places, shares.shape)[thin] for places in (points, *corners))
+        shares[thin] = _nearest_in_thin(chosen, of_chosen)
     return shares
 
 
-def _by_component(places):
-    """(3, ...) of (..., 3) places."""
+def _by_component(places: ArrayLike) -> np.ndarray:
+    """Move the coordinates of (..., 3) places to the front: (3, ...)."""
     return np.ascontiguousarray(np.moveaxis(np.asarray(places, float), -1, 0))
 
 
-def _product(u, v):
-    """(...) scalar products of (3, ...) vectors."""
+def _product(u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """Compute (...) scalar products of (3, ...) vectors."""
     return u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
 
 
-def _nearest_in_thin(points, corners):
-    """(k, 3) shares as above, the nearest of those on the edges and inside: where the products above cancel."""
+def _nearest_in_thin(points: np.ndarray, corners: Sequence[np.ndarray]) -> np.ndarray:
+    """Compute (k, 3) barycentric coordinates as the nearest of candidates on the edges and inside, without the
+    cancellation of the products above."""
     lengths = np.stack([_dot(corners[k - 2] - corners[k], corners[k - 2] - corners[k]) for k in range(3)])
     candidates = []
     for k in range(3):
         along = np.clip(_ratio(_dot(points - corners[k], corners[k - 2] - corners[k]), lengths[k]), 0, 1)
         candidates.append(np.roll(np.stack([1 - along, along, np.zeros_like(along)], axis=-1), k, axis=-1))
-    # The plane as it is spanned by the longest edge and what is across it in another.
+    # Coordinates in the plane along the longest edge, and along the part of another side at right angles to it.
     turned = (lengths.argmax(axis=0)[:, None] + np.arange(3)) % 3
     first, second, third = np.take_along_axis(np.array(corners), turned.T[:, :, None], axis=0)
     edge, side = second - first, third - first
@@ -226,14 +215,14 @@ def _nearest_in_thin(points, corners):
     return np.array(candidates)[_dot(offsets, offsets).argmin(axis=0), np.arange(len(points))]
 
 
-def _dot(u, v):
+def _dot(u: np.ndarray, v: np.ndarray) -> np.ndarray:
     return np.einsum("...x,...x->...", u, v)
 
 
-def _ratio(part, whole):
+def _ratio(part: np.ndarray, whole: np.ndarray) -> np.ndarray:
     return np.divide(part, whole, out=np.zeros_like(part), where=whole != 0)
 
 
-def _parts(values):
-    """An array cut into those of bounded length."""
+def _split(values: np.ndarray) -> list[np.ndarray]:
+    """Split an array into parts of bounded length."""
     return np.array_split(values, max(1, -(-len(values) // BATCH)))

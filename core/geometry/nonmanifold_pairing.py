@@ -1,30 +1,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which faces go on into which across an edge, be it one in which three and more of them meet."""
+"""Pairing of faces across edges, also those in which three or more faces meet."""
 
 import numpy as np
 
 from ..graphs import components, ragged_arange
 from .triangle_mesh import TriangleMesh
-from .vertex_splitting import corner_links, following
+from .vertex_splitting import corner_links, next_half_edges
 
-# How much a concave bend counts above a convex one, where cosines of the bends are compared: solids that touch in an
-# edge come apart rather than grow together.
+# Extra cost of a concave bend when cosines of bends are compared, so that solids that touch in an edge are separated.
 _CONCAVE = 0.01
-# Faces at an edge from which on all of them come apart: pairs to choose from grow with their square.
+# From this many faces at an edge on, none are joined, as the number of pairs grows with its square.
 _MOST = 64
 
 
-def pair_half_edges(mesh: TriangleMesh, faces):
-    """(j, 2) half-edges across which faces stay joined, each half-edge in one pair at most.
+def pair_half_edges(mesh: TriangleMesh, faces: np.ndarray) -> np.ndarray:
+    """Choose (j, 2) half-edges across which faces stay joined, each half-edge in at most one pair.
 
-    Of an edge with more than two faces, the two that bend least are joined, then the two of the others that do, and
-    so on; what is left has a boundary there. Where as many faces run one way along the edge as the other, as where
-    solids touch, only those are joined that agree in their winding. Faces that meet along a chain of such edges are
-    joined in the same way all along.
+    At an edge with more than two faces, the two that bend least are joined, then the next two, and so on; a face left
+    over has a boundary there. Where as many faces run one way along the edge as the other, as where solids touch, only
+    faces of consistent orientation are joined. Faces along a chain of such edges are joined in the same way all along.
 
     Parameters
     ----------
-    mesh : TriangleMesh, with any number of triangles at an edge
+    mesh : with any number of triangles at an edge
     faces : (m,) face of each triangle; triangles of one face are joined
     """
     edges = mesh.triangle_edges.ravel()
@@ -40,17 +38,17 @@ def pair_half_edges(mesh: TriangleMesh, faces):
     halves = np.delete(halves, np.concatenate([inside, inside + 1]))
     halves = halves[np.bincount(edges[halves], minlength=len(mesh.edges))[edges[halves]] < _MOST]
     if len(halves):
-        pages = _pages(mesh, np.concatenate(pairs), halves)
-        pairs.append(halves[_match_pairs(edges[halves], *_candidates(mesh, halves, pages))])
+        pages = _label_sheets(mesh, np.concatenate(pairs), halves)
+        pairs.append(halves[_match_pairs(edges[halves], *_list_candidates(mesh, halves, pages))])
     return np.concatenate(pairs)
 
 
-def _pages(mesh, joins, halves):
-    """(k,) label of what hangs together on one side of a chain of crowded edges, for half-edges at them."""
+def _label_sheets(mesh: TriangleMesh, joins: np.ndarray, halves: np.ndarray) -> np.ndarray:
+    """Label half-edges at crowded edges, (k,), by the connected sheets beside chains of such edges."""
     fans = components(3 * mesh.triangle_count, corner_links(mesh.triangles, *joins.T))
     crowded = np.unique(mesh.triangle_edges.ravel()[halves])
     degrees = np.bincount(mesh.edges[crowded].ravel(), minlength=mesh.vertex_count)
-    number, ends = np.tile(np.arange(len(halves)), 2), np.concatenate([halves, following(halves)])
+    number, ends = np.tile(np.arange(len(halves)), 2), np.concatenate([halves, next_half_edges(halves)])
     fan, inside = fans[ends], degrees[mesh.triangles.ravel()[ends]] == 2
     number, fan = number[inside], fan[inside]
     order = np.argsort(fan, kind="stable")
@@ -58,8 +56,8 @@ def _pages(mesh, joins, halves):
     return components(len(halves), np.column_stack([number[order[both]], number[order[both + 1]]]))
 
 
-def _candidates(mesh, halves, pages):
-    """(c, 2) places in ``halves``, sorted by edges, that could be joined, and (c,) what that costs."""
+def _list_candidates(mesh: TriangleMesh, halves: np.ndarray, pages: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """List (c, 2) positions in ``halves``, sorted by edges, that could be joined, and the (c,) costs."""
     edges = mesh.triangle_edges.ravel()[halves]
     _, starts, sizes = np.unique(edges, return_index=True, return_counts=True)
     ends = np.repeat(starts + sizes, sizes)
@@ -70,7 +68,7 @@ def _candidates(mesh, halves, pages):
     agrees = signs[first] != signs[second]
     allowed = agrees | ~balanced[first]
     first, second, agrees = first[allowed], second[allowed], agrees[allowed]
-    away, normals = _away(mesh, halves), mesh.face_normals[halves // 3]
+    away, normals = _inward_directions(mesh, halves), mesh.face_normals[halves // 3]
     costs = np.einsum("cx,cx->c", away[first], away[second])
     costs += np.where(agrees, _CONCAVE * np.einsum("cx,cx->c", normals[first], away[second]), 0)
     lengths = mesh.edge_lengths[edges[first]]
@@ -80,8 +78,8 @@ def _candidates(mesh, halves, pages):
     return np.column_stack([first, second]), means[kinds]
 
 
-def _away(mesh, halves):
-    """(k, 3) unit vectors from edges into their triangles, at right angles to the edge; zero for a flat triangle."""
+def _inward_directions(mesh: TriangleMesh, halves: np.ndarray) -> np.ndarray:
+    """Compute (k, 3) unit vectors from edges into their triangles, normal to the edge; zero for flat triangles."""
     tails, heads, apexes = (mesh.vertices[mesh.triangles[halves // 3, (halves + k) % 3]] for k in range(3))
     along = heads - tails
     along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), np.finfo(float).tiny)
@@ -90,8 +88,8 @@ def _away(mesh, halves):
     return away / np.maximum(np.linalg.norm(away, axis=1, keepdims=True), np.finfo(float).tiny)
 
 
-def _match_pairs(edges, pairs, costs):
-    """(j, 2) of the pairs, chosen at each edge by their costs, so that none has a place of another."""
+def _match_pairs(edges: np.ndarray, pairs: np.ndarray, costs: np.ndarray) -> np.ndarray:
+    """Select disjoint pairs, (j, 2), in the order of their costs at each edge."""
     order = np.lexsort((costs, edges[pairs[:, 0]]))
     pairs = pairs[order]
     free = np.ones(len(edges), bool)

@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Faces with any number of corners over the triangles that they are split into."""
+"""Faces with any number of corners, and the triangles that they are split into."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Self
 
 import numpy as np
+
+from .triangle_mesh import TriangleMesh
 
 
 @dataclass(frozen=True)
 class Polygons:
-    """Faces as runs of corners, and the corners of the triangles that draw them.
+    """Faces as ranges of corners, and the corners of their triangles.
 
     Attributes
     ----------
@@ -18,7 +21,7 @@ class Polygons:
     sizes : (p,) corners of each face
     triangle_corners : (m, 3) corners of each triangle; the triangles of a face follow one another
     triangle_faces : (m,) face of each triangle
-    alike : (c,) where faces without triangles look like others: the corner that each corner looks like, mostly itself
+    alike : (c,) corner whose values each corner takes, mostly itself; faces without triangles may duplicate others
     """
 
     corner_vertices: np.ndarray
@@ -29,54 +32,49 @@ class Polygons:
     alike: np.ndarray | None = None
 
     @classmethod
-    def of_triangles(cls, mesh):
-        """Each triangle of a mesh as a face of its own."""
+    def of_triangles(cls, mesh: TriangleMesh) -> Self:
+        """Make each triangle of a mesh a face."""
         count = mesh.triangle_count
         corners = np.arange(3 * count).reshape(-1, 3)
         return cls(mesh.triangles.ravel(), corners[:, 0].copy(), np.full(count, 3), corners, np.arange(count))
 
-    def with_triangles(self, triangles):
-        """The same faces over (m, 3) other vertices."""
+    def with_triangles(self, triangles: np.ndarray) -> Self:
+        """Replace the vertices of the triangles, (m, 3)."""
         corner_vertices = self.corner_vertices.copy()
         corner_vertices[self.triangle_corners] = triangles
         return replace(self, corner_vertices=corner_vertices)
 
     @property
-    def triangles(self):
+    def triangles(self) -> np.ndarray:
         """(m, 3) vertices of the triangles."""
         return self.corner_vertices[self.triangle_corners]
 
     @cached_property
-    def first_triangles(self):
+    def first_triangles(self) -> np.ndarray:
         """(p,) first triangle of each face."""
         return np.searchsorted(self.triangle_faces, np.arange(len(self.starts)))
 
     @cached_property
-    def corner_faces(self):
+    def corner_faces(self) -> np.ndarray:
         """(c,) face of each corner."""
         return np.repeat(np.arange(len(self.starts)), self.sizes)
 
     @cached_property
-    def drawn(self):
+    def drawn(self) -> np.ndarray:
         """(p,) bool: faces that have triangles."""
         return np.bincount(self.triangle_faces, minlength=len(self.starts)) > 0
 
-    def at_corners(self, values):
-        """(c, ...) values at corners, with those of faces that look like others taken from there."""
+    def at_corners(self, values: np.ndarray) -> np.ndarray:
+        """Take (c, ...) values at corners, those of duplicate faces from their originals."""
         return values if self.alike is None else values[self.alike]
 
-    def at_faces(self, values):
-        """(p, ...) values of faces, with those of faces that look like others taken from there."""
+    def at_faces(self, values: np.ndarray) -> np.ndarray:
+        """Take (p, ...) values of faces, those of duplicates from their originals."""
         return values if self.alike is None else values[self.corner_faces[self.alike[self.starts]]]
 
-    def after_split(self, now, old_corners):
-        """The same surface after some of its faces were split.
-
-        Parameters
-        ----------
-        now : Polygons, all faces as they are
-        old_corners : (c,) corner that each corner was
-        """
+    def after_split(self, now: "Polygons", old_corners: np.ndarray) -> "Polygons":
+        """Describe the same surface after some faces were split: ``now`` are all faces, (c,) ``old_corners`` the former
+        corner of each corner."""
         vertices = self.corner_vertices[old_corners]
         if self.alike is None:
             return replace(now, corner_vertices=vertices)
@@ -86,7 +84,7 @@ class Polygons:
         both = np.concatenate([self.triangle_corners, shown[now.triangle_corners]])
         labels = np.unique(np.sort(both, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
         old, new = np.split(labels, [len(self.triangle_corners)])
-        # Where a face was split over one that doubled a part of it, that one draws this part from now on.
+        # Where a face was split over a duplicate of a part of it, the duplicate has this part's triangle from now on.
         order = np.lexsort((np.where(was_drawn, 0, now.sizes)[now.triangle_faces], new))
         first = order[np.unique(new[order], return_index=True)[1]]
         rows = np.sort(first[np.isin(new[first], old)])
@@ -95,8 +93,8 @@ class Polygons:
         turned = _descends(shown[now.triangle_corners[rows]]) != runs[new[rows]]
         corners = np.where(turned[:, None], now.triangle_corners[rows][:, ::-1], now.triangle_corners[rows])
         now = replace(now, triangle_corners=corners, triangle_faces=now.triangle_faces[rows])
-        alike = alike_corners(now, first_alike(now, now.drawn))
-        # What looked like a face that was split looks like its triangles, corner by corner.
+        alike = match_corners(now, find_duplicates(now, now.drawn))
+        # Duplicates of a face that was split take the values of its triangles, corner by corner.
         drawn = np.flatnonzero(now.drawn[now.corner_faces])
         known, where = np.unique(shown[drawn], return_index=True)
         left = np.flatnonzero((alike == np.arange(len(alike))) & ~now.drawn[now.corner_faces] & np.isin(shown, known))
@@ -104,13 +102,13 @@ class Polygons:
         return replace(now, alike=alike)
 
 
-def _descends(corners):
-    """(k,) bool: triangles whose corners run against their numbers."""
+def _descends(corners: np.ndarray) -> np.ndarray:
+    """Find triangles whose corners run against their numbers, (k,) bool."""
     return (np.roll(corners, -1, axis=1) < corners).sum(axis=1) > 1
 
 
-def first_alike(polygons, chosen):
-    """(p,) the first of the chosen faces with the vertices of each face and no other; itself where there is none."""
+def find_duplicates(polygons: Polygons, chosen: np.ndarray) -> np.ndarray:
+    """Find the (p,) first of the chosen faces with exactly the vertices of each face; itself if there is none."""
     first = np.arange(len(polygons.starts))
     for size in np.unique(polygons.sizes):
         faces = np.flatnonzero(polygons.sizes == size)
@@ -122,8 +120,8 @@ def first_alike(polygons, chosen):
     return first
 
 
-def alike_corners(polygons, first):
-    """(c,) the corner of another face, ``first``, that is at the same vertex as each corner of a face."""
+def match_corners(polygons: Polygons, first: np.ndarray) -> np.ndarray:
+    """Find the (c,) corner of another face, (p,) ``first``, at the same vertex as each corner of a face."""
     count = polygons.corner_vertices.max(initial=0) + 1
     own = polygons.corner_faces * count + polygons.corner_vertices
     asked = first[polygons.corner_faces] * count + polygons.corner_vertices

@@ -1,29 +1,30 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Polylines: how long they are and may be, and what lies some way along them."""
+"""Polylines: lengths, and values at some distance along them."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from ..errors import SettingError
 
-# A microsecond to some ten and some hundred bytes each.
+# Each place takes one to ten microseconds and some hundred bytes.
 MOST_PLACES = 1_000_000
 
 
-def check_length(name, length, step):
-    """Refuse curves along which there would be more than ``MOST_PLACES`` places.
+def check_length(name: str, length: float, step: float) -> None:
+    """Refuse curves that would have more than ``MOST_PLACES`` places.
 
     Parameters
     ----------
-    name : what errors call them
-    length : of all, scene units
-    step : from one place to the next, scene units
+    name : of the curves, in errors
+    length : of all curves, scene units
+    step : distance of places, scene units
 
     Raises
     ------
     SettingError
-        for curves that are too long, or of no finite length
+        for curves that are too long, or whose length is not finite
     """
     if not math.isfinite(length):
         raise SettingError(f"{name} has points without a finite place: set their coordinates, or delete them")
@@ -34,20 +35,10 @@ def check_length(name, length, step):
         )
 
 
-def beside(points, values, ways):
-    """What a polyline carries some way before (negative) or behind each of its points.
+def beside(points: np.ndarray, values: np.ndarray, ways: Sequence[float]) -> np.ndarray:
+    """Interpolate (p, d) values of a polyline, (p, 3), at (w,) distances along it from each point, negative backwards.
 
-    Open polylines keep what their ends carry; those that end where they begin go round.
-
-    Parameters
-    ----------
-    points : (p, 3)
-    values : (p, d) at the points
-    ways : (w,) lengths along the polyline, at most its own
-
-    Returns
-    -------
-    (w, p, d) values, linear between the points
+    Returns (w, p, d) values; beyond the ends those of the ends. A polyline that ends where it begins is closed.
     """
     along = ways_along(points)
     places, length = along, along[-1]
@@ -57,33 +48,33 @@ def beside(points, values, ways):
     return np.array([np.column_stack([np.interp(places + way, along, column) for column in values.T]) for way in ways])
 
 
-def around(points, is_closed):
-    """(p, 3) points of a polyline, of a closed one with the first again at the end."""
+def around(points: np.ndarray, is_closed: bool) -> np.ndarray:
+    """Append the first of (p, 3) points at the end of a closed polyline."""
     return np.vstack([points, points[:1]]) if is_closed else points
 
 
-def piece_lengths(points):
-    """(p - 1,) between (p, 3) points, scene units."""
+def piece_lengths(points: np.ndarray) -> np.ndarray:
+    """Compute (p - 1,) distances between (p, 3) points."""
     return np.linalg.norm(np.diff(points, axis=0), axis=1)
 
 
-def polyline_length(points):
-    """Along (p, 3) points, scene units."""
+def polyline_length(points: np.ndarray) -> float:
+    """Compute the length along (p, 3) points."""
     return float(piece_lengths(points).sum())
 
 
-def ways_along(points):
-    """(p,) from the first point of a polyline, (p, 3), to each, scene units."""
+def ways_along(points: np.ndarray) -> np.ndarray:
+    """Compute (p,) lengths from the first point of a polyline, (p, 3), to each."""
     return np.append(0, np.cumsum(piece_lengths(points)))
 
 
-def places_at(points, ways):
-    """(k, 3) some (k,) ways along a polyline, (p, 3)."""
+def places_at(points: np.ndarray, ways: np.ndarray) -> np.ndarray:
+    """Compute the (k, 3) points at (k,) lengths along a polyline, (p, 3)."""
     along = ways_along(points)
     return np.column_stack([np.interp(ways, along, column) for column in points.T])
 
 
-def resample_polyline(points, step):
-    """Points along a polyline, (p, 3), evenly spaced and at most a step apart."""
+def resample_polyline(points: np.ndarray, step: float) -> np.ndarray:
+    """Resample a polyline, (p, 3), evenly and at most a step apart."""
     length = polyline_length(points)
     return places_at(points, np.linspace(0, length, max(int(np.ceil(length / step)), 1) + 1))

@@ -1,20 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Smoothing of values along the edges of a mesh or a line, by steps towards neighbours and back (Taubin 1995)."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.sparse import csr_array
 
 
-def smooth_values(values, rows, columns, times, steps):
-    """(n, k) values without what changes from each to the next.
+def smooth_values(
+    values: np.ndarray, rows: np.ndarray, columns: np.ndarray, times: int, steps: Sequence[float]
+) -> np.ndarray:
+    """Remove short wavelengths from (n, k) values.
 
     Parameters
     ----------
-    values : (n, k)
-    rows, columns : (m,) places of values that move, and of their neighbours
-    times : how often they take the steps
-    steps : shares of the way to the mean of the neighbours; one there and (negative) one a little further back leave
-        the size of what is long alone
+    rows, columns : (m,) indices of values that move, and of their neighbours
+    times : number of rounds of steps
+    steps : shares of the way to the neighbours' mean; a positive and a slightly larger negative step keep long
+        wavelengths
     """
     count = len(values)
     numbers = np.bincount(rows, minlength=count)
@@ -26,8 +29,8 @@ def smooth_values(values, rows, columns, times, steps):
     return values
 
 
-def smooth_line(points, is_closed, times, steps):
-    """(p, 3) points of a line without what changes from each to the next; the ends of an open one stay.
+def smooth_line(points: np.ndarray, is_closed: bool, times: int, steps: Sequence[float]) -> np.ndarray:
+    """Remove short wavelengths from the (p, 3) points of a line; the ends of an open one stay.
 
     ``times`` and ``steps`` as for :func:`smooth_values`.
     """

@@ -1,20 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Grids of two dimensions as meshes of squares."""
+"""Two-dimensional grids as meshes of squares."""
 
 import numpy as np
 
 from . import TriangleMesh
 from .check import check_mesh
+from .grid import Grid
 from .mesh_input import MeshInput
 from .polygons import Polygons
 
 
-def grid_squares(grid):
-    """The :class:`MeshInput` of a grid's squares, split as Blender splits them; its vertices are the grid's nodes.
+def grid_squares(grid: Grid) -> MeshInput:
+    """Build the mesh of a two-dimensional grid's squares, split as Blender splits them; its vertices are the nodes.
 
-    Parameters
-    ----------
-    grid : Grid of two dimensions; where it is periodic the mesh is open, and squares at obstacles are left out
+    A periodic grid gives an open mesh. Squares at obstacles are left out.
     """
     cuts = np.s_[:-1, :-1], np.s_[1:, :-1], np.s_[1:, 1:], np.s_[:-1, 1:]
     corners = np.column_stack([grid.numbers[cut].ravel() for cut in cuts])
@@ -25,7 +24,7 @@ def grid_squares(grid):
     polygons = Polygons(
         corners.ravel(), starts, np.full(len(corners), 4), triangle_corners, np.repeat(np.arange(len(corners)), 2)
     )
-    # Rounded as an object's vertices are, which tell later whether it has changed.
+    # Rounded as an object's vertices are, which are compared later to see whether it has changed.
     places = grid.places.astype(np.float32).astype(float)
     mesh = TriangleMesh(np.pad(places, ((0, 0), (0, 1))), polygons.triangles)
     check_mesh(mesh, polygons.triangle_faces)

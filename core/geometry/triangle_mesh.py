@@ -14,13 +14,14 @@ from numpy.typing import ArrayLike
 
 from ..errors import MeshError
 from ..graphs import components
-from .intrinsic_delaunay import MOST_CLIPPED, clipped_share, edge_weights, intrinsic_delaunay
+from .intrinsic_delaunay import MOST_CLIPPED, IntrinsicMesh, clipped_share, edge_weights, flip_edges
+from .vertex_splitting import next_half_edges, previous_half_edges
 
-# Cotangents are kept in a range in which they can be added.
+# Cotangents are clipped to a range in which sums do not overflow.
 _LARGEST = 1e200
 
 
-def _rows_of_three(values, dtype, remedy):
+def _rows_of_three(values: ArrayLike, dtype: type, remedy: str) -> np.ndarray:
     array = np.asarray(values)
     if array.size and (array.ndim != 2 or array.shape[1] != 3):
         raise MeshError(f"an array of shape {array.shape} where (n, 3) is needed: {remedy}")
@@ -29,7 +30,7 @@ def _rows_of_three(values, dtype, remedy):
 
 @dataclass(frozen=True)
 class _HalfEdges:
-    """Which edge each half-edge runs along.
+    """The edge of each half-edge.
 
     Attributes
     ----------
@@ -44,17 +45,17 @@ class _HalfEdges:
 
 
 class TriangleMesh:
-    """Vertices and triangles with everything derived from them, computed when first asked for.
+    """Vertices and triangles, and quantities derived from them, computed on first use.
 
     Parameters
     ----------
     vertices : (n, 3) float array, in scene units
-    triangles : (m, 3) int array, wound consistently; :func:`check_mesh` says what else has to hold
+    triangles : (m, 3) int array, oriented consistently; :func:`check_mesh` checks the other conditions
 
     Raises
     ------
     MeshError
-        for arrays of another shape, or a triangle of a vertex that is not there
+        for arrays of another shape, or a vertex index out of range
     """
 
     def __init__(self, vertices: ArrayLike, triangles: ArrayLike) -> None:
@@ -79,7 +80,7 @@ class TriangleMesh:
     # Connectivity
 
     @cached_property
-    def _half_edges(self):
+    def _half_edges(self) -> _HalfEdges:
         tails = self.triangles.ravel()
         heads = self.triangles[:, [1, 2, 0]].ravel()
         low, high = np.minimum(tails, heads), np.maximum(tails, heads)
@@ -103,11 +104,11 @@ class TriangleMesh:
         return np.where(self._half_edges.forward, 1, -1).reshape(-1, 3)
 
     @cached_property
-    def _edge_keys(self):
+    def _edge_keys(self) -> np.ndarray:
         return self.edges[:, 0] * self.vertex_count + self.edges[:, 1]
 
-    def edges_between(self, tails, heads):
-        """Indices of the edges that join pairs of vertices, whichever way; the pairs must be edges."""
+    def edges_between(self, tails: np.ndarray, heads: np.ndarray) -> np.ndarray:
+        """Find the edges that join pairs of vertices in either direction; the pairs must be edges."""
         return np.searchsorted(self._edge_keys, np.minimum(tails, heads) * self.vertex_count + np.maximum(tails, heads))
 
     @cached_property
@@ -164,8 +165,8 @@ class TriangleMesh:
         return np.linalg.norm(self.edge_vectors, axis=1)
 
     @cached_property
-    def _corner_products(self):
-        """Per corner: dot product of its two edge vectors, and twice the triangle's area."""
+    def _corner_products(self) -> tuple[np.ndarray, np.ndarray]:
+        """(m, 3) dot products of the two edge vectors at each corner, and (m, 1) twice the areas."""
         corners = self.vertices[self.triangles]
         forward = np.roll(corners, -1, axis=1) - corners
         backward = np.roll(corners, 1, axis=1) - corners
@@ -194,8 +195,8 @@ class TriangleMesh:
         """(e,) radians between the normals of the two triangles at each edge, positive at ridges; 0 on the boundary."""
         return self.angles_between(self.face_normals)
 
-    def angles_between(self, normals):
-        """(e,) radians between (m, 3) unit vectors of the two triangles at each edge; signs as for normals."""
+    def angles_between(self, normals: np.ndarray) -> np.ndarray:
+        """Compute (e,) radians between (m, 3) unit vectors of the two triangles at each edge; signs as for normals."""
         half = np.flatnonzero((self.twins >= 0) & (self.triangle_edge_signs.ravel() > 0))
         left, right = normals[half // 3], normals[self.twins[half] // 3]
         edges = self.triangle_edges.ravel()[half]
@@ -226,11 +227,11 @@ class TriangleMesh:
         return edge_weights(cotangents[:, [2, 0, 1]].ravel(), self._half_edges.numbers, len(self.edges))
 
     @cached_property
-    def posed(self):
-        """What problems are posed on: the mesh itself where its weights tell nearly all, else the same surface and
-        vertices in other triangles (see :func:`intrinsic_delaunay`)."""
+    def posed(self) -> "TriangleMesh":
+        """The mesh that problems are posed on: this one, or its :func:`intrinsic_delaunay` triangulation, with all
+        attributes that problems need, if negative weights are too large a share of the energy."""
         lost = clipped_share(self.corner_angles, self.triangle_edges, self.edge_lengths, self.areas)
-        return self if lost <= MOST_CLIPPED else intrinsic_delaunay(self)
+        return self if lost <= MOST_CLIPPED else intrinsic_delaunay(self)  # type: ignore[return-value]
 
     # Rescaled tangent planes (Knöppel et al. 2013, Section 3.1)
 
@@ -244,17 +245,17 @@ class TriangleMesh:
         return np.where(self.boundary_vertices, 1.0, 2 * np.pi / np.where(sums > 0, sums, 1))
 
     @cached_property
-    def scaled_angles(self):
-        """(m, 3) corner angles after rescaling; they define the discrete connection's curvature."""
+    def scaled_angles(self) -> np.ndarray:
+        """(m, 3) corner angles after rescaling, which define the curvature of the discrete connection."""
         return self.corner_angles * self.angle_scales[self.triangles]
 
     @cached_property
-    def _fans(self):
-        """Walk all vertex fans at once: half-edge angles, first half-edges, corners met."""
+    def _fans(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(3 m,) half-edge angles, (n,) first half-edges and (n,) numbers of corners, by a walk around all vertices."""
         tails = self.triangles.ravel()
         angles = self.scaled_angles.ravel()
         halves = np.arange(len(tails))
-        previous = halves - halves % 3 + (halves + 2) % 3
+        previous = previous_half_edges(halves)
         starts = np.full(self.vertex_count, -1)
         starts[tails[::-1]] = halves[::-1]
         open_starts = halves[self.twins < 0]
@@ -275,22 +276,21 @@ class TriangleMesh:
         return directions, starts, met
 
     @property
-    def half_edge_directions(self):
+    def half_edge_directions(self) -> np.ndarray:
         """(3 m,) angle of each half-edge in the tangent plane of its tail, counterclockwise from the reference edge."""
         return self._fans[0]
 
     @property
-    def fan_corner_counts(self):
-        """(n,) corners met on one walk around each vertex: fewer than its corners at a bow-tie."""
+    def fan_corner_counts(self) -> np.ndarray:
+        """(n,) corners met on one walk around each vertex; fewer than its corners at a bow-tie."""
         return self._fans[2]
 
     @cached_property
-    def edge_directions(self):
+    def edge_directions(self) -> np.ndarray:
         """(e, 2) angle of the edge in the tangent plane of its lower vertex, and of the reversed
         edge in that of its higher vertex; counterclockwise from each vertex's reference edge."""
         at_tail = self.half_edge_directions
-        halves = np.arange(len(at_tail))
-        following = halves - halves % 3 + (halves + 1) % 3
+        following = next_half_edges(np.arange(len(at_tail)))
         at_head = at_tail[following] + self.scaled_angles.ravel()[following]
         directions = np.zeros((len(self.edges), 2))
         edge, forward = self._half_edges.numbers, self._half_edges.forward
@@ -300,9 +300,11 @@ class TriangleMesh:
         return directions
 
     @cached_property
-    def tangent_frames(self):
-        """Two (n, 3) arrays: the direction of angle 0 at each vertex, the mean of its edges turned back by
-        their angles, so that it does not depend on the numbering; and a quarter turn counterclockwise."""
+    def tangent_frames(self) -> tuple[np.ndarray, np.ndarray]:
+        """(n, 3) directions of angle 0 at each vertex, and (n, 3) a quarter turn counterclockwise from them.
+
+        The former are the means of the edges turned back by their angles, so that they do not depend on the numbering.
+        """
         normals = self.vertex_normals
         references = np.zeros((self.vertex_count, 3))
         for end, sign in ((0, 1), (1, -1)):
@@ -316,8 +318,8 @@ class TriangleMesh:
         x = _normalized(references)
         return x, np.cross(normals, x)
 
-    def tangent_numbers(self, vectors):
-        """(n,) complex: the tangential parts of (n, 3) vectors in the frames of the vertices' tangent planes."""
+    def tangent_numbers(self, vectors: np.ndarray) -> np.ndarray:
+        """Compute (n,) complex tangential parts of (n, 3) vectors in :attr:`tangent_frames`."""
         x, y = self.tangent_frames
         return np.einsum("ij,ij->i", vectors, x) + 1j * np.einsum("ij,ij->i", vectors, y)
 
@@ -327,7 +329,7 @@ class TriangleMesh:
         on a closed mesh."""
         return self.scaled_angles.sum(axis=1) - np.pi
 
-    def _sum_at_vertices(self, corner_values):
+    def _sum_at_vertices(self, corner_values: np.ndarray) -> np.ndarray:
         """Sum (3 m,) or (3 m, k) corner values at their vertices."""
         corners = self.triangles.ravel()
         if corner_values.ndim == 1:
@@ -336,7 +338,18 @@ class TriangleMesh:
         return np.column_stack(columns)
 
 
-def _normalized(vectors):
-    """Unit vectors; zero stays zero. Sums over no triangles are whole numbers, and become real ones."""
+def intrinsic_delaunay(mesh: TriangleMesh) -> TriangleMesh | IntrinsicMesh:
+    """Triangulate the surface of a manifold mesh without edges whose opposite angles sum to more than pi.
+
+    Returns the mesh itself if it has none, nor flat triangles at its boundary.
+    """
+    sides, directions = mesh.edge_lengths[mesh.triangle_edges], mesh.half_edge_directions.reshape(-1, 3)
+    own = IntrinsicMesh(mesh.triangles, sides, directions, mesh.corner_angles, mesh.twins, mesh.angle_scales)
+    flipped = flip_edges(own)
+    return mesh if flipped is own else flipped
+
+
+def _normalized(vectors: np.ndarray) -> np.ndarray:
+    """Normalize (k, 3) real or integer vectors; zero stays zero."""
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
     return np.divide(vectors, lengths, out=np.zeros(vectors.shape), where=lengths > 0)

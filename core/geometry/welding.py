@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Boundary vertices at the same place, joined where that closes edges."""
+"""Welding of boundary vertices at the same place where this closes edges."""
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -7,20 +7,14 @@ from scipy.spatial import cKDTree
 from ..graphs import components
 from .triangle_mesh import TriangleMesh
 
-# Vertices nearer than this share of the surface's size are at the same place.
+# Vertices closer than this share of the surface's size are at the same place.
 SAME_PLACE = 1e-6
 
 
-def welded_vertices(places, triangles):
-    """(n,) the vertex that stands for each vertex: itself, or the first of those that it is joined with.
+def welded_vertices(places: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Find the (n,) vertex that represents each vertex at (n, 3) places: itself, or the first that it is joined with.
 
-    Two boundary edges whose ends are at the same places become one. What has no boundary stays as it is: bodies that
-    are closed are not joined where they touch.
-
-    Parameters
-    ----------
-    places : (n, 3)
-    triangles : (t, 3)
+    Two boundary edges whose ends are at the same places become one. Closed bodies are not joined where they touch.
     """
     own = np.arange(len(places))
     mesh = TriangleMesh(places, triangles)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A finer copy of a mesh, bound to it point by point, for meshes that are too coarse for what is asked of them."""
+"""A finer copy of a mesh, bound to it point by point, for meshes that are too coarse for a spacing."""
 
 from .bound_surface import BoundSurface, TooFineError, refine
 

@@ -1,20 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A finer copy of a mesh whose vertices, faces and corners know where they lie on the mesh that it was made of."""
+"""A finer copy of a mesh, with the places of its vertices, faces and corners on the original."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..errors import SettingError
 from ..geometry.polygons import Polygons
 from ..geometry.triangle_mesh import TriangleMesh
 from ..geometry.welding import welded_vertices
-from .division import divided, undivided
-from .mirroring import Reflection, cut_at_plane, on_planes, on_positive_side, with_reflection
+from ..graphs import ragged_arange
+from .division import Division, divide, whole_division
+from .mirroring import Reflection, add_reflection, cut_at_plane, find_positive_side, snap_to_planes
 
-# Triangles of a finer copy: more would take minutes and gigabytes to solve on.
+# Most triangles of a finer copy: solves on more would take minutes and gigabytes.
 MOST_TRIANGLES = 1_000_000
-# How much longer the edges are that are tried where those that were asked for make too many triangles.
+# Factor between the edge lengths that are tried if the given one makes too many triangles.
 _COARSER = 1.25
 
 
@@ -23,17 +26,18 @@ class TooFineError(SettingError):
 
     Attributes
     ----------
-    factor : how many times as long the edges of a copy are that was made instead
+    longest : the given edge length
+    factor : multiple of it that is long enough
     """
 
-    def __init__(self, longest, factor):
+    def __init__(self, longest: float, factor: float) -> None:
         super().__init__(
             f"edges of at most {longest:.3g} would make more than {MOST_TRIANGLES} triangles of this mesh: "
             f"ask for edges of {factor * longest:.3g}"
         )
         self.longest, self.factor = longest, factor
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[type["TooFineError"], tuple[float, float]]:
         return TooFineError, (self.longest, self.factor)
 
 
@@ -43,17 +47,14 @@ class BoundSurface:
 
     Attributes
     ----------
-    vertices : (v, 3) places, in the object's space
-    starts : (f,) first corner of each face; the corners of a face follow one another
+    vertices : (v, 3) in the object's space
+    starts : (f,) first corner of each face; the corners of a face are consecutive
     corner_vertices : (c,) vertex of each corner
-    parents : (v, 3) vertices of the object, with
-    weights : (v, 3) that add up to one
+    parents, weights : (v, 3) vertices of the object, and their weights, which sum to 1
     face_source : (f,) face of the object, ascending
-    corner_parents : (c, 3) corners of that face, with
-    corner_weights : (c, 3) that add up to one
-    edge_vertices : (e, 2) edges that lie on an edge of the object; where edges were joined, one row for each of them
-    edge_source : (e,) that edge of the object
-    welded : vertices of the object that were joined with others
+    corner_parents, corner_weights : (c, 3) corners of that face, and their weights, which sum to 1
+    edge_vertices, edge_source : (e, 2) edges on edges of the object, and (e,) these, one row for each that was joined
+    welded : number of vertices of the object that were joined with others
     """
 
     vertices: np.ndarray
@@ -70,29 +71,36 @@ class BoundSurface:
 
 
 def refine(
-    vertices, starts, corner_vertices, edges, longest, stretch=None, triangle_corners=None, axes=()
+    vertices: ArrayLike,
+    starts: ArrayLike,
+    corner_vertices: ArrayLike,
+    edges: ArrayLike,
+    longest: float,
+    stretch: ArrayLike | None = None,
+    triangle_corners: np.ndarray | None = None,
+    axes: Sequence[int] = (),
 ) -> BoundSurface:
-    """The surface of a mesh with boundary vertices joined and without edges longer than a limit.
+    """Refine a mesh until no edge is longer than a limit, after joining boundary vertices at the same place.
 
-    Faces stay as they are where none of their triangles has a longer edge. Faces without a finite place, and triangles
-    whose corners were joined, are left out, and so is what belongs to no face.
+    Faces without longer edges are kept. Faces without finite coordinates, triangles whose corners were joined, and
+    loose elements are left out.
 
     Parameters
     ----------
-    vertices : (n, 3) places, in the object's space
+    vertices : (n, 3) in the object's space
     starts : (p,) first corner of each face
     corner_vertices : (k,) vertex of each corner
     edges : (e, 2) vertices of the object's edges
-    longest : length of the longest edge, as measured
-    stretch : (3, 3) scale that lengths are measured with
-    triangle_corners : (t, 3) corners of the triangles that faces consist of, face by face; by default each face is
-        split from its first corner, which only suits convex ones
-    axes : 0, 1 or 2, in which the surface is to be its own mirror image, as the mesh is
+    longest : longest edge in the measured space
+    stretch : (3, 3) scale of the measured space
+    triangle_corners : (t, 3) corners of the faces' triangles, face by face; by default each face is split from its
+        first corner, which suits convex faces only
+    axes : 0, 1 or 2, in which the mesh is symmetric and the surface is to be
 
     Raises
     ------
     TooFineError
-        where there would be too many triangles
+        if there would be too many triangles
     AsymmetryError
         for a mesh that is not its own mirror image
     """
@@ -100,48 +108,50 @@ def refine(
     corner_vertices, edges = np.asarray(corner_vertices, int), np.asarray(edges, int).reshape(-1, 2)
     places = vertices if stretch is None else vertices @ np.asarray(stretch).T
     if triangle_corners is None:
-        triangle_corners = fan_triangles(starts, len(corner_vertices))
+        triangle_corners = split_fans(starts, len(corner_vertices))
     own = welded_vertices(places, corner_vertices[triangle_corners])
     joined = own[corner_vertices]
-    usable = _usable(places, joined[triangle_corners])
+    usable = _find_usable(places, joined[triangle_corners])
     corners = triangle_corners[usable]
-    sides = _labels(edges, corner_vertices[corners], len(vertices))
+    sides = _label_sides(edges, corner_vertices[corners], len(vertices))
     faces = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(corner_vertices)))
-    whole = undivided(places, joined[corners], sides)
+    whole = whole_division(places, joined[corners], sides)
     if not axes or len(corners) == 0:
-        division = _divided(whole, longest)
+        division = _divide(whole, longest)
         parents = corners[division.source]
     else:
         mesh = TriangleMesh(places, joined[corners])
-        polygons = _polygons(starts, joined, faces, corners)
+        polygons = _make_polygons(starts, joined, faces, corners)
         reflections = [Reflection.of(mesh, polygons, own[edges], axis) for axis in axes]
-        division, parents = _mirrored(whole, corners, reflections, longest)
-    kept = _kept(division, parents, faces, corners, triangle_corners, usable)
+        division, parents = _divide_symmetrically(whole, corners, reflections, longest)
+    kept = _find_kept(division, parents, faces, corners, triangle_corners, usable)
     joins = int((own != np.arange(len(own))).sum())
-    return _bound(vertices, starts, joined, faces, parents, division, kept, joins)
+    return _build_surface(vertices, starts, joined, faces, parents, division, kept, joins)
 
 
-def _polygons(starts, corner_vertices, faces, corners):
-    """The Polygons of faces, without what belongs to no usable triangle."""
+def _make_polygons(starts: np.ndarray, corner_vertices: np.ndarray, faces: np.ndarray, corners: np.ndarray) -> Polygons:
+    """Build the Polygons of faces from their usable triangles."""
     sizes = np.bincount(faces, minlength=len(starts))
     return Polygons(corner_vertices, starts, sizes, corners, faces[corners[:, 0]])
 
 
-def _mirrored(whole, corners, reflections, longest):
-    """The division of triangles that is its own mirror image, and (t, 3) the corners that its weights are for."""
-    cut = on_planes(whole, reflections)
+def _divide_symmetrically(
+    whole: Division, corners: np.ndarray, reflections: Sequence[Reflection], longest: float
+) -> tuple[Division, np.ndarray]:
+    """Divide triangles symmetrically; also returns the (t, 3) corners that the weights refer to."""
+    cut = snap_to_planes(whole, reflections)
     for reflection in reflections:
         cut = cut_at_plane(cut, reflection)
-        cut = cut[on_positive_side(cut, reflection)]
-    division = _divided(cut, longest, 2 ** len(reflections))
+        cut = cut[find_positive_side(cut, reflection)]
+    division = _divide(cut, longest, 2 ** len(reflections))
     parents = corners[division.source]
     for reflection in reflections:
-        division, parents = with_reflection(division, parents, reflection)
+        division, parents = add_reflection(division, parents, reflection)
     return division, parents
 
 
-def fan_triangles(starts, count):
-    """(t, 3) corners of the triangles from the first corner of each face, of ``count`` corners in all."""
+def split_fans(starts: np.ndarray, count: int) -> np.ndarray:
+    """Split each face from its first corner into triangles, (t, 3) corners, for ``count`` corners in all."""
     sizes = np.diff(starts, append=count)
     first = np.repeat(starts, np.maximum(sizes - 2, 0))
     corners = np.arange(count)
@@ -149,14 +159,14 @@ def fan_triangles(starts, count):
     return np.column_stack([first, second, second + 1])
 
 
-def _usable(places, triangles):
-    """(t,) bool: triangles with three vertices at finite places."""
+def _find_usable(places: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Find triangles with three distinct vertices at finite places, (t,) bool."""
     distinct = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
     return distinct & np.isfinite(places).all(axis=1)[triangles].all(axis=1)
 
 
-def _labels(edges, triangles, count):
-    """(t, 3) the edge from corner k to corner k + 1 of each triangle, -1 where it is a diagonal of a face."""
+def _label_sides(edges: np.ndarray, triangles: np.ndarray, count: int) -> np.ndarray:
+    """Find the (t, 3) edge from corner k to corner k + 1 of each triangle, -1 for diagonals of faces."""
     ends = np.sort(edges, axis=1)
     keys = ends[:, 0] * count + ends[:, 1]
     order = np.argsort(keys)
@@ -168,21 +178,28 @@ def _labels(edges, triangles, count):
     return np.where(keys[found] == asked, found, -1)
 
 
-def _divided(whole, longest, copies=1):
-    """The division, of which there will be so many copies."""
+def _divide(whole: Division, longest: float, copies: int = 1) -> Division:
+    """Divide triangles, of which there will be ``copies``, or raise a TooFineError."""
     most = MOST_TRIANGLES // copies
-    division = divided(whole, longest, most)
+    division = divide(whole, longest, most)
     if division is not None:
         return division
     factor = 1.0
     while division is None:
         factor *= _COARSER
-        division = divided(whole, factor * longest, most)
+        division = divide(whole, factor * longest, most)
     raise TooFineError(longest, factor)
 
 
-def _kept(division, parents, faces, corners, triangle_corners, usable):
-    """(p,) bool: faces that stay as they are: they have as many triangles as before, and all of them are whole."""
+def _find_kept(
+    division: Division,
+    parents: np.ndarray,
+    faces: np.ndarray,
+    corners: np.ndarray,
+    triangle_corners: np.ndarray,
+    usable: np.ndarray,
+) -> np.ndarray:
+    """Find the faces to keep, (p,) bool: those with as many triangles as before, all of them whole."""
     count = faces[-1] + 1 if len(faces) else 0
     before, now = (np.bincount(faces[of[:, 0]], minlength=count) for of in (triangle_corners, parents))
     kept = (before > 0) & (before == now)
@@ -192,8 +209,17 @@ def _kept(division, parents, faces, corners, triangle_corners, usable):
     return kept
 
 
-def _bound(vertices, starts, joined, faces, parents_of, division, kept, welded):
-    """The surface of the divided triangles of faces that are not kept, and of the others."""
+def _build_surface(
+    vertices: np.ndarray,
+    starts: np.ndarray,
+    joined: np.ndarray,
+    faces: np.ndarray,
+    parents_of: np.ndarray,
+    division: Division,
+    kept: np.ndarray,
+    welded: int,
+) -> BoundSurface:
+    """Build the surface from kept faces and from the divided triangles of the others."""
     rows = ~kept[faces[parents_of[:, 0]]]
     old = np.flatnonzero(kept[faces])
     sizes = np.concatenate([np.bincount(faces, minlength=len(starts))[kept], np.full(int(rows.sum()), 3)])
@@ -201,12 +227,12 @@ def _bound(vertices, starts, joined, faces, parents_of, division, kept, welded):
     names = np.concatenate([joined[old], division.triangles[rows].ravel()])
     parents = np.concatenate([np.repeat(old[:, None], 3, axis=1), np.repeat(parents_of[rows], 3, axis=0)])
     weights = np.concatenate([np.broadcast_to([1.0, 0.0, 0.0], (len(old), 3)), division.weights[rows].reshape(-1, 3)])
-    # Faces in the order of the object's, and vertices in that of the first that were there.
+    # Faces are in the order of the object's, vertices in the order of their first names.
     order = np.argsort(source, kind="stable")
     first = np.cumsum(sizes) - sizes
-    moved = np.repeat((first)[order], sizes[order]) + _within(sizes[order])
+    moved = np.repeat(first[order], sizes[order]) + ragged_arange(sizes[order])[1]
     names, parents, weights = names[moved], parents[moved], weights[moved]
-    # A parent without weight may be anywhere, even at no finite place.
+    # A parent without weight may be anywhere, even not finite.
     heaviest = np.take_along_axis(parents, weights.argmax(axis=1)[:, None], axis=1)
     parents = np.where(weights > 0, parents, heaviest)
     used, where, numbers = np.unique(names, return_index=True, return_inverse=True)
@@ -226,8 +252,3 @@ def _bound(vertices, starts, joined, faces, parents_of, division, kept, welded):
         edge_source=lines[:, 2],
         welded=welded,
     )
-
-
-def _within(sizes):
-    """(sum,) 0, 1 ... size - 1 for each size."""
-    return np.arange(sizes.sum()) - np.repeat(np.cumsum(sizes) - sizes, sizes)

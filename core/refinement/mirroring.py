@@ -1,26 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Divisions that are their own mirror image: triangles are cut at the mirror planes, and what is on one side is divided
-and reflected."""
+"""Symmetric divisions: triangles are cut at the mirror planes, divided on one side and reflected."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
 from ..geometry.mirror import mirrored_corners
-from .division import TRIANGLE_EDGES, joined_faces
+from ..geometry.polygons import Polygons
+from ..geometry.triangle_mesh import TriangleMesh
+from .division import TRIANGLE_EDGES, Division, Faces, join_faces
 
 
 @dataclass(frozen=True)
 class Reflection:
-    """What mirrors a mesh's elements in one of its axes.
-
-    Attributes
-    ----------
-    axis : 0, 1 or 2
-    vertices : (n,) the vertex that mirrors each one
-    corners : (c,) the corner that mirrors each one
-    edges : (e,) the edge that mirrors each one, -1 for none
-    """
+    """Mirror images of a mesh's (n,) vertices, (c,) corners and (e,) edges, -1 for none, in axis 0, 1 or 2."""
 
     axis: int
     vertices: np.ndarray
@@ -28,9 +23,8 @@ class Reflection:
     edges: np.ndarray
 
     @classmethod
-    def of(cls, mesh, polygons, edges, axis):
-        """The reflection of a TriangleMesh and its Polygons, with (e, 2) vertices of edges; errors as
-        :func:`mirrored_corners`."""
+    def of(cls, mesh: TriangleMesh, polygons: Polygons, edges: np.ndarray, axis: int) -> Self:
+        """Match a mesh, its polygons and (e, 2) edges with their mirror images; errors as :func:`mirrored_corners`."""
         vertices, corners = mirrored_corners(mesh, polygons, axis)
         keys = _keys(edges, len(vertices))
         order = np.argsort(keys)
@@ -39,14 +33,13 @@ class Reflection:
         return cls(axis, vertices, corners, np.where(keys[found] == asked, found, -1))
 
 
-def _keys(edges, count):
+def _keys(edges: np.ndarray, count: int) -> np.ndarray:
     low, high = np.sort(edges, axis=1).T
     return low * count + high
 
 
-def on_planes(division, reflections):
-    """The :class:`Division` with the given vertices that mirror themselves exactly on their planes: what lies between
-    them is then on the plane, too."""
+def snap_to_planes(division: Division, reflections: Sequence[Reflection]) -> Division:
+    """Move given vertices that mirror themselves exactly onto their planes, so that points between are on them too."""
     vertices = division.vertices.copy()
     for reflection in reflections:
         own = reflection.vertices == np.arange(len(reflection.vertices))
@@ -54,27 +47,26 @@ def on_planes(division, reflections):
     return replace(division, vertices=vertices)
 
 
-def cut_at_plane(division, reflection):
-    """The :class:`Division` whose triangles are each on one side of the plane of a :class:`Reflection`."""
+def cut_at_plane(division: Division, reflection: Reflection) -> Division:
+    """Cut the triangles at the plane of a reflection, so that each is on one side."""
     heights = division.vertices[:, reflection.axis]
     signs = np.sign(heights[division.triangles])
     across = (signs.min(axis=1) < 0) & (signs.max(axis=1) > 0)
     signs = signs[across]
-    # First the corner on the plane, or the one that is alone on its side.
+    # Begin with the corner on the plane, or with the single one on its side.
     begins = (signs == 0).any(axis=1)
     alone = signs == -np.sign(signs.sum(axis=1))[:, None]
     faces = division.faces[across].turned(np.where(begins[:, None], signs == 0, alone).argmax(axis=1))
-    vertices, faces = _with_cuts(division.vertices, heights, faces, reflection.axis)
+    vertices, faces = _add_cuts(division.vertices, heights, faces, reflection.axis)
     # Points 3 to 5 are the cuts of the edges from corners 0, 1 and 2.
     parts = [division.faces[~across]]
     for rows, split in ((begins, ((0, 1, 4), (0, 4, 2))), (~begins, ((0, 3, 5), (3, 1, 2), (3, 2, 5)))):
         parts += [faces.cut(rows, points, TRIANGLE_EDGES) for points in split]
-    return joined_faces(parts, 3).division(vertices)
+    return join_faces(parts, 3).division(vertices)
 
 
-def _with_cuts(vertices, heights, faces, axis):
-    """The vertices with those where edges of triangles cross the plane, and the triangles with these cuts as points 3
-    to 5, -1 where there is none."""
+def _add_cuts(vertices: np.ndarray, heights: np.ndarray, faces: Faces, axis: int) -> tuple[np.ndarray, Faces]:
+    """Add vertices where edges of triangles cross the plane; the triangles get these cuts as points 3 to 5, or -1."""
     corners, following = faces.corners, np.roll(faces.corners, -1, axis=1)
     begin, end = heights[corners], heights[following]
     crosses = begin * end < 0
@@ -92,20 +84,15 @@ def _with_cuts(vertices, heights, faces, axis):
     return np.concatenate([vertices, cuts]), faces.with_points(points, between)
 
 
-def on_positive_side(division, reflection):
-    """(t,) bool: triangles of a cut division on the plane's positive side, or in the plane."""
+def find_positive_side(division: Division, reflection: Reflection) -> np.ndarray:
+    """Find the triangles of a cut division on the plane's positive side or in the plane, (t,) bool."""
     return (division.vertices[division.triangles, reflection.axis] >= 0).all(axis=1)
 
 
-def with_reflection(division, parents, reflection):
-    """A division on the positive side together with its mirror image, and the corners that weights are for; triangles
-    in the plane are their own image.
+def add_reflection(division: Division, parents: np.ndarray, reflection: Reflection) -> tuple[Division, np.ndarray]:
+    """Join a division on the positive side with its mirror image; triangles in the plane are their own image.
 
-    Parameters
-    ----------
-    division : Division
-    parents : (t, 3) corners of the faces
-    reflection : Reflection
+    ``parents`` are the (t, 3) corners that weights refer to, which are also returned for the result.
     """
     heights = division.vertices[:, reflection.axis]
     count, given = len(division.vertices), len(reflection.vertices)

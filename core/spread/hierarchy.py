@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The hierarchy of :mod:`core.algebra.metric` on many processes.
+"""The hierarchy of :mod:`core.algebra.metric` distributed over processes.
 
-Aggregates stay within a process and carry phases along its transports; PETSc multiplies the coarser matrices. The
-smallest level is solved by every process.
+Aggregates stay within a process; PETSc multiplies the coarser matrices. Every process solves the smallest level.
 """
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
+from mpi4py import MPI
 from petsc4py import PETSc
+from scipy.sparse import csr_matrix
+from scipy.sparse.linalg import SuperLU
 
 from ..algebra.coarsening import aggregates
 from ..algebra.metric import (
@@ -21,14 +24,14 @@ from ..algebra.metric import (
     largest_eigenvalue,
     smoothing_weights,
 )
-from .rows import SpreadRows, local_block, petsc_matrix
+from .rows import SpreadReductions, SpreadRows, local_block, petsc_matrix
 
 
 @dataclass(frozen=True)
 class SpreadLevel:
     """As :class:`core.algebra.metric.Level`, without a ground.
 
-    ``whole`` and ``way`` are the matrix and the prolongation as PETSc has them, in double precision.
+    ``whole`` and ``way`` are the matrix and the prolongation in PETSc, in double precision.
     """
 
     matrix: SpreadRows
@@ -40,20 +43,14 @@ class SpreadLevel:
 
 
 class SpreadHierarchy:
-    """Covariant smoothed aggregation of a connection Laplacian with one complex row a node.
+    """Covariant smoothed aggregation of a connection Laplacian with one complex row per node."""
 
-    Parameters
-    ----------
-    levels : list of SpreadLevel
-    held : HeldByAll
-    """
-
-    def __init__(self, levels, held):
+    def __init__(self, levels: list[SpreadLevel], held: SpreadReductions) -> None:
         self.levels, self._held = levels, held
 
     @classmethod
-    def of(cls, whole, row_mass, held):
-        """That of a Hermitian PETSc matrix, and of the (N,) mass of its rows."""
+    def of(cls, whole: PETSc.Mat, row_mass: np.ndarray, held: SpreadReductions) -> Self:
+        """Build the hierarchy of a Hermitian PETSc matrix and the (N,) mass of its rows."""
         random, row_mass = np.random.default_rng(0), row_mass.astype(np.float32)
         levels: list[SpreadLevel] = []
         while True:
@@ -66,8 +63,8 @@ class SpreadHierarchy:
                 return cls(levels, held)
             whole, row_mass = _galerkin_product(whole, way), coarse_mass(tentative, row_mass)
 
-    def lowered(self, diagonal, depth=0):
-        """The hierarchy of a level's matrix less (N,) numbers on its diagonal; None where a level's is not positive."""
+    def lowered(self, diagonal: np.ndarray, depth: int = 0) -> "SpreadHierarchy | None":
+        """Subtract (N,) numbers from the diagonal of a level's matrix; None if a level's diagonal is not positive."""
         random, levels = np.random.default_rng(0), []
         change = _diagonal_matrix(self.levels[depth].whole, diagonal)
         for level in self.levels[depth:]:
@@ -81,53 +78,56 @@ class SpreadHierarchy:
                 change = _galerkin_product(change, level.way)
         return SpreadHierarchy(levels, self._held)
 
-    def rows(self, depth):
-        """The matrix of a level, for products."""
+    def rows(self, depth: int) -> SpreadRows:
+        """Take the matrix of a level, for products."""
         return self.levels[depth].matrix
 
-    def restricted(self, fields, depth):
-        """Fields of the level before a depth on that level: weighted sums."""
+    def restricted(self, fields: np.ndarray, depth: int) -> np.ndarray:
+        """Restrict fields of the next finer level to a depth, as weighted sums."""
         return _restriction(self.levels[depth - 1]) @ fields
 
     @staticmethod
-    def step(level, scale, coarse_scale):
-        """The :class:`core.algebra.metric.Step` on a level, from the (N,) scales of its rows and of the next one's."""
+    def step(level: SpreadLevel, scale: np.ndarray, coarse_scale: np.ndarray) -> Step:
+        """Build the step on a level from the (N,) scales of its rows and of the next level's."""
+        assert level.prolongation is not None  # only the smallest level has none
         return Step(
             level.matrix.unit_diagonal(scale),
-            damping(level),
+            damping(level.largest),
             level.prolongation.scaled(1 / scale, coarse_scale),
             _restriction(level).scaled(coarse_scale, 1 / scale),
         )
 
-    def factorized(self, level, scale):
-        """The smallest level with (N,) scales of its rows, to be solved; None where it is not positive definite."""
+    def factorized(self, level: SpreadLevel, scale: np.ndarray) -> "_Gathered | None":
+        """Factorize the smallest level with (N,) scales of its rows; None if it is not positive definite."""
         factors = definite_factors(level.matrix.unit_diagonal(scale).gathered(self._held.comm))
         return None if factors is None else _Gathered(factors, self._held.comm, len(scale))
 
 
 class _Gathered:
-    """A factorization that every process has, for columns of which each holds some rows."""
+    """A factorization in every process, for columns whose rows are distributed."""
 
-    def __init__(self, factors, comm, count):
+    def __init__(self, factors: SuperLU, comm: MPI.Comm, count: int) -> None:
         self._factors, self._comm = factors, comm
         counts = comm.allgather(count)
         first = sum(counts[: comm.rank])
         self._own = slice(first, first + count)
 
-    def solve(self, right):
-        """The rows held here of the solution."""
+    def solve(self, right: np.ndarray) -> np.ndarray:
+        """Solve for the rows held here."""
         whole = np.concatenate(self._comm.allgather(np.ascontiguousarray(right)))
         return self._factors.solve(np.asfortranarray(whole))[self._own]
 
 
-def _single_precision(whole, random, held):
-    """The rows of a PETSc matrix in single precision, and a bound of the spectrum over its diagonal."""
+def _single_precision(
+    whole: PETSc.Mat, random: np.random.Generator, held: SpreadReductions
+) -> tuple[SpreadRows, float]:
+    """Take the rows of a PETSc matrix in single precision, and bound the spectrum of D^-1 matrix."""
     matrix = SpreadRows.of(whole, np.complex64)
     return matrix, largest_eigenvalue(matrix, 1 / matrix.diagonal().real, random, held)
 
 
-def _tentative(whole, random, held):
-    """(N, coarse) CSR with aggregates of the rows held here; None where a matrix is small or hardly gets smaller."""
+def _tentative(whole: PETSc.Mat, random: np.random.Generator, held: SpreadReductions) -> csr_matrix | None:
+    """Aggregate the rows held here, (N, coarse); None for a matrix that is small or hardly gets smaller."""
     size = whole.getSize()[0]
     if size <= SMALLEST_LEVEL:
         return None
@@ -135,8 +135,8 @@ def _tentative(whole, random, held):
     return None if held.sum(tentative.shape[1]) > STAGNATION * size else tentative
 
 
-def _smooth_prolongation(tentative, whole, matrix, largest):
-    """The prolongation as a PETSc matrix: T - D^-1 A T with the weights of a Jacobi step."""
+def _smooth_prolongation(tentative: csr_matrix, whole: PETSc.Mat, matrix: SpreadRows, largest: float) -> PETSc.Mat:
+    """Compute the prolongation T - D^-1 A T, with the weights of a Jacobi step."""
     weights = smoothing_weights(matrix.matrix, 4 / 3 / largest / matrix.diagonal().real)
     plain = petsc_matrix(tentative.astype(complex), whole.comm.tompi4py())
     result = whole.matMult(plain)
@@ -147,21 +147,21 @@ def _smooth_prolongation(tentative, whole, matrix, largest):
     return result
 
 
-def _galerkin_product(whole, way):
-    """P^H A P."""
+def _galerkin_product(whole: PETSc.Mat, way: PETSc.Mat) -> PETSc.Mat:
+    """Compute P^H A P."""
     return _adjoint(way).matMult(whole.matMult(way))
 
 
-def _restriction(level):
+def _restriction(level: SpreadLevel) -> SpreadRows:
     return SpreadRows.of(_adjoint(level.way), np.complex64)
 
 
-def _adjoint(way):
+def _adjoint(way: PETSc.Mat) -> PETSc.Mat:
     return PETSc.Mat.hermitianTranspose(way, PETSc.Mat())
 
 
-def _diagonal_matrix(like, numbers):
-    """Numbers on the diagonal, spread as another matrix."""
+def _diagonal_matrix(like: PETSc.Mat, numbers: np.ndarray) -> PETSc.Mat:
+    """Build a diagonal matrix distributed as another matrix."""
     result = PETSc.Mat().createAIJ(like.getSizes(), nnz=(1, 0), comm=like.comm)
     vector = like.createVecLeft()
     vector.array[:] = numbers

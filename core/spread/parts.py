@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What each of many processes holds of a connection on the circle, and its matrices."""
+"""The parts of a connection on the circle that processes hold, and their matrices."""
 
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.sparse import coo_matrix
+from mpi4py import MPI
+from petsc4py import PETSc
+from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from ..connection import Connection
@@ -15,13 +17,12 @@ from .rows import SpreadReductions, SpreadRows, petsc_matrix
 
 @dataclass(frozen=True)
 class Part:
-    """What a process holds of a connected connection on the circle without flips: a range of its nodes.
+    """The part that a process holds of a connected connection on the circle without flips: a range of its nodes.
 
     Attributes
     ----------
-    first : number of the first node held here; the ranges follow one another in the order of the processes
-    connection : Connection of all nodes, with those edges alone that have an end held here: an edge between two
-        processes is given to both
+    first : number of the first node held here; ranges are in the order of the processes
+    connection : of all nodes, but only edges with an end held here, so that both processes have an edge between them
     mass : (n,) positive, of the nodes held here
     """
 
@@ -30,25 +31,19 @@ class Part:
     mass: np.ndarray
 
     @property
-    def count(self):
-        """Nodes held here."""
+    def count(self) -> int:
+        """Number of nodes held here."""
         return len(self.mass)
 
-    def holds(self, nodes):
-        """(k,) bool: whether nodes are held here."""
+    def holds(self, nodes: np.ndarray) -> np.ndarray:
+        """Tell which nodes are held here, (k,) bool."""
         return (nodes >= self.first) & (nodes < self.first + self.count)
 
 
-def parts_of(connection, mass, processes):
-    """The :class:`Part` of each of so many processes, and the nodes of the connection in the order of the parts.
+def parts_of(connection: Connection, mass: np.ndarray, processes: int) -> tuple[list[Part], np.ndarray]:
+    """Split a connection on the circle without flips, with (n,) masses, into a :class:`Part` for each process.
 
-    Neighbours are near in that order, so that few edges are between processes.
-
-    Parameters
-    ----------
-    connection : Connection on the circle without flips
-    mass : (n,) positive
-    processes : how many
+    Also returns the nodes in the order of the parts, which keeps neighbours close, so that few edges join processes.
     """
     count, (i, j) = connection.node_count, connection.edges.T
     graph = coo_matrix((np.ones(len(i), np.int8), (i, j)), shape=(count, count))
@@ -64,19 +59,14 @@ def parts_of(connection, mass, processes):
     return parts, order
 
 
-def piece_of(part, comm):
-    """The piece of all processes at a mean diagonal and a mean mass of 1.
-
-    Parameters
-    ----------
-    part : Part of this process
-    comm : MPI communicator
+def piece_of(part: Part, comm: MPI.Comm) -> tuple[Piece, PETSc.Mat, float]:
+    """Build the piece of all processes, scaled to a mean diagonal and a mean mass of 1, from this process's part.
 
     Returns
     -------
-    piece : Piece, of which this process holds its rows
-    whole : PETSc.Mat, its matrix
-    weight : what energies were divided by
+    piece : with the rows of this process
+    whole : the matrix of all processes
+    weight : divisor of the energies
     """
     held, count = SpreadReductions(comm), part.connection.node_count
     laplacian, factor = _laplacian(part), _factor(part)
@@ -95,8 +85,8 @@ def piece_of(part, comm):
     return piece, whole, weight
 
 
-def _laplacian(part):
-    """(n, nodes) CSR, the rows of L (Eq. 17) that are held here."""
+def _laplacian(part: Part) -> csr_matrix:
+    """Build the (n, nodes) rows of L (Eq. 17) that are held here."""
     connection, rows, columns, values = part.connection, [], [], []
     tails, heads = connection.edges.T
     for ends, others, links in ((heads, tails, connection.transports), (tails, heads, connection.transports.conj())):
@@ -109,8 +99,8 @@ def _laplacian(part):
     return coo_matrix((np.concatenate(values), places), shape=(part.count, connection.node_count)).tocsr()
 
 
-def _factor(part):
-    """(e, nodes) CSR B with energy = |B x|^2 (Eq. 2), of the edges whose tail is held here: each is counted once."""
+def _factor(part: Part) -> csr_matrix:
+    """Build the (e, nodes) rows of B, with energy = |B x|^2 (Eq. 2), for edges whose tail is held here."""
     connection = part.connection
     own = np.flatnonzero(part.holds(connection.edges[:, 0]))
     (tails, heads), scale = connection.edges[own].T, np.sqrt(connection.weights[own])

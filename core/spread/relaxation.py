@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Relax a connection of which every process holds a part, by the search of :mod:`core.solve.methods.staircase` itself.
+"""Relaxation of a connection that is distributed over processes, by the search of :mod:`core.solve.methods.staircase`.
 
-Only sums, products and the hierarchy are those of all processes, so that value and bound are what one process finds. No
-factorization proves a bound here: it is estimated.
+Only sums, products and the hierarchy are distributed, so that value and bound are as in one process. The bound is
+estimated, as no factorization proves it.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
+from mpi4py import MPI
+from petsc4py import PETSc
 
 from ..algebra.workers import solving
 from ..monitor import SILENT
+from ..piece import Piece
 from ..solution import Clock, Options
 from ..solve.methods.descent import descend
 from ..solve.methods.manifolds import CirclesByFields
@@ -18,18 +21,20 @@ from ..solve.methods.rounding import CANDIDATE_SHIFT, random_directions
 from ..solve.methods.stage import Stage
 from ..solve.methods.staircase import Relaxation, relax
 from .hierarchy import SpreadHierarchy
-from .parts import piece_of
+from .parts import Part, piece_of
+from .rows import SpreadReductions
 
-# Projections of the lifted field, those that descend, and where that ends: predicted relative decrease, steps at most.
+# Projections of the lifted field, those that descend, and the end of descent: predicted relative decrease, most steps.
 PROJECTIONS, KEPT = 32, 4
 TOLERANCE, STEPS = 1e-5, 100
 
 
 class _Workspace:
-    """As :class:`core.solve.methods.stage.Workspace`."""
+    """The part of :class:`core.solve.methods.stage.Workspace` that the relaxation uses."""
 
-    def __init__(self, piece, whole):
+    def __init__(self, piece: Piece, whole: PETSc.Mat) -> None:
         self.piece, self.matrix = piece, piece.matrix
+        assert isinstance(piece.held, SpreadReductions)
         hierarchy = SpreadHierarchy.of(whole, piece.row_mass, piece.held)
         self.stages = [Stage(piece, hierarchy, depth) for depth in range(len(hierarchy.levels))]
 
@@ -41,33 +46,21 @@ class SpreadSolution:
     Attributes
     ----------
     phases : (n,) complex, of the nodes held here
-    energy : of the phases of all nodes (Eq. 17)
-    relaxation : Relaxation, its lifted field that of the nodes held here; ``lower_bound`` and ``value`` are of all
+    energy : of all nodes (Eq. 17)
+    relaxation : value and bound of all nodes, and the lifted field of the nodes held here
     seconds : by phase of the work
     """
 
     phases: np.ndarray
     energy: float
     relaxation: Relaxation
-    seconds: dict
+    seconds: dict[str, float]
 
 
-def solve_parts(part, comm, target_gap=1e-2, seed=0):
-    """Relax to a relative gap, and round by random projections and descent; all processes call it together.
-
-    Parameters
-    ----------
-    part : Part of this process
-    comm : MPI communicator
-    target_gap : (value - bound) / value to reach
-    seed : int
-
-    Returns
-    -------
-    SpreadSolution
-    """
+def solve_parts(part: Part, comm: MPI.Comm, target_gap: float = 1e-2, seed: int = 0) -> SpreadSolution:
+    """Relax to a gap (value - bound) / value, and round by random projections and descent; called by all processes."""
     clock = Clock()
-    own = Options(target_gap=target_gap, seed=seed * comm.size + comm.rank)  # other numbers in each process
+    own = Options(target_gap=target_gap, seed=seed * comm.size + comm.rank)  # different random numbers in each process
     with solving():
         with clock("build"):
             piece, whole, weight = piece_of(part, comm)
@@ -80,18 +73,18 @@ def solve_parts(part, comm, target_gap=1e-2, seed=0):
     return SpreadSolution(column[:, 0], energy, found, clock.seconds)
 
 
-def _round_columns(workspace, found, seed):
-    """(N, 1) phases: the best of some projections (Eq. 29), after descent in the metric of fields."""
+def _round_columns(workspace: _Workspace, found: Relaxation, seed: int) -> np.ndarray:
+    """Compute (N, 1) phases as the best of random projections (Eq. 29) after descent in the metric of fields."""
     piece, stage = workspace.piece, workspace.stages[0]
     spheres = CirclesByFields(1, held=piece.held)
     lifted = found.lifted.astype(stage.matrix.dtype)
     directions = random_directions(True, lifted.shape[1], PROJECTIONS - 1, np.random.default_rng(seed))
 
-    def seen(numbers):
+    def seen(numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         columns = spheres.normalize(lifted @ directions[:, numbers].astype(lifted.dtype))
         return columns, spheres.energies(columns, stage.matrix @ columns)
 
-    values = np.concatenate([seen([number])[1] for number in range(PROJECTIONS)])
+    values = np.concatenate([seen(np.array([number]))[1] for number in range(PROJECTIONS)])
     columns, _ = seen(np.argsort(values)[:KEPT])
     metric = stage.metric(CANDIDATE_SHIFT * found.value / piece.total_mass)
     descent = descend(stage.matrix, spheres, columns, metric, TOLERANCE, STEPS, SILENT)

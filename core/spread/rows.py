@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sparse matrices whose rows many processes hold, and sums over all of them.
+"""Sparse matrices whose rows are distributed over processes, and sums over all of them.
 
-PETSc assembles and multiplies the matrices, and knows who holds what. Products with many columns at once are SciPy's,
-after PETSc has fetched the rows of the columns that others hold.
+PETSc assembles, distributes and multiplies the matrices. SciPy multiplies them by many columns at once, after PETSc has
+fetched the rows of the columns that other processes hold.
 """
 
 import math
 from copy import copy
 from functools import cache
+from typing import Any, Self
 
 import numpy as np
 from mpi4py import MPI
@@ -15,33 +16,30 @@ from petsc4py import PETSc
 from scipy.sparse import csr_matrix
 
 from ..algebra.metric import scale_matrix
-from ..algebra.reductions import Reductions
+from ..algebra.reductions import Numbers, Reductions
 
 
 class SpreadReductions(Reductions):
-    """Rows are held by all processes of a communicator.
-
-    MPI gives all of them the same sums to the last bit, so that all decide alike.
-    """
+    """Sums over all processes of a communicator, which MPI gives to all of them alike to the last bit."""
 
     is_whole = False
 
-    def __init__(self, comm):
+    def __init__(self, comm: MPI.Comm) -> None:
         self.comm = comm
 
-    def sum(self, numbers):
+    def sum(self, numbers: Numbers) -> Numbers:
         return self._reduced(numbers, MPI.SUM)
 
-    def max(self, numbers):
+    def max(self, numbers: Numbers) -> Numbers:
         return self._reduced(numbers, MPI.MAX)
 
-    def norm(self, vector):
+    def norm(self, vector: np.ndarray) -> float:
         return np.sqrt(self.sum(float(np.linalg.norm(vector)) ** 2))
 
-    def _reduced(self, numbers, operation):
-        numbers = np.asarray(numbers, order="C")
-        result = np.empty_like(numbers)
-        self.comm.Allreduce(numbers, result, operation)
+    def _reduced(self, numbers: Any, operation: MPI.Op) -> Any:
+        own = np.asarray(numbers, order="C")
+        result = np.empty_like(own)
+        self.comm.Allreduce(own, result, operation)
         return result[()]
 
 
@@ -50,20 +48,19 @@ class Fetching:
 
     Parameters
     ----------
-    ranges : (processes + 1,) first rows that each process holds, and their number
-    wanted : (k,) rows of others, ascending
-    comm : MPI communicator
+    ranges : (processes + 1,) first row of each process, and the number of rows
+    wanted : (k,) rows of other processes, ascending
     """
 
-    def __init__(self, ranges, wanted, comm):
+    def __init__(self, ranges: np.ndarray, wanted: np.ndarray, comm: MPI.Comm) -> None:
         self.count = int(ranges[comm.rank + 1] - ranges[comm.rank])
         self._wanted_count = len(wanted)
         owners = np.searchsorted(ranges, wanted, side="right") - 1
         self._forest = PETSc.SF().create(comm)
         self._forest.setGraph(self.count, None, np.column_stack([owners, wanted - ranges[owners]]).astype(np.int32))
 
-    def extended(self, columns):
-        """(N, k) or (N,) columns that are held here, and below them the rows of others."""
+    def extended(self, columns: np.ndarray) -> np.ndarray:
+        """Append the rows of other processes to (N, k) or (N,) columns held here."""
         columns = np.ascontiguousarray(columns)
         result = np.empty((self.count + self._wanted_count, *columns.shape[1:]), columns.dtype)
         result[: self.count] = columns
@@ -74,28 +71,27 @@ class Fetching:
 
 
 @cache
-def _bytes(count):
-    """MPI's type of so many bytes."""
+def _bytes(count: int) -> MPI.Datatype:
+    """Create MPI's type for a block of bytes."""
     return MPI.BYTE.Create_contiguous(count).Commit()
 
 
 class SpreadRows:
-    """The rows of a sparse matrix that this process holds, for products with columns that are held in the same way.
+    """The rows of a sparse matrix that this process holds, for products with columns distributed in the same way.
 
     Parameters
     ----------
-    matrix : CSR (rows held here, columns held here and fetched)
-    fetching : Fetching
+    matrix : (rows held here, columns held here and fetched)
     shape : of the whole matrix
     """
 
-    def __init__(self, matrix, fetching, shape):
+    def __init__(self, matrix: csr_matrix, fetching: Fetching, shape: tuple[int, int]) -> None:
         self.matrix, self.fetching, self.shape = matrix, fetching, shape
         self.dtype = matrix.dtype
 
     @classmethod
-    def of(cls, matrix, dtype):
-        """Those of a PETSc matrix, in a precision."""
+    def of(cls, matrix: PETSc.Mat, dtype: type) -> Self:
+        """Take the rows of a PETSc matrix in a precision."""
         starts, columns, values = matrix.getValuesCSR()
         first, last = matrix.getOwnershipRangeColumn()
         is_here = (columns >= first) & (columns < last)
@@ -106,27 +102,27 @@ class SpreadRows:
         fetching = Fetching(matrix.getOwnershipRangesColumn(), wanted, matrix.comm.tompi4py())
         return cls(own, fetching, matrix.getSize())
 
-    def __matmul__(self, columns):
+    def __matmul__(self, columns: np.ndarray) -> np.ndarray:
         return self.matrix @ self.fetching.extended(columns)
 
-    def diagonal(self):
-        """(N,) of the rows held here."""
+    def diagonal(self) -> np.ndarray:
+        """Take the diagonal of the rows held here, (N,)."""
         return self.matrix.diagonal()
 
-    def scaled(self, row_scale, column_scale):
-        """diag(row_scale) matrix diag(column_scale)."""
+    def scaled(self, row_scale: np.ndarray, column_scale: np.ndarray) -> Self:
+        """Compute diag(row_scale) matrix diag(column_scale)."""
         result = copy(self)
         result.matrix = scale_matrix(self.matrix, row_scale, self.fetching.extended(column_scale))
         return result
 
-    def unit_diagonal(self, scale):
-        """diag(scale) matrix diag(scale) with ones on the diagonal."""
+    def unit_diagonal(self, scale: np.ndarray) -> Self:
+        """Compute diag(scale) matrix diag(scale) with ones on the diagonal."""
         result = self.scaled(scale, scale)
         result.matrix.setdiag(1)
         return result
 
-    def gathered(self, comm):
-        """All rows as one CSR matrix, for every process; for small matrices, with as many columns held as rows."""
+    def gathered(self, comm: MPI.Comm) -> csr_matrix:
+        """Gather all rows in every process; for small matrices with as many columns as rows in each process."""
         ranges = np.concatenate([[0], np.cumsum(comm.allgather(self.fetching.count))])
         names = self.fetching.extended(np.arange(ranges[comm.rank], ranges[comm.rank + 1]))
         own = self.matrix.tocoo()
@@ -135,14 +131,10 @@ class SpreadRows:
         return csr_matrix((values, (rows, columns)), shape=self.shape)
 
 
-def petsc_matrix(own, comm, column_count=None):
-    """A PETSc matrix from the rows of each process.
+def petsc_matrix(own: csr_matrix, comm: MPI.Comm, column_count: int | None = None) -> PETSc.Mat:
+    """Build a PETSc matrix from the rows of each process.
 
-    Parameters
-    ----------
-    own : CSR (rows held here, columns held here), or (rows held here, all columns)
-    comm : MPI communicator
-    column_count : of columns that are held here, where all are given
+    ``own`` has the rows held here and the columns held here, or all columns if ``column_count`` says how many are.
     """
     held = own.shape[1] if column_count is None else column_count
     before = comm.scan(held) - held if column_count is None else 0
@@ -151,7 +143,7 @@ def petsc_matrix(own, comm, column_count=None):
     return PETSc.Mat().createAIJ(sizes, csr=csr, comm=comm)
 
 
-def local_block(matrix, dtype):
-    """CSR of the rows and columns of a square PETSc matrix that are both held here."""
+def local_block(matrix: PETSc.Mat, dtype: type) -> csr_matrix:
+    """Take the rows and columns of a square PETSc matrix that are both held here."""
     starts, columns, values = matrix.getDiagonalBlock().getValuesCSR()
     return csr_matrix((values.astype(dtype), columns, starts), shape=(len(starts) - 1,) * 2)

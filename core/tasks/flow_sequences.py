@@ -3,6 +3,7 @@
 
 import dataclasses
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -131,7 +132,7 @@ class SequenceRequest:
             found, sphere, warnings = self._solved(file, grid, quantum, found, sphere, _name_frames(part, file.frame))
             result = FlowResult(found, sphere, found, None).seeing(self.settings)
             monitor.at(f"frame {file.frame}, vortices", begin + (1 - begin) * (number + 0.95) / count)
-            shown = monitor.during(lambda seen=result.seen, sphere=sphere: showing(seen, sphere, self.settings))
+            shown = monitor.during(partial(showing, result.seen, sphere, self.settings))
             is_kept = (number + 1) * grid.node_count * _KEPT <= _MOST_KEPT
             kept = replace(result.lean, shown=shown) if is_kept else None
             frames.append(FlowFrame(file.frame, shown, _facts(file, result.seen, shown), kept))

@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A closed surface that a solid fills, and parts of it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from ...errors import SettingError
 from ..mesh_input import MeshInput
+from ..tet_mesh import TetMesh
+from ..triangle_mesh import TriangleMesh
 from .features import sharpen_edges
 from .surface_distance import SurfaceDistance
 from .topology_check import fill_with_same_topology, more_holes
@@ -14,26 +18,14 @@ from .topology_check import fill_with_same_topology, more_holes
 
 @dataclass(frozen=True)
 class Area:
-    """Faces of a surface that all their vertices' membership in a group marks.
-
-    Attributes
-    ----------
-    name : of the group
-    triangles : (k,) of the surface
-    """
+    """The (k,) triangles of faces whose vertices are all in a group of that name."""
 
     name: str
     triangles: np.ndarray
 
     @classmethod
-    def of_members(cls, given, members, name):
-        """From a :class:`MeshInput` and (n,) bool of its vertices.
-
-        Raises
-        ------
-        SettingError
-            where they mark no face
-        """
+    def of_members(cls, given: MeshInput, members: np.ndarray, name: str) -> Self:
+        """Build from (n,) bool members among a mesh's vertices; a group without a face raises a SettingError."""
         polygons = given.polygons
         whole = np.logical_and.reduceat(members[polygons.corner_vertices], polygons.starts)
         triangles = np.flatnonzero(whole[polygons.triangle_faces])
@@ -44,28 +36,22 @@ class Area:
 
 @dataclass(frozen=True)
 class ClosedSurface:
-    """A closed mesh that a solid fills.
-
-    Attributes
-    ----------
-    given : MeshInput
-    distance : SurfaceDistance to it, in scene units along the object's axes
-    """
+    """A closed mesh that a solid fills, and the distance to it in scene units along the object's axes."""
 
     given: MeshInput
     distance: SurfaceDistance
 
     @property
-    def mesh(self):
+    def mesh(self) -> TriangleMesh:
         return self.given.mesh
 
     @property
-    def reach(self):
+    def reach(self) -> float:
         """Diagonal of the surface's box."""
         return float(np.linalg.norm(np.ptp(self.distance.bounds, axis=0)))
 
-    def filled(self, size, areas=()):
-        """The TetMesh inside, its edges as long as a size, with the surface's sharp edges and outlines of areas.
+    def filled(self, size: float, areas: Sequence[Area] = ()) -> TetMesh:
+        """Fill the surface with tetrahedra of a size, with its sharp edges and the outlines of areas.
 
         Errors as :func:`fill_with_same_topology`.
         """
@@ -74,10 +60,10 @@ class ClosedSurface:
             labels[area.triangles] += 1 << number
         return sharpen_edges(fill_with_same_topology(self.distance, size), self.mesh, self.distance.nearest, labels)
 
-    def more_holes(self, solid):
-        """Holes of a solid that the surface has not; negative where it lacks some."""
+    def more_holes(self, solid: TetMesh) -> int:
+        """Count the holes that a solid has more than the surface; negative if it has fewer."""
         return more_holes(solid, self.distance)
 
-    def lost_share(self, solid):
-        """Share of the volume that a solid does not have."""
+    def lost_share(self, solid: TetMesh) -> float:
+        """Compute the share of the volume that a solid leaves out."""
         return 1 - float(solid.volumes.sum()) / self.distance.volume

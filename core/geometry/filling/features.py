@@ -1,39 +1,40 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sharp edges and corners of a surface, and outlines of parts of it, given back to the solid that fills it.
+"""Sharp edges and corners of a surface, and outlines of parts of it, restored in the solid that fills it.
 
-Stuffing (:mod:`.stuffing`) cuts them off: an edge of its boundary runs from one smooth region of the
-surface to another. One of its ends moves onto the sharp edge where the tetrahedra around it keep within the bounds of
-stuffing: nearest ones first, and before them one to each corner, where sharp edges end, branch or bend.
+Stuffing (:mod:`.stuffing`) cuts them off: an edge of its boundary runs from one smooth region of the surface to
+another. One of its ends moves onto the sharp edge if the tetrahedra around it stay within the bounds of stuffing. First
+one vertex moves to each corner, where sharp edges end, branch or bend, then the nearest ones to edges.
 """
+
+from collections.abc import Callable
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from ...graphs import components, ragged_arange
 from ..tet_mesh import TET_EDGES, TET_FACES, TetMesh, signed_volumes
+from ..triangle_mesh import TriangleMesh
 from .stuffing import DIHEDRAL_BOUNDS
 
-# Cosine of the angle between the normals of two faces, or between two sharp edges, beyond which they are sharp.
+# Cosine of the angle between the normals of two faces, or between two sharp edges, beyond which they count as sharp.
 SHARP = np.cos(np.radians(35))
-# Farthest that a vertex moves, in mean edge lengths of the solid.
+# Longest move of a vertex, in mean edge lengths of the solid.
 FARTHEST = 0.8
-# How often all are tried, and how many vertices for each corner.
+# Rounds of moves, and number of vertices that are tried for each corner.
 ROUNDS, CANDIDATES = 3, 8
 
 
-def sharpen_edges(solid, mesh, nearest, labels=None):
-    """The solid with vertices of its boundary moved onto sharp edges and corners of the surface that it fills.
+def sharpen_edges(
+    solid: TetMesh, mesh: TriangleMesh, nearest: Callable[[np.ndarray], np.ndarray], labels: np.ndarray | None = None
+) -> TetMesh:
+    """Move boundary vertices of a solid onto sharp edges and corners of the surface that it fills.
 
     Parameters
     ----------
-    solid : TetMesh whose boundary vertices lie on the surface
-    mesh : TriangleMesh, closed
-    nearest : callable, (k, 3) points -> (k,) the triangle nearest to each
-    labels : (m,) int of the surface's triangles, between which edges count as sharp, too; optional
-
-    Returns
-    -------
-    TetMesh of the same tetrahedra
+    solid : its boundary vertices lie on the surface
+    mesh : the closed surface
+    nearest : (k, 3) points -> (k,) nearest triangles
+    labels : (m,) int of the surface's triangles; edges between labels also count as sharp
     """
     sharp = sharp_edges(mesh, labels)
     if len(sharp) == 0:
@@ -45,29 +46,29 @@ def sharpen_edges(solid, mesh, nearest, labels=None):
     sides = np.unique(np.sort(solid.boundary_triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0)
     crossing = sides[regions[sides[:, 0]] != regions[sides[:, 1]]]
     corners, segments = mesh.vertices[corners_of(mesh, sharp)], mesh.vertices[mesh.edges[sharp]]
-    # What has moved makes room for others.
+    # A vertex that has moved makes room for others.
     for _ in range(ROUNDS):
-        corners = _to_corners(moves, boundary, corners, reach)
-        _to_edges(moves, crossing, segments, reach)
+        corners = _move_to_corners(moves, boundary, corners, reach)
+        _move_to_edges(moves, crossing, segments, reach)
     return TetMesh(moves.vertices, solid.tets)
 
 
-def sharp_edges(mesh, labels=None):
-    """Indices of the edges of a closed TriangleMesh whose faces bend by more than ``SHARP`` or have other labels."""
-    first, second = _sides(mesh).T
+def sharp_edges(mesh: TriangleMesh, labels: np.ndarray | None = None) -> np.ndarray:
+    """Find the edges of a closed mesh that are bent by more than ``SHARP``, or between faces of different labels."""
+    first, second = _edge_triangles(mesh).T
     bent = np.einsum("ex,ex->e", mesh.face_normals[first], mesh.face_normals[second]) < SHARP
     return np.flatnonzero(bent if labels is None else bent | (labels[first] != labels[second]))
 
 
-def smooth_regions(mesh, sharp):
-    """(m,) label of the part of the surface, between sharp edges, that each triangle belongs to."""
+def smooth_regions(mesh: TriangleMesh, sharp: np.ndarray) -> np.ndarray:
+    """Label the (m,) triangles by the parts of the surface between sharp edges."""
     smooth = np.ones(len(mesh.edges), bool)
     smooth[sharp] = False
-    return components(mesh.triangle_count, _sides(mesh)[smooth])
+    return components(mesh.triangle_count, _edge_triangles(mesh)[smooth])
 
 
-def corners_of(mesh, sharp):
-    """Vertices where sharp edges end, branch or bend by more than ``SHARP``."""
+def corners_of(mesh: TriangleMesh, sharp: np.ndarray) -> np.ndarray:
+    """Find the vertices where sharp edges end, branch or bend by more than ``SHARP``."""
     ends = mesh.edges[sharp]
     degree = np.bincount(ends.ravel(), minlength=mesh.vertex_count)
     along = mesh.edge_vectors[sharp] / mesh.edge_lengths[sharp, None]
@@ -79,14 +80,14 @@ def corners_of(mesh, sharp):
     return np.flatnonzero((degree > 0) & ((degree != 2) | bends))
 
 
-def _sides(mesh):
-    """(e, 2) triangles at the edges of a closed mesh."""
+def _edge_triangles(mesh: TriangleMesh) -> np.ndarray:
+    """Find the (e, 2) triangles at the edges of a closed mesh."""
     order = np.argsort(mesh.triangle_edges.ravel(), kind="stable")
     return order.reshape(-1, 2) // 3
 
 
-def _to_corners(moves, boundary, corners, reach):
-    """Move to each corner the nearest vertex that can; returns the corners that are left."""
+def _move_to_corners(moves: "_Moves", boundary: np.ndarray, corners: np.ndarray, reach: float) -> np.ndarray:
+    """Move to each corner the nearest vertex that can move there; returns the other corners."""
     tree, left = cKDTree(moves.vertices[boundary]), []
     for place in corners:
         ways, rows = tree.query(place, k=min(CANDIDATES, len(boundary)), distance_upper_bound=reach)
@@ -95,11 +96,11 @@ def _to_corners(moves, boundary, corners, reach):
     return np.array(left).reshape(-1, 3)
 
 
-def _to_edges(moves, crossing, segments, reach):
-    """Move to the nearest places of sharp edges one end of each edge that crosses them, nearest ones first."""
+def _move_to_edges(moves: "_Moves", crossing: np.ndarray, segments: np.ndarray, reach: float) -> None:
+    """Move one end of each edge that crosses sharp edges to the nearest place on these, nearest ones first."""
     crossing = crossing[~moves.done[crossing].any(axis=1)]
     ends = np.unique(crossing)
-    places = _on_segments(segments, moves.vertices[ends], reach)
+    places = _nearest_on_segments(segments, moves.vertices[ends], reach)
     ways = np.linalg.norm(places - moves.vertices[ends], axis=1)
     others: dict[int, list[int]] = {end: [] for end in ends.tolist()}
     for i, j in crossing.tolist():
@@ -110,8 +111,8 @@ def _to_edges(moves, crossing, segments, reach):
             moves.attempt(ends[row], places[row])
 
 
-def _on_segments(segments, points, reach):
-    """(k, 3) points of (s, 2, 3) segments nearest to points, where they are within reach; far away otherwise."""
+def _nearest_on_segments(segments: np.ndarray, points: np.ndarray, reach: float) -> np.ndarray:
+    """Find the (k, 3) points of (s, 2, 3) segments nearest to points within reach; for others farther ones."""
     begin, along = segments[:, 0], segments[:, 1] - segments[:, 0]
     counts = np.ceil(np.linalg.norm(along, axis=1) / (reach / 4)).astype(int)
     owner, place = ragged_arange(counts)
@@ -129,23 +130,23 @@ def _on_segments(segments, points, reach):
 
 
 class _Moves:
-    """Vertices of a solid that move one after the other, each only if the tetrahedra around it stay within the bounds.
+    """Moves of single vertices of a solid that keep the tetrahedra around within the bounds.
 
     Attributes
     ----------
-    vertices : (n, 3) places now
-    done : (n,) bool, those that have moved
+    vertices : (n, 3) present places
+    done : (n,) bool, whether each has moved
     """
 
-    def __init__(self, solid):
+    def __init__(self, solid: TetMesh) -> None:
         self._tets = solid.tets
         self.vertices = solid.vertices.copy()
         self.done, self._stays = np.zeros((2, solid.vertex_count), bool)
         self._order = np.argsort(solid.tets.ravel(), kind="stable") // 4
         self._ends = np.cumsum(np.bincount(solid.tets.ravel(), minlength=solid.vertex_count))
 
-    def attempt(self, vertex, place, for_good=False):
-        """Move a vertex, unless it has been moved for good; whether it has moved."""
+    def attempt(self, vertex: int, place: np.ndarray, for_good: bool = False) -> bool:
+        """Move a vertex unless it was moved ``for_good``; returns whether it has moved."""
         if self._stays[vertex]:
             return False
         start = self._ends[vertex - 1] if vertex else 0
@@ -158,14 +159,14 @@ class _Moves:
         return True
 
 
-def within_bounds(vertices, tets):
-    """Whether tetrahedra are positive, and their dihedral angles within ``DIHEDRAL_BOUNDS``."""
+def within_bounds(vertices: np.ndarray, tets: np.ndarray) -> bool:
+    """Check that tetrahedra are positive, and their dihedral angles within ``DIHEDRAL_BOUNDS``."""
     if (signed_volumes(vertices, tets) <= 0).any():
         return False
     a, b, c = np.moveaxis(vertices[tets[:, TET_FACES]], 2, 0)
     normals = np.cross(b - a, c - a)
     lengths = np.linalg.norm(normals, axis=2, keepdims=True)
-    if (lengths == 0).any():  # a face without area: the volume is one of rounding
+    if (lengths == 0).any():  # a face without area: the volume is a rounding error
         return False
     normals /= lengths
     i, j = np.array(TET_EDGES).T

@@ -1,51 +1,47 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The body-centred cubic lattice: the corners and the centres of a block of cubes, and the tetrahedra between them.
 
-A vertex is a corner or a centre of a cube; corners come first in the numbering. A long edge runs along an axis between
-two corners or two centres, a short one from a centre to a corner of its cube. A tetrahedron has two long edges, one
-between the centres of two cubes that share a square and one of that square's sides, and four short ones.
+Vertices are the corners, numbered first, and the centres of the cubes. A long edge joins two corners or two centres
+along an axis, a short one a centre to a corner of its cube. A tetrahedron has two long edges, one between the centres
+of two cubes that share a square and one of the sides of this square, and four short ones.
 """
 
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 UNIT = np.eye(3, dtype=int)
 
 
 @dataclass(frozen=True)
 class Lattice:
-    """
-    Attributes
-    ----------
-    origin : (3,) the first corner
-    size : float, edge of a cube
-    cells : (3,) int, cubes along each axis
-    """
+    """The lattice's first corner, (3,), the edge of a cube, and the number of cubes along each axis, (3,) int."""
 
     origin: np.ndarray
     size: float
     cells: np.ndarray
 
     @property
-    def corner_count(self):
+    def corner_count(self) -> int:
         return int(np.prod(self.cells + 1))
 
     @property
-    def vertex_count(self):
+    def vertex_count(self) -> int:
         return self.corner_count + int(np.prod(self.cells))
 
-    def corner_points(self, indices):
-        """(k, 3) positions of corners from (k, 3) indices."""
+    def corner_points(self, indices: np.ndarray) -> np.ndarray:
+        """Compute (k, 3) positions of corners from (k, 3) indices."""
         return self.origin + self.size * indices
 
-    def centre_points(self, indices):
-        """(k, 3) positions of centres from the (k, 3) indices of their cubes."""
+    def centre_points(self, indices: np.ndarray) -> np.ndarray:
+        """Compute (k, 3) positions of centres from the (k, 3) indices of their cubes."""
         return self.origin + self.size * (indices + 0.5)
 
-    def points(self, vertices):
-        """(k, 3) positions of vertices by their numbers."""
+    def points(self, vertices: np.ndarray) -> np.ndarray:
+        """Compute (k, 3) positions of vertices from their numbers."""
         are_corners = vertices < self.corner_count
         points = np.empty((len(vertices), 3))
         corners = np.unravel_index(vertices[are_corners], self.cells + 1)
@@ -54,8 +50,8 @@ class Lattice:
         points[~are_corners] = self.centre_points(np.column_stack(centres))
         return points
 
-    def edges_across(self, sides):
-        """Edges whose ends lie on different sides.
+    def edges_across(self, sides: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Find the edges whose ends lie on different sides.
 
         Parameters
         ----------
@@ -74,12 +70,8 @@ class Lattice:
             lengths.append(np.full(len(tails), kinds[0] == kinds[1]))
         return np.concatenate(edges), np.concatenate(lengths)
 
-    def tets_inside(self, sides):
-        """Tetrahedra with at least one vertex inside.
-
-        Parameters
-        ----------
-        sides : (v,) int8
+    def tets_inside(self, sides: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Find the tetrahedra with at least one vertex inside, from (v,) int8 sides.
 
         Returns
         -------
@@ -99,8 +91,8 @@ class Lattice:
         return tuple(np.concatenate(parts) for parts in (tets, orientations, at_2, at_0))
 
     @staticmethod
-    def _edge_classes():
-        """Offsets of both ends from a cube, and whether each is its first corner (0) or its centre (1)."""
+    def _edge_classes() -> Iterator[tuple[tuple[np.ndarray, np.ndarray], tuple[int, int]]]:
+        """Generate offsets of both ends from a cube, and whether each is a first corner (0) or a centre (1)."""
         origin = np.zeros(3, int)
         for axis, kind in product(range(3), (0, 1)):
             yield (origin, UNIT[axis]), (kind, kind)
@@ -108,8 +100,8 @@ class Lattice:
             yield (origin, np.array(corner)), (1, 0)
 
     @staticmethod
-    def _tet_classes():
-        """Offsets of the four vertices from a cube: two centres, and two corners of the square between them."""
+    def _tet_classes() -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
+        """Generate offsets of the four vertices from a cube: two centres, and two corners of the square between."""
         origin = np.zeros(3, int)
         for axis in range(3):
             square = [UNIT[axis] + UNIT[other] for other in range(3) if other != axis]
@@ -118,8 +110,10 @@ class Lattice:
                 yield origin, UNIT[axis], UNIT[axis], side
                 yield origin, UNIT[axis], side, opposite
 
-    def _ends(self, sides, offsets, kinds, wanted):
-        """Numbers of the vertices at offsets from every cube, where ``wanted`` holds for their sides."""
+    def _ends(
+        self, sides: np.ndarray, offsets: Sequence[np.ndarray], kinds: Sequence[int], wanted: Callable[..., np.ndarray]
+    ) -> list[np.ndarray]:
+        """Number the vertices at offsets from every cube for whose sides ``wanted`` holds."""
         grids = (sides[: self.corner_count].reshape(self.cells + 1), sides[self.corner_count :].reshape(self.cells))
         room = np.min([grids[kind].shape - offset for offset, kind in zip(offsets, kinds, strict=True)], axis=0)
         views = [
@@ -133,19 +127,15 @@ class Lattice:
             for offset, kind in zip(offsets, kinds, strict=True)
         ]
 
-    def _is_even(self, vertices, kind):
-        indices = np.unravel_index(vertices - kind * self.corner_count, self.cells + 1 - kind)
-        return sum(indices) % 2 == 0
+    def _is_even(self, vertices: np.ndarray, kind: int) -> np.ndarray:
+        i, j, k = np.unravel_index(vertices - kind * self.corner_count, self.cells + 1 - kind)
+        return (i + j + k) % 2 == 0
 
 
-def lattice_around(bounds, size, multiple):
-    """The lattice centred on a box, at least a cube beyond it on all sides.
+def build_lattice(bounds: ArrayLike, size: float, multiple: int) -> Lattice:
+    """Build a lattice around a box, (2, 3) lowest and highest corner, with at least a cube beyond it on all sides.
 
-    Parameters
-    ----------
-    bounds : (2, 3) lowest and highest corner
-    size : float
-    multiple : int, divides the number of cubes along each axis
+    The number of cubes along each axis is a multiple of ``multiple``.
     """
     low, high = np.asarray(bounds, float)
     cells = np.ceil((high - low) / size).astype(int) + 2

@@ -1,44 +1,39 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How fine a solid is made, how large it becomes, and the distance between layers that it carries."""
+"""Size of a solid's tetrahedra, their number, and the spacing of layers that they can carry."""
 
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from ...errors import SettingError
 from .stuffing import MOST_CUBES, estimated_bytes, estimated_tets
+from .surface_distance import SurfaceDistance
 
-# A solid has about so many tetrahedra where no size is given.
+# Number of tetrahedra of a solid if no size is given.
 AUTOMATIC_TETS = 100_000
-# And its box no more cubes than this, which take some seconds.
+# Most cubes of its box, which take some seconds.
 AUTOMATIC_CUBES = 10_000_000
-# More than that take hours, and more memory than most machines have.
+# More would take hours, and more memory than most machines have.
 MOST_TETS = 4_000_000
-# Measured while layers are solved, for 20 000 to 500 000 tetrahedra: 1600 to 2100.
+# Bytes per tetrahedron while layers are solved; measured for 20 000 to 500 000 tetrahedra: 1600 to 2100.
 SOLVED_BYTES = 2000
-# Edges of the solid to a layer: where one of spacing and size follows from the other, and at least.
+# Edges of the solid per layer: if spacing or size follows from the other, and at least.
 EDGES_PER_LAYER = 3.0
 FEWEST_EDGES = 2.0
-# Layers across the object, at most, where no spacing is given.
+# Most layers across the object if no spacing is given.
 LAYERS_ACROSS = 40
 
 
 class Measures(NamedTuple):
-    """What a surface encloses.
-
-    Attributes
-    ----------
-    volume, area : of the space inside, and of the surface
-    bounds : (2, 3) lowest and highest corner of its box
-    """
+    """Volume inside a surface, its area, and the (2, 3) lowest and highest corner of its box."""
 
     volume: float
     area: float
     bounds: np.ndarray
 
     @classmethod
-    def of(cls, vertices, triangles):
-        """From (n, 3) and (m, 3); whichever way a closed surface's faces look, if all look the same way."""
+    def of(cls, vertices: np.ndarray, triangles: np.ndarray) -> Self:
+        """Measure a closed surface, (n, 3) vertices and (m, 3) triangles, of consistent orientation."""
         vertices = vertices - vertices.mean(axis=0)
         a, b, c = np.moveaxis(vertices[triangles], 1, 0)
         normals = np.cross(b - a, c - a)
@@ -50,13 +45,13 @@ class Measures(NamedTuple):
 
 
 class Estimate(NamedTuple):
-    """What a solid will be.
+    """Estimate of a solid.
 
     Attributes
     ----------
     size : longest edge of a tetrahedron well inside, scene units
     tets : number of tetrahedra
-    bytes : memory while they are made and layers solved in them
+    bytes : memory while they are made and layers are solved
     """
 
     size: float
@@ -64,10 +59,10 @@ class Estimate(NamedTuple):
     bytes: int
 
     @property
-    def megabytes(self):
+    def megabytes(self) -> float:
         return self.bytes / 2**20
 
-    def __str__(self):
+    def __str__(self) -> str:
         return f"{self.tets:,} tetrahedra, {self.megabytes:,.0f} MB"
 
 
@@ -78,20 +73,19 @@ class Lengths(NamedTuple):
     size: float
 
     @classmethod
-    def of(cls, distance, spacing, size, lowest=1.0):
-        """Both for a surface that is to be filled, automatic ones where they are None.
+    def of(cls, distance: SurfaceDistance, spacing: float | None, size: float | None, lowest: float = 1.0) -> Self:
+        """Choose both for a surface that is to be filled, automatically if they are None.
 
         Parameters
         ----------
-        distance : SurfaceDistance
-        spacing, size : scene units, or None
+        spacing, size : scene units
         lowest : factor on the spacing where layers are thinnest
 
         Raises
         ------
         SettingError
-            for a spacing that does not fit into the surface, or is too fine for the size, and a size that makes
-            nothing, or more than a machine can hold
+            for a spacing that is larger than the surface or too fine for the size, and a size that makes no solid, or
+            more than a machine can hold
         """
         if size is None:
             size = estimate(distance).size
@@ -108,8 +102,8 @@ class Lengths(NamedTuple):
         return lengths
 
     @classmethod
-    def carried(cls, distance, spacing, size, lowest=1.0):
-        """With the spacing that tetrahedra of a size carry, where none is given; parameters and errors as :meth:`of`.
+    def carried(cls, distance: SurfaceDistance, spacing: float | None, size: float, lowest: float = 1.0) -> Self:
+        """Choose the spacing that tetrahedra of a size carry if it is None; parameters and errors as :meth:`of`.
 
         A spacing that is too fine for them is not refused.
         """
@@ -124,21 +118,19 @@ class Lengths(NamedTuple):
         return cls(float(spacing), float(size))
 
 
-def estimate(measures, size=None):
-    """The :class:`Estimate` of the solid in a surface, for a size or the automatic one.
-
-    Parameters
-    ----------
-    measures : SurfaceDistance or :class:`Measures`
-    size : scene units
-    """
-    size = max(_size_of(measures, AUTOMATIC_TETS), _coarse_size(measures, AUTOMATIC_CUBES)) if size is None else size
+def estimate(measures: SurfaceDistance | Measures, size: float | None = None) -> Estimate:
+    """Estimate the solid in a surface for a size, or for the automatic one."""
+    size = (
+        max(_size_for_tets(measures, AUTOMATIC_TETS), _size_for_cubes(measures, AUTOMATIC_CUBES))
+        if size is None
+        else size
+    )
     tets = estimated_tets(measures.volume, size, measures.area)
     return Estimate(size, tets, max(SOLVED_BYTES * tets, estimated_bytes(tets, measures.bounds, size)))
 
 
-def _size_of(measures, tets):
-    """The size at which a solid has about so many tetrahedra."""
+def _size_for_tets(measures: SurfaceDistance | Measures, tets: int) -> float:
+    """Find the size at which a solid has about so many tetrahedra."""
     low, high = 0.0, float(np.ptp(measures.bounds, axis=0).max())
     for _ in range(50):
         middle = (low + high) / 2
@@ -146,8 +138,8 @@ def _size_of(measures, tets):
     return high
 
 
-def _refuse_size(distance, size):
-    """Refuse a size that makes nothing, or more than a machine can hold."""
+def _refuse_size(distance: SurfaceDistance, size: float) -> None:
+    """Refuse a size that makes no solid, or more than a machine can hold."""
     if not (np.isfinite(size) and size > 0):
         raise SettingError(f"the tetrahedra's size is {size:g}: give a positive length")
     smallest = _smallest_size(distance)
@@ -156,11 +148,11 @@ def _refuse_size(distance, size):
         raise SettingError(f"a size of {size:g} makes about {expected}: give one from {smallest:.3g} on")
 
 
-def _smallest_size(distance):
-    """The size that makes as many tetrahedra or cubes as there may be."""
-    return max(_size_of(distance, MOST_TETS), _coarse_size(distance, MOST_CUBES))
+def _smallest_size(distance: SurfaceDistance) -> float:
+    """Find the size that makes the largest permitted number of tetrahedra or cubes."""
+    return max(_size_for_tets(distance, MOST_TETS), _size_for_cubes(distance, MOST_CUBES))
 
 
-def _coarse_size(measures, cubes):
-    """The size that makes about so many cubes in the surface's box, of which long slanting bodies fill little."""
+def _size_for_cubes(measures: SurfaceDistance | Measures, cubes: int) -> float:
+    """Find the size that makes about so many cubes in the surface's box, of which long oblique bodies fill little."""
     return 1.1 * float(np.prod(np.ptp(measures.bounds, axis=0)) / cubes) ** (1 / 3)

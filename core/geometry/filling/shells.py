@@ -1,24 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Closed surfaces of several shells: which lie in one another, and which side of each is the solid's."""
+"""Closed surfaces of several shells: their nesting, and the orientation that belongs to the solid."""
 
 import numpy as np
 
 from ..triangle_mesh import TriangleMesh
 
-# Points and triangles that are looked at together, which bounds the memory to about 200 bytes times as many.
+# Pairs of a point and a triangle per batch, which take about 200 bytes each.
 BATCH = 400_000
 
 
-def orient_outwards(mesh):
-    """The mesh with its faces away from the solid: outwards on shells in no other or in two, inwards on cavities.
+def orient_outwards(mesh: TriangleMesh) -> TriangleMesh:
+    """Orient the faces away from the solid: outwards on shells at an even depth, inwards on cavities.
 
-    Parameters
-    ----------
-    mesh : TriangleMesh, closed, not meeting itself, each shell wound consistently
-
-    Returns
-    -------
-    TriangleMesh, the given one where its faces are so already
+    The mesh is closed, does not intersect itself, and each shell is oriented consistently. Returned as it is if its
+    faces are so already.
     """
     names, owners = np.unique(mesh.pieces[mesh.triangles[:, 0]], return_inverse=True)
     shells = np.split(np.argsort(owners, kind="stable"), np.cumsum(np.bincount(owners))[:-1])
@@ -38,19 +33,17 @@ def orient_outwards(mesh):
     return TriangleMesh(mesh.vertices, np.where(wrong[:, None], mesh.triangles[:, ::-1], mesh.triangles))
 
 
-def winding_numbers(corners, points):
-    """(k,) how often closed triangles, (t, 3, 3), go around points, (k, 3): 1 inside those that look outwards.
+def winding_numbers(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Compute (k,) winding numbers of closed triangles, (t, 3, 3), around points, (k, 3): 1 inside outward faces.
 
-    Source
-    ------
-    Van Oosterom and Strackee, "The solid angle of a plane triangle" (1983)
+    Van Oosterom and Strackee, "The solid angle of a plane triangle" (1983).
     """
     step = max(1, BATCH // len(corners))
-    parts = [_turns(corners, points[start : start + step]) for start in range(0, len(points), step)]
+    parts = [_winding(corners, points[start : start + step]) for start in range(0, len(points), step)]
     return np.concatenate(parts) if parts else np.zeros(0)
 
 
-def _turns(corners, points):
+def _winding(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
     a, b, c = np.moveaxis(corners - points[:, None, None], -2, 0)
     la, lb, lc = (np.linalg.norm(v, axis=-1) for v in (a, b, c))
     volume = np.einsum("ptx,ptx->pt", a, np.cross(b, c))

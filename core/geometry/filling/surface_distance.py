@@ -2,62 +2,63 @@
 """Signed distance to a closed triangle surface.
 
 The sign is that of the angle-weighted normal at the nearest point (Bærentzen and Aanæs, "Signed distance computation
-using the angle weighted pseudonormal", 2005), which is exact where the surface does not meet itself.
+using the angle weighted pseudonormal", 2005), which is exact if the surface does not intersect itself.
 """
 
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...errors import MeshError
 from ..check import check_mesh
 from ..nearest import NearestTriangles, nearest_in_triangles
+from ..triangle_mesh import TriangleMesh
 from ..welding import welded_vertices
 from .shells import orient_outwards
 
 
 class SurfaceDistance:
-    """Distances of points to a closed surface, negative inside: a callable, (k, 3) -> (k,).
+    """The signed distance to a closed surface, negative inside: a callable, (k, 3) -> (k,).
 
     Parameters
     ----------
-    mesh : TriangleMesh, closed, not meeting itself; which way the faces of a shell look does not matter: one in
-        another is a cavity
+    mesh : closed, without self-intersections; shells may face either way: one in another is a cavity
 
     Raises
     ------
     MeshError
-        as :func:`check_mesh`, and for open edges, whose vertices it carries
+        as :func:`check_mesh`, and for open edges, with their vertices
     """
 
-    def __init__(self, mesh):
+    def __init__(self, mesh: TriangleMesh) -> None:
         check_mesh(mesh)
         check_closed(mesh, np.arange(mesh.vertex_count))
         self.mesh = orient_outwards(mesh)
         self._surface = NearestTriangles(mesh.vertices, mesh.triangles)
 
     @property
-    def bounds(self):
+    def bounds(self) -> np.ndarray:
         """(2, 3) lowest and highest corner of the surface's box."""
         points = self.mesh.vertices[np.unique(self.mesh.triangles)]
         return np.stack([points.min(axis=0), points.max(axis=0)])
 
     @cached_property
-    def volume(self):
-        """Of the space inside."""
+    def volume(self) -> float:
+        """Volume of the space inside."""
         a, b, c = np.moveaxis(self.mesh.vertices[self.mesh.triangles] - self.bounds[0], 1, 0)
         return float(np.einsum("tx,tx->", np.cross(a, b), c)) / 6
 
     @property
-    def area(self):
-        """Of the surface."""
+    def area(self) -> float:
+        """Area of the surface."""
         return float(self.mesh.areas.sum())
 
-    def nearest(self, points):
-        """(k,) the triangle of the mesh that is nearest to each of (k, 3) points."""
+    def nearest(self, points: np.ndarray) -> np.ndarray:
+        """Find the (k,) nearest triangles to (k, 3) points."""
         return self._surface.nearest(points)[1]
 
-    def __call__(self, points):
+    def __call__(self, points: ArrayLike) -> np.ndarray:
         points = np.asarray(points, float)
         triangles = self.nearest(points)
         corners = self.mesh.vertices[self.mesh.triangles[triangles].T]
@@ -67,24 +68,16 @@ class SurfaceDistance:
         return np.where(outside, 1, -1) * np.linalg.norm(offsets, axis=1)
 
 
-def normals_at(mesh, triangles, shares):
-    """Normals of the vertex, edge or face that points of triangles lie on, of any length.
+def normals_at(mesh: TriangleMesh, triangles: np.ndarray, shares: np.ndarray) -> np.ndarray:
+    """Compute (k, 3) normals, of any length, of the vertices, edges or faces that points of (k,) triangles lie on.
 
-    Parameters
-    ----------
-    mesh : TriangleMesh, manifold
-    triangles : (k,)
-    shares : (k, 3) of their corners, exactly 0 for those that do not count
-
-    Returns
-    -------
-    (k, 3)
+    ``shares`` are (k, 3) barycentric coordinates, exactly 0 for corners that the point does not depend on.
     """
     inner = shares > 0
     count = inner.sum(axis=1)
     normals = mesh.face_normals[triangles]
     on_edge, on_vertex = np.flatnonzero(count == 2), np.flatnonzero(count == 1)
-    # Edge k of a triangle lies between its corners k and k + 1: corner k + 2 has no share there.
+    # Edge k of a triangle joins corners k and k + 1, and corner k + 2 has the share 0 on it.
     edge = (np.argmin(inner[on_edge], axis=1) + 1) % 3
     twins = mesh.twins[3 * triangles[on_edge] + edge]
     normals[on_edge[twins >= 0]] += mesh.face_normals[twins[twins >= 0] // 3]
@@ -92,8 +85,8 @@ def normals_at(mesh, triangles, shares):
     return normals
 
 
-def check_closed(mesh, source):
-    """Refuse a TriangleMesh with open edges by a MeshError that carries their vertices, (n,) ``source`` of its own."""
+def check_closed(mesh: TriangleMesh, source: np.ndarray) -> None:
+    """Raise a MeshError for open edges, with their vertices as (n,) ``source`` numbers them."""
     if len(mesh.boundary_edges):
         edges = source[mesh.edges[mesh.boundary_edges]]
         i, j = edges[0]

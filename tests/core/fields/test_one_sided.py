@@ -7,7 +7,7 @@ import pytest
 
 from synch_fields.core.fields import DirectionWishes, direction_field, quad_pattern, stripe_pattern
 from synch_fields.core.fields.mirror import Seam
-from synch_fields.core.geometry.manifold_repair import carrier
+from synch_fields.core.geometry.manifold_repair import carrier, find_seam_ends
 from synch_fields.core.geometry.mesh_input import MeshInput
 
 from ...corpus.makers import klein_bottle, moebius_strip, projective_plane
@@ -20,7 +20,7 @@ SURFACES = {"moebius strip": lambda: moebius_strip(60, 8), "klein bottle": lambd
 def surface(request):
     """The surface, open at a seam, and the Seam."""
     found = carrier(*polygon_mesh(*SURFACES[request.param]()))
-    return found, Seam.of(found.mesh, found.seam)
+    return found, Seam.of(found.mesh, find_seam_ends(found.mesh, found.across))
 
 
 @pytest.mark.parametrize("symmetry", [1, 2, 4])
@@ -52,7 +52,9 @@ def test_sum_of_indices_is_the_euler_characteristic(build, characteristic, symme
         *(found.across, found.across),
     )
     assert given.euler_characteristic == characteristic and given.is_closed
-    field = direction_field(found.mesh, symmetry, DirectionWishes(mirrors=(Seam.of(found.mesh, found.seam),)))
+    field = direction_field(
+        found.mesh, symmetry, DirectionWishes(mirrors=(Seam.of(found.mesh, find_seam_ends(found.mesh, found.across)),))
+    )
     assert sum(round(symmetry * d.index) for d in field.disclinations) == symmetry * characteristic
 
 
@@ -81,7 +83,7 @@ def twice_around(around, across):
 @pytest.mark.parametrize("symmetry", [1, 2])
 def test_directions_have_half_the_energy_of_those_on_the_torus_over_a_klein_bottle(symmetry):
     found = carrier(*polygon_mesh(*klein_bottle(48, 24)))
-    seam = Seam.of(found.mesh, found.seam)
+    seam = Seam.of(found.mesh, find_seam_ends(found.mesh, found.across))
     bottle = direction_field(found.mesh, symmetry, DirectionWishes(mirrors=(seam,)))
     cover = twice_around(48, 24)
     torus = direction_field(cover, symmetry)

@@ -11,7 +11,7 @@ from synch_fields.core.connection import levi_civita
 from synch_fields.core.defects import wrap
 from synch_fields.core.fields import direction_field
 from synch_fields.core.geometry import TriangleMesh
-from synch_fields.core.geometry.intrinsic_delaunay import intrinsic_delaunay
+from synch_fields.core.geometry.triangle_mesh import intrinsic_delaunay
 
 from ..meshes import EVERY, cube, icosphere, octahedron, slivers, square, torus
 

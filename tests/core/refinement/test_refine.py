@@ -135,14 +135,14 @@ def test_too_many_triangles_are_refused_with_a_length_that_works(monkeypatch):
 
 
 def test_edges_far_too_fine_are_refused_before_triangles_are_made(monkeypatch):
-    made, halved = [], division._halved
+    made, halved = [], division._halve_edges
 
     def count_triangles(*arguments):
         found = halved(*arguments)
         made.append(len(found[1]) + len(found[2]))
         return found
 
-    monkeypatch.setattr(division, "_halved", count_triangles)
+    monkeypatch.setattr(division, "_halve_edges", count_triangles)
     monkeypatch.setattr(bound_surface, "MOST_TRIANGLES", 10_000)
     spiked = np.vstack([CUBE[:-1], 1e9 * CUBE[-1:]])
     with pytest.raises(TooFineError):

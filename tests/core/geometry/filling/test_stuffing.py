@@ -9,7 +9,7 @@ import pytest
 
 from synch_fields.core.errors import MeshError, SettingError
 from synch_fields.core.geometry import TriangleMesh, check_mesh
-from synch_fields.core.geometry.filling.lattice import lattice_around
+from synch_fields.core.geometry.filling.lattice import build_lattice
 from synch_fields.core.geometry.filling.stencils import stencil
 from synch_fields.core.geometry.filling.stuffing import (
     DIHEDRAL_BOUNDS,
@@ -173,7 +173,7 @@ def test_stencils_of_both_sides_fill_the_tetrahedron(picks):
 
 
 def test_the_lattice_fills_its_inside_once():
-    lattice = lattice_around(BALL, 0.5, 1)
+    lattice = build_lattice(BALL, 0.5, 1)
     tets, are_positive, _, _ = lattice.tets_inside(np.ones(lattice.vertex_count, np.int8))
     points = lattice.points(np.arange(lattice.vertex_count))
     volumes = signed_volumes(points, tets)
@@ -231,7 +231,7 @@ def test_far_points_are_judged_in_blocks():
         return ball_distance(some)
 
     mesh = fill_surface(counted, BALL, 0.06)
-    lattice = lattice_around(BALL, 0.06, 8)
+    lattice = build_lattice(BALL, 0.06, 8)
     assert sum(points) < 0.8 * lattice.vertex_count
     assert mesh.tet_count > 230_000
 
@@ -251,9 +251,9 @@ def test_float32_distances_do_for_the_boundary():
 def test_estimates(size):
     exact = fill_surface(ball_distance, BALL, size).tet_count
     assert estimated_tets(4 / 3 * np.pi, size, 4 * np.pi) == pytest.approx(exact, rel=0.05)
-    assert estimated_tets(BALL, size) > 1.5 * exact
-    box = fill_surface(turned_box, 0.9 * BALL, size).tet_count
-    assert estimated_tets(BALL / 2, size) == pytest.approx(box, rel=0.12)
+    box, sides = fill_surface(turned_box, 0.9 * BALL, size).tet_count, np.ptp(BALL / 2, axis=0)
+    area = 2 * (sides * np.roll(sides, 1)).sum()
+    assert estimated_tets(sides.prod(), size, area) == pytest.approx(box, rel=0.12)
     assert 700 * exact < estimated_bytes(exact, BALL, size) < 760 * exact
 
 
