@@ -15,7 +15,7 @@ from ..solution import Clock, Options
 from ..solve.methods.descent import descend
 from ..solve.methods.manifolds import CirclesByFields
 from ..solve.methods.rounding import CANDIDATE_SHIFT, random_directions
-from ..solve.methods.stage import Stage
+from ..solve.methods.stage import Workspace
 from ..solve.methods.staircase import Relaxation, relax
 from .hierarchy import SpreadHierarchy
 from .parts import piece_of
@@ -23,15 +23,6 @@ from .parts import piece_of
 # Projections of the lifted field, those that descend, and where that ends: predicted relative decrease, steps at most.
 PROJECTIONS, KEPT = 32, 4
 TOLERANCE, STEPS = 1e-5, 100
-
-
-class _Workspace:
-    """As :class:`core.solve.methods.stage.Workspace`."""
-
-    def __init__(self, piece, whole):
-        self.piece, self.matrix = piece, piece.matrix
-        hierarchy = SpreadHierarchy.of(whole, piece.row_mass, piece.held)
-        self.stages = [Stage(piece, hierarchy, depth) for depth in range(len(hierarchy.levels))]
 
 
 @dataclass(frozen=True)
@@ -71,7 +62,7 @@ def solve_parts(part, comm, target_gap=1e-2, seed=0):
     with solving():
         with clock("build"):
             piece, whole, weight = piece_of(part, comm)
-            workspace = _Workspace(piece, whole)
+            workspace = Workspace(piece, SpreadHierarchy.of(whole, piece.row_mass, piece.held))
         found = relax(workspace, own, SILENT, clock)
         with clock("round"):
             column = _round_columns(workspace, found, seed)
