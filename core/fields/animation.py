@@ -69,13 +69,13 @@ def next_solution(
         return _align_pieces(problem, solution, phases) if problem.is_complex else solution
     options = replace(Options() if options is None else options, method=DESCENT, time_limit=None)
     if hold is not None and np.any(hold):
-        solution = solve(_add_phase_wishes(problem, phases, hold), options, callback, phases)
+        solution = solve(_add_soft_targets(problem, phases, hold), options, callback, phases)
         return replace(solution, energy=problem.energy(solution.phases))
     solution = solve(problem, options, callback, phases)
     return _align_pieces(problem, solution, phases) if problem.is_complex else solution
 
 
-def _add_phase_wishes(
+def _add_soft_targets(
     problem: SynchronizationProblem, phases: np.ndarray, weights: np.ndarray
 ) -> SynchronizationProblem:
     """The problem with soft targets at all nodes that are not fixed."""

@@ -31,10 +31,7 @@ def filament_velocity(places: np.ndarray, curves: Sequence[tuple[ArrayLike, floa
         counterclockwise seen from its head
     core : radius within which the vorticity is spread, in scene units
 
-    Raises
-    ------
-    SettingError
-        for a curve of a single point, or a core that is not positive
+    Raises :class:`SettingError` for a curve of a single point, or a core that is not positive.
     """
     if not core > 0:
         raise SettingError(f"the core radius is {core}: give a positive length")

@@ -119,10 +119,7 @@ def remove_holonomy(
     weights : (c,) of the changes
     known : (c,) changes known from constraints less the target changes, nan where unknown; optional
 
-    Raises
-    ------
-    SynchError
-        where the solve does not converge
+    Raises :class:`SynchError` where the solve does not converge.
     """
     softness = 1 / np.maximum(weights, SMALLEST_WEIGHT)
     correction = np.zeros(len(weights))

@@ -27,7 +27,7 @@ from .constraints.rows import Row, direction_targets
 from .curl_removal import ROUGH, CurlRemoval, check_share, known_turns, remove_holonomy, surface_circulation
 from .evenness import quantiles
 from .guidance.guides import Guide, blend_guides
-from .mirror import LEAN, Mirror, add_self_edges, snap_targets, snap_to_plane, split_links
+from .mirror import LEAN, Mirror, Seam, add_self_edges, snap_targets, snap_to_plane, split_links
 
 # The largest ratio of the sizes of quads due to flattening, since exact square quads vary tenfold and more on animals'
 # legs; and the share of the area at either end that does not count for it.
@@ -50,7 +50,7 @@ class DirectionWishes:
 
     guides: tuple[tuple[Guide, float], ...] = ()
     rows: tuple[Row, ...] = ()
-    mirrors: tuple[Mirror, ...] = ()
+    mirrors: tuple[Mirror | Seam, ...] = ()
     singularities: float = 1.0
     pins: tuple[tuple[int, float], ...] = ()
 
@@ -223,10 +223,7 @@ def _correction(mesh: TriangleMesh, symmetry: int, wishes: DirectionWishes, know
     Around a pinned triangle the connection turns as much as the disclination, which then costs nothing there; on a
     closed piece, the difference is spread over the whole piece.
 
-    Raises
-    ------
-    SettingError
-        for an unknown triangle, an impossible index, or mirrors
+    Raises :class:`SettingError` for an unknown triangle, an impossible index, or mirrors.
     """
     correction = np.zeros(len(mesh.edges))
     if wishes.singularities < 1:
@@ -312,10 +309,7 @@ def known_directions(mesh: TriangleMesh, symmetry: int, vectors: ArrayLike, wish
 def given_directions(mesh: TriangleMesh, symmetry: int, vectors: ArrayLike) -> DirectionField:
     """A field from (n, 3) vectors, projected to the tangent planes.
 
-    Raises
-    ------
-    SettingError
-        naming the first vertex whose vector has no tangential part
+    Raises :class:`SettingError` naming the first vertex whose vector has no tangential part.
     """
     vectors = np.asarray(vectors, float)
     tangent = mesh.tangent_numbers(vectors)

@@ -8,9 +8,8 @@ without curl that meet conditions R c = 0 are
     c + D^T mu,    (R D^T) mu = -R c,    d = G (r - C^T y),    C G C^T y = C G r,
 
 where C sums changes around the faces, G is the softness of the edges (:mod:`.curl_removal`), and the rows d of D are
-the projections of the rows r of R to changes without curl. The cost of the conditions is the sum of the squares of
-what is added, each divided by G; it equals v^T (R D^T)^-1 v with v = R c. With mirrors, d is averaged with its mirror
-images.
+the projections of the rows r of R to changes without curl. The cost of the conditions is the sum of the squares of the
+added changes, each divided by G; it equals v^T (R D^T)^-1 v with v = R c. With mirrors, d is averaged with its images.
 """
 
 from collections.abc import Sequence
@@ -188,20 +187,16 @@ class LoopClosing:
             values[:] -= share * values[number]
             gram[:] -= np.outer(share, gram[number])
 
-        for number in range(len(held)):
+        count = len(held)
+        for number in range(count):
             if gram[number, number] > INDEPENDENT * own[number]:
                 hold(number)
-        left = set(range(len(held), len(both)))
+        left = set(range(count, len(both)))
         while left:
-            free = [
-                number
-                for number in left
-                if gains[number - len(held)] > 0 and gram[number, number] > INDEPENDENT * own[number]
-            ]
-            costs = [values[number] ** 2 / gram[number, number] for number in free]
+            free = [k for k in left if gains[k - count] > 0 and gram[k, k] > INDEPENDENT * own[k]]
+            costs = [values[k] ** 2 / gram[k, k] for k in free]
             worth = [
-                gains[number - len(held)] - price * cost if cost <= most else 0.0
-                for number, cost in zip(free, costs, strict=True)
+                gains[k - count] - price * cost if cost <= most else 0.0 for k, cost in zip(free, costs, strict=True)
             ]
             if not free or max(worth) <= 0:
                 break
@@ -209,7 +204,7 @@ class LoopClosing:
             number, most = free[place], most - costs[place]
             hold(number)
             left.remove(number)
-            chosen.append(number - len(held))
+            chosen.append(number - count)
         return chosen
 
 

@@ -56,11 +56,8 @@ def with_defects(pattern: Pattern, vertices: ArrayLike) -> Pattern:
     Of the directions orthogonal to the lifted values there, the one along which the field is longest is tried first,
     then random ones, until a face at every vertex has a dislocation; of the two phases of quads the better one gets it.
 
-    Raises
-    ------
-    SettingError
-        for numbers that are not vertices, more vertices than the lifted field allows, or where no direction has defects
-        at all of them
+    Raises :class:`SettingError` for numbers that are not vertices, more vertices than the lifted field allows, or where
+    no direction has defects at all of them.
     """
     assert pattern.problem is not None and pattern.solution is not None
     field = LiftedField(pattern.problem, pattern.solution)

@@ -36,10 +36,7 @@ class LiftedField:
 
     ``rank`` is the number of components of a direction.
 
-    Raises
-    ------
-    SettingError
-        for a solution without a lifted field
+    Raises :class:`SettingError` for a solution without a lifted field.
     """
 
     def __init__(self, problem: SynchronizationProblem, solution: Solution) -> None:
@@ -70,10 +67,7 @@ class LiftedField:
 
         Without nodes it is that of SVD rounding.
 
-        Raises
-        ------
-        SettingError
-            for more nodes than :attr:`most_defects`
+        Raises :class:`SettingError` for more nodes than :attr:`most_defects`.
         """
         basis = self._orthogonal(nodes)
         _, axes = np.linalg.eigh(basis.conj().T @ self._gram @ basis)

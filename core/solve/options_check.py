@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Refuse options and starts that no solve can be made with, in one line."""
+"""Check the options and the start of a solve."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ _RECORDS = dict(records(SolverSettings))
 
 
 def check_options(options: Options, problem: SynchronizationProblem, start: Solution | np.ndarray | None) -> None:
-    """Refuse what is out of range, or does not fit the problem; see :func:`.solver.solve`."""
+    """Refuse options out of range, and a start that does not fit the problem; see :func:`.solver.solve`."""
     if not isinstance(options, Options):
         raise SettingError(f"options are given as {type(options).__name__}: make them with Options(...)")
     for name, smallest in (("seed", 0), ("samples", 1)):

@@ -194,8 +194,8 @@ class _Task:
 
     Attributes
     ----------
-    weight : what the energies of the scaled piece have to be multiplied by
-    less_curl : makes the matrix with less curl, divided by a weight; None where there is none
+    weight : the ratio of energies to those of the scaled piece
+    less_curl : returns the matrix with less curl, divided by a weight, or None without curl to remove
     """
 
     piece: Piece
@@ -309,7 +309,7 @@ def _solve_descent(task: _Task, workspace: Workspace) -> PartResult:
 
 
 def _solve_first(task: _Task, workspace: Workspace) -> PartResult:
-    """The start where there is one, otherwise the first field that is shown or that of a search on a coarse stage."""
+    """The start, if any, otherwise the first field, or that of a search on a coarse stage."""
     options, monitor, timed_out = task.options, task.monitor, False
     with task.clock("first"):
         monitor.at("first field", 0.0)

@@ -64,10 +64,7 @@ def fixed_phases(parts: Sequence[tuple[str, np.ndarray, np.ndarray]], remedy: st
     parts : name of the source, (k,) nodes and (k,) complex values
     remedy : what to do where two sources contradict each other
 
-    Raises
-    ------
-    ContradictionError
-        for nodes that are fixed to different phases
+    Raises :class:`ContradictionError` for nodes that are fixed to different phases.
     """
     if not parts:
         return Targets.none()
@@ -106,10 +103,8 @@ def contract_groups(count: int, links: Links, fixed: Targets, slack: float = TOL
     fixed : without weights
     slack : how far linked unit values may differ; those that are joined are averaged
 
-    Raises
-    ------
-    ContradictionError
-        when links come back with another phase, or join nodes that are fixed to different ones
+    Raises :class:`ContradictionError` when links come back with another phase, or join nodes that are fixed to
+    different ones.
     """
     if len(links.i) == 0:
         return fixed, Merged.none()

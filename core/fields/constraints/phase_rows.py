@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Constraint rows of patterns: fixed phases, soft wishes for phases, and groups merged into one node."""
+"""Constraint rows of patterns: fixed phases, soft targets for phases, and groups merged into one node."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -59,7 +59,7 @@ class _LinePhases:
 
     @property
     def values(self) -> np.ndarray:
-        """(k,) complex phases for the phase that the row asks for."""
+        """(k,) complex phases at the nodes for the row's value."""
         phase = self.of_vertices(self.row.value)
         return np.exp(1j * (self.shifts + np.where(self.turned, -phase, phase)))
 
@@ -75,10 +75,7 @@ def phase_constraints(
     links : further links between phases
     slack : how far linked values may differ
 
-    Raises
-    ------
-    ContradictionError
-        when hard rows ask for different phases at a vertex
+    Raises :class:`ContradictionError` when hard rows ask for different phases at a vertex.
     """
     phases = [_LinePhases.of(row, growth) for row in rows]
     hard = [p for p in phases if p.row.kind == "phase" and p.row.is_hard]

@@ -95,10 +95,7 @@ def direction_targets(
 ) -> tuple[Targets, list[Targets], np.ndarray]:
     """Fixed directions and soft targets, as unit powers, and (k,) bool: fixed ones that may give way.
 
-    Raises
-    ------
-    ContradictionError
-        when two hard rows ask for different directions on the same edge
+    Raises :class:`ContradictionError` when two hard rows ask for different directions on the same edge.
     """
     grid = [row for row in rows if row.kind == GRID]
     rows = [row for row in rows if row.kind != GRID]

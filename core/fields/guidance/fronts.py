@@ -34,10 +34,7 @@ def front_distance(mesh: TriangleMesh, sources: ArrayLike) -> np.ndarray:
 
     They are 0 along edges between two sources, and nan on pieces without a source and on loose vertices.
 
-    Raises
-    ------
-    SettingError
-        for a set that is empty or of another length
+    Raises :class:`SettingError` for a set that is empty or of another length.
     """
     is_source = chosen_vertices(mesh, sources, "group of sources")
     bends = np.where(is_source, _POINT, 0.0)

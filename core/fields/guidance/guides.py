@@ -52,10 +52,7 @@ def gradient_guide(mesh: TriangleMesh, values: ArrayLike, contour: bool = False)
     values : (n,) at vertices, or (m, 3) at the corners of triangles (one coordinate of a UV map)
     contour : turn a quarter counterclockwise, along the level lines with larger values on the right
 
-    Raises
-    ------
-    SettingError
-        for another shape, values that are not finite, or the same value everywhere
+    Raises :class:`SettingError` for another shape, values that are not finite, or the same value everywhere.
     """
     values = np.asarray(values, float)
     if values.shape not in ((mesh.vertex_count,), mesh.triangles.shape):
@@ -75,10 +72,8 @@ def axis_guide(mesh: TriangleMesh, axis: ArrayLike) -> Guide:
 
     The confidence is the square of the tangential share of the axis.
 
-    Raises
-    ------
-    SettingError
-        for another shape, an axis that is zero or not finite, or at right angles to the whole surface
+    Raises :class:`SettingError` for another shape, an axis that is zero or not finite, or at right angles to the whole
+    surface.
     """
     axis = np.asarray(axis, float)
     if axis.shape != (3,) or not np.isfinite(axis).all() or not axis.any():
@@ -94,10 +89,7 @@ def vectors_guide(mesh: TriangleMesh, vectors: ArrayLike) -> Guide:
 
     The confidence is the square of the tangential share of the vector.
 
-    Raises
-    ------
-    SettingError
-        for another shape, vectors that are not finite, or no vector with a tangential part
+    Raises :class:`SettingError` for another shape, vectors that are not finite, or no vector with a tangential part.
     """
     vectors = np.asarray(vectors, float)
     if vectors.shape != mesh.vertices.shape:
@@ -130,10 +122,7 @@ def distance_guide(mesh: TriangleMesh, sources: ArrayLike, contour: bool = False
     ----------
     contour : turn a quarter counterclockwise, along the curves with the sources on the left
 
-    Raises
-    ------
-    SettingError
-        for a set that is empty, of another length, or of all vertices
+    Raises :class:`SettingError` for a set that is empty, of another length, or of all vertices.
     """
     distances = np.nan_to_num(front_distance(mesh, sources))
     guide = _slope_guide(mesh, distances[mesh.triangles], contour)
@@ -171,10 +160,8 @@ def blend_guides(guides: Sequence[Guide], shares: ArrayLike, symmetry: int) -> t
     values : (n,) complex, unit modulus; 1 where the weight is 0
     weights : (n,) modulus of q; 0 where the guides cancel each other
 
-    Raises
-    ------
-    SettingError
-        for no guides, guides of different meshes, or shares that are not one finite number >= 0 for each
+    Raises :class:`SettingError` for no guides, guides of different meshes, or shares that are not one finite number >=
+    0 for each.
     """
     shares = np.asarray(shares, float)
     if len(guides) == 0:

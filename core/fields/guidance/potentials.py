@@ -26,10 +26,7 @@ def harmonic_function(mesh: TetMesh, low: ArrayLike, high: ArrayLike) -> np.ndar
 
     It is nan on pieces that neither set touches and on loose vertices.
 
-    Raises
-    ------
-    SettingError
-        for sets that are empty or overlap
+    Raises :class:`SettingError` for sets that are empty or overlap.
     """
     low, high = chosen_vertices(mesh, low, "low group"), chosen_vertices(mesh, high, "high group")
     both = np.flatnonzero(low & high)
@@ -105,7 +102,8 @@ def _solve_at(matrix: csr_matrix, masses: np.ndarray, nodes: np.ndarray, right: 
         return right
     matrix = matrix[nodes][:, nodes].tocsr()
     if len(nodes) <= LARGEST_FACTORIZED:
-        return factorize(matrix, single=False).solve(right)
+        solved: np.ndarray = factorize(matrix, single=False).solve(right)
+        return solved
     scale, mass = matrix.diagonal().mean(), masses[nodes]
     metric = definite_metric(Hierarchy(matrix / scale, mass / mass.mean(), 1), SMALL_SHIFT)
     preconditioner = LinearOperator(matrix.shape, matvec=metric.solve)

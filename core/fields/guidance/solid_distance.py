@@ -17,10 +17,7 @@ def solid_distance(mesh: TetMesh, sources: ArrayLike) -> np.ndarray:
 
     They are 0 on faces between three sources, and nan on pieces without a source and on loose vertices.
 
-    Raises
-    ------
-    SettingError
-        for a set that is empty or of another length
+    Raises :class:`SettingError` for a set that is empty or of another length.
     """
     is_source = chosen_vertices(mesh, sources, "group of sources")
     return propagate_distances(mesh.tets, mesh.edges, mesh.edge_lengths.mean(), is_source, partial(_arrivals, mesh))

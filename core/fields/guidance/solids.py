@@ -41,10 +41,7 @@ def gradient_directions(mesh: TetMesh, values: ArrayLike) -> np.ndarray:
 def gradient_vectors(mesh: TetMesh, values: ArrayLike) -> np.ndarray:
     """(n, 3) gradients of the tetrahedra, averaged by volume, from (n,) values, nan on pieces without values.
 
-    Raises
-    ------
-    SettingError
-        for another shape, or the same value everywhere
+    Raises :class:`SettingError` for another shape, or the same value everywhere.
     """
     values = np.asarray(values, float)
     if values.shape != (mesh.vertex_count,):
@@ -77,10 +74,7 @@ def vector_directions(mesh: TetMesh, vectors: ArrayLike) -> np.ndarray:
 def check_vectors(mesh: TetMesh, vectors: ArrayLike) -> np.ndarray:
     """Given (n, 3) vectors; zero where the others are to be extended.
 
-    Raises
-    ------
-    SettingError
-        for another shape, vectors that are not finite, or only zeros
+    Raises :class:`SettingError` for another shape, vectors that are not finite, or only zeros.
     """
     vectors = np.asarray(vectors, float)
     if vectors.shape != mesh.vertices.shape:
@@ -106,10 +100,7 @@ def curve_vectors(mesh: TetMesh, curves: Sequence[ArrayLike], across: bool = Fal
 
     Every vertex gets the direction of the curve at the nearest point of any, or the direction straight away from it.
 
-    Raises
-    ------
-    SettingError
-        for no curves, other shapes, and curves without length or far too long for the mesh
+    Raises :class:`SettingError` for no curves, other shapes, and curves without length or far too long for the mesh.
     """
     points, tangents, lengths = _stations(curves, mesh.edge_lengths.mean() / 2)
     _, nearest = cKDTree(points).query(mesh.vertices)

@@ -33,9 +33,17 @@ def solve_components(
             is_left[fitted] = False
     small = np.flatnonzero(is_left & (pieces.sizes <= LARGEST) & (pieces.weights > 0))
     if problem.is_circle and options.method != "diffusion" and len(small):
-        share = pieces.sizes[small].sum() / pieces.sizes.sum()
+        part = monitor.portion(0.0, pieces.sizes[small].sum() / pieces.sizes.sum())
+        chunks = _split_by_size(pieces.sizes, small, problem.block, options.samples)
         with clock("small pieces"):
-            results.extend(_solve_chunks(problem, small, options, monitor.portion(0.0, share), start, coordinates))
+            for place, chunk in enumerate(chunks):
+                try:
+                    part.at("small pieces", place / len(chunks))
+                except OutOfTime:
+                    numbers = np.concatenate(chunks[place:])
+                    results.append(_without_search(pieces, numbers, coordinates, options, False))
+                    break
+                results.extend(_solve_stack(pieces, chunk, options, part, start, coordinates))
         is_left[small] = False
     return results, np.flatnonzero(is_left)
 
@@ -58,27 +66,6 @@ def _without_search(
         lifted=field if is_sdp else None,
         singular_values=np.sqrt(np.full(field.shape[1], size)) if is_sdp else None,
     )
-
-
-def _solve_chunks(
-    problem: SynchronizationProblem,
-    numbers: np.ndarray,
-    options: Options,
-    monitor: Monitor,
-    start: Start,
-    coordinates: np.ndarray,
-) -> list[PartResult]:
-    """The results of small pieces; where time runs out, of the better of (N,) coordinates and what was found."""
-    pieces, results = problem.pieces, []
-    chunks = _split_by_size(pieces.sizes, numbers, problem.block, options.samples)
-    for place, chunk in enumerate(chunks):
-        try:
-            monitor.at("small pieces", place / len(chunks))
-        except OutOfTime:
-            results.append(_without_search(pieces, np.concatenate(chunks[place:]), coordinates, options, False))
-            break
-        results.extend(_solve_stack(pieces, chunk, options, monitor, start, coordinates))
-    return results
 
 
 def _split_by_size(sizes: np.ndarray, numbers: np.ndarray, block: int, samples: int) -> list[np.ndarray]:

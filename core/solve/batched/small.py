@@ -17,7 +17,7 @@ from ...piece import NOISE
 from ...pieces import Stack
 from ...solution import Options
 from ..methods.certificate import ROUNDINGS
-from ..methods.descent import descend
+from ..methods.descent import Descent, descend
 from ..methods.manifolds import Circles, Columns, gaussian
 from ..methods.rounding import CANDIDATE_SHIFT, FINAL_TOLERANCE, SAME_FIELD, TOLERANCE, random_directions
 from ..methods.stage import LIFTED_SHIFT
@@ -144,7 +144,7 @@ class _Search:
 
     def _descend_fields(self, point: np.ndarray, metric: SideBySide, steps: int, tolerance: float) -> np.ndarray:
         matrix = SideBySide(self._stack.matrices)
-        return self._descend(matrix, self._circles, point, metric, steps, tolerance)
+        return self._count_steps(descend(matrix, self._circles, point, metric, tolerance, steps, self._monitor))
 
     def _invert_hessian(self, fields: np.ndarray) -> np.ndarray:
         """(k, n, n) inverses of the Hessians in angles, their eigenvalues made positive."""
@@ -235,19 +235,12 @@ class _Search:
         lowered = (1 - SUBTRACTED) * shift * stack.row_mass - SUBTRACTED * np.repeat(duals, stack.block, axis=1)
         inverse = positive_inverse(with_diagonal(stack.matrices, lowered), (1 - SUBTRACTED) * shift[:, 0])
         matrix = OfLifted(stack.matrices)
-        spheres = Columns(as_columns(point[:1]).shape[0] // stack.mass.shape[1])
-        return matrix.fields(self._descend(matrix, spheres, as_columns(point), OfLifted(inverse), steps, tolerance))
+        spheres, columns = Columns(as_columns(point[:1]).shape[0] // stack.mass.shape[1]), as_columns(point)
+        descent = descend(matrix, spheres, columns, OfLifted(inverse), tolerance, steps, self._monitor)
+        return matrix.fields(self._count_steps(descent))
 
-    def _descend(
-        self,
-        matrix: SideBySide,
-        spheres: Circles | Columns,
-        point: np.ndarray,
-        metric: SideBySide,
-        steps: int,
-        tolerance: float,
-    ) -> np.ndarray:
-        descent = descend(matrix, spheres, point, metric, tolerance, steps, self._monitor)
+    def _count_steps(self, descent: Descent) -> np.ndarray:
+        """The end of a descent, whose steps are added up."""
         self.steps += descent.steps
         self.out_of_time |= descent.out_of_time
         return descent.point

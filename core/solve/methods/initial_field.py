@@ -93,10 +93,7 @@ def search_without_relaxation(
 
     It starts from a lifted field of a given rank on that stage, and tries ``samples`` random projections.
 
-    Raises
-    ------
-    OutOfTime
-        when there is no field yet
+    Raises :class:`OutOfTime` when there is no field yet.
     """
     random = np.random.default_rng(seed)
     stage, lifted = coarse_field(workspace, rank, random, monitor, SEARCHED_STEPS)

@@ -220,10 +220,7 @@ def continuation(
     less_curl : matrix with less curl on the same rows, on which most of the search is made
     metric_of_lifted : in which lifted fields descend on it
 
-    Raises
-    ------
-    OutOfTime
-        when there is no field yet
+    Raises :class:`OutOfTime` when there is no field yet.
     """
     search = _Search(stage, samples, density, random, monitor)
     try:

@@ -7,7 +7,6 @@ slack as a new column and go on. The target is the certified gap, never the grad
 rounding.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
@@ -18,7 +17,7 @@ from ...monitor import Monitor, OutOfTime
 from ...piece import Piece
 from ...solution import Certificate, Clock, Options
 from .certificate import depth_for_bound, lower_bound, measure_slack, provable_width, prove
-from .descent import Descent, Memory, descend, rounding_noise
+from .descent import Descent, Matrix, Memory, descend, rounding_noise
 from .initial_field import coarse_field
 from .manifolds import principal
 from .stage import Workspace
@@ -144,17 +143,29 @@ class _Search:
         workspace, stage = self._workspace, self._workspace.stages[0]
         with self._clock("relax"):
             self._metric = None  # frees its memory before the next one is built
-            metric = self._metric = self._monitor.during(partial(stage.metric_at, self.point))
-            precise, memory = self._needs_double, self._memory
-            descents = _descents(workspace, self.point, metric, tolerance, precise, memory, self._monitor)
-            for descent in descents:
-                self.point, self.out_of_time = descent.point, descent.out_of_time
-                self._steps, self._products = self._steps + descent.steps, self._products + descent.products
+            self._metric = self._monitor.during(partial(stage.metric_at, self.point))
+            if not self._needs_double:
+                descent = self._descend_by(stage.matrix, tolerance)
+                noise = rounding_noise(stage.matrix, stage.lifted.held)
+                self._needs_double = not (tolerance * descent.values[0] >= noise or descent.out_of_time)
+                if self._needs_double:
+                    self._memory.clear()
+            if self._needs_double:
+                self._descend_by(workspace.matrix, tolerance)
             self._needs_double = self.point.dtype == workspace.matrix.dtype
             self.point = stage.lifted.normalize(self.point.astype(workspace.piece.matrix.dtype))
             image = workspace.matrix @ self.point
             self.value = max(float(stage.lifted.energies(self.point, image)[0]), 0.0)
             self._duals = stage.lifted.multipliers(self.point, image)
+
+    def _descend_by(self, matrix: Matrix, tolerance: float) -> Descent:
+        """Descend in the precision of a matrix, to a tolerance."""
+        assert self._metric is not None
+        start, lifted = self.point.astype(matrix.dtype), self._workspace.stages[0].lifted
+        descent = descend(matrix, lifted, start, self._metric, tolerance, DESCENT_STEPS, self._monitor, self._memory)
+        self.point, self.out_of_time = descent.point, descent.out_of_time
+        self._steps, self._products = self._steps + descent.steps, self._products + descent.products
+        return descent
 
     def certify(self, is_first: bool) -> None:
         """Compute a bound at the point; where it is too low, add columns along negative directions of the slack.
@@ -266,26 +277,3 @@ def _coarse_start(workspace: Workspace, rank: int, random: np.random.Generator, 
     if stage is not finest:
         point = finest.lifted.normalize(stage.prolong(point))
     return point.astype(workspace.matrix.dtype)
-
-
-def _descents(
-    workspace: Workspace,
-    point: np.ndarray,
-    metric: Metric,
-    tolerance: float,
-    precise: bool,
-    memory: Memory,
-    monitor: Monitor,
-) -> Iterator[Descent]:
-    """A descent in single precision, and one in double where ``precise`` is set or single is not enough."""
-    stage = workspace.stages[0]
-    if not precise:
-        start = point.astype(stage.matrix.dtype)
-        descent = descend(stage.matrix, stage.lifted, start, metric, tolerance, DESCENT_STEPS, monitor, memory)
-        yield descent
-        noise = rounding_noise(stage.matrix, stage.lifted.held)
-        if tolerance * descent.values[0] >= noise or descent.out_of_time:
-            return
-        point = descent.point.astype(workspace.matrix.dtype)
-        memory.clear()
-    yield descend(workspace.matrix, stage.lifted, point, metric, tolerance, DESCENT_STEPS, monitor, memory)
