@@ -25,13 +25,13 @@ def filament_velocity(places: np.ndarray, curves: Sequence[tuple[ArrayLike, floa
     Each segment from p to q is integrated in closed form: the integral of dy x (x - y) / (|x - y|^2 + core^2)^(3/2) is
     2 (P + Q) / (P Q ((P + Q)^2 - |q - p|^2)) (q - p) x (x - p), with P^2 = |x - p|^2 + core^2 and Q likewise for q.
 
+    Raises :class:`SettingError` for a curve of a single point, or a core that is not positive.
+
     Parameters
     ----------
     curves : pairs of (p, 3) points of a polyline, closed where the last is the first, and its circulation,
         counterclockwise seen from its head
     core : radius within which the vorticity is spread, in scene units
-
-    Raises :class:`SettingError` for a curve of a single point, or a core that is not positive.
     """
     if not core > 0:
         raise SettingError(f"the core radius is {core}: give a positive length")

@@ -113,13 +113,13 @@ def remove_holonomy(
 ) -> CurlRemoval:
     """The correction of changes with given sums.
 
+    Raises :class:`SynchError` where the solve does not converge.
+
     Parameters
     ----------
     holonomy : (s,) sums of the changes
     weights : (c,) of the changes
     known : (c,) changes known from constraints less the target changes, nan where unknown; optional
-
-    Raises :class:`SynchError` where the solve does not converge.
     """
     softness = 1 / np.maximum(weights, SMALLEST_WEIGHT)
     correction = np.zeros(len(weights))

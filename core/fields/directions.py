@@ -22,12 +22,12 @@ from ..settings.surface import SYMMETRY_ORDERS
 from ..solve import Options, Solution, solve
 from ..solve.warm_start import Follower
 from .animation import carry_angles, nearest_representatives, next_solution
-from .constraints.groups import contract_groups, join_links, without_contradictions
+from .constraints.groups import contract_groups, drop_contradictions, join_links
 from .constraints.rows import Row, direction_targets
 from .curl_removal import ROUGH, CurlRemoval, check_share, known_turns, remove_holonomy, surface_circulation
 from .evenness import quantiles
 from .guidance.guides import Guide, blend_guides
-from .mirror import LEAN, Mirror, Seam, add_self_edges, snap_targets, snap_to_plane, split_links
+from .mirror import LEAN, Reflection, add_self_edges, snap_targets, snap_to_plane, split_links
 
 # The largest ratio of the sizes of quads due to flattening, since exact square quads vary tenfold and more on animals'
 # legs; and the share of the area at either end that does not count for it.
@@ -50,7 +50,7 @@ class DirectionWishes:
 
     guides: tuple[tuple[Guide, float], ...] = ()
     rows: tuple[Row, ...] = ()
-    mirrors: tuple[Mirror | Seam, ...] = ()
+    mirrors: tuple[Reflection, ...] = ()
     singularities: float = 1.0
     pins: tuple[tuple[int, float], ...] = ()
 
@@ -187,7 +187,7 @@ def _pose_directions(
     connection = Connection(mesh.vertex_count, posed.edges, posed.weights, circle_transports(turns))
     fixed, drawn, gives_way = direction_targets(mesh, symmetry, wishes.rows)
     links, loops = split_links(mesh.vertex_count, [mirror.direction_links(symmetry) for mirror in wishes.mirrors])
-    fixed = without_contradictions(fixed, gives_way, join_links([links, loops]), LEAN * symmetry)
+    fixed = drop_contradictions(fixed, gives_way, join_links([links, loops]), LEAN * symmetry)
     fixed = snap_targets(fixed, loops, LEAN * symmetry)
     fixed, merged = contract_groups(mesh.vertex_count, links, fixed, LEAN * symmetry)
     if wishes.guides:

@@ -26,7 +26,7 @@ from ..algebra.factorization import factorize
 from ..geometry.triangle_mesh import TriangleMesh
 from ..matchings import after_turns
 from .curl_removal import SMALLEST_WEIGHT, known_turns, removable_rows, surface_circulation
-from .mirror import Mirror, Seam
+from .mirror import Mirror, Reflection
 from .patterns import Pattern
 from .target_one_form import TargetOneForm
 
@@ -79,7 +79,7 @@ def cosines(conditions: Sequence[Condition]) -> np.ndarray:
 class LoopClosing:
     """Conditions that loops close, on the changes of a quad pattern with a branching of 0 and its mirrors."""
 
-    def __init__(self, pattern: Pattern, mirrors: Sequence[Mirror | Seam] = ()) -> None:
+    def __init__(self, pattern: Pattern, mirrors: Sequence[Reflection] = ()) -> None:
         self._growth = growth = pattern.growth
         self._asked = growth.changes.ravel()
         self._softness = 1 / np.maximum(np.repeat(growth.mesh.weights, 2), SMALLEST_WEIGHT)

@@ -7,7 +7,7 @@ from ..geometry.grid import Grid
 from .clebsch import ClebschMap, circulations
 
 
-def through_squares(grid: Grid, fluxes: np.ndarray, size: int) -> np.ndarray:
+def sum_through_squares(grid: Grid, fluxes: np.ndarray, size: int) -> np.ndarray:
     """(l,) sums of the (f,) fluxes inside every square loop of ``size`` edges a side, in all planes of the grid.
 
     Loops across the end of a periodic axis are left out; the result is empty where the grid is too small.
@@ -30,5 +30,5 @@ def loop_error(found: ClebschMap, size: int) -> float | None:
     along them, for a map on a grid; None where there is no loop."""
     assert isinstance(found.grid, Grid)
     missing = circulations(found.grid, found.integrals) / found.quantum - found.face_numbers
-    differences = through_squares(found.grid, missing, size)
+    differences = sum_through_squares(found.grid, missing, size)
     return float(np.sqrt(np.mean(differences**2))) if len(differences) else None

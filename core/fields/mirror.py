@@ -25,16 +25,50 @@ LEAN = 0.1
 STRENGTH = 4.0
 
 
-@dataclass(frozen=True)
-class Mirror:
-    """A reflection of a mesh onto itself.
+class Reflection:
+    """Pairs of vertices whose directions are mirror images, :class:`Mirror` or :class:`Seam`.
 
     Attributes
     ----------
-    partner : (n,) mirror image of each vertex
-    turns : (n,) a direction at angle a at a vertex maps to turns - a at its partner
+    turns : (k,) a direction at angle a at the first of a pair maps to turns - a at the second
     name : for messages
     """
+
+    turns: np.ndarray
+    name: str
+
+    def _pairs(self) -> tuple[np.ndarray, np.ndarray]:
+        raise NotImplementedError
+
+    def direction_links(self, symmetry: int) -> Links:
+        """Links between the powers of a direction field."""
+        first, second = self._pairs()
+        return self._links(first, second, symmetry * self.turns, np.ones(len(first), bool))
+
+    def mirrored_directions(self, growth: Growth) -> np.ndarray:
+        """(k, p) direction at the second vertex, 0 to 2 p - 1, to which that of each of the first's p phases maps; from
+        p on they are the reverses."""
+        first, second = self._pairs()
+        images = np.rint((self.turns - growth.angles[first] - growth.angles[second]) / growth.turn).astype(int)
+        # They count in the opposite sense.
+        directions: np.ndarray = (images[:, None] - np.arange(growth.phase_count)) % (2 * growth.phase_count)
+        return directions
+
+    def phase_links(self, growth: Growth) -> Links:
+        """Links between the phases of a growth, which are exchanged or reversed."""
+        (first, second), count, directions = self._pairs(), growth.phase_count, self.mirrored_directions(growth)
+        nodes = (count * first[:, None] + np.arange(count)).ravel()
+        partners = count * second[:, None] + directions % count
+        return self._links(nodes, partners.ravel(), np.zeros(len(nodes)), directions.ravel() >= count)
+
+    def _links(self, i: np.ndarray, j: np.ndarray, angles: np.ndarray, flips: np.ndarray) -> Links:
+        once = i <= j
+        return Links(i[once], j[once], angles[once], flips[once], np.full(once.sum(), self.name, object))
+
+
+@dataclass(frozen=True)
+class Mirror(Reflection):
+    """A reflection of a mesh onto itself; ``partner`` are the (n,) mirror images of its vertices."""
 
     partner: np.ndarray
     turns: np.ndarray
@@ -50,28 +84,15 @@ class Mirror:
         # Diagonals of faces need not be mirrored, so that tangent planes may lean a little.
         return cls(partner, np.angle(turns + turns[partner]), f"the mirror in {'XYZ'[axis]}")
 
-    def direction_links(self, symmetry: int) -> Links:
-        """Links between the powers of a direction field."""
-        return _direction_links(np.arange(len(self.partner)), self.partner, self.turns, self.name, symmetry)
-
-    def mirrored_directions(self, growth: Growth) -> np.ndarray:
-        """(n, k) direction of the partner, 0 to 2 k - 1, to which the direction of each of a vertex's k phases maps;
-        from k on they are the reverses."""
-        return _mirrored_directions(np.arange(len(self.partner)), self.partner, self.turns, growth)
-
-    def phase_links(self, growth: Growth) -> Links:
-        """Links between the phases of a growth, which are exchanged or reversed."""
-        return _phase_links(np.arange(len(self.partner)), self.partner, self.turns, self.name, growth)
+    def _pairs(self) -> tuple[np.ndarray, np.ndarray]:
+        return np.arange(len(self.partner)), self.partner
 
 
 @dataclass(frozen=True)
-class Seam:
-    """The two sides of the cut along a one-sided surface: their normals are opposite, their field is the same.
+class Seam(Reflection):
+    """The two sides of the cut along a one-sided surface, (k,) vertices ``first`` and ``second`` at the same places.
 
-    Attributes
-    ----------
-    first, second : (k,) vertices at the same places
-    turns : (k,) a direction at angle a at the first is at turns - a at the second
+    Their normals are opposite, their field is the same.
     """
 
     first: np.ndarray
@@ -94,36 +115,8 @@ class Seam:
         )
         return cls(first, second, np.angle(turns))
 
-    def direction_links(self, symmetry: int) -> Links:
-        """Links between the powers of a direction field."""
-        return _direction_links(self.first, self.second, self.turns, self.name, symmetry)
-
-    def phase_links(self, growth: Growth) -> Links:
-        """Links between the phases of a growth."""
-        return _phase_links(self.first, self.second, self.turns, self.name, growth)
-
-
-def _direction_links(first: np.ndarray, second: np.ndarray, turns: np.ndarray, name: str, symmetry: int) -> Links:
-    return _links(first, second, symmetry * turns, np.ones(len(first), bool), name)
-
-
-def _mirrored_directions(first: np.ndarray, second: np.ndarray, turns: np.ndarray, growth: Growth) -> np.ndarray:
-    """(k, phases) the direction to which each phase's direction maps; mirrored ones count in the opposite sense."""
-    images: np.ndarray = np.rint((turns - growth.angles[first] - growth.angles[second]) / growth.turn).astype(int)
-    return (images[:, None] - np.arange(growth.phase_count)) % (2 * growth.phase_count)
-
-
-def _phase_links(first: np.ndarray, second: np.ndarray, turns: np.ndarray, name: str, growth: Growth) -> Links:
-    count, directions = growth.phase_count, _mirrored_directions(first, second, turns, growth)
-    nodes = (count * first[:, None] + np.arange(count)).ravel()
-    partners = count * second[:, None] + directions % count
-    return _links(nodes, partners.ravel(), np.zeros(len(nodes)), directions.ravel() >= count, name)
-
-
-def _links(i: np.ndarray, j: np.ndarray, angles: np.ndarray, flips: np.ndarray, name: str) -> Links:
-    once = i <= j
-    names = np.full(once.sum(), name, object)
-    return Links(i[once], j[once], angles[once], flips[once], names)
+    def _pairs(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.first, self.second
 
 
 def split_links(count: int, parts: Sequence[Links]) -> tuple[Links, Links]:

@@ -30,7 +30,7 @@ from .constraints.strips import strip_stretch
 from .curl_removal import check_share
 from .directions import DirectionField
 from .evenness import Evenness, evenness
-from .mirror import LEAN, Mirror, Seam, add_self_edges, snap_targets, snap_to_plane, split_links
+from .mirror import LEAN, Reflection, add_self_edges, snap_targets, snap_to_plane, split_links
 from .target_one_form import TargetOneForm
 
 # Spacings below this share of the object are too fine for phases in double precision.
@@ -140,7 +140,7 @@ def pattern_problem(
     field: DirectionField,
     spacing: ArrayLike,
     rows: Sequence[Row] = (),
-    mirrors: Sequence[Mirror | Seam] = (),
+    mirrors: Sequence[Reflection] = (),
     branching: float = 1.0,
 ) -> SynchronizationProblem:
     """The synchronization problem of a pattern.
@@ -162,7 +162,7 @@ def _pose_pattern(
     field: DirectionField,
     spacing: ArrayLike,
     rows: Sequence[Row],
-    mirrors: Sequence[Mirror | Seam],
+    mirrors: Sequence[Reflection],
     branching: float,
 ) -> tuple[TargetOneForm, SynchronizationProblem, Links]:
     """The growth, the problem, and the links of phases to themselves, on mirrors and grid lines."""
@@ -193,7 +193,7 @@ def solve_pattern(
     field: DirectionField,
     spacing: ArrayLike,
     rows: Sequence[Row] = (),
-    mirrors: Sequence[Mirror | Seam] = (),
+    mirrors: Sequence[Reflection] = (),
     options: Options | None = None,
     callback: Callback | None = None,
     before: Pattern | None = None,
@@ -255,7 +255,7 @@ def known_pattern(
     spacing: ArrayLike,
     phases: np.ndarray,
     rows: Sequence[Row] = (),
-    mirrors: Sequence[Mirror | Seam] = (),
+    mirrors: Sequence[Reflection] = (),
     branching: float = 1.0,
 ) -> Pattern:
     """The pattern of (k n,) complex phases that are known, without problem and solution.
@@ -274,6 +274,6 @@ def _growth(mesh: TriangleMesh, field: DirectionField, spacing: ArrayLike, rows:
     return replace(growth, stretch=strip_stretch(growth, rows))
 
 
-def _mirror_links(growth: TargetOneForm, mirrors: Sequence[Mirror | Seam]) -> tuple[Links, Links]:
+def _mirror_links(growth: TargetOneForm, mirrors: Sequence[Reflection]) -> tuple[Links, Links]:
     count = growth.phase_count * growth.mesh.vertex_count
     return split_links(count, [mirror.phase_links(growth) for mirror in mirrors])

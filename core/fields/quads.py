@@ -17,7 +17,7 @@ from ..solution import Options
 from ..solve.warm_start import Follower
 from .constraints.rows import Row
 from .directions import DirectionField
-from .mirror import Mirror, Seam
+from .mirror import Reflection
 from .patterns import Pattern, pattern_problem, solve_pattern
 
 
@@ -26,7 +26,7 @@ def quad_problem(
     field: DirectionField,
     spacing: ArrayLike,
     rows: Sequence[Row] = (),
-    mirrors: Sequence[Mirror | Seam] = (),
+    mirrors: Sequence[Reflection] = (),
     branching: float = 1.0,
 ) -> SynchronizationProblem:
     """The synchronization problem of quads along a cross field; arguments as :func:`pattern_problem`."""
@@ -39,7 +39,7 @@ def quad_pattern(
     field: DirectionField,
     spacing: ArrayLike,
     rows: Sequence[Row] = (),
-    mirrors: Sequence[Mirror] = (),
+    mirrors: Sequence[Reflection] = (),
     options: Options | None = None,
     callback: Callback | None = None,
     before: Pattern | None = None,

@@ -14,7 +14,7 @@ from ..solution import Options
 from ..solve.warm_start import Follower
 from .constraints.rows import Row
 from .directions import DirectionField
-from .mirror import Mirror, Seam
+from .mirror import Reflection
 from .patterns import Pattern, pattern_problem, solve_pattern
 
 
@@ -23,7 +23,7 @@ def stripe_problem(
     field: DirectionField,
     spacing: ArrayLike,
     rows: Sequence[Row] = (),
-    mirrors: Sequence[Mirror | Seam] = (),
+    mirrors: Sequence[Reflection] = (),
     branching: float = 1.0,
 ) -> SynchronizationProblem:
     """The synchronization problem of stripes along a vector or line field; arguments as :func:`pattern_problem`."""
@@ -36,7 +36,7 @@ def stripe_pattern(
     field: DirectionField,
     spacing: ArrayLike,
     rows: Sequence[Row] = (),
-    mirrors: Sequence[Mirror] = (),
+    mirrors: Sequence[Reflection] = (),
     options: Options | None = None,
     callback: Callback | None = None,
     before: Pattern | None = None,

@@ -59,12 +59,12 @@ def join_links(parts: Iterable[Links]) -> Links:
 def fixed_phases(parts: Sequence[tuple[str, np.ndarray, np.ndarray]], remedy: str) -> Targets:
     """The fixed phases of several sources, each node once.
 
+    Raises :class:`ContradictionError` for nodes that are fixed to different phases.
+
     Parameters
     ----------
     parts : name of the source, (k,) nodes and (k,) complex values
     remedy : what to do where two sources contradict each other
-
-    Raises :class:`ContradictionError` for nodes that are fixed to different phases.
     """
     if not parts:
         return Targets.none()
@@ -81,7 +81,7 @@ def fixed_phases(parts: Sequence[tuple[str, np.ndarray, np.ndarray]], remedy: st
     return Targets(unique, values[first])
 
 
-def without_contradictions(fixed: Targets, gives_way: np.ndarray, links: Links, slack: float) -> Targets:
+def drop_contradictions(fixed: Targets, gives_way: np.ndarray, links: Links, slack: float) -> Targets:
     """Fixed values without those that may give way, (k,) bool, and whose links contradict other fixed values."""
     values = np.full(
         max(links.i.max(initial=-1), links.j.max(initial=-1), fixed.nodes.max(initial=-1)) + 1, np.nan, complex
@@ -97,14 +97,14 @@ def without_contradictions(fixed: Targets, gives_way: np.ndarray, links: Links, 
 def contract_groups(count: int, links: Links, fixed: Targets, slack: float = TOLERANCE) -> tuple[Targets, Merged]:
     """Fixed and merged nodes of linked groups: a group with a fixed node is fixed, others merge into their first node.
 
+    Raises :class:`ContradictionError` when links come back with another phase, or join nodes that are fixed to
+    different ones.
+
     Parameters
     ----------
     count : number of nodes
     fixed : without weights
     slack : how far linked unit values may differ; those that are joined are averaged
-
-    Raises :class:`ContradictionError` when links come back with another phase, or join nodes that are fixed to
-    different ones.
     """
     if len(links.i) == 0:
         return fixed, Merged.none()

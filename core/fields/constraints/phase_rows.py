@@ -69,13 +69,13 @@ def phase_constraints(
 ) -> tuple[Targets, Merged, list[Targets]]:
     """Fixed, merged and softly constrained phases of a pattern.
 
+    Raises :class:`ContradictionError` when hard rows ask for different phases at a vertex.
+
     Parameters
     ----------
     rows : of the kinds "phase" and "constant"
     links : further links between phases
     slack : how far linked values may differ
-
-    Raises :class:`ContradictionError` when hard rows ask for different phases at a vertex.
     """
     phases = [_LinePhases.of(row, growth) for row in rows]
     hard = [p for p in phases if p.row.kind == "phase" and p.row.is_hard]

@@ -33,11 +33,11 @@ def strip_stretch(growth: Growth, rows: Sequence[Row]) -> complex | np.ndarray:
         return 1.0
     mesh = growth.mesh
     sides = np.pi / growth.rates.mean(axis=1)
-    across, factors = strips(mesh, np.unique(mesh.edges_between(*links.T)), sides)
+    across, factors = find_strips(mesh, np.unique(mesh.edges_between(*links.T)), sides)
     return _stretch_edges(mesh, across, factors)
 
 
-def strips(mesh: TriangleMesh, edges: np.ndarray, sides: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def find_strips(mesh: TriangleMesh, edges: np.ndarray, sides: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(m, 3) unit vectors across narrow strips in each triangle, and (m,) factors on lengths across that make room for
     :data:`ACROSS` quads; 1 outside of strips.
 

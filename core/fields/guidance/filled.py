@@ -16,7 +16,7 @@ from ...geometry.filling.surface_distance import normals_at
 from ...geometry.nearest import NearestTriangles, nearest_in_triangles
 from ...geometry.tet_mesh import TetMesh
 from ...geometry.triangle_mesh import TriangleMesh
-from .given import SolidVectors, orient_vectors, principal, vectors_at, without_sign
+from .given import SolidVectors, line_matrices, orient_vectors, principal_vectors, vectors_at
 from .potentials import harmonic_function
 from .solid_distance import solid_distance
 from .solids import axis_directions, check_vectors, curve_vectors, gradient_vectors, vector_directions
@@ -80,9 +80,9 @@ def of_given_vectors(given: SolidVectors, stretch: np.ndarray, filled: Filled) -
 def of_given_lines(given: SolidVectors, stretch: np.ndarray, filled: Filled) -> np.ndarray:
     """The same for vectors without a sign, such as principal stresses."""
     mesh = TetMesh(given.mesh.vertices @ stretch.T, given.mesh.tets)
-    values = without_sign(given.values @ stretch.T)
+    values = line_matrices(given.values @ stretch.T)
     values = values if given.at_vertices else mesh.at_vertices(values)
-    found = principal(vectors_at(mesh, values, filled.solid.vertices))
+    found = principal_vectors(vectors_at(mesh, values, filled.solid.vertices))
     return check_vectors(filled.solid, orient_vectors(filled.solid, found))
 
 

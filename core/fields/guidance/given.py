@@ -44,13 +44,13 @@ def vectors_at(mesh: TetMesh, values: np.ndarray, points: np.ndarray) -> np.ndar
     return found
 
 
-def without_sign(vectors: np.ndarray) -> np.ndarray:
+def line_matrices(vectors: np.ndarray) -> np.ndarray:
     """(k, 3, 3) matrices v v^T / |v| of vectors, whose means are those of lines."""
     lengths = np.linalg.norm(vectors, axis=1)
     return vectors[:, :, None] * (vectors / np.where(lengths > 0, lengths, 1)[:, None])[:, None]
 
 
-def principal(matrices: np.ndarray) -> np.ndarray:
+def principal_vectors(matrices: np.ndarray) -> np.ndarray:
     """(k, 3) eigenvectors of the largest eigenvalues of symmetric matrices, as long as these; of either sign."""
     values, vectors = np.linalg.eigh(matrices)
     return vectors[:, :, 2] * values[:, 2:]

@@ -47,12 +47,12 @@ def gradient_guide(mesh: TriangleMesh, values: ArrayLike, contour: bool = False)
     it falls where the faces around a vertex disagree, times a smooth step from 0 to 1 while the gradient rises from
     zero to a tenth of its mean over the surface's sloping part.
 
+    Raises :class:`SettingError` for another shape, values that are not finite, or the same value everywhere.
+
     Parameters
     ----------
     values : (n,) at vertices, or (m, 3) at the corners of triangles (one coordinate of a UV map)
     contour : turn a quarter counterclockwise, along the level lines with larger values on the right
-
-    Raises :class:`SettingError` for another shape, values that are not finite, or the same value everywhere.
     """
     values = np.asarray(values, float)
     if values.shape not in ((mesh.vertex_count,), mesh.triangles.shape):
@@ -118,11 +118,11 @@ def distance_guide(mesh: TriangleMesh, sources: ArrayLike, contour: bool = False
 
     Pieces without a source have no weight.
 
+    Raises :class:`SettingError` for a set that is empty, of another length, or of all vertices.
+
     Parameters
     ----------
     contour : turn a quarter counterclockwise, along the curves with the sources on the left
-
-    Raises :class:`SettingError` for a set that is empty, of another length, or of all vertices.
     """
     distances = np.nan_to_num(front_distance(mesh, sources))
     guide = _slope_guide(mesh, distances[mesh.triangles], contour)
@@ -155,13 +155,13 @@ def blend_guides(guides: Sequence[Guide], shares: ArrayLike, symmetry: int) -> t
     On the unit circle ``sum_k w_k |phi - q_k|^2`` and ``|q| |phi - q / |q||^2`` with ``q = sum_k w_k q_k`` differ by
     the constant ``2 (sum_k w_k - |q|)``. Here ``w_k`` is share times weight and ``q_k`` the power of the direction.
 
+    Raises :class:`SettingError` for no guides, guides of different meshes, or shares that are not one finite number >=
+    0 for each.
+
     Returns
     -------
     values : (n,) complex, unit modulus; 1 where the weight is 0
     weights : (n,) modulus of q; 0 where the guides cancel each other
-
-    Raises :class:`SettingError` for no guides, guides of different meshes, or shares that are not one finite number >=
-    0 for each.
     """
     shares = np.asarray(shares, float)
     if len(guides) == 0:

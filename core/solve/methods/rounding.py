@@ -133,15 +133,15 @@ def _best_of(
 ) -> np.ndarray:
     """The best ``count``, best first, of ``total`` columns made by make(numbers), with few in memory at once."""
 
-    def making(numbers: np.ndarray, work: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    def run_batches(numbers: np.ndarray, work: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         def make_batch(batch: np.ndarray, batch_monitor: Monitor) -> np.ndarray:
             batch_monitor.check()
             return work(make(batch))
 
         return _in_batches(stage, make_batch, numbers, monitor)
 
-    values = making(np.arange(total), partial(energies, stage))
-    return making(np.argsort(values, kind="stable")[:count], lambda columns: columns)
+    values = run_batches(np.arange(total), partial(energies, stage))
+    return run_batches(np.argsort(values, kind="stable")[:count], lambda columns: columns)
 
 
 def lowest(stage: Stage, columns: np.ndarray, count: int) -> np.ndarray:
@@ -211,6 +211,8 @@ def continuation(
 
     On a problem with slightly less curl fewer defects block one another: the fields found there lead to less energy.
 
+    Raises :class:`OutOfTime` when there is no field yet.
+
     Parameters
     ----------
     stage : of the piece itself
@@ -219,8 +221,6 @@ def continuation(
     density : energy per mass of the relaxation, positive
     less_curl : matrix with less curl on the same rows, on which most of the search is made
     metric_of_lifted : in which lifted fields descend on it
-
-    Raises :class:`OutOfTime` when there is no field yet.
     """
     search = _Search(stage, samples, density, random, monitor)
     try:

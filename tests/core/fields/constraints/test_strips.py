@@ -9,7 +9,7 @@ import pytest
 
 from synch_fields.core.fields import given_directions
 from synch_fields.core.fields.constraints.features import feature_edges, feature_row
-from synch_fields.core.fields.constraints.strips import ACROSS, strip_stretch, strips
+from synch_fields.core.fields.constraints.strips import ACROSS, find_strips, strip_stretch
 from synch_fields.core.fields.target_one_form import TargetOneForm
 
 from ...meshes import cylinder, square
@@ -23,7 +23,7 @@ def test_chamfers_are_strips_and_nothing_else_is(share):
     cut = share * side / np.sqrt(2)
     mesh = chamfered_cube(16, cut)
     edges = feature_edges(mesh, ANGLE, 1e-3)
-    across, factors = strips(mesh, edges, np.full(mesh.vertex_count, side))
+    across, factors = find_strips(mesh, edges, np.full(mesh.vertex_count, side))
     normals = np.abs(mesh.face_normals)
     chamfer = (np.sort(normals, axis=1)[:, 0] < 1e-9) & (normals.max(axis=1) < 0.9)
     middle = mesh.vertices[mesh.triangles].mean(axis=1)
@@ -39,8 +39,8 @@ def test_chamfers_are_strips_and_nothing_else_is(share):
 def test_what_is_wider_than_the_quads_that_are_asked_for_is_no_strip():
     mesh = cylinder(1.0, 0.5, 48, 6)
     edges = mesh.boundary_edges
-    assert (strips(mesh, edges, np.full(mesh.vertex_count, 0.5 / ACROSS - 1e-3))[1] == 1).all()
-    assert (strips(mesh, edges, np.full(mesh.vertex_count, 0.5))[1] > 1.2).all()
+    assert (find_strips(mesh, edges, np.full(mesh.vertex_count, 0.5 / ACROSS - 1e-3))[1] == 1).all()
+    assert (find_strips(mesh, edges, np.full(mesh.vertex_count, 0.5))[1] > 1.2).all()
 
 
 def test_phases_grow_as_much_across_a_strip_as_quads_are_asked_for_and_as_before_along_it():
