@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fields that artists ask for, each posed as a synchronization problem."""
+"""Fields and patterns, each solved as a synchronization problem."""
 
 from .constraints.lines import Line, boundary_line, line_of_edges
 from .constraints.rows import Row

@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How direction fields are turned as a whole where neither constraints nor guides say."""
+"""Align direction fields that neither constraints nor guides align."""
 
 import numpy as np
 
+from .directions import DirectionField
 from .guidance.curvature import principal_directions
 
 
-def along_curvature(field):
-    """A :class:`DirectionField` whose free pieces are turned to agree best with the principal directions.
+def along_curvature(field: DirectionField) -> DirectionField:
+    """The field with its free pieces turned to agree best with the principal directions.
 
-    Without constraints, phases that are all turned by the same angle have the same energy, so that it is free to
-    choose. Edges along the principal directions bend least, and so do faces between them.
+    Without constraints a turn of all phases by the same angle costs no energy. Edges along the principal directions
+    bend least, and so do faces between them.
     """
+    assert field.problem is not None
     mesh, problem = field.mesh, field.problem
     is_free = np.ones(mesh.pieces.max() + 1, bool)
     for nodes in (problem.fixed.nodes, problem.drawn.nodes, problem.merged.nodes):

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From one frame of a moving surface to the next: a field carried along by the vertices, and settled again.
+"""From one frame of a moving surface to the next: a field is carried along by the vertices, and descends again.
 
 Descent from the frame before stays in its basin. It leaves open what costs no energy: a turn of all phases of a piece,
-and which of the equal directions at a vertex is called the first. Both are taken from the frame before, so that nothing
-jumps that need not. Where a basin ends, a pattern would slide far in one frame. Drawn to the phases before with weights
-w, it takes the implicit step of its gradient flow over a time 1 / w instead, and slides for several frames.
+and which of the equal directions at a vertex is the representative. Both are taken from the frame before, so that
+nothing jumps without need. Where a basin ends, a pattern would slide far in one frame. Drawn to the phases before with
+weights w, it takes an implicit step of its gradient flow over a time 1 / w instead, and slides for several frames.
 """
 
 from dataclasses import replace
@@ -12,30 +12,24 @@ from dataclasses import replace
 import numpy as np
 
 from ..errors import SettingError
+from ..geometry.triangle_mesh import TriangleMesh
+from ..monitor import Callback
 from ..problem import SynchronizationProblem, Targets, join_targets
 from ..solution import DESCENT
-from ..solve import Options, solve
+from ..solve import Options, Solution, solve
+from ..solve.warm_start import Follower
 
 
-def is_moved(mesh, other):
-    """Whether a mesh has the triangles of another, so that it can be that one moved."""
+def is_moved(mesh: TriangleMesh, other: TriangleMesh) -> bool:
+    """Whether a mesh has the triangles of another, so that it may be the same one after a motion."""
     return mesh.vertex_count == other.vertex_count and np.array_equal(mesh.triangles, other.triangles)
 
 
-def carry_angles(angles, mesh, moved):
-    """Directions that go along with a moving surface.
+def carry_angles(angles: np.ndarray, mesh: TriangleMesh, moved: TriangleMesh) -> np.ndarray:
+    """(n,) angles in the tangent planes of ``mesh``, carried to those of the same mesh after a motion, radians.
 
     At each vertex they turn as its edges do on average, weighted by their lengths before and after: not at all in a
-    rigid motion, and otherwise by the rotation nearest to what happens to the tangent plane.
-
-    Parameters
-    ----------
-    angles : (n,) radians in the tangent planes of ``mesh``
-    mesh, moved : TriangleMesh of the same triangles
-
-    Returns
-    -------
-    (n,) radians in the tangent planes of ``moved``
+    rigid motion, and otherwise by the rotation nearest to the deformation of the tangent plane.
     """
     if not is_moved(mesh, moved):
         raise SettingError("a field is carried between meshes of different triangles: solve it afresh")
@@ -46,49 +40,59 @@ def carry_angles(angles, mesh, moved):
     return angles + np.angle(sums)
 
 
-def in_sheets_of(angles, wanted, symmetry):
-    """Of the equal directions at each vertex the one nearest to a wanted angle, radians."""
+def nearest_representatives(angles: np.ndarray, wanted: np.ndarray, symmetry: int) -> np.ndarray:
+    """(n,) the representatives of directions at each vertex that are nearest to the wanted angles, radians."""
     turn = 2 * np.pi / symmetry
-    return angles + turn * np.rint((wanted - angles) / turn)
+    nearest: np.ndarray = angles + turn * np.rint((wanted - angles) / turn)
+    return nearest
 
 
-def next_solution(problem, phases, options=None, callback=None, hold=None, follower=None):
+def next_solution(
+    problem: SynchronizationProblem,
+    phases: np.ndarray,
+    options: Options | None = None,
+    callback: Callback | None = None,
+    hold: np.ndarray | None = None,
+    follower: Follower | None = None,
+) -> Solution:
     """The local optimum that descent reaches from the frame before, without a bound.
 
     Parameters
     ----------
-    problem : SynchronizationProblem
     phases : (n,) complex, of the frame before
-    options, callback : see :func:`core.solve.solve`; the method and the time limit do not count
+    options, callback : see :func:`core.solve.solve`; method and time limit are ignored
     hold : (n,) weights that draw the nodes to these phases, optional
-    follower : Follower that goes some steps only, optional
+    follower : takes only some steps, optional
     """
     if follower is not None and follower.suits(problem):
         solution = follower.solve(problem, phases, callback)
         return _align_pieces(problem, solution, phases) if problem.is_complex else solution
     options = replace(Options() if options is None else options, method=DESCENT, time_limit=None)
     if hold is not None and np.any(hold):
-        solution = solve(_add_phase_wishes(problem, phases, hold), options, callback, phases)
+        solution = solve(_add_soft_targets(problem, phases, hold), options, callback, phases)
         return replace(solution, energy=problem.energy(solution.phases))
     solution = solve(problem, options, callback, phases)
     return _align_pieces(problem, solution, phases) if problem.is_complex else solution
 
 
-def _add_phase_wishes(problem, phases, weights):
-    """The problem with soft wishes for phases at all nodes that are not fixed."""
+def _add_soft_targets(
+    problem: SynchronizationProblem, phases: np.ndarray, weights: np.ndarray
+) -> SynchronizationProblem:
+    """The problem with soft targets at all nodes that are not fixed."""
     weights = np.array(weights, float)
     weights[problem.fixed.nodes] = 0
     drawn = join_targets([Targets(np.arange(len(phases)), phases, weights), problem.drawn])
     return SynchronizationProblem(problem.connection, problem.mass, problem.merged, problem.fixed, drawn)
 
 
-def _align_pieces(problem, solution, phases):
+def _align_pieces(problem: SynchronizationProblem, solution: Solution, phases: np.ndarray) -> Solution:
     """The solution with each free piece turned as a whole to be nearest to phases."""
     turned, wanted = problem.coordinates(solution.phases), problem.coordinates(phases)
     pieces = problem.pieces
     for number in np.flatnonzero(pieces.grounds < 0):
-        rows = pieces.rows([number])
-        product = np.vdot(turned[rows], pieces.masses([number]) * wanted[rows])
+        own = np.array([number])
+        rows = pieces.rows(own)
+        product = np.vdot(turned[rows], pieces.masses(own) * wanted[rows])
         if product != 0:
             turned[rows] *= product / abs(product)
     phases = problem.expand(turned)

@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The flow around given vortex filaments, by Biot and Savart's law: a scene without a simulation."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..errors import SettingError
-from ..geometry.grid import box_grid
+from ..geometry.grid import Grid, box_grid
 
-# Places times points that are worked on at once: what a cache holds.
+# Places times points in a chunk, which fits into a cache.
 CHUNK = 250_000
 # Places and weights on 0..1 of Gauss and Legendre's rule along an edge.
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(4)
@@ -17,23 +19,19 @@ SHARES, SHARE_WEIGHTS = 0.5 * (_NODES + 1), 0.5 * _WEIGHTS
 _MARGIN = 0.35
 
 
-def filament_velocity(places, curves, core):
+def filament_velocity(places: np.ndarray, curves: Sequence[tuple[ArrayLike, float]], core: float) -> np.ndarray:
     """(n, 3) velocity at (n, 3) places.
 
-    Each segment from p to q counts in closed form: the integral of dy x (x - y) / (|x - y|^2 + core^2)^(3/2) along it
-    is 2 (P + Q) / (P Q ((P + Q)^2 - |q - p|^2)) (q - p) x (x - p), with P^2 = |x - p|^2 + core^2 and Q so from q.
+    Each segment from p to q is integrated in closed form: the integral of dy x (x - y) / (|x - y|^2 + core^2)^(3/2) is
+    2 (P + Q) / (P Q ((P + Q)^2 - |q - p|^2)) (q - p) x (x - p), with P^2 = |x - p|^2 + core^2 and Q likewise for q.
+
+    Raises :class:`SettingError` for a curve of a single point, or a core that is not positive.
 
     Parameters
     ----------
-    places : (n, 3)
     curves : pairs of (p, 3) points of a polyline, closed where the last is the first, and its circulation,
         counterclockwise seen from its head
     core : radius within which the vorticity is spread, in scene units
-
-    Raises
-    ------
-    SettingError
-        for a curve of a single point, or a core that is not positive
     """
     if not core > 0:
         raise SettingError(f"the core radius is {core}: give a positive length")
@@ -57,14 +55,8 @@ def filament_velocity(places, curves, core):
     return velocity
 
 
-def filament_integrals(grid, curves, core):
-    """(e,) integral of that velocity along each edge of a grid of three dimensions, by Gauss's rule of four points.
-
-    Parameters
-    ----------
-    grid : Grid
-    curves, core : as :func:`filament_velocity`
-    """
+def filament_integrals(grid: Grid, curves: Sequence[tuple[ArrayLike, float]], core: float) -> np.ndarray:
+    """(e,) integrals of :func:`filament_velocity` along the edges of a 3D grid, by Gauss's rule of four points."""
     axes = grid.edge_axes
     lengths = grid.spacing[axes]
     start = grid.places[grid.edges[:, 0]]
@@ -74,25 +66,25 @@ def filament_integrals(grid, curves, core):
         places = start.copy()
         places[rows, axes] += share * lengths
         total += weight * filament_velocity(places, curves, core)[rows, axes]
-    return total * lengths
+    integrals: np.ndarray = total * lengths
+    return integrals
 
 
-def surrounding_grid(low, high, resolution):
-    """A grid around filaments whose lowest and highest corner are given, with so many nodes along its longest side."""
+def surrounding_grid(low: np.ndarray, high: np.ndarray, resolution: int) -> Grid:
+    """A grid around filaments between two corners, (3,), with ``resolution`` nodes along its longest side."""
     margin = _MARGIN * (high - low).max()
     return box_grid(low - margin, high + margin, resolution)
 
 
 @dataclass(frozen=True)
 class FilamentCurves:
-    """Vortex filaments in space, and the flow that they induce around them.
+    """Vortex filaments in space, and the flow that they induce.
 
     Attributes
     ----------
-    name : of what they were read from
-    curves : pairs of points and circulation, as :func:`filament_velocity` has them
+    name : of their source
+    curves : pairs of points and circulation, as in :func:`filament_velocity`
     core : radius over which their vorticity is spread, in cells of the grid
-    warnings : none
     """
 
     name: str
@@ -100,15 +92,15 @@ class FilamentCurves:
     core: float
     warnings: tuple[str, ...] = ()
 
-    def read(self):
-        """The flow: these, as nothing is left to be read."""
+    def read(self) -> "FilamentCurves":
+        """The flow, which needs no reading."""
         return self
 
-    def grid(self, resolution):
-        """A grid around the curves with so many nodes along its longest side."""
+    def grid(self, resolution: int) -> Grid:
+        """A grid around the curves with ``resolution`` nodes along its longest side."""
         points = np.concatenate([points for points, _ in self.curves])
         return surrounding_grid(points.min(axis=0), points.max(axis=0), resolution)
 
-    def integrals(self, grid):
-        """(e,) of the velocity along the grid's edges."""
+    def integrals(self, grid: Grid) -> np.ndarray:
+        """(e,) integrals of the velocity along the grid's edges."""
         return filament_integrals(grid, self.curves, self.core * grid.spacing[0])

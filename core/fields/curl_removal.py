@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Calmed changes: the nearest ones along the edges that add up to less around the faces.
+"""Curl removal: the nearest changes along the edges that add up to less around the faces.
 
-A connection asks for a change c along every edge. Around a face they add up to its holonomy C c, which no phases can
-follow: it is the curvature for directions and the curl of the growth for patterns, and where it gathers to whole
-turns, defects stand. The nearest changes with a part h of it taken out,
+A connection has a target change c along every edge. Around a face they add up to its holonomy C c, which no phases can
+follow: the curvature for directions, the curl of the growth for patterns. Where it adds up to whole turns, defects
+appear. The nearest changes with a part h of it removed,
 
     argmin sum of w_e (c'_e - c_e)^2 subject to C c' = C c - h,    c' = c - W^-1 C^T y,    C W^-1 C^T y = h,
 
-pose the same synchronization problem with fewer defects. C W^-1 C^T is a Laplacian between the sums, with signs.
+give the same synchronization problem with fewer defects. C W^-1 C^T is a Laplacian between the sums, with signs.
 
-What constraints tell of the change between two nodes is what is asked there, and stays. Where no change may give way,
-and on closed pieces, the sum of C c is fixed (for directions it is the topology): its mean over the area stays.
+Changes between nodes that are known from constraints stay as they are. Where no change is free, and on closed pieces,
+the sum of C c is fixed (for directions by the topology): its mean over the area stays.
 """
 
 from dataclasses import dataclass
@@ -21,29 +21,32 @@ from scipy.sparse import csr_matrix, diags_array
 from scipy.sparse.linalg import LinearOperator, cg
 
 from ..algebra.metric import Hierarchy, definite_metric
-from ..connection import as_matrices
+from ..connection import Connection, as_matrices
 from ..defects import wrap
 from ..errors import SettingError, SynchError
 from ..gauge import balance
 from ..geometry.handles import handle_changes
+from ..geometry.tet_mesh import TetMesh
+from ..geometry.triangle_mesh import TriangleMesh
 from ..graphs import components
 from ..matchings import after_turns
-from .constraints.groups import Links, from_leads
+from ..problem import Merged, Targets
+from .constraints.groups import Links, walk_from_leads
 from .guidance.potentials import potential
 
-# Weights count as at least this: what an edge of a needle asks for is not worth more change elsewhere.
+# The least weight, so that edges of needles change freely.
 SMALLEST_WEIGHT = 1e-3
-# What keeps the Laplacian definite in single precision, as a share of its scale.
+# Keeps the Laplacian definite in single precision, as a share of its scale.
 SMALL_SHIFT = 1e-6
-# Of the solution against the right side, in each of two runs: the second mends what the first rounds.
+# Of the solution relative to the right side, in each of two runs: the second corrects the rounding of the first.
 PRECISION, MAX_STEPS, RUNS = 1e-8, 400, 2
-# The same where calmed changes only lead to candidates: in one run, and without a hierarchy, whose making would take
-# longer than all the rest.
+# The same where the changes only lead to candidates: in one run, and without a hierarchy, which would take longer to
+# build than the rest of the solve.
 ROUGH, ROUGH_STEPS = 1e-1, 100
 
 
-def check_share(share, name):
-    """Refuse what is no share, from 0 to 1, of what is called so."""
+def check_share(share: object, name: str) -> None:
+    """Refuse everything but a share from 0 to 1."""
     if isinstance(share, bool) or not isinstance(share, Real) or not 0 <= float(share) <= 1:
         raise SettingError(f"{name} is {share!r}: give a share from 0 to 1")
 
@@ -62,25 +65,14 @@ class Circulation:
     areas: np.ndarray
 
 
-def surface_circulation(mesh, matchings, count=1):
-    """Around the triangles that keep their sheet, for each of the phases of their first corner.
+def surface_circulation(mesh: TriangleMesh, matchings: np.ndarray, count: int = 1) -> tuple[Circulation, np.ndarray]:
+    """The circulation of (count e,) changes, those of an edge consecutive, and the (f,) triangles that they go around.
 
-    Parameters
-    ----------
-    mesh : TriangleMesh
-    matchings : (e,) see :mod:`core.matchings`
-    count : phases at a vertex
-
-    Returns
-    -------
-    circulation : :class:`Circulation` of (count e,) changes, those of an edge one after the other
-    triangles : (f,) whose sums these are, ``count`` for each
+    These are the triangles around which the sheet is kept. There are ``count`` phases at a vertex, and a sum for each
+    phase of a triangle's first corner. For (e,) matchings see :mod:`core.matchings`.
     """
-    units, turns = (
-        np.broadcast_to(np.eye(count), (mesh.triangle_count, count, count)),
-        np.zeros(mesh.triangle_count, int),
-    )
-    steps = []
+    units = np.broadcast_to(np.eye(count), (mesh.triangle_count, count, count))
+    turns, steps = np.zeros(mesh.triangle_count, int), []
     for edges, signs in zip(mesh.triangle_edges.T, mesh.triangle_edge_signs.T, strict=True):
         forward, matched = signs > 0, matchings[edges]
         change = np.where(forward[:, None, None], units, -after_turns(units, matched[:, None]))
@@ -100,11 +92,11 @@ def surface_circulation(mesh, matchings, count=1):
 
 @dataclass(frozen=True)
 class CurlRemoval:
-    """What takes all holonomy out of changes, but for what has to be.
+    """The least correction of changes that removes all holonomy that can be removed.
 
     Attributes
     ----------
-    correction : (c,) to be added to them
+    correction : (c,) to be added to the changes
     multipliers : (s,) y of the formula above
     """
 
@@ -112,20 +104,22 @@ class CurlRemoval:
     multipliers: np.ndarray
 
 
-def calming(circulation, holonomy, weights, known=None, precision=PRECISION):
-    """The :class:`CurlRemoval` of changes.
+def remove_holonomy(
+    circulation: Circulation,
+    holonomy: np.ndarray,
+    weights: np.ndarray,
+    known: np.ndarray | None = None,
+    precision: float = PRECISION,
+) -> CurlRemoval:
+    """The correction of changes with given sums.
+
+    Raises :class:`SynchError` where the solve does not converge.
 
     Parameters
     ----------
-    circulation : Circulation
     holonomy : (s,) sums of the changes
     weights : (c,) of the changes
-    known : (c,) what constraints ask for less what the changes are, nan where they ask for nothing; optional
-
-    Raises
-    ------
-    SynchError
-        where the solve does not converge
+    known : (c,) changes known from constraints less the target changes, nan where unknown; optional
     """
     softness = 1 / np.maximum(weights, SMALLEST_WEIGHT)
     correction = np.zeros(len(weights))
@@ -140,41 +134,34 @@ def calming(circulation, holonomy, weights, known=None, precision=PRECISION):
     return CurlRemoval(correction - flow @ found, found)
 
 
-def removable_rows(circulation, free, laplacian):
-    """Indices of an independent set of the sums around faces that free changes can alter.
+def removable_rows(circulation: Circulation, free: np.ndarray, laplacian: csr_matrix) -> np.ndarray:
+    """Indices of an independent set of the sums around faces that (c,) bool free changes can alter.
 
-    Parameters
-    ----------
-    circulation : Circulation
-    free : (c,) bool
-    laplacian : (s, s) between the sums
+    ``laplacian`` is C W^-1 C^T, (s, s).
     """
     _, follows = _removable(circulation, free, np.zeros(laplacian.shape[0]))
     return np.flatnonzero(~follows & (laplacian.diagonal() > 0))
 
 
-def _removable(circulation, free, holonomy):
+def _removable(circulation: Circulation, free: np.ndarray, holonomy: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The holonomy less its means over the pieces on which free changes cannot alter the sum, and (s,) bool: one sum
-    of each of these, which follows from the others."""
+    of each such piece, which follows from the others."""
     matrix = circulation.matrix
     count = matrix.shape[0]
     usable = free[matrix.indices]
-    rows, columns, signs = (
-        np.repeat(np.arange(count), np.diff(matrix.indptr))[usable],
-        matrix.indices[usable],
-        matrix.data[usable],
-    )
+    columns, signs = matrix.indices[usable], matrix.data[usable]
+    rows = np.repeat(np.arange(count), np.diff(matrix.indptr))[usable]
     order = np.argsort(columns, kind="stable")
     twice = order[np.flatnonzero(np.diff(columns[order]) == 0)[:, None] + [0, 1]]
     pieces = components(count, rows[twice])
     once = np.ones(len(rows), bool)
     once[twice] = False
     is_open = np.bincount(pieces[rows[once]], minlength=pieces.max(initial=-1) + 1) > 0
-    # A sum that every change leaves: the two places of a change count with opposite signs.
+    # Sums that no change alters: both places of every change have opposite signs.
     turned, balanced = balance(count, rows[twice], signs[twice].prod(axis=1) > 0)
     sealed = balanced & ~is_open[pieces]
     sides = np.where(turned, -1.0, 1.0) * sealed
-    # A piece of needles has no area: each of its sums counts as much.
+    # In a piece of needles, without area, all sums have the same weight.
     areas = np.where(np.bincount(pieces, circulation.areas)[pieces] > 0, circulation.areas, 1.0)
     totals = np.bincount(pieces, sides * holonomy) / np.bincount(pieces, areas)
     follows = np.zeros(count, bool)
@@ -182,7 +169,7 @@ def _removable(circulation, free, holonomy):
     return holonomy - sides * areas * totals[pieces], follows & sealed
 
 
-def _solve_rows(matrix, right, wanted, precision):
+def _solve_rows(matrix: csr_matrix, right: np.ndarray, wanted: np.ndarray, precision: float) -> np.ndarray:
     """Solution in the wanted rows, zero in the others."""
     result = np.zeros_like(right)
     rows = np.flatnonzero(wanted)
@@ -206,51 +193,45 @@ def _solve_rows(matrix, right, wanted, precision):
     return result
 
 
-def close_changes(mesh, changes, known):
-    """The changes nearest to given ones that add up to nothing around every triangle of a solid.
+def close_changes(mesh: TetMesh, changes: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """(e,) changes nearest to given ones that add up to zero around every triangle of a solid.
 
     They are those of a function, and turns around the solid's handles.
 
     Parameters
     ----------
-    mesh : TetMesh
     changes : (e,) from the lower to the higher vertex
-    known : (e,) what constraints ask for less what the changes are, nan where they ask for nothing. What they ask for
-        around a handle, more than a function can, is left to the solve.
+    known : (e,) changes known from constraints less the given ones, nan where unknown; turns around a handle, which no
+        function has, are left to the solve
     """
-    told = ~np.isnan(known)
+    is_known = ~np.isnan(known)
     i, j = mesh.edges.T
-    nothing = np.zeros(told.sum(), bool)
-    lead, values, _ = from_leads(mesh.vertex_count, Links(i[told], j[told], (changes + known)[told], nothing, nothing))
+    nothing = np.zeros(is_known.sum(), bool)
+    links = Links(i[is_known], j[is_known], (changes + known)[is_known], nothing, nothing)
+    lead, values, _ = walk_from_leads(mesh.vertex_count, links)
     names = np.unique(lead, return_inverse=True)[1]
     offsets = values[j] - values[i]
 
-    def nearest(wanted):
+    def nearest(wanted: np.ndarray) -> np.ndarray:
         value = potential(mesh, wanted, names)
-        return value[j] - value[i]
+        differences: np.ndarray = value[j] - value[i]
+        return differences
 
-    closed = offsets + nearest(changes - offsets)
+    closed: np.ndarray = offsets + nearest(changes - offsets)
     boundary, _ = mesh.boundary_surface
     if boundary.euler_characteristic == 2 * (boundary.pieces.max() + 1):
         return closed
-    handles = handle_changes(mesh, told)
+    handles = handle_changes(mesh, is_known)
     handles = handles - np.column_stack([nearest(column) for column in handles.T] or [handles])
     weighted = mesh.weights[:, None] * handles
-    return closed + handles @ np.linalg.solve(handles.T @ weighted, weighted.T @ (changes - closed))
+    closed = closed + handles @ np.linalg.solve(handles.T @ weighted, weighted.T @ (changes - closed))
+    return closed
 
 
-def known_turns(connection, fixed, merged):
-    """What constraints tell of the turns along edges, less what the edges ask for.
+def known_turns(connection: Connection, fixed: Targets, merged: Merged) -> np.ndarray:
+    """(c,) turns along the edges known from constraints, less those of the connection; nan where unknown.
 
-    Parameters
-    ----------
-    connection : Connection on the circle
-    fixed : Targets without weights
-    merged : Merged
-
-    Returns
-    -------
-    (c,) radians in [-pi, pi), of the turn after a flip; nan where nothing is told
+    Radians in [-pi, pi), after a flip. The connection is on the circle, and ``fixed`` has no weights.
     """
     count = connection.node_count
     # The group of fixed nodes is numbered like a node beyond the last.
@@ -263,12 +244,12 @@ def known_turns(connection, fixed, merged):
     turns[fixed.nodes] = np.angle(fixed.values)
     i, j = connection.edges.T
     asked, edge_flips = _turns_and_flips(connection.transports)
-    told = (group[i] >= 0) & (group[i] == group[j])
-    told &= (group[i] == count) | (flips[j] == flips[i] ^ edge_flips)
+    is_known = (group[i] >= 0) & (group[i] == group[j])
+    is_known &= (group[i] == count) | (flips[j] == flips[i] ^ edge_flips)
     turn = turns[j] - np.where(edge_flips, -turns[i], turns[i])
-    return np.where(told, wrap(turn - asked), np.nan)
+    return np.where(is_known, wrap(turn - asked), np.nan)
 
 
-def _turns_and_flips(transports):
+def _turns_and_flips(transports: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     matrices = as_matrices(transports)
     return np.arctan2(matrices[:, 1, 0], matrices[:, 0, 0]), np.linalg.det(matrices) < 0

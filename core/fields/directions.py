@@ -17,47 +17,46 @@ from ..errors import SettingError
 from ..geometry import TriangleMesh
 from ..matchings import matchings
 from ..monitor import Callback
-from ..problem import SynchronizationProblem, Targets, join_targets
+from ..problem import Merged, SynchronizationProblem, Targets, join_targets
 from ..settings.surface import SYMMETRY_ORDERS
 from ..solve import Options, Solution, solve
 from ..solve.warm_start import Follower
-from .animation import carry_angles, in_sheets_of, next_solution
-from .constraints.groups import contract_groups, join_links, without_contradictions
+from .animation import carry_angles, nearest_representatives, next_solution
+from .constraints.groups import contract_groups, drop_contradictions, join_links
 from .constraints.rows import Row, direction_targets
-from .curl_removal import ROUGH, calming, check_share, known_turns, surface_circulation
+from .curl_removal import ROUGH, CurlRemoval, check_share, known_turns, remove_holonomy, surface_circulation
 from .evenness import quantiles
 from .guidance.guides import Guide, blend_guides
-from .mirror import LEAN, Mirror, on_mirror, snap_to_plane, split_links, with_loops
+from .mirror import LEAN, Reflection, add_self_edges, snap_targets, snap_to_plane, split_links
 
-# How many times the smallest quads the largest are, where flattening alone would have it: exact square quads vary
-# tenfold and more on animals' legs. The share of the area on either side that does not tell.
+# The largest ratio of the sizes of quads due to flattening, since exact square quads vary tenfold and more on animals'
+# legs; and the share of the area at either end that does not count for it.
 LARGEST_RATIO, _RARE = 2.5, 0.01
 
 
 @dataclass(frozen=True)
 class DirectionWishes:
-    """What a direction field should follow.
+    """Guides and constraints of a direction field.
 
     Attributes
     ----------
-    guides : pairs of a Guide and the strength with which it is followed, against the field's own smoothness
-    rows : Rows of the constraint list
-    mirrors : reflections that leave the field as it is
-    singularities : share of the curvature's unevenness that counts, from 0 to 1: fewer disclinations below 1, down to
+    guides : guides and their strengths against the field's own smoothness
+    rows : of the constraint list
+    mirrors : symmetries of the field
+    singularities : share of the curvature's unevenness that is kept, from 0 to 1: fewer disclinations below 1, down to
         the fewest that the surface's topology allows (see :mod:`.curl_removal`)
-    pins : pairs of a triangle and the index of the disclination that is to be there, a multiple of 1 / symmetry: 0 for
-        none
+    pins : triangles and the indices of their disclinations, multiples of 1 / symmetry; 0 for no disclination
     """
 
     guides: tuple[tuple[Guide, float], ...] = ()
     rows: tuple[Row, ...] = ()
-    mirrors: tuple[Mirror, ...] = ()
+    mirrors: tuple[Reflection, ...] = ()
     singularities: float = 1.0
     pins: tuple[tuple[int, float], ...] = ()
 
     @property
-    def corrects(self):
-        """Whether they ask for other turns around faces than the surface does."""
+    def corrects(self) -> bool:
+        """Whether they change the connection's turns around faces."""
         return self.singularities < 1 or bool(self.pins)
 
 
@@ -70,10 +69,10 @@ class DirectionField:
     mesh : TriangleMesh
     symmetry : 1, 2 or 4
     angles : (n,) one representative, radians in the vertices' tangent planes
-    solution : Solution, or None for directions that were given
-    problem : SynchronizationProblem that it solves, or None
-    turn : radians, one or (n,), by which all directions were turned after the solve
-    correction : (e,) what calmed the turns of the powers along the edges (see :mod:`.curl_removal`); None for nothing
+    solution : None for directions that were given
+    problem : solved for, or None
+    turn : radians, one or (n,), by which the directions were turned after the solve
+    correction : (e,) added to the turns of the powers along edges (see :mod:`.curl_removal`), optional
     scale : one, or (n,) factor on the spacing of quads that keeps them near square
     """
 
@@ -90,33 +89,35 @@ class DirectionField:
     def vectors(self) -> np.ndarray:
         """(n, 3) unit representatives in space."""
         x, y = self.mesh.tangent_frames
-        return np.cos(self.angles)[:, None] * x + np.sin(self.angles)[:, None] * y
+        vectors: np.ndarray = np.cos(self.angles)[:, None] * x + np.sin(self.angles)[:, None] * y
+        return vectors
 
     def turned(self, angle: float | np.ndarray) -> "DirectionField":
         """The field with every direction turned counterclockwise by an angle in radians."""
         return replace(self, angles=self.angles + angle, turn=self.turn + angle)
 
-    def flattened(self, share, known=None):
-        """The field with the scale of a metric in which it is parallel but for its disclinations, or a share of it.
+    def flattened(self, share: float, known: np.ndarray | None = None) -> "DirectionField":
+        """The field with the scale of a metric in which it is parallel except at its disclinations, or a share of it.
 
         The Levi-Civita connections of conformal metrics differ by the change, across the edges, of the factor's
-        logarithm: those are the multipliers that take the curvature out, over the symmetry. Sizes vary
-        ``LARGEST_RATIO``-fold at most; on each piece there are as many quads as without.
+        logarithm: these changes are the multipliers that remove the curvature, over the symmetry. Sizes vary
+        ``LARGEST_RATIO``-fold at most; each piece keeps its number of quads.
 
         Parameters
         ----------
         share : from 0 to 1
-        known : (e,) what constraints tell of the turns of the powers (see :func:`known_turns`), optional
+        known : (e,) turns of the powers known from constraints (see :func:`known_turns`), optional
         """
         mesh = self.mesh
         if share == 0:
             return self
-        at_faces = mesh.areas * _calming(mesh, self.symmetry, self._numbers, known).multipliers / self.symmetry
+        removal = _remove_curvature(mesh, self.symmetry, self._numbers, known)
+        at_faces = mesh.areas * removal.multipliers / self.symmetry
         logarithm = np.bincount(mesh.triangles.ravel(), np.repeat(at_faces, 3), mesh.vertex_count)
         logarithm *= share / (3 * mesh.vertex_masses)
         scale = np.ones(mesh.vertex_count)
         order = np.argsort(mesh.pieces, kind="stable")
-        for own in np.split(order, np.flatnonzero(np.diff(mesh.pieces[order])) + 1):  # each has a constant of its own
+        for own in np.split(order, np.flatnonzero(np.diff(mesh.pieces[order])) + 1):  # a free constant for each
             masses = mesh.vertex_masses[own]
             low, high = quantiles(logarithm[own], masses, [_RARE, 1 - _RARE])
             shrunk = min(1.0, np.log(LARGEST_RATIO) / max(high - low, np.finfo(float).tiny))
@@ -126,7 +127,7 @@ class DirectionField:
 
     @property
     def energy(self) -> float | None:
-        """Of the directions as they were before they were turned; None for given ones."""
+        """The energy of the directions before they were turned; None for given ones."""
         if self.problem is None:
             return None
         return self.problem.energy(np.exp(1j * self.symmetry * (self.angles - self.turn)))
@@ -144,23 +145,23 @@ class DirectionField:
 
     @property
     def disclinations(self) -> list[Defect]:
-        """List of :class:`Defect`, index k / symmetry."""
+        """Defects with index k / symmetry."""
         return list_defects(self.mesh, "disclination", self._numbers, self.symmetry)
 
     @property
-    def _numbers(self):
-        """(m,) by how many turns over the symmetry the field turns around each triangle."""
+    def _numbers(self) -> np.ndarray:
+        """(m,) turns of the field around each triangle, times the symmetry."""
         powers = np.exp(1j * self.symmetry * self.angles)
         return disclination_numbers(self.mesh, powers, self.symmetry, self.correction)
 
     @property
-    def matchings(self):
+    def matchings(self) -> np.ndarray:
         """(e,) see :func:`core.matchings.matchings`."""
         return matchings(self.mesh, self.angles, self.symmetry, self.correction)
 
     @property
-    def posed_matchings(self):
-        """The same along the edges that problems are posed on; None where those are the mesh's own."""
+    def solver_matchings(self) -> np.ndarray | None:
+        """The same along the edges of problems (:attr:`TriangleMesh.posed`); None where these are the mesh's own."""
         posed = self.mesh.posed
         own = self.correction is not None or posed is self.mesh
         return None if own else matchings(posed, self.angles, self.symmetry)
@@ -173,23 +174,25 @@ def direction_problem(
     return _pose_directions(mesh, symmetry, DirectionWishes() if wishes is None else wishes)[0]
 
 
-def _pose_directions(mesh, symmetry, wishes):
-    """The problem, and where its connection is calmed what its constraints tell of the turns and the correction."""
+def _pose_directions(
+    mesh: TriangleMesh, symmetry: int, wishes: DirectionWishes
+) -> tuple[SynchronizationProblem, np.ndarray | None, np.ndarray | None]:
+    """The problem, the turns known from constraints, and the correction of the connection; both None without one."""
     if symmetry not in SYMMETRY_ORDERS.values():
         raise SettingError(f"symmetry {symmetry!r} is unknown: use 1 (vector), 2 (line) or 4 (cross)")
     check_share(wishes.singularities, "singularities")
-    # Calmed turns are read along the mesh's own edges.
+    # Corrections are given along the mesh's own edges.
     posed = mesh if wishes.corrects else mesh.posed
     turns = levi_civita(posed, symmetry)
     connection = Connection(mesh.vertex_count, posed.edges, posed.weights, circle_transports(turns))
     fixed, drawn, gives_way = direction_targets(mesh, symmetry, wishes.rows)
     links, loops = split_links(mesh.vertex_count, [mirror.direction_links(symmetry) for mirror in wishes.mirrors])
-    fixed = without_contradictions(fixed, gives_way, join_links([links, loops]), LEAN * symmetry)
-    fixed, merged = contract_groups(mesh.vertex_count, links, on_mirror(fixed, loops, LEAN * symmetry), LEAN * symmetry)
+    fixed = drop_contradictions(fixed, gives_way, join_links([links, loops]), LEAN * symmetry)
+    fixed = snap_targets(fixed, loops, LEAN * symmetry)
+    fixed, merged = contract_groups(mesh.vertex_count, links, fixed, LEAN * symmetry)
     if wishes.guides:
-        values, weights = blend_guides(
-            [g for g, _ in wishes.guides], [strength for _, strength in wishes.guides], symmetry
-        )
+        guides, strengths = zip(*wishes.guides, strict=True)
+        values, weights = blend_guides(guides, strengths, symmetry)
         weights[fixed.nodes] = 0
         nodes = np.flatnonzero(weights > 0)
         drawn.append(Targets(nodes, values[nodes], weights[nodes]))
@@ -198,40 +201,33 @@ def _pose_directions(mesh, symmetry, wishes):
         known = known_turns(connection, fixed, merged)
         correction = _correction(mesh, symmetry, wishes, known)
         connection = replace(connection, transports=circle_transports(turns + correction))
-    calmer = partial(_turns_to_calm, posed, symmetry, connection, fixed, merged, wishes.singularities)
-    connection = with_loops(connection, loops)
-    problem = SynchronizationProblem(
-        connection,
-        posed.vertex_masses,
-        merged,
-        fixed,
-        join_targets(drawn),
-        calmer if wishes.singularities > 0 else None,
-    )
+    turns_of = partial(_curl_removing_turns, posed, symmetry, connection, fixed, merged, wishes.singularities)
+    calmer = turns_of if wishes.singularities > 0 else None
+    connection = add_self_edges(connection, loops)
+    problem = SynchronizationProblem(connection, posed.vertex_masses, merged, fixed, join_targets(drawn), calmer)
     return problem, known, correction
 
 
-def _turns_to_calm(mesh, symmetry, connection, fixed, merged, share):
-    """(e,) radians, about what turns the edges further for a connection without curvature, of which it has a share."""
+def _curl_removing_turns(
+    mesh: TriangleMesh, symmetry: int, connection: Connection, fixed: Targets, merged: Merged, share: float
+) -> np.ndarray:
+    """(e,) radians, approximate turns that remove the curvature, of which the connection has a share."""
     known = known_turns(connection, fixed, merged)
     circulation, _ = surface_circulation(mesh, np.zeros(len(mesh.edges), int))
-    return calming(circulation, share * symmetry * mesh.face_curvatures, mesh.weights, known, ROUGH).correction
+    return remove_holonomy(circulation, share * symmetry * mesh.face_curvatures, mesh.weights, known, ROUGH).correction
 
 
-def _correction(mesh, symmetry, wishes, known):
-    """(e,) radians by which the powers turn further along the edges for a share of the singularities and for the pins.
+def _correction(mesh: TriangleMesh, symmetry: int, wishes: DirectionWishes, known: np.ndarray | None) -> np.ndarray:
+    """(e,) radians, turns of the powers along the edges that remove a share of the singularities and impose the pins.
 
-    Around a pinned triangle the connection then turns by what its disclination does, which costs nothing there; on a
-    closed piece, what is taken or given there comes from everywhere.
+    Around a pinned triangle the connection turns as much as the disclination, which then costs nothing there; on a
+    closed piece, the difference is spread over the whole piece.
 
-    Raises
-    ------
-    SettingError
-        for what is no triangle or no index, or for fields that are to be mirrored
+    Raises :class:`SettingError` for an unknown triangle, an impossible index, or mirrors.
     """
     correction = np.zeros(len(mesh.edges))
     if wishes.singularities < 1:
-        correction = (1 - wishes.singularities) * _calming(mesh, symmetry, 0, known).correction
+        correction += (1 - wishes.singularities) * _remove_curvature(mesh, symmetry, 0, known).correction
     if not wishes.pins:
         return correction
     if wishes.mirrors:
@@ -243,17 +239,20 @@ def _correction(mesh, symmetry, wishes, known):
         if not 0 <= triangle < mesh.triangle_count:
             raise SettingError(f"there is no triangle {triangle}: the mesh has {mesh.triangle_count}, from 0 on")
         if not np.isclose(symmetry * index, np.rint(symmetry * index)):
-            raise SettingError(f"the index {index} of a pin is none: use a multiple of {1 / symmetry:g}")
+            raise SettingError(f"the index {index} of a pin is impossible: use a multiple of {1 / symmetry:g}")
         asked[triangle] = curvature[triangle] - 2 * np.pi * np.rint(symmetry * index)
     known = None if known is None else known - correction
-    return correction + calming(circulation, asked, mesh.weights, known).correction
+    correction += remove_holonomy(circulation, asked, mesh.weights, known).correction
+    return correction
 
 
-def _calming(mesh, symmetry, numbers, known):
-    """What makes the powers of directions parallel but for turns by 2 pi numbers (m,) around the triangles."""
+def _remove_curvature(
+    mesh: TriangleMesh, symmetry: int, numbers: np.ndarray | int, known: np.ndarray | None
+) -> CurlRemoval:
+    """The correction that makes powers of directions parallel up to turns by 2 pi numbers (m,) around triangles."""
     circulation, _ = surface_circulation(mesh, np.zeros(len(mesh.edges), int))
     holonomy = symmetry * mesh.face_curvatures - 2 * np.pi * numbers
-    return calming(circulation, holonomy, mesh.weights, known)
+    return remove_holonomy(circulation, holonomy, mesh.weights, known)
 
 
 def direction_field(
@@ -270,13 +269,12 @@ def direction_field(
 
     Parameters
     ----------
-    mesh : TriangleMesh, checked
+    mesh : checked
     symmetry : 1, 2 or 4
-    wishes : DirectionWishes, optional
     options, callback : see :func:`core.solve.solve`
-    before : DirectionField on another shape of the mesh, optional: the field is then the one that descent reaches
-        from there, in its sheets (see :mod:`.animation`)
-    follower : Follower that goes some steps from there only, optional
+    before : field on another shape of the mesh, optional: the result is then the field that descent reaches from
+        there, with the nearest representatives (see :mod:`.animation`)
+    follower : takes only some steps from there, optional
     start : (n,) radians, optional: without a field before, the whole solve starts from these directions
     """
     wishes = DirectionWishes() if wishes is None else wishes
@@ -291,13 +289,13 @@ def direction_field(
     solution = snap_to_plane(problem, solution, loops)
     angles = np.angle(solution.phases) / symmetry
     if carried is not None:
-        angles = in_sheets_of(angles, carried, symmetry)
+        angles = nearest_representatives(angles, carried, symmetry)
     field = DirectionField(mesh, symmetry, angles, solution, problem, correction=correction)
     return field.flattened(1 - wishes.singularities, known)
 
 
-def known_directions(mesh, symmetry, vectors, wishes):
-    """The field of (n, 3) vectors that were solved for with wishes, without problem and solution.
+def known_directions(mesh: TriangleMesh, symmetry: int, vectors: ArrayLike, wishes: DirectionWishes) -> DirectionField:
+    """The field of (n, 3) vectors, solved before with the same wishes, without problem and solution.
 
     Errors as :func:`given_directions`.
     """
@@ -311,10 +309,7 @@ def known_directions(mesh, symmetry, vectors, wishes):
 def given_directions(mesh: TriangleMesh, symmetry: int, vectors: ArrayLike) -> DirectionField:
     """A field from (n, 3) vectors, projected to the tangent planes.
 
-    Raises
-    ------
-    SettingError
-        naming the first vertex whose vector has no tangential part
+    Raises :class:`SettingError` naming the first vertex whose vector has no tangential part.
     """
     vectors = np.asarray(vectors, float)
     tangent = mesh.tangent_numbers(vectors)

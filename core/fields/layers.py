@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Layers in a solid: evenly spaced sheets across given directions, flush with chosen surfaces (paper, Section 3.4)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..connection import Connection, circle_transports
 from ..errors import SettingError
@@ -12,15 +14,16 @@ from ..geometry.tet_mesh import TetMesh
 from ..graphs import components
 from ..interpolate import TURN, EdgePhases
 from ..interpolate_solid import TetPhases, face_numbers, tet_phases
-from ..problem import SynchronizationProblem
-from ..solve import Solution, solve
+from ..monitor import Callback
+from ..problem import Merged, SynchronizationProblem, Targets
+from ..solve import Options, Solution, solve
 from .constraints.groups import Links, contract_groups, fixed_phases, join_links
 from .curl_removal import check_share, close_changes, known_turns
 from .evenness import quantiles
 from .guidance.potentials import potential
 from .patterns import check_spacing
 
-# Share of the volume on either side that does not tell how thin or thick layers are: single tetrahedra are extreme.
+# Share of the volume at either end that does not count for the thinnest and thickest layers, as single extremes.
 _RARE = 0.01
 
 
@@ -30,10 +33,10 @@ class LayerGroup:
 
     Attributes
     ----------
-    vertices : (k,) indices of those that share a phase, ascending
-    triangles : (f, 3) faces among them, over which the phase does not change
-    phase : radians; None for a phase that is left to the solver, one for each connected piece of the triangles
-    name : what messages call the group
+    vertices : (k,) indices of vertices that share a phase, ascending
+    triangles : (f, 3) faces among them, over which the phase is constant
+    phase : radians; None for a free phase, one for each connected piece of the triangles
+    name : for messages
     """
 
     vertices: np.ndarray
@@ -42,14 +45,10 @@ class LayerGroup:
     name: str = "the group"
 
     @classmethod
-    def of_vertices(cls, mesh, chosen, phase=None, name="the group"):
-        """Triangles with three chosen corners: of the boundary, and inner ones not all of whose corners lie on it.
-
-        Parameters
-        ----------
-        mesh : TetMesh
-        chosen : (n,) bool
-        """
+    def of_vertices(
+        cls, mesh: TetMesh, chosen: ArrayLike, phase: float | None = None, name: str = "the group"
+    ) -> "LayerGroup":
+        """From (n,) bool: the triangles with three chosen corners, without inner ones between boundary vertices."""
         chosen = np.asarray(chosen, bool)
         if chosen.shape != (mesh.vertex_count,):
             raise SettingError(
@@ -60,13 +59,13 @@ class LayerGroup:
         return cls(np.flatnonzero(chosen), mesh.faces[is_surface & chosen[mesh.faces].all(axis=1)], phase, name)
 
     @property
-    def sides(self):
+    def sides(self) -> np.ndarray:
         """(3 f, 2) ends of the triangles' sides."""
         return self.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
 
     @property
-    def links(self):
-        """Every vertex follows the first one of its piece."""
+    def links(self) -> Links:
+        """Links from the first vertex of each piece to the others."""
         count = len(self.vertices)
         pieces = components(count, np.searchsorted(self.vertices, self.sides))
         roots = self.vertices[np.unique(pieces, return_index=True)[1][pieces]]
@@ -76,13 +75,13 @@ class LayerGroup:
 
 @dataclass(frozen=True)
 class SolidTargetOneForm:
-    """Where the phase of layers should grow, and the connection that asks for it (Eq. 6).
+    """The target for the phase of layers, and its connection (Eq. 6).
 
     Attributes
     ----------
     mesh : TetMesh
-    rates : (n, 3) phase per unit length: 2 pi / spacing, in the direction in which the layers follow one another
-    correction : (e,) what is added to the changes to calm them (see :mod:`.curl_removal`); None for nothing
+    rates : (n, 3) phase per unit length: 2 pi / spacing, in the direction across the layers
+    correction : (e,) added to the changes to remove curl (see :mod:`.curl_removal`), optional
     """
 
     mesh: TetMesh
@@ -90,11 +89,8 @@ class SolidTargetOneForm:
     correction: np.ndarray | None = None
 
     @classmethod
-    def of(cls, mesh, directions, spacing):
-        """From (n, 3) unit vectors, and a spacing in the solid's units or (n,) of them.
-
-        A vector of zero asks for no change there.
-        """
+    def of(cls, mesh: TetMesh, directions: ArrayLike, spacing: ArrayLike) -> "SolidTargetOneForm":
+        """From (n, 3) unit vectors, zero for no change, and a spacing in the solid's units or (n,) of them."""
         directions = np.asarray(directions, float)
         if directions.shape != mesh.vertices.shape or not np.isfinite(directions).all():
             raise SettingError(
@@ -104,39 +100,35 @@ class SolidTargetOneForm:
         return cls(mesh, directions * (TURN / _check_distances(mesh, spacing))[:, None])
 
     @cached_property
-    def changes(self):
-        """(e,) phase change asked for from the lower to the higher vertex: the trapezoidal rule over its ends, before
-        it is calmed."""
+    def changes(self) -> np.ndarray:
+        """(e,) target phase change from the lower to the higher vertex: the trapezoidal rule (Eq. 6), corrected."""
         i, j = self.mesh.edges.T
-        changes = 0.5 * np.einsum("ex,ex->e", self.rates[i] + self.rates[j], self.mesh.edge_vectors)
+        changes: np.ndarray = 0.5 * np.einsum("ex,ex->e", self.rates[i] + self.rates[j], self.mesh.edge_vectors)
         return changes if self.correction is None else changes + self.correction
 
     @property
-    def connection(self):
-        """:class:`Connection` between the vertices."""
+    def connection(self) -> Connection:
+        """The connection between the vertices."""
         mesh = self.mesh
         return Connection(mesh.vertex_count, mesh.edges, mesh.weights, circle_transports(self.changes))
 
     @property
-    def coarse_share(self):
+    def coarse_share(self) -> float:
         """Share of the edges along which the phase should turn by more than half a period."""
         return float((np.abs(self.changes) > np.pi).mean())
 
-    def calmed(self, share, fixed, merged):
+    def remove_curl(self, share: float, fixed: Targets, merged: Merged) -> "SolidTargetOneForm":
         """The growth without a share of the curl of its changes.
 
-        Parameters
-        ----------
-        share : from 0, as asked, to 1, changes that add up to nothing around every triangle
-        fixed, merged : constraints (Targets, Merged) of the phases, which say what changes along their edges have to be
+        At a share of 1 they add up to zero around every triangle. Constraints determine the changes along their edges.
         """
         if share == 0:
             return self
         known = known_turns(self.connection, fixed, merged)
         return replace(self, correction=share * (close_changes(self.mesh, self.changes, known) - self.changes))
 
-    def edge_phases(self, phases, groups=()):
-        """:class:`EdgePhases` of (n,) complex phases; along the triangles of groups nothing changes."""
+    def edge_phases(self, phases: np.ndarray, groups: Sequence[LayerGroup] = ()) -> EdgePhases:
+        """The edge phases of (n,) complex phases, with no change along the triangles of groups."""
         asked = self.changes.copy()
         for group in groups:
             asked[self.mesh.edges_between(*group.sides.T)] = 0
@@ -147,13 +139,13 @@ class SolidTargetOneForm:
 class Spacings:
     """Distances between layers over the solid's volume: 2 pi / |grad theta|.
 
-    Tetrahedra that a dislocation curve punctures do not count, nor those in which the phase changes so little that no
-    second layer would fit into the solid.
+    Tetrahedra punctured by a dislocation curve do not count, nor those in which the distance would exceed the size of
+    the solid.
 
     Attributes
     ----------
     mean, deviation : lengths
-    thinnest, thickest : lengths, where 1 % of the counted volume is thinner, and 1 % thicker
+    thinnest, thickest : lengths; 1 % of the counted volume is thinner, and 1 % thicker
     counted : share of the volume
     distances : (m,) in each tetrahedron, nan where it does not count
     """
@@ -168,43 +160,36 @@ class Spacings:
 
 @dataclass(frozen=True)
 class LayerPattern:
-    """Phases at the vertices of a solid; layers are where they are multiples of 2 pi.
-
-    Attributes
-    ----------
-    mesh : TetMesh
-    solution : Solution
-    edge_phases : EdgePhases, the phase changes along every edge
-    """
+    """Phases at the vertices of a solid, with their changes along edges; layers lie at multiples of 2 pi."""
 
     mesh: TetMesh
     solution: Solution
     edge_phases: EdgePhases[TetMesh]
 
     @property
-    def vertex_phases(self):
+    def vertex_phases(self) -> np.ndarray:
         """(n,) radians."""
         return self.edge_phases.arguments[:, 0]
 
     @cached_property
-    def face_numbers(self):
+    def face_numbers(self) -> np.ndarray:
         """(f,) dislocation numbers of the faces, along their vertices in increasing order."""
         return face_numbers(self.edge_phases)
 
     @cached_property
     def tet_phases(self) -> TetPhases:
-        """What it takes to evaluate the phase anywhere."""
+        """The data with which the phase is evaluated anywhere."""
         return tet_phases(self.edge_phases)
 
     @cached_property
-    def heights(self):
-        """(n,) position along the growth, in radians, 0 at the lowest place of each piece: the function without
-        dislocations whose changes are nearest to the phase's."""
+    def heights(self) -> np.ndarray:
+        """(n,) position along the growth, radians, 0 at the lowest vertex of each piece: the function without
+        dislocations whose changes are nearest to those of the phase."""
         return potential(self.mesh, self.edge_phases.changes[:, 0])
 
     @property
-    def spacings(self):
-        """:class:`Spacings` of the layers."""
+    def spacings(self) -> Spacings:
+        """Statistics of the distances between the layers."""
         steepness = np.linalg.norm(self.tet_phases.gradients(self.mesh), axis=1)
         extent = np.linalg.norm(np.ptp(_places(self.mesh), axis=0))
         counts = ~self.tet_phases.punctured & (steepness > TURN / extent)
@@ -220,16 +205,17 @@ class LayerPattern:
         return Spacings(float(mean), float(deviation), float(thinnest), float(thickest), float(share), distances)
 
 
-def layer_problem(mesh, directions, spacing, groups=(), branching=1.0):
+def layer_problem(
+    mesh: TetMesh, directions: ArrayLike, spacing: ArrayLike, groups: Sequence[LayerGroup] = (), branching: float = 1.0
+) -> SynchronizationProblem:
     """The synchronization problem of layers.
 
     Parameters
     ----------
-    mesh : TetMesh
-    directions : (n, 3) unit vectors in which layers follow one another (:mod:`core.fields.guidance.solids`)
+    directions : (n, 3) unit vectors across the layers (:mod:`core.fields.guidance.solids`)
     spacing : distance between layers in the solid's units, or (n,) one at each vertex
-    groups : LayerGroups; the boundary is free elsewhere
-    branching : share of the growth's curl that is asked for, from 0 to 1: fewer and shorter curves where layers branch
+    groups : surfaces that layers follow; the boundary is free elsewhere
+    branching : share of the growth's curl that is kept, from 0 to 1: fewer and shorter curves where layers branch
         below 1, for distances that vary more (see :mod:`.curl_removal`)
 
     Raises
@@ -242,40 +228,58 @@ def layer_problem(mesh, directions, spacing, groups=(), branching=1.0):
     return pose_layers(SolidTargetOneForm.of(mesh, directions, spacing), groups, branching)[1]
 
 
-def solve_layers(mesh, directions, spacing, groups=(), options=None, callback=None, branching=1.0):
-    """Solve for a :class:`LayerPattern`; arguments as :func:`layer_problem` and :func:`core.solve.solve`."""
+def solve_layers(
+    mesh: TetMesh,
+    directions: ArrayLike,
+    spacing: ArrayLike,
+    groups: Sequence[LayerGroup] = (),
+    options: Options | None = None,
+    callback: Callback | None = None,
+    branching: float = 1.0,
+) -> LayerPattern:
+    """Solve for layers; arguments as :func:`layer_problem` and :func:`core.solve.solve`."""
     return solve_growth(SolidTargetOneForm.of(mesh, directions, spacing), groups, options, callback, branching)
 
 
-def solve_growth(growth, groups=(), options=None, callback=None, branching=1.0):
-    """The same for a :class:`SolidTargetOneForm`."""
+def solve_growth(
+    growth: SolidTargetOneForm,
+    groups: Sequence[LayerGroup] = (),
+    options: Options | None = None,
+    callback: Callback | None = None,
+    branching: float = 1.0,
+) -> LayerPattern:
+    """Solve for layers that follow a growth."""
     growth, problem = pose_layers(growth, groups, branching)
     solution = solve(problem, options, callback)
     return LayerPattern(growth.mesh, solution, growth.edge_phases(solution.phases, groups))
 
 
-def pose_layers(growth, groups, branching):
-    """A :class:`SolidTargetOneForm`, calmed, and its problem; arguments and errors as :func:`layer_problem`."""
+def pose_layers(
+    growth: SolidTargetOneForm, groups: Sequence[LayerGroup], branching: float
+) -> tuple[SolidTargetOneForm, SynchronizationProblem]:
+    """The growth with a share of its curl, and its problem; arguments and errors as :func:`layer_problem`."""
     check_share(branching, "branching")
     mesh = growth.mesh
     links = join_links([group.links for group in groups if group.phase is None])
-    held = [group for group in groups if group.phase is not None]
-    fixed = fixed_phases(
-        [(group.name, group.vertices, np.full(len(group.vertices), np.exp(1j * group.phase))) for group in held],
-        "take them out of one of the groups",
-    )
+    given = [
+        (group.name, group.vertices, np.full(len(group.vertices), np.exp(1j * group.phase)))
+        for group in groups
+        if group.phase is not None
+    ]
+    fixed = fixed_phases(given, "take them out of one of the groups")
     fixed, merged = contract_groups(mesh.vertex_count, links, fixed)
-    growth = growth.calmed(1 - branching, fixed, merged)
+    growth = growth.remove_curl(1 - branching, fixed, merged)
     return growth, SynchronizationProblem(growth.connection, mesh.vertex_masses, merged, fixed)
 
 
-def _places(mesh):
+def _places(mesh: TetMesh) -> np.ndarray:
     """Positions of the vertices that have a tetrahedron."""
-    return mesh.vertices[np.unique(mesh.tets)]
+    places: np.ndarray = mesh.vertices[np.unique(mesh.tets)]
+    return places
 
 
-def _check_distances(mesh, spacing):
-    """(n,) distances; refuses those between which no layer fits."""
+def _check_distances(mesh: TetMesh, spacing: ArrayLike) -> np.ndarray:
+    """(n,) distances; refuses those that no layer fits."""
     spacing = np.asarray(spacing, float)
     if spacing.shape not in ((), (mesh.vertex_count,)):
         raise SettingError(f"{spacing.size} spacings are given for {mesh.vertex_count} vertices: give each one, or one")

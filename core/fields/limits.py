@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Layers whose distance stays between limits, such as the lowest and the highest bead that a nozzle lays.
+"""Layers whose distance stays between limits, such as the lowest and the highest bead that a nozzle can lay.
 
-Even layers branch, and where one ends it is pinched between those beside it. With a smaller share of the branches
-(:mod:`.curl_removal`) fewer end, and distances vary more. In between there is a share with the least outside of the
-limits, which is searched for. What is left there, for instance between groups that are no whole number of layers apart,
-is asked to be wider, or narrower, by what it is off.
+Even layers branch, and where one ends it is pinched between its neighbours. With a smaller share of the branches
+(:mod:`.curl_removal`) fewer layers end, but distances vary more. A search finds the share with the least volume outside
+of the limits. Where some is left, for instance between groups whose distance is not a whole number of layers, the
+target distance there is corrected by the error.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -15,58 +16,55 @@ import numpy as np
 
 from ..errors import SettingError
 from ..interpolate import TURN
-from ..monitor import portion
-from .layers import LayerPattern, SolidTargetOneForm, solve_growth
+from ..monitor import Callback, portion
+from ..solution import Options
+from .layers import LayerGroup, LayerPattern, SolidTargetOneForm, solve_growth
 
-# Shares of the branches that are tried, and corrections for the best of them; and the share of the volume outside of
-# the limits from which on no more are.
+# Shares of the branches that are tried, and corrections of the best of them; and the share of the volume outside of
+# the limits at which the search ends.
 SHARES, CORRECTIONS, ENOUGH = 5, 2, 1e-3
-# What is asked for stays away from the limits by this factor, where they are as far apart.
+# The factor by which target distances stay away from the limits, if these leave room for it.
 _MARGIN = 1.05
-# Of a distance that is at a limit.
+# The relative rounding error of a distance at a limit.
 _ROUNDING = 1e-6
 
 
 @dataclass(frozen=True)
 class Limits:
-    """Smallest and largest distance of layers, in the solid's units.
-
-    Raises
-    ------
-    SettingError
-        for limits that nothing is between
-    """
+    """Smallest and largest distance of layers, in the solid's units; :class:`SettingError` for an empty range."""
 
     smallest: float = 0.0
     largest: float = math.inf
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if not 0 <= self.smallest < self.largest:
             raise SettingError(
                 f"no layer is between {self} high: give a smallest height from 0 on, and a largest one above it"
             )
 
     @property
-    def bind(self):
-        """Whether there are any."""
+    def bind(self) -> bool:
+        """Whether any limit is set."""
         return self.smallest > 0 or self.largest < math.inf
 
-    def __str__(self):
+    def __str__(self) -> str:
         return f"{self.smallest:g} and {self.largest:g}"
 
-    def clipped(self, distances):
-        """Distances between the limits."""
-        return np.clip(distances, self.smallest, self.largest)
+    def clipped(self, distances: np.ndarray) -> np.ndarray:
+        """Distances clipped to the limits."""
+        clipped: np.ndarray = np.clip(distances, self.smallest, self.largest)
+        return clipped
 
-    def inside(self, distances):
-        """Distances that are asked for: between the limits, and a little away from them."""
+    def inside(self, distances: np.ndarray) -> np.ndarray:
+        """Target distances: clipped to a little less than the limits."""
         low, high = self.smallest * _MARGIN, self.largest / _MARGIN
         if low > high:
             low = high = math.sqrt(self.smallest * self.largest)
-        return np.clip(distances, low, high)
+        clipped: np.ndarray = np.clip(distances, low, high)
+        return clipped
 
-    def outside_share(self, pattern):
-        """Share of a :class:`LayerPattern`'s volume where layers end, or their distance is outside of the limits."""
+    def outside_share(self, pattern: LayerPattern) -> float:
+        """Share of a pattern's volume where layers end, or their distance is outside of the limits."""
         if not self.bind:
             return 0.0
         distances, volumes = pattern.spacings.distances, pattern.mesh.volumes
@@ -74,20 +72,17 @@ class Limits:
         return float(volumes[~kept].sum() / volumes.sum())
 
 
-def solve_within(growth, limits, groups=(), options=None, callback=None, branching=1.0):
-    """Layers between limits, as far as can be.
+def solve_within(
+    growth: SolidTargetOneForm,
+    limits: Limits,
+    groups: Sequence[LayerGroup] = (),
+    options: Options | None = None,
+    callback: Callback | None = None,
+    branching: float = 1.0,
+) -> tuple[LayerPattern, SolidTargetOneForm]:
+    """Layers between limits, as far as possible: the best pattern that was tried, and the growth it was solved for.
 
-    Parameters
-    ----------
-    growth : SolidGrowth
-    limits : Limits
-    groups, options, callback, branching : as for :func:`core.fields.layers.solve_layers`; the share of the branches is
-        not exceeded
-
-    Returns
-    -------
-    pattern : LayerPattern with the least share outside of the limits of all that were tried
-    growth : the SolidGrowth that it was solved for
+    Other arguments as for :func:`core.fields.layers.solve_layers`; ``branching`` is the largest share of the branches.
     """
     most = SHARES + CORRECTIONS if limits.bind else 1
     tried: list[_Tried] = []
@@ -105,7 +100,7 @@ def solve_within(growth, limits, groups=(), options=None, callback=None, branchi
 
 
 class _Tried(NamedTuple):
-    """A solve, the better one first."""
+    """A solve; the best is the smallest."""
 
     outside: float
     share: float
@@ -114,8 +109,8 @@ class _Tried(NamedTuple):
     growth: SolidTargetOneForm
 
 
-def _next_share(tried, branching):
-    """All branches, none, and then half way from the best share so far to the better of its neighbours."""
+def _next_share(tried: list["_Tried"], branching: float) -> float:
+    """First all branches, then none, then half way from the best share so far to the better of its neighbours."""
     if len(tried) < 2:
         return branching if not tried else 0.0
     order = sorted(tried, key=lambda one: one.share)
@@ -124,8 +119,8 @@ def _next_share(tried, branching):
     return (order[place].share + min(beside).share) / 2
 
 
-def _correct_distances(growth, pattern, limits):
-    """What is asked for, wider where layers are too near to one another and narrower where they are too far apart."""
+def _correct_distances(growth: SolidTargetOneForm, pattern: LayerPattern, limits: Limits) -> SolidTargetOneForm:
+    """The growth with larger distances where layers are too close, and smaller ones where they are too far apart."""
     mesh, distances = growth.mesh, pattern.spacings.distances
     wider = np.zeros(mesh.tet_count)
     known = np.isfinite(distances)

@@ -1,44 +1,57 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Grid lines that close: the changes across a walk around a limb or a handle add up to nothing.
+"""Closed grid lines: the changes across a walk around a limb or a handle add up to zero.
 
-A grid line that comes back k quads beside its beginning spirals, since the asked changes c across it add up to about
-k pi around the walk: r . c, with r the row of the sum. Asking for 0 there is one linear condition. The nearest changes
+A grid line that comes back k quads beside its beginning spirals, since the target changes c across it add up to about
+k pi around the walk: r . c, with r the row of the sum. That the sum is 0 is one linear condition. The nearest changes
 without curl that meet conditions R c = 0 are
 
     c + D^T mu,    (R D^T) mu = -R c,    d = G (r - C^T y),    C G C^T y = C G r,
 
 where C sums changes around the faces, G is the softness of the edges (:mod:`.curl_removal`), and the rows d of D are
-the projections of the rows r of R to changes without curl. The cost of the conditions is the sum of the squares of
-what is added, each divided by G; it equals v^T (R D^T)^-1 v with v = R c. With mirrors, d is averaged with its mirror
-images.
+the projections of the rows r of R to changes without curl. The cost of the conditions is the sum of the squares of the
+added changes, each divided by G; it equals v^T (R D^T)^-1 v with v = R c. With mirrors, d is averaged with its images.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from typing import Protocol
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags_array
 from scipy.sparse.csgraph import dijkstra
 
 from ..algebra.factorization import factorize
+from ..geometry.triangle_mesh import TriangleMesh
 from ..matchings import after_turns
 from .curl_removal import SMALLEST_WEIGHT, known_turns, removable_rows, surface_circulation
-from .mirror import Mirror
+from .mirror import Mirror, Reflection
+from .patterns import Pattern
+from .target_one_form import TargetOneForm
 
-# A condition counts as new where at least this share of it is independent of the conditions that are held.
+# A condition counts as new where at least this share of it is independent of the conditions before it.
 INDEPENDENT = 1e-2
 # A projection smaller than this share of its row is a rounding error: constraints fix all changes across the walk.
 FREE = 1e-6
 # Keeps the factorized matrix definite, as a share of its diagonal.
 SHIFT = 1e-13
-# How far sums along the mesh's edges may differ from the quads that the walk passes, in quads.
+# The largest difference between sums along the mesh's edges and the quads that the walk passes, in quads.
 SAME_WALK = 0.4
+
+
+class _Placed(Protocol):
+    """Vertices on a mesh: (n,) triangles, and (n, 3) barycentric coordinates in them."""
+
+    @property
+    def triangles(self) -> np.ndarray: ...
+    @property
+    def weights(self) -> np.ndarray: ...
 
 
 @dataclass(frozen=True)
 class Condition:
-    """That a walk closes.
+    """The condition that a walk closes.
 
     Attributes
     ----------
@@ -50,31 +63,27 @@ class Condition:
     change: np.ndarray
 
 
-def _gram(conditions):
+def _gram(conditions: Sequence[Condition]) -> np.ndarray:
     """(k, k) R D^T of the conditions."""
     return np.array([[a.row @ b.change for b in conditions] for a in conditions]).reshape(2 * (len(conditions),))
 
 
-def cosines(conditions):
-    """(k, k) cosines of the angles between the changes of conditions, each weighted by 1 / G."""
+def cosines(conditions: Sequence[Condition]) -> np.ndarray:
+    """(k, k) cosines of the angles between the changes of conditions, weighted by 1 / G."""
     gram = _gram(conditions)
     lengths = np.sqrt(gram.diagonal())
-    return gram / np.outer(lengths, lengths)
+    result: np.ndarray = gram / np.outer(lengths, lengths)
+    return result
 
 
 class LoopClosing:
-    """Conditions that loops close, on the changes of a quad pattern without dislocations.
+    """Conditions that loops close, on the changes of a quad pattern with a branching of 0 and its mirrors."""
 
-    Parameters
-    ----------
-    pattern : Pattern of quads, whose growth is that of branching 0
-    mirrors : Mirrors that leave it as it is
-    """
-
-    def __init__(self, pattern, mirrors=()):
+    def __init__(self, pattern: Pattern, mirrors: Sequence[Reflection] = ()) -> None:
         self._growth = growth = pattern.growth
         self._asked = growth.changes.ravel()
         self._softness = 1 / np.maximum(np.repeat(growth.mesh.weights, 2), SMALLEST_WEIGHT)
+        assert pattern.problem is not None
         fixed, merged = pattern.problem.fixed, pattern.problem.merged
         self._softness[~np.isnan(known_turns(growth.connection, fixed, merged))] = 0
         circulation, _ = surface_circulation(growth.mesh, growth.matchings, 2)
@@ -86,22 +95,23 @@ class LoopClosing:
         if len(self._rows):
             own = laplacian[self._rows][:, self._rows]
             self._factor = factorize(own + SHIFT * diags_array(own.diagonal()), single=False)
-        self._images = [_ImageOfChanges(growth, mirror) for mirror in mirrors if isinstance(mirror, Mirror)]
+        self._mirrors = [_ChangeMirror(growth, mirror) for mirror in mirrors if isinstance(mirror, Mirror)]
 
-    def _project(self, row):
-        """d of a row r."""
-        change = self._softness * row
-        for image in self._images:
-            change = (change + image.of(change)) / 2
+    def _project(self, row: np.ndarray) -> np.ndarray:
+        """(2 e,) change d of a row r."""
+        change: np.ndarray = self._softness * row
+        for mirror in self._mirrors:
+            change = (change + mirror.reflect(change)) / 2
         if self._factor is None:
             return change
         around = np.zeros(self._flow.shape[1])
         around[self._rows] = self._factor.solve(self._circulation @ change)
-        return change - self._flow @ around
+        change = change - self._flow @ around
+        return change
 
-    def condition(self, walk, reached, steps, aside):
-        """The :class:`Condition` that a walk closes; None where it passes other quads on the mesh's edges, and where
-        nothing can change across it.
+    def condition(self, walk: np.ndarray, reached: np.ndarray, steps: int, aside: int) -> Condition | None:
+        """The condition that a walk closes; None where it passes other quads on the mesh's edges, and where constraints
+        fix all changes across it.
 
         Parameters
         ----------
@@ -120,9 +130,9 @@ class LoopClosing:
         change = self._project(row)
         return Condition(row, change) if row @ change > FREE * (row @ (self._softness * row)) else None
 
-    def _sums(self, walk):
+    def _sums(self, walk: np.ndarray) -> np.ndarray | None:
         """(2, 2 e) rows of the sums of changes along a closed walk, for both phases of its first vertex; None where
-        they come back as others."""
+        the phases are exchanged or reversed around it."""
         mesh, matchings = self._growth.mesh, self._growth.matchings
         tails, heads = walk[:-1], walk[1:]
         edges, forward = mesh.edges_between(tails, heads), tails < heads
@@ -138,63 +148,55 @@ class LoopClosing:
             np.add.at(rows[phase], edges, parts[:, :, phase])
         return rows.reshape(2, -1)
 
-    def correction(self, conditions, sums=0.0):
-        """The (e, 2) correction of the changes with which all conditions hold, and its cost.
-
-        ``sums`` are the (k,) values that the conditions ask for in place of 0.
-        """
+    def correction(self, conditions: Sequence[Condition], sums: float | np.ndarray = 0.0) -> tuple[np.ndarray, float]:
+        """The (e, 2) correction of the changes that meets all conditions, (k,) sums in place of 0, and its cost."""
         if not conditions:
             return np.zeros((len(self._growth.mesh.edges), 2)), 0.0
         missing = sums - self._values(conditions)
         shares = np.linalg.lstsq(_gram(conditions), missing, rcond=1e-8)[0]
-        correction = sum(share * condition.change for share, condition in zip(shares, conditions, strict=True))
-        return correction.reshape(-1, 2), float(missing @ shares)
+        changes = (share * condition.change for share, condition in zip(shares, conditions, strict=True))
+        return sum(changes, np.zeros(len(self._asked))).reshape(-1, 2), float(missing @ shares)
 
-    def _values(self, conditions):
-        """(k,) v, the sums that the changes have now."""
+    def _values(self, conditions: Sequence[Condition]) -> np.ndarray:
+        """(k,) sums v of the target changes."""
         return np.array([condition.row @ self._asked for condition in conditions])
 
-    def choose(self, held, candidates, gains, price, most):
-        """Choose conditions to add to those that are held: again and again the candidate with the largest gain minus
-        price times cost, as long as that is positive.
+    def choose(
+        self,
+        held: Sequence[Condition],
+        candidates: Sequence[Condition],
+        gains: Sequence[float],
+        price: float,
+        most: float,
+    ) -> list[int]:
+        """Numbers of the (k,) candidates to add to the conditions that are held, in the order of their choice.
 
-        Parameters
-        ----------
-        held, candidates : lists of :class:`Condition`
-        gains : (k,) of the candidates
-        price : gain that is asked for, per unit of cost
-        most : what the chosen ones may cost together
-
-        Returns
-        -------
-        list of numbers of candidates, in the order of their choice
+        Each time it is the candidate with the largest gain minus price times cost, as long as that is positive. All
+        together cost at most ``most``.
         """
         both = [*held, *candidates]
         if not both:
             return []
         gram, values = _gram(both), self._values(both)
-        own, chosen = gram.diagonal().copy(), []
+        own = gram.diagonal().copy()
+        chosen: list[int] = []
 
-        def hold(number):
+        def hold(number: int) -> None:
             """Eliminate a condition from the others by a Gaussian step."""
             share = gram[:, number] / gram[number, number]
             values[:] -= share * values[number]
             gram[:] -= np.outer(share, gram[number])
 
-        for number in range(len(held)):
+        count = len(held)
+        for number in range(count):
             if gram[number, number] > INDEPENDENT * own[number]:
                 hold(number)
-        left = set(range(len(held), len(both)))
+        left = set(range(count, len(both)))
         while left:
-            free = [
-                number
-                for number in left
-                if gains[number - len(held)] > 0 and gram[number, number] > INDEPENDENT * own[number]
-            ]
-            costs = [values[number] ** 2 / gram[number, number] for number in free]
+            free = [k for k in left if gains[k - count] > 0 and gram[k, k] > INDEPENDENT * own[k]]
+            costs = [values[k] ** 2 / gram[k, k] for k in free]
             worth = [
-                gains[number - len(held)] - price * cost if cost <= most else 0.0
-                for number, cost in zip(free, costs, strict=True)
+                gains[k - count] - price * cost if cost <= most else 0.0 for k, cost in zip(free, costs, strict=True)
             ]
             if not free or max(worth) <= 0:
                 break
@@ -202,20 +204,14 @@ class LoopClosing:
             number, most = free[place], most - costs[place]
             hold(number)
             left.remove(number)
-            chosen.append(number - len(held))
+            chosen.append(number - count)
         return chosen
 
 
-class _ImageOfChanges:
-    """What changes of a pattern become in a mirror.
+class _ChangeMirror:
+    """Reflects changes of a growth of two phases."""
 
-    Parameters
-    ----------
-    growth : TargetOneForm of two phases
-    mirror : Mirror
-    """
-
-    def __init__(self, growth, mirror):
+    def __init__(self, growth: TargetOneForm, mirror: Mirror) -> None:
         # Phase l of a vertex is plus or minus phase phases[l] of its partner.
         directions = mirror.mirrored_directions(growth)
         self._phases, self._signs = directions % 2, np.where(directions < 2, 1.0, -1.0)
@@ -228,59 +224,54 @@ class _ImageOfChanges:
         self._forward = (ends[:, 0] < ends[:, 1])[self._rows]
         self._matchings = growth.matchings[self._edges]
 
-    def of(self, changes):
+    def reflect(self, changes: np.ndarray) -> np.ndarray:
         """The mirror image of (2 e,) changes; an edge that is not the image of an edge keeps its change."""
         result = changes.reshape(-1, 2).copy()
         moved, image = result[self._rows], np.zeros((len(self._rows), 2))
         phases, signs = self._phases[self._tails], self._signs[self._tails]
         np.put_along_axis(image, phases, signs * moved, axis=1)
-        # Along an edge whose image begins at its end, in the phases of that.
+        # Where the image of an edge runs backward, its change is given in the phases of the edge's end.
         backward = -after_turns(image, -self._matchings)
         result[self._edges] = np.where(self._forward[:, None], image, backward)
         return result.ravel()
 
 
 class MeshWalks:
-    """Walks along a mesh's edges near walks on a quad mesh.
+    """Walks along a mesh's edges near walks on a quad mesh."""
 
-    Parameters
-    ----------
-    mesh : TriangleMesh
-    """
-
-    def __init__(self, mesh):
+    def __init__(self, mesh: TriangleMesh) -> None:
         self._mesh = mesh
 
     @cached_property
-    def _graph(self):
+    def _graph(self) -> csr_matrix:
         i, j = self._mesh.edges.T
         count, lengths = self._mesh.vertex_count, self._mesh.edge_lengths
         graph = csr_matrix((lengths, (i, j)), shape=(count, count))
         return graph + graph.T
 
-    def near(self, quads, walk):
-        """(v,) vertices of the mesh along a closed walk over vertices of a quad mesh on it."""
+    def near(self, quads: _Placed, walk: np.ndarray) -> np.ndarray:
+        """(v,) vertices of the mesh along a closed walk over vertices of a quad mesh that lies on it."""
         corners = self._mesh.triangles[quads.triangles[walk]]
         nearest = corners[np.arange(len(walk)), quads.weights[walk].argmax(axis=1)]
         nearest = nearest[np.append(True, nearest[1:] != nearest[:-1])]
         result = [nearest[:1]]
         for tail, head in pairwise(nearest):
-            result.append(self._way(tail, head))
+            result.append(self._walk_greedily(tail, head))
         return np.concatenate(result)
 
-    def _way(self, tail, head):
-        """The vertices of a way after its first: each the neighbour nearest to the end, or else a shortest way."""
+    def _walk_greedily(self, tail: int, head: int) -> np.ndarray:
+        """The vertices of a walk after its first, always to the neighbour nearest to the end, or of a shortest walk."""
         vertices, graph = self._mesh.vertices, self._graph
         way = [tail]
         while way[-1] != head:
             near = graph.indices[graph.indptr[way[-1]] : graph.indptr[way[-1] + 1]]
             distances = np.linalg.norm(vertices[near] - vertices[head], axis=1)
             if distances.min() >= np.linalg.norm(vertices[way[-1]] - vertices[head]):
-                return self._shortest_way(tail, head)
+                return self._walk_shortest(tail, head)
             way.append(near[distances.argmin()])
         return np.array(way[1:], int)
 
-    def _shortest_way(self, tail, head):
+    def _walk_shortest(self, tail: int, head: int) -> np.ndarray:
         _, before = dijkstra(self._graph, indices=head, return_predecessors=True)
         way = [tail]
         while way[-1] != head:

@@ -1,21 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Circulations along loops of a grid: how well filaments stand for the flow that they come from (paper, Eq. 9)."""
+"""Circulations along loops of a grid: how well filaments represent the flow that they come from (paper, Eq. 9)."""
 
 import numpy as np
 
-from .clebsch import circulations
+from ..geometry.grid import Grid
+from .clebsch import ClebschMap, circulations
 
 
-def through_squares(grid, fluxes, size):
-    """(l,) sum of what passes the faces inside every square loop of ``size`` edges a side, in all planes of the grid.
+def sum_through_squares(grid: Grid, fluxes: np.ndarray, size: int) -> np.ndarray:
+    """(l,) sums of the (f,) fluxes inside every square loop of ``size`` edges a side, in all planes of the grid.
 
-    Loops that would go around the end of a periodic axis are left out; none is left where the grid is too small.
-
-    Parameters
-    ----------
-    grid : Grid
-    fluxes : (f,) through the faces
-    size : edges
+    Loops across the end of a periodic axis are left out; the result is empty where the grid is too small.
     """
     parts, start = [], 0
     for plane in grid.planes:
@@ -30,15 +25,10 @@ def through_squares(grid, fluxes, size):
     return np.concatenate(parts)
 
 
-def loop_error(found, size):
+def loop_error(found: ClebschMap, size: int) -> float | None:
     """Root mean square difference, in quanta, between the filaments through all such loops and the flow's circulation
-    along them; None where there is no loop.
-
-    Parameters
-    ----------
-    found : ClebschMap on a Grid
-    size : edges a side
-    """
+    along them, for a map on a grid; None where there is no loop."""
+    assert isinstance(found.grid, Grid)
     missing = circulations(found.grid, found.integrals) / found.quantum - found.face_numbers
-    differences = through_squares(found.grid, missing, size)
+    differences = sum_through_squares(found.grid, missing, size)
     return float(np.sqrt(np.mean(differences**2))) if len(differences) else None

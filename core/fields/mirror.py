@@ -1,72 +1,98 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mirror symmetry: what a node has to be when its mirror image is known, as links between nodes.
+"""Mirror symmetry, as links between each node and its mirror image.
 
-A reflection turns tangent planes over: a direction at angle a comes to c - a at the mirrored vertex. A vertex on the
-mirror plane is linked to itself; its phase is then one of two, which a strong edge to itself asks for.
+A reflection reverses the orientation of tangent planes: a direction at angle a maps to c - a at the mirrored vertex. A
+vertex on the mirror plane is linked to itself; its phase is one of two, imposed by a strong edge to itself.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..connection import Connection, as_matrices, circle_transports
 from ..errors import ContradictionError
+from ..geometry.triangle_mesh import TriangleMesh
 from ..graphs import components
-from .constraints.groups import Links, join_links
+from ..problem import SynchronizationProblem, Targets
+from ..solution import Solution
+from .constraints.groups import Growth, Links, join_links
+from .constraints.rows import Row
 
-# How far, in radians of direction, mirrored wishes may differ: tangent planes lean, strokes are sampled.
+# Largest difference of mirrored constraints, in radians of direction: tangent planes lean, strokes are sampled.
 LEAN = 0.1
 # Strength of a node's edge to itself, in sums of the weights of its other edges.
 STRENGTH = 4.0
 
 
-@dataclass(frozen=True)
-class Mirror:
-    """A reflection of a mesh onto itself.
+class Reflection:
+    """Pairs of vertices whose directions are mirror images, :class:`Mirror` or :class:`Seam`.
 
     Attributes
     ----------
-    partner : (n,) vertex that mirrors each one
-    turns : (n,) a direction at angle a at a vertex is at turns - a at its partner
+    turns : (k,) a direction at angle a at the first of a pair maps to turns - a at the second
     name : for messages
     """
+
+    turns: np.ndarray
+    name: str
+
+    def _pairs(self) -> tuple[np.ndarray, np.ndarray]:
+        raise NotImplementedError
+
+    def direction_links(self, symmetry: int) -> Links:
+        """Links between the powers of a direction field."""
+        first, second = self._pairs()
+        return self._links(first, second, symmetry * self.turns, np.ones(len(first), bool))
+
+    def mirrored_directions(self, growth: Growth) -> np.ndarray:
+        """(k, p) direction at the second vertex, 0 to 2 p - 1, to which that of each of the first's p phases maps; from
+        p on they are the reverses."""
+        first, second = self._pairs()
+        images = np.rint((self.turns - growth.angles[first] - growth.angles[second]) / growth.turn).astype(int)
+        # They count in the opposite sense.
+        directions: np.ndarray = (images[:, None] - np.arange(growth.phase_count)) % (2 * growth.phase_count)
+        return directions
+
+    def phase_links(self, growth: Growth) -> Links:
+        """Links between the phases of a growth, which are exchanged or reversed."""
+        (first, second), count, directions = self._pairs(), growth.phase_count, self.mirrored_directions(growth)
+        nodes = (count * first[:, None] + np.arange(count)).ravel()
+        partners = count * second[:, None] + directions % count
+        return self._links(nodes, partners.ravel(), np.zeros(len(nodes)), directions.ravel() >= count)
+
+    def _links(self, i: np.ndarray, j: np.ndarray, angles: np.ndarray, flips: np.ndarray) -> Links:
+        once = i <= j
+        return Links(i[once], j[once], angles[once], flips[once], np.full(once.sum(), self.name, object))
+
+
+@dataclass(frozen=True)
+class Mirror(Reflection):
+    """A reflection of a mesh onto itself; ``partner`` are the (n,) mirror images of its vertices."""
 
     partner: np.ndarray
     turns: np.ndarray
     name: str
 
     @classmethod
-    def of(cls, mesh, partner, axis):
-        """The reflection that turns the sign of coordinate ``axis`` (0, 1, 2), from the mirrored vertices."""
+    def of(cls, mesh: TriangleMesh, partner: np.ndarray, axis: int) -> "Mirror":
+        """The reflection that changes the sign of coordinate ``axis`` (0, 1, 2), from the mirrored vertices."""
         image = mesh.tangent_frames[0].copy()
         image[:, axis] *= -1
-        # Where the direction of angle 0 of its partner comes to, at each vertex; a reflection is its own inverse.
+        # At each vertex, the image of its partner's direction of angle 0; a reflection is its own inverse.
         turns = mesh.tangent_numbers(image[partner])
         # Diagonals of faces need not be mirrored, so that tangent planes may lean a little.
         return cls(partner, np.angle(turns + turns[partner]), f"the mirror in {'XYZ'[axis]}")
 
-    def direction_links(self, symmetry):
-        """:class:`Links` between the powers of a direction field."""
-        return _direction_links(np.arange(len(self.partner)), self.partner, self.turns, self.name, symmetry)
-
-    def mirrored_directions(self, growth):
-        """(n, k) direction of its partner, 0 to 2 k - 1, that the direction of each of a vertex's k phases comes to;
-        from k on they are the reverses."""
-        return _mirrored_directions(np.arange(len(self.partner)), self.partner, self.turns, growth)
-
-    def phase_links(self, growth):
-        """:class:`Links` between the phases of a :class:`Growth`, which come out exchanged or reversed."""
-        return _phase_links(np.arange(len(self.partner)), self.partner, self.turns, self.name, growth)
+    def _pairs(self) -> tuple[np.ndarray, np.ndarray]:
+        return np.arange(len(self.partner)), self.partner
 
 
 @dataclass(frozen=True)
-class Seam:
-    """The two sides along which a one-sided surface is open: they look opposite ways and have the same field.
+class Seam(Reflection):
+    """The two sides of the cut along a one-sided surface, (k,) vertices ``first`` and ``second`` at the same places.
 
-    Attributes
-    ----------
-    first, second : (k,) vertices at the same places
-    turns : (k,) a direction at angle a at the first is at turns - a at the second
+    Their normals are opposite, their field is the same.
     """
 
     first: np.ndarray
@@ -75,57 +101,29 @@ class Seam:
     name: str = "the one-sided surface"
 
     @classmethod
-    def of(cls, mesh, pairs, rows=()):
-        """Of (k, 2) pairs of vertices at the same places, but for those that hard Rows hold on both sides: the ends of
+    def of(cls, mesh: TriangleMesh, pairs: np.ndarray, rows: Sequence[Row] = ()) -> "Seam":
+        """From (k, 2) pairs of vertices at the same places, without those fixed by hard rows on both sides: the ends of
         a seam, on a boundary that turns there."""
-        held = np.zeros(mesh.vertex_count, bool)
+        is_fixed = np.zeros(mesh.vertex_count, bool)
         for row in rows:
-            held[row.line.vertices] |= row.weight is None
-        first, second = pairs[~held[pairs].all(axis=1)].T
+            is_fixed[row.line.vertices] |= row.weight is None
+        first, second = pairs[~is_fixed[pairs].all(axis=1)].T
         x, y = mesh.tangent_frames
-        # Where the direction of angle 0 of the one is in the tangent plane of the other, seen from either.
+        # The direction of angle 0 of the one in the tangent plane of the other, seen from both.
         turns = 2 * np.einsum("kx,kx->k", x[first], x[second]) + 1j * (
             np.einsum("kx,kx->k", y[first], x[second]) + np.einsum("kx,kx->k", y[second], x[first])
         )
         return cls(first, second, np.angle(turns))
 
-    def direction_links(self, symmetry):
-        """:class:`Links` between the powers of a direction field."""
-        return _direction_links(self.first, self.second, self.turns, self.name, symmetry)
-
-    def phase_links(self, growth):
-        """:class:`Links` between the phases of a :class:`Growth`."""
-        return _phase_links(self.first, self.second, self.turns, self.name, growth)
+    def _pairs(self) -> tuple[np.ndarray, np.ndarray]:
+        return self.first, self.second
 
 
-def _direction_links(first, second, turns, name, symmetry):
-    return _links(first, second, symmetry * turns, np.ones(len(first), bool), name)
-
-
-def _mirrored_directions(first, second, turns, growth):
-    """(k, phases) the direction that each phase's direction comes to; mirrored ones are counted the other way round."""
-    met = np.rint((turns - growth.angles[first] - growth.angles[second]) / growth.turn).astype(int)
-    return (met[:, None] - np.arange(growth.phase_count)) % (2 * growth.phase_count)
-
-
-def _phase_links(first, second, turns, name, growth):
-    count, directions = growth.phase_count, _mirrored_directions(first, second, turns, growth)
-    nodes = (count * first[:, None] + np.arange(count)).ravel()
-    partners = count * second[:, None] + directions % count
-    return _links(nodes, partners.ravel(), np.zeros(len(nodes)), directions.ravel() >= count, name)
-
-
-def _links(i, j, angles, flips, name):
-    once = i <= j
-    names = np.full(once.sum(), name, object)
-    return Links(i[once], j[once], angles[once], flips[once], names)
-
-
-def split_links(count, parts):
+def split_links(count: int, parts: Sequence[Links]) -> tuple[Links, Links]:
     """Links of several mirrors between two of ``count`` nodes, and those of a node to itself that leave it two phases.
 
-    Where two mirrors lead from one node to another on two ways, one is kept: they agree only as well as the
-    tangent planes are mirrored, in which diagonals of faces play a part.
+    Where several links join two nodes in different ways, one is kept: they agree only as well as the tangent planes
+    are mirrored, which depend on diagonals of faces.
     """
     between, loops = join_links([]), []
     for links in parts:
@@ -139,12 +137,12 @@ def split_links(count, parts):
     return between, join_links(loops)
 
 
-def _choose_phases(links, mask):
+def _choose_phases(links: Links, mask: np.ndarray) -> Links:
     return Links(*(getattr(links, name)[mask] for name in Links.__dataclass_fields__))
 
 
-def with_loops(connection, loops):
-    """The connection with a strong edge to itself for every node that has only two phases."""
+def add_self_edges(connection: Connection, loops: Links) -> Connection:
+    """The connection with a strong edge from every node with only two phases to itself."""
     if len(loops.i) == 0:
         return connection
     sums = np.bincount(connection.edges.ravel(), np.repeat(connection.weights, 2), connection.node_count)
@@ -156,10 +154,10 @@ def with_loops(connection, loops):
     )
 
 
-def on_mirror(fixed, loops, slack):
-    """Fixed values (Targets), those on a mirror plane moved to their own mirror image.
+def snap_targets(fixed: Targets, loops: Links, slack: float) -> Targets:
+    """Fixed values, of which those on a mirror plane are moved to the nearer of their two phases.
 
-    Refuses what differs from that by more than the slack.
+    Refuses values that differ from it by more than the slack.
     """
     nodes, place, loop = np.intersect1d(fixed.nodes, loops.i, return_indices=True)
     middle = np.exp(0.5j * loops.angles[loop])
@@ -176,7 +174,7 @@ def on_mirror(fixed, loops, slack):
     return replace(fixed, values=values)
 
 
-def snap_to_plane(problem, solution, loops):
+def snap_to_plane(problem: SynchronizationProblem, solution: Solution, loops: Links) -> Solution:
     """The solution with the nodes on the mirror plane at the nearer of their two phases."""
     if len(loops.i) == 0:
         return solution

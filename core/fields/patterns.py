@@ -1,33 +1,39 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Periodic patterns: phases that grow as directions ask for, found by synchronization (paper, Sections 3.3 and 3.5).
+"""Periodic patterns: phases that follow a target one-form, found by synchronization (paper, Sections 3.3 and 3.5).
 
-Stripes and quads are the same but for the number of phases at a vertex (:class:`TargetOneForm`).
+Stripes and quads differ only in the number of phases at a vertex (:class:`TargetOneForm`).
 """
 
 import dataclasses
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..defects import Defect, list_defects
 from ..errors import ContradictionError, SettingError
 from ..geometry import TriangleMesh
-from ..interpolate import EdgePhases, face_phases
+from ..geometry.polygons import Polygons
+from ..interpolate import EdgePhases, FacePhases, face_phases
+from ..monitor import Callback
 from ..problem import SynchronizationProblem, join_targets
-from ..solve import Solution, solve
+from ..solve import Options, Solution, solve
+from ..solve.warm_start import Follower
 from .animation import next_solution
-from .constraints.features import loops_at, with_grid_lines
+from .constraints.features import add_grid_lines, link_to_themselves
 from .constraints.groups import TOLERANCE, Links, join_links
 from .constraints.phase_rows import phase_constraints
-from .constraints.rows import GRID
-from .constraints.strips import widen_strips
+from .constraints.rows import GRID, Row
+from .constraints.strips import strip_stretch
 from .curl_removal import check_share
+from .directions import DirectionField
 from .evenness import Evenness, evenness
-from .mirror import LEAN, on_mirror, snap_to_plane, split_links, with_loops
+from .mirror import LEAN, Reflection, add_self_edges, snap_targets, snap_to_plane, split_links
 from .target_one_form import TargetOneForm
 
-# Spacings that are a smaller share of the object than this are finer than double precision tells phases apart.
+# Spacings below this share of the object are too fine for phases in double precision.
 _FINEST = 1e-9
 
 
@@ -37,11 +43,11 @@ class Pattern:
 
     Attributes
     ----------
-    growth : Growth that was asked for
-    problem : SynchronizationProblem of the phases, or None for phases that were given
-    solution : Solution of it, or None
+    growth : the target
+    problem : of the phases, or None for phases that were given
+    solution : of the problem, or None
     phases : (k n,) complex, the solution's or others (:meth:`showing`)
-    on_planes : Links from phases on mirror planes to themselves
+    on_planes : links from phases on mirror planes to themselves
     """
 
     growth: TargetOneForm
@@ -56,7 +62,7 @@ class Pattern:
 
     @property
     def energy(self) -> float | None:
-        """Of the phases that are shown; None for given ones."""
+        """The energy of the phases; None for given ones."""
         if self.problem is None:
             return None
         if self.solution is not None and self.phases is self.solution.phases:
@@ -64,17 +70,17 @@ class Pattern:
         return self.problem.energy(self.phases)
 
     def showing(self, phases: np.ndarray) -> "Pattern":
-        """The pattern with other phases of the same problem: a variation, or with a defect at a chosen place."""
+        """The pattern with other phases of the same problem: a variation, or one with defects at chosen places."""
         return replace(self, phases=phases)
 
     @cached_property
     def edge_phases(self) -> EdgePhases:
-        """:class:`EdgePhases`, the phase changes along every edge."""
+        """The phase changes along every edge."""
         return self.growth.edge_phases(self.phases)
 
     @cached_property
     def evenness(self) -> Evenness:
-        """:class:`Evenness` of the lines, against the spacing that was asked for."""
+        """Evenness of the lines, against the target spacing."""
         return evenness(self.edge_phases, self.growth.asked_rates)
 
     @property
@@ -84,7 +90,7 @@ class Pattern:
 
     @property
     def dislocations(self) -> list[Defect]:
-        """List of :class:`Defect` with integer index."""
+        """Defects with integer index."""
         numbers, _ = self.edge_phases.dislocations
         return [
             defect
@@ -92,19 +98,19 @@ class Pattern:
             for defect in list_defects(self.mesh, "dislocation", column, phase=phase)
         ]
 
-    def on_faces(self, polygons):
-        """A :class:`FacePhases` for each phase, for the faces that the mesh's triangles draw."""
+    def on_faces(self, polygons: Polygons) -> tuple[FacePhases, ...]:
+        """The phases on the faces that the mesh's triangles make up, one item for each phase."""
         return face_phases(self.edge_phases, polygons)
 
 
-def check_spacing(places, spacing, what="stripe"):
-    """Refuse a spacing that nothing fits in, and one that is too fine for double precision.
+def check_spacing(places: np.ndarray, spacing: ArrayLike, what: str = "stripe") -> None:
+    """Refuse a spacing larger than the object, or too fine for double precision.
 
     Parameters
     ----------
-    places : (n, 3) vertices of what the pattern is on
+    places : (n, 3) vertices that the pattern is on
     spacing : a length in their unit, or one at each vertex (and axis)
-    what : has this distance
+    what : the spaced thing, for messages
     """
     spacing = check_lengths(spacing)
     extent = np.linalg.norm(np.ptp(places, axis=0))
@@ -119,8 +125,8 @@ def check_spacing(places, spacing, what="stripe"):
         )
 
 
-def check_lengths(spacing):
-    """Spacings, one or one at each vertex (and axis), as an array; refuses those that are no positive lengths."""
+def check_lengths(spacing: ArrayLike) -> np.ndarray:
+    """Spacings, one or one at each vertex (and axis), as an array; refuses those that are not positive lengths."""
     spacing = np.asarray(spacing, float)
     bad = np.argwhere(~(np.isfinite(spacing) & (spacing > 0)))
     if len(bad):
@@ -129,24 +135,37 @@ def check_lengths(spacing):
     return spacing
 
 
-def pattern_problem(mesh, field, spacing, rows=(), mirrors=(), branching=1.0):
+def pattern_problem(
+    mesh: TriangleMesh,
+    field: DirectionField,
+    spacing: ArrayLike,
+    rows: Sequence[Row] = (),
+    mirrors: Sequence[Reflection] = (),
+    branching: float = 1.0,
+) -> SynchronizationProblem:
     """The synchronization problem of a pattern.
 
     Parameters
     ----------
-    mesh : TriangleMesh
-    field : DirectionField, along which the lines of the first phase run; a cross field gives two phases
-    spacing : length of a period in the mesh's units, or one at each vertex (see :meth:`Growth.of`)
-    rows : Rows of the constraint list; those of the kinds "phase" and "constant" count
-    mirrors : Mirrors that leave the pattern as it is
-    branching : share of the growth's curl that is asked for, from 0 to 1: fewer dislocations below 1, for a spacing
-        that varies more (see :mod:`.curl_removal`)
+    field : direction of the lines of the first phase; a cross field gives two phases
+    spacing : length of a period in the mesh's units, or one at each vertex (see :meth:`TargetOneForm.of`)
+    rows : of the constraint list; those of the kinds "phase" and "constant" apply
+    mirrors : symmetries of the pattern
+    branching : share of the growth's curl that is kept, from 0 to 1: fewer dislocations below 1, for a spacing that
+        varies more (see :mod:`.curl_removal`)
     """
     return _pose_pattern(mesh, field, spacing, rows, mirrors, branching)[1]
 
 
-def _pose_pattern(mesh, field, spacing, rows, mirrors, branching):
-    """The growth, the problem, and the mirrors' links from a phase to itself."""
+def _pose_pattern(
+    mesh: TriangleMesh,
+    field: DirectionField,
+    spacing: ArrayLike,
+    rows: Sequence[Row],
+    mirrors: Sequence[Reflection],
+    branching: float,
+) -> tuple[TargetOneForm, SynchronizationProblem, Links]:
+    """The growth, the problem, and the links of phases to themselves, on mirrors and grid lines."""
     check_spacing(mesh.vertices[np.unique(mesh.triangles)], spacing)
     check_share(branching, "branching")
     growth = _growth(mesh, field, spacing, rows)
@@ -154,50 +173,50 @@ def _pose_pattern(mesh, field, spacing, rows, mirrors, branching):
     try:
         links, loops = _mirror_links(growth, mirrors)
         rows = [row for row in rows if row.is_of_phases]
-        links, on_grid = with_grid_lines(growth, rows, links)
+        links, on_grid = add_grid_lines(growth, rows, links)
         fixed, merged, drawn = phase_constraints(growth, [row for row in rows if row.kind != GRID], [links], slack)
-        fixed = on_mirror(fixed, loops, slack)
-        loops = join_links([loops, loops_at(np.setdiff1d(on_grid, np.append(fixed.nodes, loops.i)))])
+        fixed = snap_targets(fixed, loops, slack)
+        loops = join_links([loops, link_to_themselves(np.setdiff1d(on_grid, np.append(fixed.nodes, loops.i)))])
     except ContradictionError as error:
         raise error.renumbered(np.repeat(np.arange(mesh.vertex_count), growth.phase_count)) from None
-    growth = growth.calmed(1 - branching, fixed, merged)
-    posed = growth.posed
-    connection = with_loops(posed.connection, loops)
-    # What is calmed as far as it can be leads to nothing calmer.
-    calmer = partial(posed.turns_to_calm, fixed, merged) if branching > 0 else None
-    problem = SynchronizationProblem(connection, posed.masses, merged, fixed, join_targets(drawn), calmer)
+    growth = growth.remove_curl(1 - branching, fixed, merged)
+    solved = growth.on_solver_edges
+    connection = add_self_edges(solved.connection, loops)
+    # At a branching of 0 there is no curl left to remove.
+    calmer = partial(solved.curl_removing_turns, fixed, merged) if branching > 0 else None
+    problem = SynchronizationProblem(connection, solved.masses, merged, fixed, join_targets(drawn), calmer)
     return growth, problem, loops
 
 
 def solve_pattern(
-    mesh,
-    field,
-    spacing,
-    rows=(),
-    mirrors=(),
-    options=None,
-    callback=None,
-    before=None,
-    hold=0.0,
-    branching=1.0,
-    show=None,
-    follower=None,
-    start=None,
-):
-    """Solve for a :class:`Pattern`; arguments as :func:`pattern_problem` and :func:`core.solve.solve`.
+    mesh: TriangleMesh,
+    field: DirectionField,
+    spacing: ArrayLike,
+    rows: Sequence[Row] = (),
+    mirrors: Sequence[Reflection] = (),
+    options: Options | None = None,
+    callback: Callback | None = None,
+    before: Pattern | None = None,
+    hold: float = 0.0,
+    branching: float = 1.0,
+    show: Callable[[Pattern], object] | None = None,
+    follower: Follower | None = None,
+    start: np.ndarray | None = None,
+) -> Pattern:
+    """Solve for a pattern; arguments as :func:`pattern_problem` and :func:`core.solve.solve`.
 
     Parameters
     ----------
-    before : Pattern on another shape of the mesh along a field in the same sheets, or anything else with its phases,
+    before : pattern on another shape of the mesh along a field in the same sheets, or anything else with its phases,
         optional: the pattern is then the one that descent reaches from there (see :mod:`.animation`)
-    hold : how strongly the phases are drawn to those before, per mass and in units of 1 / spacing^2
-    follower : Follower that goes some steps from the pattern before only, optional
+    hold : weight that draws the phases to those before, per mass and in units of 1 / spacing^2
+    follower : takes only some steps from the pattern before, optional
     start : (k n,) complex phases, optional: without a pattern before, the whole solve starts from these
-    show : callable(Pattern), called with what there is before the end, for a pattern without one before
+    show : called with preliminary patterns where there is none before
     """
     growth, problem, loops = _pose_pattern(mesh, field, spacing, rows, mirrors, branching)
 
-    def pattern(solution):
+    def pattern(solution: Solution) -> Pattern:
         return _pattern_of(growth, problem, solution, loops)
 
     if before is None:
@@ -209,28 +228,37 @@ def solve_pattern(
     return pattern(solution)
 
 
-def change_pattern(pattern, correction, options=None, callback=None):
-    """The :class:`Pattern` where (e, k) more is added to the changes that are asked for.
+def change_pattern(
+    pattern: Pattern, correction: np.ndarray, options: Options | None = None, callback: Callback | None = None
+) -> Pattern:
+    """The pattern solved again with an (e, k) correction, radians, added to the changes of its growth.
 
-    Parameters
-    ----------
-    pattern : Pattern with its problem, whose growth is corrected already
-    correction : (e, k) radians
-    options, callback : as :func:`core.solve.solve` has them
+    The pattern has its problem, and its growth a correction already; options and callback as :func:`core.solve.solve`.
     """
     growth = pattern.growth
+    assert pattern.problem is not None
     problem = pattern.problem.turned_by(growth.connection_turns(correction))
     growth = replace(growth, correction=growth.correction + correction)
     return _pattern_of(growth, problem, solve(problem, options, callback), pattern.on_planes)
 
 
-def _pattern_of(growth, problem, solution, on_planes):
+def _pattern_of(
+    growth: TargetOneForm, problem: SynchronizationProblem, solution: Solution, on_planes: Links
+) -> Pattern:
     solution = snap_to_plane(problem, solution, on_planes)
     return Pattern(growth, problem, solution, solution.phases, on_planes)
 
 
-def known_pattern(mesh, field, spacing, phases, rows=(), mirrors=(), branching=1.0):
-    """The :class:`Pattern` of (k n,) complex phases that were solved for, without problem and solution.
+def known_pattern(
+    mesh: TriangleMesh,
+    field: DirectionField,
+    spacing: ArrayLike,
+    phases: np.ndarray,
+    rows: Sequence[Row] = (),
+    mirrors: Sequence[Reflection] = (),
+    branching: float = 1.0,
+) -> Pattern:
+    """The pattern of (k n,) complex phases that are known, without problem and solution.
 
     Other parameters as :func:`pattern_problem`.
     """
@@ -240,11 +268,12 @@ def known_pattern(mesh, field, spacing, phases, rows=(), mirrors=(), branching=1
     return Pattern(growth, None, None, phases)
 
 
-def _growth(mesh, field, spacing, rows):
-    """The :class:`TargetOneForm` that is asked for before it is calmed."""
-    return widen_strips(TargetOneForm.of(mesh, field, spacing), rows)
+def _growth(mesh: TriangleMesh, field: DirectionField, spacing: ArrayLike, rows: Sequence[Row]) -> TargetOneForm:
+    """The target one-form before curl is removed."""
+    growth = TargetOneForm.of(mesh, field, spacing)
+    return replace(growth, stretch=strip_stretch(growth, rows))
 
 
-def _mirror_links(growth, mirrors):
+def _mirror_links(growth: TargetOneForm, mirrors: Sequence[Reflection]) -> tuple[Links, Links]:
     count = growth.phase_count * growth.mesh.vertex_count
     return split_links(count, [mirror.phase_links(growth) for mirror in mirrors])

@@ -1,26 +1,34 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Defects at chosen places, and other configurations of them, from one solve (paper, Eq. 29 and Section 4.6)."""
 
+from collections.abc import Iterable
+from typing import TypeVar
+
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..errors import SettingError, name_elements, quote_value
 from ..interpolate import dislocation_numbers
 from ..solution import COARSE, Options
 from ..solve import solve
 from ..solve.lifted import LiftedField
+from .directions import DirectionField
+from .patterns import Pattern
 
-# Directions that are tried for defects at chosen vertices.
+# Directions tried for defects at chosen vertices.
 TRIES = 16
 # Energy above the best, as a share of it, up to which a drawn variation counts as near.
 NEAR = 0.05
+_Field = TypeVar("_Field", Pattern, DirectionField)
 
 
-def variation(pattern, number):
-    """A :class:`Pattern` or DirectionField with other near-optimal phases of the same solve.
+def variation(pattern: _Field, number: int) -> _Field:
+    """A pattern or direction field with other near-optimal phases of the same solve.
 
-    First, from 0 on, come the local optima that the solve has found, best first; higher numbers are the seeds of a
+    The first numbers, from 0, are the local optima found by the solve, best first; higher numbers are the seeds of a
     search on a coarser problem, from which descent leads to a local optimum.
     """
+    assert pattern.problem is not None and pattern.solution is not None
     ready = pattern.solution.variations
     if number < len(ready):
         return pattern.showing(ready[number])
@@ -29,28 +37,29 @@ def variation(pattern, number):
     return pattern.showing(solve(pattern.problem, Options(method=COARSE, seed=number)).phases)
 
 
-def nearest_variation(pattern, numbers):
+def nearest_variation(pattern: _Field, numbers: Iterable[int]) -> int:
     """The first of some numbers whose variation is near the best in energy, or the one that is nearest."""
-    energies = {}
+    assert pattern.solution is not None
+    energies: dict[int, float] = {}
     for number in numbers:
-        energies[number] = variation(pattern, number).energy
-        if energies[number] <= (1 + NEAR) * pattern.solution.energy:
+        energy = variation(pattern, number).energy
+        assert energy is not None
+        energies[number] = energy
+        if energy <= (1 + NEAR) * pattern.solution.energy:
             break
-    return min(energies, key=energies.get)
+    return min(energies, key=energies.__getitem__)
 
 
-def with_defects(pattern, vertices):
-    """The :class:`Pattern` along a direction of the lifted field that has a dislocation at each of some vertices.
+def with_defects(pattern: Pattern, vertices: ArrayLike) -> Pattern:
+    """The pattern along a direction of the lifted field that has a dislocation at each of some vertices.
 
     Of the directions orthogonal to the lifted values there, the one along which the field is longest is tried first,
     then random ones, until a face at every vertex has a dislocation; of the two phases of quads the better one gets it.
 
-    Raises
-    ------
-    SettingError
-        for what is no vertex, for more vertices than the lifted field has room for, or where no direction has defects
-        at all of them
+    Raises :class:`SettingError` for numbers that are not vertices, more vertices than the lifted field allows, or where
+    no direction has defects at all of them.
     """
+    assert pattern.problem is not None and pattern.solution is not None
     field = LiftedField(pattern.problem, pattern.solution)
     count = pattern.growth.phase_count
     vertices = check_vertices(vertices, pattern.mesh.vertex_count)
@@ -58,14 +67,15 @@ def with_defects(pattern, vertices):
         raise SettingError(
             f"{len(vertices)} defects are too many: the solved field leaves room for {field.most_defects} at a time"
         )
-    best = None
+    best, least = None, np.inf
     for phase in range(count):
         nodes = count * vertices + phase
         for attempt in range(TRIES):
             direction = field.direction(nodes) if attempt == 0 else field.random_direction(attempt, nodes)
             shown = pattern.showing(field.phases(direction))
             if _has_defects(shown, vertices):
-                best = shown if best is None or shown.energy < best.energy else best
+                if shown.energy is not None and shown.energy < least:
+                    best, least = shown, shown.energy
                 break
     if best is None:
         raise SettingError(
@@ -74,8 +84,8 @@ def with_defects(pattern, vertices):
     return best
 
 
-def check_vertices(vertices, count):
-    """(k,) the vertices of a mesh that has so many, ascending, each once; refuses what are none."""
+def check_vertices(vertices: ArrayLike, count: int) -> np.ndarray:
+    """(k,) vertices of a mesh with ``count`` of them, ascending, each once; refuses everything else."""
     try:
         found = np.unique(np.asarray(vertices).ravel())
     except ValueError:  # lists in lists of other lengths
@@ -88,9 +98,9 @@ def check_vertices(vertices, count):
     return found
 
 
-def _has_defects(pattern, vertices):
+def _has_defects(pattern: Pattern, vertices: np.ndarray) -> bool:
     """Whether each vertex is a corner of a triangle with a dislocation, or around which the sheet changes."""
     triangles = pattern.mesh.triangles
     near = np.flatnonzero(np.isin(triangles, vertices).any(axis=1))
     numbers, torn = dislocation_numbers(pattern.edge_phases, triangles[near])
-    return np.isin(vertices, triangles[near][numbers.any(axis=1) | torn]).all()
+    return bool(np.isin(vertices, triangles[near][numbers.any(axis=1) | torn]).all())

@@ -12,15 +12,23 @@ from numpy.typing import ArrayLike
 from ..errors import SettingError
 from ..geometry.triangle_mesh import TriangleMesh
 from ..monitor import Callback
+from ..problem import SynchronizationProblem
 from ..solution import Options
 from ..solve.warm_start import Follower
 from .constraints.rows import Row
 from .directions import DirectionField
-from .mirror import Mirror
+from .mirror import Reflection
 from .patterns import Pattern, pattern_problem, solve_pattern
 
 
-def quad_problem(mesh, field, spacing, rows=(), mirrors=(), branching=1.0):
+def quad_problem(
+    mesh: TriangleMesh,
+    field: DirectionField,
+    spacing: ArrayLike,
+    rows: Sequence[Row] = (),
+    mirrors: Sequence[Reflection] = (),
+    branching: float = 1.0,
+) -> SynchronizationProblem:
     """The synchronization problem of quads along a cross field; arguments as :func:`pattern_problem`."""
     _check_symmetry(field)
     return pattern_problem(mesh, field, spacing, rows, mirrors, branching)
@@ -31,7 +39,7 @@ def quad_pattern(
     field: DirectionField,
     spacing: ArrayLike,
     rows: Sequence[Row] = (),
-    mirrors: Sequence[Mirror] = (),
+    mirrors: Sequence[Reflection] = (),
     options: Options | None = None,
     callback: Callback | None = None,
     before: Pattern | None = None,
@@ -48,6 +56,6 @@ def quad_pattern(
     )
 
 
-def _check_symmetry(field):
+def _check_symmetry(field: DirectionField) -> None:
     if field.symmetry != 4:
         raise SettingError("quads need a cross field: set the symmetry to cross")

@@ -9,15 +9,23 @@ from numpy.typing import ArrayLike
 from ..errors import SettingError
 from ..geometry.triangle_mesh import TriangleMesh
 from ..monitor import Callback
+from ..problem import SynchronizationProblem
 from ..solution import Options
 from ..solve.warm_start import Follower
 from .constraints.rows import Row
 from .directions import DirectionField
-from .mirror import Mirror
+from .mirror import Reflection
 from .patterns import Pattern, pattern_problem, solve_pattern
 
 
-def stripe_problem(mesh, field, spacing, rows=(), mirrors=(), branching=1.0):
+def stripe_problem(
+    mesh: TriangleMesh,
+    field: DirectionField,
+    spacing: ArrayLike,
+    rows: Sequence[Row] = (),
+    mirrors: Sequence[Reflection] = (),
+    branching: float = 1.0,
+) -> SynchronizationProblem:
     """The synchronization problem of stripes along a vector or line field; arguments as :func:`pattern_problem`."""
     _check_symmetry(field)
     return pattern_problem(mesh, field, spacing, rows, mirrors, branching)
@@ -28,7 +36,7 @@ def stripe_pattern(
     field: DirectionField,
     spacing: ArrayLike,
     rows: Sequence[Row] = (),
-    mirrors: Sequence[Mirror] = (),
+    mirrors: Sequence[Reflection] = (),
     options: Options | None = None,
     callback: Callback | None = None,
     before: Pattern | None = None,
@@ -45,6 +53,6 @@ def stripe_pattern(
     )
 
 
-def _check_symmetry(field):
+def _check_symmetry(field: DirectionField) -> None:
     if field.symmetry not in (1, 2):
         raise SettingError("stripes need a vector or line field: set the symmetry to vector or line")

@@ -9,17 +9,15 @@ from ..geometry import TriangleMesh
 from ..geometry.nearest import NearestTriangles, nearest_in_triangles
 from ..interpolate import EdgePhases
 from ..interpolate_solid import evaluate_in_tets
+from .layers import LayerPattern, SolidTargetOneForm
 from .target_one_form import COARSE_SHARE
 
 
 @dataclass(frozen=True)
 class SurfacePhases:
-    """What is written as the usual attributes.
+    """The phase of layers on a surface, in ``edge_phases``.
 
-    Attributes
-    ----------
-    edge_phases : EdgePhases of one phase on a TriangleMesh
-    is_own : whether that is the solid's boundary, because the given mesh is too coarse for the phase
+    ``is_own`` says whether that is the solid's boundary, because the given mesh is too coarse for the phase.
     """
 
     edge_phases: EdgePhases
@@ -30,21 +28,18 @@ class SurfacePhases:
         return self.edge_phases.mesh
 
 
-def surface_phases(mesh, pattern, growth):
-    """The phase of a pattern on a surface mesh, if its edges are short enough for it, else on the solid's boundary.
+def surface_phases(mesh: TriangleMesh, pattern: LayerPattern, growth: SolidTargetOneForm) -> SurfacePhases:
+    """The phase of a pattern on the mesh that the solid fills, or on the solid's boundary where its edges are too long.
 
-    Parameters
-    ----------
-    mesh : TriangleMesh that the solid fills
-    pattern : LayerPattern
-    growth : SolidGrowth that was asked for
+    ``growth`` is the target that the pattern was solved for.
     """
     given = _on_surface(mesh, pattern, growth)
     return SurfacePhases(given, False) if given is not None else SurfacePhases(_on_boundary(pattern), True)
 
 
-def _on_surface(mesh, pattern, growth):
-    """EdgePhases at the surface's own vertices: the solid's at the nearest place, and from there as the growth asks."""
+def _on_surface(mesh: TriangleMesh, pattern: LayerPattern, growth: SolidTargetOneForm) -> EdgePhases | None:
+    """Phases at the surface's vertices: the solid's at the nearest place, continued from there by the growth; None for
+    edges that are too long."""
     solid = pattern.mesh
     boundary, source = solid.boundary_surface
     _, found = NearestTriangles(boundary.vertices, boundary.triangles).nearest(mesh.vertices)
@@ -63,8 +58,8 @@ def _on_surface(mesh, pattern, growth):
     return EdgePhases.of(mesh, np.exp(1j * angles)[:, None], asked[:, None], np.zeros(len(asked), int))
 
 
-def _on_boundary(pattern):
-    """EdgePhases of the solid on its boundary."""
+def _on_boundary(pattern: LayerPattern) -> EdgePhases:
+    """Phases of the solid on its boundary."""
     solid, phases = pattern.mesh, pattern.edge_phases
     boundary, source = solid.boundary_surface
     # The boundary's vertices are in the solid's order, so that edges run the same way.

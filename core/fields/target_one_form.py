@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the phases of a pattern should grow, and the connection that asks for it (paper, Eq. 6 and Section 3.5).
+"""The target one-form of a pattern's phases, and its connection (paper, Eq. 6 and Section 3.5).
 
-Stripes have one phase at a vertex and quads two; what is written here serves both.
+Stripes have one phase at a vertex and quads two.
 """
 
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..connection import Connection, circle_transports
 from ..errors import SettingError
@@ -15,10 +16,12 @@ from ..gauge import balance
 from ..geometry import TriangleMesh
 from ..interpolate import EdgePhases
 from ..matchings import after_turns
-from .curl_removal import PRECISION, ROUGH, calming, known_turns, surface_circulation
+from ..problem import Merged, Targets
+from .curl_removal import PRECISION, ROUGH, known_turns, remove_holonomy, surface_circulation
+from .directions import DirectionField
 
 AXES = "XYZ"
-# More than this share of the edges that turn the phase by more than half a period are too many.
+# The largest share of edges along which a phase may turn by more than half a period.
 COARSE_SHARE = 0.05
 
 
@@ -32,12 +35,12 @@ class TargetOneForm:
     angles : (n,) radians, direction in which the first phase grows; the next ones follow at pi / k
     rates : (n, k) phase per unit length
     matchings : (e,) see :mod:`core.matchings`
-    has_signs : whether a phase and its negative are told apart, as for stripes along a vector field
-    correction : (e, k) what is added to the changes to calm them (see :mod:`.curl_removal`); None for nothing
-    scale : one, or (n,) times that quads are larger than asked, to be near square (see :class:`DirectionField`)
-    stretch : one, or (e,) complex, what edges count as, as multiples of themselves, turned counterclockwise
-        (see :mod:`.constraints.strips`)
-    posed_matchings : the matchings along the edges that problems are posed on, None for the mesh's own
+    has_signs : whether a phase and its negative differ, as for stripes along a vector field
+    correction : (e, k) added to the changes to remove curl (see :mod:`.curl_removal`), optional
+    scale : one, or (n,) factor on the size of quads that keeps them near square (see :class:`DirectionField`)
+    stretch : one, or (e,) complex factor on edges, whose argument turns them counterclockwise (see
+        :mod:`.constraints.strips`)
+    solver_matchings : the matchings along the edges of problems, None for the mesh's own
     """
 
     mesh: TriangleMesh
@@ -48,18 +51,15 @@ class TargetOneForm:
     correction: np.ndarray | None = None
     scale: float | np.ndarray = 1.0
     stretch: complex | np.ndarray = 1.0
-    posed_matchings: np.ndarray | None = None
+    solver_matchings: np.ndarray | None = None
 
     @classmethod
-    def of(cls, mesh, field, spacing):
+    def of(cls, mesh: TriangleMesh, field: DirectionField, spacing: ArrayLike) -> "TargetOneForm":
         """Growth across a direction field, so that the lines of the first phase run along it.
 
-        Parameters
-        ----------
-        mesh : TriangleMesh
-        field : DirectionField; vectors and lines give one phase a vertex, crosses two
-        spacing : length of a period in the mesh's units, or (n,) one at each vertex; for crosses also (n, 2) or
-            (1, 2), one along each of the field's two axes, the first of which is the one nearer to X
+        Vectors and lines give one phase a vertex, crosses two. The spacing is the length of a period in the mesh's
+        units, or (n,) one at each vertex; for crosses also (n, 2) or (1, 2), one along each of the field's two axes,
+        of which the first is nearer to X.
         """
         count = max(1, field.symmetry // 2)
         angles = field.angles + np.pi / 2
@@ -72,38 +72,39 @@ class TargetOneForm:
         else:
             spacing = spacing * np.reshape(scale, (-1, 1))
             spacing = _on_axes(mesh, angles, matched, np.broadcast_to(spacing, (mesh.vertex_count, count)))
-        rates, posed = 2 * np.pi / spacing, field.posed_matchings
-        return cls(mesh, angles, rates, matched, field.symmetry == 1, scale=scale, posed_matchings=posed)
+        rates, solver_matchings = 2 * np.pi / spacing, field.solver_matchings
+        return cls(mesh, angles, rates, matched, field.symmetry == 1, scale=scale, solver_matchings=solver_matchings)
 
     @property
-    def posed(self):
-        """The growth along the edges that its problem is posed on (see :attr:`TriangleMesh.posed`): the mesh's own
-        where something is known of these alone."""
-        if self.posed_matchings is None or self.correction is not None or np.ndim(self.stretch) > 0:
+    def on_solver_edges(self) -> "TargetOneForm":
+        """The growth along the edges of its problem (see :attr:`TriangleMesh.posed`): the mesh's own where there is a
+        correction or a stretch of these."""
+        if self.solver_matchings is None or self.correction is not None or np.ndim(self.stretch) > 0:
             return self
-        return replace(self, mesh=self.mesh.posed, matchings=self.posed_matchings, posed_matchings=None)
+        return replace(self, mesh=self.mesh.posed, matchings=self.solver_matchings, solver_matchings=None)
 
     @property
-    def asked_rates(self):
-        """(n, k) phase per unit length that the spacing alone asks for."""
-        return self.rates * np.reshape(self.scale, (-1, 1))
+    def asked_rates(self) -> np.ndarray:
+        """(n, k) phase per unit length by the spacing alone."""
+        rates: np.ndarray = self.rates * np.reshape(self.scale, (-1, 1))
+        return rates
 
     @property
-    def phase_count(self):
-        """k, phases at a vertex; the one numbered l at vertex v is node k v + l of the problem."""
-        return self.rates.shape[1]
+    def phase_count(self) -> int:
+        """k, phases at a vertex; phase l of vertex v is node k v + l of the problem."""
+        return int(self.rates.shape[1])
 
     @property
-    def turn(self):
+    def turn(self) -> float:
         """Angle between one direction and the next."""
         return np.pi / self.phase_count
 
     @cached_property
-    def changes(self):
-        """(e, k) phase change asked for along each edge, for the phases of its lower vertex.
+    def changes(self) -> np.ndarray:
+        """(e, k) target phase change along each edge, for the phases of its lower vertex, corrected.
 
-        Before they are calmed, the integral of v / hbar by the trapezoidal rule over the two ends (Eq. 6); an edge lies
-        at known angles in both tangent planes, so that neighbouring faces agree by construction.
+        It is the integral of v / hbar by the trapezoidal rule (Eq. 6). An edge has known angles in the tangent planes
+        of both ends, so that neighbouring faces agree by construction.
         """
         i, j = self.mesh.edges.T
         numbers = np.arange(self.phase_count) * self.turn
@@ -111,12 +112,12 @@ class TargetOneForm:
         at_tail = self.rates[i] * np.cos(self.angles[i, None] + numbers - directions[:, :1])
         at_head = -self.rates[j] * np.cos(self.angles[j, None] + numbers - directions[:, 1:])
         lengths = self.mesh.edge_lengths * np.abs(self.stretch)
-        changes = 0.5 * lengths[:, None] * (at_tail + after_turns(at_head, -self.matchings))
+        changes: np.ndarray = 0.5 * lengths[:, None] * (at_tail + after_turns(at_head, -self.matchings))
         return changes if self.correction is None else changes + self.correction
 
     @cached_property
-    def connection(self):
-        """:class:`Connection` between the phases as nodes."""
+    def connection(self) -> Connection:
+        """The connection between the phases as nodes."""
         count = self.phase_count
         i, j = (np.repeat(ends, count) for ends in self.mesh.edges.T)
         phase = np.tile(np.arange(count), len(self.mesh.edges))
@@ -131,86 +132,80 @@ class TargetOneForm:
         )
 
     @property
-    def _flips(self):
+    def _flips(self) -> np.ndarray:
         """(k e,) whether the connection's edges conjugate."""
         count = self.phase_count
-        return ((np.arange(count) - self.matchings[:, None]) % (2 * count) >= count).ravel()
+        flips: np.ndarray = ((np.arange(count) - self.matchings[:, None]) % (2 * count) >= count).ravel()
+        return flips
 
-    def calmed(self, share, fixed, merged):
-        """The growth without a share of the curl of its changes, around whole sheets.
+    def remove_curl(self, share: float, fixed: Targets, merged: Merged) -> "TargetOneForm":
+        """The growth without a share of the curl of its changes, around triangles that keep their sheet.
 
-        Parameters
-        ----------
-        share : from 0, as asked, to 1, nothing but disclinations left to go around
-        fixed, merged : constraints (Targets, Merged) of the phases, which say what changes along their edges have to be
+        Constraints of the phases determine the changes along their edges.
         """
         if share == 0:
             return self
-        return replace(self, correction=share * self._calming(fixed, merged, PRECISION))
+        return replace(self, correction=share * self._curl_removal(fixed, merged, PRECISION))
 
-    def turns_to_calm(self, fixed, merged):
-        """(k e,) radians, about what turns the connection's edges further for a growth without curl.
+    def curl_removing_turns(self, fixed: Targets, merged: Merged) -> np.ndarray:
+        """(k e,) radians, approximate turns of the connection's edges that remove the curl, for candidates."""
+        return self.connection_turns(self._curl_removal(fixed, merged, ROUGH))
 
-        Constraints as for :meth:`calmed`; to a low precision, which does for candidates.
-        """
-        return self.connection_turns(self._calming(fixed, merged, ROUGH))
-
-    def connection_turns(self, changes):
-        """(k e,) radians by which (e, k) changes more turn the connection's edges further."""
+    def connection_turns(self, changes: np.ndarray) -> np.ndarray:
+        """(k e,) radians by which additional (e, k) changes turn the connection's edges."""
         turns = changes.ravel()
         return np.where(self._flips, -turns, turns)
 
-    def _calming(self, fixed, merged, precision):
-        """(e, k) what is to be added to the changes for a growth without curl."""
+    def _curl_removal(self, fixed: Targets, merged: Merged, precision: float) -> np.ndarray:
+        """(e, k) correction of the changes that removes the curl."""
         count = self.phase_count
         circulation, _ = surface_circulation(self.mesh, self.matchings, count)
         known = known_turns(self.connection, fixed, merged)
         known = np.where(self._flips, -known, known)
         weights = np.repeat(self.mesh.weights, count)
-        found = calming(circulation, circulation.matrix @ self.changes.ravel(), weights, known, precision)
+        found = remove_holonomy(circulation, circulation.matrix @ self.changes.ravel(), weights, known, precision)
         return found.correction.reshape(-1, count)
 
     @property
-    def masses(self):
+    def masses(self) -> np.ndarray:
         """(k n,) mass of each node."""
         return np.repeat(self.mesh.vertex_masses, self.phase_count)
 
-    def edge_phases(self, phases):
-        """:class:`EdgePhases` of (k n,) complex phases."""
+    def edge_phases(self, phases: np.ndarray) -> EdgePhases:
+        """The edge phases of (k n,) complex phases."""
         return EdgePhases.of(self.mesh, phases.reshape(-1, self.phase_count), self.changes, self.matchings)
 
     @property
-    def coarse_share(self):
-        """Share of the edges along which a phase should turn by more than half a period."""
+    def coarse_share(self) -> float:
+        """Share of the edges along which a phase turns by more than half a period."""
         return float((np.abs(self.changes) > np.pi).any(axis=1).mean())
 
     @property
-    def forced_dislocations(self):
-        """How many dislocations the directions and rates force: the circulation of v / hbar, in turns.
+    def forced_dislocations(self) -> float:
+        """Number of dislocations forced by directions and rates: the circulation of v / hbar, in turns.
 
-        The asked phase changes around a triangle add up to turns that no phase can make; their sizes are summed over
-        all triangles around which the sheet is kept. A pattern that stretches and bends needs fewer, and what the
-        trapezoidal rule is off by in each triangle counts too.
+        The absolute sums of the target changes around the triangles that keep their sheet are added up. A pattern that
+        stretches and bends needs fewer. The errors of the trapezoidal rule in each triangle are included.
         """
         values, turns = self._around
         return float(np.abs(values[turns == 0, 3]).sum() / (2 * np.pi))
 
     @property
-    def quad_count(self):
-        """About how many quads two phases draw that change as asked: one for each half turn of both."""
+    def quad_count(self) -> float:
+        """Approximate number of quads of two phases with the target changes: one for each half turn of both."""
         values, _ = self._around
         first, second = values[:, 1], values[:, 2]
         return float(np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]).sum() / (2 * np.pi**2))
 
     @property
-    def _around(self):
-        """The asked changes around the triangles, from 0 on; see :meth:`EdgePhases.around`."""
+    def _around(self) -> tuple[np.ndarray, np.ndarray]:
+        """The target changes around the triangles, from 0; see :meth:`EdgePhases.around`."""
         zero = np.zeros((self.mesh.vertex_count, self.phase_count))
         return EdgePhases(self.mesh, zero, self.changes, self.matchings).around(self.mesh.triangles)
 
 
-def _on_axes(mesh, angles, matched, spacing):
-    """(n, 2) spacings of each vertex's own two phases, for spacings given along the field's two axes."""
+def _on_axes(mesh: TriangleMesh, angles: np.ndarray, matched: np.ndarray, spacing: np.ndarray) -> np.ndarray:
+    """(n, 2) spacings of each vertex's two phases, for spacings given along the field's two axes."""
     if (spacing[:, 0] == spacing[:, 1]).all():
         return spacing
     swapped, apart = balance(mesh.vertex_count, mesh.edges, matched % 2 == 1)
@@ -220,7 +215,7 @@ def _on_axes(mesh, angles, matched, spacing):
             f"around disclinations on the piece of vertex {np.flatnonzero(~apart)[0]}: use the same for both "
             "(an aspect of 1)"
         )
-    # Each piece of the mesh chooses the axis that runs nearer to X as its first; Y and Z decide where X does not.
+    # The first axis of each piece of the mesh is the one nearer to X; Y and Z decide where X does not.
     x, y = mesh.tangent_frames
     first = angles + np.where(swapped, np.pi / 2, 0)
     turned = [np.cos(a)[:, None] * x + np.sin(a)[:, None] * y for a in (first, first + np.pi / 2)]

@@ -1,86 +1,80 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a lifted field holds beyond its best phases: near-optimal fields of other defects (Sections 4.5 and 4.6).
+"""Near-optimal fields with other defects, from the lifted field of a solution (Sections 4.5 and 4.6).
 
 The projection of the lifted field Y on a direction xi, normalized, is a field of phases (Eq. 29). It has a defect where
-Y is orthogonal to xi: a random direction draws another configuration, and one orthogonal to chosen values puts
-defects there.
+Y is orthogonal to xi: a random direction gives a random configuration, and a direction orthogonal to the values at
+chosen nodes puts defects there.
 """
 
 from contextlib import suppress
 from functools import cached_property, partial
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..algebra.workers import solving
 from ..errors import SettingError
-from ..monitor import Monitor, OutOfTime
+from ..monitor import Callback, Monitor, OutOfTime
+from ..piece import Piece
+from ..problem import SynchronizationProblem
+from ..solution import Options, Solution
 from .methods.descent import descend
 from .methods.manifolds import Lifted, gaussian
 from .methods.stage import Workspace
 
-# Descents at a given rank end when the predicted relative decrease is below this share of the target gap, or after so
-# many steps.
+# Descents at a given rank end when the predicted relative decrease is below this share of the target gap, or after
+# this many steps.
 TOLERANCE, STEPS = 3e-6, 500
-# Points from which descents of a given rank start, of which the best goes on at so many times that share.
+# Descents of a given rank that are started, and how many times larger their tolerance is than that of the best one.
 STARTS, EARLY = 4, 1000
-# Projections that are shorter than this share of the lifted vector have no phase of their own.
+# Projections that are shorter than this share of the lifted vector have no phase.
 TINY = 1e-9
 
 
 class LiftedField:
     """The lifted field of a solved problem on the circle.
 
-    Parameters
-    ----------
-    problem : SynchronizationProblem on the circle
-    solution : its Solution
+    ``rank`` is the number of components of a direction.
 
-    Raises
-    ------
-    SettingError
-        for a solution without a lifted field
+    Raises :class:`SettingError` for a solution without a lifted field.
     """
 
-    def __init__(self, problem, solution):
+    def __init__(self, problem: SynchronizationProblem, solution: Solution) -> None:
         if solution.lifted is None:
             raise SettingError("there is no lifted field: solve with the method sdp")
         self.problem, self.lifted = problem, solution.lifted
+        self.rank: int = self.lifted.shape[1]
 
     @property
-    def rank(self):
-        """Components of a direction."""
-        return self.lifted.shape[1]
-
-    @property
-    def most_defects(self):
-        """At how many nodes at once a direction can be made to vanish."""
+    def most_defects(self) -> int:
+        """The largest number of nodes that a direction can put defects at."""
         return (self.rank - 1) // self.problem.block
 
     @cached_property
-    def _gram(self):
-        return self.lifted.conj().T @ self.lifted
+    def _gram(self) -> np.ndarray:
+        gram: np.ndarray = self.lifted.conj().T @ self.lifted
+        return gram
 
-    def random_direction(self, seed, nodes=()):
+    def random_direction(self, seed: int, nodes: ArrayLike = ()) -> np.ndarray:
         """(r,) a direction drawn at random, orthogonal to the lifted values at (k,) nodes."""
         basis = self._orthogonal(nodes)
         drawn = gaussian((basis.shape[1], 1), self.problem.is_complex, np.random.default_rng(seed))
-        return (basis @ drawn)[:, 0]
+        direction: np.ndarray = (basis @ drawn)[:, 0]
+        return direction
 
-    def direction(self, nodes=()):
-        """(r,) the direction along which the lifted field is longest of those orthogonal to its values at nodes.
+    def direction(self, nodes: ArrayLike = ()) -> np.ndarray:
+        """(r,) the direction, orthogonal to the values at (k,) nodes, along which the lifted field is longest.
 
         Without nodes it is that of SVD rounding.
 
-        Raises
-        ------
-        SettingError
-            for more nodes than :attr:`most_defects`
+        Raises :class:`SettingError` for more nodes than :attr:`most_defects`.
         """
         basis = self._orthogonal(nodes)
         _, axes = np.linalg.eigh(basis.conj().T @ self._gram @ basis)
-        return basis @ axes[:, -1]
+        direction: np.ndarray = basis @ axes[:, -1]
+        return direction
 
-    def _orthogonal(self, nodes):
+    def _orthogonal(self, nodes: ArrayLike) -> np.ndarray:
         """(r, q) orthonormal basis of the directions along which the lifted field vanishes at the nodes."""
         nodes = np.unique(np.asarray(nodes, int))
         if len(nodes) == 0:
@@ -92,36 +86,42 @@ class LiftedField:
             )
         rows = self.problem.rows_of(nodes)
         grounds = self.problem.pieces.grounds
-        held = np.isin(rows[:, 0], grounds[grounds >= 0] * self.problem.block)
-        if held.any():
-            raise SettingError(f"the phase of node {nodes[held][0]} is fixed: a defect can only be where it is free")
+        fixed = np.isin(rows[:, 0], grounds[grounds >= 0] * self.problem.block)
+        if fixed.any():
+            raise SettingError(f"the phase of node {nodes[fixed][0]} is fixed: a defect can only be where it is free")
         values = self.lifted[rows.ravel()]
         _, sizes, axes = np.linalg.svd(values)
         return axes[np.count_nonzero(sizes > TINY) :].conj().T
 
-    def phases(self, direction):
+    def phases(self, direction: np.ndarray) -> np.ndarray:
         """(n,) complex phases: the projection on a direction, normalized; 1 where it vanishes."""
         problem = self.problem
         coordinates = (self.lifted @ direction).reshape(-1, problem.block)
         lengths = np.sqrt((np.abs(coordinates) ** 2).sum(axis=1, keepdims=True))
         fallback = problem.unit_coordinates().reshape(coordinates.shape)
         long = lengths > TINY * np.linalg.norm(direction)
-        coordinates = np.where(long, coordinates / np.where(long, lengths, 1), fallback)
-        coordinates = coordinates.ravel()
+        coordinates = np.where(long, coordinates / np.where(long, lengths, 1), fallback).ravel()
         return problem.expand(problem.pieces.ground_to_one(coordinates))
 
 
-def lifted_of_rank(problem, solution, rank, options, callback=None, start=None):
-    """(N, rank) lifted field of less energy than all nearby ones of the same rank (Eq. 24 at a given r).
+def lifted_of_rank(
+    problem: SynchronizationProblem,
+    solution: Solution,
+    rank: int,
+    options: Options,
+    callback: Callback | None = None,
+    start: np.ndarray | None = None,
+) -> np.ndarray:
+    """(N, rank) lifted field whose energy is a local minimum at its rank (Eq. 24 at a given r).
 
-    Unless a start is given, several projections of a solved relaxation go some way, and the best of them to the end.
+    Unless a start is given, several projections of the relaxation descend some way, and the best of them to the end.
 
     Parameters
     ----------
-    problem : SynchronizationProblem on the circle
-    solution : its Solution by the method sdp
+    problem : on the circle
+    solution : of the problem, by the method sdp
     rank : columns, 2 for a spherical Clebsch map
-    options : Options of that solution; what it has left of a time limit bounds this too, which then comes less far
+    options : of that solution; this descent, too, ends when the time limit for both has passed
     callback : see :func:`core.solve.solve`
     start : (N, rank) lifted field of a nearby problem, optional
     """
@@ -137,16 +137,16 @@ def lifted_of_rank(problem, solution, rank, options, callback=None, start=None):
     return result
 
 
-def _projections(lifted, rank, random):
-    """Lifted fields of a given rank: the leading columns, and projections on random directions."""
+def _projections(lifted: np.ndarray, rank: int, random: np.random.Generator) -> list[np.ndarray]:
+    """(N, rank) lifted fields: the leading columns, and projections on random directions."""
     if lifted.shape[1] <= rank:
         return [np.pad(lifted, [(0, 0), (0, rank - lifted.shape[1])])]
     shape = (lifted.shape[1], rank)
     return [lifted[:, :rank]] + [lifted @ gaussian(shape, np.iscomplexobj(lifted), random) for _ in range(STARTS - 1)]
 
 
-def _descend_from(piece, points, tolerance, monitor):
-    """(N, r) where the best descent of a piece from some points ends, or time does."""
+def _descend_from(piece: Piece, points: list[np.ndarray], tolerance: float, monitor: Monitor) -> np.ndarray:
+    """(N, r) the lowest of what descents from (N, r) points reach before time runs out."""
     scaled, _ = piece.scaled()
     best, least = points[0], np.inf
     with suppress(OutOfTime):

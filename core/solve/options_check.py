@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Refuse options and starts that no solve can be made with, in one line."""
+"""Check the options and the start of a solve."""
 
 import numpy as np
 
 from ..errors import SettingError
+from ..problem import SynchronizationProblem
 from ..settings.setting import records
 from ..settings.solver import SolverSettings
 from ..solution import COARSE, DESCENT, FIRST, METHODS, Options, Solution
@@ -11,8 +12,8 @@ from ..solution import COARSE, DESCENT, FIRST, METHODS, Options, Solution
 _RECORDS = dict(records(SolverSettings))
 
 
-def check_options(options, problem, start):
-    """Refuse what is out of range, or does not fit the problem; see :func:`.solver.solve`."""
+def check_options(options: Options, problem: SynchronizationProblem, start: Solution | np.ndarray | None) -> None:
+    """Refuse options out of range, and a start that does not fit the problem; see :func:`.solver.solve`."""
     if not isinstance(options, Options):
         raise SettingError(f"options are given as {type(options).__name__}: make them with Options(...)")
     for name, smallest in (("seed", 0), ("samples", 1)):
@@ -35,7 +36,7 @@ def check_options(options, problem, start):
         _check_start(problem, start, options)
 
 
-def _check_start(problem, start, options):
+def _check_start(problem: SynchronizationProblem, start: Solution | np.ndarray, options: Options) -> None:
     if options.method not in ("sdp", DESCENT, FIRST, COARSE):
         raise SettingError(f"a start is given to method {options.method!r}, which has no use for it: take 'sdp'")
     phases = np.asarray(start.phases if isinstance(start, Solution) else start)

@@ -3,15 +3,19 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_matrix
 
 from ..algebra.metric import SMALLEST_SHIFT
 from ..algebra.workers import solving
 from ..memory import check_memory
 from ..monitor import Callback, Monitor, OutOfTime
+from ..piece import Piece
+from ..pieces import Pieces
 from ..problem import SynchronizationProblem
 from ..solution import COARSE, DESCENT, FIRST, Certificate, Clock, Options, Solution, Status, relative_gap
 from .batched.components import solve_components
@@ -23,14 +27,14 @@ from .methods.manifolds import fields_of, random_columns
 from .methods.memory_estimate import connection_bytes
 from .methods.spectral import smallest_eigenpair
 from .methods.stage import Workspace
-from .methods.staircase import MAX_RANK, relax, start_rank
+from .methods.staircase import MAX_RANK, Relaxation, relax, start_rank
 from .options_check import check_options
 
 DIFFUSION_STARTS = 8
 DIFFUSION_TIMES = 0.5 ** np.arange(11)
 DIFFUSION_STEPS = 30
-# Share by which the problem is calmed on which most of the search for phases is made.
-CALM_SHARE = 0.1
+# Share of the curl that is removed from the problem on which most of the search for phases is made.
+CURL_SHARE = 0.1
 # A rounded relaxation whose gap is at most this is taken for an exact recovery, which descent completes.
 NEARLY_TIGHT = 0.05
 # How many times as long as a first field a bound takes, about (measured in bench/README.md).
@@ -48,82 +52,90 @@ def solve(
 
     Parameters
     ----------
-    problem : SynchronizationProblem
-    options : Options, optional
-    callback : callable(stage, fraction) -> bool, optional
-        Asked at every iteration; returning False (any false value but None) cancels.
+    callback : callable(stage, fraction), optional
+        Called at every iteration; returning False (any false value but None) cancels.
     start : phases of a nearby problem on the same nodes, optional
         The result is then the local optimum that descent reaches from them, so that it stays near: the next frame
         of an animation, a changed spacing, one more constraint. A Solution may be given as well, whose
         lifted field then starts the relaxation. With the rounding "svd" or "random" only that counts.
     show : callable(Solution), optional
-        Called before the end with what there is: a first field after a small part of the time, the same when its bound
-        is known, and then each better one. What is returned is the same without it. For the method "sdp".
-
-    Returns
-    -------
-    Solution
+        Called with preliminary solutions: a first field after a small part of the time, the same when its bound is
+        known, and then each better one. The result is the same without it. For the method "sdp".
 
     Raises
     ------
     SettingError
         for an option out of range, or a start that does not fit
     Cancelled
-        when the callback says so; nothing has been changed. Both are in ``core.errors``
+        when the callback cancels; nothing has been changed. Both are in ``core.errors``
     """
     options = Options() if options is None else options
     check_options(options, problem, start)
     with solving():
-        return _solve(problem, options, callback, start, show if options.method == "sdp" else None)
+        return _solve(problem, options, Monitor(callback, options.time_limit), start, show)
 
 
-def _solve(problem, options, callback, start, show):
+def _solve(
+    problem: SynchronizationProblem,
+    options: Options,
+    monitor: Monitor,
+    start: Solution | np.ndarray | None,
+    show: Callable[[Solution], object] | None,
+) -> Solution:
     clock = Clock()
-    monitor = Monitor(callback, options.time_limit)
     if options.method == "sdp":
         _check_memory(problem)
     with clock("build"):
         pieces = problem.pieces
         begin = Start.of(problem, start)
     work = pieces.sizes.sum() or 1
-    results, left = [], np.arange(len(pieces))
+    results: list[PartResult] = []
+    left = np.arange(len(pieces))
     if len(pieces) > 1:
         results, left = solve_components(problem, options, monitor, clock, begin)
     done = 1 - pieces.sizes[left].sum() / work
-    calmed = _Calmed(problem)
-    watches = {} if show is None else _show_better_fields(problem, options, monitor, clock, begin, results, left, show)
-    for number in left:
+    less_curl, watches = _LessCurl(problem), {}
+    if show is not None and options.method == "sdp":
+        watches = _show_first_fields(problem, options, monitor, clock, begin, results, left, show)
+    for number in left.tolist():
         share = pieces.sizes[number] / work
-        piece = pieces[number]
-        calm = partial(calmed.matrix, number)
-        part = monitor.portion(done, share)
-        watch = watches.get(number)
-        results.append(_solve_piece(piece, options, part, clock, begin.on(piece), calm, watch))
+        task = _Task(pieces[number], options, monitor.portion(done, share), clock, begin.on(pieces[number]))
+        matrix = partial(less_curl.matrix, number)
+        results.append(_solve_piece(replace(task, less_curl=matrix, watch=watches.get(number))))
         done += share
     return combine(problem, results, options, clock.seconds)
 
 
-def _show_better_fields(problem, options, monitor, clock, begin, results, left, show):
-    """Show a first field, and later each better one; returns the :class:`_Watch` of each piece that is left."""
+def _show_first_fields(
+    problem: SynchronizationProblem,
+    options: Options,
+    monitor: Monitor,
+    clock: Clock,
+    begin: Start,
+    results: list[PartResult],
+    left: np.ndarray,
+    show: Callable[[Solution], object],
+) -> dict[int, "_Watch"]:
+    """Show a first field; returns the :class:`_Watch` that shows better ones of each piece that is left."""
     done = tuple(results)
     watches: dict[int, _Watch] = {}
 
-    def tell():
+    def show_all() -> None:
         parts = [watch.part for watch in watches.values()]
         show(combine(problem, [*done, *parts], options, clock.seconds.copy()))
 
-    for number in left:
+    first = replace(options, method=FIRST)
+    for number in left.tolist():
         piece, start = problem.pieces[number], time.perf_counter()
-        first = replace(options, method=FIRST)
-        part = _solve_piece(piece, first, monitor.portion(0.0, 0.0), clock, begin.on(piece), None, None)
-        watches[number] = _Watch(part, tell, PROOF_IN_FIRSTS * (time.perf_counter() - start))
+        part = _solve_piece(_Task(piece, first, monitor.portion(0.0, 0.0), clock, begin.on(piece)))
+        watches[number] = _Watch(part, show_all, PROOF_IN_FIRSTS * (time.perf_counter() - start))
     if len(left):
-        tell()
+        show_all()
     return watches
 
 
 class _Watch:
-    """What is shown of a piece before its end.
+    """Shows the fields of a piece before its end.
 
     Attributes
     ----------
@@ -131,85 +143,93 @@ class _Watch:
     proof_in : seconds after which a bound may be expected
     """
 
-    def __init__(self, part, tell, proof_in):
-        self.part, self.proof_in, self._tell = part, proof_in, tell
-        self._piece, self._weight, self._energy = None, 1.0, np.inf
+    def __init__(self, part: PartResult, show_all: Callable[[], None], proof_in: float) -> None:
+        self.part, self.proof_in, self._show_all = part, proof_in, show_all
+        self._energy = np.inf
 
-    def on(self, piece, weight):
-        """The solve begins, on the scaled piece."""
-        self._piece, self._weight = piece, weight
+    def proved(self, piece: Piece, weight: float, **quality: Any) -> None:
+        """Show the field of a scaled piece with the bound that was found."""
         self._energy = float(piece.energy(self.part.fields)[0])
+        self.part = _rescale(_finish_piece(piece, self.part.fields, **quality), weight)
+        self._show_all()
 
-    def proved(self, **quality):
-        """There is a bound."""
-        self.part = _rescale_piece(_finish_piece(self._piece, self.part.fields, **quality), self._weight)
-        self._tell()
-
-    def found(self, energy, column):
-        """There is a field, (N * width, 1), of an energy."""
+    def found(self, piece: Piece, energy: float, column: np.ndarray) -> None:
+        """Show an (N * width, 1) field of a scaled piece where its energy is lower."""
         if energy < self._energy:
             self._energy = energy
-            fields = _finish_piece(self._piece, column).fields
-            self.part = replace(self.part, fields=fields)
-            self._tell()
+            self.part = replace(self.part, fields=_finish_piece(piece, column).fields)
+            self._show_all()
 
 
-def _check_memory(problem):
-    """Refuse a problem whose largest piece takes more memory than there is."""
+def _check_memory(problem: SynchronizationProblem) -> None:
+    """Refuse a problem whose largest piece needs more memory than is available."""
     connection, sizes = problem.connection, problem.component_sizes
     share = sizes.max(initial=0) / max(sizes.sum(), 1)
     whole = connection_bytes(connection.node_count, len(connection.edges), problem.block, problem.is_complex)
     check_memory(share * whole, f"a solve of {connection.node_count:,} phases")
 
 
-class _Calmed:
-    """The pieces of the calmed problem, made when the first one asks for its matrix."""
+class _LessCurl:
+    """The pieces of the problem with less curl, built when the first matrix is needed."""
 
-    def __init__(self, problem):
+    def __init__(self, problem: SynchronizationProblem) -> None:
         self._problem = problem
 
     @cached_property
-    def _pieces(self):
+    def _pieces(self) -> Pieces | None:
         problem = self._problem
         turns = np.zeros(0) if problem.calmer is None else problem.calmer()
         if not turns.any() or not np.isfinite(turns).all():
             return None
-        return problem.turned_by(CALM_SHARE * turns).pieces
+        return problem.turned_by(CURL_SHARE * turns).pieces
 
-    def matrix(self, number, weight):
-        """That of a piece over its weight; None where nothing can be calmed."""
+    def matrix(self, number: int, weight: float) -> csr_matrix | None:
+        """A piece's matrix over its weight; None where there is no curl to remove."""
         return None if self._pieces is None else self._pieces[number].matrix / weight
 
 
-def _solve_piece(piece, options, monitor, clock, start, calm, watch):
+@dataclass(frozen=True)
+class _Task:
+    """A piece with all that its solve needs.
+
+    Attributes
+    ----------
+    weight : the ratio of energies to those of the scaled piece
+    less_curl : returns the matrix with less curl, divided by a weight, or None without curl to remove
+    """
+
+    piece: Piece
+    options: Options
+    monitor: Monitor
+    clock: Clock
+    start: Start
+    less_curl: Callable[[float], csr_matrix | None] | None = None
+    watch: _Watch | None = None
+    weight: float = 1.0
+
+
+def _solve_piece(task: _Task) -> PartResult:
     """Solve a piece scaled to a mean diagonal and a mean mass of 1, so that single precision holds all of it."""
-    if piece.total_weight == 0:  # nothing is asked
-        status = Status.CERTIFIED if options.method == "sdp" else Status.UNCERTIFIED
-        return _without_search(piece, options, status, start)
-    scaled, weight = piece.scaled()
-    if watch is not None:
-        watch.on(scaled, weight)
+    if task.piece.total_weight == 0:  # nothing is asked
+        return _without_search(task, Status.CERTIFIED if task.options.method == "sdp" else Status.UNCERTIFIED)
+    scaled, weight = task.piece.scaled()
+    task = replace(task, piece=scaled, weight=weight)
     try:
-        by_weight = None if calm is None else partial(calm, weight)
-        result = _solve_by_method(scaled, options, monitor, clock, start, by_weight, watch)
+        result = _solve_by_method(task)
     except OutOfTime:
-        result = _without_search(scaled, options, Status.TIME_LIMIT, start)
-    return _rescale_piece(result, weight)
+        result = _without_search(task, Status.TIME_LIMIT)
+    return _rescale(result, weight)
 
 
-def _rescale_piece(result, weight):
-    return replace(
-        result,
-        bound=weight * result.bound,
-        sdp_value=weight * result.sdp_value,
-        spectral_bound=weight * result.spectral_bound,
-    )
+def _rescale(result: PartResult, weight: float) -> PartResult:
+    return replace(result, **{n: weight * getattr(result, n) for n in ("bound", "sdp_value", "spectral_bound")})
 
 
-def _without_search(piece, options, status, start):
+def _without_search(task: _Task, status: Status) -> PartResult:
     """The start, or equal phases, and zero as the bound, which proves something only where nothing is asked."""
-    size = piece.matrix.shape[0] * piece.width
-    column = np.zeros((size, 1), piece.matrix.dtype) if start.column is None else start.column
+    piece, column = task.piece, task.start.column
+    if column is None:
+        column = np.zeros((piece.matrix.shape[0] * piece.width, 1), piece.matrix.dtype)
     column = fields_of(piece).normalize(column)
     lifted = column.reshape(-1, piece.width)
     return _finish_piece(
@@ -218,72 +238,69 @@ def _without_search(piece, options, status, start):
         sdp_value=float(piece.energy(column)[0]),
         certificate=Certificate.NONE if status is Status.TIME_LIMIT else Certificate.PROVED,
         status=status,
-        lifted=lifted if options.method == "sdp" else None,
+        lifted=lifted if task.options.method == "sdp" else None,
         singular_values=np.linalg.norm(lifted, axis=0),
     )
 
 
-def _solve_by_method(piece, options, monitor, clock, start, calm, watch):
-    if options.method == "spectral":
-        return _solve_spectral(piece, options, monitor, clock)
-    with clock("relax"):
-        monitor.at("building", 0.0)
-        workspace = monitor.during(partial(Workspace, piece))
-    if options.method == "diffusion":
-        return _solve_diffusion(workspace, options, monitor, clock)
-    if options.method == DESCENT:
-        return _solve_descent(workspace, monitor, clock, start.column)
-    if options.method in (FIRST, COARSE):
-        return _solve_first(workspace, options, monitor, clock, start.column)
-    return _solve_sdp(workspace, options, monitor, clock, start, calm, watch)
+def _solve_by_method(task: _Task) -> PartResult:
+    method = task.options.method
+    if method == "spectral":
+        return _solve_spectral(task)
+    with task.clock("relax"):
+        task.monitor.at("building", 0.0)
+        workspace = task.monitor.during(partial(Workspace, task.piece))
+    if method == "diffusion":
+        return _solve_diffusion(task, workspace)
+    if method == DESCENT:
+        return _solve_descent(task, workspace)
+    if method in (FIRST, COARSE):
+        return _solve_first(task, workspace)
+    return _solve_sdp(task, workspace)
 
 
-def _finish_piece(piece, columns, **quality):
+def _finish_piece(piece: Piece, columns: np.ndarray, **quality: Any) -> PartResult:
     fields = fields_of(piece).normalize(columns.astype(piece.matrix.dtype))
     return PartResult(piece.rows, piece.node_count, rounding.ground_to_one(piece, fields), **quality)
 
 
-def _solve_spectral(piece, options, monitor, clock):
-    with clock("relax"):
+def _finish_spectral(piece: Piece, columns: np.ndarray, bound: float) -> PartResult:
+    quality = {"certificate": Certificate.ESTIMATED, "status": Status.UNCERTIFIED}
+    return _finish_piece(piece, columns, bound=bound, spectral_bound=bound, **quality)
+
+
+def _solve_spectral(task: _Task) -> PartResult:
+    piece, monitor = task.piece, task.monitor
+    with task.clock("relax"):
         monitor.at("spectral relaxation", 0.0)
-        eigenvalue, vector = monitor.during(partial(smallest_eigenpair, piece, options.seed))
-    bound = eigenvalue * piece.total_mass
-    return _finish_piece(
-        piece,
-        vector[:, None],
-        bound=bound,
-        spectral_bound=bound,
-        certificate=Certificate.ESTIMATED,
-        status=Status.UNCERTIFIED,
-    )
+        eigenvalue, vector = monitor.during(partial(smallest_eigenpair, piece, task.options.seed))
+    return _finish_spectral(piece, vector[:, None], eigenvalue * piece.total_mass)
 
 
-def _solve_diffusion(workspace, options, monitor, clock):
+def _solve_diffusion(task: _Task, workspace: Workspace) -> PartResult:
     """MBO from random starts with falling times, the best polished: the strongest baseline."""
-    piece, stage = workspace.piece, workspace.stages[0]
-    random = np.random.default_rng(options.seed)
-    with clock("relax"):
+    piece, stage, monitor, seed = task.piece, workspace.stages[0], task.monitor, task.options.seed
+    random = np.random.default_rng(seed)
+    with task.clock("relax"):
         monitor.at("diffusion", 0.0)
-        eigenvalue, _ = monitor.during(partial(smallest_eigenpair, piece, options.seed))
-        bound = eigenvalue * piece.total_mass
+        eigenvalue, _ = monitor.during(partial(smallest_eigenpair, piece, seed))
         columns = random_columns(piece, DIFFUSION_STARTS * piece.width, random).reshape(-1, DIFFUSION_STARTS)
         times = DIFFUSION_TIMES / max(eigenvalue, SMALLEST_SHIFT * piece.stiffness)
         metrics = (stage.metric(1 / tau) for tau in times)
         columns = diffuse(stage, columns, metrics, DIFFUSION_STEPS, monitor, tolerance=1e-2)
-    with clock("round"):
+    with task.clock("round"):
         monitor.at("polish", 0.8)
         metric = stage.candidate_metric(eigenvalue)
         columns = rounding.polish(stage, columns, metric, monitor)
         columns = np.hstack([rounding.finish(workspace, columns[:, :1], metric, monitor), columns[:, 1:]])
-    return _finish_piece(
-        piece, columns, bound=bound, spectral_bound=bound, certificate=Certificate.ESTIMATED, status=Status.UNCERTIFIED
-    )
+    return _finish_spectral(piece, columns, eigenvalue * piece.total_mass)
 
 
-def _solve_descent(workspace, monitor, clock, start):
-    """The local optimum that descent reaches."""
-    piece = workspace.piece
-    with clock("round"):
+def _solve_descent(task: _Task, workspace: Workspace) -> PartResult:
+    """The local optimum that descent from the start reaches."""
+    piece, monitor, start = task.piece, task.monitor, task.start.column
+    assert start is not None  # options_check.py refuses the method without one
+    with task.clock("round"):
         monitor.at("descent", 0.0)
         density = float(piece.energy(start)[0]) / piece.total_mass
         metric = monitor.during(partial(workspace.stages[0].candidate_metric, rounding.CANDIDATE_SHIFT * density))
@@ -291,26 +308,27 @@ def _solve_descent(workspace, monitor, clock, start):
     return _finish_piece(piece, column, certificate=Certificate.NONE, status=Status.UNCERTIFIED)
 
 
-def _solve_first(workspace, options, monitor, clock, start):
-    """The first field that is shown, or the one that a search on a coarse stage finds: where there is a start, that."""
-    with clock("first"):
+def _solve_first(task: _Task, workspace: Workspace) -> PartResult:
+    """The start, if any, otherwise the first field, or that of a search on a coarse stage."""
+    options, monitor, timed_out = task.options, task.monitor, False
+    with task.clock("first"):
         monitor.at("first field", 0.0)
-        rank, timed_out = start_rank(workspace.piece, True, options.target_gap), False
-        if start is not None:
-            column = start
+        rank = start_rank(task.piece, True, options.target_gap)
+        if task.start.column is not None:
+            column = task.start.column
         elif options.method == FIRST:
             column = first_field(workspace, rank, options.seed, monitor)
         else:
             column, timed_out = search_without_relaxation(workspace, rank, options.seed, options.samples, monitor)
     status = Status.TIME_LIMIT if timed_out else Status.UNCERTIFIED
-    return _finish_piece(workspace.piece, column, certificate=Certificate.NONE, status=status)
+    return _finish_piece(task.piece, column, certificate=Certificate.NONE, status=status)
 
 
-def _solve_sdp(workspace, options, monitor, clock, start, calm, watch):
+def _solve_sdp(task: _Task, workspace: Workspace) -> PartResult:
+    piece, monitor, watch = task.piece, task.monitor, task.watch
     monitor.expect(0.0 if watch is None else watch.proof_in)
     monitor.at("relaxation", 0.0)
-    piece = workspace.piece
-    relaxation = relax(workspace, options, monitor, clock, start.lifted)
+    relaxation = relax(workspace, task.options, monitor, task.clock, task.start.lifted)
     monitor.proved(relaxation.lower_bound)
     if relaxation.reached:
         status = Status.CERTIFIED if relaxation.certificate is Certificate.PROVED else Status.ESTIMATED
@@ -326,10 +344,10 @@ def _solve_sdp(workspace, options, monitor, clock, start, calm, watch):
         "products": relaxation.products,
     }
     if watch is not None:
-        watch.proved(status=status, **quality)
-        monitor.on_found = watch.found
-    with clock("round"):
-        columns, timed_out = _round(workspace, relaxation, options, monitor, start.column, calm)
+        watch.proved(piece, task.weight, status=status, **quality)
+        monitor.on_found = partial(watch.found, piece)
+    with task.clock("round"):
+        columns, timed_out = _round(task, workspace, relaxation)
     if relaxation.out_of_time or timed_out:
         status = Status.TIME_LIMIT
     result = _finish_piece(piece, columns, status=status, **quality)
@@ -337,17 +355,17 @@ def _solve_sdp(workspace, options, monitor, clock, start, calm, watch):
     return replace(result, sdp_value=min(relaxation.value, float(piece.energy(result.fields[:, :1])[0])))
 
 
-def _round(workspace, relaxation, options, monitor, start, calm):
+def _round(task: _Task, workspace: Workspace, relaxation: Relaxation) -> tuple[np.ndarray, bool]:
     """Candidates as columns, best first, and whether time ran out before they were finished."""
-    piece, stage, lifted = workspace.piece, workspace.stages[0], relaxation.lifted
-    start = start if options.rounding in ("polish", "continuation", COARSE) else None
+    piece, options, monitor = task.piece, task.options, task.monitor
+    stage, lifted = workspace.stages[0], relaxation.lifted
+    start = task.start.column if options.rounding in ("polish", "continuation", COARSE) else None
     leading = lifted[:, : piece.width].reshape(-1, 1)
-    by_svd = stage.candidates.normalize(leading) if start is None else start
+    columns = by_svd = stage.candidates.normalize(leading) if start is None else start
     if options.rounding == "svd" or relaxation.out_of_time:
         return by_svd, relaxation.out_of_time
     random = np.random.default_rng(options.seed + 1)
     density = relaxation.value / piece.total_mass
-    columns = by_svd
     try:
         if options.rounding in ("random", "polish") and start is None:
             sizes = lifted.shape[1], options.samples
@@ -361,9 +379,9 @@ def _round(workspace, relaxation, options, monitor, start, calm):
             monitor.at("continuation", 0.4)
             energy = float(piece.energy(by_svd)[0])
             if relative_gap(energy, relaxation.lower_bound, piece.perfect) > NEARLY_TIGHT:
-                matrix = monitor.during(calm)
+                less_curl = None if task.less_curl is None else monitor.during(partial(task.less_curl, task.weight))
                 columns, timed_out = rounding.continuation(
-                    stage, lifted, options.samples, density, random, monitor, matrix, relaxation.metric
+                    stage, lifted, options.samples, density, random, monitor, less_curl, relaxation.metric
                 )
                 if timed_out:
                     return columns, True

@@ -18,7 +18,7 @@ from ..solution import Clock, Options
 from ..solve.methods.descent import descend
 from ..solve.methods.manifolds import CirclesByFields
 from ..solve.methods.rounding import CANDIDATE_SHIFT, random_directions
-from ..solve.methods.stage import Stage
+from ..solve.methods.stage import Workspace
 from ..solve.methods.staircase import Relaxation, relax
 from .hierarchy import SpreadHierarchy
 from .parts import Part, piece_of
@@ -27,16 +27,6 @@ from .rows import SpreadReductions
 # Projections of the lifted field, those that descend, and the end of descent: predicted relative decrease, most steps.
 PROJECTIONS, KEPT = 32, 4
 TOLERANCE, STEPS = 1e-5, 100
-
-
-class _Workspace:
-    """The part of :class:`core.solve.methods.stage.Workspace` that the relaxation uses."""
-
-    def __init__(self, piece: Piece, whole: PETSc.Mat) -> None:
-        self.piece, self.matrix = piece, piece.matrix
-        assert isinstance(piece.held, SpreadReductions)
-        hierarchy = SpreadHierarchy.of(whole, piece.row_mass, piece.held)
-        self.stages = [Stage(piece, hierarchy, depth) for depth in range(len(hierarchy.levels))]
 
 
 @dataclass(frozen=True)
@@ -64,7 +54,8 @@ def solve_parts(part: Part, comm: MPI.Comm, target_gap: float = 1e-2, seed: int 
     with solving():
         with clock("build"):
             piece, whole, weight = piece_of(part, comm)
-            workspace = _Workspace(piece, whole)
+            assert isinstance(piece.held, SpreadReductions)
+            workspace = Workspace(piece, SpreadHierarchy.of(whole, piece.row_mass, piece.held))
         found = relax(workspace, own, SILENT, clock)
         with clock("round"):
             column = _round_columns(workspace, found, seed)
@@ -73,7 +64,7 @@ def solve_parts(part: Part, comm: MPI.Comm, target_gap: float = 1e-2, seed: int 
     return SpreadSolution(column[:, 0], energy, found, clock.seconds)
 
 
-def _round_columns(workspace: _Workspace, found: Relaxation, seed: int) -> np.ndarray:
+def _round_columns(workspace: Workspace, found: Relaxation, seed: int) -> np.ndarray:
     """Compute (N, 1) phases as the best of random projections (Eq. 29) after descent in the metric of fields."""
     piece, stage = workspace.piece, workspace.stages[0]
     spheres = CirclesByFields(1, held=piece.held)

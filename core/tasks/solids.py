@@ -172,7 +172,8 @@ class SolidRequest:
 
     def _asked(self, filled):
         """Directions, where they continue others, spacings and groups on the solid."""
-        (directions, continued), spacings = self.guide.directions(filled), self.lengths.spacing
+        directions, continued = self.guide.directions(filled)
+        spacings: float | np.ndarray = self.lengths.spacing
         if self.factors is not None:
             spacings = self.limits.clipped(spacings * filled.inside(self.factors))
         return directions, continued, spacings, [filled.group_on(asked.area, asked.phase) for asked in self.asked]

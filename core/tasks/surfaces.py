@@ -224,6 +224,7 @@ class SurfaceRequest:
         mesh, symmetry = self.given.mesh, SYMMETRY_ORDERS[self.symmetry]
         wishes = DirectionWishes((), self.rows, self.mirrors, self.singularities, self.pins)
         field = known_directions(mesh, symmetry, vectors, wishes)
+        assert self.branching is not None  # there are phases
         return field, known_pattern(mesh, field, self.spacings, phases, self.rows, self.mirrors, self.branching)
 
     @property

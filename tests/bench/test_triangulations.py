@@ -79,7 +79,7 @@ def test_indices_sum_to_the_characteristic_on_slivers_whatever_is_calmed():
     for share, posed in ((1.0, mesh.posed), (0.3, mesh)):
         field = direction_field(mesh, 4, DirectionWishes(singularities=share))
         assert sum(round(4 * d.index) for d in field.disclinations) == 8
-        assert TargetOneForm.of(mesh, field, 0.5).posed.mesh is posed
+        assert TargetOneForm.of(mesh, field, 0.5).on_solver_edges.mesh is posed
         pattern = quad_pattern(mesh, field, 0.5, branching=share)
         assert pattern.solution.lower_bound <= pattern.energy
         torn = pattern.edge_phases.dislocations[1]

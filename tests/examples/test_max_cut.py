@@ -87,14 +87,14 @@ def test_flips_and_crossings_never_raise_the_energy():
     piece = only_piece(max_cut.cut_problem(count, edges, weights))
     flips, random = Flips(piece.matrix), np.random.default_rng(0)
     signs = np.sign(random.standard_normal((count, 12)))
-    settled = flips.descended(signs)
+    settled = flips.descend(signs)
     assert (piece.energy(settled) < piece.energy(signs)).all()
     for node in range(count):  # no flip of one sign is better
         other = settled.copy()
         other[node] *= -1
         assert (piece.energy(other) >= piece.energy(settled) - 1e-9).all()
     first, second = settled[:, :6], settled[:, 6:]
-    crossed = flips.crossed(first, second)
+    crossed = flips.cross(first, second)
     assert (piece.energy(crossed) <= np.minimum(piece.energy(first), piece.energy(second)) + 1e-9).all()
     assert piece.energy(crossed).mean() < 0.97 * piece.energy(settled).mean()
 
@@ -104,7 +104,7 @@ def test_sweeps_of_one_heat_lead_to_the_boltzmann_distribution(monkeypatch):
     monkeypatch.setattr("synch_fields.core.solve.methods.signs.HEATS", np.full(60, heat))
     count, edges, weights = cylinder(3, 3, 1)
     piece = only_piece(max_cut.cut_problem(count, edges, weights))
-    shaken = Flips(piece.matrix).shaken(np.ones((count, 60_000)), np.random.default_rng(0))
+    shaken = Flips(piece.matrix).shake(np.ones((count, 60_000)), np.random.default_rng(0))
     states = np.array(list(product((-1.0, 1.0), repeat=count))).T
     energies = piece.energy(states)
     chances = np.exp(-energies / (4 * heat))

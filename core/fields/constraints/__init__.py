@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is asked of fields along lines and on groups of nodes."""
+"""Constraints on fields along lines and on groups of nodes."""

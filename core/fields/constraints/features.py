@@ -1,42 +1,47 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Boundaries and sharp edges of a surface, and grid lines that lie on them.
 
-A grid line of quads is where a phase is a multiple of pi: 1 or -1 as a complex number, in whatever sheet it is seen.
-The phases along a line are one node, therefore, with an edge to itself that asks for one of these two values.
+On a grid line of quads a phase is a multiple of pi, 1 or -1 as a complex number in every sheet. So the phases along a
+line merge into one node, with an edge to itself that asks for one of these two values.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import minimum_spanning_tree
 
+from ...geometry.triangle_mesh import TriangleMesh
 from ...graphs import components
-from .groups import Links, join_links
+from .groups import Growth, Links, join_links
 from .lines import line_of_edges
 from .rows import GRID, Row
 
 # Radians by which a line turns at a corner.
 CORNER = np.radians(30)
-# A grid line needs directions that run along it, but for so much less than a right angle to the growth: at half a right
-# angle it would be as far from one phase's lines as from the other's.
+# The least angle between a grid line and the growth of its phase: at half a right angle the line would be as near to
+# the other phase's lines.
 LEAST_ALONG = np.radians(50)
-# What is shorter than this many sides of a quad is no feature of quads: lines between corners, and all that hangs
-# together; a boundary always is.
+# Lines between corners, and connected pieces of lines, that are shorter than this many sides of a quad are no features;
+# a boundary always is.
 SHORTEST_LINE, SHORTEST_PIECE = 1.0, 4.0
 # Where marked edges divide most of the surface into facets with room for fewer quads than this, the marks come from
 # flat shading and are ignored.
 FEWEST_QUADS = 4.0
 
 
-def feature_edges(mesh, angle, side, marked=(), faces=None):
+def feature_edges(
+    mesh: TriangleMesh, angle: float, side: float | np.ndarray, marked: ArrayLike = (), faces: np.ndarray | None = None
+) -> np.ndarray:
     """Indices of the edges of boundaries and of sharp edges that quads can follow.
 
     Parameters
     ----------
-    mesh : TriangleMesh
     angle : radians between the normals of two faces beyond which their edge is sharp
     side : length of a quad's side, one or (n,) at the vertices
-    marked : indices of further edges that count as sharp, but where they merely make small facets of the surface
-    faces : (m,) face of the user's that each triangle is a part of, within which nothing is sharp
+    marked : indices of further sharp edges, ignored where they only divide the surface into small facets
+    faces : (m,) the input polygon of each triangle, within which nothing is sharp
     """
     sharp = np.abs(mesh.angles_between(_normals(mesh, faces))) > angle
     if not _makes_facets(mesh, marked, side):
@@ -52,7 +57,7 @@ def feature_edges(mesh, angle, side, marked=(), faces=None):
     return edges
 
 
-def _makes_facets(mesh, marked, side):
+def _makes_facets(mesh: TriangleMesh, marked: ArrayLike, side: float | np.ndarray) -> bool:
     """Whether marked edges leave more than half of a surface in parts with room for few quads."""
     is_marked = np.zeros(len(mesh.edges), bool)
     is_marked[np.asarray(marked, int)] = True
@@ -60,11 +65,11 @@ def _makes_facets(mesh, marked, side):
     parts = components(mesh.triangle_count, np.column_stack([halves, mesh.twins[halves]]) // 3)
     quads = mesh.areas / np.broadcast_to(side, mesh.vertex_count)[mesh.triangles].mean(axis=1) ** 2
     is_small = np.bincount(parts, quads)[parts] < FEWEST_QUADS
-    return mesh.areas[is_small].sum() > mesh.areas.sum() / 2
+    return bool(mesh.areas[is_small].sum() > mesh.areas.sum() / 2)
 
 
-def _normals(mesh, faces):
-    """(m, 3) normals of the triangles' faces: of one with several triangles their mean, by area."""
+def _normals(mesh: TriangleMesh, faces: np.ndarray | None) -> np.ndarray:
+    """(m, 3) normals of the triangles' polygons: the mean by area of those with several triangles."""
     if faces is None:
         return mesh.face_normals
     vectors = mesh.areas[:, None] * mesh.face_normals
@@ -75,11 +80,12 @@ def _normals(mesh, faces):
     return np.where(alone[:, None], mesh.face_normals, means)
 
 
-def _connected_pieces(mesh, edges):
-    return components(mesh.vertex_count, mesh.edges[edges])[mesh.edges[edges, 0]]
+def _connected_pieces(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
+    labels: np.ndarray = components(mesh.vertex_count, mesh.edges[edges])[mesh.edges[edges, 0]]
+    return labels
 
 
-def _pieces_between_corners(mesh, edges):
+def _pieces_between_corners(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
     """(k,) label of the line between corners that each edge is on."""
     corner = np.zeros(mesh.vertex_count, bool)
     corner[line_corners(mesh, edges)] = True
@@ -88,7 +94,7 @@ def _pieces_between_corners(mesh, edges):
     return components(len(edges), np.column_stack([order[first], order[first + 1]]) // 2)
 
 
-def line_corners(mesh, edges):
+def line_corners(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
     """Vertices at which lines of edges end, branch, or turn by more than :data:`CORNER`."""
     ends = mesh.edges[edges]
     degrees = np.bincount(ends.ravel(), minlength=mesh.vertex_count)
@@ -101,21 +107,14 @@ def line_corners(mesh, edges):
     return np.flatnonzero((degrees > 0) & ((degrees != 2) | bends))
 
 
-def quads_around(mesh, edges, corners):
-    """How many quads fit around corners of lines: at least one between two lines, and as many right angles as there
-    are, all but.
-
-    Parameters
-    ----------
-    mesh : TriangleMesh
-    edges : (k,) of the lines
-    corners : (c,) vertices
-    """
+def quads_around(mesh: TriangleMesh, edges: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """(c,) numbers of quads around corners of lines, (k,) edges: the nearest number of right angles between each two
+    lines, at least one."""
     ends = mesh.edges[edges].ravel()
     angles = mesh.edge_directions[edges].ravel()
     counts = np.zeros(len(corners), int)
     for place, corner in enumerate(corners):
-        # At the boundary they count from its one side to the other.
+        # At the boundary they count from one of its sides to the other.
         around = np.sort(angles[ends == corner])
         rest = [] if mesh.boundary_vertices[corner] else [around[0] + 2 * np.pi]
         gaps = np.diff(around, append=rest) / mesh.angle_scales[corner]
@@ -123,8 +122,8 @@ def quads_around(mesh, edges, corners):
     return counts
 
 
-def _meetings(mesh, edges):
-    """Ends of edges in the order of their vertices, and places in it where exactly one edge goes on as another."""
+def _meetings(mesh: TriangleMesh, edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Ends of edges in the order of their vertices, and the places there of vertices where exactly two edges meet."""
     ends = mesh.edges[edges].ravel()
     order = np.argsort(ends, kind="stable")
     met = ends[order]
@@ -132,20 +131,13 @@ def _meetings(mesh, edges):
     return order, first[np.bincount(met, minlength=mesh.vertex_count)[met[first]] == 2]
 
 
-def feature_row(mesh, edges, name="a sharp edge or the boundary"):
-    """The :class:`Row` that holds a grid line on edges, where nothing else is asked."""
+def feature_row(mesh: TriangleMesh, edges: np.ndarray, name: str = "a sharp edge or the boundary") -> Row:
+    """The row that holds a grid line on edges where no other row applies."""
     return Row(line_of_edges(mesh, edges), GRID, name=name)
 
 
-def with_grid_lines(growth, rows, links):
-    """Links between phases with those along grid lines, and the phases on these, each of which is 1 or -1.
-
-    Parameters
-    ----------
-    growth : Growth
-    rows : Rows of phases
-    links : Links of mirrors
-    """
+def add_grid_lines(growth: Growth, rows: Sequence[Row], links: Links) -> tuple[Links, np.ndarray]:
+    """The links of mirrors with those along grid lines, and the (k,) phases on these, each of which is 1 or -1."""
     along, nodes = _grid_links(growth, rows)
     if len(nodes) == 0:
         return links, nodes
@@ -153,22 +145,17 @@ def with_grid_lines(growth, rows, links):
     return _spanning(growth.phase_count * growth.mesh.vertex_count, joined, nodes), nodes
 
 
-def loops_at(nodes):
-    """:class:`Links` of nodes to themselves that leave them 1 or -1."""
+def link_to_themselves(nodes: np.ndarray) -> Links:
+    """Links of nodes to themselves, which only 1 and -1 satisfy."""
     names = np.full(len(nodes), "a grid line", object)
     return Links(nodes, nodes, np.zeros(len(nodes)), np.ones(len(nodes), bool), names)
 
 
-def _grid_links(growth, rows):
-    """:class:`Links` between the phases that a grid line needs along its edges, and the phases, which are 1 or -1.
+def _grid_links(growth: Growth, rows: Sequence[Row]) -> tuple[Links, np.ndarray]:
+    """Links between the phases along the edges of grid lines, and the phases, which are 1 or -1.
 
-    Of the two phases of an edge it is the one that grows most across. Edges that touch what other rows ask of phases
-    are left to them, and so are those along which the directions, given or asked for otherwise, do not run.
-
-    Parameters
-    ----------
-    growth : Growth
-    rows : Rows of phases
+    Of the two phases of an edge it is the one that grows most across. Edges at the vertices of other rows are left out,
+    and so are those along which the directions do not run.
     """
     mesh, count = growth.mesh, growth.phase_count
     taken = np.zeros(mesh.vertex_count, bool)
@@ -193,7 +180,7 @@ def _grid_links(growth, rows):
     tails, heads = count * i + phase, count * j + direction % count
     flips = direction >= count
     if count == 2:
-        # Three or five quads at a vertex: its phases change places around it, and both are 1 or both are -1.
+        # Three or five quads at a vertex: its phases are exchanged around it, so that they are equal.
         corners = line_corners(mesh, edges)
         odd = corners[(quads_around(mesh, edges, corners) % 2 == 1) & ~mesh.boundary_vertices[corners]]
         tails, heads = np.append(tails, 2 * odd), np.append(heads, 2 * odd + 1)
@@ -202,21 +189,17 @@ def _grid_links(growth, rows):
     return Links(tails, heads, np.zeros(len(tails)), flips, names), np.unique([tails, heads])
 
 
-def _spanning(count, links, loops):
-    """The links without those that close a way between nodes that are 1 or -1, which may come back with a flip.
+def _spanning(count: int, links: Links, loops: np.ndarray) -> Links:
+    """The links without those that close a cycle among nodes linked to the (k,) ``loops``, nodes that are 1 or -1.
 
-    Parameters
-    ----------
-    count : number of nodes
-    links : Links, those that nodes of ``loops`` hang on without turns
-    loops : (k,) nodes that are 1 or -1
+    Around a cycle a phase may come back conjugated, which makes no difference to 1 and -1. The links have no turns.
     """
     pairs = np.column_stack([links.i, links.j])
     labels = components(count, pairs)
     whole = np.zeros(labels.max(initial=-1) + 1, bool)
     whole[labels[loops]] = True
     needed = ~whole[labels[links.i]]
-    # Of several links between two nodes the sum would be taken: places are kept apart from lengths.
+    # Several links between two nodes would be summed: they are told apart by their places instead.
     tree = minimum_spanning_tree(coo_matrix((np.ones(len(pairs)), np.sort(pairs, axis=1).T), shape=(count, count)))
     first = np.unique(np.sort(pairs, axis=1), axis=0, return_index=True)[1]
     kept = np.column_stack(tree.nonzero())

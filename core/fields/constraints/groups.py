@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Groups of nodes on the circle that follow from one another: merged into one node, or fixed with one of them."""
+"""Linked nodes on the circle, merged into one node, or fixed together with one of them."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from scipy.sparse import coo_matrix
@@ -9,16 +11,36 @@ from scipy.sparse.csgraph import breadth_first_order
 
 from ...connection import circle_transports
 from ...errors import ContradictionError
+from ...geometry.triangle_mesh import TriangleMesh
 from ...graphs import components
 from ...problem import Merged, Targets
 
-# Unit values that differ by more contradict each other; positions in single precision bend angles by less.
+# Unit values that differ by more contradict each other; positions in single precision change angles by less.
 TOLERANCE = 1e-4
+
+
+class Growth(Protocol):
+    """What constraints need of a :class:`core.fields.target_one_form.TargetOneForm`, which describes it."""
+
+    @property
+    def mesh(self) -> TriangleMesh: ...
+    @property
+    def angles(self) -> np.ndarray: ...
+    @property
+    def rates(self) -> np.ndarray: ...
+    @property
+    def matchings(self) -> np.ndarray: ...
+    @property
+    def has_signs(self) -> bool: ...
+    @property
+    def phase_count(self) -> int: ...
+    @property
+    def turn(self) -> float: ...
 
 
 @dataclass(frozen=True)
 class Links:
-    """phase_j = exp(1j * angles) * (conj where flips)(phase_i), and the name of what says so."""
+    """phase_j = exp(1j * angles) * (conj where flips)(phase_i), and the names of their sources for messages."""
 
     i: np.ndarray
     j: np.ndarray
@@ -27,25 +49,22 @@ class Links:
     names: np.ndarray
 
 
-def join_links(parts):
+def join_links(parts: Iterable[Links]) -> Links:
     """Any number of :class:`Links` as one."""
     none = Links(np.empty(0, int), np.empty(0, int), np.empty(0), np.empty(0, bool), np.empty(0, object))
     names = Links.__dataclass_fields__
     return Links(*(np.concatenate([getattr(part, name) for part in (none, *parts)]) for name in names))
 
 
-def fixed_phases(parts, remedy):
-    """What fixes phases as :class:`Targets`, each node once.
+def fixed_phases(parts: Sequence[tuple[str, np.ndarray, np.ndarray]], remedy: str) -> Targets:
+    """The fixed phases of several sources, each node once.
+
+    Raises :class:`ContradictionError` for nodes that are fixed to different phases.
 
     Parameters
     ----------
-    parts : names, (k,) nodes and (k,) complex values of what fixes them
-    remedy : what to do where two of the parts contradict each other
-
-    Raises
-    ------
-    ContradictionError
-        for nodes that are fixed to different phases
+    parts : name of the source, (k,) nodes and (k,) complex values
+    remedy : what to do where two sources contradict each other
     """
     if not parts:
         return Targets.none()
@@ -62,8 +81,8 @@ def fixed_phases(parts, remedy):
     return Targets(unique, values[first])
 
 
-def without_contradictions(fixed, gives_way, links, slack):
-    """Fixed values (Targets), without those that give way, (k,) bool, and that links bring to another value."""
+def drop_contradictions(fixed: Targets, gives_way: np.ndarray, links: Links, slack: float) -> Targets:
+    """Fixed values without those that may give way, (k,) bool, and whose links contradict other fixed values."""
     values = np.full(
         max(links.i.max(initial=-1), links.j.max(initial=-1), fixed.nodes.max(initial=-1)) + 1, np.nan, complex
     )
@@ -75,30 +94,22 @@ def without_contradictions(fixed, gives_way, links, slack):
     return Targets(fixed.nodes[keep], fixed.values[keep])
 
 
-def contract_groups(count, links, fixed, slack=TOLERANCE):
-    """Groups that links join: those with a fixed node become fixed, the others merge into their first node.
+def contract_groups(count: int, links: Links, fixed: Targets, slack: float = TOLERANCE) -> tuple[Targets, Merged]:
+    """Fixed and merged nodes of linked groups: a group with a fixed node is fixed, others merge into their first node.
+
+    Raises :class:`ContradictionError` when links come back with another phase, or join nodes that are fixed to
+    different ones.
 
     Parameters
     ----------
     count : number of nodes
-    links : Links
-    fixed : Targets, without weights
-    slack : how far unit values may differ that links join or bring back; joined ones are averaged
-
-    Returns
-    -------
-    fixed : Targets
-    merged : Merged
-
-    Raises
-    ------
-    ContradictionError
-        when links come back with another phase, or join nodes that are fixed to different ones
+    fixed : without weights
+    slack : how far linked unit values may differ; those that are joined are averaged
     """
     if len(links.i) == 0:
         return fixed, Merged.none()
     members = np.unique([links.i, links.j])
-    lead, angles, flips = from_leads(count, links)
+    lead, angles, flips = walk_from_leads(count, links)
     closing = links.angles + np.where(links.flips, -angles[links.i], angles[links.i]) - angles[links.j]
     torn = np.abs(np.exp(1j * closing) - 1) > slack
     torn |= flips[links.i] ^ links.flips ^ flips[links.j]
@@ -125,8 +136,8 @@ def contract_groups(count, links, fixed, slack=TOLERANCE):
     return fixed, Merged(led, lead[led], circle_transports(angles[led], flips[led]))
 
 
-def _agree_leads(links, lead, known, at_lead, slack):
-    """One target a lead, from the values there that nodes of known value ask for; refuses different ones."""
+def _agree_leads(links: Links, lead: np.ndarray, known: np.ndarray, at_lead: np.ndarray, slack: float) -> Targets:
+    """The target of each lead, from the (k,) values there that known nodes imply; refuses different ones."""
     leads, first, place = np.unique(lead[known], return_index=True, return_inverse=True)
     apart = np.abs(at_lead - at_lead[first][place]) > slack
     if apart.any():
@@ -139,15 +150,15 @@ def _agree_leads(links, lead, known, at_lead, slack):
     return Targets(leads, sums / np.abs(sums))
 
 
-def from_leads(count, links):
-    """(n,) the first node of each node's group, and angle and flip of the way from there, whole turns included."""
+def walk_from_leads(count: int, links: Links) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(n,) the first node of each node's group, and angle and flip of the walk from there, whole turns included."""
     labels = components(count, np.column_stack([links.i, links.j]))
     lead = np.unique(labels, return_index=True)[1][labels]
     step = {}
     for i, j, angle, flip in zip(*(a.tolist() for a in (links.i, links.j, links.angles, links.flips)), strict=True):
         step[i, j] = angle, flip
         step[j, i] = (angle if flip else -angle), flip
-    # One walk from a node beside all leads reaches every node after the one that it follows from.
+    # One search from an extra node linked to all leads reaches every node after its predecessor.
     leads = np.unique(lead[links.i])
     i, j = np.append(links.i, np.full(len(leads), count)), np.append(links.j, leads)
     graph = coo_matrix((np.ones(len(i)), (i, j)), shape=(count + 1, count + 1)).tocsr()

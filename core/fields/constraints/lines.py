@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lines on a surface: boundaries, seams, groups and strokes, along which an artist asks for something.
+"""Lines on a surface to which constraints apply: boundaries, seams, groups and strokes.
 
-A line is a list of *stations*: a vertex on or beside it, the direction in which the line passes there,
-and how much of its length the vertex stands for. At a corner a vertex has stations of several directions;
-inside an area, or at a single point, it has none.
+A line is a list of *stations*: a vertex on or beside it, the direction of the line there, and the part of its length
+that the vertex stands for. At a corner a vertex has stations of several directions; inside an area, or at a single
+point, a station has no direction.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...errors import SettingError
 from ...gauge import balance
 from ...geometry.polylines import beside, piece_lengths
+from ...geometry.triangle_mesh import TriangleMesh
 from ...graphs import components
 from ..guidance.face_directions import corner_turns, face_frames
 
@@ -27,7 +30,7 @@ class Line:
     angles : (s,) direction of the line, radians in the vertex's tangent plane; NaN where there is none
     offsets : (s,) distance of the vertex from the line, positive to its left
     lengths : (s,) length of line that the station stands for; for areas, area by its square root
-    links : (l, 2) pairs of vertices that the same line passes one after the other
+    links : (l, 2) pairs of consecutive vertices on the same line
     """
 
     vertices: np.ndarray
@@ -37,23 +40,18 @@ class Line:
     links: np.ndarray
 
     @property
-    def nodes(self):
+    def nodes(self) -> np.ndarray:
         """(k,) the vertices, each once."""
         return np.unique(self.vertices)
 
     @property
-    def directed(self):
+    def directed(self) -> "Line":
         """The stations that have a direction; links as they are."""
         keep = np.isfinite(self.angles)
-        return replace(
-            self,
-            vertices=self.vertices[keep],
-            angles=self.angles[keep],
-            offsets=self.offsets[keep],
-            lengths=self.lengths[keep],
-        )
+        vertices, angles, offsets, lengths = (array[keep] for array in _columns(self)[:4])
+        return Line(vertices, angles, offsets, lengths, self.links)
 
-    def means(self, values):
+    def means(self, values: np.ndarray) -> np.ndarray:
         """(k,) means of real or complex station values at :attr:`nodes`."""
         _, place = np.unique(self.vertices, return_inverse=True)
         sums = np.bincount(place, values.real)
@@ -62,34 +60,29 @@ class Line:
         return sums / np.bincount(place)
 
     @property
-    def shares(self):
+    def shares(self) -> np.ndarray:
         """(k,) length of line at each of the nodes."""
         _, place = np.unique(self.vertices, return_inverse=True)
         return np.bincount(place, self.lengths)
 
     @property
-    def pieces(self):
+    def pieces(self) -> np.ndarray:
         """(k,) label of the connected piece of the line that each of the nodes is on."""
         nodes = self.nodes
         return components(len(nodes), np.searchsorted(nodes, self.links))
 
 
-def line_of_edges(mesh, edges):
-    """The line that runs over mesh edges.
+def line_of_edges(mesh: TriangleMesh, edges: np.ndarray) -> Line:
+    """The line that runs over mesh edges, (k,) indices.
 
-    Boundaries run with the face on their left. Every other chain of edges runs one way from end to end
-    or junction to junction, a way that its lowest edge chooses.
-
-    Parameters
-    ----------
-    mesh : TriangleMesh
-    edges : (k,) indices of edges
+    Boundaries run with the face on their left. Every other chain of edges runs one way from end to end or junction to
+    junction, as its lowest edge does.
     """
     edges = np.unique(edges)
     reversed_ = _reversed_edges(mesh, edges)
     towards = np.where(reversed_, np.pi, 0)
     directions = mesh.edge_directions[edges]
-    # At its higher end an edge's direction is given looking back.
+    # At its higher end the direction of an edge points back to the lower one.
     angles = np.column_stack([directions[:, 0] + towards, directions[:, 1] + np.pi + towards])
     ends = mesh.edges[edges]
     return Line(
@@ -101,10 +94,10 @@ def line_of_edges(mesh, edges):
     )
 
 
-def _reversed_edges(mesh, edges):
-    """(k,) bool: edges that the line passes from the higher to the lower vertex."""
+def _reversed_edges(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
+    """(k,) bool: edges on which the line runs from the higher to the lower vertex."""
     ends = mesh.edges[edges]
-    # Where exactly two edges meet, one has to arrive and the other to leave.
+    # Where exactly two edges meet, one arrives and the other leaves.
     order = np.argsort(ends.ravel(), kind="stable")
     met = ends.ravel()[order]
     first = np.flatnonzero(met[:-1] == met[1:])
@@ -119,15 +112,10 @@ def _reversed_edges(mesh, edges):
     return np.where(on_boundary, forward[edges] < 0, turned)
 
 
-def boundary_line(mesh, vertices=None, edges=None):
+def boundary_line(mesh: TriangleMesh, vertices: ArrayLike | None = None, edges: np.ndarray | None = None) -> Line:
     """The boundary, or the part of it whose edges have both ends among (n,) bool ``vertices``.
 
-    Where ``edges`` are given, (k,) indices, these are the boundary.
-
-    Raises
-    ------
-    SettingError
-        where there is none
+    Where ``edges`` are given, (k,) indices, these are the boundary. Raises :class:`SettingError` where it is empty.
     """
     edges = mesh.boundary_edges if edges is None else edges
     if len(edges) == 0:
@@ -139,21 +127,15 @@ def boundary_line(mesh, vertices=None, edges=None):
     return line_of_edges(mesh, edges)
 
 
-def group_edges(mesh, vertices):
+def group_edges(mesh: TriangleMesh, vertices: np.ndarray) -> np.ndarray:
     """Indices of the edges that are chains of a group of (n,) bool vertices, or outlines of its areas."""
     inside = vertices[mesh.triangles].all(axis=1)
     sides = np.bincount(mesh.triangle_edges[inside].ravel(), minlength=len(mesh.edges))
     return np.flatnonzero(vertices[mesh.edges].all(axis=1) & (sides < 2))
 
 
-def line_of_group(mesh, vertices):
-    """A group of vertices: its chains of edges and the outlines of its areas are lines, the rest are points.
-
-    Parameters
-    ----------
-    mesh : TriangleMesh
-    vertices : (n,) bool
-    """
+def line_of_group(mesh: TriangleMesh, vertices: np.ndarray) -> Line:
+    """A group of (n,) bool vertices: its chains of edges and the outlines of its areas are lines, the rest points."""
     inside = vertices[mesh.triangles].all(axis=1)
     among = vertices[mesh.edges].all(axis=1)
     lines = line_of_edges(mesh, group_edges(mesh, vertices))
@@ -164,40 +146,40 @@ def line_of_group(mesh, vertices):
     return replace(join_stations([lines, filled]), links=mesh.edges[among])
 
 
-def line_of_points(mesh, vertices, angles=None, areas=None):
-    """Vertices on no line, not linked to each other; with angles, as a field that is given there.
+def line_of_points(
+    mesh: TriangleMesh, vertices: np.ndarray, angles: np.ndarray | None = None, areas: np.ndarray | None = None
+) -> Line:
+    """(k,) vertices that are not linked to each other, optionally with angles, as of a given field.
 
-    They stand for their share of the surface, or for (k,) other areas.
+    Each stands for its share of the surface, or for one of (k,) other areas.
     """
     angles = np.full(len(vertices), np.nan) if angles is None else angles
     lengths = (mesh.vertex_masses[vertices] if areas is None else areas) / np.sqrt(mesh.areas.sum())
     return Line(vertices, angles, np.zeros(len(vertices)), lengths, np.empty((0, 2), int))
 
 
-def line_of_vectors(mesh, vectors):
+def line_of_vectors(mesh: TriangleMesh, vectors: np.ndarray) -> Line:
     """The vertices at which (n, 3) vectors have a tangential part, each with its direction."""
     tangent = mesh.tangent_numbers(vectors)
     nodes = np.flatnonzero(np.abs(tangent) > 1e-6 * np.linalg.norm(vectors, axis=1))
     return line_of_points(mesh, nodes, np.angle(tangent[nodes]))
 
 
-def line_of_strokes(mesh, strokes):
+def line_of_strokes(mesh: TriangleMesh, strokes: Iterable[tuple[ArrayLike, ArrayLike]]) -> Line:
     """Curves drawn on the surface, which pass between the vertices.
 
-    Stations are the corners of the faces that a stroke passes, each with direction and offset as seen from
-    the nearest sample.
-
-    Parameters
-    ----------
-    mesh : TriangleMesh
-    strokes : pairs of (p,) triangles and (p, 3) points in them, sampled more densely than the mesh
+    Stations are the corners of the faces that a stroke passes, each with the direction and offset of the nearest
+    sample. A stroke is (p,) triangles and (p, 3) points in them, sampled more densely than the mesh.
     """
     frames, turns = face_frames(mesh), corner_turns(mesh)
     samples = [(np.asarray(faces), np.asarray(points, float)) for faces, points in strokes]
     return join_stations([_line_of_stroke(mesh, faces, points, frames, turns[faces]) for faces, points in samples])
 
 
-def _line_of_stroke(mesh, faces, points, frames, turns):
+def _line_of_stroke(
+    mesh: TriangleMesh, faces: np.ndarray, points: np.ndarray, frames: tuple[np.ndarray, np.ndarray], turns: np.ndarray
+) -> Line:
+    """``turns`` are :func:`corner_turns` of the faces."""
     if len(points) < 2:
         raise SettingError("a stroke has a single point: give it two at least")
     steps = piece_lengths(points)
@@ -220,18 +202,19 @@ def _line_of_stroke(mesh, faces, points, frames, turns):
     return Line(nodes, angles.ravel()[nearest], offsets.ravel()[nearest], shares, links)
 
 
-def _tangents(points, steps, reach):
-    """(p, 3) from a place about ``reach`` before each point of a polyline to one as far behind it: the points may lie
-    closely, and where faces meet they jump."""
+def _tangents(points: np.ndarray, steps: np.ndarray, reach: float) -> np.ndarray:
+    """(p, 3) vectors from about ``reach`` before each point of a polyline to as far behind it: differences of
+    consecutive points, which may be close, would jump where faces meet."""
     reach = min(reach, steps.sum() / 4)
     before, behind = beside(points, points, (-reach, reach))
-    return behind - before
+    tangents: np.ndarray = behind - before
+    return tangents
 
 
-def join_stations(lines):
+def join_stations(lines: Iterable[Line]) -> Line:
     """All stations of several lines as one."""
     return Line(*(np.concatenate(parts) for parts in zip(*map(_columns, lines), strict=True)))
 
 
-def _columns(line):
+def _columns(line: Line) -> tuple[np.ndarray, ...]:
     return line.vertices, line.angles, line.offsets, line.lengths, line.links

@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the rows of the constraint list ask of patterns: fixed phases, drawn ones, and groups merged into one node."""
+"""Constraint rows of patterns: fixed phases, soft targets for phases, and groups merged into one node."""
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...gauge import balance
 from ...graphs import components
-from ...problem import Targets
-from .groups import TOLERANCE, Links, contract_groups, fixed_phases, join_links
+from ...problem import Merged, Targets
+from .groups import TOLERANCE, Growth, Links, contract_groups, fixed_phases, join_links
 from .rows import Row, penalties
 
 
@@ -17,9 +19,9 @@ class _LinePhases:
     """Phases at a row's nodes, of given vertices, from the one on its line:
     exp(1j * shifts) * (conj where turned)(phase).
 
-    On the line the phase is meant in the sheet in which it grows to the line's left; of the phases of a vertex it is
-    the one that grows most across the line. Vertices without a direction follow the first of their piece from edge to
-    edge, whose own sheet counts; where there are two phases, both are meant.
+    The phase on the line is that of the sheet in which it grows to the line's left; of the phases of a vertex it is the
+    one that grows most across the line. Vertices without a direction follow the first of their piece from edge to edge,
+    in its sheet; where there are two phases, both are constrained.
     """
 
     row: Row
@@ -29,7 +31,7 @@ class _LinePhases:
     vertices: np.ndarray
 
     @classmethod
-    def of(cls, row, growth):
+    def of(cls, row: Row, growth: Growth) -> "_LinePhases":
         count = growth.phase_count
         line = row.line.directed
         towards = growth.angles[line.vertices] - line.angles - np.pi / 2
@@ -50,52 +52,50 @@ class _LinePhases:
         turned[at] = (np.bincount(place, rise) < 0) & (not growth.has_signs)
         return cls(row, nodes, shifts, turned, nodes // count)
 
-    def of_vertices(self, values):
-        """Values at the nodes, for one, or (v,) one at each vertex of the row."""
+    def of_vertices(self, values: ArrayLike) -> np.ndarray:
+        """(k,) values at the nodes, from one value or from (v,) values at the vertices of the row."""
         vertices = self.row.line.nodes
         return np.broadcast_to(values, len(vertices))[np.searchsorted(vertices, self.vertices)]
 
     @property
-    def values(self):
-        """(k,) complex phases for the phase that the row asks for."""
+    def values(self) -> np.ndarray:
+        """(k,) complex phases at the nodes for the row's value."""
         phase = self.of_vertices(self.row.value)
         return np.exp(1j * (self.shifts + np.where(self.turned, -phase, phase)))
 
 
-def phase_constraints(growth, rows, links=(), slack=TOLERANCE):
-    """Fixed, merged and drawn phases of a pattern: (Targets, Merged, list of Targets).
+def phase_constraints(
+    growth: Growth, rows: Sequence[Row], links: Iterable[Links] = (), slack: float = TOLERANCE
+) -> tuple[Targets, Merged, list[Targets]]:
+    """Fixed, merged and softly constrained phases of a pattern.
+
+    Raises :class:`ContradictionError` when hard rows ask for different phases at a vertex.
 
     Parameters
     ----------
-    growth : Growth
-    rows : Rows of the kinds "phase" and "constant"
-    links : further Links between phases
-    slack : how far values that links join may differ
-
-    Raises
-    ------
-    ContradictionError
-        when hard rows ask for different phases at a vertex
+    rows : of the kinds "phase" and "constant"
+    links : further links between phases
+    slack : how far linked values may differ
     """
     phases = [_LinePhases.of(row, growth) for row in rows]
     hard = [p for p in phases if p.row.kind == "phase" and p.row.is_hard]
     fixed = fixed_phases([(p.row.name, p.nodes, p.values) for p in hard], "remove one of them there")
-    links = join_links([*links, *(_links(p, growth) for p in phases if p.row.kind == "constant")])
+    joined = join_links([*links, *(_links(p, growth) for p in phases if p.row.kind == "constant")])
     count = growth.phase_count * growth.mesh.vertex_count
-    fixed, merged = contract_groups(count, links, fixed, slack)
-    held = np.zeros(count, bool)
-    held[fixed.nodes] = True
+    fixed, merged = contract_groups(count, joined, fixed, slack)
+    is_fixed = np.zeros(count, bool)
+    is_fixed[fixed.nodes] = True
     drawn = []
     for p in phases:
         if not p.row.is_hard:
-            free = ~held[p.nodes]
+            free = ~is_fixed[p.nodes]
             weights = p.of_vertices(penalties(growth.mesh, p.row))
             drawn.append(Targets(p.nodes[free], p.values[free], weights[free]))
     return fixed, merged, drawn
 
 
-def _links(phases, growth):
-    """From the first node of each piece of a line to the others: vertices that follow one another, in one phase."""
+def _links(phases: _LinePhases, growth: Growth) -> Links:
+    """Links from the first node of each connected piece of a line, in one phase, to the other nodes."""
     count, nodes = growth.phase_count, phases.nodes
     i, j = np.sort(phases.row.line.links, axis=1).T
     matched = growth.matchings[growth.mesh.edges_between(i, j)]

@@ -1,35 +1,37 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The rows of the constraint list, and what they ask of a direction field.
+"""The rows of the constraint list, and their targets for a direction field.
 
-Rows of the kinds "along", "across" and "angle" speak of directions, "phase" and "constant" of stripes; a stripe
-that lies on a line needs directions along it, so that these two also ask for that. Rows of the kind "grid" are made by
-the program: lines on which quads have a grid line where no other row asks for anything.
+Rows of the kinds "along", "across" and "angle" constrain directions, "phase" and "constant" stripes; a stripe that lies
+on a line needs directions along it, so that these two also constrain directions. Rows of the kind "grid" are made by
+the program: lines on which quads have a grid line where no other row applies.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
 
 from ...errors import ContradictionError, SettingError
+from ...geometry.triangle_mesh import TriangleMesh
 from ...problem import Targets
 from ...settings.constraints import WISHES
 from .lines import Line, join_stations
 
 KINDS = tuple(wish.name for wish in WISHES if wish.name != "cut")
 GRID = "grid"
-# A vertex whose stations disagree by more than this (as a mean of unit powers) is left free:
-# at a right angle a line cannot run along both sides, though a cross can.
+# A vertex whose stations' mean unit power is shorter than this is left free: at a right angle a line field cannot run
+# along both sides, though a cross field can.
 AGREEMENT = 0.5
-# Rows that differ by less (as powers) are averaged: tangents of polygons, strokes and fields hardly ever agree in full.
+# Rows that differ by less (as powers) are averaged: tangents of polygons, strokes and fields hardly ever agree exactly.
 DISAGREEMENT = 0.2
-# Beyond this a soft wish is as good as hard, and sums lose their digits.
+# Beyond this a soft constraint is as good as hard, and sums lose digits.
 LARGEST_WEIGHT = 1e9
 
 
 @dataclass(frozen=True)
 class Row:
-    """One wish: what is asked along a line, and how strongly.
+    """One constraint along a line.
 
     Attributes
     ----------
@@ -38,18 +40,18 @@ class Row:
         free on each connected piece of the line; "grid" for a grid line that gives way to other rows
     value : radians: the angle, counterclockwise from the line, or the phase, where it grows to the line's left;
         one, or (k,) one at each of the line's nodes
-    weight : None for a hard wish; otherwise the penalty is weight * integral |x - wish|^2 / sqrt(area)
+    weight : None for a hard constraint; otherwise the penalty is weight * integral |x - target|^2 / sqrt(area)
         along the line, the same at every resolution and scale
     name : for messages
     """
 
     line: Line
     kind: str
-    value: float = 0.0
+    value: float | np.ndarray = 0.0
     weight: float | None = None
     name: str = "the row"
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.kind not in (*KINDS, GRID):
             raise SettingError(f"{self.name} asks for {self.kind!r}: use one of {', '.join(KINDS)}")
         if not np.isfinite(self.value).all():
@@ -63,37 +65,37 @@ class Row:
             raise SettingError(f"{self.name} is soft: a phase that is constant along a line can only be hard")
 
     @property
-    def is_hard(self):
+    def is_hard(self) -> bool:
         return self.weight is None
 
     @property
-    def is_of_phases(self):
+    def is_of_phases(self) -> bool:
         return self.kind in ("phase", "constant", GRID)
 
     @property
-    def turn(self):
-        """Angle from the line to the direction that is asked for."""
+    def turn(self) -> float | np.ndarray:
+        """Angle from the line to the target direction."""
         return {"across": np.pi / 2, "angle": self.value}.get(self.kind, 0.0)
 
-    def directions(self, symmetry):
-        """Nodes of the line that have a direction, and the (k,) mean of the powers that their stations ask for."""
+    def directions(self, symmetry: int) -> tuple[np.ndarray, np.ndarray]:
+        """Nodes of the line that have a direction, and the (k,) means of their stations' target powers."""
         line = self.line.directed
         return line.nodes, line.means(np.exp(1j * symmetry * (line.angles + self.turn)))
 
 
-def penalties(mesh, row):
-    """(k,) weights with which a soft row draws its line's nodes."""
-    return row.weight * row.line.shares / np.sqrt(mesh.areas.sum())
+def penalties(mesh: TriangleMesh, row: Row) -> np.ndarray:
+    """(k,) weights of a soft row's targets at its line's nodes."""
+    assert row.weight is not None
+    weights: np.ndarray = row.weight * row.line.shares / np.sqrt(mesh.areas.sum())
+    return weights
 
 
-def direction_targets(mesh, symmetry, rows):
-    """Fixed and drawn directions, as unit powers: (Targets, list of Targets), and (k,) bool: fixed ones that are to
-    give way where they cannot be had.
+def direction_targets(
+    mesh: TriangleMesh, symmetry: int, rows: Sequence[Row]
+) -> tuple[Targets, list[Targets], np.ndarray]:
+    """Fixed directions and soft targets, as unit powers, and (k,) bool: fixed ones that may give way.
 
-    Raises
-    ------
-    ContradictionError
-        when two hard rows ask for different directions on the same edge
+    Raises :class:`ContradictionError` when two hard rows ask for different directions on the same edge.
     """
     grid = [row for row in rows if row.kind == GRID]
     rows = [row for row in rows if row.kind != GRID]
@@ -104,34 +106,34 @@ def direction_targets(mesh, symmetry, rows):
     if hard:
         lines = [replace(row.line.directed, angles=row.line.directed.angles + row.turn) for row in hard]
         fixed = Targets(*_agreeing_nodes(*Row(join_stations(lines), "along").directions(symmetry)))
-    held = np.zeros(mesh.vertex_count, bool)
-    held[fixed.nodes] = True
+    taken = np.zeros(mesh.vertex_count, bool)
+    taken[fixed.nodes] = True
     for row in rows:
         if not row.is_hard:
             nodes, values = _agreeing_nodes(*row.directions(symmetry))
             weights = penalties(mesh, row)[np.searchsorted(row.line.nodes, nodes)]
-            free = ~held[nodes]
+            free = ~taken[nodes]
             drawn.append(Targets(nodes[free], values[free], weights[free]))
-            held[nodes] |= weights > 0
+            taken[nodes] |= weights > 0
     gives_way = np.zeros(len(fixed.nodes), bool)
     for row in grid:
         nodes, values = _agreeing_nodes(*row.directions(symmetry))
-        free = ~held[nodes]
+        free = ~taken[nodes]
         fixed = Targets(np.append(fixed.nodes, nodes[free]), np.append(fixed.values, values[free]))
         gives_way = np.append(gives_way, np.ones(free.sum(), bool))
     return fixed, drawn, gives_way
 
 
-def _agreeing_nodes(nodes, means):
-    """Nodes where the stations agree well enough, and what they ask for."""
+def _agreeing_nodes(nodes: np.ndarray, means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes whose stations agree well enough, and their (k,) unit targets."""
     good = np.abs(means) > AGREEMENT
     return nodes[good], means[good] / np.abs(means[good])
 
 
-def _refuse_contradiction(symmetry, first, second):
-    """Two rows have to agree on edges that both run over, and where most of one is on the other.
+def _refuse_contradiction(symmetry: int, first: Row, second: Row) -> None:
+    """Refuse rows that disagree on common edges, or where most of one lies on the other.
 
-    Lines that only meet or cross need not.
+    Lines that only meet or cross need not agree.
     """
     (nodes, values), (others, other_values) = (row.directions(symmetry) for row in (first, second))
     shared, i, j = np.intersect1d(nodes, others, return_indices=True)

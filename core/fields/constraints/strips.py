@@ -1,55 +1,47 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Strips between two grid lines that are narrower than a quad, and a growth in which a quad fits across.
 
-Where lines run beside each other at less than a quad's side, phases that grow as elsewhere are nearest to the same
-number on both: the lines would become one. There lengths across the strip count as more, along it as what they are.
+Where lines run side by side closer than a quad's side, the phase on both rounds to the same multiple, so that they
+would become one grid line. There lengths across the strip are enlarged, and those along it kept.
 """
 
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ...geometry.triangle_mesh import TriangleMesh
 from ...graphs import components, pairs_within, ragged_arange
-from .rows import GRID
+from .groups import Growth
+from .rows import GRID, Row
 
-# Quads asked for across a strip: more than one, so that two come before none where their number has to be even; and how
-# many times as much as elsewhere at most.
+# Quads across a strip: more than one, so that two are nearer than none where their number has to be even; and the
+# largest factor on a length.
 ACROSS, MOST = 1.3, 1e4
-# Cosine of the angle that the way to the second line may have to the perpendicular on the first.
+# Cosine of the largest angle between the way to the second line and the perpendicular on the first.
 STRAIGHT = 0.8
-# Cosine of the angle between two lines beyond which they are no strip but meet at a corner.
+# Cosine of the angle between two lines beyond which they meet at a corner and bound no strip.
 BESIDE = np.cos(np.radians(12))
-# Points on lines are this far apart, in sides of a quad.
+# Distance of sample points on lines, in sides of a quad.
 STEP = 0.1
 
 
-def widen_strips(growth, rows):
-    """The :class:`Growth` with room for a quad between the grid lines of rows.
-
-    Parameters
-    ----------
-    growth : Growth of two phases
-    rows : Rows of phases
-    """
+def strip_stretch(growth: Growth, rows: Sequence[Row]) -> complex | np.ndarray:
+    """The stretch of a growth of two phases, one or (e,) complex, that makes room for a quad between grid lines."""
     links = np.concatenate([np.empty((0, 2), int), *(row.line.links for row in rows if row.kind == GRID)])
     if len(links) == 0:
-        return growth
+        return 1.0
     mesh = growth.mesh
     sides = np.pi / growth.rates.mean(axis=1)
-    across, factors = strips(mesh, np.unique(mesh.edges_between(*links.T)), sides)
-    return replace(growth, stretch=_stretched_edges(mesh, across, factors))
+    across, factors = find_strips(mesh, np.unique(mesh.edges_between(*links.T)), sides)
+    return _stretch_edges(mesh, across, factors)
 
 
-def strips(mesh, edges, sides):
-    """Which triangles are in narrow strips: (m, 3) unit vectors across these, and (m,) how many times a length across
-    has to count for :data:`ACROSS` quads; 1 elsewhere.
+def find_strips(mesh: TriangleMesh, edges: np.ndarray, sides: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(m, 3) unit vectors across narrow strips in each triangle, and (m,) factors on lengths across that make room for
+    :data:`ACROSS` quads; 1 outside of strips.
 
-    Parameters
-    ----------
-    mesh : TriangleMesh
-    edges : (k,) of the lines
-    sides : (n,) length of a quad's side at the vertices
+    The lines are (k,) edges, and ``sides`` (n,) lengths of a quad's side at the vertices.
     """
     step = STEP * sides.min()
     points, tangents, regions = _on_lines(mesh, edges, step)
@@ -68,7 +60,7 @@ def strips(mesh, edges, sides):
     heights = np.einsum("kx,kx->k", ways, across)
     own_heights = np.einsum("kx,kx->k", points[own] - places[triangles], across)
     beside = np.abs(np.einsum("kx,kx->k", tangents[met], tangents[own])) > BESIDE
-    # The line itself is straight across where the nearest point of a narrower strip lies within one step beside it.
+    # Within one step of the sample points, the distance from the line itself is used.
     along = np.einsum("kx,kx->k", ways, tangents[met])
     straight = np.where(np.abs(along) < step, np.sqrt(np.maximum(lengths**2 - along**2, 0)), lengths)
     opposite = np.flatnonzero(beside & (-np.sign(own_heights) * heights > STRAIGHT * straight))
@@ -79,23 +71,23 @@ def strips(mesh, edges, sides):
     return directions, factors
 
 
-def _within_reach(places, reach, points):
+def _within_reach(places: np.ndarray, reach: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of (m, 3) places and of points within (m,) reach of them: (k,) places, (k,) points. Places farther than
-    half of it from all points are in no strip and have none."""
+    half of it from all points are in no strip and are left out."""
     tree = cKDTree(points)
     near = np.flatnonzero(tree.query(places)[0] < reach / 2)
     rows, reached = pairs_within(tree, places[near], reach[near])
     return near[rows], reached
 
 
-def _first_of_each(labels, lengths, chosen):
-    """Of (c,) chosen ones the shortest of each label."""
+def _first_of_each(labels: np.ndarray, lengths: np.ndarray, chosen: np.ndarray) -> np.ndarray:
+    """The shortest of the (c,) chosen items of each label."""
     order = chosen[np.lexsort((lengths[chosen], labels[chosen]))]
     return order[np.unique(labels[order], return_index=True)[1]]
 
 
-def _on_lines(mesh, edges, step):
-    """Points on edges, unit vectors along these, and the (p, 2) regions at both sides, -1 beyond the boundary."""
+def _on_lines(mesh: TriangleMesh, edges: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(p, 3) points on edges, unit vectors along these, and (p, 2) regions at both sides, -1 beyond the boundary."""
     own = _regions(mesh, edges)
     beside = np.full((len(mesh.edges), 2), -1)
     half = np.arange(3 * mesh.triangle_count)
@@ -109,16 +101,16 @@ def _on_lines(mesh, edges, step):
     return points, tangents[rows], beside[edges[rows]]
 
 
-def _regions(mesh, edges):
-    """(m,) label of the part of the surface between lines of edges that each triangle is in."""
+def _regions(mesh: TriangleMesh, edges: np.ndarray) -> np.ndarray:
+    """(m,) label of each triangle's part of the surface between lines of edges."""
     open_edge = np.ones(len(mesh.edges), bool)
     open_edge[edges] = False
     half = np.flatnonzero((mesh.twins >= 0) & open_edge[mesh.triangle_edges.ravel()])
     return components(mesh.triangle_count, np.column_stack([half, mesh.twins[half]]) // 3)
 
 
-def _stretched_edges(mesh, across, factors):
-    """(e,) complex: what each edge counts as, as a multiple of itself, turned counterclockwise; a mean of its faces."""
+def _stretch_edges(mesh: TriangleMesh, across: np.ndarray, factors: np.ndarray) -> np.ndarray:
+    """(e,) complex factor on each edge, whose argument turns it counterclockwise; the mean over its faces."""
     half = mesh.triangle_edges.ravel()
     faces = np.arange(len(half)) // 3
     along = mesh.edge_vectors[half] / np.maximum(mesh.edge_lengths[half, None], np.finfo(float).tiny)
@@ -126,4 +118,5 @@ def _stretched_edges(mesh, across, factors):
     forward, sideways = (np.einsum("hx,hx->h", across[faces], part) for part in (along, left))
     extra = (factors[faces] - 1) * forward * (forward + 1j * sideways)
     sums = np.bincount(half, extra.real, len(mesh.edges)) + 1j * np.bincount(half, extra.imag, len(mesh.edges))
-    return 1 + sums / np.maximum(mesh.edge_face_counts, 1)
+    stretch: np.ndarray = 1 + sums / np.maximum(mesh.edge_face_counts, 1)
+    return stretch

@@ -3,14 +3,15 @@
 
 import numpy as np
 
+from ...geometry.triangle_mesh import TriangleMesh
 
-def principal_directions(mesh, symmetry, largest=True):
-    """Powers of a principal direction and how strongly each vertex should follow it.
 
-    The traceless part of the curvature tensor, the sum of dihedral angle times edge length over the
-    edges around a vertex (Knöppel et al. 2013, Section 5; Cohen-Steiner and Morvan 2003), is
-    averaged once over the neighbours. Curvature is positive where the surface bends away from its normal,
-    and "largest" means largest with its sign.
+def principal_directions(mesh: TriangleMesh, symmetry: int, largest: bool = True) -> tuple[np.ndarray, np.ndarray]:
+    """Powers of a principal direction and weights with which the vertices should follow it.
+
+    The traceless part of the curvature tensor, the sum of dihedral angle times edge length over the edges around a
+    vertex (Knöppel et al. 2013, Section 5; Cohen-Steiner and Morvan 2003), is averaged once over the neighbours.
+    Curvature is positive where the surface bends away from its normal, and "largest" means largest with its sign.
 
     Returns
     -------
@@ -33,6 +34,6 @@ def principal_directions(mesh, symmetry, largest=True):
     difference = totals / masses  # (k1 - k2) exp(2 i angle of k1)
     angles = np.angle(difference) / 2 + (0 if largest else np.pi / 2)
     weights = mesh.vertex_masses * np.abs(difference) ** 2
-    # What rounding of the coordinates bends is not curvature.
+    # Bends that are only rounding of the coordinates are not curvature.
     weights[np.abs(difference) < 1e-5 / np.sqrt(mesh.areas.sum())] = 0
     return np.exp(1j * symmetry * angles), weights

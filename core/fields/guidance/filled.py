@@ -1,85 +1,93 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Directions in a solid from what its surface has: functions of a :class:`..filled_surface.FilledSurface`.
+"""Directions in a solid from data on its surface, as functions of a :class:`..filled_surface.FilledSurface`.
 
-Each gives (n, 3) vectors at the solid's vertices, whose lengths do not count; zero where it has no direction, which
-:func:`.solids.extend_directions` extends there. What it needs besides comes first, to be bound by
-``functools.partial``, which can be pickled.
+Each returns (n, 3) vectors of any length at the solid's vertices, zero where :func:`.solids.extend_directions` has to
+extend them. The surface is the last argument: the others are bound by ``functools.partial``, which can be pickled.
 """
 
-from dataclasses import replace
+from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from ...geometry.filling.closed_surface import Area
 from ...geometry.filling.surface_distance import normals_at
 from ...geometry.nearest import NearestTriangles, nearest_in_triangles
 from ...geometry.tet_mesh import TetMesh
-from .given import at_vertices, orient_vectors, principal, vectors_at, without_sign
+from ...geometry.triangle_mesh import TriangleMesh
+from .given import SolidVectors, line_matrices, orient_vectors, principal_vectors, vectors_at
 from .potentials import harmonic_function
 from .solid_distance import solid_distance
 from .solids import axis_directions, check_vectors, curve_vectors, gradient_vectors, vector_directions
 
-# Points this near to a surface, as a share of what they span, lie on it.
+# Points this near to a surface, as a share of their extent, lie on it.
 ON_SURFACE = 1e-6
 
 
-def along_axis(axis, filled):
+class Filled(Protocol):
+    """What guides need of a :class:`core.fields.filled_surface.FilledSurface`, which describes it."""
+
+    @property
+    def solid(self) -> TetMesh: ...
+    def vertices_on(self, area: Area) -> np.ndarray: ...
+    def on_boundary(self, values: np.ndarray) -> np.ndarray: ...
+
+
+def along_axis(axis: ArrayLike, filled: Filled) -> np.ndarray:
     """The same direction everywhere, (3,)."""
     return axis_directions(filled.solid, axis)
 
 
-def between_areas(low, high, filled):
-    """From one :class:`Area` of the surface to another, along a harmonic function."""
+def between_areas(low: Area, high: Area, filled: Filled) -> np.ndarray:
+    """From one area of the surface to another, along a harmonic function."""
     function = harmonic_function(filled.solid, filled.vertices_on(low), filled.vertices_on(high))
     return gradient_vectors(filled.solid, function)
 
 
-def away_from_area(area, filled):
-    """Away from an :class:`Area` of the surface, on the shortest way inside the solid."""
+def away_from_area(area: Area, filled: Filled) -> np.ndarray:
+    """Away from an area of the surface, on the shortest way inside the solid."""
     return gradient_vectors(filled.solid, solid_distance(filled.solid, filled.vertices_on(area)))
 
 
-def away_from_surface(base, filled):
-    """Away from another surface, a TriangleMesh, on a straight way."""
+def away_from_surface(base: TriangleMesh, filled: Filled) -> np.ndarray:
+    """Away from another surface, on a straight way."""
     return check_vectors(filled.solid, away_from(base, filled.solid.vertices))
 
 
-def along_curves(curves, filled):
-    """Along curves, (k, 3) polylines: layers cross them."""
+def along_curves(curves: Sequence[ArrayLike], filled: Filled) -> np.ndarray:
+    """Along curves, (k, 3) polylines, so that layers cross them."""
     return curve_vectors(filled.solid, curves)
 
 
-def around_curves(curves, filled):
-    """Away from curves, (k, 3) polylines: layers lie around them like skins."""
+def around_curves(curves: Sequence[ArrayLike], filled: Filled) -> np.ndarray:
+    """Away from curves, (k, 3) polylines, so that layers lie around them like skins."""
     return curve_vectors(filled.solid, curves, across=True)
 
 
-def of_vectors(vectors, filled):
-    """Vectors at the surface's vertices, (k, 3), extended into the solid, where they are nowhere their own."""
+def of_vectors(vectors: np.ndarray, filled: Filled) -> np.ndarray:
+    """(k, 3) vectors at the surface's vertices, extended into the solid."""
     return vector_directions(filled.solid, filled.on_boundary(vectors))
 
 
-def of_given_vectors(given, stretch, filled):
-    """:class:`core.files.solid_vectors.SolidVectors`, whose space a matrix (3, 3) leads to the solid's from."""
+def of_given_vectors(given: SolidVectors, stretch: np.ndarray, filled: Filled) -> np.ndarray:
+    """Vectors of a file, mapped to the solid's space by a (3, 3) matrix."""
     mesh = TetMesh(given.mesh.vertices @ stretch.T, given.mesh.tets)
-    return check_vectors(filled.solid, vectors_at(mesh, at_vertices(given) @ stretch.T, filled.solid.vertices))
+    values = given.values if given.at_vertices else given.mesh.at_vertices(given.values)
+    return check_vectors(filled.solid, vectors_at(mesh, values @ stretch.T, filled.solid.vertices))
 
 
-def of_given_lines(given, stretch, filled):
+def of_given_lines(given: SolidVectors, stretch: np.ndarray, filled: Filled) -> np.ndarray:
     """The same for vectors without a sign, such as principal stresses."""
     mesh = TetMesh(given.mesh.vertices @ stretch.T, given.mesh.tets)
-    lines = replace(given, mesh=mesh, values=without_sign(given.values @ stretch.T))
-    found = principal(vectors_at(mesh, at_vertices(lines), filled.solid.vertices))
+    values = line_matrices(given.values @ stretch.T)
+    values = values if given.at_vertices else mesh.at_vertices(values)
+    found = principal_vectors(vectors_at(mesh, values, filled.solid.vertices))
     return check_vectors(filled.solid, orient_vectors(filled.solid, found))
 
 
-def away_from(base, points):
-    """(k, 3) unit directions in which the distance from a surface grows, counted negative behind its faces.
-
-    Parameters
-    ----------
-    base : TriangleMesh, open or closed
-    points : (k, 3)
-    """
+def away_from(base: TriangleMesh, points: np.ndarray) -> np.ndarray:
+    """(k, 3) unit directions at points in which the signed distance from a surface grows, negative behind its faces."""
     _, found = NearestTriangles(base.vertices, base.triangles).nearest(points)
     corners = base.vertices[base.triangles[found]]
     shares = nearest_in_triangles(points, np.moveaxis(corners, 1, 0))

@@ -1,20 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sources of guidance: directions that a field is drawn to, each with how much it counts where.
+"""Sources of guidance: directions that a field is drawn to, with a weight at each vertex.
 
-A guide knows nothing of symmetries. Directions that come as lines or crosses (curvature, field files) are
-one representative, and serve fields of that symmetry or a multiple of it.
+A guide has no symmetry of its own. Directions given as lines or crosses (curvature, field files) are one
+representative, for fields of that symmetry or a multiple of it.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...errors import SettingError, name_elements
+from ...geometry.triangle_mesh import TriangleMesh
 from .curvature import principal_directions
 from .face_directions import face_gradients, half_edges, sum_at_vertices
 from .fronts import front_distance
 
-# Where a gradient is weaker than this share of its mean over the surface, its direction counts for less.
+# Where a gradient is weaker than this share of its mean over the surface, its direction has less weight.
 FAINT = 0.1
 # Differences below this share of the largest value are rounding, not a slope.
 ROUNDING = 1e-12
@@ -24,36 +27,32 @@ UPRIGHT = 1e-6
 
 @dataclass(frozen=True)
 class Guide:
-    """A direction at every vertex and how much it counts.
+    """A direction and a weight at every vertex.
 
     Attributes
     ----------
     angles : (n,) radians in the vertices' tangent planes
-    weights : (n,) share of the whole area times a confidence in [0, 1] (curvature has a scale of its own):
-        free of units and independent of the resolution, exactly 0 where there is no direction
+    weights : (n,) share of the whole area times a confidence in [0, 1] (for curvature, on another scale): free of units
+        and independent of the resolution, exactly 0 where there is no direction
     """
 
     angles: np.ndarray
     weights: np.ndarray
 
 
-def gradient_guide(mesh, values, contour=False):
+def gradient_guide(mesh: TriangleMesh, values: ArrayLike, contour: bool = False) -> Guide:
     """The direction in which a scalar grows fastest, or along its level lines.
 
-    Gradients of the faces are averaged by area. The confidence is the length of the mean by the mean length,
-    so that it falls where the faces around a vertex disagree, times a smooth step from 0 to 1 while the gradient
-    rises from nothing to a tenth of its mean over the surface's sloping part.
+    Gradients of the faces are averaged by area. The confidence is the length of the mean over the mean length, so that
+    it falls where the faces around a vertex disagree, times a smooth step from 0 to 1 while the gradient rises from
+    zero to a tenth of its mean over the surface's sloping part.
+
+    Raises :class:`SettingError` for another shape, values that are not finite, or the same value everywhere.
 
     Parameters
     ----------
-    mesh : TriangleMesh
     values : (n,) at vertices, or (m, 3) at the corners of triangles (one coordinate of a UV map)
     contour : turn a quarter counterclockwise, along the level lines with larger values on the right
-
-    Raises
-    ------
-    SettingError
-        for another shape, values that are not finite, or the same value everywhere
     """
     values = np.asarray(values, float)
     if values.shape not in ((mesh.vertex_count,), mesh.triangles.shape):
@@ -68,20 +67,13 @@ def gradient_guide(mesh, values, contour=False):
     return guide
 
 
-def axis_guide(mesh, axis):
-    """An axis in space, projected to the surface.
+def axis_guide(mesh: TriangleMesh, axis: ArrayLike) -> Guide:
+    """An axis in space, (3,) of any length but zero, projected to the surface.
 
-    The confidence is the squared share of the axis that is tangential.
+    The confidence is the square of the tangential share of the axis.
 
-    Parameters
-    ----------
-    mesh : TriangleMesh
-    axis : (3,) of any length but zero
-
-    Raises
-    ------
-    SettingError
-        for another shape, an axis that is zero or not finite, or at right angles to the whole surface
+    Raises :class:`SettingError` for another shape, an axis that is zero or not finite, or at right angles to the whole
+    surface.
     """
     axis = np.asarray(axis, float)
     if axis.shape != (3,) or not np.isfinite(axis).all() or not axis.any():
@@ -92,20 +84,12 @@ def axis_guide(mesh, axis):
     return guide
 
 
-def vectors_guide(mesh, vectors):
-    """Given vectors, projected to the surface; their lengths do not count, and zero vectors ask for nothing.
+def vectors_guide(mesh: TriangleMesh, vectors: ArrayLike) -> Guide:
+    """Given (n, 3) vectors of any length, projected to the surface; zero where there is no direction.
 
-    The confidence is the squared share of the vector that is tangential.
+    The confidence is the square of the tangential share of the vector.
 
-    Parameters
-    ----------
-    mesh : TriangleMesh
-    vectors : (n, 3)
-
-    Raises
-    ------
-    SettingError
-        for another shape, vectors that are not finite, or none with a tangential part
+    Raises :class:`SettingError` for another shape, vectors that are not finite, or no vector with a tangential part.
     """
     vectors = np.asarray(vectors, float)
     if vectors.shape != mesh.vertices.shape:
@@ -123,27 +107,22 @@ def vectors_guide(mesh, vectors):
     return guide
 
 
-def curvature_guide(mesh, largest=True):
-    """The line of largest or smallest principal curvature; weights as :func:`principal_directions` gives them."""
+def curvature_guide(mesh: TriangleMesh, largest: bool = True) -> Guide:
+    """The line of largest or smallest principal curvature, with the weights of :func:`principal_directions`."""
     squares, weights = principal_directions(mesh, 2, largest=largest)
     return Guide(np.angle(squares) / 2, weights)
 
 
-def distance_guide(mesh, sources, contour=False):
-    """The direction away from a set of vertices on the shortest way, or along the curves of equal distance.
+def distance_guide(mesh: TriangleMesh, sources: ArrayLike, contour: bool = False) -> Guide:
+    """The direction away from (n,) bool sources on the shortest way, or along the curves of equal distance.
 
-    Pieces without a source get no weight.
+    Pieces without a source have no weight.
+
+    Raises :class:`SettingError` for a set that is empty, of another length, or of all vertices.
 
     Parameters
     ----------
-    mesh : TriangleMesh
-    sources : (n,) bool
     contour : turn a quarter counterclockwise, along the curves with the sources on the left
-
-    Raises
-    ------
-    SettingError
-        for a set that is empty, of another length, or of all vertices
     """
     distances = np.nan_to_num(front_distance(mesh, sources))
     guide = _slope_guide(mesh, distances[mesh.triangles], contour)
@@ -152,18 +131,11 @@ def distance_guide(mesh, sources, contour=False):
     return guide
 
 
-def face_guide(mesh, face_values, symmetry):
-    """A guide from directions in faces, averaged to the vertices.
+def face_guide(mesh: TriangleMesh, face_values: np.ndarray, symmetry: int) -> Guide:
+    """A guide from directions in faces, averaged to the vertices, with the confidence of :func:`gradient_guide`.
 
-    Parameters
-    ----------
-    mesh : TriangleMesh
-    face_values : (m,) complex in the faces' planes: area times confidence or slope, and the direction's power
-    symmetry : that power
-
-    Returns
-    -------
-    Guide, its confidence as described in :func:`gradient_guide`
+    ``face_values`` are (m,) complex in the faces' planes: area times confidence or slope, times the ``symmetry``-th
+    power of the direction.
     """
     sizes = np.abs(face_values)
     sum_of_sizes = _sum_at_vertices(mesh, sizes)
@@ -177,28 +149,19 @@ def face_guide(mesh, face_values, symmetry):
     return Guide(np.angle(totals) / symmetry, _area_shares(mesh) * confidence)
 
 
-def blend_guides(guides, shares, symmetry):
-    """One target for several guides, exactly as if each had its own.
+def blend_guides(guides: Sequence[Guide], shares: ArrayLike, symmetry: int) -> tuple[np.ndarray, np.ndarray]:
+    """One target equivalent to several guides, each with a share, not negative.
 
-    On the unit circle ``sum_k w_k |phi - q_k|^2`` and ``|q| |phi - q / |q||^2`` with ``q = sum_k w_k q_k``
-    have the same dependence on phi, ``-2 Re(conj(phi) q)``: they differ by the constant
-    ``2 (sum_k w_k - |q|)``, with factor 1. Here ``w_k`` is share times weight and ``q_k`` the power of the direction.
+    On the unit circle ``sum_k w_k |phi - q_k|^2`` and ``|q| |phi - q / |q||^2`` with ``q = sum_k w_k q_k`` differ by
+    the constant ``2 (sum_k w_k - |q|)``. Here ``w_k`` is share times weight and ``q_k`` the power of the direction.
 
-    Parameters
-    ----------
-    guides : sequence of Guide
-    shares : as many numbers, not negative
-    symmetry : 1, 2 or 4
+    Raises :class:`SettingError` for no guides, guides of different meshes, or shares that are not one finite number >=
+    0 for each.
 
     Returns
     -------
     values : (n,) complex, unit modulus; 1 where the weight is 0
     weights : (n,) modulus of q; 0 where the guides cancel each other
-
-    Raises
-    ------
-    SettingError
-        for no guides, guides of different meshes, or shares that are not one finite number >= 0 for each
     """
     shares = np.asarray(shares, float)
     if len(guides) == 0:
@@ -217,7 +180,7 @@ def blend_guides(guides, shares, symmetry):
     return np.divide(total, modulus, out=np.ones_like(total), where=modulus > 0), modulus
 
 
-def _slope_guide(mesh, corner_values, contour):
+def _slope_guide(mesh: TriangleMesh, corner_values: np.ndarray, contour: bool) -> Guide:
     spans = np.ptp(corner_values, axis=1)
     flat = spans <= ROUNDING * np.abs(corner_values).max(initial=0)
     edges = half_edges(mesh.edge_lengths[mesh.triangle_edges], mesh.corner_angles)
@@ -225,7 +188,7 @@ def _slope_guide(mesh, corner_values, contour):
     return face_guide(mesh, 1j * slopes if contour else slopes, 1)
 
 
-def _projected_guide(mesh, vectors):
+def _projected_guide(mesh: TriangleMesh, vectors: np.ndarray) -> Guide:
     lengths = np.linalg.norm(vectors, axis=1)
     tangent = mesh.tangent_numbers(vectors)
     shares = np.minimum(_ratio(np.abs(tangent), lengths), 1)
@@ -233,19 +196,21 @@ def _projected_guide(mesh, vectors):
     return Guide(np.angle(tangent), _area_shares(mesh) * shares**2)
 
 
-def _area_shares(mesh):
-    return mesh.vertex_masses / mesh.areas.sum()
+def _area_shares(mesh: TriangleMesh) -> np.ndarray:
+    shares: np.ndarray = mesh.vertex_masses / mesh.areas.sum()
+    return shares
 
 
-def _sum_at_vertices(mesh, face_values):
+def _sum_at_vertices(mesh: TriangleMesh, face_values: np.ndarray) -> np.ndarray:
     return np.bincount(mesh.triangles.ravel(), np.repeat(face_values, 3), mesh.vertex_count)
 
 
-def _ratio(numerators, denominators):
-    return np.divide(numerators, denominators, out=np.zeros_like(numerators), where=denominators > 0)
+def _ratio(numerators: np.ndarray, denominators: np.ndarray) -> np.ndarray:
+    ratio: np.ndarray = np.divide(numerators, denominators, out=np.zeros_like(numerators), where=denominators > 0)
+    return ratio
 
 
-def _refuse_infinite(values, what, element):
+def _refuse_infinite(values: np.ndarray, what: str, element: str) -> None:
     bad = ~np.isfinite(values.reshape(len(values), -1)).all(axis=1)
     if bad.any():
         where = name_elements(element, np.flatnonzero(bad))

@@ -1,43 +1,39 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Arithmetic on fields of a stack: (k, N, c) arrays, c columns of each of its k pieces, on the circle.
 
-For the descent they stand side by side, as (N, k c) columns; lifted fields as k columns of (n d, k) real numbers, d of
-them a node, so that those of each piece go their own way.
+For the descent they stand side by side, as (N, k c) columns. Lifted fields become one column a piece, (n d, k) real
+numbers with d a node, so that each piece descends on its own.
 """
 
 import numpy as np
 
+from ...pieces import Stack
 from ..methods.manifolds import EMPTY
 
 
-def side_by_side(fields):
+def side_by_side(fields: np.ndarray) -> np.ndarray:
     """(N, k c) columns of (k, N, c) fields."""
     return np.ascontiguousarray(fields.transpose(1, 0, 2)).reshape(fields.shape[1], -1)
 
 
-def apart(columns, count):
+def apart(columns: np.ndarray, count: int) -> np.ndarray:
     """(k, N, c) fields of (N, k c) columns."""
     return np.ascontiguousarray(columns.reshape(len(columns), count, -1).transpose(1, 0, 2))
 
 
 class SideBySide:
-    """(k, N, N) matrices that act on (N, k c) columns, c of each.
+    """(k, N, N) matrices that act on (N, k c) columns, c of each."""
 
-    Parameters
-    ----------
-    matrices : (k, N, N)
-    diagonal : (N,) the longest of their diagonals, for matrices that a descent lowers the energies of
-    """
+    def __init__(self, matrices: np.ndarray) -> None:
+        self._matrices, self.dtype = matrices, matrices.dtype
 
-    def __init__(self, matrices, diagonal=None):
-        self._matrices, self._diagonal = matrices, diagonal
-        self.dtype = matrices.dtype
+    def diagonal(self) -> np.ndarray:
+        """(N,) the longest of their diagonals, which bounds the rounding error."""
+        found = np.abs(np.diagonal(self._matrices, axis1=1, axis2=2))
+        longest: np.ndarray = found[np.argmax((found**2).sum(axis=1))]
+        return longest
 
-    def diagonal(self):
-        """The one that tells how much rounding there is."""
-        return self._diagonal
-
-    def __matmul__(self, columns):
+    def __matmul__(self, columns: np.ndarray) -> np.ndarray:
         shape = (len(columns), len(self._matrices), columns.shape[1] // len(self._matrices))
         result = np.empty(shape, np.result_type(columns, self._matrices))
         np.matmul(self._matrices, columns.reshape(shape).transpose(1, 0, 2), out=result.transpose(1, 0, 2))
@@ -49,36 +45,37 @@ class SideBySide:
 class OfLifted(SideBySide):
     """(k, N, N) matrices that act on (n d, k) columns of lifted fields."""
 
-    def __init__(self, matrices, diagonal=None):
-        super().__init__(matrices, diagonal)
+    def __init__(self, matrices: np.ndarray) -> None:
+        super().__init__(matrices)
         self.dtype = matrices.real.dtype
 
-    def __matmul__(self, columns):
+    def __matmul__(self, columns: np.ndarray) -> np.ndarray:
         return as_columns(self._matrices @ self.fields(columns))
 
     precondition = __matmul__
 
-    def fields(self, columns):
+    def fields(self, columns: np.ndarray) -> np.ndarray:
         """(k, N, r) lifted fields."""
         count, size = self._matrices.shape[:2]
         fields = np.ascontiguousarray(columns.T).reshape(count, size, len(columns) // size)
         return fields.view(complex) if np.iscomplexobj(self._matrices) else fields
 
 
-def as_columns(fields):
+def as_columns(fields: np.ndarray) -> np.ndarray:
     """(n d, k) real columns of (k, N, r) lifted fields."""
     fields = np.ascontiguousarray(fields)
     return np.ascontiguousarray(fields.view(fields.real.dtype).reshape(len(fields), -1).T)
 
 
-def positive_inverse(matrices, least):
-    """Inverses of Hermitian matrices with the absolute values of their eigenvalues, which count as (k,) at least."""
+def positive_inverse(matrices: np.ndarray, least: np.ndarray) -> np.ndarray:
+    """Inverses of Hermitian matrices whose eigenvalues are replaced by their absolute values, at least (k,) numbers."""
     values, vectors = np.linalg.eigh(matrices)
     values = np.maximum(np.abs(values), least[:, None])
-    return (vectors / values[:, None, :]) @ np.conj(vectors).swapaxes(1, 2)
+    inverses: np.ndarray = (vectors / values[:, None, :]) @ np.conj(vectors).swapaxes(1, 2)
+    return inverses
 
 
-def with_diagonal(matrices, diagonal):
+def with_diagonal(matrices: np.ndarray, diagonal: np.ndarray) -> np.ndarray:
     """Matrices with (k, N) added to their diagonals."""
     result = matrices.copy()
     places = np.arange(result.shape[1])
@@ -86,42 +83,36 @@ def with_diagonal(matrices, diagonal):
     return result
 
 
-def set_unused(matrices, stack, value):
-    """Put a number on the diagonal where the stack is filled up."""
+def set_unused(matrices: np.ndarray, stack: Stack, value: float) -> None:
+    """Set the diagonal to a number where the stack is padded."""
     piece, row = np.nonzero(~stack.used)
     matrices[piece, row, row] = value
 
 
-def diagonals(stack):
-    """(k, N) not negative."""
+def diagonals(stack: Stack) -> np.ndarray:
+    """(k, N) absolute values of the diagonals."""
     return np.abs(np.diagonal(stack.matrices, axis1=1, axis2=2))
 
 
-def longest_diagonal(stack):
-    """(N,)"""
-    found = diagonals(stack)
-    return found[np.argmax((found**2).sum(axis=1))]
-
-
-def multipliers(stack, fields):
+def multipliers(stack: Stack, fields: np.ndarray) -> np.ndarray:
     """(k, n) lambda_i = Re<Y_i, (L Y)_i>."""
     return _at_nodes(stack, (np.conj(fields) * (stack.matrices @ fields)).real)
 
 
-def _at_nodes(stack, numbers):
+def _at_nodes(stack: Stack, numbers: np.ndarray) -> np.ndarray:
     """(k, n) sums of (k, N, c) over columns and the rows of each node."""
     return numbers.sum(axis=2).reshape(len(stack), -1, stack.block).sum(axis=2)
 
 
-def unit_lifted(stack, fields):
+def unit_lifted(stack: Stack, fields: np.ndarray) -> np.ndarray:
     """(k, N, r) lifted fields with a unit vector per node."""
     lengths = np.sqrt(_at_nodes(stack, np.abs(fields) ** 2))
-    lengths = np.where(lengths > 0, lengths, 1)
-    return fields / np.repeat(lengths, stack.block, axis=1)[:, :, None]
+    unit: np.ndarray = fields / np.repeat(np.where(lengths > 0, lengths, 1), stack.block, axis=1)[:, :, None]
+    return unit
 
 
-def principal_columns(stack, fields):
-    """Lifted fields with their columns rotated onto the singular directions, and zero in empty ones."""
+def principal_columns(stack: Stack, fields: np.ndarray) -> np.ndarray:
+    """Lifted fields with their columns rotated onto the singular directions; empty columns are zero."""
     own = np.where(stack.used[:, :, None], fields, 0)
     squares, rotation = np.linalg.eigh(np.conj(own).swapaxes(1, 2) @ own)
     empty = squares <= EMPTY**2 * squares[:, -1:]
@@ -129,7 +120,7 @@ def principal_columns(stack, fields):
     return own @ rotation[:, :, ::-1]
 
 
-def turning_hessian(stack, fields):
+def turning_hessian(stack: Stack, fields: np.ndarray) -> np.ndarray:
     """(k, n, n) half the Hessian of the energy in the angles of (k, N, 1) phases."""
     turned = 1j * fields if stack.is_complex else _quarter_turns(fields)
     hessian = (np.conj(turned) * stack.matrices * turned.swapaxes(1, 2)).real
@@ -139,13 +130,13 @@ def turning_hessian(stack, fields):
     return with_diagonal(hessian, -multipliers(stack, fields))
 
 
-def _quarter_turns(fields):
+def _quarter_turns(fields: np.ndarray) -> np.ndarray:
     """(k, N, c) pairs of real rows turned by a right angle."""
     pairs = fields.reshape(len(fields), -1, 2, fields.shape[2])
     return np.stack([-pairs[:, :, 1], pairs[:, :, 0]], axis=2).reshape(fields.shape)
 
 
-def turning_laplacians(stack):
+def turning_laplacians(stack: Stack) -> np.ndarray:
     """(k, n, n) Laplacians of the turns that phases can make (see :mod:`core.algebra.coarsening`)."""
     matrices = stack.matrices
     if stack.block == 1:
@@ -154,6 +145,6 @@ def turning_laplacians(stack):
     places = np.arange(size)
     blocks = matrices.reshape(count, size, 2, size, 2).transpose(0, 1, 3, 2, 4)
     determinants = np.linalg.det(blocks)
-    result = -np.sign(determinants) * np.sqrt(np.abs(determinants))
+    result: np.ndarray = -np.sign(determinants) * np.sqrt(np.abs(determinants))
     result[:, places, places] = 0.5 * np.trace(blocks[:, places, places], axis1=2, axis2=3)
     return result

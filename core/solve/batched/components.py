@@ -1,30 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What many pieces share: those that a field fits perfectly are found at once, and small ones are solved together."""
+"""Many components: those that a field fits perfectly are solved at once, and small ones in batches."""
+
+from typing import Any
 
 import numpy as np
 
-from ...monitor import OutOfTime
-from ...solution import DESCENT, Certificate, Status
+from ...monitor import Monitor, OutOfTime
+from ...pieces import Pieces, Stack
+from ...problem import SynchronizationProblem
+from ...solution import DESCENT, Certificate, Clock, Options, Status
 from ..methods.manifolds import candidates
-from .parts import PartResult
-from .small import AT_ONCE, LARGEST, descend_stack, smallest_eigenpairs, solve_small
+from .parts import PartResult, Start
+from .small import AT_ONCE, LARGEST, SmallResult, descend_stack, smallest_eigenpairs, solve_small
 
 
-def solve_components(problem, options, monitor, clock, start):
-    """Solve what need not be solved piece by piece.
+def solve_components(
+    problem: SynchronizationProblem, options: Options, monitor: Monitor, clock: Clock, start: Start
+) -> tuple[list[PartResult], np.ndarray]:
+    """The results of all pieces that need not be solved one by one, and the (k,) numbers of the other pieces.
 
-    Parameters
-    ----------
-    problem : SynchronizationProblem of several pieces
-    options : Options
-    monitor : Monitor of the whole work
-    clock : Clock
-    start : Start; with one, a perfect fit that is far from it does not count
-
-    Returns
-    -------
-    results : list of PartResult
-    left : (k,) numbers of the other pieces
+    With a start, a field that fits a piece perfectly but may be far from it is not used.
     """
     pieces = problem.pieces
     results, is_left = [], np.ones(len(pieces), bool)
@@ -34,19 +29,29 @@ def solve_components(problem, options, monitor, clock, start):
             coordinates = problem.along_trees()
             fitted = np.flatnonzero(pieces.fitted(coordinates))
         if len(fitted):
-            results.append(_as_they_are(pieces, fitted, coordinates, options, True))
+            results.append(_without_search(pieces, fitted, coordinates, options, True))
             is_left[fitted] = False
     small = np.flatnonzero(is_left & (pieces.sizes <= LARGEST) & (pieces.weights > 0))
     if problem.is_circle and options.method != "diffusion" and len(small):
-        share = pieces.sizes[small].sum() / pieces.sizes.sum()
+        part = monitor.portion(0.0, pieces.sizes[small].sum() / pieces.sizes.sum())
+        chunks = _split_by_size(pieces.sizes, small, problem.block, options.samples)
         with clock("small pieces"):
-            results.extend(_small(problem, small, options, monitor.portion(0.0, share), start, coordinates))
+            for place, chunk in enumerate(chunks):
+                try:
+                    part.at("small pieces", place / len(chunks))
+                except OutOfTime:
+                    numbers = np.concatenate(chunks[place:])
+                    results.append(_without_search(pieces, numbers, coordinates, options, False))
+                    break
+                results.extend(_solve_stack(pieces, chunk, options, part, start, coordinates))
         is_left[small] = False
     return results, np.flatnonzero(is_left)
 
 
-def _as_they_are(pieces, numbers, coordinates, options, is_perfect):
-    """The result of (N,) coordinates that fit some pieces perfectly, or that time has left as they are."""
+def _without_search(
+    pieces: Pieces, numbers: np.ndarray, coordinates: np.ndarray, options: Options, is_perfect: bool
+) -> PartResult:
+    """The result of (N,) coordinates that fit some pieces perfectly, or when time ran out."""
     rows, is_sdp = pieces.rows(numbers), options.method == "sdp"
     field = coordinates[rows].reshape(len(rows), -1)
     size = pieces.sizes[numbers].max()
@@ -63,25 +68,10 @@ def _as_they_are(pieces, numbers, coordinates, options, is_perfect):
     )
 
 
-def _small(problem, numbers, options, monitor, start, coordinates):
-    """The results of small pieces; of (N,) coordinates where time runs out, if no better ones were found."""
-    pieces, results = problem.pieces, []
-    chunks = _chunks(pieces.sizes, numbers, problem.block, options.samples)
-    for place, chunk in enumerate(chunks):
-        try:
-            monitor.at("small pieces", place / len(chunks))
-        except OutOfTime:
-            results.append(_as_they_are(pieces, np.concatenate(chunks[place:]), coordinates, options, False))
-            break
-        results.extend(_solve_stack(pieces, chunk, options, monitor, start, coordinates))
-    return results
-
-
-def _chunks(sizes, numbers, block, samples):
-    """Parts of some pieces, in each of which they have about the same size, and few numbers are worked on at once, of
-    their matrices as of their samples."""
+def _split_by_size(sizes: np.ndarray, numbers: np.ndarray, block: int, samples: int) -> list[np.ndarray]:
+    """Parts of some pieces, of about the same size each, small enough for the memory of their matrices and samples."""
     numbers = numbers[np.argsort(sizes[numbers], kind="stable")]
-    # Sizes that differ by less than a fourth are filled up to the same one.
+    # Sizes that differ by less than a fourth are padded to the same one.
     steps = np.ceil(np.log(sizes[numbers]) / np.log(1.25)).astype(int)
     chunks = []
     for part in np.split(numbers, np.flatnonzero(np.diff(steps)) + 1):
@@ -91,7 +81,9 @@ def _chunks(sizes, numbers, block, samples):
     return chunks
 
 
-def _solve_stack(pieces, numbers, options, monitor, start, coordinates):
+def _solve_stack(
+    pieces: Pieces, numbers: np.ndarray, options: Options, monitor: Monitor, start: Start, coordinates: np.ndarray
+) -> list[PartResult]:
     """The PartResults of the pieces of one stack."""
     stack = pieces.stack(numbers)
     column = None
@@ -101,25 +93,27 @@ def _solve_stack(pieces, numbers, options, monitor, start, coordinates):
     if options.method == "sdp":
         parts = solve_small(stack, options, monitor, column)
         return [_certify_stack(pieces, numbers[own], stack[own], found, coordinates) for own, found in parts]
-    if options.method == DESCENT:
+    if options.method == DESCENT and column is not None:
         fields, steps, out_of_time = descend_stack(stack, column, monitor)
         status = Status.TIME_LIMIT if out_of_time else Status.UNCERTIFIED
-        return [_alone(pieces, numbers, stack, fields, iterations=steps, status=status)]
+        return [_stack_result(pieces, numbers, stack, fields, iterations=steps, status=status)]
     values, vectors = smallest_eigenpairs(stack)
     bound = float(stack.weights @ (values * pieces.sizes[numbers]))
     quality = {"bound": bound, "spectral_bound": bound, "certificate": Certificate.ESTIMATED}
-    return [_alone(pieces, numbers, stack, vectors, **quality)]
+    return [_stack_result(pieces, numbers, stack, vectors, **quality)]
 
 
-def _alone(pieces, numbers, stack, fields, **quality):
-    return PartResult(pieces.rows(numbers), stack.mass.shape[1], _columns(stack, fields), **quality)
+def _stack_result(pieces: Pieces, numbers: np.ndarray, stack: Stack, fields: np.ndarray, **quality: Any) -> PartResult:
+    return PartResult(pieces.rows(numbers), stack.mass.shape[1], _unit_coordinates(stack, fields), **quality)
 
 
-def _certify_stack(pieces, numbers, stack, found, coordinates):
-    fields, lifted = _columns(stack, found.fields), found.lifted[stack.used]
+def _certify_stack(
+    pieces: Pieces, numbers: np.ndarray, stack: Stack, found: SmallResult, coordinates: np.ndarray
+) -> PartResult:
+    fields, lifted = _unit_coordinates(stack, found.fields), found.lifted[stack.used]
     status = Status.CERTIFIED if found.reached.all() else Status.TARGET_GAP_NOT_REACHED
     if found.out_of_time:
-        fields, status = _better(pieces, numbers, fields[:, :1], coordinates), Status.TIME_LIMIT
+        fields, status = _lower_energy(pieces, numbers, fields[:, :1], coordinates), Status.TIME_LIMIT
     # Phases of less energy, which a tight relaxation may round to, are a better point of it.
     values = np.minimum(pieces.energies_of(numbers, lifted), pieces.energies_of(numbers, fields[:, :1]))
     largest = np.argmax(np.count_nonzero(stack.used, axis=1))
@@ -138,7 +132,7 @@ def _certify_stack(pieces, numbers, stack, found, coordinates):
     )
 
 
-def _better(pieces, numbers, fields, coordinates):
+def _lower_energy(pieces: Pieces, numbers: np.ndarray, fields: np.ndarray, coordinates: np.ndarray) -> np.ndarray:
     """Each piece's (m, 1) fields, or (N,) coordinates where these have less energy."""
     given = coordinates[pieces.rows(numbers)][:, None]
     is_worse = pieces.energies_of(numbers, fields) > pieces.energies(coordinates)[numbers]
@@ -146,11 +140,12 @@ def _better(pieces, numbers, fields, coordinates):
     return np.where(np.repeat(is_worse, rows)[:, None], given, fields)
 
 
-def _columns(stack, fields):
+def _unit_coordinates(stack: Stack, fields: np.ndarray) -> np.ndarray:
     """(m, c) unit coordinates of the pieces, one after the other, of (k, N, c) fields; grounds have the phase 1."""
     fields = candidates(stack.block, True).normalize(fields.reshape(-1, fields.shape[2])).reshape(fields.shape)
-    held = np.flatnonzero(stack.grounds >= 0)
-    values = fields[held, stack.grounds[held] * stack.block]
+    grounded = np.flatnonzero(stack.grounds >= 0)
+    values = fields[grounded, stack.grounds[grounded] * stack.block]
     sizes = np.abs(values)
-    fields[held] *= np.where(sizes > 0, np.conj(values) / np.where(sizes > 0, sizes, 1), 1)[:, None, :]
-    return fields[stack.used]
+    fields[grounded] *= np.where(sizes > 0, np.conj(values) / np.where(sizes > 0, sizes, 1), 1)[:, None, :]
+    own: np.ndarray = fields[stack.used]
+    return own

@@ -1,23 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a solve starts from and ends in, in the rows of one piece or of several, and the whole solution of the parts."""
+"""Start and result of a solve in the rows of one piece or of several, and the solution that the results make up."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter
 
 import numpy as np
 
-from ...solution import Certificate, Solution, Status
+from ...piece import Piece
+from ...problem import SynchronizationProblem
+from ...solution import Certificate, Options, Solution, Status
 
 
 @dataclass(frozen=True)
 class PartResult:
-    """What became of a piece, or of several.
+    """The result of a piece, or of several.
 
     Attributes
     ----------
     rows : (m,) in the coordinates of the problem
-    node_count : of the largest piece among them
+    node_count : of its largest piece
     fields : (m, k) unit coordinates, best first; of frames (m * width, k)
     lifted : (m, r), or None
     singular_values : of the lifted field on the largest piece
@@ -48,7 +51,7 @@ class Start:
     lifted: np.ndarray | None = None
 
     @classmethod
-    def of(cls, problem, start):
+    def of(cls, problem: SynchronizationProblem, start: Solution | np.ndarray | None) -> "Start":
         if start is None:
             return cls()
         as_phases = partial(np.asarray, dtype=complex if problem.is_circle else float)
@@ -59,7 +62,7 @@ class Start:
             lifted = None
         return cls(_as_columns(problem.coordinates(as_phases(start.phases))), lifted)
 
-    def on(self, piece):
+    def on(self, piece: Piece) -> "Start":
         """The part of one piece."""
         column, lifted = (None if array is None else array[piece.rows] for array in (self.column, self.lifted))
         if lifted is not None and lifted.dtype != piece.matrix.dtype:
@@ -69,13 +72,15 @@ class Start:
         return Start(None if column is None else column.reshape(-1, 1), lifted)
 
 
-def _as_columns(coordinates):
+def _as_columns(coordinates: np.ndarray) -> np.ndarray:
     """(N, width) of (N,) or (N, width) coordinates."""
     return coordinates.reshape(len(coordinates), -1)
 
 
-def combine(problem, results, options, times):
-    """The :class:`Solution` of the parts: energies and bounds add up."""
+def combine(
+    problem: SynchronizationProblem, results: Sequence[PartResult], options: Options, times: dict[str, float]
+) -> Solution:
+    """The :class:`Solution` made up of the results; energies and bounds add up."""
     coordinates = problem.unit_coordinates()
     rank = max([r.lifted.shape[1] for r in results if r.lifted is not None], default=0)
     lifted = np.zeros((len(coordinates), rank), coordinates.dtype)
@@ -91,10 +96,10 @@ def combine(problem, results, options, times):
             field = result.fields[:, min(number, result.fields.shape[1] - 1)]
             coordinates[result.rows] = field.reshape(len(result.rows), *coordinates.shape[1:])
         variations.append(problem.expand(coordinates))
-    # Of what is shown before the end, a part may have no relaxation yet.
+    # A part that is shown before the end may have no relaxation yet.
     is_sdp = options.method == "sdp" and all(r.lifted is not None for r in results)
     largest = max(results, key=attrgetter("node_count"), default=None)
-    bound, sdp_value = (sum(getattr(r, name) for r in results) for name in ("bound", "sdp_value"))
+    bound, sdp_value = sum(r.bound for r in results), sum(r.sdp_value for r in results)
     return Solution(
         phases=variations[0],
         energy=problem.energy(variations[0]),
@@ -108,7 +113,7 @@ def combine(problem, results, options, times):
             default=Status.CERTIFIED if is_sdp else Status.UNCERTIFIED,
         ),
         rank=rank,
-        singular_values=np.empty(0) if largest is None else largest.singular_values,
+        singular_values=np.empty(0) if largest is None or largest.singular_values is None else largest.singular_values,
         lifted=lifted if rank else None,
         variations=np.array(variations),
         spectral_bound=None if is_sdp else sum(r.spectral_bound for r in results),

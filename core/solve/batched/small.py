@@ -2,8 +2,8 @@
 """Many small pieces on the circle at once, as stacks of dense matrices: relaxed, proved and rounded like large ones.
 
 Most small pieces are tight: the best phases have the energy of the relaxation (22), and the multipliers of Eq. (22) at
-these phases prove it. So each is first polished from its smallest eigenvector (Eq. 19); where that cannot be proved to
-be best, the lifted field is sought (Eq. 24), in as many columns as rule out other local optima, and rounded.
+these phases prove it. So each is first polished from its smallest eigenvector (Eq. 19). Where the result cannot be
+proved optimal, a lifted field is computed (Eq. 24), with enough columns to rule out other local optima, and rounded.
 
 Fields are arrays of (k, N, c): c columns of each of the k pieces. For the descent they stand side by side.
 """
@@ -12,9 +12,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...monitor import Monitor
 from ...piece import NOISE
+from ...pieces import Stack
+from ...solution import Options
 from ..methods.certificate import ROUNDINGS
-from ..methods.descent import descend
+from ..methods.descent import Descent, descend
 from ..methods.manifolds import Circles, Columns, gaussian
 from ..methods.rounding import CANDIDATE_SHIFT, FINAL_TOLERANCE, SAME_FIELD, TOLERANCE, random_directions
 from ..methods.stage import LIFTED_SHIFT
@@ -25,7 +28,6 @@ from .arrays import (
     apart,
     as_columns,
     diagonals,
-    longest_diagonal,
     multipliers,
     positive_inverse,
     principal_columns,
@@ -37,19 +39,19 @@ from .arrays import (
     with_diagonal,
 )
 
-# Nodes of a piece that is small, and numbers of the arrays that are worked on at once.
+# Nodes of a small piece at most, and numbers in an array of a stack at most.
 LARGEST, AT_ONCE = 64, 1 << 21
-# The part of the multipliers that is taken off the metric of lifted fields.
-TAKEN_OFF = 0.9
-# The least eigenvalue of a Hessian that leads a descent, in units of the energy per mass.
+# The part of the multipliers that is subtracted in the metric of lifted fields.
+SUBTRACTED = 0.9
+# The least eigenvalue of a Hessian as a metric, in units of the energy per mass.
 HESSIAN_SHIFT = 0.01
 # More than the least eigenvalue of any piece, which is about 1 at most.
 UNUSED = 1e2
-# Energy per mass that a metric can tell from none.
+# The least energy per mass in a metric.
 LEAST_DENSITY = 1e-12
-# Steps of descents, at the start of each of which the metric is made anew, and of those of candidates.
+# Steps of consecutive descents, each with a new metric, and steps of candidates.
 FIRST_STEPS, STEPS, CANDIDATE_STEPS = (10, 10), (10, 10, 60), 15
-# Those of lifted fields, after each of which a proof is tried: soon few are left.
+# Steps of lifted fields, after each of which a proof is tried; after some few pieces are left.
 LIFTED_TOLERANCE = 1e-8
 LIFTED_STEPS = 10, 10, 10, 10, 20, 20, 40, 40, 80, 80, 160, 320
 # Projections that descend.
@@ -58,11 +60,11 @@ KEPT = 16
 
 @dataclass(frozen=True)
 class SmallResult:
-    """What became of a stack.
+    """The result of a stack.
 
-    ``fields`` (k, N, c), best first, the last of a piece's own again where it has fewer; ``lifted`` (k, N, r) in
-    principal columns; ``bounds`` (k,), all proved; ``reached`` (k,) bool, whether the target gap was; ``steps`` of
-    descents; ``out_of_time``, whether these are the best until time ran out.
+    ``fields`` (k, N, c), best first, a piece with fewer repeats its last; ``lifted`` (k, N, r) in principal columns;
+    ``bounds`` (k,), all proved; ``reached`` (k,) bool, whether the target gap was reached; ``steps`` of descents;
+    ``out_of_time``, whether time ran out before the end.
     """
 
     fields: np.ndarray
@@ -73,54 +75,47 @@ class SmallResult:
     out_of_time: bool
 
 
-def smallest_eigenpairs(stack):
+def smallest_eigenpairs(stack: Stack) -> tuple[np.ndarray, np.ndarray]:
     """(k,) smallest eigenvalues of (L, M) and (k, N, 1) eigenvectors."""
     root = np.sqrt(stack.row_mass)
     matrices = stack.matrices / (root[:, :, None] * root[:, None, :])
     set_unused(matrices, stack, UNUSED)
-    held = np.flatnonzero(stack.grounds >= 0)
+    grounded = np.flatnonzero(stack.grounds >= 0)
     for row in range(1, stack.block):
-        at = stack.grounds[held] * stack.block + row
-        matrices[held, at, at] = UNUSED
+        at = stack.grounds[grounded] * stack.block + row
+        matrices[grounded, at, at] = UNUSED
     values, vectors = np.linalg.eigh(matrices)
     return np.maximum(values[:, 0], 0.0), vectors[:, :, :1] / root[:, :, None]
 
 
-def solve_small(stack, options, monitor, start=None):
-    """Relax, prove and round all pieces of a stack.
+def solve_small(
+    stack: Stack, options: Options, monitor: Monitor, start: np.ndarray | None = None
+) -> list[tuple[np.ndarray, SmallResult]]:
+    """Relax, prove and round all pieces of a stack on the circle; returns numbers of pieces with their results.
 
-    Parameters
-    ----------
-    stack : Stack on the circle
-    options : Options of the method sdp
-    monitor : Monitor
-    start : (k, N, 1) fields, optional: with the roundings "polish" and "continuation" those returned are what descent
-        reaches from there
-
-    Returns
-    -------
-    list of (numbers, SmallResult): which of the pieces, and what became of them
+    With (k, N, 1) fields as the start, and the rounding "polish" or "continuation", the fields returned are the local
+    optima that descent reaches from there.
     """
     search, fields = _Search(stack, options, monitor), None
     if start is not None and options.rounding in ("polish", "continuation"):
-        fields = search.polished(start, STEPS)
-    first = search.polished(smallest_eigenpairs(stack)[1], FIRST_STEPS)
-    reached = search.bounds(first, AIMED_AT * options.target_gap)[1]
+        fields = search.polish(start, STEPS)
+    first = search.polish(smallest_eigenpairs(stack)[1], FIRST_STEPS)
+    reached = search.prove(first, AIMED_AT * options.target_gap)[1]
     easy, hard = np.flatnonzero(reached), np.flatnonzero(~reached)
     results = []
     if search.out_of_time:
-        results.append((np.arange(len(stack)), search.tight(first)))
+        results.append((np.arange(len(stack)), search.finish_tight(first)))
     elif len(easy):
-        results.append((easy, _Search(stack[easy], options, monitor).tight(first[easy])))
+        results.append((easy, _Search(stack[easy], options, monitor).finish_tight(first[easy])))
     if len(hard) and not search.out_of_time:
-        results.append((hard, _Search(stack[hard], options, monitor).relaxed(first[hard])))
+        results.append((hard, _Search(stack[hard], options, monitor).relax(first[hard])))
     return results if fields is None else [(k, replace(found, fields=fields[k])) for k, found in results]
 
 
-def descend_stack(stack, start, monitor):
+def descend_stack(stack: Stack, start: np.ndarray, monitor: Monitor) -> tuple[np.ndarray, int, bool]:
     """(k, N, 1) local optima that descent reaches from fields, its steps, and whether time ran out before."""
-    search = _Search(stack, None, monitor)
-    return search.polished(start, STEPS), search.steps, search.out_of_time
+    search = _Search(stack, Options(), monitor)
+    return search.polish(start, STEPS), search.steps, search.out_of_time
 
 
 class _Search:
@@ -132,39 +127,39 @@ class _Search:
     out_of_time : whether one of them has ended before its time
     """
 
-    def __init__(self, stack, options, monitor):
+    def __init__(self, stack: Stack, options: Options, monitor: Monitor) -> None:
         self._stack, self._options, self._monitor = stack, options, monitor
         self._circles = Circles(stack.block)
         self.steps, self.out_of_time = 0, False
 
-    def polished(self, fields, all_steps):
-        """Where descents lead from (k, N, 1) fields, each of some steps in the metric of the Hessian at its start."""
+    def polish(self, fields: np.ndarray, all_steps: tuple[int, ...]) -> np.ndarray:
+        """(k, N, 1) fields after consecutive descents, each in the metric of the Hessian at its start."""
         point = self._circles.normalize(side_by_side(fields))
         for steps in all_steps:
-            metric = SideBySide(self._hessian_inverse(apart(point, len(self._stack))))
-            point = self._descended(point, metric, steps, FINAL_TOLERANCE)
+            metric = SideBySide(self._invert_hessian(apart(point, len(self._stack))))
+            point = self._descend_fields(point, metric, steps, FINAL_TOLERANCE)
             if self.out_of_time:
                 break
         return apart(point, len(self._stack))
 
-    def _descended(self, point, metric, steps, tolerance):
-        matrix = SideBySide(self._stack.matrices, longest_diagonal(self._stack))
-        return self._descend(matrix, self._circles, point, metric, steps, tolerance)
+    def _descend_fields(self, point: np.ndarray, metric: SideBySide, steps: int, tolerance: float) -> np.ndarray:
+        matrix = SideBySide(self._stack.matrices)
+        return self._count_steps(descend(matrix, self._circles, point, metric, tolerance, steps, self._monitor))
 
-    def _hessian_inverse(self, fields):
+    def _invert_hessian(self, fields: np.ndarray) -> np.ndarray:
         """(k, n, n) inverses of the Hessians in angles, their eigenvalues made positive."""
         densities = _densities(self._stack, multipliers(self._stack, fields).sum(axis=1))
         return positive_inverse(turning_hessian(self._stack, fields), HESSIAN_SHIFT * densities)
 
-    def tight(self, fields):
-        """The result of fields that have the energy of the relaxation."""
-        fields = self.polished(fields, STEPS[-1:])
-        bounds, reached = self.bounds(fields, AIMED_AT * self._options.target_gap)
+    def finish_tight(self, fields: np.ndarray) -> SmallResult:
+        """The result of fields whose energy is that of the relaxation."""
+        fields = self.polish(fields, STEPS[-1:])
+        bounds, reached = self.prove(fields, AIMED_AT * self._options.target_gap)
         return SmallResult(fields, fields, bounds, reached, self.steps, self.out_of_time)
 
-    def bounds(self, fields, gap):
-        """(k,) bounds at a relative gap from the energies of lifted fields, or within rounding, and (k,) bool: whether
-        this is proved. The others are zero, which always holds."""
+    def prove(self, fields: np.ndarray, gap: float) -> tuple[np.ndarray, np.ndarray]:
+        """(k,) bounds at a relative gap, or within rounding, from the energies of lifted fields, and whether each is
+        proved. The others are zero, which always holds."""
         stack, duals = self._stack, multipliers(self._stack, fields)
         values = np.maximum(duals.sum(axis=1), 0.0)
         noise = NOISE * np.count_nonzero(stack.used, axis=1)
@@ -177,10 +172,10 @@ class _Search:
         certain = self._is_definite(shift, duals, depth)
         return np.where(certain, np.maximum(bounds, 0.0), 0.0), certain | (values <= noise)
 
-    def _is_definite(self, shift, duals, depth):
+    def _is_definite(self, shift: np.ndarray, duals: np.ndarray, depth: np.ndarray) -> np.ndarray:
         """(k,) bool: whether S + depth A is positive definite, A = L + shift M (see :mod:`..methods.certificate`).
 
-        Scaled to a unit diagonal of L the spectrum's error is that of rounding in units of 1: it is taken off first.
+        With L scaled to a unit diagonal, the eigenvalues have an error of some units of rounding, subtracted first.
         """
         stack = self._stack
         matrices = (1 + depth)[:, None, None] * stack.matrices
@@ -193,23 +188,23 @@ class _Search:
         set_unused(matrices, stack, 1.0)
         return np.linalg.eigvalsh(matrices)[:, 0] > 0
 
-    def relaxed(self, found):
-        """The result of lifted fields, and of what they round to, beside (k, N, 1) fields that were found before."""
+    def relax(self, found: np.ndarray) -> SmallResult:
+        """The result of lifted fields and of the fields that they round to, with (k, N, 1) fields found before."""
         stack, options = self._stack, self._options
         random = np.random.default_rng(options.seed)
         point = gaussian((*stack.used.shape, self._rank), stack.is_complex, random)
-        held = np.flatnonzero(stack.grounds >= 0)
+        grounded = np.flatnonzero(stack.grounds >= 0)
         for row in range(1, stack.block):  # unused
-            point[held, stack.grounds[held] * stack.block + row] = 0
+            point[grounded, stack.grounds[grounded] * stack.block + row] = 0
         point = unit_lifted(stack, point)
         values = multipliers(stack, found).sum(axis=1)
         bounds, going = np.zeros(len(stack)), np.arange(len(stack))
         tolerance = LIFTED_TOLERANCE * options.target_gap
         for steps in LIFTED_STEPS:
             part = _Search(stack[going], options, self._monitor)
-            point[going] = part.lifted_descent(point[going], values[going], steps, tolerance)
+            point[going] = part.descend_lifted(point[going], values[going], steps, tolerance)
             self.steps, self.out_of_time = self.steps + part.steps, part.out_of_time
-            bounds[going], reached = part.bounds(point[going], AIMED_AT * options.target_gap)
+            bounds[going], reached = part.prove(point[going], AIMED_AT * options.target_gap)
             going = going[~reached]
             if len(going) == 0 or self.out_of_time:
                 break
@@ -217,76 +212,74 @@ class _Search:
         is_reached[going] = False
         for gap in options.target_gap * 10.0 ** np.arange(1, 1 + int(np.log10(WEAKEST_GAP / options.target_gap))):
             if len(going):
-                bounds[going], reached = _Search(stack[going], options, self._monitor).bounds(point[going], gap)
+                bounds[going], reached = _Search(stack[going], options, self._monitor).prove(point[going], gap)
                 going = going[~reached]
         lifted = principal_columns(stack, point)
-        fields = found if self.out_of_time else self._rounded(lifted, found, random)
+        fields = found if self.out_of_time else self._round(lifted, found, random)
         return SmallResult(fields, unit_lifted(stack, lifted), bounds, is_reached, self.steps, self.out_of_time)
 
     @property
-    def _rank(self):
-        """Columns from which on a lifted field has no other local optima in general (Barvinok and Pataki)."""
+    def _rank(self) -> int:
+        """Columns with which a lifted field has no other local optima in general (Barvinok and Pataki)."""
         size = self._stack.mass.shape[1]
         return int(np.ceil(np.sqrt(size) if self._stack.is_complex else np.sqrt(2 * size))) + 1
 
-    def lifted_descent(self, point, values, steps, tolerance):
-        """Where a descent of lifted fields leads, in a metric with most of the multipliers taken off.
+    def descend_lifted(self, point: np.ndarray, values: np.ndarray, steps: int, tolerance: float) -> np.ndarray:
+        """(k, N, r) lifted fields after descent in a metric with most of the multipliers subtracted.
 
-        Parameters
-        ----------
-        point : (k, N, r)
-        values : (k,) energies that are not far below those of the relaxation
-        steps, tolerance : see :func:`.descent.descend`
+        ``values`` are (k,) energies that are not far below those of the relaxation.
         """
         stack = self._stack
         duals = multipliers(stack, point)
         shift = LIFTED_SHIFT * _densities(stack, np.minimum(duals.sum(axis=1), values))[:, None]
-        lowered = (1 - TAKEN_OFF) * shift * stack.row_mass - TAKEN_OFF * np.repeat(duals, stack.block, axis=1)
-        inverse = positive_inverse(with_diagonal(stack.matrices, lowered), (1 - TAKEN_OFF) * shift[:, 0])
-        matrix = OfLifted(stack.matrices, longest_diagonal(stack))
-        spheres = Columns(as_columns(point[:1]).shape[0] // stack.mass.shape[1])
-        return matrix.fields(self._descend(matrix, spheres, as_columns(point), OfLifted(inverse), steps, tolerance))
+        lowered = (1 - SUBTRACTED) * shift * stack.row_mass - SUBTRACTED * np.repeat(duals, stack.block, axis=1)
+        inverse = positive_inverse(with_diagonal(stack.matrices, lowered), (1 - SUBTRACTED) * shift[:, 0])
+        matrix = OfLifted(stack.matrices)
+        spheres, columns = Columns(as_columns(point[:1]).shape[0] // stack.mass.shape[1]), as_columns(point)
+        descent = descend(matrix, spheres, columns, OfLifted(inverse), tolerance, steps, self._monitor)
+        return matrix.fields(self._count_steps(descent))
 
-    def _descend(self, matrix, spheres, point, metric, steps, tolerance):
-        descent = descend(matrix, spheres, point, metric, tolerance, steps, self._monitor)
+    def _count_steps(self, descent: Descent) -> np.ndarray:
+        """The end of a descent, whose steps are added up."""
         self.steps += descent.steps
         self.out_of_time |= descent.out_of_time
         return descent.point
 
-    def _rounded(self, lifted, found, random):
-        """(k, N, c) fields of lifted ones, best first (Section 4.5)."""
+    def _round(self, lifted: np.ndarray, found: np.ndarray, random: np.random.Generator) -> np.ndarray:
+        """(k, N, c) fields that lifted ones round to, best first (Section 4.5)."""
         stack, options = self._stack, self._options
         if options.rounding == "svd":
-            return self._normalized(lifted[:, :, :1])
+            return self._normalize(lifted[:, :, :1])
         directions = random_directions(stack.is_complex, lifted.shape[2], options.samples, random)
-        fields = self._best(self._normalized(lifted @ directions), KEPT)
+        fields = self._lowest(self._normalize(lifted @ directions), KEPT)
         if options.rounding == "random":
             return fields
         point = side_by_side(np.concatenate([fields, found], axis=2))
         metric = SideBySide(positive_inverse(turning_laplacians(stack), self._shifts(lifted)))
-        fields = self._best(apart(self._descended(point, metric, CANDIDATE_STEPS, TOLERANCE), len(stack)), KEPT)
-        fields[:, :, :1] = self.polished(fields[:, :, :1], STEPS)
-        return self._distinct(fields)
+        fields = self._lowest(apart(self._descend_fields(point, metric, CANDIDATE_STEPS, TOLERANCE), len(stack)), KEPT)
+        fields[:, :, :1] = self.polish(fields[:, :, :1], STEPS)
+        return self._remove_copies(fields)
 
-    def _shifts(self, lifted):
+    def _shifts(self, lifted: np.ndarray) -> np.ndarray:
         return CANDIDATE_SHIFT * _densities(self._stack, multipliers(self._stack, lifted).sum(axis=1))
 
-    def _normalized(self, fields):
+    def _normalize(self, fields: np.ndarray) -> np.ndarray:
         return apart(self._circles.normalize(side_by_side(fields)), len(self._stack))
 
-    def _best(self, fields, count):
+    def _lowest(self, fields: np.ndarray, count: int) -> np.ndarray:
         """The ``count`` fields of least energy of each piece, best first."""
         order = np.argsort(self._energies(fields), axis=1, kind="stable")[:, :count]
-        return np.take_along_axis(fields, order[:, None, :], axis=2)
+        return _take(fields, order)
 
-    def _energies(self, fields):
-        """(k, c)"""
-        return (np.conj(fields) * (self._stack.matrices @ fields)).real.sum(axis=1)
+    def _energies(self, fields: np.ndarray) -> np.ndarray:
+        """(k, c) energies."""
+        energies: np.ndarray = (np.conj(fields) * (self._stack.matrices @ fields)).real.sum(axis=1)
+        return energies
 
-    def _distinct(self, fields):
-        """Fields without those that agree with a better one but for a turn; the last again where few are left."""
+    def _remove_copies(self, fields: np.ndarray) -> np.ndarray:
+        """Fields without those that equal a better one up to a turn of the whole; pieces with fewer repeat the last."""
         stack = self._stack
-        fields = self._best(fields, fields.shape[2])
+        fields = self._lowest(fields, fields.shape[2])
         used = np.where(stack.used[:, :, None], fields, 0)
         sizes = np.count_nonzero(stack.used, axis=1) / stack.block
         agreement = np.abs(np.conj(used).swapaxes(1, 2) @ used) / sizes[:, None, None]
@@ -295,9 +288,16 @@ class _Search:
             kept[:, column] = ~((agreement[:, column, :column] > SAME_FIELD) & kept[:, :column]).any(axis=1)
         order, counts = np.argsort(~kept, axis=1, kind="stable"), kept.sum(axis=1)
         order = np.take_along_axis(order, np.minimum(np.arange(counts.max()), counts[:, None] - 1), axis=1)
-        return np.take_along_axis(fields, order[:, None, :], axis=2)
+        return _take(fields, order)
 
 
-def _densities(stack, values):
+def _take(fields: np.ndarray, order: np.ndarray) -> np.ndarray:
+    """(k, N, m) the columns of (k, m) numbers of each piece."""
+    taken: np.ndarray = np.take_along_axis(fields, order[:, None, :], axis=2)
+    return taken
+
+
+def _densities(stack: Stack, values: np.ndarray) -> np.ndarray:
     """(k,) energies per mass, positive; the mean mass is 1, and so is the mean diagonal."""
-    return np.maximum(values * stack.block / np.count_nonzero(stack.used, axis=1), LEAST_DENSITY)
+    densities: np.ndarray = np.maximum(values * stack.block / np.count_nonzero(stack.used, axis=1), LEAST_DENSITY)
+    return densities

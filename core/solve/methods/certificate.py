@@ -18,28 +18,34 @@ from scipy.linalg import eigh
 
 from ...algebra.blocks import block_diagonal, on_rows, times, traces, with_diagonal
 from ...algebra.factorization import front_width, is_positive_definite
+from ...algebra.metric import Metric
+from ...algebra.reductions import Reductions
 from ...errors import SynchError
 from ...memory import room
+from ...monitor import Monitor
+from ...piece import Piece
+from .descent import Matrix
 from .memory_estimate import proof_bytes
+from .stage import Workspace
 
-# A factorization in double precision is tried as a proof up to this many rows, and rows of a front, of complex numbers
-# (True) or of real ones: some ten seconds.
+# A factorization in double precision is tried as a proof up to this many rows, and rows of a front, of complex (True)
+# or real numbers: some ten seconds.
 LARGEST_PROOF, WIDEST_PROOF = 400_000, {True: 1_000, False: 1_600}
-# In solids, whose fronts have more nodes than this many roots of all nodes (on surfaces up to 4.04 were seen), no order
-# of elimination is much better than a sweep: a proof takes as long as about rows * width^2 / (25 nnz) products of L
-# with all columns (measured, within a factor of 2, from 6k to 30k rows), against some 400 for the relaxation. It is
-# tried up to a thousand.
+# In solids, whose fronts have more nodes than this multiple of the root of all nodes (on surfaces at most 4.04 was
+# measured), no order of elimination is much better than a sweep: a proof takes as long as about rows * width^2 /
+# (25 nnz) products of L with all columns (measured, within a factor of 2, from 6k to 30k rows), against some 400 for
+# the relaxation. It is tried up to a thousand.
 SURFACE_FRONT, LONGEST_SWEEP = 4.1, 25_000
-# Rounding of a row in a factorization, in units of the diagonal's last digit: so many for each row of a front.
+# Rounding error of a row in a factorization, in units of the diagonal's last digit, for each row of a front.
 ROUNDINGS = 4
-# Rows up to which the space that is searched for negative directions is kept in double precision.
+# Rows up to which the search space for negative directions is kept in double precision.
 DOUBLE_BASIS = 50_000
-# Directions in that space at least and at most, and the error at which one is as good as exact.
+# Directions in that space at least and at most, and the error at which one counts as converged.
 FEWEST_STEPS, MOST_STEPS = 20, 60
 CONVERGED = 1e-6
-# Share of the lifted field's square below which a principal column counts for nothing.
+# Share of the lifted field's square below which a principal column is negligible.
 NEGLIGIBLE = 1e-6
-# Length of what rounding may leave of the others in a vector made orthogonal to them: far from a singular space.
+# Largest overlap of a new vector with the others after it was made orthogonal to them: far from a singular space.
 LARGEST_OVERLAP = 1e-2
 
 
@@ -56,35 +62,42 @@ class Slack:
     directions: np.ndarray
 
 
-def lower_bound(piece, shift, duals, depth):
-    """Value of the dual point that is feasible when S + depth A is positive semidefinite."""
+def lower_bound(piece: Piece, shift: float, duals: np.ndarray, depth: float) -> float:
+    """Value of the dual point that is feasible when S + depth A is positive semidefinite (Eqs. 22, 23)."""
     share = 1 / (1 + depth)
     return float(piece.held.sum((share * traces(duals) - (1 - share) * shift * piece.width * piece.mass).sum()))
 
 
-def depth_for_bound(piece, shift, duals, bound):
+def depth_for_bound(piece: Piece, shift: float, duals: np.ndarray, bound: float) -> float:
     """The depth at which :func:`lower_bound` is ``bound``."""
     return float((piece.held.sum(traces(duals).sum()) - bound) / (bound + shift * piece.total_mass))
 
 
-def measure_slack(workspace, shift, metric, point, duals, random, monitor, enough=-np.inf, count=2):
+def measure_slack(
+    workspace: Workspace,
+    shift: float,
+    metric: Metric,
+    point: np.ndarray,
+    duals: np.ndarray,
+    random: np.random.Generator,
+    monitor: Monitor,
+    enough: float = -np.inf,
+    count: int = 2,
+) -> Slack:
     """Most negative directions of S relative to A, by a generalized Davidson method.
 
     With W = A - S, a diagonal, these are the largest eigenvalues of W x = mu A x, mu = 1 + depth. Near the optimum S Y
-    vanishes, so that the columns of Y have mu = 1 already; what lies beside them is searched. The search space
-    grows by the preconditioned residual of its best direction; with an exact inverse it is the Krylov space of
-    Lanczos. The steps are few: the spectrum is dense near mu = 1, so that waiting for a converged eigenvector would be
-    in vain. A direction that they do not come near stays unseen: this is an estimate, on which no proof rests.
+    vanishes, so that the columns of Y have mu = 1 already; the search is orthogonal to them. The search space grows by
+    the preconditioned residual of its best direction; with an exact inverse it is the Krylov space of Lanczos. The
+    steps are few, since the spectrum is dense near mu = 1 and eigenvectors converge slowly. A negative direction may be
+    missed: this is an estimate, on which no proof depends.
 
     Parameters
     ----------
-    workspace : Workspace
     shift : of A
-    metric : whose inverse leads the search, best one near S
+    metric : the preconditioner, best one near S
     point : (N, r) lifted field Y
     duals : (nodes,) lambda, or (nodes, d, d) of frames
-    random : numpy Generator
-    monitor : Monitor
     enough : depth plus error below which the search may end early
     count : directions to return at most
     """
@@ -113,7 +126,7 @@ def measure_slack(workspace, shift, metric, point, duals, random, monitor, enoug
         error = space.length(residual, vector)
         if error < CONVERGED or (step >= FEWEST_STEPS and max(value - 1, 0) + error <= enough):
             break
-    if space.filled == known < free:  # rounding let nothing in: nothing is known of the rest
+    if space.filled == known < free:  # rounding kept every vector out: nothing is known about the rest
         return Slack(0.0, np.inf, np.zeros((len(point), 0), matrix.dtype))
     (largest,), best = space.best(0, 1)
     values, directions = space.best(known, count)
@@ -126,29 +139,24 @@ def measure_slack(workspace, shift, metric, point, duals, random, monitor, enoug
 
 
 class _Space:
-    """Vectors v, orthogonal in A as far as the precision of L allows, with W and A seen in them.
+    """At most ``capacity`` vectors, orthogonal in A up to the precision of L, with W and A restricted to them.
 
-    Parameters
-    ----------
-    matrix : (N, N) L
-    masses : (N,) diagonal of A - L
-    weight : W, (N,) or in blocks
-    capacity : vectors at most
-    held : what adds up over all who hold rows
+    ``matrix`` is L, ``masses`` the (N,) diagonal of A - L, ``weight`` W, (N,) or in blocks.
     """
 
-    def __init__(self, matrix, masses, weight, capacity, held):
+    def __init__(self, matrix: Matrix, masses: np.ndarray, weight: np.ndarray, capacity: int, held: Reductions) -> None:
         real = np.finfo(matrix.dtype).dtype
         self._matrix, self._masses, self.weight = matrix, masses.astype(real), weight.astype(real)
         self._vectors = np.empty((capacity, len(masses)), matrix.dtype)
         self._weighted, self._measured = np.zeros((2, capacity, capacity), matrix.dtype)
         self._held, self.filled = held, 0
 
-    def _apply(self, vector):
-        return self._matrix @ vector + self._masses * vector
+    def _apply(self, vector: np.ndarray) -> np.ndarray:
+        image: np.ndarray = self._matrix @ vector + self._masses * vector
+        return image
 
-    def add(self, vector):
-        """Add what a vector has beside the others; False where that drowns in rounding."""
+    def add(self, vector: np.ndarray) -> bool:
+        """Add the part of a vector orthogonal to the others; False where it is lost in rounding."""
         vectors = self._vectors[: self.filled]
         vector = vector.astype(self._vectors.dtype)
         vector -= self._inner(vectors, self._apply(vector)) @ vectors
@@ -167,33 +175,34 @@ class _Space:
             seen[self.filled - 1, : self.filled] = seen[: self.filled, self.filled - 1].conj()
         return True
 
-    def best(self, start, count):
-        """The ``count`` largest mu in the space of all vectors from one on, and their directions in rows."""
+    def best(self, start: int, count: int) -> tuple[np.ndarray, np.ndarray]:
+        """The ``count`` largest mu in the space of the vectors from number ``start`` on, and directions in rows."""
         part = slice(start, self.filled)
         values, combinations = eigh(self._weighted[part, part], self._measured[part, part])
         return values[::-1][:count], combinations[:, ::-1][:, :count].T @ self._vectors[part]
 
-    def residual(self, value, direction):
+    def residual(self, value: float, direction: np.ndarray) -> np.ndarray:
         """(W - mu A) times a direction."""
-        return times(self.weight, direction) - self._masses.dtype.type(value) * self._apply(direction)
+        residual: np.ndarray = times(self.weight, direction) - self._masses.dtype.type(value) * self._apply(direction)
+        return residual
 
-    def length(self, residual, solved):
+    def length(self, residual: np.ndarray, solved: np.ndarray) -> float:
         """Length of a residual in the inverse metric that solved it; infinite where that is not positive."""
         square = float(self._held.sum(np.vdot(residual, solved).real))
-        return np.sqrt(square) if square >= 0 else np.inf
+        return float(np.sqrt(square)) if square >= 0 else np.inf
 
-    def _inner(self, vectors, other):
-        """(k,) inner products of (k, N) vectors with another one, without a conjugated copy of them."""
+    def _inner(self, vectors: np.ndarray, other: np.ndarray) -> np.ndarray:
+        """(k,) inner products of (k, N) vectors with another one, without copying them."""
         return self._held.sum((vectors @ other.conj()).conj())
 
 
-def provable_width(piece, long_proofs=False):
-    """Rows of the widest front if a proof by factorization is affordable, in time, or however long it takes, and in
-    memory, otherwise None."""
+def provable_width(piece: Piece, long_proofs: bool = False) -> int | None:
+    """Rows of the widest front if a proof by factorization is affordable in memory and, unless ``long_proofs`` is set,
+    in time; otherwise None."""
     rows = piece.matrix.shape[0]
     if not piece.held.is_whole or (rows > LARGEST_PROOF and not long_proofs):
         return None
-    width = front_width(piece.matrix)
+    width: int = front_width(piece.matrix)
     is_solid = width / piece.block > SURFACE_FRONT * np.sqrt(piece.node_count)
     is_long = width > WIDEST_PROOF[piece.is_complex]
     is_long |= is_solid and rows * width**2 > LONGEST_SWEEP * piece.matrix.nnz
@@ -202,16 +211,16 @@ def provable_width(piece, long_proofs=False):
     return width
 
 
-def prove(piece, shift, duals, depth, width):
+def prove(piece: Piece, shift: float, duals: np.ndarray, depth: float, width: int) -> bool:
     """Whether S + depth A is positive definite, by the inertia of a factorization in double precision.
 
-    What rounding may hide is taken off the diagonal first: it grows with the entries that were summed for a row of
-    L, and with the length of a factor's column, at most the ``width`` of the fronts.
+    The rounding error is subtracted from the diagonal first: it grows with the number of entries in a row of L, and
+    with the length of a factor's column, at most the ``width`` of the fronts.
     """
     added = with_diagonal(-on_rows(duals, piece.block), depth * shift * piece.row_mass)
     hidden = np.finfo(float).eps * (np.diff(piece.matrix.indptr) + ROUNDINGS * width)
     added = with_diagonal(added, -hidden * piece.matrix.diagonal().real)
     try:
         return is_positive_definite(piece.matrix * (1 + depth) + block_diagonal(added))
-    except SynchError:  # no memory for it
+    except SynchError:  # not enough memory
         return False

@@ -6,24 +6,38 @@ vectors are carried to the new point as they are; the last projection makes them
 """
 
 from dataclasses import dataclass
+from typing import Protocol, TypeAlias
 
 import numpy as np
 
-from ...algebra.reductions import HERE
-from ...monitor import OutOfTime
+from ...algebra.reductions import HERE, Reductions
+from ...monitor import Monitor, OutOfTime
+from .manifolds import Manifold, Preconditioner
 
 ARMIJO = 1e-4
-# Moves along which the gradient changed by less than this share of what was predicted tell nothing of the curvature.
+# Moves along which the gradient changes by less than this share of the prediction say nothing about the curvature.
 FLATTEST = 1e-6
 LONGEST_BACKTRACK = 12
+# Of each step: the move, the change of the gradient along it, and the inverse of their inner product.
+Memory: TypeAlias = list[tuple[np.ndarray, np.ndarray, np.ndarray]]
+
+
+class Matrix(Protocol):
+    """A square matrix that multiplies columns."""
+
+    dtype: np.dtype
+
+    def diagonal(self) -> np.ndarray: ...
+
+    def __matmul__(self, columns: np.ndarray) -> np.ndarray: ...
 
 
 @dataclass(frozen=True)
 class Descent:
-    """Where the descent ended.
+    """The end of a descent.
 
-    ``values`` are (k,) energies Re<X, L X>; ``steps`` counts iterations, ``products`` columns
-    multiplied by L; ``out_of_time`` tells that the time limit ended it.
+    ``values`` are (k,) energies Re<X, L X>; ``steps`` counts iterations, ``products`` columns multiplied by L;
+    ``out_of_time`` says whether the time limit ended it.
     """
 
     point: np.ndarray
@@ -33,22 +47,20 @@ class Descent:
     out_of_time: bool
 
 
-def descend(matrix, spheres, start, metric, tolerance, max_steps, monitor, memory=None):
-    """Descend from ``start`` until every field's predicted relative decrease is below ``tolerance``.
+def descend(
+    matrix: Matrix,
+    spheres: Manifold,
+    start: np.ndarray,
+    metric: Preconditioner,
+    tolerance: float,
+    max_steps: int,
+    monitor: Monitor,
+    memory: Memory | None = None,
+) -> Descent:
+    """Descend from (N, k) columns until every field's predicted relative decrease is below ``tolerance``.
 
-    Works in the precision of ``matrix`` and ``start``, which have to agree, on about twenty arrays of
-    the start's size.
-
-    Parameters
-    ----------
-    matrix : (N, N) matrix with ``@``, ``dtype`` and ``diagonal()``
-    spheres : Lifted, Circles or Columns
-    start : (N, k) array
-    metric : object with ``precondition``
-    tolerance : relative to the energy
-    max_steps : int
-    monitor : Monitor, asked once a step
-    memory : list from an earlier descent that ended at ``start``, to go on with; it is filled
+    Works in the precision of ``matrix`` and ``start``, which have to agree, on about twenty arrays of the start's size.
+    ``memory`` is of an earlier descent that ended at ``start``, to go on with; it is changed.
     """
     memory = [] if memory is None else memory
     point = spheres.normalize(np.ascontiguousarray(start))
@@ -56,7 +68,7 @@ def descend(matrix, spheres, start, metric, tolerance, max_steps, monitor, memor
     values = spheres.energies(point, image)
     gradient = spheres.gradient(point, image)
     noise = rounding_noise(matrix, spheres.held)
-    # Gradients tell of decreases that values no longer show. That is worth it in double precision only.
+    # Gradients show decreases that are lost in the rounding of values: worth using in double precision only.
     floor = noise if np.finfo(matrix.dtype).bits < 64 else 0.0
     products, steps, out_of_time = point.shape[1], 0, False
     while steps < max_steps:
@@ -88,13 +100,15 @@ def descend(matrix, spheres, start, metric, tolerance, max_steps, monitor, memor
     return Descent(point, values, steps, products, out_of_time)
 
 
-def rounding_noise(matrix, held=HERE):
+def rounding_noise(matrix: Matrix, held: Reductions = HERE) -> float:
     """Changes of the energy of unit vectors below this are rounding, in the matrix's precision."""
-    return 2 * np.finfo(matrix.dtype).eps * float(held.norm(matrix.diagonal()))
+    return float(2 * np.finfo(matrix.dtype).eps * float(held.norm(matrix.diagonal())))
 
 
-def _two_loop(spheres, memory, gradient, metric, point):
-    """The L-BFGS product with the inverse Hessian (Nocedal and Wright, Algorithm 7.4), per field."""
+def _two_loop(
+    spheres: Manifold, memory: Memory, gradient: np.ndarray, metric: Preconditioner, point: np.ndarray
+) -> np.ndarray:
+    """Gradient times the inverse Hessian by the two-loop recursion (Nocedal and Wright, Algorithm 7.4), per field."""
     vector = gradient.copy()
     shares = []
     for move, change, inverse in reversed(memory):
@@ -107,8 +121,8 @@ def _two_loop(spheres, memory, gradient, metric, point):
     return vector
 
 
-def _remember(spheres, memory, move, change, predicted):
-    """Keep a move and the change of the gradient along it, whose product is near the predicted decrease."""
+def _remember(spheres: Manifold, memory: Memory, move: np.ndarray, change: np.ndarray, predicted: np.ndarray) -> None:
+    """Store a move and the change of the gradient along it, whose product is near the predicted decrease."""
     curvature = spheres.inner(move, change)
     good = curvature > FLATTEST * predicted
     memory.append((move, change, np.where(good, 1 / np.where(good, curvature, 1), 0.0)))
@@ -116,8 +130,17 @@ def _remember(spheres, memory, move, change, predicted):
         memory.pop(0)
 
 
-def _line_search(matrix, spheres, point, direction, values, slopes, active, noise):
-    """Full step first, halved for the fields that do not decrease enough; None if none moves."""
+def _line_search(
+    matrix: Matrix,
+    spheres: Manifold,
+    point: np.ndarray,
+    direction: np.ndarray,
+    values: np.ndarray,
+    slopes: np.ndarray,
+    active: np.ndarray,
+    noise: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, int] | None:
+    """Full step first, halved for fields that do not decrease enough; None if no field moves."""
     lengths = np.where(active & (slopes < 0), 1.0, 0.0)
     for trial in range(1, LONGEST_BACKTRACK + 1):
         new_point = spheres.move(point, direction, lengths)

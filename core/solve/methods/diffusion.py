@@ -1,29 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Diffusion (MBO): solve (M + tau L) x' = M x and normalize, over and over (Viertel and Osting 2019)."""
+"""Diffusion (MBO): solve (M + tau L) x' = M x and normalize, repeatedly (Viertel and Osting 2019)."""
+
+from collections.abc import Iterable
 
 import numpy as np
 
 from ...algebra.columns import add_multiples, inner_products
+from ...algebra.metric import Metric
+from ...monitor import Monitor
+from .stage import Stage
 
-# Conjugate gradient steps for one diffusion step. With one, whose rough parts of the error stay, fields end at
-# clearly higher energies; with two they end where exact solves lead them.
+# Conjugate gradient steps for one diffusion step. With one, fields end at clearly higher energies, since rough parts of
+# the error remain; with two they end at those of exact solves.
 SOLVER_STEPS = 2
 
 
-def diffuse(stage, columns, metrics, steps, monitor, tolerance=0.0):
-    """Carry columns through diffusion steps, whose times the metrics tell.
+def diffuse(
+    stage: Stage, columns: np.ndarray, metrics: Iterable[Metric], steps: int, monitor: Monitor, tolerance: float = 0.0
+) -> np.ndarray:
+    """(N, k) columns after diffusion steps, up to ``steps`` with each metric, whose shift is 1 / tau.
 
-    With A = L + M / tau a step is x' = A^-1 M x / tau = x - A^-1 L x: only the change rests on the
-    approximate inverse.
-
-    Parameters
-    ----------
-    stage : Stage
-    columns : (N, k) array
-    metrics : the stage's metrics with the shifts 1 / tau, one after the other
-    steps : most steps at each time
-    monitor : Monitor
-    tolerance : largest move of a unit vector below which a time is finished early
+    With A = L + M / tau a step is x' = A^-1 M x / tau = x - A^-1 L x: only the change depends on the approximate
+    inverse. Where no unit vector moves by more than ``tolerance``, the next metric follows early.
     """
     spheres, matrix = stage.candidates, stage.matrix
     columns = spheres.normalize(columns.astype(matrix.dtype, order="C"))
@@ -38,17 +36,17 @@ def diffuse(stage, columns, metrics, steps, monitor, tolerance=0.0):
     return columns
 
 
-def _solve(stage, metric, right):
+def _solve(stage: Stage, metric: Metric, right: np.ndarray) -> np.ndarray:
     """A^-1 right by a few preconditioned conjugate gradient steps from zero, for each column on its own.
 
-    Works on real and imaginary parts as separate numbers, which NumPy multiplies faster.
+    Real and imaginary parts are separate numbers here, which NumPy multiplies faster.
     """
     shape, dtype, real = right.shape, right.dtype, right.real.dtype
     right = right.reshape(len(stage.row_mass), -1)
     parts = 2 if np.iscomplexobj(right) else 1
     shift = np.multiply(stage.row_mass, metric.shift, dtype=real)[:, None]
 
-    def inner(first, second):
+    def inner(first: np.ndarray, second: np.ndarray) -> np.ndarray:
         return np.repeat(inner_products(first, second).reshape(-1, parts).sum(axis=1), parts)
 
     residual = right.view(real)
@@ -71,6 +69,6 @@ def _solve(stage, metric, right):
     return solution.view(dtype).reshape(shape)
 
 
-def _ratio(numbers, divisors):
-    """Quotients, 0 where the divisor is: that column is solved."""
+def _ratio(numbers: np.ndarray, divisors: np.ndarray) -> np.ndarray:
+    """Quotients, 0 where the divisor is zero: that column is solved."""
     return np.where(divisors > 0, numbers / np.where(divisors > 0, divisors, 1), 0).astype(numbers.dtype)

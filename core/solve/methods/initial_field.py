@@ -1,53 +1,44 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A first field, long before the relaxation is solved: found on a coarse stage, brought to the finest and polished.
+"""A first field, long before the relaxation is solved: found on a coarse stage, prolonged to the finest and polished.
 
-A lifted field that descends on the coarse stages is near the relaxation's solution there. Projections of it that are
-diffused and polished on a stage with a ninth of the nodes cost little, and the best one, prolonged along the
-transports, needs a few steps. They go in the metric of fields, which the workspace has: that of turns would first have
-to be made.
+A lifted field that descends on the coarse stages is near the relaxation's solution there. Its projections are diffused
+and polished on a stage with a ninth of the nodes, which costs little, and the best one, prolonged along the transports,
+needs a few steps. They use the metric of fields, which the workspace has; that of turns would first have to be built.
 """
 
 from functools import partial
 
 import numpy as np
 
-from ...monitor import OutOfTime
+from ...monitor import Monitor, OutOfTime
+from ...piece import Piece
 from . import rounding
 from .descent import descend
 from .diffusion import diffuse
 from .manifolds import CirclesByFields, random_columns
-from .stage import LIFTED_SHIFT
+from .stage import LIFTED_SHIFT, Stage, Workspace
 
 # The shift of the metric that finds the first smooth point, as a share of the stiffness.
 FIRST_SHIFT = 1e-3
 # Nodes of the smallest stage that is solved on the way, and the tolerance of lifted descents on coarser stages.
 SMALLEST_START = 300
 COARSE_TOLERANCE = 3e-3
-# Of a first field: steps of those descents, projections, those of them that are diffused and that are polished; steps
-# of polishing on the coarse stage and on the finest. With half the projections energies are up to 6 % higher.
+# For a first field: steps of lifted descents; how many projections are drawn, diffused and polished; steps of polishing
+# on the coarse stage and on the finest. With half the projections energies are up to 6 % higher.
 LIFTED_STEPS = 5
 PROJECTIONS, DIFFUSED, POLISHED = 32, 12, 6
 COARSE_STEPS, FINE_STEPS, TOLERANCE = 8, 8, 1e-4
-# Of a search on a coarse stage: steps of the lifted descents before it, fields that are brought to the finest stage and
+# For a search on a coarse stage: steps of lifted descents before it, fields that are prolonged to the finest stage and
 # steps of the best one there.
-SEARCHED_STEPS, CARRIED, LAST_STEPS = 20, 3, 20
+SEARCHED_STEPS, PROLONGED, LAST_STEPS = 20, 3, 20
 
 
-def coarse_field(workspace, rank, random, monitor, steps):
-    """A smooth lifted field, solved for on the coarser stages one after the other.
+def coarse_field(
+    workspace: Workspace, rank: int, random: np.random.Generator, monitor: Monitor, steps: int
+) -> tuple[Stage, np.ndarray]:
+    """The finest of the coarser stages that is large enough, or the piece itself, and an (N, rank) lifted field on it.
 
-    Parameters
-    ----------
-    workspace : Workspace
-    rank : columns
-    random : numpy Generator
-    monitor : Monitor
-    steps : of descent on each stage at most
-
-    Returns
-    -------
-    stage : the finest of the coarser stages that have not too few nodes, or the piece itself
-    point : (N, rank) lifted field on it
+    The field is smooth: it descends on the coarser stages one after the other, by at most ``steps`` on each.
     """
     piece, stages = workspace.piece, [workspace.stages[0]]
     point = random_columns(piece, rank, random)
@@ -67,11 +58,10 @@ def coarse_field(workspace, rank, random, monitor, steps):
     return stage, point
 
 
-def _smooth(piece, stage, point):
+def _smooth(piece: Piece, stage: Stage, point: np.ndarray) -> np.ndarray:
     """A smooth field from a rough one.
 
-    The shift has to be small against the energy per mass, which only the smooth field tells: a first metric
-    with a guessed shift finds it.
+    The shift has to be small against the smooth field's energy per mass: a first pass with a guessed shift finds it.
     """
     density = FIRST_SHIFT * piece.stiffness / LIFTED_SHIFT
     for _ in range(2):
@@ -82,57 +72,38 @@ def _smooth(piece, stage, point):
     return point
 
 
-def first_field(workspace, rank, seed, monitor):
-    """(N * width, 1) field whose energy is some percent above that of the whole solve.
-
-    Parameters
-    ----------
-    workspace : Workspace
-    rank : columns of the lifted field that it comes from
-    seed : int
-    monitor : Monitor
-    """
+def first_field(workspace: Workspace, rank: int, seed: int, monitor: Monitor) -> np.ndarray:
+    """(N * width, 1) field, from a lifted one of a given rank, some percent above the energy of the whole solve."""
     random = np.random.default_rng(seed)
     stage, lifted = coarse_field(workspace, rank, random, monitor, LIFTED_STEPS)
     density = stage.density(lifted)
     directions = rounding.random_directions(stage.is_complex, rank, PROJECTIONS - 1, random, stage.width)
     columns = rounding.projections(stage, lifted, directions, DIFFUSED, monitor)
-    if density > 0:  # a fit that rounding tells from a perfect one
+    if density > 0:  # no perfect fit
         columns = diffuse(stage, columns, rounding.metrics(stage, rounding.TIMES[:2], density), 1, monitor)
     columns = _polish_columns(stage, rounding.lowest(stage, columns, POLISHED), density, COARSE_STEPS, monitor)
-    columns = _on_finest(workspace, stage, columns[:, :1])
+    columns = _prolong_to_finest(workspace, stage, columns[:, :1])
     return _polish_columns(workspace.stages[0], columns, density, FINE_STEPS, monitor)
 
 
-def search_without_relaxation(workspace, rank, seed, samples, monitor):
-    """A field found by a search like that of a whole solve, on a coarse stage and from a lifted field of its own.
+def search_without_relaxation(
+    workspace: Workspace, rank: int, seed: int, samples: int, monitor: Monitor
+) -> tuple[np.ndarray, bool]:
+    """(N * width, 1) field by the search of a whole solve, on a coarse stage, and whether time ran out before its end.
 
-    Parameters
-    ----------
-    workspace : Workspace
-    rank : columns of the lifted field
-    seed : int
-    samples : random projections tried
-    monitor : Monitor
+    It starts from a lifted field of a given rank on that stage, and tries ``samples`` random projections.
 
-    Returns
-    -------
-    column : (N * width, 1) field on the finest stage
-    timed_out : whether time ran out before it was finished
-
-    Raises
-    ------
-    OutOfTime
-        when there is no field yet
+    Raises :class:`OutOfTime` when there is no field yet.
     """
     random = np.random.default_rng(seed)
     stage, lifted = coarse_field(workspace, rank, random, monitor, SEARCHED_STEPS)
     return _search_on_stage(workspace, stage, lifted, samples, random, monitor)
 
 
-def search_after_relaxation(workspace, lifted, samples, random, monitor):
-    """A field found by a search on a coarse stage from the lifted field of a relaxation; returns and errors as
-    :func:`search_without_relaxation`."""
+def search_after_relaxation(
+    workspace: Workspace, lifted: np.ndarray, samples: int, random: np.random.Generator, monitor: Monitor
+) -> tuple[np.ndarray, bool]:
+    """The same from the (N, r) lifted field of a relaxation; see :func:`search_without_relaxation`."""
     finest = workspace.stages[0]
     coarser = [stage for stage in workspace.stages[1:2] if stage.node_count >= SMALLEST_START]
     for stage in coarser:
@@ -140,14 +111,16 @@ def search_after_relaxation(workspace, lifted, samples, random, monitor):
     return _search_on_stage(workspace, (coarser or [finest])[0], lifted, samples, random, monitor)
 
 
-def _search_on_stage(workspace, stage, lifted, samples, random, monitor):
+def _search_on_stage(
+    workspace: Workspace, stage: Stage, lifted: np.ndarray, samples: int, random: np.random.Generator, monitor: Monitor
+) -> tuple[np.ndarray, bool]:
     """The best field that a search on a stage finds, after descent on the finest, and whether time ran out."""
     finest, density = workspace.stages[0], stage.density(lifted)
     columns, timed_out = lifted[:, : stage.width].reshape(-1, 1), False
     if density > 0:
-        told = monitor if stage is finest else monitor.without_found()  # who is told expects fields on the finest
-        columns, timed_out = rounding.continuation(stage, lifted, samples, density, random, told)
-    columns = _on_finest(workspace, stage, columns[:, :CARRIED])
+        monitor_here = monitor if stage is finest else monitor.without_found()  # it reports fields of the finest stage
+        columns, timed_out = rounding.continuation(stage, lifted, samples, density, random, monitor_here)
+    columns = _prolong_to_finest(workspace, stage, columns[:, :PROLONGED])
     try:
         if not timed_out:
             monitor.at("polish", 0.9)
@@ -159,8 +132,8 @@ def _search_on_stage(workspace, stage, lifted, samples, random, monitor):
     return columns[:, :1], timed_out
 
 
-def _on_finest(workspace, stage, columns):
-    """(N * width, k) fields in columns of a coarser stage, or of the finest, on the finest."""
+def _prolong_to_finest(workspace: Workspace, stage: Stage, columns: np.ndarray) -> np.ndarray:
+    """(N * width, k) fields of a stage on the finest one."""
     finest = workspace.stages[0]
     if stage is finest:
         return columns
@@ -168,10 +141,10 @@ def _on_finest(workspace, stage, columns):
     return finest.candidates.normalize(np.hstack(rows))
 
 
-def _polish_columns(stage, columns, density, steps, monitor):
-    """Columns after some steps of descent in the metric of fields, best first."""
+def _polish_columns(stage: Stage, columns: np.ndarray, density: float, steps: int, monitor: Monitor) -> np.ndarray:
+    """Columns after up to ``steps`` of descent in the metric of fields, best first."""
     if stage.flips is not None:
-        return rounding.lowest(stage, stage.flips.descended(columns), columns.shape[1])
+        return rounding.lowest(stage, stage.flips.descend(columns), columns.shape[1])
     spheres = CirclesByFields(stage.block) if stage.is_circle else stage.candidates
     metric = monitor.during(partial(stage.metric, rounding.CANDIDATE_SHIFT * density))
     found = descend(stage.matrix, spheres, columns, metric, TOLERANCE, steps, monitor)

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much memory a solve takes, from what is known before it begins.
+"""Estimates of the memory that a solve takes, before it begins.
 
-Lifted fields and candidates grow with the rows of the matrix, the hierarchy with its entries, and a factorization that
-proves with the rows and the width of their front. The numbers are those of large meshes; smaller ones take up to twice
-as much (bench/memory.py, bench/README.md).
+Lifted fields and candidates grow with the rows of the matrix, the hierarchy with its entries, and a factorization for
+a proof with the rows and the width of its front. The numbers were measured on large meshes; small ones take up to
+twice as much (bench/memory.py, bench/README.md).
 """
 
 # Bytes for each row, and for each entry of the matrix, of complex numbers (True) and of real ones.
@@ -12,23 +12,17 @@ _SEARCH = {True: (3000, 100), False: (1500, 80)}
 _PROOF = {True: 5, False: 3}
 
 
-def search_bytes(rows, entries, is_complex):
-    """Bytes that the relaxation and its rounding take at their peak, without a proof.
-
-    Parameters
-    ----------
-    rows, entries : of the matrix of the largest piece
-    is_complex : whether its numbers are complex
-    """
+def search_bytes(rows: int, entries: int, is_complex: bool) -> int:
+    """Bytes of the relaxation and its rounding at their peak, without a proof, by the largest piece's matrix."""
     of_row, of_entry = _SEARCH[is_complex]
     return rows * of_row + entries * of_entry
 
 
-def connection_bytes(nodes, edges, block, is_complex):
-    """The same for a connection of so many nodes and edges, with so many rows for each node."""
+def connection_bytes(nodes: int, edges: int, block: int, is_complex: bool) -> int:
+    """The same for a connection with ``block`` rows a node."""
     return search_bytes(nodes * block, (nodes + 2 * edges) * block**2, is_complex)
 
 
-def proof_bytes(rows, width, is_complex):
-    """Bytes that a factorization of so many rows, with so many in its widest front, takes besides."""
+def proof_bytes(rows: int, width: int, is_complex: bool) -> int:
+    """Additional bytes of a factorization whose widest front has ``width`` rows."""
     return _PROOF[is_complex] * rows * width

@@ -1,15 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fields of signs, one real number a node, as of MAX-CUT: no small move lowers their energy, so that signs flip.
+"""Fields of signs, one real number a node, as in MAX-CUT: signs cannot move a little, they flip.
 
 Two fields cross exactly: where they differ, each connected region is taken from the one that has less energy there. In
-graphs of few edges a node, as planar ones, such regions are many and small, and a knock-out of many fields comes near
-the best there is; in dense ones most of the graph is one region, and crossing gains nothing. Of copies of a field that
-are shaken, by heat that fades, a knock-out keeps what each gained anywhere.
+sparse graphs, such as planar ones, these regions are many and small, and a knock-out of many fields comes near the
+optimum; in dense ones most of the graph is one region, and crossing gains nothing. Copies of a field are shaken by
+annealing, and a knock-out keeps what each of them gained anywhere.
 """
 
+from collections.abc import Callable, Iterator
+
 import numpy as np
+from scipy.sparse import csr_matrix
 
 from ...graphs import components
+from ...monitor import Monitor
 
 # Gains of energy below this share of a node's diagonal are rounding.
 LEAST_GAIN = 1e-5
@@ -24,14 +28,9 @@ HEATS = np.linspace(1, 0.1, 15)
 
 
 class Flips:
-    """Moves that lower the energy of signs.
+    """Moves that lower the energy of signs, for a real (N, N) matrix."""
 
-    Parameters
-    ----------
-    matrix : (N, N) CSR, real
-    """
-
-    def __init__(self, matrix):
+    def __init__(self, matrix: csr_matrix) -> None:
         self._matrix = matrix
         self._diagonal = matrix.diagonal()
         entries = matrix.tocoo()
@@ -41,30 +40,30 @@ class Flips:
         classes = [np.flatnonzero(colours) for colours in _independent_sets(matrix)]
         self._classes = [(nodes, matrix[nodes], self._diagonal[nodes][:, None]) for nodes in classes]
 
-    def descended(self, columns, random=None):
-        """(N, k) signs after flips of single ones, each of which lowers the energy, until none does.
+    def descend(self, columns: np.ndarray, random: np.random.Generator | None = None) -> np.ndarray:
+        """(N, k) signs after flips of single nodes that each lower the energy, until no flip does.
 
-        With a random generator there are some sweeps before in which flips that cost nothing are made, too.
+        With a random generator, the first sweeps also make flips that cost nothing, each by the toss of a coin.
         """
         columns = np.where(columns < 0, -1, 1).astype(self._matrix.dtype)  # to the last digit
         sweep, changed = 0, True
         while changed:
-            is_free = random is not None and sweep < FREE_SWEEPS
-            changed = is_free
+            changed = False
             for nodes, rows, diagonal in self._classes:
                 own = columns[nodes]
                 gains = own * (rows @ columns) - diagonal
                 least = LEAST_GAIN * diagonal
                 flips = gains > least
                 changed |= bool(flips.any())
-                if is_free:
+                if random is not None and sweep < FREE_SWEEPS:
+                    changed = True
                     flips |= (gains >= -least) & (random.random(gains.shape, np.float32) < 0.5)
                 columns[nodes] = np.where(flips, -own, own)
             sweep += 1
         return columns
 
-    def shaken(self, columns, random):
-        """(N, k) signs after sweeps of flips at random that fade (Kirkpatrick et al. 1983)."""
+    def shake(self, columns: np.ndarray, random: np.random.Generator) -> np.ndarray:
+        """(N, k) signs after simulated annealing (Kirkpatrick et al. 1983)."""
         for heat in HEATS:
             for nodes, rows, diagonal in self._classes:
                 own = columns[nodes]
@@ -73,8 +72,8 @@ class Flips:
                 columns[nodes] = np.where(flips, -own, own)
         return columns
 
-    def crossed(self, first, second):
-        """(N, k) signs of pairs of columns: of the first, with every region where taking the second's costs nothing."""
+    def cross(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """(N, k) signs: the first of each pair of columns, with every region of the second that costs nothing."""
         tails, heads, weights = self._edges
         count, pairs = first.shape
         least = LEAST_GAIN * self._diagonal.mean()
@@ -90,20 +89,20 @@ class Flips:
             first = np.where(differ & (costs[regions] <= least).reshape(count, pairs), other, first)
         return first
 
-    def knocked_out(self, columns, random, monitor):
-        """(N, 1) signs that pairs of columns lead to, crossed again and again until one is left."""
+    def knock_out(self, columns: np.ndarray, random: np.random.Generator, monitor: Monitor) -> np.ndarray:
+        """(N, 1) signs: columns crossed in pairs, again and again, until one is left."""
         while columns.shape[1] > 1:
             half, rest = columns.shape[1] // 2, columns[:, columns.shape[1] // 2 * 2 :]
             winners = []
             for pairs in np.array_split(np.arange(half), -(-half * self._matrix.nnz // MOST_AT_ONCE)):
                 monitor.check()
-                winners.append(self.descended(self.crossed(columns[:, pairs], columns[:, half + pairs]), random))
+                winners.append(self.descend(self.cross(columns[:, pairs], columns[:, half + pairs]), random))
             columns = np.hstack([*winners, rest])
         return columns
 
 
-def _independent_sets(matrix):
-    """(N,) bool arrays that have every node once, of which no two are neighbours (Luby 1986)."""
+def _independent_sets(matrix: csr_matrix) -> Iterator[np.ndarray]:
+    """(N,) bool arrays of independent sets, which together have every node once (Luby 1986)."""
     size = matrix.shape[0]
     waiting = np.random.default_rng(0).permutation(size) + 1
     starts, indices = matrix.indptr[:-1], matrix.indices
@@ -113,23 +112,19 @@ def _independent_sets(matrix):
         waiting = np.where(first, 0, waiting)
 
 
-def knock_outs(flips, seeds, found, random, monitor):
-    """Columns of signs with less energy than those found so far, where they may be had.
+def knock_outs(
+    flips: Flips, seeds: Callable[[int], np.ndarray], found: np.ndarray, random: np.random.Generator, monitor: Monitor
+) -> np.ndarray:
+    """(N, k) signs, of less energy than those found so far where possible, and these.
 
-    Parameters
-    ----------
-    flips : Flips
-    seeds : callable, number of columns at most -> (N, k) signs, others each time
-    found : (N, k) signs, the best first
-    random : numpy Generator
-    monitor : Monitor
+    ``seeds(most)`` gives at most that many columns of signs, others each time; ``found`` is (N, k), best first.
     """
     many = max(MOST_AT_ONCE // len(found), 2)
     monitor.check()
-    winner = flips.knocked_out(flips.descended(seeds(many), random), random, monitor)
-    best = flips.knocked_out(np.hstack([found[:, :1], winner]), random, monitor)
+    winner = flips.knock_out(flips.descend(seeds(many), random), random, monitor)
+    best = flips.knock_out(np.hstack([found[:, :1], winner]), random, monitor)
     for _ in range(SHAKES):
         monitor.check()
-        copies = flips.shaken(np.repeat(best, min(many, COPIES), axis=1), random)
-        best = flips.knocked_out(np.hstack([best, flips.descended(copies)]), random, monitor)
+        copies = flips.shake(np.repeat(best, min(many, COPIES), axis=1), random)
+        best = flips.knock_out(np.hstack([best, flips.descend(copies)]), random, monitor)
     return np.hstack([best, winner, found])

@@ -7,20 +7,21 @@ from scipy.sparse.linalg import LinearOperator, eigsh, lobpcg
 
 from ...algebra.factorization import factorize
 from ...algebra.metric import SMALLEST_SHIFT, Hierarchy, definite_metric
+from ...piece import Piece
 from .certificate import provable_width
 
-# Vectors that are sought together by multigrid, of which the smallest counts, the steps at most, and the residual at
-# which it is found, at a mean diagonal and a mean mass of 1: phases count even where the vector is tiny.
+# Vectors in a block of LOBPCG, steps at most, and the residual at convergence, at a mean diagonal and a mean mass of 1:
+# it is small because phases count even where the vector is tiny.
 BLOCK = 4
 MAX_STEPS = 600
 RESIDUAL = 1e-11
 
 
-def smallest_eigenpair(piece, seed):
+def smallest_eigenpair(piece: Piece, seed: int) -> tuple[float, np.ndarray]:
     """Smallest generalized eigenvalue of (L, M) and its eigenvector, by shift-inverted Lanczos.
 
-    Where a factorization is too much, as in most solids, by LOBPCG with the multigrid cycle as preconditioner.
-    Of frames the mean of as many eigenvalues as these have columns, and (N * width,) of their eigenvectors together.
+    Where a factorization takes too much, as in most solids, LOBPCG is used with the multigrid cycle as preconditioner.
+    For frames of ``width`` columns it is the mean of as many eigenvalues, with their (N * width,) eigenvectors.
     ``piece.total_mass * eigenvalue`` is the spectral lower bound of Eq. (23).
     """
     values, vectors = _smallest_eigenpairs(piece, seed)
@@ -28,8 +29,8 @@ def smallest_eigenpair(piece, seed):
     return max(float(values[order].mean()), 0.0), np.take(vectors, order, axis=1).ravel()
 
 
-def _smallest_eigenpairs(piece, seed):
-    """(c,) eigenvalues and (N, c) eigenvectors, the smallest of them among others."""
+def _smallest_eigenpairs(piece: Piece, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """(c,) eigenvalues and (N, c) eigenvectors, among them the smallest."""
     size = piece.matrix.shape[0]
     mass = diags_array(piece.row_mass).tocsr()
     if size < 16:
@@ -42,16 +43,17 @@ def _smallest_eigenpairs(piece, seed):
     inverse = LinearOperator((size, size), matvec=lambda x: lu.solve(x.astype(dtype)), dtype=dtype)
     start = np.random.default_rng(seed).standard_normal(size).astype(dtype)
     start[piece.unused_rows] = 0
-    return eigsh(piece.matrix, k=piece.width, M=mass, sigma=-shift, OPinv=inverse, v0=start, tol=1e-9)
+    values, vectors = eigsh(piece.matrix, k=piece.width, M=mass, sigma=-shift, OPinv=inverse, v0=start, tol=1e-9)
+    return values, vectors
 
 
-def _dense_eigenpair(piece):
+def _dense_eigenpair(piece: Piece) -> tuple[np.ndarray, np.ndarray]:
     root = np.sqrt(piece.row_mass)
     values, vectors = np.linalg.eigh(piece.matrix.toarray() / root[:, None] / root)
     return values, vectors / root[:, None]
 
 
-def _by_multigrid(piece, seed):
+def _by_multigrid(piece: Piece, seed: int) -> tuple[np.ndarray, np.ndarray]:
     scaled, weight = piece.scaled()
     size, dtype = scaled.matrix.shape[0], scaled.matrix.dtype
     metric = definite_metric(Hierarchy(scaled.matrix, scaled.row_mass, scaled.block, scaled.ground), SMALLEST_SHIFT)

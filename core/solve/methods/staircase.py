@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The semidefinite relaxation by Burer-Monteiro factorization, from coarse to fine and climbing in rank (Algorithm 1).
+"""The semidefinite relaxation by Burer-Monteiro factorization, from coarse to fine and with rising rank (Algorithm 1).
 
-Each stage starts from the coarser one's lifted field and descends on the product of spheres (Eq. 24). On the
-last, the certificate is asked: stop when the gap between value and lower bound is small enough,
-otherwise add the most negative direction of the slack as a new column and go on. The target is
-the certified gap, never the gradient: the digits beyond it are lost in rounding.
+Each stage starts from the coarser one's lifted field and descends on the product of spheres (Eq. 24). On the finest,
+the certificate gives a lower bound: stop when its gap is small enough, otherwise add the most negative direction of the
+slack as a new column and go on. The target is the certified gap, never the gradient: digits beyond it are lost in
+rounding.
 """
 
 from dataclasses import dataclass
@@ -13,43 +13,44 @@ from functools import partial
 import numpy as np
 
 from ...algebra.metric import Metric
-from ...monitor import OutOfTime
-from ...solution import Certificate
+from ...monitor import Monitor, OutOfTime
+from ...piece import Piece
+from ...solution import Certificate, Clock, Options
 from .certificate import depth_for_bound, lower_bound, measure_slack, provable_width, prove
-from .descent import descend, rounding_noise
+from .descent import Descent, Matrix, Memory, descend, rounding_noise
 from .initial_field import coarse_field
 from .manifolds import principal
+from .stage import Workspace
 
-# What was measured of the numbers here: products L Y to gaps of 1e-2 and 1e-3 with one of them halved or doubled,
-# geometric means over n = 1, n = 4 and stripes on spot and cheburashka (3k and 7k vertices). With other values of
-# FALL_WITH_SIZE and TIGHTENING, and of FIRST_SHIFT, SMALLEST_START and COARSE_TOLERANCE in :mod:`.initial_field`,
-# they change by less than 5 %.
+# The constants were chosen by the number of products L Y to gaps of 1e-2 and 1e-3 with one of them halved or doubled,
+# geometric means over n = 1, n = 4 and stripes on spot and cheburashka (3k and 7k vertices). For FALL_WITH_SIZE and
+# TIGHTENING, and for FIRST_SHIFT, SMALLEST_START and COARSE_TOLERANCE in :mod:`.initial_field`, it changes by < 5 %.
 
-# Columns at the start: of complex rows (True), and of real ones, which hold half as much. With half of them 15 % fewer
+# Columns at the start: of complex rows (True), and of real ones, which hold half as much. With half as many, 15 % fewer
 # products, but up to 4 times as many on one of the twelve, and more time for directions; with twice as many, 2 times.
 START_RANK = {True: 6, False: 9}
-# Where no factorization proves, or a gap below this is asked for, more columns at first are cheaper than a second
+# Without a proof by factorization, or for a target gap below this, more columns at first are cheaper than a second
 # search for missing ones.
 MORE_COLUMNS, SMALL_GAP = 4 / 3, 5e-3
 MAX_RANK = 24
-# Descents, each asked for a bound where it ends, and steps of one at most.
+# Descents, each followed by a bound, and steps of one at most.
 ATTEMPTS, DESCENT_STEPS = 12, 300
-# Predicted relative decrease at which the first descent ends, as a share of the target gap to the power 3/2:
-# the multipliers, and with them the bound, are off by the root of what the energy is off by. Where no factorization
-# proves (False), more digits at first are cheaper than a second search for negative directions. Halved, 22 % more
-# products; doubled, 3 % fewer, but up to 29 % more.
+# Predicted relative decrease at which the first descent ends, as a share of the target gap to the power 3/2: the error
+# of the multipliers, and so of the bound, is the root of that of the energy. Without a proof by factorization (False),
+# more digits at first are cheaper than a second search for negative directions. Halved, 22 % more products; doubled,
+# 3 % fewer, but up to 29 % more.
 FIRST_TOLERANCE = {True: 0.05, False: 0.01}
-# Proofs that fail cost the more the larger the problem is: the tolerance of this many rows, and how it falls.
+# Failed proofs cost more on larger problems: the size to which the tolerance applies, and the power by which it falls.
 USUAL_SIZE, FALL_WITH_SIZE = 10_000, 0.25
-# What each further descent's tolerance is of the one before.
+# Ratio of the tolerances of consecutive descents.
 TIGHTENING = 0.3
-# The share of the target gap at which a bound is asked for, so that the target still holds when the value is measured
+# The share of the target gap that a bound has to reach, so that the target still holds when the value is measured
 # again in the end, as a sum of squares and without empty columns.
 AIMED_AT = 0.95
 # The largest gap at which a proof is still tried where the target cannot be proved.
 WEAKEST_GAP = 0.5
-# Lengths at which new columns are tried, whose largest entries are 1.
-CLIMBS = 2.0 ** -np.arange(10)
+# Lengths at which new columns, whose largest entries are 1, are tried.
+NEW_LENGTHS = 2.0 ** -np.arange(10)
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ class Relaxation:
     """A solution of the relaxation (22) with its bound.
 
     ``lifted`` is (N, r) in principal columns, singular values descending; ``certificate`` is that of the bound;
-    ``reached`` tells whether the target gap was; ``metric`` is the one in which the lifted field descended last.
+    ``reached`` says whether the target gap was reached; ``metric`` is that of the last descent.
     """
 
     lifted: np.ndarray
@@ -72,31 +73,24 @@ class Relaxation:
     metric: Metric | None
 
 
-def relax(workspace, options, monitor, clock, start=None):
-    """Solve the relaxation of a piece to a certified relative gap.
+def relax(
+    workspace: Workspace, options: Options, monitor: Monitor, clock: Clock, start: np.ndarray | None = None
+) -> Relaxation:
+    """Solve the relaxation of a piece to a certified relative gap (Algorithm 1).
 
-    Parameters
-    ----------
-    workspace : Workspace
-    options : Options, of which it takes the gap, the seed and the length of proofs
-    monitor : Monitor
-    clock : Clock, gets the seconds under "relax" and "certify"
-    start : (N, r) lifted field to start from, optional; otherwise the coarser stages give one
-
-    Returns
-    -------
-    Relaxation
+    It starts from an (N, r) lifted field, or from one of the coarser stages. The clock gets the seconds under "relax"
+    and "certify". Of the options, gap, seed and ``long_proofs`` are used.
     """
     search = _Search(workspace, options, monitor, clock, start)
     try:
         for attempt in range(ATTEMPTS):
-            search.descend_once(search.first_tolerance * TIGHTENING**attempt)
+            search.descend(search.first_tolerance * TIGHTENING**attempt)
             if not search.out_of_time:
-                search.certify_once(is_first=attempt == 0)
+                search.certify(is_first=attempt == 0)
             if search.reached or search.out_of_time:
                 break
         else:
-            search.settle()
+            search.prove_weaker()
     except OutOfTime:
         search.out_of_time = True
     return search.result()
@@ -110,12 +104,14 @@ class _Search:
     point : (N, r) lifted field
     value : its energy, not negative
     bound, certificate : the best lower bound so far, and its Certificate
-    reached : whether the bound is as near to the value as was asked
+    reached : whether the gap between value and bound is at most the target
     out_of_time : whether the time limit ended the search
     first_tolerance : of the first descent
     """
 
-    def __init__(self, workspace, options, monitor, clock, start):
+    def __init__(
+        self, workspace: Workspace, options: Options, monitor: Monitor, clock: Clock, start: np.ndarray | None
+    ) -> None:
         self._workspace, self._monitor, self._clock = workspace, monitor, clock
         target_gap = self._target_gap = options.target_gap
         self._random = np.random.default_rng(options.seed)
@@ -131,37 +127,50 @@ class _Search:
         self.bound, self.certificate = 0.0, Certificate.PROVED
         self.reached = self.out_of_time = False
         self._steps = self._products = 0
-        self._needs_double, self._memory, self._metric = False, [], None
+        self._needs_double = False
+        self._memory: Memory = []
+        self._metric: Metric | None = None
         self.first_tolerance = FIRST_TOLERANCE[self._is_provable] * target_gap**1.5
         if self._is_provable:
             self.first_tolerance *= (USUAL_SIZE / piece.matrix.shape[0]) ** FALL_WITH_SIZE
 
     @property
-    def _is_provable(self):
+    def _is_provable(self) -> bool:
         return self._width is not None
 
-    def descend_once(self, tolerance):
-        """Descend to a tolerance in the metric of the point, in double precision once single was not enough."""
+    def descend(self, tolerance: float) -> None:
+        """Descend to a tolerance in the metric of the point, in double precision where single is not enough."""
         workspace, stage = self._workspace, self._workspace.stages[0]
         with self._clock("relax"):
-            self._metric = None  # before the next one takes its room
+            self._metric = None  # frees its memory before the next one is built
             self._metric = self._monitor.during(partial(stage.metric_at, self.point))
-            descents = _descents(
-                workspace, self.point, self._metric, tolerance, self._needs_double, self._memory, self._monitor
-            )
-            for descent in descents:
-                self.point, self.out_of_time = descent.point, descent.out_of_time
-                self._steps, self._products = self._steps + descent.steps, self._products + descent.products
+            if not self._needs_double:
+                descent = self._descend_by(stage.matrix, tolerance)
+                noise = rounding_noise(stage.matrix, stage.lifted.held)
+                self._needs_double = not (tolerance * descent.values[0] >= noise or descent.out_of_time)
+                if self._needs_double:
+                    self._memory.clear()
+            if self._needs_double:
+                self._descend_by(workspace.matrix, tolerance)
             self._needs_double = self.point.dtype == workspace.matrix.dtype
             self.point = stage.lifted.normalize(self.point.astype(workspace.piece.matrix.dtype))
             image = workspace.matrix @ self.point
             self.value = max(float(stage.lifted.energies(self.point, image)[0]), 0.0)
             self._duals = stage.lifted.multipliers(self.point, image)
 
-    def certify_once(self, is_first):
-        """Ask for a bound at the point, and climb in rank along what speaks against it.
+    def _descend_by(self, matrix: Matrix, tolerance: float) -> Descent:
+        """Descend in the precision of a matrix, to a tolerance."""
+        assert self._metric is not None
+        start, lifted = self.point.astype(matrix.dtype), self._workspace.stages[0].lifted
+        descent = descend(matrix, lifted, start, self._metric, tolerance, DESCENT_STEPS, self._monitor, self._memory)
+        self.point, self.out_of_time = descent.point, descent.out_of_time
+        self._steps, self._products = self._steps + descent.steps, self._products + descent.products
+        return descent
 
-        A first point is most often merely too far from the optimum: only what it shows clearly is climbed along.
+    def certify(self, is_first: bool) -> None:
+        """Compute a bound at the point; where it is too low, add columns along negative directions of the slack.
+
+        The first point is often merely too far from the optimum: there only clearly negative directions are used.
         """
         workspace, piece = self._workspace, self._workspace.piece
         if self.value <= piece.noise:
@@ -174,16 +183,10 @@ class _Search:
                 self.reached = self._prove(allowed)
                 if self.reached or is_first:
                     return
-            slack = measure_slack(
-                workspace,
-                self._shift,
-                self._metric,
-                self.point,
-                self._duals,
-                self._random,
-                self._monitor,
-                enough=-np.inf if self._is_provable else allowed,
-            )
+            assert self._metric is not None  # there was a descent
+            enough = -np.inf if self._is_provable else allowed
+            state = self._shift, self._metric, self.point, self._duals
+            slack = measure_slack(workspace, *state, self._random, self._monitor, enough)
             bound = lower_bound(piece, self._shift, self._duals, max(slack.depth, 0.0) + slack.error)
         if bound > self.bound:
             self.bound, self.certificate = bound, Certificate.ESTIMATED
@@ -191,10 +194,10 @@ class _Search:
             self.reached = True
         elif slack.depth > slack.error or not is_first:
             with self._clock("relax"):
-                self._climb(slack.directions)
+                self._add_columns(slack.directions)
 
-    def settle(self):
-        """Where the target is out of reach: a gap that rounding alone makes does for it, otherwise less is proved."""
+    def prove_weaker(self) -> None:
+        """Where the target is out of reach, accept a gap that is only rounding, otherwise prove a weaker bound."""
         noise, target = self._workspace.piece.noise, self._target_gap * self.value
         if self.value - self.bound <= target + noise:
             self.reached = True
@@ -208,22 +211,24 @@ class _Search:
                     if self._prove(self._depth_at(gap)):
                         return
 
-    def _depth_at(self, gap):
-        """How far below zero the slack may reach for a bound at a relative gap from the value."""
+    def _depth_at(self, gap: float) -> float:
+        """The depth of the slack below zero at which the bound has a relative gap from the value."""
         return self._depth_to(self.value * (1 - gap))
 
-    def _depth_to(self, bound):
+    def _depth_to(self, bound: float) -> float:
         return depth_for_bound(self._workspace.piece, self._shift, self._duals, bound)
 
-    def _prove(self, depth):
-        """Whether the bound of a depth can be proved, which then is the bound."""
+    def _prove(self, depth: float) -> bool:
+        """Whether the bound of a depth can be proved; it then becomes the bound."""
         piece = self._workspace.piece
-        if not self._monitor.during(partial(prove, piece, self._shift, self._duals, depth, self._width)):
+        if self._width is None or not self._monitor.during(
+            partial(prove, piece, self._shift, self._duals, depth, self._width)
+        ):
             return False
         self.bound, self.certificate = lower_bound(piece, self._shift, self._duals, depth), Certificate.PROVED
         return True
 
-    def _climb(self, directions):
+    def _add_columns(self, directions: np.ndarray) -> None:
         """Add negative directions of the slack as columns, as far as they lower the energy most."""
         matrix, lifted = self._workspace.matrix, self._workspace.stages[0].lifted
         directions = directions[:, : max(MAX_RANK - self.point.shape[1], 0)]
@@ -231,7 +236,7 @@ class _Search:
             return
         directions = directions / self._workspace.piece.held.max(np.abs(directions).max(axis=0))
         best, best_value = self.point, np.inf
-        for length in CLIMBS:
+        for length in NEW_LENGTHS:
             trial = lifted.normalize(np.hstack([self.point, length * directions]))
             trial_value = lifted.energies(trial, matrix @ trial)[0]
             if trial_value >= best_value:
@@ -239,7 +244,7 @@ class _Search:
             best, best_value = trial, trial_value
         self.point, self._memory = best, []
 
-    def result(self):
+    def result(self) -> Relaxation:
         """The :class:`Relaxation` at the point, in principal columns."""
         point, singular_values = principal(self.point, self._workspace.piece.held)
         point = self._workspace.stages[0].lifted.normalize(point)  # without the columns that were dropped
@@ -257,33 +262,18 @@ class _Search:
         )
 
 
-def start_rank(piece, provable, target_gap):
-    """Columns of the lifted field at the start: of frames more than twice as many as theirs."""
+def start_rank(piece: Piece, provable: bool, target_gap: float) -> int:
+    """Columns of the lifted field at the start: for frames more than twice as many as they have."""
     rank = max(START_RANK[piece.is_complex], 2 * piece.width + 3)
     if not provable or target_gap < SMALL_GAP:
         rank = round(MORE_COLUMNS * rank)
-    return min(rank, piece.matrix.shape[0])
+    return min(rank, int(piece.matrix.shape[0]))
 
 
-def _coarse_start(workspace, rank, random, monitor):
+def _coarse_start(workspace: Workspace, rank: int, random: np.random.Generator, monitor: Monitor) -> np.ndarray:
     """(N, rank) smooth lifted field on the finest stage."""
     stage, point = coarse_field(workspace, rank, random, monitor, DESCENT_STEPS)
     finest = workspace.stages[0]
     if stage is not finest:
         point = finest.lifted.normalize(stage.prolong(point))
     return point.astype(workspace.matrix.dtype)
-
-
-def _descents(workspace, point, metric, tolerance, precise, memory, monitor):
-    """A descent in single precision, and one in double where that is not enough, or was not the last time."""
-    stage = workspace.stages[0]
-    if not precise:
-        start = point.astype(stage.matrix.dtype)
-        descent = descend(stage.matrix, stage.lifted, start, metric, tolerance, DESCENT_STEPS, monitor, memory)
-        yield descent
-        noise = rounding_noise(stage.matrix, stage.lifted.held)
-        if tolerance * descent.values[0] >= noise or descent.out_of_time:
-            return
-        point = descent.point.astype(workspace.matrix.dtype)
-        memory.clear()
-    yield descend(workspace.matrix, stage.lifted, point, metric, tolerance, DESCENT_STEPS, monitor, memory)

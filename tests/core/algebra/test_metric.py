@@ -13,7 +13,7 @@ from synch_fields.core.solution import Clock
 from synch_fields.core.solve import Options, solve
 from synch_fields.core.solve.methods.manifolds import random_columns
 from synch_fields.core.solve.methods.spectral import smallest_eigenpair
-from synch_fields.core.solve.methods.stage import TAKEN_OFF, Workspace
+from synch_fields.core.solve.methods.stage import SUBTRACTED, Workspace
 from synch_fields.core.solve.methods.staircase import relax
 
 from ..graphs import only_piece
@@ -92,9 +92,9 @@ def test_the_metric_of_a_lifted_field_is_near_the_laplacian_less_its_multipliers
     workspace = Workspace(piece)
     stage, unit = workspace.stages[0], np.eye(piece.matrix.shape[0], dtype=piece.matrix.dtype)
     point = relax(workspace, Options(target_gap=1e-3), SILENT, Clock()).lifted
-    duals = TAKEN_OFF * stage.lifted.multipliers(point, workspace.matrix @ point).clip(0)
+    duals = SUBTRACTED * stage.lifted.multipliers(point, workspace.matrix @ point).clip(0)
     expected = piece.matrix.toarray() - np.diag(np.repeat(duals, piece.block))
-    expected += (1 - TAKEN_OFF) * stage.shift_at(point) * np.diag(piece.row_mass)
+    expected += (1 - SUBTRACTED) * stage.shift_at(point) * np.diag(piece.row_mass)
     root = np.linalg.cholesky(expected)
     spectrum = np.linalg.eigvalsh(root.conj().T @ stage.metric_at(point).solve(unit) @ root)
     assert 0.1 <= spectrum[0] and spectrum[-1] <= 1.2

@@ -13,8 +13,8 @@ from synch_fields.core.fields import DirectionField, DirectionWishes, direction_
 from synch_fields.core.fields.curl_removal import (
     SMALLEST_WEIGHT,
     Circulation,
-    calming,
     check_share,
+    remove_holonomy,
     surface_circulation,
 )
 from synch_fields.core.fields.directions import LARGEST_RATIO, direction_problem
@@ -85,7 +85,7 @@ def test_the_holonomy_that_is_left_is_the_rest_of_what_was_asked(build, symmetry
     field = turned_crosses(direction_field(mesh, symmetry), random_turns(mesh))
     spacing = np.random.default_rng(1).uniform(0.1, 0.3, mesh.vertex_count)
     growth = TargetOneForm.of(mesh, field, spacing)
-    calmed = growth.calmed(share, *free())
+    calmed = growth.remove_curl(share, *free())
     np.testing.assert_allclose(holonomy(calmed), (1 - share) * holonomy(growth), atol=1e-10)
     assert np.abs(holonomy(growth)).max() > 0.1
     if share == 0:
@@ -117,7 +117,7 @@ def test_no_other_changes_with_that_holonomy_are_nearer(build, symmetry):
     # The nearest changes without holonomy, by weighted least squares over all of these.
     root = np.sqrt(weights)[:, None]
     coordinates = np.linalg.lstsq(root * kernel, root[:, 0] * asked, rcond=None)[0]
-    calmed = growth.calmed(1.0, *free())
+    calmed = growth.remove_curl(1.0, *free())
     np.testing.assert_allclose(calmed.changes.ravel(), kernel @ coordinates, atol=1e-9)
 
 
@@ -126,8 +126,8 @@ def test_no_other_changes_with_that_holonomy_are_nearer(build, symmetry):
 def test_turns_for_candidates_are_about_those_that_calm(build, symmetry):
     mesh = build()
     growth = TargetOneForm.of(mesh, turned_crosses(direction_field(mesh, symmetry), random_turns(mesh)), 0.5)
-    exact = growth.calmed(1.0, *free()).correction.ravel()
-    turns = growth.turns_to_calm(*free())
+    exact = growth.remove_curl(1.0, *free()).correction.ravel()
+    turns = growth.curl_removing_turns(*free())
     rough = np.where(growth._flips, -turns, turns)
     weights = np.repeat(mesh.weights, growth.phase_count)
     assert weights @ (rough - exact) ** 2 <= 0.1 * (weights @ exact**2)
@@ -138,10 +138,10 @@ def test_on_a_flat_torus_a_wave_is_left_alone_and_a_shear_loses_its_wind():
     mesh, along = flat_torus(columns=32, rows=32)
     field = DirectionField(mesh, 1, along - np.pi / 2)
     plain = TargetOneForm.of(mesh, field, 1 / 3)
-    assert np.abs(plain.calmed(1.0, *free()).changes - plain.changes).max() < 1e-10
+    assert np.abs(plain.remove_curl(1.0, *free()).changes - plain.changes).max() < 1e-10
     y = np.arange(mesh.vertex_count) % 32 / 32
     rates = TURN * (3 + np.sin(TURN * y))
-    calmed = TargetOneForm.of(mesh, field, TURN / rates).calmed(1.0, *free())
+    calmed = TargetOneForm.of(mesh, field, TURN / rates).remove_curl(1.0, *free())
     np.testing.assert_allclose(calmed.changes, plain.changes, atol=5e-4)
 
 
@@ -150,7 +150,7 @@ def test_a_cylinder_whose_spacing_grows_along_it_gets_the_mean_rate():
     mesh = cylinder(radius=1.0, height=2.0, segments=48, rows=16)
     z = mesh.vertices[:, 2] - mesh.vertices[:, 2].min()
     growth = growing_around(mesh, 3.0 + 2.0 * z)
-    calmed = growth.calmed(1.0, *free())
+    calmed = growth.remove_curl(1.0, *free())
     plain = growing_around(mesh, np.full(mesh.vertex_count, 5.0))
     np.testing.assert_allclose(calmed.changes, plain.changes, atol=1e-3)
     around = plain.changes > 0.5
@@ -164,7 +164,7 @@ def test_spokes_on_an_annulus_keep_their_number_at_every_radius(rings):
     inner, outer, q = 1.0, 2.0, 20.0
     mesh = annulus(inner, outer, rings, 6 * rings)
     growth = growing_around(mesh, np.full(mesh.vertex_count, q))
-    calmed = growth.calmed(1.0, *free())
+    calmed = growth.remove_curl(1.0, *free())
     k = q * (outer - inner) / np.log(outer / inner)
     turned = np.angle(np.exp(1j * np.arctan2(*mesh.vertices[:, 1::-1].T))[mesh.edges])
     turned = np.diff(turned, axis=1)
@@ -244,7 +244,7 @@ def test_which_direction_stands_for_a_cross_does_not_matter():
     energies = []
     for turned in (field, turned_crosses(field, random_turns(mesh))):
         growth = TargetOneForm.of(mesh, turned, 0.3)
-        calmed = growth.calmed(0.7, *free())
+        calmed = growth.remove_curl(0.7, *free())
         energies.append(np.sort(np.abs(calmed.changes).ravel()))
     np.testing.assert_allclose(energies[0], energies[1], atol=1e-9)
 
@@ -321,5 +321,5 @@ def test_a_share_may_be_a_number_of_numpy():
 def test_on_a_closed_piece_without_area_what_stays_is_spread_evenly():
     """Two triangles on the same three changes, which leave them in opposite directions, and no area."""
     matrix = csr_matrix(np.array([[1.0, 1.0, 1.0], [-1.0, -1.0, -1.0]]))
-    found = calming(Circulation(matrix, np.zeros(2)), np.array([3.0, 1.0]), np.ones(3))
+    found = remove_holonomy(Circulation(matrix, np.zeros(2)), np.array([3.0, 1.0]), np.ones(3))
     np.testing.assert_allclose(matrix @ found.correction, [-1, 1], atol=1e-9)

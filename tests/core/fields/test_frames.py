@@ -7,7 +7,7 @@ import pytest
 
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields import Row, boundary_line, direction_field, quad_pattern, stripe_pattern
-from synch_fields.core.fields.animation import carry_angles, in_sheets_of, next_solution
+from synch_fields.core.fields.animation import carry_angles, nearest_representatives, next_solution
 from synch_fields.core.fields.directions import DirectionField, DirectionWishes
 from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.problem import SynchronizationProblem, Targets
@@ -74,7 +74,7 @@ def test_meshes_of_other_triangles_are_refused():
 def test_sheets_are_the_nearest(symmetry):
     random = np.random.default_rng(symmetry)
     angles, wanted = random.uniform(-9, 9, (2, 50))
-    chosen = in_sheets_of(angles, wanted, symmetry)
+    chosen = nearest_representatives(angles, wanted, symmetry)
     turns = (chosen - angles) * symmetry / (2 * np.pi)
     np.testing.assert_allclose(turns, np.rint(turns), atol=1e-12)
     assert (np.abs(chosen - wanted) <= np.pi / symmetry + 1e-12).all()

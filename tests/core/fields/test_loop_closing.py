@@ -9,7 +9,7 @@ from scipy.linalg import null_space
 from synch_fields.core.extract.quads.trace.quad_mesh import quad_mesh
 from synch_fields.core.fields import given_directions
 from synch_fields.core.fields.curl_removal import SMALLEST_WEIGHT, surface_circulation
-from synch_fields.core.fields.loop_closing import LoopClosing, MeshWalks, _ImageOfChanges, cosines
+from synch_fields.core.fields.loop_closing import LoopClosing, MeshWalks, _ChangeMirror, cosines
 from synch_fields.core.fields.mirror import Mirror
 from synch_fields.core.fields.patterns import change_pattern
 from synch_fields.core.fields.quads import quad_pattern
@@ -165,11 +165,11 @@ def mirror_of(mesh, axis):
 def test_a_mirror_leaves_the_changes_of_a_symmetric_pattern_and_turns_others_round(axis):
     mesh = starred_torus()
     symmetric = slanting(mesh, degrees=0.0).growth
-    image = _ImageOfChanges(symmetric, mirror_of(mesh, axis))
-    np.testing.assert_allclose(image.of(symmetric.changes.ravel()), symmetric.changes.ravel(), atol=1e-9)
+    image = _ChangeMirror(symmetric, mirror_of(mesh, axis))
+    np.testing.assert_allclose(image.reflect(symmetric.changes.ravel()), symmetric.changes.ravel(), atol=1e-9)
     other = np.random.default_rng(axis).normal(size=symmetric.changes.size)
-    assert np.abs(image.of(other) - other).max() > 1
-    np.testing.assert_allclose(image.of(image.of(other)), other, atol=1e-12)
+    assert np.abs(image.reflect(other) - other).max() > 1
+    np.testing.assert_allclose(image.reflect(image.reflect(other)), other, atol=1e-12)
 
 
 @pytest.mark.parametrize("axes", [(0,), (0, 1)])
@@ -182,7 +182,7 @@ def test_with_mirrors_changes_are_symmetric_and_without_curl(axes):
     row[:40] = 1
     change = closing._project(row)
     for mirror in mirrors:
-        np.testing.assert_allclose(_ImageOfChanges(pattern.growth, mirror).of(change), change, atol=1e-7)
+        np.testing.assert_allclose(_ChangeMirror(pattern.growth, mirror).reflect(change), change, atol=1e-7)
     circulation, _ = surface_circulation(mesh, pattern.growth.matchings, 2)
     np.testing.assert_allclose(circulation.matrix @ change, 0, atol=1e-7)
     assert np.abs(change).max() > 1e-3

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.fields.clebsch import circulations, clebsch_map
-from synch_fields.core.fields.loops import loop_error, through_squares
+from synch_fields.core.fields.loops import loop_error, sum_through_squares
 from synch_fields.core.geometry.grid import Grid
 
 from ..flows import line_integrals
@@ -38,7 +38,7 @@ def test_what_passes_a_loop_is_the_circulation_along_it(shape, size):
                     step, node = along(node, axis, sign)
                     total += step
                 expected.append(total)
-    found = through_squares(grid, circulations(grid, integrals), size)
+    found = sum_through_squares(grid, circulations(grid, integrals), size)
     np.testing.assert_allclose(np.sort(found), np.sort(expected), atol=1e-12)
 
 
@@ -47,7 +47,7 @@ def test_a_filament_of_one_quantum_misses_nothing_and_one_of_less_than_half_is_m
     integrals = line_integrals(grid, [0.03, -0.01])
     found = clebsch_map(grid, integrals, 1.0)
     assert loop_error(found, 4) == pytest.approx(0, abs=1e-12)
-    around = through_squares(grid, found.face_numbers, 4) != 0
+    around = sum_through_squares(grid, found.face_numbers, 4) != 0
     missed = clebsch_map(grid, integrals, 2.5)
     assert not missed.face_numbers.any()
     assert loop_error(missed, 4) == pytest.approx(0.4 * np.sqrt(around.mean()))

@@ -170,7 +170,7 @@ def test_a_pattern_is_torn_where_its_crosses_are(build, characteristic):
 
 def quad_energy(mesh, field, pattern):
     """What is missing on all edges that the problem is posed on, from the phase changes that the pattern takes."""
-    growth = TargetOneForm.of(mesh, field, spacing_of(mesh)).posed
+    growth = TargetOneForm.of(mesh, field, spacing_of(mesh)).on_solver_edges
     missing = growth.edge_phases(pattern.phases).changes - growth.changes
     return (growth.mesh.weights[:, None] * 4 * np.sin(missing / 2) ** 2).sum()
 

@@ -8,7 +8,7 @@ import pytest
 from synch_fields.core.errors import SettingError
 from synch_fields.core.fields.filled_surface import FilledSurface
 from synch_fields.core.fields.guidance.filled import of_given_lines, of_given_vectors
-from synch_fields.core.fields.guidance.given import orient_vectors, principal, vectors_at, without_sign
+from synch_fields.core.fields.guidance.given import line_matrices, orient_vectors, principal_vectors, vectors_at
 from synch_fields.core.fields.guidance.solids import have_directions
 from synch_fields.core.files.solid_vectors import SolidVectors, read_vectors
 from synch_fields.core.geometry.tet_mesh import TetMesh
@@ -151,9 +151,11 @@ def test_lines_that_come_back_turned_over_have_no_direction_there():
     known = have_directions(mesh, orient_vectors(mesh, lines))
     turns = np.unique(np.rint(48 * angle[~known] / np.pi))
     assert 2 <= len(turns) <= 4 and 2 * 9 <= np.count_nonzero(~known) <= 4 * 9
-    np.testing.assert_allclose(np.abs(np.einsum("nx,nx->n", principal(without_sign(lines)), lines)), 1)
+    np.testing.assert_allclose(np.abs(np.einsum("nx,nx->n", principal_vectors(line_matrices(lines)), lines)), 1)
 
 
 def test_means_of_lines_do_not_cancel():
     lines = np.array([[1.0, 0, 0], [-1.0, 0, 0], [0, 0.5, 0]])
-    np.testing.assert_allclose(np.abs(principal(without_sign(lines).mean(axis=0)[None])), [[2 / 3, 0, 0]], atol=1e-12)
+    np.testing.assert_allclose(
+        np.abs(principal_vectors(line_matrices(lines).mean(axis=0)[None])), [[2 / 3, 0, 0]], atol=1e-12
+    )

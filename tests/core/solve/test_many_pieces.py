@@ -204,7 +204,7 @@ def test_many_stacks_are_as_good_as_one(monkeypatch):
     problem = SynchronizationProblem(side_by_side([random_connection("circle", 9, 9, seed) for seed in range(12)]))
     one = solve(problem)
     monkeypatch.setattr(together, "AT_ONCE", 1)
-    stacks = together._chunks(problem.pieces.sizes, np.arange(12), problem.block, Options().samples)
+    stacks = together._split_by_size(problem.pieces.sizes, np.arange(12), problem.block, Options().samples)
     assert sorted(np.concatenate(stacks)) == list(range(12)) and len(stacks) == 12
     many = solve(problem)
     assert many.energy == pytest.approx(one.energy, rel=1e-9)

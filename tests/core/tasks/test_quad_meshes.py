@@ -117,7 +117,7 @@ def test_faces_that_no_spacing_gives_are_refused_with_their_number(monkeypatch):
 def test_lines_that_are_lost_are_told_with_their_length(share, lost, monkeypatch):
     """Chamfers of a share of a quad's side, which are lost where no room is made for a quad across them."""
     if lost:
-        monkeypatch.setattr("synch_fields.core.fields.patterns.widen_strips", lambda growth, _: growth)
+        monkeypatch.setattr("synch_fields.core.fields.patterns.strip_stretch", lambda *_: 1.0)
     side = 0.1
     mesh = chamfered_cube(16, share * side / np.sqrt(2))
     edges = feature_edges(mesh, ANGLE, side)

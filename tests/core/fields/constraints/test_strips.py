@@ -2,12 +2,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Strips between lines that are narrower than a quad."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from synch_fields.core.fields import given_directions
 from synch_fields.core.fields.constraints.features import feature_edges, feature_row
-from synch_fields.core.fields.constraints.strips import ACROSS, strips, widen_strips
+from synch_fields.core.fields.constraints.strips import ACROSS, find_strips, strip_stretch
 from synch_fields.core.fields.target_one_form import TargetOneForm
 
 from ...meshes import cylinder, square
@@ -21,7 +23,7 @@ def test_chamfers_are_strips_and_nothing_else_is(share):
     cut = share * side / np.sqrt(2)
     mesh = chamfered_cube(16, cut)
     edges = feature_edges(mesh, ANGLE, 1e-3)
-    across, factors = strips(mesh, edges, np.full(mesh.vertex_count, side))
+    across, factors = find_strips(mesh, edges, np.full(mesh.vertex_count, side))
     normals = np.abs(mesh.face_normals)
     chamfer = (np.sort(normals, axis=1)[:, 0] < 1e-9) & (normals.max(axis=1) < 0.9)
     middle = mesh.vertices[mesh.triangles].mean(axis=1)
@@ -37,8 +39,8 @@ def test_chamfers_are_strips_and_nothing_else_is(share):
 def test_what_is_wider_than_the_quads_that_are_asked_for_is_no_strip():
     mesh = cylinder(1.0, 0.5, 48, 6)
     edges = mesh.boundary_edges
-    assert (strips(mesh, edges, np.full(mesh.vertex_count, 0.5 / ACROSS - 1e-3))[1] == 1).all()
-    assert (strips(mesh, edges, np.full(mesh.vertex_count, 0.5))[1] > 1.2).all()
+    assert (find_strips(mesh, edges, np.full(mesh.vertex_count, 0.5 / ACROSS - 1e-3))[1] == 1).all()
+    assert (find_strips(mesh, edges, np.full(mesh.vertex_count, 0.5))[1] > 1.2).all()
 
 
 def test_phases_grow_as_much_across_a_strip_as_quads_are_asked_for_and_as_before_along_it():
@@ -48,7 +50,7 @@ def test_phases_grow_as_much_across_a_strip_as_quads_are_asked_for_and_as_before
     field = given_directions(mesh, 4, np.tile([1.0, 0, 0], (mesh.vertex_count, 1)))
     growth = TargetOneForm.of(mesh, field, 2 * side)
     rows = (feature_row(mesh, mesh.boundary_edges),)
-    wide = widen_strips(growth, rows)
+    wide = replace(growth, stretch=strip_stretch(growth, rows))
     steps = mesh.edge_vectors
     inside = (np.abs(mesh.vertices[mesh.edges, 0] - 2).max(axis=1) < 1) & (np.abs(steps[:, 2]) < 1e-12)
     rise = np.abs(wide.changes[inside] / np.pi)
@@ -58,4 +60,4 @@ def test_phases_grow_as_much_across_a_strip_as_quads_are_asked_for_and_as_before
         across = np.isclose(rise[:, phase], ACROSS * steps[:, 1] / width, atol=1e-9)
         assert (along | across).all() and not (along & across)[steps.min(axis=1) > 0].any()
     assert not np.allclose(wide.changes, growth.changes)
-    assert widen_strips(growth, ()) is growth
+    assert strip_stretch(growth, ()) == 1
