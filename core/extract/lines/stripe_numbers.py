@@ -365,7 +365,7 @@ class _Groups:
 
 
 def _sides(phase: FacePhases, polygons: Polygons, along: np.ndarray) -> np.ndarray:
-    """(p, SLOTS) 1 where the phase grows to the left of the coordinate's direction in most of a slot's part, else -1."""
+    """(p, SLOTS) 1 where the phase grows to the left of the coordinate in most of a slot's part, else -1."""
     lattice = np.array([(i, j, _PARTS - i - j) for i in range(_PARTS + 1) for j in range(_PARTS + 1 - i)])
     index = {tuple(place): number for number, place in enumerate(lattice.tolist())}
     up, down = np.array([(1, 0, 0), (0, 1, 0), (0, 0, 1)]), np.array([(-1, 0, 0), (0, -1, 0), (0, 0, -1)])
