@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Finishes a traced quad mesh: puts it onto sharp edges, makes all faces quads if asked, mirrors and smooths it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -31,7 +31,7 @@ def finish_quads(
     quads: QuadMesh,
     mesh: TriangleMesh,
     rows: Sequence[Row],
-    planes: Sequence[ArrayLike],
+    planes: Iterable[ArrayLike],
     rounds: int,
     only_quads: bool = False,
 ) -> QuadMesh:
