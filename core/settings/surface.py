@@ -94,12 +94,7 @@ class SurfaceSettings(SolverSettings):
         group="directions",
     )
     boundary: str = setting(
-        "free",
-        "Boundary",
-        "What happens at open edges",
-        choices=_BOUNDARIES,
-        commands=SURFACES,
-        group="directions",
+        "free", "Boundary", "What happens at open edges", choices=_BOUNDARIES, commands=SURFACES, group="directions"
     )
     vertex_group: str = setting(
         "",
@@ -171,11 +166,7 @@ class SurfaceSettings(SolverSettings):
         commands=PATTERNS,
     )
     spacing_range: float = setting(
-        2.0,
-        "Range",
-        "Factor on the spacing where the vertex group's weight is 1",
-        **SPACING_RANGE,
-        commands=PATTERNS,
+        2.0, "Range", "Factor on the spacing where the vertex group's weight is 1", **SPACING_RANGE, commands=PATTERNS
     )
     branching: float | None = setting(
         None,
