@@ -49,6 +49,11 @@ class Crossings:
     starts: np.ndarray
     counts: np.ndarray
 
+    @property
+    def stride(self) -> int:
+        """Number of ranks of a triangle's side: one for the corner at its start, the others for its crossings."""
+        return int(self.counts.max(initial=0)) + 1
+
 
 def crossings_of(phases: EdgePhases, levels: Levels = GRID) -> Crossings:
     """All :class:`Crossings`; at most :data:`MOST`. Only centres of disclinations lie on lines: they do not count."""
@@ -133,7 +138,7 @@ def chords_of(prepared: PreparedPattern, crossings: Crossings, rims: Rims) -> Ch
     centre = len(crossings.edges) + prepared.mesh.triangles[triangle[alone], 2] - prepared.first_centre
     pairs = np.column_stack([crossing[first], crossing[first + 1]]), np.column_stack([crossing[alone], centre])
     # The centre is the last corner, so its rank follows those of the first two sides.
-    at_centre = np.full(alone.sum(), 2 * stride(crossings))
+    at_centre = np.full(alone.sum(), 2 * crossings.stride)
     ranks = np.column_stack([rank[first], rank[first + 1]]), np.column_stack([rank[alone], at_centre])
     return Chords(
         np.concatenate([triangle[first], triangle[alone]]),
@@ -141,11 +146,6 @@ def chords_of(prepared: PreparedPattern, crossings: Crossings, rims: Rims) -> Ch
         np.concatenate(pairs),
         np.concatenate(ranks),
     )
-
-
-def stride(crossings: Crossings) -> int:
-    """Number of ranks reserved for each side: one for the corner at its start, the others for its crossings."""
-    return int(crossings.counts.max(initial=0)) + 1
 
 
 def on_rim(mesh: TriangleMesh, triangles: np.ndarray, sides: np.ndarray, shares: np.ndarray) -> np.ndarray:
@@ -160,7 +160,7 @@ def chord_ends(prepared: PreparedPattern, crossings: Crossings, chords: Chords) 
     for k in range(2):
         at_centre = chords.ends[:, k] >= len(crossings.edges)
         crossing = np.where(at_centre, 0, chords.ends[:, k])
-        sides = np.minimum(chords.ranks[:, k] // stride(crossings), 2)
+        sides = np.minimum(chords.ranks[:, k] // crossings.stride, 2)
         rim = on_rim(prepared.mesh, chords.triangles, sides, crossings.shares[crossing])
         ends[:, k] = np.where(at_centre[:, None], [0.0, 0.0, 1.0], rim)
     return ends
@@ -173,7 +173,7 @@ def _places_on_rims(mesh: TriangleMesh, crossings: Crossings) -> tuple[np.ndarra
     half, place = ragged_arange(counts)
     forward = mesh.triangle_edge_signs.ravel()[half] > 0
     crossing = crossings.starts[edges[half]] + np.where(forward, place, counts[half] - 1 - place)
-    return half // 3, half % 3, crossing, stride(crossings) * (half % 3) + 1 + place
+    return half // 3, half % 3, crossing, crossings.stride * (half % 3) + 1 + place
 
 
 def _seen_from_first_corners(

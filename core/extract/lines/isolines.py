@@ -26,7 +26,7 @@ from .prepared_pattern import PreparedPattern, move_off_lines, prepare_pattern
 
 # The direction of a line at its end is measured over this many pieces before its last triangle.
 _BACK = 3
-# Shorter lines, in mean edge lengths, only go around a vertex by rounding errors and are left out.
+# Lines shorter than this, in mean edge lengths, go around a vertex that they should pass, and are left out.
 _SPECK = 1e-4
 
 

@@ -162,7 +162,7 @@ def _diagonals(quads: QuadMesh) -> np.ndarray:
 
 
 def _cut_faces(quads: QuadMesh, pairs: np.ndarray) -> QuadMesh | None:
-    """The quad mesh with a face cut in two between each of (k, 2) pairs of vertices; None where cuts cross."""
+    """The quad mesh with a face cut in two between each of (k, 2) vertices; None where a cut separates other pairs."""
     faces = [corners.tolist() for corners in np.split(quads.corner_vertices, quads.starts[1:])] if len(pairs) else []
     for pair in pairs.tolist():
         number = next((k for k, corners in enumerate(faces) if set(pair) <= set(corners)), None)

@@ -58,6 +58,7 @@ def near_loops(quads: QuadMesh, longest: int) -> NearLoops:
             met = np.flatnonzero((at == places[starts]) & (at != last))
             same = np.ones_like(met)
             found.append(np.column_stack([met, step * same, aside * same, passed[met], apart[met]]))
+    # Rows: start, quads straight on, quads aside, irregular vertices passed, places apart from the walk on the right.
     rows = np.concatenate([np.empty((0, 5), int), *found])
     # The shortest walk from each start to each place beside it.
     _, first = np.unique(rows[:, [0, 2]], axis=0, return_index=True)
@@ -100,7 +101,7 @@ def _places_beside(right: np.ndarray, left: np.ndarray) -> dict[int, np.ndarray]
 def _classes(
     starts: np.ndarray, rows: np.ndarray, ahead: np.ndarray, right: np.ndarray, left: np.ndarray, tails: np.ndarray
 ) -> NearLoops:
-    """Join walks of equal lengths and distances aside that stay side by side into classes."""
+    """Join equally long walks, as far aside, that stay side by side; rows as in :func:`near_loops`."""
     order = np.lexsort((rows[:, 0], abs(rows[:, 2]), rows[:, 1]))
     rows = rows[order]
     count = len(starts)

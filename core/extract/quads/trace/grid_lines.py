@@ -15,17 +15,7 @@ import numpy as np
 
 from ....graphs import ragged_arange
 from ....interpolate import EdgePhases
-from ...lines.edge_crossings import (
-    Chords,
-    Crossings,
-    chord_ends,
-    chords_of,
-    crossings_of,
-    on_rim,
-    refuse_more,
-    rims_of,
-    stride,
-)
+from ...lines.edge_crossings import Chords, Crossings, chord_ends, chords_of, crossings_of, on_rim, refuse_more, rims_of
 from ...lines.prepared_pattern import ASIDE, PreparedPattern, move_off_lines, prepare_pattern
 from .boundary_graph import boundary_segments, vertex_places
 from .line_graph import LineGraph
@@ -82,7 +72,7 @@ def _graph(prepared: PreparedPattern, crossings: Crossings, chords: Chords) -> G
     keys = chords.ranks[passes[step]][:, ::-1].astype(float)
     fan = prepared.fans[chords.triangles[passes[step]]]
     at_centre = (tails >= rim_count) & (tails < rim_count + centre_count)
-    keys = np.where(at_centre, keys + 4.0 * stride(crossings) * fan[:, None], keys)
+    keys = np.where(at_centre, keys + 4.0 * crossings.stride * fan[:, None], keys)
     at_rim = tails < rim_count
     keys = np.where(at_rim, 1.0, keys)
     reached = np.zeros(rim_count, bool)
