@@ -39,7 +39,7 @@ class FramesRequest:
         return self.requests[0].shared
 
     def solve(self, progress: Callback | None = None) -> "FramesResult":
-        """Errors as :meth:`SurfaceRequest.solve`, with the frame's number."""
+        """All frames; errors as :meth:`SurfaceRequest.solve`, with the number of the frame."""
         work = len(self.requests) + _FIRST - 1
         mesh = self.requests[0].given.mesh
         found = first = self._solve_frame(self.frames[0], self.requests[0], None, portion(progress, 0.0, _FIRST / work))

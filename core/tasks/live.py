@@ -41,7 +41,7 @@ class LiveRequest:
         return *self.shared, *self.followers
 
     def solve(self, progress: Callback | None = None) -> PatternResult:
-        """Errors as :meth:`SurfaceRequest.solve`."""
+        """The updated pattern; errors as :meth:`SurfaceRequest.solve`."""
         of_field, of_pattern = self.followers
         if self.turns_only:
             directions = self.field.turned(self.asked.turn - self.field.turn)

@@ -45,7 +45,7 @@ def solve_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None)
     directions = wanted.directed(portion(progress, 0.0, _DIRECTIONS))
     found = _mesh_field(request, directions, progress)
     faults = [] if found.quads is None else list(_faults(request, found.quads))
-    return replace(found, warnings=(*found.warnings, *request.refused_faults(faults)))
+    return replace(found, warnings=(*found.warnings, *request.accept_faults(faults)))
 
 
 def draft_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None) -> "SurfaceResult | None":

@@ -144,7 +144,7 @@ class SurfaceRequest:
         return self.given.mesh, self.given.uncut
 
     def solve(self, progress: Callback | None = None) -> "SurfaceResult":
-        """Raises Cancelled if the callback answers False, and ContradictionError with vertices of the object."""
+        """The result; Cancelled if the callback answers False, and ContradictionError with vertices of the object."""
         if self.command not in PATTERNS:
             return SurfaceResult(self.directed(progress))
         if self.command == "quad_mesh":
@@ -185,7 +185,7 @@ class SurfaceRequest:
         if self.directions is not None:
             return given_directions(mesh, symmetry, self.directions).turned(self.turn)
         start = None if self.start is None else self.start[0]
-        with self._own_vertices():
+        with self._renumber_errors():
             guides = tuple(guide.weighted for guide in self.guides)
             wishes = DirectionWishes(guides, self.rows, self.mirrors, self.singularities, self.pins)
             field = direction_field(mesh, symmetry, wishes, self.options, progress, before, follower, start)
@@ -209,12 +209,12 @@ class SurfaceRequest:
         growth = TargetOneForm.of(self.given.mesh, directions, self.spacings)
         # Tell the number of dislocations before the solve.
         Monitor(progress).at(f"pattern, {growth.forced_dislocations:.0f} dislocations asked for", 0.0)
-        warnings = self.refused_faults(self._judged(growth.coarse_share))
+        warnings = self.accept_faults(self._coarse_faults(growth.coarse_share))
 
         def result(pattern: Pattern) -> "PatternResult":
             return PatternResult(directions, pattern, None, growth.forced_dislocations, warnings)
 
-        with self._own_vertices():
+        with self._renumber_errors():
             pattern = PATTERNS[self.command](
                 self.given.mesh,
                 directions,
@@ -261,13 +261,13 @@ class SurfaceRequest:
             quads = finish_quads(quads, self.given.mesh, self.rows, planes, self.smoothing, self.has_only_quads)
         return {"quads": quads, "seconds": clock.seconds}
 
-    def refused_faults(self, faults: Sequence[str]) -> tuple[str, ...]:
-        """Warnings about faults of a result; SettingError with the first one if they are not accepted."""
+    def accept_faults(self, faults: Sequence[str]) -> tuple[str, ...]:
+        """Faults of a result as warnings; raises SettingError with the first one if the request is strict."""
         if self.strict and faults:
             raise SettingError(faults[0])
         return tuple(faults)
 
-    def _judged(self, coarse_share: float) -> tuple[str, ...]:
+    def _coarse_faults(self, coarse_share: float) -> tuple[str, ...]:
         if coarse_share <= COARSE_SHARE:
             return ()
         finest = np.min(self.spacings)
@@ -277,7 +277,7 @@ class SurfaceRequest:
         )
 
     @contextmanager
-    def _own_vertices(self) -> Iterator[None]:
+    def _renumber_errors(self) -> Iterator[None]:
         """Renumber the vertices of errors as vertices of the object, of which those at cuts have copies."""
         try:
             yield
