@@ -90,7 +90,7 @@ class _Offers:
     """
 
     conditions: list[Condition]
-    gains: np.ndarray
+    gains: list[float]
 
 
 class _Search:
@@ -116,7 +116,7 @@ class _Search:
                 return False
             if self._follow(chosen, price):
                 return True
-            self._offers.gains[chosen[0]] = 0  # not tried again
+            self._offers.gains[chosen[0]] = 0.0  # not tried again
         return False
 
     def _follow(self, chosen: list[int], price: float) -> bool:
@@ -160,7 +160,7 @@ class _Search:
         first = alike.argmax(axis=1) if len(found) else np.zeros(0, int)
         sums = np.bincount(first, gains, minlength=len(found))
         sums[sums < LEAST_GAIN] = 0
-        return _Offers(found, sums)
+        return _Offers(found, sums.tolist())
 
     def _tell(self, *_: object) -> None:
         self._monitor.at("closing loops", self.fraction)
