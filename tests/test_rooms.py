@@ -44,6 +44,16 @@ def test_imports_inside_functions_count(rooms, tmp_path):
     assert rooms.imports(found) == {"core.lazy": {"core.other"}, "core.other": set()}
 
 
+def test_imports_of_types_alone_do_not_count(rooms, tmp_path):
+    (tmp_path / "typed.py").write_text(
+        "if TYPE_CHECKING:\n    from .other import A\nif SLOW:\n    from .third import b\n"
+    )
+    (tmp_path / "other.py").write_text("")
+    (tmp_path / "third.py").write_text("")
+    found = {f"core.{name}": tmp_path / f"{name}.py" for name in ("typed", "other", "third")}
+    assert rooms.imports(found)["core.typed"] == {"core.third"}
+
+
 def test_core_knows_nothing_of_the_add_on(rooms, found):
     for name, targets in rooms.imports(found).items():
         if name.startswith("core"):

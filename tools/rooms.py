@@ -36,13 +36,21 @@ def modules():
     return found
 
 
+def _walk_run(tree):
+    """All nodes but those in ``if TYPE_CHECKING``, which never run."""
+    yield tree
+    for node in ast.iter_child_nodes(tree):
+        if not (isinstance(node, ast.If) and getattr(node.test, "id", "") == "TYPE_CHECKING"):
+            yield from _walk_run(node)
+
+
 def imports(found):
-    """The modules that each module imports, by their names."""
+    """The modules that each module imports when it runs, by their names."""
     result = {}
     for name, path in found.items():
         package = name if path.name == "__init__.py" else name.rpartition(".")[0]
         result[name] = set()
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in _walk_run(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom) and node.level:
                 base = package.split(".")[: len(package.split(".")) - node.level + 1]
                 base = ".".join([*base, *([node.module] if node.module else [])])

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The warm process of a batch, from both sides: it does one task after the other, without being started again.
+"""Both sides of a batch's warm process, which does many tasks without being restarted.
 
 A task is a JSON object on a line of its standard input; the answer is one on a line of its standard output that begins
-with a mark, since Blender prints there, too.
+with a mark, because Blender prints there, too.
 """
 
 import json
@@ -11,39 +11,42 @@ import queue
 import signal
 import subprocess
 import sys
+from collections.abc import Callable, Sequence
 from contextlib import suppress
+from typing import IO, Any, NoReturn
 
 from ..threads import Event, Lock, start_thread
 
 _MARK = "synch-row "
-# Tasks after which a process is followed by a fresh one: Blender keeps some kilobytes of each file that it opens.
+# A process is replaced after this many tasks: Blender keeps some kilobytes of each file that it opens.
 _TASKS = 1000
-# What Dask tells its workers' memory: each array of some size would be given back and asked for again, which doubles
-# the time of a solve.
+# Set by Dask for its workers; larger arrays would be freed and allocated again each time, which doubles solve times.
 _NOT_FOR_SOLVES = "MALLOC_TRIM_THRESHOLD_"
-# Seconds that a process has to end after its pipe has broken, and that it may take to clean up when it is not needed.
+# Seconds for a process to end after its pipe has broken, and to clean up when it is dismissed.
 _FAREWELL, _CLEANING = 10, 2
 
+# JSON objects.
+Task = dict[str, Any]
+Answer = dict[str, Any]
+_Child = subprocess.Popen[str]
 
-def serve(answer, leave=os._exit):
+
+def serve(answer: Callable[[Task], Answer], leave: Callable[[int], object] = os._exit) -> NoReturn:
     """Answer tasks until standard input is closed, which ends this process whatever it is doing.
 
-    Parameters
-    ----------
-    answer : callable(task) -> dict that JSON takes
-    leave : callable(status) that ends this process from any of its threads
+    ``leave(status)`` ends this process from any of its threads.
     """
     out = os.fdopen(os.dup(1), "w", encoding="utf-8")
     into = os.fdopen(os.dup(0), "r", encoding="utf-8")
-    os.dup2(2, 1)  # what Blender prints does not get among the answers
+    os.dup2(2, 1)  # keep what Blender prints out of the answers
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
-    tasks: queue.SimpleQueue = queue.SimpleQueue()
+    tasks: queue.SimpleQueue[str] = queue.SimpleQueue()
     start_thread(_read, into, tasks, leave)
     while True:
         print(_MARK + json.dumps(answer(json.loads(tasks.get()))), file=out, flush=True)
 
 
-def _read(into, tasks, leave):
+def _read(into: IO[str], tasks: queue.SimpleQueue[str], leave: Callable[[int], object]) -> None:
     try:
         for line in into:
             tasks.put(line)
@@ -52,23 +55,15 @@ def _read(into, tasks, leave):
 
 
 class Hand:
-    """A warm process, started when it is needed.
+    """A warm process, started by a command when it is first needed; each solve may use so many threads."""
 
-    Parameters
-    ----------
-    command : what starts it
-    threads : that each of its solves may use
-    """
-
-    def __init__(self, command, threads):
+    def __init__(self, command: Sequence[str], threads: int) -> None:
         self._command, self._threads = command, threads
-        self._child, self._left, self._lock, self._is_ended = None, 0, Lock(), False
+        self._child: _Child | None = None
+        self._left, self._lock, self._is_ended = 0, Lock(), False
 
-    def ask(self, task):
-        """The answer to a task; ``{"failed": reason}`` where the process ended over it.
-
-        A task's ``limit`` are the seconds after which its process is ended, None for no limit.
-        """
+    def ask(self, task: Task) -> Answer:
+        """The answer to a task; ``{"failed": reason}`` if the process ended, or was ended after ``limit`` seconds."""
         try:
             child = self._ready()
         except OSError as error:
@@ -82,24 +77,24 @@ class Hand:
         answered.set()
         if watch is not None:
             watch.join()
-        if answer is None or late.is_set():  # an answer in the last moment counts, but its process has ended
+        if answer is None or late.is_set():  # an answer at the last moment counts, but its process has been ended
             self._left = 0
         if answer is None and late.is_set():
             return {"failed": f"it took longer than {task['limit']:g} s"}
-        return {"failed": _last_words(child)} if answer is None else answer
+        return {"failed": _describe_end(child)} if answer is None else answer
 
-    def dismiss(self):
-        """Tell the process to end, and start none again."""
+    def dismiss(self) -> None:
+        """Tell the process to end, and do not start another."""
         with self._lock:
             self._is_ended = True
             _dismiss(self._child)
 
-    def end(self):
-        """End the process, and start none again."""
+    def end(self) -> None:
+        """End the process, and do not start another."""
         self.dismiss()
         _end(self._child)
 
-    def _ready(self):
+    def _ready(self) -> _Child | None:
         with self._lock:
             if self._is_ended:
                 return None
@@ -110,9 +105,10 @@ class Hand:
             return self._child
 
 
-def _start_child(command, variables):
-    """A child with pipes; Ctrl-C is for its parent, which ends it."""
-    kind: dict = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "encoding": "utf-8", "errors": "replace"}
+def _start_child(command: Sequence[str], variables: dict[str, str]) -> _Child:
+    """A child with pipes, which does not receive Ctrl-C: its parent ends it."""
+    kind: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "encoding": "utf-8"}
+    kind["errors"] = "replace"
     if sys.platform == "win32":
         kind["creationflags"] = subprocess.CREATE_NEW_PROCESS_GROUP | subprocess.CREATE_NO_WINDOW
     else:
@@ -121,33 +117,34 @@ def _start_child(command, variables):
     return subprocess.Popen(command, env=kept | variables, **kind)
 
 
-def _answer(child, task):
-    """What a child answers; None where it ends before."""
-    try:
+def _answer(child: _Child, task: Task) -> Answer | None:
+    """The child's answer; None if it ends before."""
+    if child.stdin is None or child.stdout is None:
+        return None
+    with suppress(OSError, ValueError):  # the caller reports that the child has ended
         child.stdin.write(json.dumps(task) + "\n")
         child.stdin.flush()
         for line in child.stdout:
             if line.startswith(_MARK):
-                return json.loads(line.removeprefix(_MARK))
-    except (OSError, ValueError):  # its end is told by who asks
-        pass
+                answer: Answer = json.loads(line.removeprefix(_MARK))
+                return answer
     return None
 
 
-def _end_late(child, seconds, answered, late):
+def _end_late(child: _Child, seconds: float, answered: Event, late: Event) -> None:
     if not answered.wait(seconds):
         late.set()
         child.kill()
 
 
-def _dismiss(child):
-    """Close a child's standard input, upon which it cleans up and ends."""
-    if child is not None:
-        with suppress(OSError, ValueError):  # what was not read, or is being written
+def _dismiss(child: _Child | None) -> None:
+    """Close a child's standard input, whereupon it cleans up and ends."""
+    if child is not None and child.stdin is not None:
+        with suppress(OSError, ValueError):  # something is unread, or being written
             child.stdin.close()
 
 
-def _end(child):
+def _end(child: _Child | None) -> None:
     if child is not None:
         _dismiss(child)
         try:
@@ -155,11 +152,12 @@ def _end(child):
         except subprocess.TimeoutExpired:
             child.kill()
             child.wait()
-        with suppress(OSError):
-            child.stdout.close()
+        if child.stdout is not None:
+            with suppress(OSError):
+                child.stdout.close()
 
 
-def _last_words(child):
+def _describe_end(child: _Child) -> str:
     try:
         status = child.wait(_FAREWELL)
     except subprocess.TimeoutExpired:

@@ -1,39 +1,43 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Warm processes on a Dask cluster: every thread of its workers drives one.
+"""Warm processes on a Dask cluster, one for every thread of its workers.
 
-The processes are children of the workers, so that neither Blender nor a row that ends its process is ever inside of
-one. Dask is imported where it is used: plain Python has it by the extra ``dask``, the extension does not.
+The processes are children of the workers, so that neither Blender nor a crash ever happens inside a worker. Dask is
+imported where it is used: the Python package has it by the extra ``batch``, the extension does not.
 """
 
 import queue
 import secrets
 import sys
 from collections import defaultdict
+from collections.abc import Sequence
+from typing import Any
 
 from ..errors import SettingError
 from ..threads import Lock
-from .child_loop import Hand
+from .child_loop import Answer, Hand, Task
 
 # Seconds in which a scheduler has to answer.
 _PATIENCE = 15
+# Name of the batch, arguments of Python that start a process, and threads of each solve.
+_Crew = tuple[str, tuple[str, ...], int]
 
 
 class Cluster:
-    """The workers of a Dask scheduler; used as a :class:`~.crew.Crew`.
+    """The workers of a Dask scheduler; used like a :class:`.process_pool.ProcessPool`.
 
     Parameters
     ----------
     address : of the scheduler, such as tcp://10.0.0.1:8786
-    arguments : of each worker's own Python that start a warm process
+    arguments : for each worker's Python, to start a warm process
     threads : that each solve may use
 
     Raises
     ------
     SettingError
-        where Dask is missing, or nothing answers at the address
+        if Dask is missing, or no scheduler answers at the address
     """
 
-    def __init__(self, address, arguments, threads):
+    def __init__(self, address: str, arguments: Sequence[str], threads: int) -> None:
         try:
             from distributed import Client
         except ImportError:
@@ -45,23 +49,22 @@ class Cluster:
                 f"no Dask scheduler answers at {address} ({error}): start one with dask scheduler"
             ) from None
         self._crew = secrets.token_hex(8), tuple(arguments), threads
-        self._answers: queue.SimpleQueue = queue.SimpleQueue()
+        self._answers: queue.SimpleQueue[tuple[Task, Any]] = queue.SimpleQueue()
         self._number = 0
 
     @property
-    def capacity(self):
-        """Tasks that are to be given at once: one ahead for each thread of the workers that are there now."""
+    def capacity(self) -> int:
+        """Number of tasks to start at a time: one running and one waiting for each thread of the present workers."""
         return 2 * max(sum(self._client.nthreads().values()), 1)
 
-    def start(self, task):
-        """Give a task."""
+    def start(self, task: Task) -> None:
         self._number += 1
         name = f"synch-{task['key']}-{self._number}"
         future = self._client.submit(_do, self._crew, task, key=name, pure=False)
         future.add_done_callback(lambda done: self._answers.put((task, done)))
 
-    def answer(self, seconds):
-        """A task that is answered, and the answer; None where there is none in some seconds."""
+    def answer(self, seconds: float) -> tuple[Task, Answer] | None:
+        """A finished task and its answer; None if there is none within some seconds."""
         try:
             task, future = self._answers.get(timeout=seconds)
         except queue.Empty:
@@ -71,8 +74,8 @@ class Cluster:
         except Exception as error:  # of Dask: every worker that took the task has ended, or the scheduler has
             return task, {"failed": f"Dask: {' '.join(str(error).split()) or type(error).__name__}"}
 
-    def end(self):
-        """End the processes of all workers, and let the scheduler go."""
+    def end(self) -> None:
+        """End the processes of all workers, and disconnect from the scheduler."""
         try:
             self._client.run(_end, self._crew)
         finally:
@@ -80,12 +83,14 @@ class Cluster:
 
 
 class _Hands:
-    """The warm processes of a worker, those that have no task now, by the batch that they were started for."""
+    """The warm processes of a worker, all and those without a task, by the batch that they were started for."""
 
-    def __init__(self):
-        self._lock, self._free, self._all = Lock(), defaultdict(list), defaultdict(list)
+    def __init__(self) -> None:
+        self._lock = Lock()
+        self._free: defaultdict[_Crew, list[Hand]] = defaultdict(list)
+        self._all: defaultdict[_Crew, list[Hand]] = defaultdict(list)
 
-    def ask(self, crew, task):
+    def ask(self, crew: _Crew, task: Task) -> Answer:
         with self._lock:
             free = self._free[crew]
             if not free:
@@ -99,7 +104,7 @@ class _Hands:
             with self._lock:
                 self._free[crew].append(hand)
 
-    def end(self, crew):
+    def end(self, crew: _Crew) -> None:
         with self._lock:
             self._free.pop(crew, None)
             ended = self._all.pop(crew, [])
@@ -110,10 +115,9 @@ class _Hands:
 _hands = _Hands()
 
 
-def _do(crew, task):
-    """What a worker does with a task."""
+def _do(crew: _Crew, task: Task) -> Answer:
     return _hands.ask(crew, task)
 
 
-def _end(crew):
+def _end(crew: _Crew) -> None:
     _hands.end(crew)

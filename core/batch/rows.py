@@ -4,56 +4,56 @@
 import glob
 import hashlib
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, TypeVar
 
 from ..errors import SettingError, quote_value
 from ..files.declared import DeclaredFile
 from ..validation import are_frames
 
-# Keys of a row that are not flags: the command, its positional argument, and how many frames a worker gets at once.
+# Keys of a row that are not flags: the command, its positional argument, and the number of frames per chunk.
 _COMMAND, _INPUT, _CHUNK = "command", "input", "chunk"
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True)
 class Row:
-    """A command that is asked for, as its parser understands it.
+    """A command after parsing.
 
     Attributes
     ----------
     arguments : the command line, its command first
-    options : what every flag stands for, ready for JSON
-    files : all that are read and written; what a .blend links to is not among them
+    options : the value of every flag, ready for JSON
+    files : all that are read and written, except links of a .blend file
     """
 
     arguments: tuple[str, ...]
-    options: dict
+    options: dict[str, Any]
     files: tuple[DeclaredFile, ...]
 
     @property
-    def label(self):
-        """What a person calls it: its command and its input."""
+    def label(self) -> str:
+        """Its command, input and frames, for people."""
         name = Path(str(self.options.get("input") or "")).name
         frames = self.options.get("frames")
         return " ".join([self.arguments[0], name, *([f"{frames[0]}-{frames[1]}"] if frames else [])])
 
 
-def read_rows(jobs, shared=()):
-    """The command lines of a batch.
+def read_rows(jobs: str, shared: Sequence[str] = ()) -> Iterator[list[str] | SettingError]:
+    """The command lines of a batch, and a :class:`SettingError` for each row that is not valid.
 
     Parameters
     ----------
     jobs : path of a JSON Lines file, or a pattern such as "meshes/*.obj"
-    shared : the command and its flags for each file that the pattern matches, ``{stem}`` for its name without suffix;
-        needed for a pattern, refused for a JSON Lines file
-
-    Yields lists of texts, or a :class:`SettingError` for a row that is none.
+    shared : for a pattern, the command and its flags for each matching file, with ``{stem}`` for its name without
+        suffix; empty for a JSON Lines file
 
     Raises
     ------
     SettingError
-        for a file or a pattern that gives no rows
+        for a missing file, or a pattern without matches or command
     """
     if shared:
         return _match_folder(jobs, list(shared))
@@ -66,7 +66,7 @@ def read_rows(jobs, shared=()):
     return _lines(path)
 
 
-def _match_folder(pattern, shared):
+def _match_folder(pattern: str, shared: list[str]) -> Iterator[list[str]]:
     if shared[0].startswith("-"):
         raise SettingError(f"{shared[0]} stands where a command is needed: write -- stripes --spacing 0.05")
     paths = sorted(path for path in glob.glob(pattern, recursive=True) if Path(path).is_file())
@@ -77,7 +77,7 @@ def _match_folder(pattern, shared):
         yield [command, path, *(flag.replace("{stem}", Path(path).stem) for flag in flags)]
 
 
-def _lines(path):
+def _lines(path: Path) -> Iterator[list[str] | SettingError]:
     with path.open("rb") as file:
         for number, line in enumerate(file, 1):
             if not line.strip():
@@ -95,25 +95,25 @@ def _decode_row(line: bytes) -> str:
         raise SettingError(f"this is not UTF-8 ({error}): save the file as UTF-8") from None
 
 
-def _from_line(line) -> Iterator[list[str]]:
+def _from_line(line: str) -> Iterator[list[str]]:
     try:
         row = json.loads(line)
     except (ValueError, RecursionError) as error:
         raise SettingError(f"this is not JSON ({error}): write one object a line") from None
     if not isinstance(row, dict) or not isinstance(row.get(_COMMAND), str):
-        raise SettingError('this is no row: write {"command": "stripes", "input": "mesh.obj", "spacing": 0.05}')
+        raise SettingError('this is not a row: write {"command": "stripes", "input": "mesh.obj", "spacing": 0.05}')
     for part in _ranges(row):
         yield _arguments(part)
 
 
-def _ranges(row):
-    """The row for each run of frames that a worker gets at once, the row itself where it has no chunk."""
+def _ranges(row: dict[str, Any]) -> list[dict[str, Any]]:
+    """A row for each chunk of frames; the row itself without a chunk."""
     if _CHUNK not in row:
         return [row]
     row = dict(row)
     chunk, frames = row.pop(_CHUNK), row.get("frames")
-    whole = isinstance(frames, list) and len(frames) == 2 and are_frames(*frames) and type(chunk) is int
-    if not whole or chunk < 1:
+    is_range = isinstance(frames, list) and len(frames) == 2 and are_frames(*frames)
+    if not isinstance(frames, list) or not is_range or type(chunk) is not int or chunk < 1:
         raise SettingError(
             f"the frames are {quote_value(frames)}, the chunk {quote_value(chunk)}: "
             'write "frames": [1, 240], "chunk": 60'
@@ -128,16 +128,17 @@ def _ranges(row):
     return parts
 
 
-def _fill_defaults(value, names):
+def _fill_defaults(value: Any, names: dict[str, str]) -> Any:
     if isinstance(value, str):
         for name, text in names.items():
             value = value.replace(name, text)
     return value
 
 
-def _arguments(row):
-    """The command line of a row: a flag for each key, none for false and null."""
-    given, stem = [], Path(str(row.get(_INPUT) or "")).stem
+def _arguments(row: dict[str, Any]) -> list[str]:
+    """The command line of a row: a flag for each key whose value is not false or null."""
+    given: list[str] = []
+    stem = Path(str(row.get(_INPUT) or "")).stem
     for key, value in row.items():
         if key in (_COMMAND, _INPUT) or value is None or value is False:
             continue
@@ -152,24 +153,20 @@ def _arguments(row):
 
 
 class Keys:
-    """The key of each row: equal where command, options, contents of the inputs and versions are equal.
+    """Keys of rows, equal if command, options, contents of inputs, and versions of all programs are equal."""
 
-    Parameters
-    ----------
-    versions : of everything that a result depends on
-    """
+    def __init__(self, versions: object) -> None:
+        self._versions = versions
+        self._digests: dict[str, str | None] = {}
 
-    def __init__(self, versions):
-        self._versions, self._digests = versions, {}
-
-    def of(self, row):
+    def of(self, row: Row) -> str:
         """32 hexadecimal digits."""
         contents = {file.path: self._digest(file.path) for file in row.files if not file.is_written}
-        told = json.dumps([row.arguments[0], row.options, contents, self._versions], sort_keys=True)
-        return hashlib.sha256(told.encode("utf-8", "surrogatepass")).hexdigest()[:32]
+        text = json.dumps([row.arguments[0], row.options, contents, self._versions], sort_keys=True)
+        return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:32]
 
-    def _digest(self, path):
-        """Of a file's bytes, which are read once; None where it cannot be read, as the row itself will tell."""
+    def _digest(self, path: str) -> str | None:
+        """Digest of a file, which is read once; None if it cannot be read, which the row itself will report."""
         if path not in self._digests:
             try:
                 with open(path, "rb") as file:
@@ -179,14 +176,8 @@ class Keys:
         return self._digests[path]
 
 
-def share_of(rows, text):
-    """The contiguous part "K/N" of a sequence, K from 1 on.
-
-    Raises
-    ------
-    SettingError
-        where the text is none
-    """
+def share_of(rows: Sequence[_T], text: str) -> Sequence[_T]:
+    """The contiguous part "K/N" of a sequence, K from 1 on; SettingError for other texts."""
     part, _, parts = text.partition("/")
     if not (part.isdecimal() and parts.isdecimal() and 1 <= int(part) <= int(parts)):
         raise SettingError(f"the share is {quote_value(text)}: write 3/40 for the third of forty")

@@ -1,30 +1,35 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A batch, from its rows to what became of each: what is done is skipped, what fails is tried again."""
+"""Runs the rows of a batch: finished rows are skipped, failed ones are tried again."""
 
 import json
 import os
 from collections import deque
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from ..errors import SettingError, one_line
-from ..files.declared import FileOwners
-from .rows import Keys
+from ..files.declared import DeclaredFile, FileOwners
+from .child_loop import Task
+from .cluster import Cluster
+from .process_pool import ProcessPool
+from .records import Records
+from .rows import Keys, Row
 
-# Seconds between two looks at whether the batch is interrupted.
+# Seconds between two checks for an interruption.
 _LOOK = 0.2
-# Owner of the batch's own files; those of rows have their numbers, from 1 on.
+# Owner of the batch's own files; those of rows have the rows' numbers, from 1 on.
 _BATCH = 0
 
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """What is kept of a row while a batch runs.
+    """The part of a row that is kept while a batch runs.
 
     Attributes
     ----------
-    label : what a person calls it, in one line
-    key : of its record; None where it cannot be a row
-    told : JSON of its arguments; the reason why it cannot be a row
+    label : for people, in one line
+    key : of its record; None for a row that is not valid
+    told : JSON of its arguments, or why it is not valid
     """
 
     label: str
@@ -32,20 +37,25 @@ class Planned:
     told: str
 
 
-def plan(command_lines, understood, versions, own=()):
-    """The :class:`Planned` rows of a batch.
+def plan(
+    command_lines: Iterable[list[str] | SettingError],
+    understood: Callable[[list[str]], Row],
+    versions: object,
+    own: Iterable[DeclaredFile] = (),
+) -> list[Planned]:
+    """The rows of a batch.
 
     Parameters
     ----------
-    command_lines : of texts, or of the error of a row that is none, as :func:`.rows.read_rows` gives them
-    understood : callable(arguments) -> Row; raises SettingError
+    command_lines : from :func:`.rows.read_rows`
+    understood : parses a command line, or raises SettingError
     versions : of everything that a result depends on
-    own : :class:`DeclaredFile` of the batch itself
+    own : files of the batch itself
 
     Raises
     ------
     SettingError
-        where a row writes what another one, or the batch, reads or writes
+        if a row writes a file that another row, or the batch, reads or writes
     """
     keys, owners = Keys(versions), FileOwners()
     rows: list[Planned] = []
@@ -70,8 +80,8 @@ def plan(command_lines, understood, versions, own=()):
     return rows
 
 
-def _clash(file, row, other, writes):
-    """The error of a file that a row shares with another one, which writes or reads it, or with the batch."""
+def _clash(file: DeclaredFile, row: int, other: int, writes: bool) -> SettingError:
+    """The error for a file that a row shares with another one, which writes or reads it, or with the batch."""
     if other == _BATCH:
         does = "writes" if file.is_written else "reads"
         return SettingError(f"row {row} {does} {file.path}, a file of the batch itself: name another one")
@@ -86,21 +96,27 @@ def _clash(file, row, other, writes):
     )
 
 
-def run_rows(rows, records, crew, retries, versions, progress, limit=None):
-    """Do what is not done of the rows; returns how many were done before, and now.
+def run_rows(
+    rows: Iterable[Planned],
+    records: Records,
+    crew: ProcessPool | Cluster,
+    retries: int,
+    versions: object,
+    progress: Callable[[str, float], object],
+    limit: float | None = None,
+) -> tuple[int, int]:
+    """Do the rows that are not done; returns the numbers of rows done before, and now.
 
     Parameters
     ----------
-    rows : sequence of :class:`Planned`
-    records : Records
-    crew : Crew or Cluster
     retries : how often a row that fails is tried again
     versions : that the processes must have
-    progress : callable(stage, fraction); raises where the batch is interrupted
-    limit : seconds after which a row is ended, its process's start included; None for no limit
+    progress : called with a stage and a fraction; raises if the batch is interrupted
+    limit : seconds for a row, including the start of its process; None for no limit
     """
-    tries, ended = {}, set()
-    waiting: deque = deque()
+    tries: dict[str, int] = {}
+    ended: set[str] = set()
+    waiting: deque[tuple[str, Planned]] = deque()
     for row in rows:
         if row.key is None or row.key in tries or row.key in ended:
             continue
@@ -109,34 +125,34 @@ def run_rows(rows, records, crew, retries, versions, progress, limit=None):
             continue
         tries[row.key] = (records.failed(row.key) or {"tries": 0})["tries"]
         if tries[row.key] <= retries:
-            waiting.append(row)
+            waiting.append((row.key, row))
     before, made, failed, total = len(ended), 0, 0, len(waiting)
-    running: dict = {}
+    running: dict[str, Planned] = {}
     while waiting or running:
         progress(f"rows ({failed} failed)" if failed else "rows", (made + failed) / total)
         while waiting and len(running) < crew.capacity:
-            row = waiting.popleft()
-            running[row.key] = row
+            key, row = waiting.popleft()
+            running[key] = row
             crew.start(_task(row, records, versions) | {"limit": limit})
         answered = crew.answer(_LOOK)
         if answered is None:
             continue
         task, answer = answered
-        row = running.pop(task["key"])
+        key = task["key"]
+        row = running.pop(key)
         if "failed" not in answer:
             made += 1
             continue
-        tries[row.key] += 1
-        records.keep_failed(row.key, tries[row.key], answer["failed"])
-        if tries[row.key] <= retries:
-            waiting.append(row)
+        tries[key] += 1
+        records.keep_failed(key, tries[key], answer["failed"])
+        if tries[key] <= retries:
+            waiting.append((key, row))
         else:
             failed += 1
     return before, made
 
 
-def _task(row, records, versions):
-    """What a process is told of a row."""
+def _task(row: Planned, records: Records, versions: object) -> Task:
     return {
         "key": row.key,
         "arguments": json.loads(row.told),

@@ -4,12 +4,17 @@
 import base64
 import heapq
 import statistics
+from collections.abc import Iterable, Iterator
 from html import escape
+from os import PathLike
+from pathlib import Path
 
 from ..files.whole import write_whole
+from .records import Record, Records
+from .run import Planned
 from .table import entries
 
-# Rows that a sheet shows: failures first, then those with the widest gaps; a page of more is slow to open.
+# Most rows of a sheet, failures first, then the widest gaps; a longer page is slow to open.
 _MOST = 600
 _STYLE = """
 :root { --ink: #1d232b; --dim: #667180; --line: #dfe3e8; --page: #f4f5f7; --card: #fff; --good: #2f7d5b; --bar: #3b5b92;
@@ -42,15 +47,8 @@ p.note { color: var(--dim) }
 """
 
 
-def write_sheet(path, title, rows, records):
-    """Write the sheet; errors as :func:`..files.whole.write_whole`.
-
-    Parameters
-    ----------
-    path : of the .html file
-    title : str
-    rows, records : see :func:`.table.entries`
-    """
+def write_sheet(path: str | PathLike[str], title: str, rows: Iterable[Planned], records: Records) -> None:
+    """Write the .html file of a batch; errors as :func:`..files.whole.write_whole`."""
     found = _Figures()
     kept = heapq.nlargest(_MOST, map(found.ranked, entries(rows, records)), key=lambda ranked: ranked[:2])
     shown = sorted((entry for _, _, entry in kept), key=lambda entry: entry["row"])
@@ -58,8 +56,8 @@ def write_sheet(path, title, rows, records):
         file.write(f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{escape(title)}</title>')
         file.write(f"<style>{_STYLE}</style><h1>{escape(title)}</h1>{found.tiles()}")
         if found.count > len(shown):
-            told = f"{len(shown)} of {found.count:,} rows: those that failed, and the widest gaps."
-            file.write(f'<p class="note">{told}</p>')
+            note = f"{len(shown)} of {found.count:,} rows: those that failed, and the widest gaps."
+            file.write(f'<p class="note">{note}</p>')
         lost = [entry for entry in shown if entry["state"] != "done"]
         if lost:
             file.write("<h2>Not done</h2><table><tr><th>Row<th>What<th>Tries<th>Why")
@@ -74,13 +72,15 @@ def write_sheet(path, title, rows, records):
 
 
 class _Figures:
-    """Counts what goes by."""
+    """Counts entries."""
 
-    def __init__(self):
-        self.count, self._states, self._seconds, self._gaps, self._proved = 0, {}, 0.0, [], 0
+    def __init__(self) -> None:
+        self.count, self._seconds, self._proved = 0, 0.0, 0
+        self._states: dict[str, int] = {}
+        self._gaps: list[float] = []
 
-    def ranked(self, entry):
-        """The entry behind how much it should be shown."""
+    def ranked(self, entry: Record) -> tuple[float, int, Record]:
+        """Count an entry; its rank, by which the first ones are shown, and the entry."""
         self.count += 1
         state, gap = entry["state"], _gap(entry)
         self._states[state] = self._states.get(state, 0) + 1
@@ -90,7 +90,7 @@ class _Figures:
             self._gaps.append(gap)
         return (2.0 if state != "done" else gap or 0.0), -self.count, entry
 
-    def tiles(self):
+    def tiles(self) -> str:
         done = self._states.get("done", 0)
         tiles = [("", f"{done:,}", "done"), ("", _time(self._seconds), "of one process")]
         if self._gaps:
@@ -104,22 +104,22 @@ class _Figures:
         return f'<div class="tiles">{"".join(boxes)}</div>'
 
 
-def _gap(entry):
-    """The gap of an entry, None where no bound was asked."""
+def _gap(entry: Record) -> float | None:
+    """The gap of an entry, None without a bound."""
     return None if entry.get("certificate") == "none" else entry.get("gap")
 
 
-def _time(seconds):
+def _time(seconds: float) -> str:
     if seconds < 120:
         return f"{seconds:.1f} s"
     return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
 
 
-def _failure(entry):
+def _failure(entry: Record) -> str:
     return f"<tr><td>{entry['row']}<td>{escape(entry['label'])}<td>{entry.get('tries', 0)}<td>{escape(entry['reason'])}"
 
 
-def _card(entry, thumbnail):
+def _card(entry: Record, thumbnail: Path) -> str:
     try:
         data = base64.b64encode(thumbnail.read_bytes()).decode()
         picture = f'<img alt="" loading="lazy" src="data:image/jpeg;base64,{data}">'
@@ -134,8 +134,8 @@ def _card(entry, thumbnail):
     )
 
 
-def _card_lines(entry):
-    """Lines of a card: what, and HTML."""
+def _card_lines(entry: Record) -> Iterator[tuple[str, str]]:
+    """Names and HTML values of a card's lines."""
     if "nodes" in entry:
         yield "vertices", f"{entry['nodes']:,}"
     if "energy" in entry:

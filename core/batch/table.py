@@ -1,42 +1,35 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What became of the rows of a batch: a table as .csv and .json, row by row, so that there may be many."""
+"""The results of a batch's rows as .csv and .json tables, written row by row because there may be many."""
 
 import csv
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
 
 from ..files.json_text import json_text
 from ..files.whole import write_whole
+from .records import Record, Records
+from .run import Planned
 
-# Figures of a report that the table has, and lists of it whose lengths it has.
+# Figures of a report in the table, and lists of a report whose lengths are in the table.
 FIGURES = "status", "energy", "lower_bound", "gap", "certificate", "nodes"
 COUNTS = "disclinations", "dislocations", "warnings"
 _COLUMNS = ("row", "label", "state", *FIGURES, *COUNTS, "seconds", "memory_mb", "tries", "reason", "files")
-# What formulas of spreadsheets begin with.
+# First characters of formulas in spreadsheets.
 _OF_FORMULAS = "=", "+", "-", "@", "\t", "\r"
-# What a table says of a row that nobody has done yet.
+# State of a row that has not been tried.
 OPEN = "open"
 
 
-def figures(report, seconds):
-    """What the record of a row keeps of its report.
-
-    Parameters
-    ----------
-    report : dict
-    seconds : that the row took, its files included
-    """
+def figures(report: dict[str, Any], seconds: float) -> Record:
+    """The record of a row's report; seconds include the writing of its files."""
     counts = {name: len(report[name]) for name in COUNTS if name in report}
     kept = {name: report[name] for name in FIGURES if report.get(name) is not None}
     return kept | counts | {"seconds": seconds, "memory_mb": report.get("peak_memory_mb")}
 
 
-def entries(rows, records):
-    """What became of each row, as a dict whose ``state`` is "done", "failed" or "open"; nothing is kept of them.
-
-    Parameters
-    ----------
-    rows : sequence of Planned
-    records : Records
-    """
+def entries(rows: Iterable[Planned], records: Records) -> Iterator[Record]:
+    """The result of each row, read one at a time, whose ``state`` is "done", "failed" or "open"."""
     for number, row in enumerate(rows, 1):
         entry = {"row": number, "label": row.label, "key": row.key}
         done = row.key and records.done(row.key)
@@ -49,19 +42,13 @@ def entries(rows, records):
             yield entry | {"state": OPEN, "reason": "nobody has tried it yet"}
 
 
-def _cell(value):
-    """A cell of a .csv file that no spreadsheet takes for a formula: texts are marked as such by an apostrophe."""
+def _cell(value: object) -> object:
+    """A cell of a .csv file; an apostrophe marks texts that spreadsheets would read as formulas."""
     return f"'{value}" if isinstance(value, str) and value.startswith(_OF_FORMULAS) else value
 
 
-def write_tables(folder, rows, records):
-    """Write summary.csv and summary.json; returns their paths and how many rows are done.
-
-    Parameters
-    ----------
-    folder : pathlib.Path
-    rows, records : see :func:`entries`
-    """
+def write_tables(folder: Path, rows: Iterable[Planned], records: Records) -> tuple[list[str], int]:
+    """Write summary.csv and summary.json; returns their paths and the number of rows that are done."""
     table, listed, done = folder / "summary.csv", folder / "summary.json", 0
     with write_whole(table) as csv_path, write_whole(listed) as json_path:
         with (

@@ -1,49 +1,56 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The loop of a process that solves for another one: requests come in by a pipe, what is found goes out by one.
+"""The main loop of a child process that solves requests: they are read from one pipe, results are written to another.
 
-This process ends when the pipe from its parent is closed, whatever it is doing, so that none outlives Blender. Its
-threads are its own: none of them runs beside Blender.
+The process ends when the pipe from its parent is closed, even in the middle of a solve, so that it never outlives
+Blender. Its threads do not run beside Blender.
 
-Messages are tuples that begin with a word. In: ("solve", request), ("keep",): what was shown last is the result,
-("end",): the present request is of no use any more. Out: ("ready", versions), ("progress", stage, fraction), ("shown",
-picture), ("done", result, peak in MB), ("failed", SynchError), ("broken", traceback).
+Messages are tuples that begin with a word. In: ("solve", request), ("keep",): take the result shown last, ("end",):
+cancel the present request. Out: ("ready", versions), ("progress", stage, fraction), ("shown", picture), ("done",
+result, peak in MB), ("failed", SynchError), ("broken", traceback).
 """
 
 import os
 import queue
 import time
 import traceback
+from collections.abc import Callable, Sequence
 from functools import partial
+from typing import Any, NoReturn, Protocol
 
 from ..threads import start_thread
 from .ipc import BrokenParcel, Unpacker, pack_parts
 
-# Exit status of a process that took more memory than it may, or could not get what it needed.
+# Exit status of a process that exceeded its memory limit or could not allocate memory.
 TOO_MUCH_MEMORY = 77
-# And of one that was asked what it cannot read.
+# Exit status after a message that cannot be read.
 UNREADABLE = 78
-# Seconds between two looks at the memory, between two words on how far the work is, and between two pictures.
+# Seconds between two checks of the memory, two progress messages, and two pictures.
 _LOOK, _WORD, _PICTURE = 0.03, 0.05, 0.2
-# Steps by which the window, and all else, goes first.
+# Priority is lowered by this, so that the window goes first.
 _NICE = 5
+_Send = Callable[[tuple[object, ...]], None]
 
 
-def serve(limit):
-    """Solve what is asked until the pipe is closed.
+class _Request(Protocol):
+    """See :mod:`..tasks`."""
 
-    Parameters
-    ----------
-    limit : bytes of memory that this process may take
-    """
-    if hasattr(os, "nice"):  # elsewhere the parent sees to it
+    @property
+    def shared(self) -> Sequence[object]: ...
+
+    def solve(self, progress: Callable[[str, float], bool]) -> object: ...
+
+
+def serve(limit: int) -> NoReturn:
+    """Solve requests until the pipe is closed; the process may use ``limit`` bytes of memory."""
+    if hasattr(os, "nice"):  # elsewhere the parent sets the priority
         os.nice(_NICE)
     out, into = os.dup(1), os.dup(0)
-    os.dup2(2, 1)  # what libraries print does not get among the messages
-    # On Windows libraries that ask about standard input while they are loaded would wait for a thread that reads it.
+    os.dup2(2, 1)  # keep what libraries print out of the messages
+    # On Windows, libraries that query standard input while they are imported would wait for the thread that reads it.
     os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
-    chunks: queue.SimpleQueue = queue.SimpleQueue()
+    chunks: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     start_thread(_read, into, chunks)
-    # Only now: reading has begun, so that the parent can write while all this is loaded.
+    # Imported only now, while the parent can already write.
     from .. import tasks
 
     watch = _Watch(limit)
@@ -56,45 +63,47 @@ def serve(limit):
         request = inbox.request()
         watch.peak = 0
         send(_answer(request, send, watch, inbox), request.shared)
-        request = None  # nothing is kept of it until the next
+        del request  # frees it before the next one comes
 
 
-def _read(into, chunks):
-    """Put what comes into a queue; the end of the pipe is the end of the process."""
+def _read(into: int, chunks: queue.SimpleQueue[bytes]) -> None:
+    """Put incoming bytes into a queue, and end the process when the pipe is closed."""
     try:
         while data := os.read(into, 1 << 20):
             chunks.put(data)
-    finally:  # without a thread that reads, the process would wait for ever
+    finally:  # without a reader the process would wait for ever
         os._exit(0)
 
 
 class _Inbox:
-    """What the parent says, as it comes; what cannot be read is the end of the process.
+    """Messages from the parent, in order; one that cannot be read ends the process.
 
-    It is not the thread that reads that unpacks: a request imports modules, and two threads that do so may wait for
-    one another.
+    They are not unpacked in the reading thread: unpickling a request imports modules, and two threads that import may
+    wait for each other.
     """
 
-    def __init__(self, chunks):
-        self._chunks, self._unpacker, self._messages = chunks, Unpacker(), []
+    def __init__(self, chunks: queue.SimpleQueue[bytes]) -> None:
+        self._chunks, self._unpacker = chunks, Unpacker()
+        self._messages: list[tuple[Any, ...]] = []
 
-    def request(self):
-        """What is asked next; words about what is over are dropped."""
+    def request(self) -> _Request:
+        """Wait for the next request; messages about earlier ones are dropped."""
         while True:
             while self._messages:
                 word, *rest = self._messages.pop(0)
                 if word == "solve":
-                    return rest[0]
+                    request: _Request = rest[0]
+                    return request
             self._take()
 
-    def word(self):
-        """What the parent has said of the present request: "keep", "end", or "" for nothing."""
+    def word(self) -> str:
+        """The parent's message about the present request: "keep", "end", or ""."""
         while not self._chunks.empty():
             self._take()
         word = self._messages[0][0] if self._messages else ""
         return "" if word == "solve" else word
 
-    def _take(self):
+    def _take(self) -> None:
         try:
             for message in self._unpacker.feed(self._chunks.get()):
                 self._messages.append(message)
@@ -107,44 +116,39 @@ class _Inbox:
 
 
 class _Watch:
-    """Looks at the memory that the process takes, and ends it where that is too much.
+    """Ends the process when it uses too much memory; ``peak`` is the largest use seen since it was set to 0, bytes."""
 
-    Attributes
-    ----------
-    peak : bytes, the most that was seen since it was set to 0
-    """
-
-    def __init__(self, limit):
+    def __init__(self, limit: int) -> None:
         from ..memory import used_bytes
 
         self._used, self._limit, self.peak = used_bytes, limit, 0
 
-    def run(self):
+    def run(self) -> NoReturn:
         while True:
             self.look()
             time.sleep(_LOOK)
 
-    def look(self):
+    def look(self) -> None:
         used = self._used()
         self.peak = max(self.peak, used)
         if used > self._limit:
             os._exit(TOO_MUCH_MEMORY)
 
 
-def _send(out, message, shared=()):
+def _send(out: int, message: tuple[object, ...], shared: Sequence[object] = ()) -> None:
     for part in pack_parts(message, shared):
         rest = memoryview(part).cast("B")
         while len(rest):
             rest = rest[os.write(out, rest) :]
 
 
-def _answer(request, send, watch, inbox):
-    """The last message about a request."""
+def _answer(request: _Request, send: _Send, watch: _Watch, inbox: _Inbox) -> tuple[object, ...]:
+    """Solve a request; the last message about it."""
     from ..errors import Cancelled, SynchError
 
-    shown, progress = _Shown(request, send), _Progress(send)
+    shown, progress = _PictureSender(request, send), _ProgressSender(send)
 
-    def goes_on(stage, fraction):
+    def goes_on(stage: str, fraction: float) -> bool:
         shown.look()
         progress(stage, fraction)
         word = inbox.word()
@@ -168,37 +172,33 @@ def _answer(request, send, watch, inbox):
         return "broken", traceback.format_exc()
 
 
-class _Shown:
-    """Results on the way, whose pictures are sent, not too often.
+class _PictureSender:
+    """Sends pictures of intermediate results at limited intervals; ``last`` is the result that was sent last."""
 
-    Attributes
-    ----------
-    last : result whose picture was sent last, None before
-    """
+    def __init__(self, request: Any, send: _Send) -> None:
+        self._request, self._send, self._time = request, send, -_PICTURE
+        self.last: object = None
+        self._waiting: object = None
 
-    def __init__(self, request, send):
-        self._request, self._send = request, send
-        self.last, self._waiting, self._time = None, None, -_PICTURE
-
-    def __call__(self, result):
+    def __call__(self, result: object) -> None:
         self._waiting = result
         self.look()
 
-    def look(self):
-        """Send the picture of what waits, where it is time for one."""
+    def look(self) -> None:
+        """Send the picture of the waiting result if the interval has passed."""
         if self._waiting is not None and time.monotonic() >= self._time + _PICTURE:
             self.last, self._waiting = self._waiting, None
             self._send(("shown", self._request.picture(self.last)))
             self._time = time.monotonic()
 
 
-class _Progress:
-    """Says how far the work is, not too often."""
+class _ProgressSender:
+    """Sends progress messages, at limited intervals within a stage."""
 
-    def __init__(self, send):
-        self._send, self._stage, self._time = send, None, 0.0
+    def __init__(self, send: _Send) -> None:
+        self._send, self._stage, self._time = send, "", 0.0
 
-    def __call__(self, stage, fraction):
+    def __call__(self, stage: str, fraction: float) -> None:
         now = time.monotonic()
         if stage != self._stage or now > self._time + _WORD:
             self._stage, self._time = stage, now

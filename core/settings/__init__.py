@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What can be set, declared once: each group of settings is a frozen dataclass whose fields are records."""
+"""All settings, declared once: each group of settings is a frozen dataclass whose fields have records."""
 
 from .bake import BakeSettings
 from .flow import FlowSettings

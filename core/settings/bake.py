@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings of a bake: which maps, and how they are kept."""
+"""Settings of a bake: which maps, and how they are stored."""
 
 import string
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 from ..errors import SettingError, quote_value
@@ -10,10 +11,11 @@ from ..validation import check_path
 from .setting import FOLDER, PIXELS, Choice, SettingsRecord, setting
 
 BAKES = ("bake",)
+_bake_setting = partial(setting, commands=BAKES)
 
 
 class MapKind(NamedTuple):
-    """How a map is kept.
+    """How a map is stored.
 
     Attributes
     ----------
@@ -30,7 +32,7 @@ class MapKind(NamedTuple):
     is_color: bool = False
 
 
-# In the order in which they are baked. The names are those of files and flags too.
+# In the order in which they are baked. Files and flags have the same names.
 MAPS = {
     "mask": MapKind(True, "8", "16", "the factor of the pattern: 1 in a stripe or on a line, 0 elsewhere"),
     "colour": MapKind(False, "8", "16", "base colour of what is rendered", is_color=True),
@@ -52,22 +54,18 @@ _FORMATS = (
     Choice("EXR", "OpenEXR", "Floating-point numbers: 16 bits, and 32 for height, phase and index"),
 )
 SUFFIXES = {"PNG": ".png", "EXR": ".exr"}
-# The UV map that is made where none is named.
+# The UV map that is made if none is named.
 NEW_MAP = "Synch Bake"
 
 
 @dataclass(frozen=True, kw_only=True)
 class BakeSettings(SettingsRecord):
-    """What is baked, and where it goes."""
+    """Which maps are baked, and where they are stored."""
 
-    maps: tuple[str, ...] = setting(
-        ("colour", "normal", "height"),
-        "Maps",
-        "Images to bake; click with Shift to choose several",
-        choices=_MAPS,
-        commands=BAKES,
+    maps: tuple[str, ...] = _bake_setting(
+        ("colour", "normal", "height"), "Maps", "Images to bake; click with Shift to choose several", choices=_MAPS
     )
-    size: int = setting(
+    size: int = _bake_setting(
         1024,
         "Size",
         "Width and height of the images in pixels",
@@ -75,10 +73,9 @@ class BakeSettings(SettingsRecord):
         least=16,
         most=16384,
         usual=(None, 8192),
-        commands=BAKES,
         group="bake",
     )
-    margin: int = setting(
+    margin: int = _bake_setting(
         16,
         "Margin",
         "How far the image goes on beyond the edges of UV islands, so that no background shows at seams",
@@ -86,67 +83,48 @@ class BakeSettings(SettingsRecord):
         least=0,
         most=16384,
         usual=(None, 64),
-        commands=BAKES,
         group="bake",
     )
-    samples: int = setting(
+    samples: int = _bake_setting(
         16,
         "Samples",
         "For each pixel: more make edges smoother and take longer",
         least=1,
         most=4096,
         usual=(None, 64),
-        commands=BAKES,
         group="bake",
     )
-    uv_map: str = setting(
-        "",
-        "UV Map",
-        "Where on the image each face is; empty for the active map",
-        unset="the active one",
-        commands=BAKES,
+    uv_map: str = _bake_setting(
+        "", "UV Map", "Where on the image each face is; empty for the active map", unset="the active one"
     )
-    unwrap: bool = setting(
-        False,
-        "Smart UV Project",
-        f"Make the UV map if the mesh does not have it; where none is named, {NEW_MAP!r}",
-        commands=BAKES,
+    unwrap: bool = _bake_setting(
+        False, "Smart UV Project", f"Make the UV map if the mesh does not have it; where none is named, {NEW_MAP!r}"
     )
-    folder: str = setting(
+    folder: str = _bake_setting(
         "",
         "Folder",
         "Where the files go; empty to pack the images into the .blend",
         names=FOLDER,
         unset="packed into the .blend of --output",
-        commands=BAKES,
     )
-    naming: str = setting(
-        "{object}_{map}",
-        "Name",
-        "Of each file or image; {object} and {map} are filled in",
-        commands=BAKES,
-        group="files",
-        flag="name",
+    naming: str = _bake_setting(
+        "{object}_{map}", "Name", "Of each file or image; {object} and {map} are filled in", group="files", flag="name"
     )
-    file_format: str = setting(
-        "PNG", "Format", "Kind of the images", choices=_FORMATS, commands=BAKES, group="files", flag="format"
+    file_format: str = _bake_setting(
+        "PNG", "Format", "Kind of the images", choices=_FORMATS, group="files", flag="format"
     )
-    material: bool = setting(
+    material: bool = _bake_setting(
         False,
         "Material of Images",
         "Show the images in place of the pattern; its material is kept, and is what the next bake shows",
-        commands=BAKES,
         group="files",
     )
-    displacement: bool = setting(
-        False,
-        "Displacement",
-        "Let the new material displace the surface by the height when it is rendered",
-        commands=BAKES,
+    displacement: bool = _bake_setting(
+        False, "Displacement", "Let the new material displace the surface by the height when it is rendered"
     )
 
     def __post_init__(self) -> None:
-        self._take_maps()
+        self._order_maps()
         super().__post_init__()
         if self.margin > self.size:
             raise SettingError(f"the margin is {self.margin}: give a whole number from 0 to {self.size}")
@@ -157,8 +135,8 @@ class BakeSettings(SettingsRecord):
         check_path(self.folder, "the folder")
         self._check_name()
 
-    def _take_maps(self) -> None:
-        """The maps in the order in which they are baked; they may be given as a text with commas."""
+    def _order_maps(self) -> None:
+        """Put the maps into the order in which they are baked; they may be given as a text with commas."""
         names = self.maps.split(",") if isinstance(self.maps, str) else self.maps
         if not isinstance(names, list | tuple):
             raise SettingError(f"the maps are {quote_value(names)}: give names such as colour,normal")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The constraint list: rows as plain data, also from JSON."""
+"""The constraint list: rows as plain data, and from JSON."""
 
 from dataclasses import dataclass, fields
 
@@ -24,12 +24,12 @@ WISHES = (
     Choice("constant", "Same Phase", "The line follows one stripe, at a distance from its middle that is left free"),
     Choice("cut", "Cut", "Nothing is carried across: the panels on both sides have patterns of their own"),
 )
-# Places that have a name; the boundary may have the name of a group that restricts it.
+# Places that need a name; the boundary may have the name of a group that restricts it.
 _NAMED = {"group": "a vertex group", "curve": "a curve object", "attribute": "an attribute"}
 
 
 def wishes_at(where: str) -> list[str]:
-    """What can be asked for at a place: only edges of the mesh can be cut, and an attribute gives no line."""
+    """The wishes that are possible at a place: only edges of the mesh can be cut, and an attribute has no line."""
     impossible = {"boundary": {"cut"}, "curve": {"cut"}, "attribute": {"cut", "constant"}}.get(where, set())
     return [wish.name for wish in WISHES if wish.name not in impossible]
 
@@ -41,11 +41,10 @@ class Constraint:
     Attributes
     ----------
     where : name of one of :data:`PLACES`
-    what : name of one of :data:`WISHES`: "along", "across" or "angle" of directions, "phase" or "constant" of
-        stripes, or "cut": nothing is carried across these edges
+    what : name of one of :data:`WISHES`
     name : of the vertex group, the curve object or the attribute
     degrees : the angle from the line, or the phase
-    weight : None for a hard wish, otherwise how strong a soft one is
+    weight : of a soft wish, None for a hard one
     """
 
     where: str
@@ -78,12 +77,12 @@ class Constraint:
 
     @property
     def label(self) -> str:
-        """What the row is called in messages."""
+        """The row's name in messages."""
         return f"the constraint {self.where}{' ' + self.name if self.name else ''} {self.what}"
 
 
 def from_plain(rows: object) -> tuple[Constraint, ...]:
-    """Constraints from a list of dicts with the attributes of :class:`Constraint` as keys, as JSON gives it."""
+    """Constraints from a list of dicts with the attributes of :class:`Constraint` as keys, as in JSON."""
     if not isinstance(rows, list | tuple):
         raise SettingError(
             "the constraints are not a list: give a list of rows such as {'where': 'seams', 'what': 'cut'}"

@@ -24,7 +24,7 @@ _SHOWN = (
 
 @dataclass(frozen=True, kw_only=True)
 class FlowSettings(SolverSettings):
-    """What is shown of a flow, besides how its map is solved."""
+    """Settings of the vortices of a flow, besides those of the solver."""
 
     show: str = setting("filaments", "Show", "How vortices are shown", choices=_SHOWN, commands=VORTICES, group="flow")
     resolution: int = setting(

@@ -12,10 +12,10 @@ from ..validation import check_size
 
 BOUNDARY = "boundary"
 AXES = ("X", "Y", "Z")
-# Weights are at most shares of the area, except for curvature, whose scale is the surface's own radii. Times this,
-# the field aligns with a guide over a distance of root(area / 300), and a blend is even with curvature, whose weights
-# sum to 316 on spot. There an axis is missed by a median of 3 degrees (8 with a third of it, 1 with three times as
-# much).
+# Factor of all weights but those of curvature, which depend on the surface's radii: the others are at most shares of
+# the area. With it the field aligns with a guide over a distance of root(area / 300), and a blend with curvature, whose
+# weights sum to 316 on spot, is balanced. There the field deviates from an axis by a median of 3 degrees (8 with a
+# third of the factor, 1 with three times as much).
 BOUNDED_STRENGTH = 300.0
 
 
@@ -25,9 +25,9 @@ class GuideKind:
 
     Attributes
     ----------
-    label, tip : as the panel shows it
+    label, tip : in the panel
     names : kind of name that it needs, one of "numbers", "origin", "axis", "uv_map", "vectors", "path"; "" for none
-    asks : for that name, in messages
+    asks : description of that name in messages
     """
 
     label: str
@@ -72,8 +72,8 @@ class Source:
     ----------
     kind : a key of :data:`GUIDES`
     name : of the attribute, vertex group, curve object, axis, UV map or file
-    strength : in a blend, and against the field's smoothness; None where it is not given: 1, or, for an attribute
-        alone, directions that are taken exactly as they are
+    strength : in a blend, and against the field's smoothness; None if it is not given: 1, or, for an attribute alone,
+        directions that are used exactly
     """
 
     kind: str
@@ -97,7 +97,7 @@ class Source:
 
     @property
     def label(self) -> str:
-        """The source without its strength, as it is written."""
+        """The text of the source without its strength."""
         return f"{self.kind}:{quote_name(self.name)}" if self.name else self.kind
 
     def __str__(self) -> str:
@@ -105,19 +105,13 @@ class Source:
 
     @property
     def share(self) -> float:
-        """How much of the guide's weights counts."""
+        """Factor of the guide's weights."""
         strength = 1.0 if self.strength is None else self.strength
         return strength if self.kind.startswith("curvature") else BOUNDED_STRENGTH * strength
 
 
 def parse_guidance(text: str) -> tuple[Source, ...]:
-    """The sources of a guidance, none for "smooth".
-
-    Raises
-    ------
-    SettingError
-        naming the source, or the place that cannot be read
-    """
+    """The sources of a guidance, none for "smooth"; SettingError for a text that cannot be read."""
     found = items(text, "guidance", "KIND:NAME=STRENGTH")
     return () if found == [("smooth", None, None)] else tuple(_source(*item) for item in found)
 

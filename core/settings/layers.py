@@ -21,10 +21,10 @@ class LayerGuideKind:
 
     Attributes
     ----------
-    label, tip : as the panel shows it
+    label, tip : in the panel
     names : properties of the panel that hold its names
-    asks : for each name, in messages
-    optional : how many of the last names may be missing
+    asks : description of each name in messages
+    optional : number of the last names that may be missing
     """
 
     label: str
@@ -71,7 +71,7 @@ LAYER_GUIDES = {
         **_VECTOR_FILE,
     ),
 }
-# What a group of the boundary may ask for.
+# Wishes for a group of the boundary.
 HELD, CONSTANT = "layer", "constant"
 LAYER_WISHES = (
     Choice(HELD, "Layer on It", "A layer lies exactly on these faces"),
@@ -85,20 +85,14 @@ _NUMBERS = (
 
 @dataclass(frozen=True)
 class LayerGuide:
-    """What layers follow.
-
-    Attributes
-    ----------
-    kind : a key of :data:`LAYER_GUIDES`
-    names : of the axis, vertex groups, object or attribute
-    """
+    """A guide of layers: a key of :data:`LAYER_GUIDES`, and names of the axis, vertex groups, object or attribute."""
 
     kind: str
     names: tuple[str, ...]
 
     @classmethod
     def of_text(cls, text: str) -> "LayerGuide":
-        """From text such as ``axis:Z`` or ``harmonic:Bottom:Top``, as :mod:`core.spec_parser` reads it."""
+        """Read text such as ``axis:Z`` or ``harmonic:Bottom:Top`` (:mod:`core.spec_parser`)."""
         (kind, *given), *more = items(text, "guidance", "KIND:NAME:NAME")
         names = [name for name in given if name is not None]
         if kind not in LAYER_GUIDES:
@@ -117,13 +111,13 @@ class LayerGuide:
 
 @dataclass(frozen=True)
 class Flush:
-    """What is asked of the layers on a vertex group's faces, or on the whole boundary.
+    """A condition on layers at a vertex group's faces, or at the whole boundary.
 
     Attributes
     ----------
     group : name of the vertex group, or "boundary"
-    wish : "layer" (one lies exactly on it) or "constant" (the same phase on each piece of it, whichever)
-    offset : from 0 to below 1, of a layer: how far the group lies above the last layer, 0 for on it
+    wish : "layer" (one lies exactly on it) or "constant" (any phase that is constant on each of its components)
+    offset : height of the group above the last layer, as a part of a layer, from 0 to below 1
     """
 
     group: str
@@ -146,7 +140,7 @@ class Flush:
 
     @property
     def phase(self) -> float | None:
-        """Radians of the phase on the group, None where the solver chooses it."""
+        """The phase on the group in radians, None if the solver chooses it."""
         return math.tau * self.offset if self.wish == HELD else None
 
 
@@ -175,7 +169,7 @@ def text_of_groups(groups: "tuple[Flush, ...] | list[Flush]") -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class LayerSettings(SolverSettings):
-    """What is asked of layers in a solid, besides how they are solved."""
+    """Settings of layers in a solid, besides those of the solver."""
 
     guidance: str = setting(
         "axis:Z",
@@ -290,15 +284,15 @@ class LayerSettings(SolverSettings):
 
     @property
     def heights(self) -> tuple[float, float]:
-        """The smallest and the largest height of a layer, 0 and infinity where there is no limit."""
+        """The smallest and the largest height of a layer, 0 and infinity without limits."""
         return self.smallest_height, self.largest_height or math.inf
 
     @property
     def guide(self) -> LayerGuide:
-        """What the layers follow."""
+        """The guide that the layers follow."""
         return LayerGuide.of_text(self.guidance)
 
     @property
     def flush(self) -> tuple[Flush, ...]:
-        """What is asked of parts of the boundary."""
+        """Conditions on parts of the boundary."""
         return groups_of_text(self.groups)

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pins, faces whose disclinations are chosen, as text such as ``120=1,133=-1``.
+"""Pins, the faces whose disclinations are prescribed, as text such as ``120=1,133=-1``.
 
-Each is a face and by how many of the smallest turns its directions turn around it: halves for lines, quarters for
-crosses; 0 for none.
+Each is a face and the turns of the directions around it, in halves for lines and quarters for crosses.
 """
 
 from collections.abc import Mapping
@@ -12,13 +11,7 @@ from ..spec_parser import items
 
 
 def parse_pins(text: str) -> dict[int, int]:
-    """The turns by the numbers of the faces.
-
-    Raises
-    ------
-    SettingError
-        naming what cannot be read
-    """
+    """The turns by face; SettingError for a text that cannot be read."""
     pins = {}
     for face, turns in items(text, "pins", "FACE=TURNS") if text else ():
         try:

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One record for each setting: Python, Blender's panel, the command line and the manual are made from it.
+"""One record for each setting, from which Python, Blender's panel, the command line and the manual are made.
 
 A group of settings is a frozen dataclass derived from :class:`SettingsRecord`. Each of its fields is declared by
-:func:`setting`, which adds a :class:`Setting` to the type and the default:
+:func:`setting`, or a partial of it, which adds a :class:`Setting` to the type and the default:
 
     spacing: float | None = setting(None, "Spacing", "Distance from one stripe to the next", unit=LENGTH)
 
-The values are checked when the dataclass is made. ``synch_addon/settings/rna.py`` makes Blender's properties of the
+The values are checked when the dataclass is made. ``synch_addon/settings/rna.py`` makes Blender's properties from the
 records, ``synch_addon/command/flags.py`` the flags, and ``tools/settings.py`` the keywords of the Python functions and
 the manual's reference.
 """
@@ -20,23 +20,22 @@ from typing import Any, get_args, get_type_hints
 from ..errors import SettingError, quote_value
 from ..validation import LEAST_SIZE, MOST_SIZE, convert_value, label_of
 
-# Units of numbers: what Python counts in. A panel shows angles in degrees and shares in per cent, the command line
-# angles in degrees.
+# Units of numbers in Python. Panels show angles in degrees and shares in per cent, the command line angles in degrees.
 LENGTH, ANGLE, SHARE, FACTOR, SECONDS, PIXELS = "scene units", "radians", "share", "factor", "seconds", "pixels"
-# What a text names, so that a panel can suggest names or open a file browser.
+# Kinds of names in a text, for which a panel can suggest values or open a file browser.
 NUMBERS, FILE, FOLDER = "numbers", "file", "folder"
-# The largest number that any setting takes, and the smallest one that is not 0.
+# The largest number of any setting, and the smallest positive one.
 LARGEST, SMALLEST = MOST_SIZE, LEAST_SIZE
 
 
 @dataclass(frozen=True)
 class Choice:
-    """One of the values that a setting may have.
+    """One of the possible values of a setting.
 
     Attributes
     ----------
-    name : as Python and the command line write it
-    label, tip : as the panel shows it
+    name : in Python and on the command line
+    label, tip : in the panel
     icon : Blender's name of an icon, "" for none
     """
 
@@ -48,7 +47,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class Variant:
-    """What is different about a setting for one command: its default, and what the panel calls it."""
+    """Default, label and tip of a setting that differ for one command."""
 
     default: Any
     label: str
@@ -57,25 +56,25 @@ class Variant:
 
 @dataclass(frozen=True)
 class Setting:
-    """What is known about one setting besides its name, its type and its default.
+    """The properties of one setting besides its name, type and default.
 
     Attributes
     ----------
-    label : what the panel calls it
-    tip : what it does, in one sentence; the tooltip, the help of the flag and the manual say this
-    unit : of a number, "" for a plain one
+    label : in the panel
+    tip : what it does, in one sentence, for the tooltip, the help of the flag and the manual
+    unit : of a number, "" without one
     least, most : the smallest and the largest number
     usual : the smallest and the largest number on a slider, None for ``least`` and ``most``
     start : where the slider begins if the default is None
     choices : of a text, or of several texts
-    names : what a text names, "" for nothing in particular
-    unset : what the default None, or an empty text, stands for
+    names : kind of name in a text, "" for other texts
+    unset : meaning of the default None, or of an empty text
     commands : that have a flag for it
     group : part of the panel that draws it, "" for none
     flag : name of the flag, "" for the setting's own name
-    placeholder : what the help of the flag shows in place of a value
-    part_of : the setting without which this one has no meaning, "" for none
-    variants : by the name of a command, where a default of None stands for the command's own
+    placeholder : shown in the help of the flag in place of a value
+    part_of : the setting without which this one has no effect, "" for none
+    variants : by command, where the default None stands for the command's own
     """
 
     label: str
@@ -97,17 +96,10 @@ class Setting:
 
     @property
     def choice_names(self) -> tuple[str, ...]:
-        """The names of the choices."""
         return tuple(choice.name for choice in self.choices)
 
     def check(self, name: str, value: object) -> None:
-        """Refuse a number out of range, or a text that is not one of the choices.
-
-        Raises
-        ------
-        SettingError
-            naming the setting, its value and what to give instead
-        """
+        """Raise SettingError for a number out of range, or a text that is not one of the choices."""
         if isinstance(value, bool) or value is None:
             return
         if isinstance(value, int | float):
@@ -120,7 +112,7 @@ class Setting:
                 )
 
     def _range(self, kind: type) -> str:
-        """The numbers that are allowed, for a message."""
+        """The allowed numbers, for a message."""
         noun = "a whole number" if kind is int else "a share" if self.unit == SHARE else "a number"
         if self.least == SMALLEST and self.most >= LARGEST:
             return "a positive number"
@@ -133,19 +125,13 @@ class Setting:
 
 
 def setting(default: Any, label: str, tip: str, **record: Any) -> Any:
-    """A field of a dataclass of settings, with its :class:`Setting`.
-
-    Parameters
-    ----------
-    default : value that the setting has where none is given
-    label, tip, record : attributes of the :class:`Setting`
-    """
+    """A field of a dataclass of settings; all other arguments are attributes of its :class:`Setting`."""
     return field(default=default, metadata={"setting": Setting(label, tip, **record)})
 
 
 @dataclass(frozen=True, kw_only=True)
 class SettingsRecord:
-    """Base of all groups of settings: each value gets its declared type and is checked against its record."""
+    """Base of all groups of settings: each value is converted to its declared type and checked against its record."""
 
     def __post_init__(self) -> None:
         hints = get_type_hints(type(self))
@@ -156,7 +142,7 @@ class SettingsRecord:
 
 
 def records(kind: type[SettingsRecord]) -> Iterator[tuple[str, Setting]]:
-    """The names of a group's settings and their records: its own in the order of declaration, then the inherited."""
+    """Names and records of a group's settings: its own in the order of declaration, then the inherited ones."""
     inherited = {name for base in kind.__mro__[1:] for name in get_annotations(base)}
     ordered = sorted(fields(kind), key=lambda item: item.name in inherited)
     return ((item.name, item.metadata["setting"]) for item in ordered)
@@ -165,12 +151,12 @@ def records(kind: type[SettingsRecord]) -> Iterator[tuple[str, Setting]]:
 def value_type(kind: type[SettingsRecord], name: str) -> type:
     """The type of a setting's values besides None, such as float for ``float | None``."""
     hint = get_type_hints(kind)[name]
-    options = get_args(hint) if isinstance(hint, UnionType) else (hint,)
+    options: tuple[type, ...] = get_args(hint) if isinstance(hint, UnionType) else (hint,)
     return next(option for option in options if option is not type(None))
 
 
 def default_of(kind: type[SettingsRecord], name: str, command: str = "") -> Any:
-    """The default of a setting, for a command that may have one of its own."""
+    """The default of a setting for a command."""
     item = next(item for item in fields(kind) if item.name == name)
     variants = item.metadata["setting"].variants
     variant = variants.get(command, variants.get("")) if variants else None
@@ -178,6 +164,6 @@ def default_of(kind: type[SettingsRecord], name: str, command: str = "") -> Any:
 
 
 def of_type(values: object, kind: type | tuple[type, ...], count: int) -> bool:
-    """Whether a value is a list, a tuple or the like of ``count`` values of a type."""
+    """Whether a value is an iterable of ``count`` values of a type."""
     listed = list(values) if isinstance(values, Iterable) else []
     return len(listed) == count and all(isinstance(value, kind) and not isinstance(value, bool) for value in listed)

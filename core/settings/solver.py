@@ -2,14 +2,16 @@
 """Settings of the solver, which surfaces, solids and flows have in common."""
 
 from dataclasses import dataclass
+from functools import partial
 
 from ..validation import MOST
 from .setting import SECONDS, SHARE, SMALLEST, Choice, SettingsRecord, setting
 
-# Commands that solve, and those of them that solve on a surface.
+# Commands that solve on a surface, and all that solve.
 SURFACES = ("directions", "stripes", "quads", "quad_mesh", "isolines", "animate")
 SOLVING = (*SURFACES, "layers", "clebsch")
-# The smallest target gap: double precision reached it on all meshes that were tried, and 1e-8 on three of four.
+_solver_setting = partial(setting, commands=SOLVING, group="solver")
+# The smallest target gap: double precision reached it on all meshes tried, and 1e-8 on three of four.
 SMALLEST_GAP = 1e-6
 METHODS = (
     Choice(
@@ -32,35 +34,23 @@ ROUNDINGS = (
 class SolverSettings(SettingsRecord):
     """How a field is optimized."""
 
-    method: str = setting(
-        "sdp", "Method", "How the field is optimized", choices=METHODS, commands=SOLVING, group="solver"
+    method: str = _solver_setting("sdp", "Method", "How the field is optimized", choices=METHODS)
+    seed: int = _solver_setting(
+        0, "Seed", "Another seed gives another result of about the same quality", least=0, most=MOST
     )
-    seed: int = setting(
-        0,
-        "Seed",
-        "Another seed gives another result of about the same quality",
-        least=0,
-        most=MOST,
-        commands=SOLVING,
-        group="solver",
-    )
-    rounding: str = setting(
+    rounding: str = _solver_setting(
         "continuation",
         "Rounding",
         "How the method Semidefinite finds a field from the solution of the relaxation",
         choices=ROUNDINGS,
-        commands=SOLVING,
-        group="solver",
     )
-    target_gap: float = setting(
+    target_gap: float = _solver_setting(
         1e-2,
         "Target Gap",
         "How closely the relaxation's optimum is bracketed, as a share of its energy",
         unit=SHARE,
         least=SMALLEST_GAP,
         most=0.5,
-        commands=SOLVING,
-        group="solver",
     )
     time_limit: float | None = setting(
         None,

@@ -3,6 +3,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from ..errors import SettingError
@@ -13,10 +14,10 @@ from .pins import parse_pins
 from .setting import ANGLE, FACTOR, LENGTH, NUMBERS, SHARE, SMALLEST, Choice, Variant, setting
 from .solver import SURFACES, SolverSettings
 
-# Commands with a pattern, and those of them with quads.
+# Commands with a pattern, and commands with quads.
 PATTERNS = tuple(command for command in SURFACES if command != "directions")
 QUADS = ("quads", "quad_mesh")
-# How many directions at a point count as the same one.
+# Number of directions at a point that count as the same.
 SYMMETRY_ORDERS = {"vector": 1, "line": 2, "cross": 4}
 
 _SYMMETRIES = (
@@ -45,11 +46,13 @@ _SHARE = {"unit": SHARE, "least": 0, "most": 1}
 # Settings of the spacing that surfaces and solids share.
 SPACING_MAP: dict[str, Any] = {"names": NUMBERS, "group": "pattern"}
 SPACING_RANGE: dict[str, Any] = {**_ANY_FACTOR, "part_of": "spacing_map", "group": "pattern"}
+_direction_setting = partial(setting, commands=SURFACES, group="directions")
+_quad_mesh_setting = partial(setting, commands=("quad_mesh",), group="quad_mesh")
 
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceSettings(SolverSettings):
-    """What is asked of a direction field and of a pattern along it, besides how they are solved."""
+    """Settings of a direction field and of a pattern along it, besides those of the solver."""
 
     symmetry: str = setting(
         "line",
@@ -59,64 +62,40 @@ class SurfaceSettings(SolverSettings):
         commands=tuple(command for command in SURFACES if command not in QUADS),
         group="directions",
     )
-    guidance: str = setting(
+    guidance: str = _direction_setting(
         "smooth",
         "Guidance",
         "What the directions follow: smooth, or guides KIND:NAME=STRENGTH separated by commas; "
         f"kinds: {', '.join(GUIDES)}",
-        commands=SURFACES,
-        group="directions",
         placeholder="SPEC",
     )
-    angle: float = setting(
-        0.0,
-        "Angle",
-        "Turn the directions by this angle, counterclockwise seen from outside",
-        **_TURN,
-        commands=SURFACES,
-        group="directions",
+    angle: float = _direction_setting(
+        0.0, "Angle", "Turn the directions by this angle, counterclockwise seen from outside", **_TURN
     )
-    angle_attribute: str = setting(
+    angle_attribute: str = _direction_setting(
         "",
         "Angle Map",
         "Float attribute, radians added to the angle, or vertex group, which adds from 0 to the range",
         names=NUMBERS,
-        commands=SURFACES,
-        group="directions",
     )
-    angle_range: float = setting(
+    angle_range: float = _direction_setting(
         1.0,
         "Angle Range",
         "Angle that is added where the vertex group's weight is 1",
         **_TURN,
         part_of="angle_attribute",
-        commands=SURFACES,
-        group="directions",
     )
-    boundary: str = setting(
-        "free",
-        "Boundary",
-        "What happens at open edges",
-        choices=_BOUNDARIES,
-        commands=SURFACES,
-        group="directions",
+    boundary: str = _direction_setting("free", "Boundary", "What happens at open edges", choices=_BOUNDARIES)
+    vertex_group: str = _direction_setting(
+        "", "Vertex Group", "Restrict the boundary to open edges with both ends in this group"
     )
-    vertex_group: str = setting(
-        "",
-        "Vertex Group",
-        "Restrict the boundary to open edges with both ends in this group",
-        commands=SURFACES,
-        group="directions",
-    )
-    mirror: str = setting(
+    mirror: str = _direction_setting(
         "",
         "Mirror",
         "Make the pattern its own mirror image in these axes of the object, whose mesh has to be symmetric",
-        commands=SURFACES,
-        group="directions",
         placeholder="AXES",
     )
-    singularities: float | None = setting(
+    singularities: float | None = _direction_setting(
         None,
         "Singularities",
         "How many singular points directions may have to stay smooth: all that the shape's bumps call for, or at 0 the "
@@ -132,8 +111,6 @@ class SurfaceSettings(SolverSettings):
                 "shape allows, and quads vary in size instead",
             ),
         },
-        commands=SURFACES,
-        group="directions",
     )
     constraints: tuple[Constraint, ...] | None = setting(
         None,
@@ -171,11 +148,7 @@ class SurfaceSettings(SolverSettings):
         commands=PATTERNS,
     )
     spacing_range: float = setting(
-        2.0,
-        "Range",
-        "Factor on the spacing where the vertex group's weight is 1",
-        **SPACING_RANGE,
-        commands=PATTERNS,
+        2.0, "Range", "Factor on the spacing where the vertex group's weight is 1", **SPACING_RANGE, commands=PATTERNS
     )
     branching: float | None = setting(
         None,
@@ -205,17 +178,15 @@ class SurfaceSettings(SolverSettings):
         commands=QUADS,
         group="quads",
     )
-    faces: int = setting(
+    faces: int = _quad_mesh_setting(
         0,
         "Face Count",
         "About how many faces the quad mesh is to have, whatever the spacing; 0 for as many as that gives",
         least=0,
         most=10_000_000,
         usual=(None, 100_000),
-        commands=("quad_mesh",),
-        group="quad_mesh",
     )
-    features: float = setting(
+    features: float = _quad_mesh_setting(
         math.radians(40),
         "Feature Angle",
         "Boundaries and edges at which faces bend by more than this angle, or that are marked sharp, stay edges of the "
@@ -223,27 +194,21 @@ class SurfaceSettings(SolverSettings):
         unit=ANGLE,
         least=0,
         most=math.pi,
-        commands=("quad_mesh",),
-        group="quad_mesh",
     )
-    smoothing: int = setting(
+    smoothing: int = _quad_mesh_setting(
         10,
         "Smoothing",
         "How often the quad mesh's vertices move to where faces are nearer to squares, on the surface",
         least=0,
         most=MOST_ROUNDS,
         usual=(None, 20),
-        commands=("quad_mesh",),
-        group="quad_mesh",
     )
-    loops: float = setting(
+    loops: float = _quad_mesh_setting(
         0.0,
         "Loops",
         "How much the quad mesh may give up for short loops around limbs and handles: at 0 nothing, and it is as "
         "smooth as can be; at 100 % whatever closes them. Takes three to ten times as long, and needs no branching",
         **_SHARE,
-        commands=("quad_mesh",),
-        group="quad_mesh",
     )
     surface: str = setting(
         "automatic",
@@ -277,7 +242,7 @@ class SurfaceSettings(SolverSettings):
 
     @property
     def all_constraints(self) -> tuple[Constraint, ...]:
-        """The constraint list with what is asked of the boundary."""
+        """The constraint list, with the constraint of the boundary."""
         listed = self.constraints or ()
         if self.boundary == "free":
             return listed
@@ -285,11 +250,11 @@ class SurfaceSettings(SolverSettings):
 
     @property
     def sources(self) -> tuple[Source, ...]:
-        """The sources of guidance, none for "smooth"."""
+        """The sources of guidance; empty for "smooth"."""
         return parse_guidance(self.guidance)
 
     @property
     def exact_attribute(self) -> str | None:
-        """Name of the vector attribute whose directions are taken exactly as they are, or None."""
+        """Name of the vector attribute whose directions are used exactly, or None."""
         exact = [source.name for source in self.sources if source.kind == "attribute" and source.strength is None]
         return exact[0] if exact and len(self.sources) == 1 else None

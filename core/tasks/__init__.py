@@ -1,17 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Work as plain data: what is asked (a request) and what is found (a result), with the function between them.
+"""Work as plain data: requests, results, and the computations between them.
 
 A request is a frozen dataclass of arrays and plain values, read from a scene beforehand. Its method
-``solve(progress)`` gives the result and needs nothing else: no Blender, no file that is open, no state of the process.
-Both can be pickled, so that a process of its own may do the work (:mod:`..process.child`).
+``solve(progress)`` computes the result without Blender, open files or any state of the process. Requests and results
+can be pickled, so that a child process can do the work (:mod:`..process.child`).
 
 ``progress`` is a callable(stage, fraction) or None; a false answer other than None cancels with
-:class:`..errors.Cancelled`. What the work should tell the user is in the result's ``warnings``, and how long its parts
-took, by their names, in its ``seconds``. ``request.shared`` are objects that the result holds, too: they need not
-travel back. A request that has ``solve_showing(show, progress)`` also gives results of the same kind on the way, by
-calls of ``show``, and the pictures of them that a window draws, by ``picture(result)``. ``request.kept``,
-where there is such a thing, are objects that the next request is likely to hold as well: a process that solves keeps
-them until then.
+:class:`..errors.Cancelled`. Messages for the user are in the result's ``warnings``, the times of parts of the work, by
+name, in its ``seconds``. ``request.shared`` are objects that are also part of the result, so that they need not be sent
+back. A request with ``solve_showing(show, progress)`` calls ``show`` with intermediate results, and ``picture(result)``
+makes the picture of one for a window. ``request.kept``, if it exists, are objects that the next request will probably
+contain too: the child process keeps them until then.
 """
 
 import importlib
@@ -22,14 +21,14 @@ import numpy
 import scipy
 
 
-def load():
-    """Load all that requests need, so that none of them has to wait for it."""
+def load() -> None:
+    """Import everything that requests need, so that none of them has to wait for it."""
     for module in pkgutil.iter_modules(__path__):
         importlib.import_module(f".{module.name}", __name__)
 
 
-def versions():
-    """What a result may depend on: by names, a version and where it was loaded from."""
+def versions() -> dict[str, str | tuple[str, str | None]]:
+    """Versions that results may depend on, and where modules were loaded from, by name."""
     return {"python": sys.version} | {
         module.__name__: (module.__version__, module.__file__) for module in (numpy, scipy)
     }

@@ -1,31 +1,32 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A pattern on each frame of a moving surface, each frame solved from the one before."""
+"""A pattern on each frame of a moving surface, each frame solved from the previous one."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..errors import Cancelled, SynchError
+from ..fields import Pattern
 from ..fields.animation import is_moved
 from ..geometry import TriangleMesh
 from ..geometry.polygons import Polygons
 from ..interpolate import EdgePhases
-from ..monitor import portion
-from .surfaces import SurfaceRequest, SurfaceResult
+from ..monitor import Callback, portion
+from .surfaces import PatternResult, SurfaceRequest
 
-# The first frame is searched for; the others only go on: its share of the work, in theirs.
+# The first frame is a whole solve: it takes this many times the work of another frame.
 _FIRST = 4
 
 
 @dataclass(frozen=True)
 class FramesRequest:
-    """A pattern that is asked for in frames.
+    """Asks for a pattern in several frames.
 
     Attributes
     ----------
     frames : their numbers
-    requests : what is asked in each
-    hold : how strongly the phases are drawn to those of the frame before; 0 for not at all
+    requests : one for each frame
+    hold : how strongly the phases are held near those of the previous frame; 0 for not at all
     """
 
     frames: tuple[int, ...]
@@ -33,25 +34,27 @@ class FramesRequest:
     hold: float
 
     @property
-    def shared(self):
+    def shared(self) -> tuple[TriangleMesh, TriangleMesh]:
         """The meshes of the first frame."""
         return self.requests[0].shared
 
-    def solve(self, progress=None):
-        """The :class:`FramesResult`; errors as of :meth:`SurfaceRequest.solve`, by frame."""
+    def solve(self, progress: Callback | None = None) -> "FramesResult":
+        """All frames; errors as :meth:`SurfaceRequest.solve`, with the number of the frame."""
         work = len(self.requests) + _FIRST - 1
         mesh = self.requests[0].given.mesh
-        found = first = self._solved(self.frames[0], self.requests[0], None, portion(progress, 0.0, _FIRST / work))
+        found = first = self._solve_frame(self.frames[0], self.requests[0], None, portion(progress, 0.0, _FIRST / work))
         kept = [_keep_shown(self.frames[0], self.requests[0], first, None, mesh)]
         for place in range(1, len(self.requests)):
             number, request, before = self.frames[place], fresh(self.requests[place]), found
             part = portion(progress, (_FIRST + place - 1) / work, 1 / work)
-            found = self._solved(number, request, before, part)
+            found = self._solve_frame(number, request, before, part)
             kept.append(_keep_shown(number, request, found, before, mesh))
         return FramesResult(tuple(kept), first)
 
-    def _solved(self, number, request, before, progress):
-        """Directions and pattern of a frame, from those of the frame before, if they are of the same triangles."""
+    def _solve_frame(
+        self, number: int, request: SurfaceRequest, before: PatternResult | None, progress: Callback | None
+    ) -> PatternResult:
+        """Directions and pattern of a frame, from those of the previous frame if that has the same triangles."""
         ask = None if progress is None else _name_frames(progress, number)
         if before is not None and not is_moved(before.field.mesh, request.given.mesh):  # other edges were cut
             before = None
@@ -65,13 +68,13 @@ class FramesRequest:
 
 @dataclass(frozen=True)
 class Frame:
-    """What is kept of a solved frame.
+    """The part of a solved frame that is kept.
 
     Attributes
     ----------
     number : of the frame
-    edge_phases : EdgePhases on the first frame's mesh, whose places do not count
-    polygons : Polygons that are drawn
+    edge_phases : on the first frame's mesh, whose vertex coordinates are not used
+    polygons : that are drawn
     directions : (n, 3) float32 unit vectors in the object's space
     figures : for the report
     """
@@ -80,42 +83,38 @@ class Frame:
     edge_phases: EdgePhases
     polygons: Polygons
     directions: np.ndarray
-    figures: dict
+    figures: dict[str, float | None]
 
 
 @dataclass(frozen=True)
 class FramesResult:
-    """What was found in frames.
-
-    Attributes
-    ----------
-    frames : of each
-    first : SurfaceResult of the first one
-    """
+    """All frames, and the whole result of the first one."""
 
     frames: tuple[Frame, ...]
-    first: SurfaceResult
+    first: PatternResult
 
 
-def in_frame(number, error):
-    """An error with its frame."""
+def in_frame(number: int, error: SynchError) -> SynchError:
+    """The error with the frame's number in its message."""
     return error if isinstance(error, Cancelled) else SynchError(f"frame {number}: {error}", error.vertices)
 
 
-def _name_frames(callback, number):
-    """A callback that says which frame it is."""
+def _name_frames(callback: Callback, number: int) -> Callback:
+    """A callback whose stages begin with the frame's number."""
     return lambda stage, fraction: callback(f"frame {number}: {stage}", fraction)
 
 
-def fresh(request):
-    """The request on meshes of its own, which do not keep all that is computed of them."""
+def fresh(request: SurfaceRequest) -> SurfaceRequest:
+    """The request on new meshes, so that values cached on the given ones can be freed."""
     given = request.given
     uncut = TriangleMesh(given.uncut.vertices, given.uncut.triangles)
     mesh = uncut if given.mesh is given.uncut else TriangleMesh(given.mesh.vertices, given.mesh.triangles)
     return replace(request, given=replace(given, mesh=mesh, uncut=uncut))
 
 
-def _keep_shown(number, request, found, before, shared):
+def _keep_shown(
+    number: int, request: SurfaceRequest, found: PatternResult, before: PatternResult | None, shared: TriangleMesh
+) -> Frame:
     phases = found.pattern.edge_phases
     if is_moved(shared, phases.mesh):
         phases = replace(phases, mesh=shared)
@@ -131,8 +130,8 @@ def _keep_shown(number, request, found, before, shared):
     return Frame(number, phases, request.given.polygons, directions, figures)
 
 
-def _change(before, pattern):
-    """Mean difference of what is seen at the vertices."""
+def _change(before: Pattern, pattern: Pattern) -> float | None:
+    """Mean difference of the visible pattern at the vertices; None after a change of their number."""
     if len(before.vertex_phases) != len(pattern.vertex_phases):
         return None
     seen = [np.cos(shown.vertex_phases).prod(axis=1) for shown in (before, pattern)]

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Quad meshes with short loops: the grid lines of limbs and handles are asked to close, the cheapest first."""
+"""Quad meshes with short loops: grid lines around limbs and handles are made to close, the cheapest first."""
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,43 +13,41 @@ from ..extract.quads.trace.quad_mesh import QuadMesh
 from ..fields.loop_closing import Condition, LoopClosing, MeshWalks, cosines
 from ..fields.patterns import Pattern, change_pattern
 from ..memory import check_memory
-from ..monitor import Monitor
+from ..monitor import Callback, Monitor
 from ..solution import FIRST
+
+if TYPE_CHECKING:
+    from .surfaces import SurfaceRequest
 
 # Prices: the share of a mesh's loops that must become short for a cost as large as the pattern's energy. The search
 # begins with the best bargains.
 PRICES = (0.3, 0.1, 0.03, 0.01, 0.003)
-# Classes with a smaller share of the mesh's loops are ignored; so many classes, the largest, are looked at.
+# Smallest share of the mesh's loops for which a class is considered, and number of classes, the largest first.
 LEAST_GAIN, MOST_CLASSES = 1e-3, 60
-# Arrays of all changes that each of them takes at most.
+# Most arrays of the size of all changes that each class needs.
 HELD_ARRAYS = 8
-# Conditions whose changes have a larger cosine than this are alike.
+# Conditions whose changes have a larger cosine than this are nearly parallel.
 ALIKE = 0.97
-# A mesh is kept where its share in short loops is larger by this than that of the best so far.
+# A mesh is kept if its share of short loops exceeds the best one so far by this.
 BETTER = 3e-3
-# How far the number of faces may be from what it was, and from a number that is asked for; how many more irregular
-# vertices there may be.
+# Largest relative change of the number of faces, and deviation from a number that is asked for; factor and number by
+# which irregular vertices may increase.
 NEAR_COUNT, NEAR_ASKED = 0.06, 0.03
 MORE_IRREGULAR, SPARE_IRREGULAR = 1.1, 2
-# Meshes that are tried at most.
+# Most meshes that are tried.
 TRIES = 30
-# How many patterns in a row may be no better, where each is chosen from the one before.
+# Most patterns in a row without an improvement, each chosen from the previous one.
 AHEAD = 3
-# Where the phases leave a walk open though the asked sum is 0, the sum is moved this many radians the other way; the
-# number of solves in all.
+# Where the phases leave a walk open though the asked sum is 0, the sum is moved this many radians the other way; number
+# of solves in all.
 PUSH, PUSHES = 1.0, 3
 
 
 @dataclass(frozen=True)
 class _Closed:
-    """A pattern whose loops are closed where conditions ask for it.
+    """A pattern with loops closed by conditions, its quad mesh before smoothing, and the cost of the conditions.
 
-    Attributes
-    ----------
-    pattern : Pattern
-    quads : QuadMesh of it, not smoothed
-    conditions : list of Condition
-    cost : of what is added to the asked changes for them (see :mod:`..fields.loop_closing`)
+    The cost is that of the changes that are added for them (see :mod:`..fields.loop_closing`).
     """
 
     pattern: Pattern
@@ -57,30 +56,25 @@ class _Closed:
     cost: float
 
     @property
-    def short_share(self):
+    def short_share(self) -> float:
         return quad_loops(self.quads).short_share
 
 
-def close_loops(request, pattern, progress=None):
-    """The pattern with more of its quads in short loops, and the figures of the loops before; None where it stays.
+def close_loops(
+    request: "SurfaceRequest", pattern: Pattern, progress: Callback | None = None
+) -> tuple[Pattern, dict[str, float] | None]:
+    """The pattern with more of its quads in short loops, and the figures of the loops before; None if it is unchanged.
 
-    Loops are short up to 5 sqrt(f) of f quads (:attr:`QuadLoops.short_share`). What all conditions add to the changes
-    may cost, measured as the energy is, ``loops / (1 - loops)`` times the pattern's energy.
-
-    Parameters
-    ----------
-    request : SurfaceRequest with its share ``loops``
-    pattern : Pattern of branching 0
-    progress : callback, optional
+    Loops of up to 5 sqrt(f) of f quads are short (:attr:`QuadLoops.short_share`). The changes that all conditions add
+    may cost, in units of energy, ``loops / (1 - loops)`` times the energy of the pattern, whose branching is 0.
     """
     try:
         given = _Closed(pattern, _whole_quads(request, pattern), [], 0.0)
-    except SynchError:  # whoever finishes the mesh says what is wrong
+    except SynchError:  # reported when the mesh is finished
         return pattern, None
-    if pattern.energy == 0:
+    if not pattern.energy:
         return pattern, None
-    allowed = request.loops / (1 - request.loops) if request.loops < 1 else np.inf
-    search = _Search(request, given, allowed, Monitor(progress))
+    search = _Search(request, given, 2 * pattern.energy, Monitor(progress))
     for number, price in enumerate(PRICES):
         search.fraction = number / len(PRICES)
         while search.improve(price):
@@ -90,46 +84,43 @@ def close_loops(request, pattern, progress=None):
 
 @dataclass(frozen=True)
 class _Offers:
-    """What would close more loops.
+    """Conditions that would close more loops, and (k,) the share of all loops that each would close.
 
-    Attributes
-    ----------
-    conditions : list of Condition
-    gains : (k,) the share of all loops that each would close; 0 where that is too little, or was tried in vain
+    A gain of 0 means that it is too small, or that the condition has been tried in vain.
     """
 
     conditions: list[Condition]
-    gains: np.ndarray
+    gains: list[float]
 
 
 class _Search:
-    """The best pattern so far, and what closes more of its loops."""
+    """Search for the best pattern with closed loops."""
 
-    def __init__(self, request, given, allowed, monitor):
+    def __init__(self, request: "SurfaceRequest", given: _Closed, unit: float, monitor: Monitor) -> None:
         self._request, self._given, self._monitor = request, given, monitor
         numbers = given.pattern.growth.changes.size
         check_memory(8 * numbers * HELD_ARRAYS * MOST_CLASSES, "closing loops")
         self._closing = LoopClosing(given.pattern, request.mirrors)
         self._walks = MeshWalks(given.pattern.mesh)
-        # The energy is half the sum of squares that a correction raises.
-        self._unit = 2 * given.pattern.energy
-        self._budget, self._tries_left = allowed * self._unit, TRIES
+        # The cost of a correction is a sum of squares, the energy half of one: the unit is twice the energy.
+        self._unit, self._tries_left = unit, TRIES
+        self._budget = (request.loops / (1 - request.loops) if request.loops < 1 else np.inf) * unit
         self.best, self.fraction = given, 0.0
         self._offers = self._look(given)
 
-    def improve(self, price):
-        """Close more loops at a price; whether there is a better pattern."""
+    def improve(self, price: float) -> bool:
+        """Close more loops at a price; False if no better pattern was found."""
         while self._tries_left > 0:
             chosen = self._choose(self.best, self._offers, price)
             if not chosen:
                 return False
             if self._follow(chosen, price):
                 return True
-            self._offers.gains[chosen[0]] = 0  # is not tried again
+            self._offers.gains[chosen[0]] = 0.0  # not tried again
         return False
 
-    def _follow(self, chosen, price):
-        """Hold what is chosen, and what that leads to, until there is a better pattern; whether there is one."""
+    def _follow(self, chosen: list[int], price: float) -> bool:
+        """Apply the chosen conditions, then further ones, until the pattern is better; False if it never is."""
         state, offers = self.best, self._offers
         for _ in range(AHEAD):
             tried = None
@@ -145,13 +136,13 @@ class _Search:
             chosen = self._choose(state, offers, price)
         return False
 
-    def _choose(self, state, offers, price):
-        """Numbers of the conditions that are worth their price."""
+    def _choose(self, state: _Closed, offers: _Offers, price: float) -> list[int]:
+        """Numbers of the conditions that gain enough for their cost."""
         most = self._budget - state.cost
         return self._closing.choose(state.conditions, offers.conditions, offers.gains, price / self._unit, most)
 
-    def _look(self, state):
-        """The :class:`_Offers` of a pattern."""
+    def _look(self, state: _Closed) -> _Offers:
+        """Conditions that would close more loops of a pattern."""
         quads, reached = state.quads, state.pattern.edge_phases.changes
         near = near_loops(quads, int(SHORT * np.sqrt(len(quads.sizes))))
         shares = near.quads / (2 * len(quads.sizes))
@@ -163,19 +154,19 @@ class _Search:
             if condition is not None:
                 found.append(condition)
                 gains.append(shares[number])
-        # Loops around one limb give nearly parallel conditions, also with irregular vertices between them and where
-        # they go around several times: the first stands for all.
+        # Loops around one limb give nearly parallel conditions, even if irregular vertices lie between them or if they
+        # go around several times: the first represents all.
         alike = np.abs(cosines(found)) > ALIKE
         first = alike.argmax(axis=1) if len(found) else np.zeros(0, int)
         sums = np.bincount(first, gains, minlength=len(found))
         sums[sums < LEAST_GAIN] = 0
-        return _Offers(found, sums)
+        return _Offers(found, sums.tolist())
 
-    def _tell(self, *_):
+    def _tell(self, *_: object) -> None:
         self._monitor.at("closing loops", self.fraction)
 
-    def _try(self, conditions):
-        """The :class:`_Closed` of conditions; None where its mesh is worse in other ways."""
+    def _try(self, conditions: list[Condition]) -> _Closed | None:
+        """The pattern with these conditions; None if its mesh is worse in other ways."""
         self._tries_left -= 1
         options = replace(self._request.options, method=FIRST)
         sums = np.zeros(len(conditions))
@@ -204,6 +195,6 @@ class _Search:
         return _Closed(pattern, quads, conditions, cost) if is_near and is_regular and has_quads else None
 
 
-def _whole_quads(request, pattern):
-    """The QuadMesh of a pattern, not smoothed."""
+def _whole_quads(request: "SurfaceRequest", pattern: Pattern) -> QuadMesh:
+    """The quad mesh of a pattern before smoothing."""
     return replace(request, smoothing=0).finish(*request.trace(pattern))["quads"]

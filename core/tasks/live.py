@@ -1,27 +1,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A pattern after a change of its settings, from the one that is shown: quick enough to follow a slider."""
+"""Updates the shown pattern after a change of its settings, fast enough to follow a slider."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..fields import DirectionField
-from ..monitor import portion
+from ..geometry import TriangleMesh
+from ..monitor import Callback, portion
 from ..solve.warm_start import Follower
-from .surfaces import SurfaceRequest
+from .surfaces import PatternResult, SurfaceRequest
 
 
 @dataclass(frozen=True)
 class LiveRequest:
-    """The pattern that descent reaches from the one that is shown.
+    """Asks for the pattern that descent reaches from the one that is shown.
 
     Attributes
     ----------
-    asked : SurfaceRequest of stripes or quads, on the mesh of what is shown
-    field : DirectionField that is shown, whose solution and problem do not count
-    phases : (k n,) complex that are shown
-    turns_only : whether nothing is asked of the directions but another angle
-    followers : Follower of the directions and of the pattern, the same in each request that follows
+    asked : stripes or quads, on the mesh of the shown pattern
+    field : the shown directions; their solution and problem are not used
+    phases : (k n,) complex phases that are shown
+    turns_only : whether only the angle of the directions has changed
+    followers : of the directions and of the pattern, the same in all requests of a session
     """
 
     asked: SurfaceRequest
@@ -31,17 +32,16 @@ class LiveRequest:
     followers: tuple[Follower, Follower]
 
     @property
-    def shared(self):
-        """The meshes of what is shown."""
+    def shared(self) -> tuple[TriangleMesh, TriangleMesh]:
         return self.asked.shared
 
     @property
-    def kept(self):
-        """What the next request is likely to hold as well: whoever solves this one keeps it until then."""
+    def kept(self) -> tuple[TriangleMesh | Follower, ...]:
+        """Objects that the next request will probably contain too (:mod:`.`)."""
         return *self.shared, *self.followers
 
-    def solve(self, progress=None):
-        """The :class:`SurfaceResult`; errors as of :meth:`SurfaceRequest.solve`."""
+    def solve(self, progress: Callback | None = None) -> PatternResult:
+        """The updated pattern; errors as :meth:`SurfaceRequest.solve`."""
         of_field, of_pattern = self.followers
         if self.turns_only:
             directions = self.field.turned(self.asked.turn - self.field.turn)

@@ -1,119 +1,124 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Quad meshes of a wanted number of faces, and with fewer long loops."""
+"""Quad meshes with a wanted number of faces, and with fewer long loops."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..errors import Cancelled, ContradictionError, SettingError, SynchError
 from ..extract.lines.edge_crossings import TooManyLines
 from ..extract.quads.finishing import lost_lines
 from ..extract.quads.measure.faults import quad_faults
 from ..extract.quads.trace.quad_mesh import QuadMesh
+from ..fields import DirectionField
 from ..fields.target_one_form import TargetOneForm
-from ..monitor import Monitor, portion
+from ..geometry import TriangleMesh
+from ..monitor import Callback, Monitor, portion
 from ..solution import COARSE, FIRST
 from .close_loops import close_loops
 
-# Share by which the number of faces may miss without more tries and without a warning.
+if TYPE_CHECKING:
+    from .surfaces import PatternResult, SurfaceRequest, SurfaceResult
+
+# Largest relative errors of the number of faces without more tries, and without a warning.
 NEAR, FAR = 0.03, 0.05
 # Spacings that are tried for a number of faces.
 TRIES = 7
-# Vertices from which on the search for directions is made on a coarse stage: its energies are as low there.
+# On meshes with more vertices, directions are searched for on a coarse stage: their energies are as low.
 LARGE_MESH = 15_000
-# What part of the quads that a spacing has room for there are in the end, about: on most meshes 0.94 to 1.01.
+# Expected number of quads, as a share of those for which the area has room: on most meshes 0.94 to 1.01.
 YIELD = 0.97
-# Share of the work that directions are.
+# Share of the work for directions.
 _DIRECTIONS = 0.4
-# Share of the work on a pattern after which its loops are closed, and its quads smoothed.
+# Shares of the work on a pattern after which its loops are closed, and its quads smoothed.
 _CLOSING, _SMOOTHING = 0.3, 0.9
 
 
-def solve_quad_mesh(request, progress=None):
-    """The SurfaceResult of a SurfaceRequest with its quads; errors as :meth:`SurfaceRequest.solve`."""
+def solve_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None) -> "SurfaceResult":
+    """The result of a request with its quad mesh; errors as :meth:`SurfaceRequest.solve`."""
     wanted = request
     if _is_default_search(request) and request.given.mesh.vertex_count > LARGE_MESH:
-        wanted = _with_options(request, rounding=COARSE)
+        wanted = replace(request, options=replace(request.options, rounding=COARSE))
     directions = wanted.directed(portion(progress, 0.0, _DIRECTIONS))
     found = _mesh_field(request, directions, progress)
-    faults = [
-        line for about in (_about_pieces, _about_lines, _about_others, _about_shape) for line in about(request, found)
-    ]
-    return replace(found, warnings=(*found.warnings, *request.refused_faults(faults)))
+    faults = [] if found.quads is None else list(_faults(request, found.quads))
+    return replace(found, warnings=(*found.warnings, *request.accept_faults(faults)))
 
 
-def draft_quad_mesh(request, progress=None):
-    """A SurfaceResult with quads after a small part of the time of :func:`solve_quad_mesh`: of first fields, with the
-    number of faces that the area has room for, and not smoothed. None where its quads are no mesh; Cancelled as there.
+def draft_quad_mesh(request: "SurfaceRequest", progress: Callback | None = None) -> "SurfaceResult | None":
+    """A first result with quads, in a small part of the time of :func:`solve_quad_mesh`; None if they are not a mesh.
+
+    It has first fields, the number of faces estimated from the area, and no smoothing.
     """
-    quick = replace(_with_options(request, method=FIRST), smoothing=0, start=None)
+    quick = replace(request, options=replace(request.options, method=FIRST), smoothing=0, start=None)
 
-    def make():
+    try:
         directions = quick.directed(portion(progress, 0.0, _DIRECTIONS))
-        scaled = quick
         if quick.faces is not None:
-            growth = TargetOneForm.of(quick.given.mesh, directions, quick.spacings)
-            scaled = _scale_spacing(quick, _first_factor(quick, growth))
-        return _finish(_draw(scaled, directions, portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)))
-
-    return _try_candidate(make)
-
-
-def _first_factor(request, growth):
-    """What the spacing is multiplied with for the wanted number of faces, by the area alone."""
-    least = _least_factor(request.given.mesh, request.spacings, request.faces)
-    return max(float(np.sqrt(YIELD * growth.quad_count / request.faces)), least)
+            quick = _scale_spacing(quick, _first_factor(quick, directions, quick.faces))
+        return _finish(_draw(quick, directions, portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)))
+    except Cancelled:
+        raise
+    except SynchError:
+        return None
 
 
-def _mesh_field(request, directions, progress):
-    """The mesh along a field; of the wanted number of faces as nearly as can be.
+def _first_factor(request: "SurfaceRequest", directions: DirectionField, faces: int) -> float:
+    """The factor of the spacing for a number of faces, estimated from the area."""
+    growth = TargetOneForm.of(request.given.mesh, directions, request.spacings)
+    least = _least_factor(request.given.mesh, request.spacings, faces)
+    return max(float(np.sqrt(YIELD * growth.quad_count / faces)), least)
 
-    The faces are counted on grid lines as they are traced; only meshes whose number is near are finished.
+
+def _mesh_field(request: "SurfaceRequest", directions: DirectionField, progress: Callback | None) -> "SurfaceResult":
+    """The mesh along a field, with a number of faces as near as possible to the wanted one.
+
+    Faces are counted in the traced grid lines; only meshes with nearly the wanted number are finished.
     """
+    faces = request.faces
     if _is_default_search(request) and request.branching == 0:
-        # Patterns without dislocations are found on a coarse stage; variations are those of a whole solve.
-        request = _with_options(request, method=COARSE)
-    if request.faces is None:
+        # The coarse stage finds patterns without dislocations.
+        request = replace(request, options=replace(request.options, method=COARSE))
+    if faces is None:
         part = portion(progress, _DIRECTIONS, 1 - _DIRECTIONS)
         return _finish(_close(_settle(_draw(request, directions, part), part), part), part)
-    growth = TargetOneForm.of(request.given.mesh, directions, request.spacings)
-    spacing, drafts, found = _SpacingFactor(_first_factor(request, growth), request.faces), [], []
+    spacing = _SpacingFactor(_first_factor(request, directions, faces), faces)
+    drafts: list[_Draft] = []
+    found: list[SurfaceResult] = []
     for number in range(TRIES):
         share = (1 - _DIRECTIONS) / TRIES
         part = portion(progress, _DIRECTIONS + number * share, share)
         try:
             drafts.append(_draw(_scale_spacing(request, spacing.factor), directions, part))
             count = drafts[-1].face_count
-            if abs(count / request.faces - 1) <= NEAR:
+            if abs(count / faces - 1) <= NEAR:
                 found.append(_finish(_close(_settle(drafts.pop(), part), part), part))
-                count = len(found[-1].quads.sizes)
+                count = _face_count(found[-1])
         except ContradictionError:
             raise
         except TooManyLines as error:
-            raise SettingError(f"{request.faces} faces are too many for this mesh ({error}): ask for fewer") from None
+            raise SettingError(f"{faces} faces are too many for this mesh ({error}): ask for fewer") from None
         except SettingError:
             spacing.be_smaller()
             continue
-        if abs(count / request.faces - 1) <= NEAR:
+        if abs(count / faces - 1) <= NEAR:
             break
         spacing.correct(count)
-    best = _nearest_count(request.faces, drafts, found)
-    return replace(best, warnings=(*best.warnings, *_about_faces(request, len(best.quads.sizes))))
+    best = _nearest_count(faces, drafts, found)
+    return replace(best, warnings=(*best.warnings, *_about_faces(request, faces, _face_count(best))))
 
 
-def _nearest_count(faces, drafts, found):
-    """Of finished meshes, and drafts where there are none that are near, the one with the number nearest to the wanted
-    one.
+def _nearest_count(faces: int, drafts: list["_Draft"], found: list["SurfaceResult"]) -> "SurfaceResult":
+    """The finished mesh with the number of faces nearest to the wanted one; a draft is finished if it is nearer.
 
-    Raises
-    ------
-    SettingError
-        where all drafts have quads too large for a mesh
+    Raises SettingError if the quads of all drafts are too large for a mesh.
     """
     found = found.copy()
     for draft in sorted(drafts, key=lambda draft: abs(draft.face_count - faces)):
-        if found and abs(len(found[0].quads.sizes) - faces) <= abs(draft.face_count - faces):
+        if found and abs(_face_count(found[0]) - faces) <= abs(draft.face_count - faces):
             break
         try:
             found.append(_finish(draft))
@@ -122,118 +127,112 @@ def _nearest_count(faces, drafts, found):
             continue
     if not found:
         raise SettingError(f"{faces} faces are too few for a quad mesh of this surface: ask for more")
-    return min(found, key=lambda result: abs(len(result.quads.sizes) - faces))
+    return min(found, key=lambda result: abs(_face_count(result) - faces))
 
 
 class _SpacingFactor:
-    """What the spacing is multiplied with for a number of faces.
+    """The factor of the spacing that gives a number of faces.
 
-    The number falls in steps, by whole loops: the factor is corrected in proportion, and then to the geometric mean of
-    one with too many faces and one with too few.
+    The number changes in steps, by whole loops. The factor is corrected proportionally, and then to the geometric mean
+    of one that gives too many faces and one that gives too few.
     """
 
-    def __init__(self, factor, faces):
+    def __init__(self, factor: float, faces: int) -> None:
         self.factor, self._faces, self._bounds = factor, faces, [0.0, np.inf]
 
-    def correct(self, count):
-        """The factor gave a number of faces."""
+    def correct(self, count: float) -> None:
+        """Correct the factor, which has given a number of faces."""
         self._bounds[count < self._faces] = self.factor
         proportional = self.factor * float(np.sqrt(count / self._faces))
         low, high = self._bounds
         self.factor = float(np.sqrt(low * high)) if low > 0 and np.isfinite(high) else proportional
 
-    def be_smaller(self):
-        """The factor gave quads too large for a mesh."""
+    def be_smaller(self) -> None:
+        """Reduce the factor, which has given quads that are too large for a mesh."""
         self._bounds[1] = self.factor
         self.factor = float(np.sqrt(np.prod(self._bounds))) if self._bounds[0] > 0 else self.factor / 2
 
 
 @dataclass(frozen=True)
 class _Draft:
-    """A pattern's result and its faces as they were traced.
+    """A result without quads, its request, the traced quad mesh, and the seconds that tracing took."""
 
-    Attributes
-    ----------
-    request : SurfaceRequest of the spacing
-    result : SurfaceResult without quads
-    quads : QuadMesh as it was traced
-    seconds : that tracing took
-    """
-
-    request: Any
-    result: Any
+    request: "SurfaceRequest"
+    result: "PatternResult"
     quads: QuadMesh
     seconds: dict[str, float]
 
     @property
-    def face_count(self):
-        """About how many faces there are after finishing: a polygon of 2 k corners becomes k - 1 quads."""
+    def face_count(self) -> float:
+        """Estimated number of faces after finishing: a polygon with 2 k corners becomes k - 1 quads."""
         sizes = self.quads.sizes
         return float((sizes - 2).sum() / 2) if self.request.has_only_quads else len(sizes)
 
 
-def _draw(request, directions, progress):
-    """The :class:`_Draft` of the pattern along a field."""
+def _draw(request: "SurfaceRequest", directions: DirectionField, progress: Callback | None) -> _Draft:
+    """The draft of the pattern along a field."""
     result = request.along(directions, portion(progress, 0.0, _CLOSING if request.loops else 1.0))
     return _Draft(request, result, *request.trace(result.pattern))
 
 
-def _settle(draft, progress):
-    """The :class:`_Draft` of a whole solve where the search on a coarse stage has left dislocations."""
+def _settle(draft: _Draft, progress: Callback | None) -> _Draft:
+    """The draft, or that of a whole solve if the coarse stage has left dislocations and it has less energy."""
     if draft.request.options.method != COARSE or not draft.result.pattern.dislocations:
         return draft
-    whole = _draw(_with_options(draft.request, method="sdp"), draft.result.field, progress)
-    return min(draft, whole, key=lambda draft: draft.result.pattern.energy)
+    request = replace(draft.request, options=replace(draft.request.options, method="sdp"))
+    whole = _draw(request, draft.result.field, progress)
+    return min(draft, whole, key=lambda draft: draft.result.pattern.energy or 0.0)
 
 
-def _close(draft, progress):
-    """The draft with more of its quads in short loops, where that is asked for and lines do not branch."""
+def _close(draft: _Draft, progress: Callback | None) -> _Draft:
+    """The draft with more of its quads in short loops, if that is asked for and lines do not branch."""
     request = draft.request
-    if request.loops == 0 or request.branching > 0:
+    if request.loops == 0 or request.branching != 0:
         return draft
     pattern, before = close_loops(request, draft.result.pattern, portion(progress, _CLOSING, _SMOOTHING - _CLOSING))
     result = replace(draft.result, pattern=pattern, loops_before=before)
     return _Draft(request, result, *request.trace(pattern))
 
 
-def _finish(draft, progress=None):
-    """The result with its quads, and the settings that they are made with."""
+def _finish(draft: _Draft, progress: Callback | None = None) -> "SurfaceResult":
+    """The result with its quads, and the settings with which they were made."""
     Monitor(progress).at("smoothing", _SMOOTHING)
     request = draft.request
     settled = {"spacing": request.spacing, "singularities": request.singularities}
     return replace(draft.result, **request.finish(draft.quads, draft.seconds), settled=settled)
 
 
-def _is_default_search(request):
-    """Whether the search for phases may be made smaller: nothing is said of it, and there is no start."""
+def _is_default_search(request: "SurfaceRequest") -> bool:
+    """Whether a smaller search may replace the default one: it has no other settings and no start."""
     options = request.options
     return options.method == "sdp" and options.rounding == "continuation" and request.start is None
 
 
-def _with_options(request, **changes):
-    return replace(request, options=replace(request.options, **changes))
-
-
-def _scale_spacing(request, factor):
+def _scale_spacing(request: "SurfaceRequest", factor: float) -> "SurfaceRequest":
     return replace(request, spacing=factor * request.spacing, spacings=factor * np.asarray(request.spacings))
 
 
-def _about_faces(request, count):
-    wanted, mesh = request.faces, request.given.mesh
+def _face_count(result: "SurfaceResult") -> int:
+    return 0 if result.quads is None else len(result.quads.sizes)
+
+
+def _about_faces(request: "SurfaceRequest", wanted: int, count: int) -> Iterator[str]:
     if abs(count / wanted - 1) <= FAR:
         return
+    mesh = request.given.mesh
     pieces = len(np.unique(mesh.pieces[mesh.triangles[:, 0]]))
     if count > wanted and pieces > wanted:
         yield (
-            f"the quad mesh has {count} faces, not {wanted}: each of the {pieces} pieces of the surface has one of its "
-            f"own: where they should hang together, use Mesh > Clean Up > Merge by Distance"
+            f"the quad mesh has {count} faces, not {wanted}, because each of the {pieces} pieces of the surface needs "
+            f"one: to join pieces, use Mesh > Clean Up > Merge by Distance"
         )
     else:
-        yield f"the quad mesh has {count} faces, not {wanted}: what it must keep to leaves no spacing nearer to that"
+        yield f"the quad mesh has {count} faces, not {wanted}: its constraints allow no spacing that comes nearer"
 
 
-def _about_pieces(request, found):
-    mesh, quads = request.given.mesh, found.quads
+def _faults(request: "SurfaceRequest", quads: QuadMesh) -> Iterator[str]:
+    """Lines about a quad mesh that differs from its surface or has faulty faces."""
+    mesh = request.given.mesh
     of_triangles = mesh.pieces[mesh.triangles[:, 0]]
     all_pieces, kept = np.unique(of_triangles), np.unique(of_triangles[quads.triangles])
     if len(kept) < len(all_pieces):
@@ -241,78 +240,56 @@ def _about_pieces(request, found):
             f"{len(all_pieces) - len(kept)} of {len(all_pieces)} pieces of the surface are too small for the quads and "
             f"left out: reduce the spacing"
         )
-
-
-def _about_lines(request, found):
-    lost, lengths = lost_lines(found.quads, request.given.mesh, request.rows)
+    lost, lengths = lost_lines(quads, mesh, request.rows)
     if len(lost):
         yield (
             f"{len(lost)} of {len(lengths)} lines of the boundary and of sharp edges are lost, {lost.sum():.3g} of "
             f"{lengths.sum():.3g} in length: reduce the spacing"
         )
-
-
-def _about_others(request, found):
-    others = int((found.quads.sizes != 4).sum())
+    others = int((quads.sizes != 4).sum())
     if others and request.branching == 0:
-        faces = len(found.quads.sizes)
-        yield f"{others} of {faces} faces are no quads though no branches are asked for: reduce the spacing"
+        yield f"{others} of {len(quads.sizes)} faces are not quads, although no branches are wanted: reduce the spacing"
+    yield from quad_faults(quads, mesh, request.given.is_closed)
 
 
-def _about_shape(request, found):
-    return quad_faults(found.quads, request.given.mesh, request.given.is_closed)
+def spacing_factor(mesh: TriangleMesh, spacings: ArrayLike, faces: int) -> float:
+    """The factor of spacings that gives about a number of quads on a flat surface.
 
-
-def spacing_factor(mesh, spacings, faces):
-    """What spacings are to be multiplied with for about a number of quads on a flat surface; no less than it takes for
-    the quads to reach from one end of each piece to the other.
-
-    Parameters
-    ----------
-    mesh : TriangleMesh
-    spacings : one, (n,), or (n, 2) or (1, 2) along two axes
-    faces : number of quads
+    It is large enough for the quads to reach from one end of each component to the other. Spacings are one number,
+    (n,), or (n, 2) or (1, 2) along two axes.
     """
-    return max(_area_factor(mesh, spacings) / np.sqrt(faces), _least_factor(mesh, spacings, faces))
+    return float(max(_area_factor(mesh, spacings) / np.sqrt(faces), _least_factor(mesh, spacings, faces)))
 
 
-def faces_of_factor(mesh, spacings, factor):
-    """The number of quads for which :func:`spacing_factor` gives a factor, rounded down."""
+def faces_of_factor(mesh: TriangleMesh, spacings: ArrayLike, factor: float) -> int:
+    """The number of quads for which :func:`spacing_factor` returns the given factor, rounded down."""
     return int(max((_area_factor(mesh, spacings) / factor) ** 2, _least_factor(mesh, spacings, 1) / factor))
 
 
-def _area_factor(mesh, spacings):
-    """The factor at which one quad is as large as the surface."""
+def _area_factor(mesh: TriangleMesh, spacings: ArrayLike) -> float:
+    """The factor with which one quad is as large as the surface."""
     sides = np.broadcast_to(_along_axes(spacings), (mesh.vertex_count, 2)) / 2
     return float(np.sqrt((mesh.vertex_masses / sides.prod(axis=1)).sum()))
 
 
-def _least_factor(mesh, spacings, faces):
-    """The factor at which so many quads in a row, corner to corner, are as long as the longest piece of the mesh: a
-    needle has too little area for a spacing to follow from it."""
+def _least_factor(mesh: TriangleMesh, spacings: ArrayLike, faces: int) -> float:
+    """The factor with which so many quads in a row, corner to corner, are as long as the longest component of the mesh.
+
+    The area of a needle is too small to determine a spacing.
+    """
     low, high = np.full((2, mesh.vertex_count, 3), np.inf)
     np.minimum.at(low, mesh.pieces, mesh.vertices)
     np.minimum.at(high, mesh.pieces, -mesh.vertices)
     present = np.unique(mesh.pieces[mesh.triangles])
     reach = (-high[present] - low[present]).max()
-    return float(reach / (np.sqrt(0.5) * np.max(spacings) * faces))
+    return float(reach / (np.sqrt(0.5) * np.asarray(spacings).max() * faces))
 
 
-def smallest_sides(mesh, spacings):
-    """(n,) the shorter side of a quad at each vertex, for spacings as :func:`spacing_factor` has them."""
+def smallest_sides(mesh: TriangleMesh, spacings: ArrayLike) -> np.ndarray:
+    """(n,) the shorter side of a quad at each vertex; spacings as of :func:`spacing_factor`."""
     return np.broadcast_to(_along_axes(spacings).min(axis=1) / 2, mesh.vertex_count)
 
 
-def _along_axes(spacings):
+def _along_axes(spacings: ArrayLike) -> np.ndarray:
     spacings = np.asarray(spacings, float)
     return spacings if spacings.ndim == 2 else np.repeat(spacings.reshape(-1, 1), 2, axis=1)
-
-
-def _try_candidate(make):
-    """A candidate; None where its quads would be no mesh."""
-    try:
-        return make()
-    except Cancelled:
-        raise
-    except SynchError:
-        return None

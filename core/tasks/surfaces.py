@@ -2,9 +2,10 @@
 """Directions, stripes, quads and quad meshes on one surface."""
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from typing import Protocol, TypedDict
 
 import numpy as np
 
@@ -28,34 +29,50 @@ from ..fields.directions import known_directions
 from ..fields.mirror import Mirror
 from ..fields.patterns import known_pattern
 from ..fields.target_one_form import COARSE_SHARE, TargetOneForm
+from ..geometry import TriangleMesh
 from ..geometry.mesh_input import MeshInput
-from ..monitor import Monitor, portion
+from ..monitor import Callback, Monitor, portion
 from ..settings.surface import SYMMETRY_ORDERS
 from ..solution import FIRST, Clock
 from ..solve import Options
+from ..solve.warm_start import Follower
 from .quad_meshes import draft_quad_mesh, solve_quad_mesh
 
-# What a command solves along its directions; "directions" stops before.
+# The pattern that a command solves for along its directions; "directions" has none.
 PATTERNS: dict[str, Callable[..., Pattern]] = {
     "stripes": stripe_pattern,
     "quads": quad_pattern,
     "quad_mesh": quad_pattern,
 }
-# Of these there are pictures on the way.
+# Commands with pictures of intermediate results.
 SHOWN = ("stripes", "quads")
-# Share of the work that the draft of a quad mesh is.
+# Share of the work for the draft of a quad mesh.
 _DRAFT = 0.15
+
+
+class _WithPhases(Protocol):
+    """A pattern, or another object with (k n,) complex phases."""
+
+    @property
+    def phases(self) -> np.ndarray: ...
+
+
+class _Finished(TypedDict):
+    """Fields of a :class:`SurfaceResult`."""
+
+    quads: QuadMesh
+    seconds: dict[str, float]
 
 
 @dataclass(frozen=True)
 class PendingGuide:
-    """A guide whose data has been read and that has still to be computed.
+    """A guide whose data has been read but that is not computed yet.
 
     Attributes
     ----------
-    label : what errors call it
-    compute : callable without arguments that can be pickled, makes the Guide
-    share : how much of its weights counts
+    label : its name in errors
+    compute : can be pickled
+    share : factor of its weights
     """
 
     label: str
@@ -63,14 +80,8 @@ class PendingGuide:
     share: float
 
     @property
-    def weighted(self):
-        """The guide, and the share of its weights that counts.
-
-        Raises
-        ------
-        SettingError
-            naming the guide, when it gives no directions
-        """
+    def weighted(self) -> tuple[Guide, float]:
+        """The guide and its share; SettingError, with the guide's name, if it has no directions."""
         try:
             return self.compute(), self.share
         except SettingError as error:
@@ -79,7 +90,7 @@ class PendingGuide:
 
 @dataclass(frozen=True)
 class SurfaceRequest:
-    """A field, a pattern or a quad mesh that is asked for.
+    """Asks for a field, a pattern or a quad mesh.
 
     Attributes
     ----------
@@ -87,20 +98,20 @@ class SurfaceRequest:
     given : the mesh
     symmetry : "vector", "line" or "cross"
     options : of each solve
-    directions : (n, 3) vectors that are taken exactly as they are, or None
-    guides : what the directions follow
+    directions : (n, 3) vectors that are used as they are, or None
+    guides : for the directions
     turn : radians by which the directions are turned, one or (n,)
-    rows : Rows of the constraint list
-    mirrors : reflections that leave the field as it is
-    spacing : the spacing, in scene units
-    spacings : that times its map, (n,), and for quads with an aspect (n, 2), or the spacing alone
+    rows : of the constraint list
+    mirrors : reflections that leave the field unchanged
+    spacing : in scene units
+    spacings : the spacing times its map, (n,), or (n, 2) for quads with an aspect, or the spacing alone
     mirror_axes : the axes of the mirrors in the object's space, 0, 1 or 2
-    smoothing : of quad meshes, how often vertices move to where faces are nearer to squares
-    singularities : share of the shape's unevenness that the directions answer with disclinations
-    branching : share of the dislocations that even spacing asks for; None for directions alone
-    faces : of quad meshes, how many there should be, whatever the spacing; None for as many as it gives
-    loops : of quad meshes, how much is given up for short loops, from 0, nothing, to 1, any energy
-    pins : triangles and the indices of the disclinations that are to be there
+    smoothing : of quad meshes, number of smoothing steps
+    singularities : share of the disclinations by which the directions adapt to the shape
+    branching : share of the dislocations that even spacing needs; None for directions alone
+    faces : of quad meshes, their number, whatever the spacing; None for the number that the spacing gives
+    loops : of quad meshes, how much energy is given up for short loops, from 0, none, to 1, any
+    pins : triangles and the indices of the disclinations wanted there
     start : (n,) radians of directions before they are turned, and (k n,) complex phases along them, from which the
         whole solve starts and near which it stays; None for a search
     strict : whether a result with faults is refused
@@ -128,32 +139,25 @@ class SurfaceRequest:
     strict: bool = False
 
     @property
-    def shared(self):
+    def shared(self) -> tuple[TriangleMesh, TriangleMesh]:
         """The meshes that fields and patterns are on."""
         return self.given.mesh, self.given.uncut
 
-    def solve(self, progress=None):
-        """The :class:`SurfaceResult`.
-
-        Raises
-        ------
-        Cancelled
-            when the progress is answered with False
-        ContradictionError
-            naming vertices of the object
-        """
+    def solve(self, progress: Callback | None = None) -> "SurfaceResult":
+        """The result; Cancelled if the callback answers False, and ContradictionError with vertices of the object."""
         if self.command not in PATTERNS:
             return SurfaceResult(self.directed(progress))
         if self.command == "quad_mesh":
             return solve_quad_mesh(self, progress)
         return self.along(self.directed(portion(progress, 0.0, 0.4)), portion(progress, 0.4, 0.55))
 
-    def solve_showing(self, show, progress=None):
-        """What :meth:`solve` gives, and what there is on the way; errors as there.
+    def solve_showing(
+        self, show: Callable[["SurfaceResult"], object], progress: Callback | None = None
+    ) -> "SurfaceResult":
+        """:meth:`solve` with intermediate results.
 
-        ``show(result)`` is called with a first :class:`SurfaceResult` after a small part of the time, and then with
-        each one that is better or whose bound is known; for stripes and quads by the default method. Of a quad mesh it
-        is one draft.
+        For stripes and quads by the default method, ``show`` is called with a first result after a small part of the
+        time, then with each one that is better or has a bound; for a quad mesh, with one draft.
         """
         if self.command == "quad_mesh" and self.options.method == "sdp":
             draft = draft_quad_mesh(self, portion(progress, 0.0, _DRAFT))
@@ -167,20 +171,21 @@ class SurfaceRequest:
         directions = self.directed(portion(progress, 0.05, 0.35))
         return self.along(directions, portion(progress, 0.4, 0.55), show=show)
 
-    def picture(self, result):
-        """The :class:`Picture` of a result with a pattern."""
+    def picture(self, result: "PatternResult") -> "Picture":
         polygons, inverse = self.given.polygons, np.linalg.inv(self.given.stretch)
         vertices = self.given.mesh.vertices @ inverse.T
         places, phases = drawn_phases(result.pattern.on_faces(polygons), polygons, vertices)
         return Picture(places, phases, self.command != "stripes")
 
-    def directed(self, progress=None, before=None, follower=None):
-        """The :class:`DirectionField`, turned by its angle; from the one of the frame before, if there is one."""
+    def directed(
+        self, progress: Callback | None = None, before: DirectionField | None = None, follower: Follower | None = None
+    ) -> DirectionField:
+        """The directions, turned by their angle; solved from the field of the previous frame if there is one."""
         mesh, symmetry = self.given.mesh, SYMMETRY_ORDERS[self.symmetry]
         if self.directions is not None:
             return given_directions(mesh, symmetry, self.directions).turned(self.turn)
         start = None if self.start is None else self.start[0]
-        with self._own_vertices():
+        with self._renumber_errors():
             guides = tuple(guide.weighted for guide in self.guides)
             wishes = DirectionWishes(guides, self.rows, self.mirrors, self.singularities, self.pins)
             field = direction_field(mesh, symmetry, wishes, self.options, progress, before, follower, start)
@@ -188,20 +193,28 @@ class SurfaceRequest:
             field = along_curvature(field)
         return field.turned(self.turn)
 
-    def along(self, directions, progress=None, before=None, hold=0.0, show=None, follower=None):
-        """The :class:`SurfaceResult` of the pattern along a field; from that of the frame before, if there is one.
+    def along(
+        self,
+        directions: DirectionField,
+        progress: Callback | None = None,
+        before: _WithPhases | None = None,
+        hold: float = 0.0,
+        show: Callable[["SurfaceResult"], object] | None = None,
+        follower: Follower | None = None,
+    ) -> "PatternResult":
+        """The result with the pattern along a field; solved from that of the previous frame if there is one.
 
         ``show`` as of :meth:`solve_showing`.
         """
         growth = TargetOneForm.of(self.given.mesh, directions, self.spacings)
-        # What the map asks for is seen before the stripes are there.
+        # Tell the number of dislocations before the solve.
         Monitor(progress).at(f"pattern, {growth.forced_dislocations:.0f} dislocations asked for", 0.0)
-        warnings = self.refused_faults(self._judged(growth.coarse_share))
+        warnings = self.accept_faults(self._coarse_faults(growth.coarse_share))
 
-        def result(pattern):
-            return SurfaceResult(directions, pattern, None, growth.forced_dislocations, warnings)
+        def result(pattern: Pattern) -> "PatternResult":
+            return PatternResult(directions, pattern, None, growth.forced_dislocations, warnings)
 
-        with self._own_vertices():
+        with self._renumber_errors():
             pattern = PATTERNS[self.command](
                 self.given.mesh,
                 directions,
@@ -219,8 +232,8 @@ class SurfaceRequest:
             )
         return result(pattern)
 
-    def known(self, vectors, phases):
-        """The DirectionField and the Pattern of (n, 3) directions and (k n,) complex phases that were solved for."""
+    def known(self, vectors: np.ndarray, phases: np.ndarray) -> tuple[DirectionField, Pattern]:
+        """Directions and pattern of an earlier solution's (n, 3) directions and (k n,) complex phases."""
         mesh, symmetry = self.given.mesh, SYMMETRY_ORDERS[self.symmetry]
         wishes = DirectionWishes((), self.rows, self.mirrors, self.singularities, self.pins)
         field = known_directions(mesh, symmetry, vectors, wishes)
@@ -228,47 +241,34 @@ class SurfaceRequest:
         return field, known_pattern(mesh, field, self.spacings, phases, self.rows, self.mirrors, self.branching)
 
     @property
-    def has_only_quads(self):
-        """Whether other faces are to become quads."""
+    def has_only_quads(self) -> bool:
+        """Whether all faces of the quad mesh become quads."""
         return self.command == "quad_mesh" and self.branching == 0
 
-    def trace(self, pattern):
-        """The :class:`QuadMesh` of a pattern's grid lines as they are, and the seconds that it took.
-
-        Raises
-        ------
-        SettingError
-            for quads that are too large for a mesh
-        """
+    def trace(self, pattern: Pattern) -> tuple[QuadMesh, dict[str, float]]:
+        """The quad mesh of a pattern's grid lines before finishing, and the seconds; errors as :func:`check_quads`."""
         clock = Clock()
         with clock("extract"):
             quads = quad_mesh(pattern.edge_phases)
             check_quads(quads, self.given.mesh)
         return quads, clock.seconds
 
-    def finish(self, quads, seconds):
-        """A traced quad mesh on its lines and smoothed, and the seconds of both, as fields of a result."""
+    def finish(self, quads: QuadMesh, seconds: dict[str, float]) -> _Finished:
+        """The finished mesh of a traced one, and the seconds of tracing and finishing."""
         clock = Clock()
         clock.add(seconds)
         with clock("extract"):
-            inverse = np.linalg.inv(self.given.stretch)
-            planes = [inverse[axis] for axis in self.mirror_axes]
+            planes = np.linalg.inv(self.given.stretch)[list(self.mirror_axes)]
             quads = finish_quads(quads, self.given.mesh, self.rows, planes, self.smoothing, self.has_only_quads)
         return {"quads": quads, "seconds": clock.seconds}
 
-    def refused_faults(self, faults):
-        """Lines about faults of a result, which are warnings where it need not be without any.
-
-        Raises
-        ------
-        SettingError
-            with the first one
-        """
+    def accept_faults(self, faults: Sequence[str]) -> tuple[str, ...]:
+        """Faults of a result as warnings; raises SettingError with the first one if the request is strict."""
         if self.strict and faults:
             raise SettingError(faults[0])
         return tuple(faults)
 
-    def _judged(self, coarse_share):
+    def _coarse_faults(self, coarse_share: float) -> tuple[str, ...]:
         if coarse_share <= COARSE_SHARE:
             return ()
         finest = np.min(self.spacings)
@@ -278,8 +278,8 @@ class SurfaceRequest:
         )
 
     @contextmanager
-    def _own_vertices(self):
-        """Errors name vertices of the object, whose second sides at cuts are the same."""
+    def _renumber_errors(self) -> Iterator[None]:
+        """Renumber the vertices of errors as vertices of the object, of which those at cuts have copies."""
         try:
             yield
         except ContradictionError as error:
@@ -292,9 +292,9 @@ class Picture:
 
     Attributes
     ----------
-    places : (3 t, 3) float32 corners of the triangles one after the other, in the object's space
-    phases : (3 t, 2) float32 radians there; of stripes the second is 0
-    of_quads : whether there are two
+    places : (3 t, 3) float32 corners of the triangles, in the object's space
+    phases : (3 t, 2) float32 radians there; the second is 0 for stripes
+    of_quads : whether there are two phases
     """
 
     places: np.ndarray
@@ -304,18 +304,16 @@ class Picture:
 
 @dataclass(frozen=True)
 class SurfaceResult:
-    """What was found on a surface.
+    """The result of a :class:`SurfaceRequest`.
 
     Attributes
     ----------
-    field : DirectionField
-    pattern : Pattern, None after directions alone
-    quads : QuadMesh, or None
-    forced_dislocations : how many exact directions and spacing ask for, None without a pattern
-    warnings : lines that the user should read
-    seconds : that parts of the work took which solutions do not tell, by their names
-    settled : settings, by their names, with which the result was made in place of those that were asked for
-    loops_before : figures of the loops before more of them were closed (:mod:`..extract.quads.measure.loops`)
+    field, pattern, quads : as far as the command has them
+    forced_dislocations : number of dislocations that exact directions and spacing would need
+    warnings : for the user
+    seconds : times of parts of the work other than solves, by name
+    settled : settings, by name, that replaced the wanted ones
+    loops_before : figures of the loops before more of them were closed (:attr:`QuadLoops.figures`)
     """
 
     field: DirectionField
@@ -325,4 +323,11 @@ class SurfaceResult:
     warnings: tuple[str, ...] = ()
     seconds: dict[str, float] = dataclasses.field(default_factory=dict)
     settled: dict[str, float] = dataclasses.field(default_factory=dict)
-    loops_before: dict[str, int] | None = None
+    loops_before: dict[str, float] | None = None
+
+
+@dataclass(frozen=True)
+class PatternResult(SurfaceResult):
+    """A result with a pattern."""
+
+    pattern: Pattern

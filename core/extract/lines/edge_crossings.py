@@ -1,26 +1,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where lines cross edges, and the pieces of lines inside triangles that join these crossings."""
+"""Crossings of lines with edges, and the straight pieces of lines inside triangles that join them."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...errors import SettingError
+from ...geometry import TriangleMesh
 from ...graphs import ragged_arange
+from ...interpolate import EdgePhases
 from ...matchings import after_turns
-from .levels import GRID
-from .prepared_pattern import ASIDE, in_radians
+from .levels import GRID, Levels
+from .prepared_pattern import ASIDE, PreparedPattern, in_radians
 
-# Crossings of lines with edges, and with one another: about 100 bytes each, and again as much in Blender.
+# Most crossings of lines with edges or with one another: each takes about 100 bytes, and as much again in Blender.
 MOST = 10_000_000
 
 
 class TooManyLines(SettingError):
-    """More lines than are drawn."""
+    """More crossings than can be drawn."""
 
 
-def refuse_more(count, what, power):
-    """Refuse more than :data:`MOST`, whose number goes by a power of the lines' density; the error says what fits."""
+def refuse_more(count: int, what: str, power: int) -> None:
+    """Raise :class:`TooManyLines` for more than :data:`MOST`; the number grows with a power of the lines' density."""
     if count > MOST:
         factor = 1.05 * (count / MOST) ** (1 / power)
         raise TooManyLines(
@@ -31,13 +33,13 @@ def refuse_more(count, what, power):
 
 @dataclass(frozen=True)
 class Crossings:
-    """Where lines cross edges, along each edge from its lower vertex.
+    """Crossings of lines with edges, sorted along each edge from its lower vertex.
 
     Attributes
     ----------
     edges, phases, levels : (c,) edge, phase of the edge's lower vertex, and label of the level (:class:`Levels`)
-    shares : (c,) how far along the edge
-    starts, counts : (e,) the crossings of each edge follow one another
+    shares : (c,) position along the edge, 0 to 1
+    starts, counts : (e,) first crossing of each edge, and number of its crossings
     """
 
     edges: np.ndarray
@@ -47,15 +49,14 @@ class Crossings:
     starts: np.ndarray
     counts: np.ndarray
 
+    @property
+    def stride(self) -> int:
+        """Number of ranks of a triangle's side: one for the corner at its start, the others for its crossings."""
+        return int(self.counts.max(initial=0)) + 1
 
-def crossings_of(phases, levels=GRID):
-    """All :class:`Crossings`; ends of an edge are never on a line but at a centre, which does not count.
 
-    Raises
-    ------
-    SettingError
-        for more than :data:`MOST`
-    """
+def crossings_of(phases: EdgePhases, levels: Levels = GRID) -> Crossings:
+    """All :class:`Crossings`; at most :data:`MOST`. Only centres of disclinations lie on lines: they do not count."""
     mesh, count = phases.mesh, phases.phase_count
     begin = phases.arguments[mesh.edges[:, 0]]
     end = begin + phases.changes
@@ -67,28 +68,22 @@ def crossings_of(phases, levels=GRID):
     numbers = first.ravel()[which] + place
     edges, phase = which // count, which % count
     shares = (levels.value(numbers) - begin.ravel()[which]) / phases.changes.ravel()[which]
-    # Two lines at the same place: an order, no matter which, that both triangles of the edge see.
+    # Two lines at the same place are put into an order that is the same for both triangles of the edge.
     order = np.lexsort((phase, shares, edges))
     per_edge = np.bincount(edges, minlength=len(mesh.edges))
-    return Crossings(
-        edges[order],
-        phase[order],
-        levels.label(numbers)[order],
-        shares[order],
-        np.cumsum(per_edge) - per_edge,
-        per_edge,
-    )
+    starts = np.cumsum(per_edge) - per_edge
+    return Crossings(edges[order], phase[order], levels.label(numbers)[order], shares[order], starts, per_edge)
 
 
 @dataclass(frozen=True)
 class Chords:
-    """Pieces of lines inside triangles, from one rim place to another.
+    """Pieces of lines inside triangles, between two places on the rim.
 
     Attributes
     ----------
     triangles, phases : (h,) triangle, and phase of its first corner
-    ends : (h, 2) crossing, or crossings + centre, at either end
-    ranks : (h, 2) where on the rim, increasing counterclockwise and within each chord
+    ends : (h, 2) index of the crossing at either end; the number of crossings plus that of the centre at a centre
+    ranks : (h, 2) order of the ends on the rim, increasing counterclockwise and within each chord
     """
 
     triangles: np.ndarray
@@ -96,20 +91,20 @@ class Chords:
     ends: np.ndarray
     ranks: np.ndarray
 
-    def __getitem__(self, which):
+    def __getitem__(self, which: np.ndarray) -> "Chords":
         return Chords(self.triangles[which], self.phases[which], self.ends[which], self.ranks[which])
 
 
 @dataclass(frozen=True)
 class Rims:
-    """Crossings as they stand around the triangles, each once for every triangle at its edge.
+    """Crossings around the triangles, each listed once for every triangle at its edge.
 
     Attributes
     ----------
     triangles, sides, crossings : (r,)
-    ranks : (r,) where on the rim, increasing counterclockwise
-    phases, levels : (r,) phase and label of the level for the triangle's first corner
-    values : (m, 4, k) phases at the triangles' corners and back at the first one, for it, in units of pi
+    ranks : (r,) order on the rim, increasing counterclockwise
+    phases, levels : (r,) phase and label of the level, seen from the triangle's first corner
+    values : (m, 4, k) phases at the corners and again at the first, seen from the first, in units of pi
     numbers : (m, k) dislocation numbers
     """
 
@@ -123,15 +118,15 @@ class Rims:
     numbers: np.ndarray
 
 
-def rims_of(fans, crossings):
-    """:class:`Rims` of the triangles of :class:`Fans`."""
-    triangle, side, crossing, rank = _places_on_rims(fans.mesh, crossings)
-    phase, level, values, numbers = _seen_from_first_corners(fans, crossings, triangle, side, crossing)
+def rims_of(prepared: PreparedPattern, crossings: Crossings) -> Rims:
+    """:class:`Rims` of the triangles of a :class:`PreparedPattern`."""
+    triangle, side, crossing, rank = _places_on_rims(prepared.mesh, crossings)
+    phase, level, values, numbers = _seen_from_first_corners(prepared, crossings, triangle, side, crossing)
     return Rims(triangle, side, crossing, rank, phase, level, values, numbers)
 
 
-def chords_of(fans, crossings, rims):
-    """Join the crossings on each triangle's rim that are of the same line, but for dislocations."""
+def chords_of(prepared: PreparedPattern, crossings: Crossings, rims: Rims) -> Chords:
+    """Join the crossings on each triangle's rim that belong to one line, except in phases with a dislocation."""
     order = np.lexsort((rims.ranks, rims.levels, rims.phases, rims.triangles))
     order = order[rims.numbers[rims.triangles, rims.phases][order] == 0]
     columns = (rims.triangles, rims.phases, rims.levels, rims.ranks, rims.crossings)
@@ -139,11 +134,11 @@ def chords_of(fans, crossings, rims):
     first = np.flatnonzero((np.diff(triangle) == 0) & (np.diff(phase) == 0) & (np.diff(level) == 0))
     alone = np.ones(len(order), bool)
     alone[first] = alone[first + 1] = False
-    alone &= (fans.fans[triangle] >= 0) & (np.rint(rims.values[triangle, 2, phase]) == level)
-    centre = len(crossings.edges) + fans.mesh.triangles[triangle[alone], 2] - fans.first_centre
+    alone &= (prepared.fans[triangle] >= 0) & (np.rint(rims.values[triangle, 2, phase]) == level)
+    centre = len(crossings.edges) + prepared.mesh.triangles[triangle[alone], 2] - prepared.first_centre
     pairs = np.column_stack([crossing[first], crossing[first + 1]]), np.column_stack([crossing[alone], centre])
-    # The centre is the last corner: it comes after the first two sides.
-    at_centre = np.full(alone.sum(), 2 * stride(crossings))
+    # The centre is the last corner, so its rank follows those of the first two sides.
+    at_centre = np.full(alone.sum(), 2 * crossings.stride)
     ranks = np.column_stack([rank[first], rank[first + 1]]), np.column_stack([rank[alone], at_centre])
     return Chords(
         np.concatenate([triangle[first], triangle[alone]]),
@@ -153,47 +148,43 @@ def chords_of(fans, crossings, rims):
     )
 
 
-def stride(crossings):
-    """Ranks that a side has to itself: that of the corner that it starts at, then those of its crossings."""
-    return int(crossings.counts.max(initial=0)) + 1
-
-
-def on_rim(mesh, triangles, sides, shares):
-    """(k, 3) barycentric coordinates of places on sides, shares of the way from the edge's lower vertex."""
+def on_rim(mesh: TriangleMesh, triangles: np.ndarray, sides: np.ndarray, shares: np.ndarray) -> np.ndarray:
+    """(k, 3) barycentric coordinates of places on sides; shares are counted from the edge's lower vertex."""
     along = np.where(mesh.triangle_edge_signs[triangles, sides] > 0, shares, 1 - shares)
     return (1 - along)[:, None] * np.eye(3)[sides] + along[:, None] * np.eye(3)[(sides + 1) % 3]
 
 
-def chord_ends(fans, crossings, chords):
+def chord_ends(prepared: PreparedPattern, crossings: Crossings, chords: Chords) -> np.ndarray:
     """(h, 2, 3) barycentric coordinates of the chords' ends in their triangles."""
     ends = np.zeros((len(chords.ends), 2, 3))
     for k in range(2):
         at_centre = chords.ends[:, k] >= len(crossings.edges)
         crossing = np.where(at_centre, 0, chords.ends[:, k])
-        sides = np.minimum(chords.ranks[:, k] // stride(crossings), 2)
-        rim = on_rim(fans.mesh, chords.triangles, sides, crossings.shares[crossing])
+        sides = np.minimum(chords.ranks[:, k] // crossings.stride, 2)
+        rim = on_rim(prepared.mesh, chords.triangles, sides, crossings.shares[crossing])
         ends[:, k] = np.where(at_centre[:, None], [0.0, 0.0, 1.0], rim)
     return ends
 
 
-def _places_on_rims(mesh, crossings):
-    """(r,) triangle, side, crossing and rank of the places on the triangles' rims."""
+def _places_on_rims(mesh: TriangleMesh, crossings: Crossings) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """(r,) triangle, side, crossing and rank of each place on a rim."""
     edges = mesh.triangle_edges.ravel()
     counts = crossings.counts[edges]
     half, place = ragged_arange(counts)
     forward = mesh.triangle_edge_signs.ravel()[half] > 0
     crossing = crossings.starts[edges[half]] + np.where(forward, place, counts[half] - 1 - place)
-    return half // 3, half % 3, crossing, stride(crossings) * (half % 3) + 1 + place
+    return half // 3, half % 3, crossing, crossings.stride * (half % 3) + 1 + place
 
 
-def _seen_from_first_corners(fans, crossings, triangle, side, crossing):
-    """Phase and level of crossings for the first corner of their triangle, the values at the triangles' corners and
-    the dislocation numbers."""
-    mesh, phases = fans.mesh, fans.phases
+def _seen_from_first_corners(
+    prepared: PreparedPattern, crossings: Crossings, triangle: np.ndarray, side: np.ndarray, crossing: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Phases, levels, values and numbers of :class:`Rims`."""
+    mesh, phases = prepared.mesh, prepared.phases
     radians = in_radians(phases)
     values, _ = radians.around(mesh.triangles)
-    in_fan = fans.fans >= 0
-    # The way around a third does not close beyond its centre: its first corner is seen as it was.
+    in_fan = prepared.fans >= 0
+    # The walk around a third of a triangle does not close at its centre: the first corner keeps its own values.
     values[in_fan, 3] = values[in_fan, 0]
     turns = np.zeros((mesh.triangle_count, 4), int)
     for k in range(3):

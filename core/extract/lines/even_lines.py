@@ -1,32 +1,30 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Streamlines at about even distances: many are traced, and those kept, or parts of them, that lie apart."""
+"""Evenly spaced streamlines: many are traced, and the lines or parts of lines that keep their distance are kept."""
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ...geometry import TriangleMesh
 from ...graphs import pairs_within
-from .streamlines import trace
+from .streamlines import Streamlines, trace
 
-# The distance between lines in mean edges, but so small on a coarse mesh that this many lines fit across a
-# square of the same area.
+# Distance between lines in mean edge lengths; on a coarse mesh less, so that this many lines fit across a square of
+# the same area.
 EDGES_APART, LINES_ACROSS = 3.0, 32
-# Seeds in a square that is as wide as the distance.
+# Seeds per square of one distance.
 SEEDS = 0.5
-# A line is this many distances long, or shorter where it came too near to others.
+# Full length of a line in distances.
 ASPECT = 16
-# Nearer than this share of the distance is too near.
+# Lines nearer than this share of the distance are too near.
 TOO_NEAR = 0.7
-# Stretches of one line that are more than this many apart along it lie beside each other where it comes back.
+# Stretches of one line with numbers further apart than this count as different turns of the line.
 SAME_TURN = 4
 # Lines of at least this share of their full length are kept first, then shorter ones.
 SHARES = (0.8, 0.4, 0.15)
 
 
-def evenly_traced(mesh, vectors, symmetry, limit):
-    """:class:`Streamlines` of about even density, of which no more than about ``limit`` are of full length.
-
-    Arguments as :func:`trace`. On a dense mesh the lines are some fifty edges long.
-    """
+def evenly_traced(mesh: TriangleMesh, vectors: np.ndarray, symmetry: int, limit: int) -> Streamlines:
+    """Evenly spaced :class:`Streamlines`, at most about ``limit`` of full length; arguments as :func:`trace`."""
     area = mesh.areas.sum()
     apart = min(EDGES_APART * mesh.edge_lengths.mean(), np.sqrt(area) / LINES_ACROSS)
     apart = max(apart, np.sqrt(area / (ASPECT * limit)))
@@ -35,7 +33,7 @@ def evenly_traced(mesh, vectors, symmetry, limit):
     return traced[_keep_apart(mesh, traced, apart)]
 
 
-def even_seeds(mesh, count):
+def even_seeds(mesh: TriangleMesh, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Points that stand for equal areas: (count,) triangles and (count, 3) barycentric coordinates."""
     numbers = np.arange(count)
     sums = np.cumsum(mesh.areas)
@@ -47,8 +45,8 @@ def even_seeds(mesh, count):
     return triangles, np.column_stack([1 - s - t, s, t])
 
 
-def _keep_apart(mesh, traced, apart):
-    """(s,) bool: pieces of lines that are not too near to others, and reach from their seed."""
+def _keep_apart(mesh: TriangleMesh, traced: Streamlines, apart: float) -> np.ndarray:
+    """(s,) bool: pieces that are not too near to other lines and are connected with their line's seed."""
     stretch, numbers = _stretches(mesh, traced, apart / 2)
     starts = np.flatnonzero(np.diff(stretch, prepend=-1))
     side_by_side = _SideBySide(mesh, traced[starts], TOO_NEAR * apart)
@@ -57,10 +55,10 @@ def _keep_apart(mesh, traced, apart):
     waiting = list(range(len(first) - 1))
     for share in SHARES:
         left = []
-        # One line after the other: each is blocked by those before it.
+        # A loop, because each line is blocked by the lines before it.
         for line in waiting:
             around = slice(first[line], first[line + 1])
-            low, high = _free_run(blocked[around], np.searchsorted(numbers[starts[around]], 0))
+            low, high = _free_run(blocked[around], int(np.searchsorted(numbers[starts[around]], 0)))
             if high - low < share * 2 * ASPECT:
                 left.append(line)
                 continue
@@ -71,8 +69,8 @@ def _keep_apart(mesh, traced, apart):
     return kept[stretch]
 
 
-def _free_run(blocked, seed):
-    """First and one past the last of the stretches around the seed's that are not blocked."""
+def _free_run(blocked: np.ndarray, seed: int) -> tuple[int, int]:
+    """First and one past the last stretch of the unblocked run that contains the seed's stretch."""
     if blocked[seed]:
         return 0, 0
     barriers = np.flatnonzero(blocked)
@@ -81,9 +79,8 @@ def _free_run(blocked, seed):
     return low, barriers[place] if place < len(barriers) else len(blocked)
 
 
-def _stretches(mesh, traced, length):
-    """Cut lines into stretches of a length, from their seeds: running number of each piece's stretch, and
-    that number counted from the line's seed."""
+def _stretches(mesh: TriangleMesh, traced: Streamlines, length: float) -> tuple[np.ndarray, np.ndarray]:
+    """Cut lines into stretches of a length: each piece's stretch, numbered over all lines and from the line's seed."""
     ends = traced.segments(mesh)
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     middles = np.cumsum(lengths) - lengths / 2
@@ -94,9 +91,9 @@ def _stretches(mesh, traced, length):
 
 
 class _SideBySide:
-    """Which pieces run beside each other, within a radius and on the same side of a sheet."""
+    """Finds pieces that run side by side, within a radius and on the same side of a thin sheet."""
 
-    def __init__(self, mesh, pieces, radius):
+    def __init__(self, mesh: TriangleMesh, pieces: Streamlines, radius: float) -> None:
         ends = pieces.segments(mesh)
         along = ends[:, 1] - ends[:, 0]
         self.along = along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), np.finfo(float).tiny)
@@ -104,12 +101,12 @@ class _SideBySide:
         self.centres, self.line = ends.mean(axis=1), pieces.line
         self.tree, self.radius = cKDTree(self.centres), radius
 
-    def with_run(self, run):
-        """Indices of the pieces beside any of a run of pieces, the run itself among them."""
+    def with_run(self, run: np.ndarray) -> np.ndarray:
+        """Indices of the pieces beside any of a run of pieces, the run itself included."""
         return self._pairs(run)[1]
 
-    def coming_back(self, numbers):
-        """(p,) bool: pieces beside another of their line that is nearer to its seed, by numbers from there."""
+    def coming_back(self, numbers: np.ndarray) -> np.ndarray:
+        """(p,) bool: pieces beside another turn of their line nearer to the seed; numbers are counted from the seed."""
         i, j = self._pairs(np.arange(len(numbers)))
         back = (self.line[i] == self.line[j]) & (np.abs(numbers[i] - numbers[j]) > SAME_TURN)
         back &= 2 * np.abs(numbers[i]) + (numbers[i] < 0) > 2 * np.abs(numbers[j]) + (numbers[j] < 0)
@@ -117,8 +114,8 @@ class _SideBySide:
         found[i[back]] = True
         return found
 
-    def _pairs(self, run):
-        """Each of a run of pieces, and each that lies beside it, as two arrays of indices."""
+    def _pairs(self, run: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Pairs of a piece of the run and a piece beside it, as two arrays of indices."""
         rows, j = pairs_within(self.tree, self.centres[run], self.radius)
         i = run[rows]
         beside = np.abs(np.einsum("ij,ij->i", self.along[i], self.along[j])) > 0.7

@@ -2,10 +2,10 @@
 """Isolines of a pattern as polylines on the surface: middles or edges of stripes, and grid lines of quads.
 
 A line runs from edge to edge, straight inside each triangle. It closes, or ends on the boundary, at a disclination that
-lies on it, or in a triangle with a dislocation: with the number N of that, |N| lines of each level in a period end
-there. Several meet at the centre; a single one goes straight on to where it passes the centre. Which crossings a line
-joins is decided by counting (:mod:`.edge_crossings`). In a triangle with a dislocation they are joined in the shortest
-way in which no two lines cross.
+lies on it, or in a triangle with a dislocation: a dislocation with number N ends |N| lines of each level in a period.
+Several lines meet at the centre; a single one goes straight on until it is beside the centre. Counting decides which
+crossings a line joins (:mod:`.edge_crossings`); in a triangle with a dislocation they are joined by the shortest lines,
+which do not cross.
 """
 
 from dataclasses import dataclass, replace
@@ -20,13 +20,13 @@ from ...errors import SettingError
 from ...geometry import TriangleMesh
 from ...graphs import components, ragged_arange
 from ...interpolate import EdgePhases
-from .edge_crossings import MOST, chord_ends, chords_of, crossings_of, on_rim, rims_of
-from .levels import GRID, stripe_levels
-from .prepared_pattern import move_off_lines, prepare_pattern
+from .edge_crossings import MOST, Crossings, Rims, chord_ends, chords_of, crossings_of, on_rim, rims_of
+from .levels import GRID, Levels, stripe_levels
+from .prepared_pattern import PreparedPattern, move_off_lines, prepare_pattern
 
-# Pieces back from where a line enters the triangle that it ends in, over which its direction is taken.
+# The direction of a line at its end is measured over this many pieces before its last triangle.
 _BACK = 3
-# Lines shorter than this part of the edges' mean length go around a vertex that they should pass.
+# Lines shorter than this, in mean edge lengths, go around a vertex that they should pass, and are left out.
 _SPECK = 1e-4
 
 
@@ -41,14 +41,13 @@ class End(IntEnum):
 
 @dataclass(frozen=True)
 class Isolines:
-    """Lines as runs of points; those of a line follow one another, and those of a closed one go around once.
+    """Lines as runs of consecutive points; a closed line does not repeat its first point.
 
     Attributes
     ----------
-    mesh : TriangleMesh
     triangles, weights : (n,), (n, 3) triangle that each point lies in and its barycentric coordinates there; as traced,
-        the way to the next point is straight in that triangle
-    sizes : (l,) points of each line
+        the segment to the next point is straight in that triangle
+    sizes : (l,) number of points of each line
     ends : (l, 2) :class:`End` at the first and last point
     """
 
@@ -59,22 +58,22 @@ class Isolines:
     ends: np.ndarray
 
     @property
-    def closed(self):
+    def closed(self) -> np.ndarray:
         """(l,) bool."""
         return self.ends[:, 0] == End.CLOSED
 
     @property
-    def starts(self):
+    def starts(self) -> np.ndarray:
         """(l,) first point of each line."""
         return np.cumsum(self.sizes) - self.sizes
 
     @property
-    def numbers(self):
+    def numbers(self) -> np.ndarray:
         """(n,) line that each point is on."""
         return np.repeat(np.arange(len(self.sizes)), self.sizes)
 
     @property
-    def next(self):
+    def next(self) -> np.ndarray:
         """(n,) the point after each one: the first after the last of a closed line, itself at the end of others."""
         following = np.arange(1, len(self.triangles) + 1)
         last = self.starts + self.sizes - 1
@@ -82,18 +81,18 @@ class Isolines:
         return following
 
     @property
-    def runs(self):
-        """List of (k,) points of each line, the first one again where it is closed."""
+    def runs(self) -> list[np.ndarray]:
+        """(k,) points of each line; a closed line ends with its first point again."""
         lines = zip(self.starts, self.sizes, self.closed, strict=True)
         return [np.r_[start : start + size, [start] if closed else []].astype(int) for start, size, closed in lines]
 
     @property
-    def points(self):
+    def points(self) -> np.ndarray:
         """(n, 3) positions."""
         return np.einsum("nk,nkx->nx", self.weights, self.mesh.vertices[self.mesh.triangles[self.triangles]])
 
     @property
-    def normals(self):
+    def normals(self) -> np.ndarray:
         """(n, 3) unit normals, interpolated from the vertices."""
         corners = self.mesh.triangles[self.triangles]
         normals = np.einsum("nk,nkx->nx", self.weights, self.mesh.vertex_normals[corners])
@@ -102,33 +101,32 @@ class Isolines:
         return np.where(lengths > 1e-6, normals / np.maximum(lengths, 1e-6), flat)
 
     @property
-    def steps(self):
+    def steps(self) -> np.ndarray:
         """(n,) distance from each point to the :attr:`next`."""
         return np.linalg.norm(self.points[self.next] - self.points, axis=1)
 
     @property
-    def arc_lengths(self):
-        """(n,) way from the first point of the line."""
+    def arc_lengths(self) -> np.ndarray:
+        """(n,) distance from the first point of the line, along the line."""
         way = np.concatenate([[0.0], np.cumsum(self.steps)])
         return way[:-1] - way[self.starts][self.numbers]
 
     @property
-    def lengths(self):
+    def lengths(self) -> np.ndarray:
         """(l,)"""
         return np.bincount(self.numbers, self.steps, len(self.sizes))
 
-    def chosen(self, lines):
+    def chosen(self, lines: np.ndarray) -> "Isolines":
         """The lines of an (l,) bool."""
         points = lines[self.numbers]
         return Isolines(self.mesh, self.triangles[points], self.weights[points], self.sizes[lines], self.ends[lines])
 
-    def resampled(self, distance):
-        """Points at even distance along traced lines, as near to ``distance`` as a whole number of steps comes.
+    def resampled(self, distance: float) -> "Isolines":
+        """The traced lines with evenly spaced points, about ``distance`` apart; at least three on closed lines.
 
-        Closed lines get three points at least. The way between two points may lead over an edge.
+        Segments may now cross edges. Raises SettingError for more than :data:`MOST` points.
         """
-        traced, starts = self.steps, self.starts
-        lengths = np.bincount(self.numbers, traced, len(self.sizes))
+        traced, starts, lengths = self.steps, self.starts, self.lengths
         if lengths.sum() / distance > MOST:
             raise SettingError(
                 f"points at a distance of {distance:g} on lines {lengths.sum():.3g} long are more than {MOST:.0e}: "
@@ -148,18 +146,18 @@ class Isolines:
         return replace(self, triangles=self.triangles[point], weights=weights, sizes=sizes)
 
     @property
-    def ahead(self):
-        """(n, 3) barycentric coordinates of the point after each one, in the triangle of that one, as traced."""
+    def ahead(self) -> np.ndarray:
+        """(n, 3) barycentric coordinates of each point's next point, in the point's own triangle; for traced lines."""
         here, there = (self.mesh.triangles[self.triangles[points]] for points in (slice(None), self.next))
         return np.einsum("nk,nkj->nj", self.weights[self.next], there[:, :, None] == here[:, None])
 
-    def without_repeats(self, distance):
-        """Without the points that are less than a distance along the line from the last one that stays; ends stay."""
+    def without_repeats(self, distance: float) -> "Isolines":
+        """The lines without points that follow the last kept one by less than a distance; ends are kept."""
         starts, last = self.starts, self.starts + self.sizes - 1
         way = np.append(0.0, np.cumsum(self.steps))
         onward = np.searchsorted(way[:-1], way[:-1] + distance)
         onward = np.maximum(onward, np.arange(1, len(way))).tolist()
-        # The last point of a closed line that stays is a distance from where it closes, too.
+        # The last kept point of a closed line is also a distance away from the first one.
         before = np.searchsorted(way[:-1], way[last + 1] - distance, side="right") - 1
         stops = np.where(self.closed, np.minimum(before, last), last)
         kept: list[int] = []
@@ -169,8 +167,7 @@ class Isolines:
             while onward[run[-1]] <= stop:
                 run.append(onward[run[-1]])
             if not closed and run[-1] != stop:
-                # The end of an open line takes the place of the point before it.
-                run[max(len(run) - 1, 1) :] = [stop]
+                run[max(len(run) - 1, 1) :] = [stop]  # the end of an open line replaces the point before it
             kept += run
             sizes.append(len(run))
         points = np.array(kept, int)
@@ -178,29 +175,29 @@ class Isolines:
 
 
 def isolines(edge_phases: EdgePhases, width: float = 0.0) -> Isolines:
-    """The :class:`Isolines` of :class:`EdgePhases`: of stripes, or both families of a quad pattern's grid lines.
+    """The isolines of stripes, or both families of a quad pattern's grid lines.
 
     Parameters
     ----------
     edge_phases : EdgePhases
-    width : of stripes, the part of a period that is stripe and whose edges are drawn; 0 for the middles of stripes, 1
-        for the middles of gaps
+    width : for stripes, the part of a period that is filled, whose edges are drawn; 0 for the middles of stripes, 1 for
+        the middles of gaps
 
     Raises
     ------
     SettingError
-        for another width, and a width of quads
+        for another width, a width of quads, or too many lines
     """
     levels = _levels(edge_phases, width)
-    # A line on the boundary is a line too.
-    fans = prepare_pattern(move_off_lines(edge_phases, levels, lines_outside=False))
-    crossings = crossings_of(fans.phases, levels)
-    lines = _with_straight_ends(_join_pieces(edge_phases.mesh, fans, _pieces(fans, crossings)))
+    # Lines on the boundary are moved inside, so that they are drawn.
+    prepared = prepare_pattern(move_off_lines(edge_phases, levels, lines_outside=False))
+    crossings = crossings_of(prepared.phases, levels)
+    lines = _with_straight_ends(_join_pieces(edge_phases.mesh, prepared, _pieces(prepared, crossings)))
     at_defect = np.isin(lines.ends, [End.DISLOCATION, End.DISCLINATION]).any(axis=1)
     return lines.chosen(at_defect | (lines.lengths > _SPECK * edge_phases.mesh.edge_lengths.mean()))
 
 
-def _levels(edge_phases, width):
+def _levels(edge_phases: EdgePhases, width: float) -> Levels:
     if not (np.isfinite(width) and 0 <= width <= 1):
         raise SettingError(f"the width is {width:g}: give a part of a period from 0 (middles) to 1 (middles of gaps)")
     if edge_phases.phase_count == 1:
@@ -212,14 +209,14 @@ def _levels(edge_phases, width):
 
 @dataclass(frozen=True)
 class _Pieces:
-    """Straight pieces of lines, each inside a triangle of :class:`Fans`.
+    """Straight pieces of lines, each inside a triangle of a :class:`PreparedPattern`.
 
     Attributes
     ----------
     triangles : (h,)
-    nodes : (h, 2) what is at either end; every line that ends at a centre has a node of its own there
+    nodes : (h, 2) nodes at the ends; every line that ends at a centre has its own node there
     places : (h, 2, 3) barycentric coordinates of the ends
-    kinds : (n,) :class:`End` that a line has at a node where it ends
+    kinds : (n,) :class:`End` of a line that ends at a node
     """
 
     triangles: np.ndarray
@@ -228,11 +225,11 @@ class _Pieces:
     kinds: np.ndarray
 
 
-def _pieces(fans, crossings):
-    """All :class:`_Pieces` between crossings and centres."""
-    rims = rims_of(fans, crossings)
-    chords = chords_of(fans, crossings, rims)
-    pairs, on_rims = _join_at_dislocations(fans, crossings, rims)
+def _pieces(prepared: PreparedPattern, crossings: Crossings) -> _Pieces:
+    """Pieces between crossings and centres."""
+    rims = rims_of(prepared, crossings)
+    chords = chords_of(prepared, crossings, rims)
+    pairs, on_rims = _join_at_dislocations(prepared, crossings, rims)
     to_centre = pairs < 0
     nodes = np.concatenate([chords.ends, np.where(to_centre, -1, rims.crossings[pairs])])
     ends = np.where(to_centre[:, :, None], 1 / 3, on_rims)
@@ -245,19 +242,18 @@ def _pieces(fans, crossings):
     return _Pieces(
         np.concatenate([chords.triangles, rims.triangles[pairs[:, 0]]]),
         nodes,
-        np.concatenate([chord_ends(fans, crossings, chords), ends]),
+        np.concatenate([chord_ends(prepared, crossings, chords), ends]),
         np.concatenate([np.full(rim_count, End.BOUNDARY), kinds[at_centre]]),
     )
 
 
-def _join_at_dislocations(fans, crossings, rims):
-    """Pairs of places on :class:`Rims` that lines join in triangles with a dislocation, and (p, 2, 3) where these are.
+def _join_at_dislocations(prepared: PreparedPattern, crossings: Crossings, rims: Rims) -> tuple[np.ndarray, np.ndarray]:
+    """(p, 2) places on :class:`Rims` that lines join in triangles with a dislocation, and their (p, 2, 3) coordinates.
 
-    Around the triangle the phase grows through some crossings and falls through others; what is left over ends at the
-    centre, for which -1 stands. Each is joined with one of the other kind or with the centre, so that the sum of the
-    ways is least: if two of them crossed, there would be shorter ones.
+    Around the triangle the phase grows through some crossings and falls through others. Each crossing is joined with
+    one of the other kind, or with the centre (-1), so that the total length is least: then no two pieces cross.
     """
-    mesh = fans.mesh
+    mesh = prepared.mesh
     found = np.flatnonzero(rims.numbers[rims.triangles, rims.phases])
     found = found[np.lexsort((rims.phases[found], rims.triangles[found]))]
     triangles, phases, sides = rims.triangles[found], rims.phases[found], rims.sides[found]
@@ -266,8 +262,7 @@ def _join_at_dislocations(fans, crossings, rims):
     grows = rims.values[triangles, sides + 1, phases] > rims.values[triangles, sides, phases]
     first = np.flatnonzero(np.diff(triangles, prepend=-1) | np.diff(phases, prepend=-1))
     joined = [np.empty((0, 2), int)]
-    # Few triangles hold one.
-    for group in np.split(np.arange(len(found)), first[1:]):
+    for group in np.split(np.arange(len(found)), first[1:]):  # few triangles have a dislocation
         many, few = group[grows[group]], group[~grows[group]]
         if len(many) < len(few):
             many, few = few, many
@@ -279,12 +274,12 @@ def _join_at_dislocations(fans, crossings, rims):
     return np.where(pairs < 0, -1, found[pairs]), weights[pairs]
 
 
-def _join_pieces(mesh, fans, pieces):
-    """:class:`Isolines` of pieces joined at their nodes, of which each has one or two."""
+def _join_pieces(mesh: TriangleMesh, prepared: PreparedPattern, pieces: _Pieces) -> Isolines:
+    """:class:`Isolines` of pieces joined at their nodes; each node has one or two pieces."""
     count = len(pieces.kinds)
     degrees = np.bincount(pieces.nodes.ravel(), minlength=count)
     labels = components(count, pieces.nodes)
-    # Every line starts at an end, or anywhere, and is walked from there by a search that goes on as far as it can.
+    # A depth-first search walks along each line from one of its ends, or from any node of a closed line.
     candidates = np.lexsort((degrees != 1, labels))
     first = candidates[np.flatnonzero(np.diff(labels[candidates], prepend=-1))]
     joined = np.append(pieces.nodes, np.column_stack([np.full(len(first), count), first]), axis=0)
@@ -296,7 +291,7 @@ def _join_pieces(mesh, fans, pieces):
     starts = np.cumsum(sizes) - sizes
     ends = pieces.kinds[order[np.column_stack([starts, starts + sizes - 1])]]
     ends[degrees[order[starts]] == 2] = End.CLOSED
-    # Each point is followed by a piece; the last of an open line is the other end of the one before.
+    # Each point belongs to the piece that follows it; the last point of an open line to the piece before it.
     at = place[pieces.nodes]
     beside = np.abs(at[:, 0] - at[:, 1]) == 1
     from_low = at.min(axis=1)
@@ -309,12 +304,12 @@ def _join_pieces(mesh, fans, pieces):
     piece[last] = piece[last - 1]
     end = (at[piece, 1] == np.arange(count)).astype(int)
     triangles = pieces.triangles[piece]
-    weights = np.einsum("nk,nkx->nx", pieces.places[piece, end], fans.places[triangles])
-    return Isolines(mesh, fans.parents[triangles], weights, sizes, ends)
+    weights = np.einsum("nk,nkx->nx", pieces.places[piece, end], prepared.places[triangles])
+    return Isolines(mesh, prepared.parents[triangles], weights, sizes, ends)
 
 
-def _with_straight_ends(lines):
-    """Lines that end alone at a dislocation go on straight there until they are beside the centre."""
+def _with_straight_ends(lines: Isolines) -> Isolines:
+    """The lines with each end that is alone at a dislocation extended straight until it is beside the centre."""
     starts, last = lines.starts, lines.starts + lines.sizes - 1
     at = np.column_stack([starts, last])[lines.ends == End.DISLOCATION]
     _, which, counts = np.unique(lines.triangles[at], return_inverse=True, return_counts=True)
@@ -338,8 +333,8 @@ def _with_straight_ends(lines):
     return replace(lines, weights=weights)
 
 
-def _is_crossed(lines, pieces, begin, end):
-    """(k,) bool: whether another piece of line in the triangle of each piece crosses the way from begin to end."""
+def _is_crossed(lines: Isolines, pieces: np.ndarray, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """(k,) bool: whether the segment from begin to end crosses another line in the triangle of each piece."""
     others = np.flatnonzero(lines.next != np.arange(len(lines.triangles)))
     others = others[np.argsort(lines.triangles[others], kind="stable")]
     first, stop = (np.searchsorted(lines.triangles[others], lines.triangles[pieces], side=s) for s in ("left", "right"))
@@ -350,12 +345,12 @@ def _is_crossed(lines, pieces, begin, end):
     return np.bincount(which, apart & (other != pieces[which]), len(pieces)) > 0
 
 
-def _side(p, q, r):
-    """Whether places r lie to the left of the way from p to q, in barycentric coordinates."""
+def _side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> np.ndarray:
+    """(k,) bool: places r lie to the left of the segments from p to q, in barycentric coordinates."""
     return (q[:, 0] - p[:, 0]) * (r[:, 1] - p[:, 1]) > (q[:, 1] - p[:, 1]) * (r[:, 0] - p[:, 0])
 
 
-def _barycentric(corners, points):
+def _barycentric(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
     """(k, 3) coordinates of (k, 3) points in the planes of triangles (k, 3, 3)."""
     sides = corners[:, 1:] - corners[:, :1]
     gram = np.einsum("kax,kbx->kab", sides, sides)
@@ -364,8 +359,8 @@ def _barycentric(corners, points):
     return np.column_stack([1 - two.sum(axis=1), two])
 
 
-def _inside(weights, start):
-    """Coordinates of places as far as they are in their triangles on the way from a place that is."""
+def _inside(weights: np.ndarray, start: np.ndarray) -> np.ndarray:
+    """Barycentric coordinates with segments from places inside the triangles cut off at the triangles' edges."""
     start = np.maximum(start, 0)
     falling = start - weights
     share = np.where(weights < 0, start / np.where(weights < 0, falling, 1), 1).min(axis=1, keepdims=True)

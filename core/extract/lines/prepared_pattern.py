@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A pattern made ready for tracing: no vertex on a line, disclination triangles split at their centres."""
+"""Prepares a pattern for tracing: no vertex lies on a line, and disclination triangles are split at their centres."""
 
 from dataclasses import dataclass, replace
 
@@ -8,11 +8,11 @@ import numpy as np
 from ...geometry import TriangleMesh
 from ...interpolate import EdgePhases, disclination_centres, dislocation_numbers
 from ...matchings import after_turns
-from .levels import GRID
+from .levels import GRID, Levels
 
-# Phases this near to a line are moved off it, in units of pi.
+# Phases nearer to a line than this are moved off it, in units of pi.
 ASIDE = 1e-7
-# A vertex with the phases of a disclination's centre, up to this in units of pi, is the centre.
+# A vertex counts as the centre of a disclination if its phases differ by less than this, in units of pi.
 SAME = 1e-5
 
 
@@ -22,13 +22,12 @@ class PreparedPattern:
 
     Attributes
     ----------
-    mesh : TriangleMesh; centres come after the vertices
-    phases : EdgePhases over it
-    parents : (m,) triangle of the given mesh that each triangle is or is a third of
-    places : (m, 3, 3) barycentric coordinates of its corners there
+    mesh, phases : the mesh, centres after the given vertices, and phases on it
+    parents : (m,) given triangle that each triangle is, or is a third of
+    places : (m, 3, 3) barycentric coordinates of its corners in the parent
     fans : (m,) which third of its parent, -1 for whole triangles; the centre is the last corner of a third
     first_centre : the lowest vertex that is a centre
-    turns : (c,) how the phases come back to themselves around each centre (:meth:`EdgePhases.around`)
+    turns : (c,) sum of the matchings around each centre (:meth:`EdgePhases.around`)
     """
 
     mesh: TriangleMesh
@@ -40,8 +39,8 @@ class PreparedPattern:
     turns: np.ndarray
 
 
-def move_off_lines(edge_phases, levels=GRID, lines_outside=True):
-    """Phases in units of pi, none of them on a line; on the boundary, lines go outside, or all inside."""
+def move_off_lines(edge_phases: EdgePhases, levels: Levels = GRID, lines_outside: bool = True) -> EdgePhases:
+    """Phases in units of pi, moved off the lines; lines on the boundary move all outside, or all inside."""
     mesh = edge_phases.mesh
     arguments, changes = edge_phases.arguments / np.pi, edge_phases.changes / np.pi
     i, j = mesh.edges.T
@@ -57,10 +56,10 @@ def move_off_lines(edge_phases, levels=GRID, lines_outside=True):
     return EdgePhases(mesh, moved, changes, edge_phases.matchings)
 
 
-def _look_across_lines(inward, edge_phases):
-    """Change (n, k) inwards to what it is across the boundary's edges along which a phase stays as it is.
+def _look_across_lines(inward: np.ndarray, edge_phases: EdgePhases) -> None:
+    """Where a phase is constant along a boundary edge, set its inward change (n, k) to the one across that triangle.
 
-    Where the boundary turns inwards a vertex has neighbours on both sides of its lines.
+    At a concave corner of the boundary a vertex has neighbours on both sides of its lines, and their sum says little.
     """
     mesh = edge_phases.mesh
     half = np.flatnonzero(mesh.twins < 0)
@@ -71,7 +70,7 @@ def _look_across_lines(inward, edge_phases):
         inward[ends] = np.where(stays, edge_phases.between(ends, across)[0], inward[ends])
 
 
-def prepare_pattern(phases):
+def prepare_pattern(phases: EdgePhases) -> PreparedPattern:
     """:class:`PreparedPattern` of phases in units of pi."""
     mesh = phases.mesh
     _, torn = dislocation_numbers(in_radians(phases), mesh.triangles)
@@ -88,7 +87,7 @@ def prepare_pattern(phases):
     old = split.edges[:, 1] < mesh.vertex_count
     source = mesh.edges_between(*split.edges[old].T)
     changes[old], matched[old] = phases.changes[source], phases.matchings[source]
-    # The way from each corner to the centre, for the phases of the corner.
+    # Changes from each corner to the centre, for the phases of the corner.
     values, turns = in_radians(phases).around(corners)
     fixed = disclination_centres(values, turns) / np.pi
     turned = np.zeros(len(corners), int)
@@ -108,8 +107,8 @@ def prepare_pattern(phases):
     )
 
 
-def _places_of_thirds(values, fixed):
-    """(3 c, 3, 3) barycentric coordinates of the thirds' corners: centres are in the middle, or at a vertex."""
+def _places_of_thirds(values: np.ndarray, fixed: np.ndarray) -> np.ndarray:
+    """(3 c, 3, 3) barycentric coordinates of the thirds' corners; a centre is the triangle's middle, or a vertex."""
     apart = np.abs(values[:, :3] / np.pi - fixed[:, None]).max(axis=2)
     nearest = apart.argmin(axis=1)
     at_vertex = apart[np.arange(len(apart)), nearest] < SAME
@@ -118,5 +117,5 @@ def _places_of_thirds(values, fixed):
     return np.stack([first, second, np.repeat(centres[:, None], 3, axis=1)], axis=2).reshape(-1, 3, 3)
 
 
-def in_radians(phases):
+def in_radians(phases: EdgePhases) -> EdgePhases:
     return replace(phases, arguments=np.pi * phases.arguments, changes=np.pi * phases.changes)

@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which stripe a point is in, and how far along it: a number and a coordinate that a shader can read.
+"""The number of the stripe at a point and a coordinate along the stripe, stored so that a shader can read them.
 
-A shader knows the phase of a point up to whole periods of its face. So each face keeps a value for each of
-:data:`SLOTS` periods, in the slot of the period's number modulo :data:`SLOTS`, and the shader takes that of the period
-which it is in; baked images take the same one (:class:`StripeNumbers`). A stripe is the line along its middle, which
-ends at defects; pieces of faces that no line passes belong to the stripe of the piece that they touch nearest to its
-middle. What is left is the edge of stripes whose middle lies beyond the boundary: each connected piece is a stripe too.
+A shader knows the phase of a point up to whole periods of its face. So each face stores a value for each of
+:data:`SLOTS` periods, in the slot of the period's number modulo :data:`SLOTS`, and the shader reads the slot of its
+period; baked images read the same slot (:class:`StripeNumbers`). A stripe is identified by the line along its middle,
+which ends at defects. Parts of faces that no line crosses belong to the same stripe as the part that they touch nearest
+to its middle. The remaining parts are edges of stripes whose middle lies beyond the boundary: each connected component
+of them is a stripe too.
 
-The coordinate of a vertex along a stripe is the place on that line which is nearest to the vertex. It depends on the
-vertex and the stripe alone, so that it goes on from face to face for as long as the stripe does. Closed lines hold a
-whole number of periods: what repeats after each, goes on where the line closes. Lines are turned and shifted one after
-the other, from neighbour to neighbour, so that stripes side by side agree as well as they can.
+The coordinate of a vertex along a stripe is that of the nearest place on the stripe's line. It depends on the vertex
+and the stripe alone, so that it is continuous across faces. Closed lines have a whole number of periods, so that
+periodic textures are continuous where the line closes. Lines are reversed and shifted one after the other, from
+neighbour to neighbour, so that adjacent stripes agree as well as possible.
 """
 
 from dataclasses import dataclass
@@ -22,28 +23,29 @@ from scipy.spatial import cKDTree
 
 from ...geometry.polygons import Polygons
 from ...interpolate import TURN, FacePhases, evaluate
+from .isolines import Isolines
 
 SLOTS = 3
-# Parts of a triangle's side, of the small triangles in which the phase and the coordinate are compared.
+# Small triangles along a triangle's side in which the phase and the coordinate are compared.
 _PARTS = 4
-# Points of a line that the nearest one is sought over.
+# Most points of a line over which the nearest one is searched.
 _MOST_STEPS = 40
-# Differences of whole periods between the two sides of an edge; it is cut where they differ by more.
+# Largest deviation of an edge's two shifts from one whole period; beyond it the faces do not touch.
 _SAME = 0.05
-# Weight of what is beside a slot's part of a face, when it is asked on which side the phase grows.
+# Weight of points outside a slot's part of a face in the vote on which side the phase grows.
 _OUTSIDE = 1e-3
-# Periods by which an edge may miss what it meets: the middle of a stripe, or one of which it has no more than that.
+# Tolerance, in periods, with which an edge meets a stripe or its middle.
 _MET = 1e-3
 
 
 @dataclass(frozen=True)
 class StripeTable:
-    """What a mesh keeps of its numbered stripes.
+    """Numbers and coordinates of stripes, stored on a mesh.
 
     Attributes
     ----------
-    numbers : (p, SLOTS) what :func:`slot_numbers` gives, negative where the phase grows to the right of the
-        coordinate's direction, seen from outside
+    numbers : (p, SLOTS) :func:`slot_numbers`, negative where the phase grows to the right of the coordinate's
+        direction, seen from outside
     along : (c, SLOTS) coordinates at the corners, in periods; 0 on stripes without a line
     """
 
@@ -53,45 +55,35 @@ class StripeTable:
 
 @dataclass(frozen=True)
 class StripeNumbers:
-    """Numbers of stripes at any place, as the shader reads them off its face.
-
-    Attributes
-    ----------
-    phase : FacePhases
-    polygons : Polygons
-    slots : (p, SLOTS) what :func:`slot_numbers` gives
-    """
+    """Numbers of stripes at any place, as the shader reads them; slots are (p, SLOTS), from :func:`slot_numbers`."""
 
     phase: FacePhases
     polygons: Polygons
     slots: np.ndarray
 
     @property
-    def count(self):
+    def count(self) -> int:
         """The largest number."""
         return int(self.slots.max(initial=0))
 
-    def at(self, triangles, weights):
+    def at(self, triangles: np.ndarray, weights: np.ndarray) -> np.ndarray:
         """(k,) number at (k, 3) barycentric places of (k,) triangles."""
         periods = np.rint(evaluate(self.phase, self.polygons, triangles, weights) / TURN).astype(int)
         return self.slots[self.polygons.triangle_faces[triangles], periods % SLOTS]
 
 
-def stripe_table(phase, polygons, lines, spacing):
-    """The :class:`StripeTable` of the :class:`FacePhases` of stripes.
+def stripe_table(phase: FacePhases, polygons: Polygons, lines: Isolines, spacing: float) -> StripeTable:
+    """The :class:`StripeTable` of stripes with a phase on polygons.
 
     Parameters
     ----------
-    phase : FacePhases on the polygons
-    polygons : Polygons
-    lines : Isolines along the middles of the stripes, with points a small part of the spacing apart, on the same
-        vertices as the polygons
-    spacing : length that is one period of the coordinate
+    lines : along the middles of the stripes, with points a small part of the spacing apart, on the polygons' vertices
+    spacing : length of one period of the coordinate
     """
     numbers = slot_numbers(phase, polygons, lines)
     arcs = _Arcs.of(lines, spacing)
     faces, slots = np.nonzero((numbers > 0) & (numbers <= len(lines.sizes)))
-    # One row for each corner of a face and each of its stripes.
+    # A row for each corner of a face and each of its stripes.
     row = np.repeat(np.arange(len(faces)), polygons.sizes[faces])
     first = np.cumsum(polygons.sizes[faces]) - polygons.sizes[faces]
     corner = polygons.starts[faces][row] + np.arange(len(row)) - first[row]
@@ -99,7 +91,7 @@ def stripe_table(phase, polygons, lines, spacing):
     vertices = lines.mesh.vertices[polygons.corner_vertices[corner]]
     feet = vertices + _ways_to_middle(phase, polygons, lines.mesh.vertices, faces[row], slots[row], corner)
     places, tangents = arcs.nearest(vertices, feet, line)
-    places, tangents = _align_lines(arcs, faces[row], corner, line, places, tangents)
+    places, tangents = _align_lines(arcs, corner, line, places, tangents)
     whole = arcs.wholes[line]
     start = places[first][row]
     places = np.where(whole > 0, start + (places - start + whole / 2) % np.maximum(whole, 1) - whole / 2, places)
@@ -109,10 +101,10 @@ def stripe_table(phase, polygons, lines, spacing):
     return StripeTable(polygons.at_faces(signed), polygons.at_corners(along))
 
 
-def slot_numbers(phase, polygons, lines):
-    """(p, SLOTS) number of the stripe of each slot of a face, arguments as of :func:`stripe_table`.
+def slot_numbers(phase: FacePhases, polygons: Polygons, lines: Isolines) -> np.ndarray:
+    """(p, SLOTS) number of the stripe in each slot of a face, arguments as of :func:`stripe_table`.
 
-    From 1 on in the order of the lines, then those of pieces without a line; 0 in slots that a face does not meet.
+    Numbers start at 1, in the order of the lines, then of the components without a line; 0 marks an unused slot.
     """
     pairs, away = _contacts(phase, polygons)
     numbers = _spread_numbers(_longest_line(phase, polygons, lines), pairs, away)
@@ -122,15 +114,22 @@ def slot_numbers(phase, polygons, lines):
     labels = connected_components(graph, directed=False)[1][met]
     numbers[met] = len(lines.sizes) + 1 + np.unique(labels, return_inverse=True)[1]
     numbers = numbers.reshape(-1, SLOTS)
-    # Inside a face with a defect there may be a speck of a period that its edges do not meet.
+    # A face with a defect may contain a small part of a period that does not reach the face's edges.
     speck = _with_defect(phase, polygons)[:, None] & (numbers == 0)
     return polygons.at_faces(np.where(speck, numbers.max(axis=1, keepdims=True), numbers))
 
 
-def _ways_to_middle(phase, polygons, vertices, faces, slots, corners):
-    """(k, 3) about where the middle of a face's stripe lies, seen from its corners; zero in faces with a defect.
+def _ways_to_middle(
+    phase: FacePhases,
+    polygons: Polygons,
+    vertices: np.ndarray,
+    faces: np.ndarray,
+    slots: np.ndarray,
+    corners: np.ndarray,
+) -> np.ndarray:
+    """(k, 3) estimated vectors from corners to the middle of a face's stripe; zero in faces with a defect.
 
-    A line may come back beside itself: this tells its runs apart.
+    They tell the turns of a line apart where it runs beside itself.
     """
     face = np.repeat(np.arange(len(polygons.starts)), polygons.sizes)
     sizes = polygons.sizes[:, None]
@@ -146,19 +145,19 @@ def _ways_to_middle(phase, polygons, vertices, faces, slots, corners):
     return missing[:, None] * (gradient / np.maximum(squares, np.finfo(float).tiny)[:, None])[faces]
 
 
-def _with_defect(phase, polygons):
-    """(p,) bool: faces in which the phase turns."""
+def _with_defect(phase: FacePhases, polygons: Polygons) -> np.ndarray:
+    """(p,) bool: faces with a defect."""
     return np.logical_or.reduceat(phase.corner_place.any(axis=1), polygons.starts)
 
 
-def _longest_line(phase, polygons, lines):
-    """(p SLOTS,) number of the line that passes a slot's part of a face with most points, 0 where there is none."""
+def _longest_line(phase: FacePhases, polygons: Polygons, lines: Isolines) -> np.ndarray:
+    """(p SLOTS,) number of the line with the most points in a slot's part of a face, 0 for no line."""
     known, asked = (np.sort(t, axis=1) for t in (polygons.triangles, lines.mesh.triangles[lines.triangles]))
     shape = (lines.mesh.vertex_count,) * 3
     keys, asked = (np.ravel_multi_index(tuple(corners.T), shape) for corners in (known, asked))
     order = np.argsort(keys)
     at = order[np.minimum(np.searchsorted(keys, asked, sorter=order), len(keys) - 1)]
-    same = keys[at] == asked  # not where a face was split since
+    same = keys[at] == asked  # false where a face has been split meanwhile
     triangles = at[same]
     corners = lines.mesh.triangles[lines.triangles[same]]
     match = polygons.triangles[triangles][:, :, None] == corners[:, None, :]
@@ -172,10 +171,10 @@ def _longest_line(phase, polygons, lines):
     return numbers
 
 
-def _contacts(phase, polygons):
-    """(q, 2) slots of faces that touch along an edge, and (q,) periods from there to the middle of their stripe.
+def _contacts(phase: FacePhases, polygons: Polygons) -> tuple[np.ndarray, np.ndarray]:
+    """(q, 2) slots of faces that touch along an edge, and (q,) distances to their stripe's middle, in periods.
 
-    Each slot that an edge meets by more than :data:`_MET` touches itself.
+    A slot that an edge meets by more than :data:`_MET` touches itself.
     """
     triangles = polygons.triangles
     ends = np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2).reshape(-1, 2)
@@ -187,7 +186,7 @@ def _contacts(phase, polygons):
     same = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1))
     first, second = np.concatenate([order[same], order]), np.concatenate([order[same + 1], order])
     mine, other = values[first], values[second]
-    # From face to face the phase may change its sign, and by whole periods.
+    # Between faces the phase may change its sign and jump by whole periods.
     sign = np.where(_misfit(other - mine) <= _misfit(other + mine), 1, -1)
     shift = other - sign[:, None] * mine
     fits = _misfit(shift) < _SAME
@@ -207,8 +206,8 @@ def _contacts(phase, polygons):
     return np.concatenate(pairs), np.concatenate(away)
 
 
-def _along_edges(phase, polygons):
-    """(3 m, 2) periods at the ends of the triangles' edges, where the phase is linear even beside a defect."""
+def _along_edges(phase: FacePhases, polygons: Polygons) -> np.ndarray:
+    """(3 m, 2) phases at the ends of the triangles' edges, in periods; along edges the phase is always linear."""
     count = len(polygons.triangle_faces)
     tail, head = np.eye(3), np.roll(np.eye(3), -1, axis=0)
     inner = []
@@ -219,14 +218,14 @@ def _along_edges(phase, polygons):
     return np.column_stack([1.5 * near - 0.5 * far, 1.5 * far - 0.5 * near])
 
 
-def _misfit(shift):
-    """(q,) how far (q, 2) shifts of both ends of an edge are from one whole number."""
+def _misfit(shift: np.ndarray) -> np.ndarray:
+    """(q,) distance of the (q, 2) shifts at both ends of an edge from one whole number."""
     whole = np.rint(shift.mean(axis=1))
     return np.abs(shift - whole[:, None]).max(axis=1)
 
 
-def _spread_numbers(numbers, pairs, away):
-    """Numbers carried over to the slots without one: along the middles of stripes first, then to their sides."""
+def _spread_numbers(numbers: np.ndarray, pairs: np.ndarray, away: np.ndarray) -> np.ndarray:
+    """Carry numbers over to slots without one, in place: along the middles of stripes first, then to their sides."""
     order = np.argsort(-np.tile(away, 2), kind="stable")
     inner, outer = np.concatenate([pairs, pairs[:, ::-1]])[order].T
     away = np.tile(away, 2)[order]
@@ -235,23 +234,22 @@ def _spread_numbers(numbers, pairs, away):
             spreading = (away <= reach) & (numbers[inner] > 0) & (numbers[outer] == 0)
             if not spreading.any():
                 break
-            # Of several assignments the last one stays, which is the nearest to the middle.
+            # Of several assignments the last one stays, the nearest to the middle.
             numbers[outer[spreading]] = numbers[inner[spreading]]
     return numbers
 
 
 @dataclass(frozen=True)
 class _Arcs:
-    """Lines as the tree of their points and the way along them.
+    """Lines parametrised by arc length, with a search tree of their points.
 
     Attributes
     ----------
-    points, steps : (n, 3), (n,) points, and how far the next one is, in periods
-    ways : (n,) periods from the start of the line
+    points, steps : (n, 3), (n,) points, and distances to the next ones in periods
+    ways : (n,) distances from the start of the line, in periods
     following, lines : (n,) next point, and line
-    wholes : (l,) periods of closed lines, 0 of others
-    apart : what keeps lines apart in the tree's fourth coordinate
-    tree : cKDTree
+    wholes : (l,) periods of closed lines, 0 for open ones
+    apart : distance between consecutive lines in the tree's fourth coordinate
     """
 
     points: np.ndarray
@@ -264,7 +262,7 @@ class _Arcs:
     tree: cKDTree
 
     @classmethod
-    def of(cls, lines, spacing):
+    def of(cls, lines: Isolines, spacing: float) -> "_Arcs":
         wholes = np.where(lines.closed, np.maximum(np.rint(lines.lengths / spacing), 1), 0)
         scale = np.where(lines.closed, wholes / np.maximum(lines.lengths, np.finfo(float).tiny), 1 / spacing)
         points, numbers = lines.points, lines.numbers
@@ -273,10 +271,10 @@ class _Arcs:
         scales = scale[numbers]
         return cls(points, lines.steps * scales, lines.arc_lengths * scales, lines.next, numbers, wholes, apart, tree)
 
-    def nearest(self, places, feet, lines):
-        """(k,) periods along the given lines, and (k, 3) unit tangents, where they are nearest to (k, 3) places.
+    def nearest(self, places: np.ndarray, feet: np.ndarray, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(k,) coordinates and (k, 3) unit tangents of the points of the given lines nearest to (k, 3) places.
 
-        Nearest on the run of the line that passes the feet, which are near the middle of the stripe.
+        Searched on the turn of the line beside the (k, 3) feet, which are near the middle of the stripe.
         """
         _, point = self.tree.query(np.column_stack([feet, self.apart * lines]))
         before = np.arange(len(self.points))
@@ -289,7 +287,7 @@ class _Arcs:
             leg = self.points[self.following[start]] - self.points[start]
             squares = np.einsum("ij,ij->i", leg, leg)
             share = np.einsum("ij,ij->i", places - self.points[start], leg) / np.maximum(squares, np.finfo(float).tiny)
-            # Beyond its ends a line goes on straight.
+            # An open line is extended straight beyond its ends.
             is_first, is_last = before[start] == start, self.following[self.following[start]] == self.following[start]
             share = np.clip(share, np.where(is_first, -np.inf, 0), np.where(is_last, np.inf, 1))
             off = np.linalg.norm(self.points[start] + share[:, None] * leg - places, axis=1)
@@ -299,8 +297,8 @@ class _Arcs:
             tangents[nearer] = (leg / np.sqrt(np.maximum(squares, np.finfo(float).tiny))[:, None])[nearer]
         return ways, tangents
 
-    def _descended(self, points, before, places):
-        """Points moved along their lines as long as that brings them nearer to places."""
+    def _descended(self, points: np.ndarray, before: np.ndarray, places: np.ndarray) -> np.ndarray:
+        """Points moved along their lines while that brings them nearer to places."""
         off = np.linalg.norm(self.points[points] - places, axis=1)
         for _ in range(_MOST_STEPS):
             moved = False
@@ -315,15 +313,16 @@ class _Arcs:
         return points
 
 
-def _align_lines(arcs, faces, corners, lines, places, tangents):
-    """The coordinates with each line turned and shifted to what its neighbour has: a tree of the strongest bonds."""
+def _align_lines(
+    arcs: _Arcs, corners: np.ndarray, lines: np.ndarray, places: np.ndarray, tangents: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates and tangents with each line reversed and shifted to match its parent in a maximum spanning tree."""
     order = np.lexsort((lines, corners))
     same = corners[order][1:] == corners[order][:-1]
     a, b = order[:-1][same], order[1:][same]
     count = len(arcs.wholes)
     agreement = np.einsum("ij,ij->i", tangents[a], tangents[b])
-    shape = (count, count)
-    bonds = coo_array((agreement, (lines[a], lines[b])), shape=shape).tocsr()
+    bonds = coo_array((agreement, (lines[a], lines[b])), shape=(count, count)).tocsr()
     bonds = bonds + bonds.T
     strength = abs(bonds)
     strength.data = 1 / (1 + strength.data)
@@ -350,24 +349,23 @@ def _align_lines(arcs, faces, corners, lines, places, tangents):
 
 @dataclass(frozen=True)
 class _Groups:
-    """Indices by their keys."""
+    """Indices grouped by their keys."""
 
     order: np.ndarray
     keys: np.ndarray
 
     @classmethod
-    def of(cls, keys):
+    def of(cls, keys: np.ndarray) -> "_Groups":
         order = np.argsort(keys, kind="stable")
         return cls(order, keys[order])
 
-    def members(self, key):
-        """Indices with a key."""
+    def members(self, key: int) -> np.ndarray:
         low, high = np.searchsorted(self.keys, [key, key + 1])
         return self.order[low:high]
 
 
-def _sides(phase, polygons, along):
-    """(p, SLOTS) 1 where the phase grows to the left of the coordinate in most of a slot's part of a face, else -1."""
+def _sides(phase: FacePhases, polygons: Polygons, along: np.ndarray) -> np.ndarray:
+    """(p, SLOTS) 1 where the phase grows to the left of the coordinate in most of a slot's part, else -1."""
     lattice = np.array([(i, j, _PARTS - i - j) for i in range(_PARTS + 1) for j in range(_PARTS + 1 - i)])
     index = {tuple(place): number for number, place in enumerate(lattice.tolist())}
     up, down = np.array([(1, 0, 0), (0, 1, 0), (0, 0, 1)]), np.array([(-1, 0, 0), (0, -1, 0), (0, 0, -1)])
@@ -379,7 +377,6 @@ def _sides(phase, polygons, along):
                 if None not in corners:
                     found.append(corners)
     small = np.array(found)
-    # Small triangles are turned like the large one.
     weights = lattice / _PARTS
     count = len(polygons.triangle_faces)
     triangles = np.repeat(np.arange(count), len(weights))
@@ -390,7 +387,7 @@ def _sides(phase, polygons, along):
     coordinates = np.einsum("wk,mks->mws", weights, along[polygons.triangle_corners])[:, small]
     way, growth = np.diff(coordinates, axis=2), np.diff(thetas, axis=2)[..., None]
     turned = way[:, :, 0] * growth[:, :, 1] - way[:, :, 1] * growth[:, :, 0]
-    # What is outside of a slot's part counts where there is next to nothing inside.
+    # Points outside a slot's part only decide where it has almost no points.
     weight = np.where(periods[:, :, None] == np.arange(SLOTS), 1.0, _OUTSIDE)
     votes = np.zeros((len(polygons.starts), SLOTS))
     np.add.at(votes, polygons.triangle_faces, (weight * turned).sum(axis=1))

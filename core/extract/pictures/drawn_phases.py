@@ -1,30 +1,31 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Triangles over which the phases of a pattern are linear, for graphics cards, which know of corners alone."""
+"""Triangles on which the phases of a pattern are linear, so that graphics cards can interpolate them from corners."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ...interpolate import TURN, evaluate
+from ...geometry.polygons import Polygons
+from ...interpolate import TURN, FacePhases, evaluate
 
-# Parts of an edge of the sixths that the medians cut a singular triangle into.
+# Parts of each edge of the sixths into which the medians cut a singular triangle.
 PARTS = 5
-# Points are taken this share nearer to the middle of their triangle: around a defect the formula jumps between some.
+# Points are moved towards the middle of their triangle by this share: the formula jumps between some around a defect.
 _INWARDS = 1e-4
 
 
 @dataclass(frozen=True)
 class DrawnTriangles:
-    """Triangles to draw, wherever the vertices of their mesh are.
+    """Triangles to draw, for any places of their mesh's vertices.
 
-    A triangle without a defect is one of them. One in a face with a defect is cut along its medians, which pass through
-    the defect and on which the formula of :func:`core.interpolate.evaluate` changes, and the sixths into
-    ``PARTS ** 2`` each.
+    A triangle in a face with a defect is cut along its medians, which pass through the defect and on which the formula
+    of :func:`core.interpolate.evaluate` changes, and the sixths into ``PARTS ** 2`` triangles each.
 
     Attributes
     ----------
     whole, cut : (w, 3) and (c, 3) vertices of the triangles that are drawn whole, and of those that are cut
-    phases : (3 t, 2) float32 radians at the corners of the triangles, the second 0 where there is one phase
+    phases : (3 t, 2) float32 radians at the corners of the drawn triangles, the second 0 for a single phase
     """
 
     whole: np.ndarray
@@ -32,11 +33,11 @@ class DrawnTriangles:
     phases: np.ndarray
 
     @classmethod
-    def of(cls, phases, polygons):
-        """Those of a tuple of one or two :class:`FacePhases` on :class:`Polygons`."""
+    def of(cls, phases: Sequence[FacePhases], polygons: Polygons) -> "DrawnTriangles":
+        """The triangles of one or two phases."""
         is_singular = np.zeros(len(polygons.starts), bool)
         for phase in phases:
-            # A fan's first values may be zero, but not all; dislocations have numbers.
+            # Disclinations have nonzero values on their rims, dislocations nonzero numbers.
             rim = phase.disclination.any(axis=1) | (phase.closing != 0)
             is_singular |= (phase.index != 0) | (phase.index_2 != 0) | rim
         cut = is_singular[polygons.triangle_faces]
@@ -55,26 +56,25 @@ class DrawnTriangles:
         cut_corners = polygons.triangle_corners[singular]
         return cls(polygons.corner_vertices[corners], polygons.corner_vertices[cut_corners], drawn)
 
-    def places(self, vertices):
-        """(3 t, 3) float32 corners of the triangles one after the other, for (n, 3) places of the vertices."""
+    def places(self, vertices: np.ndarray) -> np.ndarray:
+        """(3 t, 3) float32 corners of the triangles, for (n, 3) places of the vertices."""
         small = np.einsum("pki,fix->fpkx", _cut_triangle(), vertices[self.cut])
         return np.concatenate([vertices[self.whole].reshape(-1, 3), small.reshape(-1, 3)]).astype(np.float32)
 
 
-def drawn_phases(phases, polygons, places):
-    """Corners of the :class:`DrawnTriangles` for (n, 3) places of the vertices, and the phases there; arguments as of
-    :meth:`DrawnTriangles.of`."""
+def drawn_phases(phases: Sequence[FacePhases], polygons: Polygons, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Corners of the :class:`DrawnTriangles` for (n, 3) places of the vertices, and the phases there."""
     triangles = DrawnTriangles.of(phases, polygons)
     return triangles.places(places), triangles.phases
 
 
-def _inside(weights):
-    """Weights of corners of triangles a little nearer to their middles."""
+def _inside(weights: np.ndarray) -> np.ndarray:
+    """Weights of triangles' corners, moved a little towards the triangles' middles."""
     return weights + _INWARDS * (weights.mean(axis=1, keepdims=True) - weights)
 
 
-def _cut_triangle():
-    """(p, 3, 3) barycentric weights of the corners of the parts of a triangle."""
+def _cut_triangle() -> np.ndarray:
+    """(p, 3, 3) barycentric weights of the corners of a cut triangle's parts."""
     corners, centre = np.eye(3), np.full(3, 1 / 3)
     parts = []
     for first in range(3):

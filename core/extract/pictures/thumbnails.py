@@ -1,38 +1,41 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small pictures of a surface and of the patterns on it, from a fixed side.
 
-What is seen at each point of a picture is looked for once; a pattern is evaluated there alone.
+The visible triangle at each point of a picture is determined once; patterns are evaluated only there.
 """
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...geometry.polygons import Polygons
 from ...graphs import ragged_arange
-from ...interpolate import evaluate, face_phases
+from ...interpolate import EdgePhases, evaluate, face_phases
 
-# From where surfaces are looked at, and what is up: from the front, a little from the right and from above.
+# Direction to the viewer, who stands in front, a little to the right and above; and the upward direction.
 _FROM, _UP = np.array([0.45, -1.0, 0.5]), np.array([0.0, 0.0, 1.0])
-# Points across a pixel, the part of a picture that the surface fills, and of it how far behind a dot may be.
+# Points across a pixel, part of the picture that the surface fills, and depth at which dots are still drawn, as part of
+# the picture.
 _FINE, _FILLED, _BEHIND = 2, 0.96, 0.03
-# Part of a picture that dots are wide; how dark a surface is that is seen from its edge.
+# Diameter of dots, as part of the picture; brightness of surfaces seen edge-on.
 _DOT, _DARK = 0.045, 0.45
 
 
 @dataclass(frozen=True)
 class Seen:
-    """What is seen of a surface from one side.
+    """The visible part of a surface.
 
     Attributes
     ----------
     size : of the square picture, in points
-    points : (k,) int numbers of the points at which something is seen, row by row from below
-    triangles : (k,) int, those seen there
-    weights : (k, 3) barycentric
+    points : (k,) int numbers of the points that show the surface, row by row from below
+    triangles : (k,) int visible triangle
+    weights : (k, 3) barycentric coordinates there
     light : (k,) from 0 to 1
-    places : (n, 3) vertices: across and upwards in points, towards the eye
+    places : (n, 3) vertices: to the right and upwards in points, and towards the viewer
     corners : (m, 3) int vertices of the surface's triangles
     """
 
@@ -45,8 +48,8 @@ class Seen:
     corners: np.ndarray
 
     @classmethod
-    def of(cls, vertices, triangles, pixels):
-        """What is seen of (m, 3) triangles of (n, 3) vertices in a picture of so many pixels across."""
+    def of(cls, vertices: np.ndarray, triangles: np.ndarray, pixels: int) -> "Seen":
+        """The visible part of (m, 3) triangles of (n, 3) vertices in a picture of a width in pixels."""
         size = _FINE * pixels
         towards = _FROM / np.linalg.norm(_FROM)
         right = np.cross(_UP, towards)
@@ -69,51 +72,48 @@ class Seen:
         return cls(size, points[nearest], which, weights[nearest], light, places, triangles)
 
     @cached_property
-    def _depths(self):
-        """(size * size,) how near what is seen is; as far as can be where nothing is."""
+    def _depths(self) -> np.ndarray:
+        """(size * size,) coordinate of the visible surface towards the viewer; -inf for the background."""
         depths = np.full(self.size * self.size, -np.inf)
         at = self.places[self.corners[self.triangles], 2]
         depths[self.points] = np.einsum("ki,ki->k", self.weights, at)
         return depths
 
-    def ink(self, edge_phases):
-        """(k,) from 0 to 1: how much ink the lines of an :class:`EdgePhases` leave at the points."""
+    def ink(self, edge_phases: EdgePhases) -> np.ndarray:
+        """(k,) amount of ink, 0 to 1, that the pattern's lines leave at the points."""
         shown, own = np.unique(self.triangles, return_inverse=True)
         count = len(shown)
         corners = np.arange(3 * count).reshape(-1, 3)
-        faces = Polygons(
-            self.corners[shown].ravel(), corners[:, 0].copy(), np.full(count, 3), corners, np.arange(count)
-        )
+        starts = corners[:, 0].copy()
+        faces = Polygons(self.corners[shown].ravel(), starts, np.full(count, 3), corners, np.arange(count))
         phases = [evaluate(phase, faces, own, self.weights) for phase in face_phases(edge_phases, faces)]
         if len(phases) == 1:
             return (np.cos(phases[0]) + 1) / 2
         return np.max([np.cos(phase) ** 8 for phase in phases], axis=0)
 
-    def picture(self, ink, paper, inked, dots):
-        """The picture, smoothed.
+    def picture(
+        self, ink: ArrayLike, paper: ArrayLike, inked: np.ndarray, dots: Iterable[tuple[ArrayLike, Sequence[float]]]
+    ) -> np.ndarray:
+        """(pixels, pixels, 4) float32 red, green, blue, alpha of the smoothed picture, rows from below.
 
         Parameters
         ----------
         ink, paper : (3,) colours
-        inked : (k,) from 0 to 1, how much of the ink's colour there is at the points
-        dots : pairs of (d,) triangles whose middles have a dot where they are seen, and its (3,) colour
-
-        Returns
-        -------
-        (pixels, pixels, 4) float32 red, green, blue, alpha; rows from below
+        inked : (k,) share of the ink's colour at the points, 0 to 1
+        dots : pairs of (d,) triangles whose middles get a dot where they are visible, and its (3,) colour
         """
         image = np.zeros((self.size * self.size, 4), np.float32)
         color = np.asarray(paper) + inked[:, None] * (np.asarray(ink) - np.asarray(paper))
         image[self.points, :3], image[self.points, 3] = self.light[:, None] * color, 1
         for triangles, dot in dots:
-            image[self._dotted(triangles)] = *dot, 1
+            image[self._dot_points(triangles)] = *dot, 1
         fine = image.reshape(self.size // _FINE, _FINE, self.size // _FINE, _FINE, 4).astype(np.float64)
         covered = fine[..., 3:].sum(axis=(1, 3))
         color = fine[..., :3].sum(axis=(1, 3)) / np.maximum(covered, 1)
         return np.concatenate([color, covered / _FINE**2], axis=2).astype(np.float32)
 
-    def _dotted(self, triangles):
-        """Numbers of the points in dots at the middles of triangles, of those that are not hidden."""
+    def _dot_points(self, triangles: ArrayLike) -> np.ndarray:
+        """Numbers of the points in dots at the middles of triangles that are not hidden."""
         middles = self.places[self.corners[np.asarray(triangles, int)]].mean(axis=1)
         column, row = np.clip(middles[:, :2].astype(int), 0, self.size - 1).T
         middles = middles[middles[:, 2] >= self._depths[row * self.size + column] - _BEHIND * self.size]
@@ -124,13 +124,10 @@ class Seen:
         return row * self.size + column
 
 
-def _covered_points(corners, size):
-    """The points that triangles cover, row by row: (k,) triangles and (k,) numbers of points.
+def _covered_points(corners: np.ndarray, size: int) -> tuple[np.ndarray, np.ndarray]:
+    """(k,) triangles and (k,) numbers of the points that they cover, row by row.
 
-    Parameters
-    ----------
-    corners : (m, 3, 2) in points, whose middles lie at halves
-    size : points across and upwards
+    ``corners`` are (m, 3, 2) in points, whose middles have half-integer coordinates; ``size`` is the picture's width.
     """
     low, high = corners[..., 1].min(axis=1), corners[..., 1].max(axis=1)
     first = np.clip(np.ceil(low - 0.5), 0, size).astype(int)
@@ -152,8 +149,8 @@ def _covered_points(corners, size):
     return which[line], row[line] * size + column + first[line]
 
 
-def _weights(corners, points):
-    """(k, 3) barycentric weights of (k, 2) points in (k, 3, 2) triangles; a third each in those without area."""
+def _weights(corners: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """(k, 3) barycentric weights of (k, 2) points in (k, 3, 2) triangles; thirds in degenerate triangles."""
     across, along, offset = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], points - corners[:, 0]
     area = across[:, 0] * along[:, 1] - across[:, 1] * along[:, 0]
     parts = [offset[:, 0] * along[:, 1] - offset[:, 1] * along[:, 0]]

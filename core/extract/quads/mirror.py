@@ -1,41 +1,38 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Quad meshes that are their own mirror image: one half and its reflection."""
+"""Mirror-symmetric quad meshes, made of one half and its reflection."""
 
 from dataclasses import replace
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ...geometry import TriangleMesh
 from ...geometry.barycentric import barycentric
 from ...geometry.nearest import NearestTriangles
+from .trace.quad_mesh import QuadMesh
 
-# A vertex nearer to a mirror plane, as a share of the object's size, lies on it.
+# A vertex nearer to a mirror plane than this share of the object's size lies on it.
 ON_PLANE = 1e-5
-# How far vertices may be from each other's mirror images, in sides of a quad, to be moved onto them.
+# Largest distance, in mean edge lengths, of a vertex from the mirror image of its partner.
 PARTNER_REACH = 0.3
 
 
-def mirror_half(quads, mesh, normal):
-    """The half on the positive side of a plane through the origin and its reflection; as it was where they do not fit.
+def mirror_half(quads: QuadMesh, mesh: TriangleMesh, normal: np.ndarray) -> QuadMesh:
+    """The half on the positive side of a plane through the origin with its reflection; unchanged where they do not fit.
 
-    Faces that the plane passes are joined of what they have on the positive side and its reflection.
-
-    Parameters
-    ----------
-    quads : QuadMesh
-    mesh : TriangleMesh that it was traced on, its own mirror image
-    normal : (3,) of the plane, of any length
+    Faces across the plane become their positive part and its reflection. The surface is symmetric; the plane's normal
+    (3,) may have any length.
     """
     unit = normal / np.linalg.norm(normal)
     heights = quads.vertices @ unit
-    # What is its own mirror image but for a little, as at a disclination beside the plane, is on it, too.
+    # A vertex that is nearly its own mirror image, as at a disclination beside the plane, is put onto it.
     apart, nearest = _images(quads, unit)
     on_plane = np.abs(heights) <= ON_PLANE * np.ptp(quads.vertices, axis=0).max()
-    on_plane |= (nearest == np.arange(len(nearest))) & (apart <= PARTNER_REACH * _side(quads))
+    on_plane |= (nearest == np.arange(len(nearest))) & (apart <= PARTNER_REACH * quads.edge_lengths.mean())
     sides = np.where(on_plane, 0, np.sign(heights)).astype(int)
     count = len(quads.vertices)
     flat = quads.vertices - np.outer(np.where(sides == 0, heights, 0), unit)
-    # The image of vertex k is vertex count + k, but for those on the plane.
+    # The image of vertex k is vertex count + k; vertices on the plane are their own images.
     image = np.where(sides == 0, 0, count) + np.arange(count)
     faces = []
     for corners in np.split(quads.corner_vertices, quads.starts[1:]):
@@ -45,7 +42,7 @@ def mirror_half(quads, mesh, normal):
         if there.min() >= 0:
             faces += [corners, image[corners[::-1]]]
             continue
-        # The run of corners on the positive side, with those on the plane at its two ends.
+        # The run of corners on the positive side, which begins and ends on the plane.
         first = np.flatnonzero((there >= 0) & (np.roll(there, 1) < 0))
         if len(first) != 1:
             return quads
@@ -69,8 +66,8 @@ def mirror_half(quads, mesh, normal):
     return result if _fits(result, quads) else quads
 
 
-def _fits(quads, before):
-    """Whether a mesh is as sound as the one before it."""
+def _fits(quads: QuadMesh, before: QuadMesh) -> bool:
+    """Whether a mesh is as regular as the one before it."""
     return (
         quads.is_simple
         and quads.sizes.min() > 2
@@ -80,25 +77,21 @@ def _fits(quads, before):
     )
 
 
-def partners(quads, normal):
-    """(n,) vertex nearest to the mirror image of each, or None where one has none that is near."""
+def partners(quads: QuadMesh, normal: np.ndarray) -> np.ndarray | None:
+    """(n,) vertex nearest to the mirror image of each, or None if that is not a pairing of near vertices."""
     apart, partner = _images(quads, normal / np.linalg.norm(normal))
-    is_near = apart.max(initial=0) <= PARTNER_REACH * _side(quads)
+    is_near = apart.max(initial=0) <= PARTNER_REACH * quads.edge_lengths.mean()
     return partner if is_near and (partner[partner] == np.arange(len(partner))).all() else None
 
 
-def _images(quads, unit):
-    """(n,) distance of the mirror image of each vertex from the nearest vertex, and (n,) that one."""
-    return cKDTree(quads.vertices).query(quads.vertices - 2 * np.outer(quads.vertices @ unit, unit))
+def _images(quads: QuadMesh, unit: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n,) distance of the mirror image of each vertex from the nearest vertex, and (n,) that vertex."""
+    apart, nearest = cKDTree(quads.vertices).query(quads.vertices - 2 * np.outer(quads.vertices @ unit, unit))
+    return apart, nearest
 
 
-def _side(quads):
-    edges, _ = quads.edges
-    return np.linalg.norm(quads.vertices[edges[:, 1]] - quads.vertices[edges[:, 0]], axis=1).mean()
-
-
-def average_with_partners(points, partner, normal):
-    """Points halfway between where they are and where the images of their partners are."""
+def average_with_partners(points: np.ndarray, partner: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """Points moved halfway to the mirror images of their partners."""
     unit = normal / np.linalg.norm(normal)
     image = points[partner] - 2 * np.outer(points[partner] @ unit, unit)
     return (points + image) / 2

@@ -67,8 +67,8 @@ def test_frames_go_out_in_contiguous_chunks_that_cover_them_once(tmp_path):
     "line, reason",
     [
         ("{", "line 2: this is not JSON"),
-        ("[]", "this is no row"),
-        ('{"input": "a.obj"}', "this is no row"),
+        ("[]", "this is not a row"),
+        ('{"input": "a.obj"}', "this is not a row"),
         ('{"command": "animate", "chunk": 4}', "the frames are None"),
         ('{"command": "animate", "chunk": 0, "frames": [1, 4]}', "the chunk 0"),
         ('{"command": "animate", "chunk": 2, "frames": [1, 4]}', "a spacing of its own"),

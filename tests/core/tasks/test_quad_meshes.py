@@ -133,7 +133,7 @@ def test_lines_that_are_lost_are_told_with_their_length(share, lost, monkeypatch
 
 
 def test_faces_that_are_no_quads_are_told_where_none_were_asked_for(monkeypatch):
-    told = "faces are no quads though no branches are asked for"
+    told = "faces are not quads, although no branches are wanted"
     mesh = square(30)
     assert not any(told in line for line in asked(mesh).solve().warnings)
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Chains of a quad mesh's edges put onto boundaries and sharp edges of its surface, and vertices onto their corners.
+"""Puts chains of a quad mesh's edges onto boundaries and sharp edges of its surface, and vertices onto corners.
 
-Where a grid line was held on a line, its vertices lie there already; at corners, where phases cannot be had in full,
-the nearest vertex of the right number of edges is taken. Where the next vertex of a line is across a face, the face can
-be cut in two. A line that no chain follows is left alone.
+Where a grid line was held on a line, its vertices lie there already. At corners, which phases cannot follow exactly,
+the nearest vertex with a suitable number of edges is used. Where the next vertex of a line lies across a face, the face
+can be cut in two. A line that no chain follows is left alone.
 """
 
 from dataclasses import dataclass, replace
@@ -14,18 +14,20 @@ from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
 from ....fields.constraints.features import quads_around
-from ..trace.quad_mesh import SHORTEST
+from ....geometry import TriangleMesh
+from ..trace.boundary_graph import vertex_places
+from ..trace.quad_mesh import SHORTEST, QuadMesh
 from .feature_lines import FeatureLines
 
-# Distances, in sides of a quad, up to which a vertex may be put onto a corner, and onto a line.
+# Largest distances, in sides of a quad, by which a vertex is moved onto a corner or a line.
 CORNER_REACH, LINE_REACH = 1.0, 0.8
-# What an edge too many or too few at a corner's vertex counts for, in sides.
+# Cost of an edge too many or too few at a corner's vertex, in sides.
 VALENCE_COST = 0.35
-# How much more than its length an edge at the farthest distance costs.
+# Cost of an edge as a multiple of its length and of its squared distance from the line, in sides.
 DISTANCE_COST = 50.0
-# What cutting a face in two costs, in sides.
+# Cost of cutting a face in two, in sides.
 CUTTING = 3.0
-# Chains that are longer or shorter than the line by more than this factor are none.
+# Chains longer or shorter than the line by more than this factor are rejected.
 LENGTH_RATIO = 2.0
 # Vertices of a chain nearer to each other than this part of their mean distance are spread evenly.
 SMALLEST_GAP = 0.25
@@ -33,13 +35,12 @@ SMALLEST_GAP = 0.25
 
 @dataclass(frozen=True)
 class Chains:
-    """Vertices of a quad mesh that belong to lines.
+    """Vertices of a quad mesh on feature lines.
 
     Attributes
     ----------
-    features : FeatureLines
     lines : (n,) line on which each vertex slides, -1 for none
-    fixed : (n,) bool, those on corners
+    fixed : (n,) bool, vertices on corners
     missed : numbers of the lines that no chain follows
     """
 
@@ -48,43 +49,41 @@ class Chains:
     fixed: np.ndarray
     missed: tuple[int, ...]
 
-    def of_vertices(self, which):
-        """The chains of a quad mesh that has (k,) of the vertices alone."""
+    def of_vertices(self, which: np.ndarray) -> "Chains":
+        """The chains of a quad mesh with (k,) of the vertices."""
         return replace(self, lines=self.lines[which], fixed=self.fixed[which])
 
-    def edges(self, quads):
-        """(e, 2) vertices of the quad mesh's edges that may be of a line."""
+    def edges(self, quads: QuadMesh) -> np.ndarray:
+        """(e, 2) vertices of the quad mesh's edges that may lie on a line."""
         ends = quads.edges[0]
         on_line = self.fixed | (self.lines >= 0)
         lines = self.lines[ends]
         return ends[on_line[ends].all(axis=1) & ((lines[:, 0] == lines[:, 1]) | self.fixed[ends].any(axis=1))]
 
 
-def on_features(quads, features, side, cut=False):
-    """The quad mesh with chains of its edges on feature lines, and the :class:`Chains`.
+def follow_features(quads: QuadMesh, features: FeatureLines, cut: bool = False) -> tuple[QuadMesh, Chains]:
+    """The quad mesh with chains of its edges on feature lines of its surface, and the :class:`Chains`.
 
-    Parameters
-    ----------
-    quads : QuadMesh
-    features : FeatureLines of the surface that it was traced on
-    side : length of a quad's side
-    cut : whether faces are cut in two where a line leads through them
+    With ``cut``, faces are cut in two where a line leads through them.
     """
+    side = float(quads.edge_lengths.mean())
     edges, counts = quads.edges
     on_rim = np.zeros(len(quads.vertices), bool)
     on_rim[edges[counts == 1]] = True
-    at_corner = _left_to_neighbours(quads, features, side, _corner_vertices(quads, features, side, on_rim))
+    at_corner = _prefer_neighbours(quads, features, side, _corner_vertices(quads, features, side, on_rim))
     taken = np.zeros(len(quads.vertices), bool)
     taken[list(at_corner.values())] = True
     lines, fixed = np.full(len(taken), -1), taken.copy()
-    quads = move_vertices(quads, *_corner_places(features, at_corner))
+    corners = np.array(list(at_corner), int)
+    at = np.array(list(at_corner.values()), int)
+    quads = move_vertices(quads, at, features.mesh.vertices[corners], *vertex_places(features.mesh, corners))
     missed, diagonals = [], _diagonals(quads) if cut else edges[:0]
     for number in np.argsort(~features.on_boundary, kind="stable").tolist():
         usable = edges[(counts == 1) == features.on_boundary[number]]
         made = diagonals[: 0 if features.on_boundary[number] else None]
         chain = _chain(quads, features, number, side, (usable, made), at_corner, taken, on_rim)
         with_cuts = None if chain is None else _cut_faces(quads, chain[2])
-        if with_cuts is None:
+        if chain is None or with_cuts is None:
             missed.append(number)
             continue
         vertices, ways, cuts = chain
@@ -97,15 +96,17 @@ def on_features(quads, features, side, cut=False):
     return quads, Chains(features, lines, fixed, tuple(missed))
 
 
-def move_vertices(quads, which, places, triangles, weights):
-    """The quad mesh with some vertices at other places of the surface."""
+def move_vertices(
+    quads: QuadMesh, which: np.ndarray, places: np.ndarray, triangles: np.ndarray, weights: np.ndarray
+) -> QuadMesh:
+    """The quad mesh with some vertices moved on the surface."""
     result = replace(quads, **{n: getattr(quads, n).copy() for n in ("vertices", "triangles", "weights")})
     result.vertices[which], result.triangles[which], result.weights[which] = places, triangles, weights
     return result
 
 
-def _corner_vertices(quads, features, side, on_rim):
-    """Which vertex of the quad mesh goes to each corner: a dict, nearest pairs first."""
+def _corner_vertices(quads: QuadMesh, features: FeatureLines, side: float, on_rim: np.ndarray) -> dict[int, int]:
+    """The vertex of the quad mesh for each corner; the pairs with the least cost are chosen first."""
     mesh, corners = features.mesh, features.corners
     if len(corners) == 0:
         return {}
@@ -129,9 +130,10 @@ def _corner_vertices(quads, features, side, on_rim):
     return found
 
 
-def _left_to_neighbours(quads, features, side, at_corner):
-    """The same, but a corner at which a neighbour of its vertex stands is the neighbour's: the edge between them would
-    have no length."""
+def _prefer_neighbours(
+    quads: QuadMesh, features: FeatureLines, side: float, at_corner: dict[int, int]
+) -> dict[int, int]:
+    """The vertices at corners, replaced by a neighbour that already lies at the corner: the edge would degenerate."""
     corner_of = np.full(len(quads.vertices), -1)
     corner_of[list(at_corner.values())] = list(at_corner)
     ends = quads.edges[0]
@@ -142,23 +144,13 @@ def _left_to_neighbours(quads, features, side, at_corner):
     return at_corner | dict(zip(corner_of[ends[stands, 0]].tolist(), ends[stands, 1].tolist(), strict=True))
 
 
-def _pieces(quads, mesh):
-    """(n,) label of the surface's piece that each vertex of the quad mesh is on."""
+def _pieces(quads: QuadMesh, mesh: TriangleMesh) -> np.ndarray:
+    """(n,) component of the surface that each vertex of the quad mesh is on."""
     return mesh.pieces[mesh.triangles[quads.triangles, 0]]
 
 
-def _corner_places(features, at_corner):
-    """Vertices of the quad mesh with their places, triangles and barycentric coordinates at the corners."""
-    mesh = features.mesh
-    corners = np.array(list(at_corner), int)
-    corner_of = np.zeros(mesh.vertex_count, int)
-    corner_of[mesh.triangles.ravel()] = np.arange(3 * mesh.triangle_count)
-    at = corner_of[corners]
-    return np.array(list(at_corner.values()), int), mesh.vertices[corners], at // 3, np.eye(3)[at % 3]
-
-
-def _diagonals(quads):
-    """(d, 2) vertices between which faces can be cut in two: corners of one that no edge and no other face joins."""
+def _diagonals(quads: QuadMesh) -> np.ndarray:
+    """(d, 2) vertices between which a face can be cut in two: not joined by an edge, nor corners of another face."""
     across = [np.empty((0, 2), int)]
     for size in np.unique(quads.sizes):
         corners = quads.corner_vertices[quads.starts[quads.sizes == size, None] + np.arange(size)]
@@ -169,9 +161,8 @@ def _diagonals(quads):
     return pairs[~np.isin(pairs @ [count, 1], quads.edges[0] @ [count, 1])]
 
 
-def _cut_faces(quads, pairs):
-    """The quad mesh with the face that holds both vertices cut in two between them, for each of (k, 2) pairs; None
-    where one cut takes another's face apart."""
+def _cut_faces(quads: QuadMesh, pairs: np.ndarray) -> QuadMesh | None:
+    """The quad mesh with a face cut in two between each of (k, 2) vertices; None where a cut separates other pairs."""
     faces = [corners.tolist() for corners in np.split(quads.corner_vertices, quads.starts[1:])] if len(pairs) else []
     for pair in pairs.tolist():
         number = next((k for k, corners in enumerate(faces) if set(pair) <= set(corners)), None)
@@ -186,11 +177,20 @@ def _cut_faces(quads, pairs):
     return replace(quads, corner_vertices=np.concatenate(faces), sizes=np.array([len(corners) for corners in faces]))
 
 
-def _chain(quads, features, number, side, edges, at_corner, taken, on_rim):
-    """Vertices along one line, without those at its corners, how far along it they go, and the pairs of vertices
-    between which faces are to be cut; or None.
+def _chain(
+    quads: QuadMesh,
+    features: FeatureLines,
+    number: int,
+    side: float,
+    edges: tuple[np.ndarray, np.ndarray],
+    at_corner: dict[int, int],
+    taken: np.ndarray,
+    on_rim: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """Vertices along one line without its corners, their positions along it, and the pairs of vertices between which
+    faces are cut; None without a chain.
 
-    ``edges`` are (e, 2) those that may be taken, and (d, 2) those that may be made.
+    ``edges`` are (e, 2) usable edges, and (d, 2) diagonals along which faces may be cut.
     """
     line, length = features.lines[number], features.lengths[number][-1]
     near = np.unique(np.concatenate(edges))
@@ -206,9 +206,10 @@ def _chain(quads, features, number, side, edges, at_corner, taken, on_rim):
         begin, ways = ways[first], (ways - ways[first]) % length
     if first is None or last is None or (closed and apart[first] > LINE_REACH * side):
         return None
-    path, cuts = _path(quads, edges, ways, apart, side, (first, last), length)
-    if path is None:
+    found = _path(quads, edges, ways, apart, side, (first, last), length)
+    if found is None:
         return None
+    path, cuts = found
     steps = np.linalg.norm(np.diff(quads.vertices[path], axis=0), axis=1)
     inner = _spread_evenly(ways[path[1:-1]], length, steps)
     if not length / LENGTH_RATIO < steps.sum() < length * LENGTH_RATIO or (closed and len(steps) < 3):
@@ -216,32 +217,38 @@ def _chain(quads, features, number, side, edges, at_corner, taken, on_rim):
     return (path[:-1], (begin + np.append(0, inner)) % length, cuts) if closed else (path[1:-1], inner, cuts)
 
 
-def _within(points, line, reach):
+def _within(points: np.ndarray, line: np.ndarray, reach: float) -> np.ndarray:
     return cKDTree(line).query(points, distance_upper_bound=reach)[0] <= reach
 
 
-def _spread_evenly(ways, span, steps):
-    """Ways from 0 to a span, evenly as the steps where they are not in order or too near to each other."""
+def _spread_evenly(ways: np.ndarray, span: float, steps: np.ndarray) -> np.ndarray:
+    """Positions between 0 and a span, replaced by the sums of the steps if they are not in order or too close."""
     gaps = np.diff(np.concatenate([[0], ways, [span]]))
     if (gaps > SMALLEST_GAP * span / len(gaps)).all():
         return ways
     return span * np.cumsum(steps)[:-1] / steps.sum()
 
 
-def _path(quads, edges, ways, apart, side, ends, length):
-    """(k,) vertices from one end of a line to the other along edges near it, and (c, 2) those of its steps that are
-    made; or None, None.
+def _path(
+    quads: QuadMesh,
+    edges: tuple[np.ndarray, np.ndarray],
+    ways: np.ndarray,
+    apart: np.ndarray,
+    side: float,
+    ends: tuple[int, int],
+    length: float,
+) -> tuple[np.ndarray, np.ndarray] | None:
+    """(k,) vertices from one end of a line to the other along edges near it, and (c, 2) steps along diagonals; or None.
 
-    The ends may be the same vertex, or neighbours: they are two nodes of their own, and an edge counts where it leads
-    about as far along the line as it is long.
+    The ends may be the same vertex or neighbours, so they get nodes of their own. An edge is usable if it leads about
+    as far along the line as it is long.
 
     Parameters
     ----------
-    quads : QuadMesh
-    edges : (e, 2) vertices of those that may be taken, and (d, 2) of those that may be made
-    ways, apart : (n,) how far along the line each vertex is, and how far from it
+    edges : (e, 2) usable edges, and (d, 2) diagonals
+    ways, apart : (n,) positions of the vertices along the line, and distances from it
     side : length of a quad's side
-    ends : the vertices at the line's begin and end
+    ends : the vertices at the line's ends
     length : of the line
     """
     count = len(quads.vertices)
@@ -265,16 +272,17 @@ def _path(quads, edges, ways, apart, side, ends, length):
     nodes = [count + 1]
     while nodes[-1] != count:
         if before[nodes[-1]] < 0:
-            return None, None
+            return None
         nodes.append(before[nodes[-1]])
     path = names[nodes[::-1]]
     steps = np.sort(np.column_stack([path[:-1], path[1:]]), axis=1)
     return path, steps[np.isin(steps @ [count, 1], edges[1] @ [count, 1])]
 
 
-def _with_ends(edges, ends, count):
-    """Edges, and those at the ends of a line with the nodes ``count`` and ``count + 1`` in place of these."""
-    begins = np.where(edges == ends[0], count, edges)
-    stops, both = (np.where(part == ends[1], count + 1, part) for part in (edges, begins))
-    begun, stopped = ((part != edges).any(axis=1) for part in (begins, stops))
-    return np.concatenate([edges, begins[begun], stops[stopped], both[begun & stopped & (both != begins).any(axis=1)]])
+def _with_ends(edges: np.ndarray, ends: tuple[int, int], count: int) -> np.ndarray:
+    """Edges, and copies in which the nodes ``count`` and ``count + 1`` replace the ends of the line."""
+    first = np.where(edges == ends[0], count, edges)
+    last, both = (np.where(part == ends[1], count + 1, part) for part in (edges, first))
+    at_first, at_last = ((part != edges).any(axis=1) for part in (first, last))
+    at_both = at_first & at_last & (both != first).any(axis=1)
+    return np.concatenate([edges, first[at_first], last[at_last], both[at_both]])

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Boundaries and sharp edges as polygonal lines between corners, on which points slide."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -18,10 +19,9 @@ class FeatureLines:
 
     Attributes
     ----------
-    mesh : TriangleMesh
     edges : (k,) indices
     corners : (c,) vertices at which lines end, branch or bend
-    lines : tuple of (k,) vertices that follow one another; a closed line ends where it begins
+    lines : (k,) consecutive vertices of each line; a closed line ends with its first vertex
     """
 
     mesh: TriangleMesh
@@ -30,24 +30,23 @@ class FeatureLines:
     lines: tuple[np.ndarray, ...]
 
     @classmethod
-    def of(cls, mesh, edges):
-        """The lines of (k,) indices of edges."""
+    def of(cls, mesh: TriangleMesh, edges: np.ndarray) -> "FeatureLines":
         corners = line_corners(mesh, edges)
         return cls(mesh, edges, corners, tuple(_walk_lines(mesh, edges, corners)))
 
     @cached_property
-    def lengths(self):
-        """For each line, (k,) the way along it to each of its vertices."""
+    def lengths(self) -> tuple[np.ndarray, ...]:
+        """For each line, (k,) the distances of its vertices from its start, along the line."""
         return tuple(ways_along(self.mesh.vertices[line]) for line in self.lines)
 
     @cached_property
-    def on_boundary(self):
-        """For each line, whether it is of the boundary."""
+    def on_boundary(self) -> np.ndarray:
+        """(l,) bool: lines on the boundary."""
         counts = self.mesh.edge_face_counts
         return np.array([counts[self.mesh.edges_between(line[:1], line[1:2])[0]] == 1 for line in self.lines], bool)
 
-    def nearest(self, number, points):
-        """(p,) the way along a line to what is nearest to (p, 3) points, and (p,) the distances."""
+    def nearest(self, number: int, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(p,) positions along a line that are nearest to (p, 3) points, and (p,) distances from it."""
         places = self.mesh.vertices[self.lines[number]]
         begin, along = places[:-1], np.diff(places, axis=0)
         offsets = points[:, None] - begin
@@ -59,8 +58,8 @@ class FeatureLines:
         lengths = self.lengths[number]
         return lengths[best] + shares[rows, best] * np.diff(lengths)[best], apart[rows, best]
 
-    def at(self, number, ways):
-        """(p, 3) points at (p,) ways along a line, the triangle of each and its (p, 3) barycentric weights there."""
+    def at(self, number: int, ways: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(p, 3) points at (p,) positions along a line, their triangles and (p, 3) barycentric weights."""
         line, lengths = self.lines[number], self.lengths[number]
         step = np.clip(np.searchsorted(lengths, ways, side="right") - 1, 0, len(line) - 2)
         shares = (ways - lengths[step]) / np.maximum(np.diff(lengths)[step], np.finfo(float).tiny)
@@ -76,15 +75,15 @@ class FeatureLines:
         return places, triangles, weights
 
     @cached_property
-    def _halves(self):
+    def _halves(self) -> np.ndarray:
         """(e,) a half-edge of each edge."""
         halves = np.zeros(len(self.mesh.edges), int)
         halves[self.mesh.triangle_edges.ravel()] = np.arange(3 * self.mesh.triangle_count)
         return halves
 
 
-def _walk_lines(mesh, edges, corners):
-    """Vertices along each line: from corner to corner first, then those that close."""
+def _walk_lines(mesh: TriangleMesh, edges: np.ndarray, corners: np.ndarray) -> Iterator[np.ndarray]:
+    """Vertices of each line, closed lines without corners last."""
     beside: dict[int, list[int]] = {}
     for i, j in mesh.edges[edges].tolist():
         beside.setdefault(i, []).append(j)

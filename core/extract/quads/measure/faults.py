@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is wrong with a quad mesh, said in lines that the user should read."""
+"""Faults of a quad mesh, described for the user."""
 
 import numpy as np
 
@@ -8,32 +8,24 @@ from ....geometry.nearest import NearestTriangles
 from ..trace.quad_mesh import SHORTEST, QuadMesh
 from .quality import quality
 
-# Faces with more corners than this are no cells of a grid.
+# Most corners of a face.
 MOST_CORNERS = 8
-# A quad mesh may be as far from its surface as this part of its mean edge.
+# Largest distance of a quad mesh from its surface, in mean edges.
 FARTHEST = 1.0
-# Share of the faces that may have a corner turned over.
+# Largest share of faces with a corner turned over.
 FOLDED = 0.01
 
 
 def quad_faults(quads: QuadMesh, mesh: TriangleMesh, closed: bool) -> tuple[str, ...]:
-    """Lines that say what is wrong with a quad mesh, none where it is as it should be.
-
-    Parameters
-    ----------
-    quads : QuadMesh
-    mesh : TriangleMesh that it was made on
-    closed : whether that surface has no boundary
-    """
+    """A line for each fault of a quad mesh on a surface; ``closed`` if the surface has no boundary."""
     figures = quality(quads)
-    edges, _ = quads.edges
-    lengths = np.linalg.norm(quads.vertices[edges[:, 1]] - quads.vertices[edges[:, 0]], axis=1)
+    lengths = quads.edge_lengths
     short = int((lengths < SHORTEST * np.median(lengths)).sum())
     large = int((quads.sizes > MOST_CORNERS).sum())
     away = distance(quads, mesh)
     faces = len(quads.sizes)
     found = (
-        (short, f"{short} of {len(edges)} edges of the quad mesh have no length"),
+        (short, f"{short} of {len(lengths)} edges of the quad mesh have no length"),
         (large, f"{large} of {faces} faces have more than {MOST_CORNERS} corners"),
         (figures["folds"] > FOLDED * faces, f"{figures['folds']} of {faces} faces have a corner that is folded over"),
         (closed and not figures["closed"], "the surface is closed and the quad mesh is not"),
@@ -46,12 +38,13 @@ def quad_faults(quads: QuadMesh, mesh: TriangleMesh, closed: bool) -> tuple[str,
     return tuple(f"{line}: ask for more faces, or a smaller spacing" for is_there, line in found if is_there)
 
 
-def distance(quads, mesh):
-    """Hausdorff distance of a quad mesh, with each face as triangles around its middle, and its surface; taken at
-    vertices and middles of faces."""
-    middles = np.add.reduceat(quads.vertices[quads.corner_vertices], quads.starts) / quads.sizes[:, None]
+def distance(quads: QuadMesh, mesh: TriangleMesh) -> float:
+    """Hausdorff distance between a quad mesh, with faces divided into triangles at their middles, and its surface.
+
+    It is measured at vertices and middles of faces.
+    """
     triangles = np.column_stack([quads.half_edges, len(quads.vertices) + quads.corner_faces])
-    places = np.concatenate([quads.vertices, middles])
+    places = np.concatenate([quads.vertices, quads.middles(quads.vertices)])
     there, _ = NearestTriangles(mesh.vertices, mesh.triangles).nearest(places)
     of_surface = mesh.vertices[np.unique(mesh.triangles)]
     back, _ = NearestTriangles(places, triangles).nearest(of_surface)

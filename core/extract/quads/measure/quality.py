@@ -1,20 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How good a quad mesh is: irregular vertices, corner angles, edge lengths."""
+"""Quality of a quad mesh: irregular vertices, corner angles, edge lengths."""
 
 import numpy as np
 
+from ..trace.quad_mesh import QuadMesh
 
-def quality(quads):
-    """Figures of a :class:`QuadMesh`, angles in degrees, as a dict of plain numbers.
 
-    ``folds`` are faces with a corner that is turned over against the rest of the face.
+def quality(quads: QuadMesh) -> dict[str, float]:
+    """Figures of a quad mesh as plain numbers, angles in degrees.
 
-    ``irregular_vertices`` are those inside with other than four edges; ``angle_deviation`` is the mean of |angle - 90|
-    over all corners, ``length_spread`` the standard deviation of the edges' lengths over their mean.
+    ``irregular_vertices`` counts interior vertices with other than four edges, ``folds`` faces with a corner that is
+    turned over; ``angle_deviation`` is the mean of |angle - 90| over all corners, ``length_spread`` the standard
+    deviation of the edges' lengths over their mean.
     """
     edges, counts = quads.edges
-    off = np.abs(corner_angles(quads) - 90)
-    lengths = np.linalg.norm(quads.vertices[edges[:, 1]] - quads.vertices[edges[:, 0]], axis=1)
+    off, lengths = np.abs(corner_angles(quads) - 90), quads.edge_lengths
     return {
         "vertices": len(quads.vertices),
         "edges": len(edges),
@@ -31,7 +31,7 @@ def quality(quads):
     }
 
 
-def corner_angles(quads):
+def corner_angles(quads: QuadMesh) -> np.ndarray:
     """(c,) degrees inside the faces, up to 360, seen along the normal of each whole face."""
     ahead, behind = _sides(quads)
     across = np.linalg.norm(np.cross(ahead, behind), axis=1)
@@ -39,8 +39,8 @@ def corner_angles(quads):
     return np.where(_looks_away(quads), 360 - angles, angles)
 
 
-def _sides(quads):
-    """(c, 3) from each corner to the next one, and to the one before."""
+def _sides(quads: QuadMesh) -> tuple[np.ndarray, np.ndarray]:
+    """(c, 3) vectors from each corner to the next one, and to the previous one."""
     corners, following = quads.corner_vertices, quads.next_corners
     before = np.empty_like(following)
     before[following] = np.arange(len(following))
@@ -48,13 +48,13 @@ def _sides(quads):
     return ahead, quads.vertices[corners[before]] - quads.vertices[corners]
 
 
-def _is_folded(quads):
-    """(f,) bool: faces with a corner that looks the other way than the face on the whole."""
+def _is_folded(quads: QuadMesh) -> np.ndarray:
+    """(f,) bool: faces with a corner whose normal is opposed to the face's."""
     return np.bincount(quads.corner_faces[_looks_away(quads)], minlength=len(quads.sizes)) > 0
 
 
-def _looks_away(quads):
-    """(c,) bool: corners that look the other way than their face on the whole."""
+def _looks_away(quads: QuadMesh) -> np.ndarray:
+    """(c,) bool: corners whose normal is opposed to their face's."""
     normals = np.cross(*_sides(quads))
     sums = np.add.reduceat(normals, quads.starts)
     return np.einsum("cx,cx->c", normals, sums[quads.corner_faces]) < 0

@@ -1,79 +1,96 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Faces that are no quads made quads: a pair of odd ones and the quads between them become one polygon, which is cut
-into quads anew; so does every larger even face.
+"""Replaces all other faces of a quad mesh by quads.
 
-A polygon of 2 k corners always falls into k - 1 quads; of all ways the one with the corners nearest to right angles is
-taken. An edge that is to stay is halved where the way between two odd faces crosses it: its two sides become polygons
-of their own. So is an edge of the boundary where an odd face has no other one, or none as near.
+Two odd faces and the quads between them are merged into one polygon, which is divided into quads again; so is every
+larger even face. A polygon with 2 k corners can always be divided into k - 1 quads; of all divisions, the one with the
+corners nearest to right angles is used. Where the path between two odd faces crosses an edge that must stay, the edge
+is halved and each side becomes a polygon. An edge of the boundary is halved if no other odd face is as near.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from heapq import heappop, heappush
 from itertools import count
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from ....geometry import TriangleMesh
 from ....geometry.barycentric import barycentric
 from ....geometry.nearest import NearestTriangles
+from ..trace.quad_mesh import QuadMesh
 
-# Most corners of a polygon that is cut anew: ways to cut it grow with their fourth power.
+# Most corners of a polygon that is divided again: the work grows with their fourth power.
 MOST_CORNERS = 24
-# What halving an edge that stays costs, in faces; on the boundary, where it serves one odd face alone, twice as much.
+# Cost of halving an edge that stays, in faces; twice as much on the boundary, where it serves one odd face only.
 HALVING = 6
-# Edges shorter than this part of the mean one are not halved: their halves would be of no length.
+# Edges shorter than this part of the mean edge are not halved.
 SHORTEST = 0.05
-# What a corner that is turned over costs, in squares of right angles.
+# Cost of a corner that is turned over, in squares of right angles.
 TURNED = 40.0
+
+Edge = tuple[int, int]
+# A corner of a polygon: a vertex, or the middle of an edge.
+_Corner = TypeVar("_Corner", int, int | Edge)
+_Cut = tuple[tuple[int, int, int, int], ...]
 
 
 @dataclass
 class Faces:
-    """Faces as lists, by their numbers, which faces are at each way along an edge, and which edges stay; places and
-    normals of the vertices."""
+    """Faces that can be exchanged, on vertices with normals.
+
+    Attributes
+    ----------
+    corners : corners of each face by its number
+    left : the face to the left of each half-edge
+    numbers : numbers for further faces
+    kept : edges that stay
+    vertices, normals : (n, 3)
+    """
 
     corners: dict[int, list[int]]
-    left: dict[tuple[int, int], int]
+    left: dict[Edge, int]
     numbers: Iterator[int]
-    kept: set[tuple[int, int]]
+    kept: set[Edge]
     vertices: np.ndarray
     normals: np.ndarray
 
     @classmethod
-    def of(cls, quads, normals, keep):
-        faces = np.split(quads.corner_vertices, quads.starts[1:])
-        result = cls({}, {}, count(), set(map(edge_of, keep)), quads.vertices, normals)
-        for corners in faces:
+    def of(cls, quads: QuadMesh, normals: np.ndarray, keep: ArrayLike) -> "Faces":
+        edges = np.asarray(keep, int).reshape(-1, 2).tolist()
+        result = cls({}, {}, count(), set(map(edge_of, edges)), quads.vertices, normals)
+        for corners in np.split(quads.corner_vertices, quads.starts[1:]):
             result.add(corners.tolist())
         return result
 
-    def add(self, corners):
+    def add(self, corners: list[int]) -> int:
         number = next(self.numbers)
         self.corners[number] = corners
-        for way in _ways(corners):
+        for way in _half_edges(corners):
             self.left[way] = number
         return number
 
-    def remove(self, number):
-        for way in _ways(self.corners.pop(number)):
+    def remove(self, number: int) -> None:
+        for way in _half_edges(self.corners.pop(number)):
             del self.left[way]
 
-    def put_on(self, quads):
-        """The :class:`QuadMesh` of these faces on the vertices of another one."""
+    def put_on(self, quads: QuadMesh) -> QuadMesh:
+        """The quad mesh of these faces on the vertices of another one."""
         faces = list(self.corners.values())
         return quads.with_faces(np.concatenate(faces), np.array([len(corners) for corners in faces]))
 
-    def beside(self, number):
-        """The ways along the edges of a face, and the face on the other side of each, None beyond the boundary."""
-        return [((a, b), self.left.get((b, a))) for a, b in _ways(self.corners[number])]
+    def beside(self, number: int) -> list[tuple[Edge, int | None]]:
+        """The half-edges of a face, and the face on the other side of each, None beyond the boundary."""
+        return [((a, b), self.left.get((b, a))) for a, b in _half_edges(self.corners[number])]
 
-    def length(self, edge):
+    def length(self, edge: Edge) -> float:
         first, second = self.vertices[list(edge)]
-        return np.linalg.norm(second - first)
+        return float(np.linalg.norm(second - first))
 
-    def halve(self, edge):
-        """The number of a new vertex in the middle of an edge, whose halves stay."""
+    def halve(self, edge: Edge) -> int:
+        """Halve an edge, so that both halves stay; the number of the new vertex."""
         new = len(self.vertices)
         ends = list(edge)
         self.vertices = np.vstack([self.vertices, self.vertices[ends].mean(axis=0)])
@@ -82,29 +99,27 @@ class Faces:
         return new
 
 
-def edge_of(pair):
+def edge_of(pair: Iterable[int]) -> Edge:
     first, second = sorted(pair)
     return first, second
 
 
-def _ways(corners):
+def _half_edges(corners: Sequence[int]) -> Iterator[Edge]:
     return zip(corners, [*corners[1:], corners[0]], strict=True)
 
 
-def all_quads(quads, mesh, keep=()):
-    """The :class:`QuadMesh` with quads instead of other faces, as far as its faces allow.
+def all_quads(quads: QuadMesh, mesh: TriangleMesh, keep: ArrayLike = ()) -> QuadMesh:
+    """The quad mesh with quads instead of other faces, as far as possible.
 
     Parameters
     ----------
-    quads : QuadMesh
-    mesh : TriangleMesh that it is on
-    keep : (k, 2) vertices of edges that stay, or whose halves do
+    mesh : the surface
+    keep : (k, 2) vertices of edges that stay, whole or halved
     """
     if (quads.sizes == 4).all():
         return quads
-    faces = Faces.of(quads, mesh.face_normals[quads.triangles], np.asarray(keep, int).reshape(-1, 2).tolist())
-    ends = quads.vertices[quads.edges[0]]
-    shortest = SHORTEST * np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).mean()
+    faces = Faces.of(quads, mesh.face_normals[quads.triangles], keep)
+    shortest = SHORTEST * quads.edge_lengths.mean()
     odd = sorted(number for number, corners in faces.corners.items() if len(corners) % 2)
     while odd:
         parts = _strip(faces, odd[0], set(odd[1:]), shortest)
@@ -116,8 +131,8 @@ def all_quads(quads, mesh, keep=()):
     return faces.put_on(_with_vertices(quads, mesh, faces.vertices[len(quads.vertices) :]))
 
 
-def _with_vertices(quads, mesh, places):
-    """The quad mesh with further vertices, which are put onto the surface."""
+def _with_vertices(quads: QuadMesh, mesh: TriangleMesh, places: np.ndarray) -> QuadMesh:
+    """The quad mesh with further vertices, projected onto the surface."""
     if len(places) == 0:
         return quads
     places, triangles = NearestTriangles(mesh.vertices, mesh.triangles).nearest(places)
@@ -131,19 +146,20 @@ def _with_vertices(quads, mesh, places):
 
 @dataclass(frozen=True)
 class _Part:
-    """Faces that are to be cut anew, and the polygon of them all; a corner that is a pair is the middle of an edge."""
+    """Faces that are to be divided again, and the polygon that they form; a pair stands for the middle of an edge."""
 
     numbers: tuple[int, ...]
-    polygon: list
+    polygon: Sequence[int | Edge]
 
 
-def _strip(faces, first, targets, shortest):
-    """The :class:`_Part` s of the way from an odd face to the nearest other one or the boundary, one on each side of
-    the edges that stay; none without a way whose polygons pass no vertex twice. Edges shorter than ``shortest`` are not
-    halved."""
-    begin: tuple[_Part, ...] = (_Part((first,), faces.corners[first]),)
-    waiting, done = [(0, 0, first, begin)], set()
-    order = count(1)
+def _strip(faces: Faces, first: int, targets: set[int], shortest: float) -> tuple[_Part, ...]:
+    """The parts of the path from an odd face to the nearest other one or the boundary, separated by edges that stay.
+
+    Empty if every path has a polygon that passes a vertex twice. Edges shorter than ``shortest`` are not halved.
+    """
+    start: tuple[_Part, ...] = (_Part((first,), faces.corners[first]),)
+    waiting: list[tuple[int, int, int | None, tuple[_Part, ...]]] = [(0, 0, first, start)]
+    done, order = set(), count(1)
     while waiting:
         cost, _, number, parts = heappop(waiting)
         if number in targets or number is None:
@@ -156,23 +172,27 @@ def _strip(faces, first, targets, shortest):
         for (a, b), other in faces.beside(number):
             if other in passed or other in done:
                 continue
-            middle, corners = edge_of((a, b)), faces.corners.get(other)
+            middle = edge_of((a, b))
+            polygons: list[list[int | Edge] | None]
             if other is None or middle in faces.kept:
                 if faces.length(middle) < shortest:
                     continue
-                polygons = [join_faces(last.polygon, [b, a, middle], a, b)]
-                polygons += [] if other is None else [join_faces(corners, [a, b, middle], b, a)]
-                numbers, step = [last.numbers, (other,)], 1 + HALVING * (2 if other is None else 1)
+                polygons, numbers = [join_faces(last.polygon, [b, a, middle], a, b)], [last.numbers]
+                if other is not None:
+                    polygons.append(join_faces(faces.corners[other], [a, b, middle], b, a))
+                    numbers.append((other,))
+                step = 1 + HALVING * (2 if other is None else 1)
             else:
-                polygons, numbers, step = [join_faces(last.polygon, corners, a, b)], [(*last.numbers, other)], 1
-            if None not in polygons:
-                onwards = (*before, *map(_Part, numbers, polygons))
-                heappush(waiting, (cost + step, next(order), other, onwards))
+                polygons, numbers = [join_faces(last.polygon, faces.corners[other], a, b)], [(*last.numbers, other)]
+                step = 1
+            onwards = [_Part(n, polygon) for n, polygon in zip(numbers, polygons, strict=True) if polygon is not None]
+            if len(onwards) == len(polygons):
+                heappush(waiting, (cost + step, next(order), other, (*before, *onwards)))
     return ()
 
 
-def join_faces(polygon, corners, a, b):
-    """The polygon with another face beyond its way from a to b, None where they meet elsewhere, too."""
+def join_faces(polygon: Sequence[_Corner], corners: Sequence[_Corner], a: int, b: int) -> list[_Corner] | None:
+    """The polygon merged with the face across its half-edge from a to b; None where they meet elsewhere, too."""
     others = [corner for corner in corners if corner not in (a, b)]
     if len(polygon) + len(others) > MOST_CORNERS or not set(others).isdisjoint(polygon):
         return None
@@ -181,19 +201,18 @@ def join_faces(polygon, corners, a, b):
     place = polygon.index(a)
     if polygon[(place + 1) % len(polygon)] != b:
         return None
-    return [*polygon[: place + 1], *after, *polygon[place + 1 :]]
+    return list(polygon[: place + 1]) + after + list(polygon[place + 1 :])
 
 
-def _cut_polygons_again(faces, parts):
-    """Replace faces by the best quads of their polygons, and say whether that was done: not where all would double an
-    edge."""
+def _cut_polygons_again(faces: Faces, parts: Sequence[_Part]) -> bool:
+    """Replace faces by the best quads of their polygons; False, without a change, if an edge would be doubled."""
     halves = {corner: faces.halve(corner) for part in parts for corner in part.polygon if isinstance(corner, tuple)}
-    polygons = [[halves.get(corner, corner) for corner in part.polygon] for part in parts]
+    polygons = [[halves[c] if isinstance(c, tuple) else c for c in part.polygon] for part in parts]
     cuts = [_cut_polygon(faces, part.numbers, polygon) for part, polygon in zip(parts, polygons, strict=True)]
     if not parts or None in cuts:
         return False
-    quads = [[polygon[k] for k in quad] for polygon, cut in zip(polygons, cuts, strict=True) for quad in cut]
-    ways = [way for quad in quads for way in _ways(quad)]
+    quads = [[polygon[k] for k in quad] for polygon, cut in zip(polygons, cuts, strict=True) for quad in cut or ()]
+    ways = [way for quad in quads for way in _half_edges(quad)]
     if len(set(ways)) < len(ways):
         return False
     for number in [number for part in parts for number in part.numbers]:
@@ -203,30 +222,30 @@ def _cut_polygons_again(faces, parts):
     return True
 
 
-def _cut_polygon(faces, numbers, polygon):
-    """The best quads of a polygon of faces, as places on it, None where all would double an edge."""
+def _cut_polygon(faces: Faces, numbers: Sequence[int], polygon: list[int]) -> _Cut | None:
+    """The best quads of a polygon of faces, as indices of its corners; None where an edge would be doubled."""
     size = len(polygon)
     if len(set(polygon)) < size or size > MOST_CORNERS:
         return None
-    inside = {way for number in numbers for way in _ways(faces.corners[number])}
+    inside = {way for number in numbers for way in _half_edges(faces.corners[number])}
     points, up = faces.vertices[polygon], faces.normals[polygon]
     taken = [[(a, b) in faces.left and (a, b) not in inside for b in polygon] for a in polygon]
 
     @cache
-    def corner(before, at, after):
+    def corner(before: int, at: int, after: int) -> float:
         ahead, behind = points[after] - points[at], points[before] - points[at]
         cross = np.cross(ahead, behind)
         angle = np.arctan2(np.linalg.norm(cross), ahead @ behind)
-        return (angle / (np.pi / 2) - 1) ** 2 + TURNED * (cross @ up[at] <= 0)
+        return float((angle / (np.pi / 2) - 1) ** 2 + TURNED * (cross @ up[at] <= 0))
 
     @cache
-    def best(i, j):
-        """Cost and quads of the part from corner i to j, beyond the way from j to i."""
+    def best(i: int, j: int) -> tuple[float, _Cut]:
+        """Cost and quads of the part of the polygon from corner i to corner j."""
         if j - i == 1:
             return 0.0, ()
         if (j - i) % 2 == 0 or ((i, j) != (0, size - 1) and (taken[i][j] or taken[j][i])):
             return np.inf, ()
-        found = np.inf, ()
+        found: tuple[float, _Cut] = (np.inf, ())
         for k in range(i + 1, j, 2):
             for m in range(k + 1, j, 2):
                 parts = best(i, k), best(k, m), best(m, j)
@@ -241,9 +260,8 @@ def _cut_polygon(faces, numbers, polygon):
     return cut if np.isfinite(cost) else None
 
 
-def _join_doublets(quads, faces):
-    """Two quads that share two edges in a row, whose middle belongs to no other face, become one unless the edges
-    stay."""
+def _join_doublets(quads: QuadMesh, faces: Faces) -> None:
+    """Merge two quads that share two consecutive edges and the only faces at the vertex between, unless edges stay."""
     edges, counts = quads.edges
     stays = set(edges[counts == 1].ravel().tolist()) | {vertex for edge in faces.kept for vertex in edge}
     around: dict[int, set[int]] = {}

@@ -1,34 +1,36 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Quads closed, two corners across from each other made one, where that leaves more vertices regular.
+"""Quad collapses (Daniels et al. 2008): two opposite corners of a quad are merged where that regularises vertices.
 
-Where odd faces were paired, vertices with three and with five edges lie beside each other. A quad with corners of
-3, 5, 3 and 5 edges closes to nothing but regular ones (Daniels et al. 2008 call that a quad collapse).
+Where odd faces were paired, vertices with three and with five edges lie beside each other. Collapsing a quad whose
+corners have 3, 5, 3 and 5 edges leaves only regular vertices.
 """
-
-from dataclasses import replace
 
 import numpy as np
 
+from ....geometry import TriangleMesh
 from ....geometry.barycentric import barycentric
 from ....geometry.nearest import NearestTriangles
 from ..features.chains import move_vertices
+from ..trace.quad_mesh import QuadMesh
 
-# Edges at a vertex at least, inside and on the boundary.
+# Fewest edges at an interior vertex, and at one on the boundary.
 FEWEST, FEWEST_ON_RIM = 3, 2
 
 
-def with_faces_closed(quads, mesh, held, corners):
-    """The :class:`QuadMesh` with quads closed, and (k,) which of its vertices were kept, in their order.
+def collapse_quads(
+    quads: QuadMesh, mesh: TriangleMesh, held: np.ndarray, corners: np.ndarray
+) -> tuple[QuadMesh, np.ndarray]:
+    """The quad mesh with quads collapsed, and (k,) the vertices that were kept, in their order.
 
-    A vertex is irregular by the square of the edges that it has too many or too few. Each quad that is closed takes
-    some of that away and leaves no more irregular vertices than there were.
+    Each collapse reduces the sum of squares of the vertices' surplus or missing edges, and does not increase the number
+    of irregular vertices.
 
     Parameters
     ----------
-    quads : QuadMesh of nothing but quads
-    mesh : TriangleMesh that it is on
-    held : (n,) bool, vertices that stay where they are; no two of them become one
-    corners : (n,) bool, vertices whose edges stay, too
+    quads : all faces are quads
+    mesh : the surface
+    held : (n,) bool, vertices that stay in place; no two of them are merged
+    corners : (n,) bool, vertices whose number of edges stays, too
     """
     faces = quads.corner_vertices.reshape(-1, 4).copy()
     edges, counts = quads.edges
@@ -47,17 +49,17 @@ def with_faces_closed(quads, mesh, held, corners):
         valences[[b, d]] -= 1
         faces = np.delete(faces, number, axis=0)
         faces[faces == gone] = kept
-    used, corner_vertices = np.unique(faces, return_inverse=True)
+    used = np.unique(faces)
     which = np.flatnonzero(moved)
     places, triangles = NearestTriangles(mesh.vertices, mesh.triangles).nearest(vertices[which])
     quads = move_vertices(quads, which, places, triangles, barycentric(mesh, triangles, places))
-    own = {name: getattr(quads, name)[used] for name in ("vertices", "triangles", "weights")}
-    return replace(quads, **own, corner_vertices=corner_vertices.ravel(), sizes=np.full(len(faces), 4)), used
+    return quads.with_faces(faces.ravel(), np.full(len(faces), 4)), used
 
 
-def _first(faces, valences, on_rim, held, corners):
-    """The face whose closing takes the most away, and its corners from one that meets the one across; None where there
-    is no such face."""
+def _first(
+    faces: np.ndarray, valences: np.ndarray, on_rim: np.ndarray, held: np.ndarray, corners: np.ndarray
+) -> tuple[int, np.ndarray] | None:
+    """The best face to collapse, and its corners, beginning with one of the two to be merged; None without one."""
     ways = np.concatenate([faces, np.roll(faces, -1, axis=1)])
     a, b, c, d = ways.T
     allowed = ~(held[a] & held[c]) & ~on_rim[a] & ~on_rim[c] & ~corners[ways].any(axis=1)
@@ -76,8 +78,8 @@ def _first(faces, valences, on_rim, held, corners):
     return None
 
 
-def _is_free(faces, a, b, c, d):
-    """Whether a and c have no neighbours in common but b and d, and are none themselves."""
+def _is_free(faces: np.ndarray, a: int, b: int, c: int, d: int) -> bool:
+    """Whether a and c have only b and d as common neighbours, and are not neighbours themselves."""
     around = []
     for vertex in (a, c):
         at = np.argwhere(faces == vertex)

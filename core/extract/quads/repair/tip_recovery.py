@@ -1,33 +1,39 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Faces of a quad mesh that cut off a tip of the surface, such as that of a horn, climb to it.
+"""Recovers tips of the surface, such as that of a horn, which faces of a quad mesh cut off.
 
-Where grid lines pass on both sides of a tip, one face lies across below it. It goes towards the point that it cuts off
-the most, with some rings of vertices around, as long as the patch gets nearer to the surface and no corner gets bad.
+Where grid lines pass on both sides of a tip, one face lies across below it. It is moved towards the farthest point that
+it cuts off, with some rings of vertices around it, as long as the patch gets nearer to the surface and no corner
+becomes bad.
 """
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ....geometry import TriangleMesh
 from ....geometry.nearest import NearestTriangles
-from ..smooth.fitting import slid_lines
-from ..smooth.patches import Ground, Patches, faces_near, middles_of
+from ..features.chains import Chains
+from ..smooth.fitting import Planes, sliding_lines
+from ..smooth.patches import Ground, Judge, Patches, faces_near
+from ..trace.quad_mesh import QuadMesh
 
-# What is farther from all faces than this part of their mean edge is cut off.
+# Points farther from all faces than this part of their mean edge are cut off.
 CUT_OFF = 0.5
-# How often faces climb at most, how many rings around follow them, and what share of the way of the one before.
+# Most rounds, rings around a face that move with it, and by what share of the previous ring's move.
 ROUNDS, RINGS, FOLLOWING = 10, 2, 0.6
-# What part of its way a patch takes, the first that is better.
+# Parts of its move that a patch tries; it takes the first that is better.
 PARTS = (1.0, 0.5, 0.25)
-# A patch gets nearer to the surface by this share at least, and no corner, unless one was before, off a right angle
-# by more than so many degrees.
+# Smallest share by which the distance of a patch from the surface shrinks, and largest deviation of its corners from
+# right angles in degrees, unless it was larger before.
 GAIN, WORST = 0.01, 50.0
-# Points within so many mean edges of those that are cut off are looked at.
+# Points within this many mean edges of a cut-off point are considered.
 AROUND = 3.0
 
 
-def recover_tips(quads, mesh, free, planes, chains=None):
-    """The :class:`QuadMesh` with vertices moved where it cuts tips off; arguments as of :func:`fitted`."""
-    lines, ground = slid_lines(free, chains), Ground.of(mesh, quads)
+def recover_tips(
+    quads: QuadMesh, mesh: TriangleMesh, free: np.ndarray, planes: Planes, chains: Chains | None = None
+) -> QuadMesh:
+    """The quad mesh with vertices moved where it cuts tips off; arguments as of :func:`fit_quads`."""
+    lines, ground = sliding_lines(free, chains), Ground.of(mesh, quads)
     side = np.linalg.norm(np.diff(quads.vertices[quads.half_edges], axis=1), axis=2).mean()
     gaps, faces = _gaps(quads, ground.samples)
     cut_off = np.linalg.norm(gaps, axis=1) > CUT_OFF * side
@@ -37,64 +43,63 @@ def recover_tips(quads, mesh, free, planes, chains=None):
     samples = ground.samples[np.isfinite(tree.query(ground.samples, distance_upper_bound=AROUND * side)[0])]
     for _ in range(ROUNDS):
         gaps, faces = _gaps(quads, samples)
-        ways, goes = _ways(quads, gaps, faces, CUT_OFF * side)
+        moves, goes = _moves(quads, gaps, faces, CUT_OFF * side)
         moving = np.flatnonzero(goes & free)
         if len(moving) == 0:
             break
         for unit, on_plane in planes:
-            ways[on_plane] -= np.outer(ways[on_plane] @ unit, unit)
+            moves[on_plane] -= np.outer(moves[on_plane] @ unit, unit)
         patches = Patches.of(quads, ground, moving)
-        quads, moved = patches.moved(ways[moving], PARTS, lines, chains, _judge(patches, samples, faces))
+        quads, moved = patches.move_better(moves[moving], PARTS, lines, chains, _judge(patches, samples, faces))
         if not moved.any():
             break
     return quads
 
 
-def _gaps(quads, samples):
+def _gaps(quads: QuadMesh, samples: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(s, 3) from the nearest point of the quad mesh to each sample, and (s,) the face of that point."""
-    places = np.concatenate([quads.vertices, middles_of(quads, quads.vertices)])
+    places = np.concatenate([quads.vertices, quads.middles(quads.vertices)])
     fans = np.column_stack([quads.half_edges, len(quads.vertices) + quads.corner_faces])
     there, nearest = NearestTriangles(places, fans).nearest(samples)
     return samples - there, quads.corner_faces[nearest]
 
 
-def _ways(quads, gaps, faces, far):
-    """(n, 3) ways of the vertices to what their faces cut off the most, farther than ``far``, and (n,) bool: which have
-    one, or a ring of neighbours that has."""
+def _moves(quads: QuadMesh, gaps: np.ndarray, faces: np.ndarray, far: float) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 3) moves of vertices to the farthest point, beyond ``far``, that their faces cut off, and of rings around
+    these; and (n,) bool: vertices with a move."""
     lengths = np.linalg.norm(gaps, axis=1)
     order = np.argsort(lengths)
     order = order[lengths[order] > far]
     farthest = np.zeros((len(quads.sizes), 4))
-    # Of a face's samples the farthest one is the last.
-    farthest[faces[order]] = np.column_stack([gaps, lengths])[order]
+    farthest[faces[order]] = np.column_stack([gaps, lengths])[order]  # the last sample of a face stays, the farthest
     weights = farthest[quads.corner_faces, 3:]
-    ways, sums = np.zeros_like(quads.vertices), np.zeros((len(quads.vertices), 1))
-    np.add.at(ways, quads.corner_vertices, weights * farthest[quads.corner_faces, :3])
+    moves, sums = np.zeros_like(quads.vertices), np.zeros((len(quads.vertices), 1))
+    np.add.at(moves, quads.corner_vertices, weights * farthest[quads.corner_faces, :3])
     np.add.at(sums, quads.corner_vertices, weights)
     goes = sums[:, 0] > 0
-    ways[goes] /= sums[goes]
+    moves[goes] /= sums[goes]
     edges, _ = quads.edges
     both = np.concatenate([edges, edges[:, ::-1]])
     for _ in range(RINGS):
         joined = both[goes[both[:, 0]] & ~goes[both[:, 1]]]
         numbers = np.bincount(joined[:, 1], minlength=len(goes))
-        np.add.at(ways, joined[:, 1], FOLLOWING * ways[joined[:, 0]] / numbers[joined[:, 1], None])
+        np.add.at(moves, joined[:, 1], FOLLOWING * moves[joined[:, 0]] / numbers[joined[:, 1], None])
         goes = goes | (numbers > 0)
-    return ways, goes
+    return moves, goes
 
 
-def _judge(patches, samples, faces):
-    """Says which patches are better with vertices at other places: nearer to the samples of their faces, too."""
+def _judge(patches: Patches, samples: np.ndarray, faces: np.ndarray) -> Judge:
+    """A function that tells which patches are better with moved vertices: nearer to the samples of their faces."""
     labels = np.full(len(patches.quads.sizes), -1)
     labels[patches.touched] = patches.of_faces
     own = labels[faces] >= 0
     below = samples[own], labels[faces[own]], faces_near(patches.quads, samples[own])
     ground, before = patches.ground, patches.quads.vertices
     limits = np.maximum(patches.norms(before)[1], np.radians(WORST))
-    apart = ground.apart(patches, before, np.ones(len(limits), bool), below)
+    apart = ground.distances(patches, before, np.ones(len(limits), bool), below)
 
-    def are_better(vertices, waiting):
+    def are_better(vertices: np.ndarray, waiting: np.ndarray) -> np.ndarray:
         better = waiting & (patches.norms(vertices)[1] <= limits)
-        return better & (ground.apart(patches, vertices, better, below) < (1 - GAIN) * apart)
+        return better & (ground.distances(patches, vertices, better, below) < (1 - GAIN) * apart)
 
     return are_better

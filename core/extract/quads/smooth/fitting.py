@@ -1,42 +1,47 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Quad meshes whose faces are made as near to rectangles as the surface and its lines allow.
+"""Makes the faces of a quad mesh as near to rectangles as the surface and its lines allow.
 
-Each face asks its corners to the nearest rectangle of its own plane, and a vertex goes to the mean of what its faces
-ask for (Bouaziz et al. 2012, Shape-Up), then back onto the surface, its feature line or its mirror plane. A face that
-has turned over asks for a rectangle that has not.
+Each face has a target, the nearest rectangle in its own plane. A vertex moves to the mean of its faces' targets
+(Bouaziz et al. 2012, Shape-Up), then back onto the surface, its feature line or its mirror plane. The target of a face
+that is turned over is turned back.
 """
+
+from collections.abc import Sequence
 
 import numpy as np
 
+from ....geometry import TriangleMesh
 from ....geometry.barycentric import barycentric
 from ....geometry.nearest import NearestTriangles
-from ..features.chains import SMALLEST_GAP, move_vertices
+from ..features.chains import SMALLEST_GAP, Chains, move_vertices
 from ..measure.quality import corner_angles
+from ..trace.quad_mesh import QuadMesh
 
-# How far a rectangle's sides are drawn to their mean length in the first round, and evenly less up to the last: squares
-# where nothing else is asked.
+# Share by which the sides of target rectangles are moved to their mean length in the first round, falling linearly.
 SQUARE = 0.5
-# Corners that are off a right angle by up to so many degrees are good enough; how much worse ones count beyond.
+# Corners within this deviation from a right angle, in degrees, are good; extra weight of worse ones.
 GOOD, URGENCY = 30.0, 4.0
-# What part of its room before the next one on its line a vertex may take in a round: no two meet.
+# Part of the gap to its neighbour on the line by which a vertex may move in a round, so that no two meet.
 NEARER = 0.4
 _TINY = np.finfo(float).tiny
+# Mirror planes through the origin: (3,) unit normals, and (n,) bool of the vertices that stay on them.
+Planes = Sequence[tuple[np.ndarray, np.ndarray]]
 
 
-def fit_quads(quads, mesh, free, planes, rounds, chains=None):
-    """The :class:`QuadMesh` after some rounds.
+def fit_quads(
+    quads: QuadMesh, mesh: TriangleMesh, free: np.ndarray, planes: Planes, rounds: int, chains: Chains | None = None
+) -> QuadMesh:
+    """The quad mesh after some rounds; the targets of faces that are not quads are regular polygons.
 
     Parameters
     ----------
-    quads : QuadMesh, whose faces that are no quads ask for regular polygons of their own size
-    mesh : TriangleMesh that it is on
+    mesh : the surface
     free : (n,) bool, vertices that may move; those on lines stay on their lines
-    planes : pairs of a (3,) unit normal of a plane through the origin, and (n,) bool of the vertices that stay on it
-    rounds : how often
-    chains : Chains of its vertices on lines, or None
+    planes : mirror planes and the vertices on them
+    chains : vertices on feature lines
     """
     surface = NearestTriangles(mesh.vertices, mesh.triangles)
-    lines = slid_lines(free, chains)
+    lines = sliding_lines(free, chains)
     movable = np.flatnonzero(free)
     for number in range(rounds):
         square = SQUARE * (1 - number / rounds)
@@ -51,29 +56,38 @@ def fit_quads(quads, mesh, free, planes, rounds, chains=None):
     return quads
 
 
-def slid_lines(free, chains):
+def sliding_lines(free: np.ndarray, chains: Chains | None) -> np.ndarray:
     """(n,) line on which each vertex slides, -1 for none; arguments as of :func:`fit_quads`."""
     return np.full(len(free), -1) if chains is None else np.where(free, chains.lines, -1)
 
 
-def project_vertices(quads, mesh, surface, lines, chains, which, places):
-    """The quad mesh with (k,) vertices where the surface, or the line of each, is nearest to (k, 3) places.
+def project_vertices(
+    quads: QuadMesh,
+    mesh: TriangleMesh,
+    surface: NearestTriangles,
+    lines: np.ndarray,
+    chains: Chains | None,
+    which: np.ndarray,
+    places: np.ndarray,
+) -> QuadMesh:
+    """The quad mesh with (k,) vertices moved to the points of the surface, or of their lines, nearest to (k, 3) places.
 
-    Arguments as of :func:`fit_quads`; ``surface`` of NearestTriangles, and (n,) ``lines`` on which vertices slide, -1
-    for none. On a line vertices pass neither each other nor its ends.
+    ``lines`` as of :func:`sliding_lines`. On a line, vertices pass neither each other nor its ends.
     """
     loose = lines[which] < 0
     ends, triangles = surface.nearest(places[loose])
     quads = move_vertices(quads, which[loose], ends, triangles, barycentric(mesh, triangles, ends))
+    if chains is None:
+        return quads
     for number in np.unique(lines[which[~loose]]):
         sliding = lines[which] == number
-        ways = _slid(quads, chains, number, which[sliding], places[sliding])
+        ways = _slide_along(quads, chains, number, which[sliding], places[sliding])
         quads = move_vertices(quads, which[sliding], *chains.features.at(number, ways))
     return quads
 
 
-def _slid(quads, chains, number, which, places):
-    """(k,) ways along a line to what is nearest to places, in the order in which its vertices are on it now."""
+def _slide_along(quads: QuadMesh, chains: Chains, number: int, which: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """(k,) positions along a line nearest to places, limited so that the order of its vertices stays."""
     features, length = chains.features, chains.features.lengths[number][-1]
     line = np.flatnonzero(chains.lines == number)
     ways, _ = features.nearest(number, quads.vertices[line])
@@ -93,53 +107,53 @@ def _slid(quads, chains, number, which, places):
     return ways % length if is_closed else ways
 
 
-def _urgencies(quads):
-    """(f,) how much faces count in the mean of what is asked: the more, the worse their worst corner is."""
+def _urgencies(quads: QuadMesh) -> np.ndarray:
+    """(f,) weights of faces in the mean of targets: the worse their worst corner, the larger."""
     worst = np.maximum.reduceat(np.abs(corner_angles(quads) - 90), quads.starts)
     return 1 + URGENCY * np.maximum(worst / GOOD - 1, 0) ** 2
 
 
-def _target_corners(quads, mesh, surface, square):
-    """(c, 3) where the corners of each face should be."""
-    asked = quads.vertices[quads.corner_vertices]
+def _target_corners(quads: QuadMesh, mesh: TriangleMesh, surface: NearestTriangles, square: float) -> np.ndarray:
+    """(c, 3) targets of the faces' corners."""
+    targets = quads.vertices[quads.corner_vertices]
     for size in np.unique(quads.sizes):
         corners = quads.starts[quads.sizes == size, None] + np.arange(size)
-        places = asked[corners]
+        places = targets[corners]
         up = mesh.face_normals[surface.nearest(places.mean(axis=1))[1]]
-        asked[corners] = _rectangles(places, up, square) if size == 4 else _regular(places, up)
-    return asked
+        targets[corners] = _rectangles(places, up, square) if size == 4 else _regular(places, up)
+    return targets
 
 
-def _rectangles(corners, up, square):
-    """(f, 4, 3) corners of the rectangles nearest to quads, seen from (f, 3) up; of squares for a share of 1."""
+def _rectangles(corners: np.ndarray, up: np.ndarray, square: float) -> np.ndarray:
+    """(f, 4, 3) corners of the rectangles nearest to quads, seen from (f, 3) up; squares if ``square`` is 1."""
     middle = corners.mean(axis=1, keepdims=True)
     first = (corners[:, 1] - corners[:, 0] + corners[:, 2] - corners[:, 3]) / 2
     second = (corners[:, 3] - corners[:, 0] + corners[:, 2] - corners[:, 1]) / 2
     normals = np.cross(first, second)
-    normals = _unit(np.where(np.einsum("fx,fx->f", normals, up)[:, None] > 0, normals, up))
+    normals = unit_vectors(np.where(np.einsum("fx,fx->f", normals, up)[:, None] > 0, normals, up))
     lengths = np.stack([np.linalg.norm(first, axis=1), np.linalg.norm(second, axis=1)], axis=1)
     lengths += square * (lengths.mean(axis=1, keepdims=True) - lengths)
-    along = _unit(first) + np.cross(_unit(second), normals)
-    along = _unit(along - np.einsum("fx,fx->f", along, normals)[:, None] * normals)
+    along = unit_vectors(first) + np.cross(unit_vectors(second), normals)
+    along = unit_vectors(along - np.einsum("fx,fx->f", along, normals)[:, None] * normals)
     u = lengths[:, :1] / 2 * along
     v = lengths[:, 1:] / 2 * np.cross(normals, along)
     return middle + np.stack([-u - v, u - v, u + v, v - u], axis=1)
 
 
-def _regular(corners, up):
-    """(f, k, 3) corners of the regular polygons nearest to others, seen from (f, 3) up."""
+def _regular(corners: np.ndarray, up: np.ndarray) -> np.ndarray:
+    """(f, k, 3) corners of the regular polygons nearest to polygons, seen from (f, 3) up."""
     size = corners.shape[1]
     middle = corners.mean(axis=1, keepdims=True)
     offsets = corners - middle
     normals = np.cross(offsets, np.roll(offsets, -1, axis=1)).sum(axis=1)
-    normals = _unit(np.where(np.einsum("fx,fx->f", normals, up)[:, None] > 0, normals, up))
+    normals = unit_vectors(np.where(np.einsum("fx,fx->f", normals, up)[:, None] > 0, normals, up))
     angles = 2 * np.pi / size * np.arange(size)[:, None]
-    # Each corner, turned back to where the first one is.
+    # The mean of all corners, rotated back to the first one.
     across = np.cross(normals[:, None], offsets)
     spoke = (np.cos(angles) * offsets - np.sin(angles) * across).mean(axis=1)
     spoke -= np.einsum("fx,fx->f", spoke, normals)[:, None] * normals
     return middle + np.cos(angles) * spoke[:, None] + np.sin(angles) * np.cross(normals, spoke)[:, None]
 
 
-def _unit(vectors):
+def unit_vectors(vectors: np.ndarray) -> np.ndarray:
     return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), _TINY)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Patches of a quad mesh whose vertices move: what their corners are off, and how far they are from the surface."""
+"""Patches of a quad mesh whose vertices move: the deviations of their corners, and their distance from the surface."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,49 +11,48 @@ from scipy.spatial import cKDTree
 from ....geometry import TriangleMesh
 from ....geometry.nearest import NearestTriangles, nearest_in_triangles
 from ....graphs import components
-from ..features.chains import move_vertices
+from ..features.chains import Chains, move_vertices
 from ..trace.quad_mesh import QuadMesh
 from .fitting import project_vertices
 
-# Exponent of the norm of what corners are off, and the share of their root mean square beside it.
+# Exponent of the norm of the corners' deviations, and weight of their root mean square that is added.
 POWER, SHARE = 8, 0.5
-# How far a vertex may go in a round, in mean edges of its patch in both directions, and in how many steps.
+# Largest move of a vertex in a round in each direction, in mean edges of its patch, and number of descent steps.
 REACH, STEPS = 0.4, 25
-# The first step, as a part of how far a vertex may go.
+# The first step, as a part of the largest move.
 FIRST = 0.1
-# Edges and triangles of the surface longer than this part of a quad's side are measured at their middles, too.
+# Edges and triangles of the surface longer than this part of a quad's side are sampled at their middles, too.
 LONG = 0.6
-# Faces whose middles are nearest to a point of the surface, one of which is nearest to it.
+# The face nearest to a point is looked for among this many faces with the nearest middles.
 CANDIDATES = 3
 _TINY = np.finfo(float).tiny
+# Tells for (n, 3) places of the vertices and (p,) bool which of these patches are better, as a (p,) bool.
+Judge = Callable[[np.ndarray, np.ndarray], np.ndarray]
+# (s, 3) points, (s,) their patches, (s, CANDIDATES) faces near them.
+Below = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
-def regular_degrees(sizes):
-    """Degrees in the corners of regular polygons: right angles in quads."""
+def regular_degrees(sizes: np.ndarray) -> np.ndarray:
+    """Corner angles of regular polygons in degrees: right angles in quads."""
     return 180 * (1 - 2 / sizes)
 
 
-def middles_of(quads, vertices):
-    """(f, 3) of the faces, with the vertices at (n, 3) places."""
-    return np.add.reduceat(vertices[quads.corner_vertices], quads.starts) / quads.sizes[:, None]
-
-
-def faces_near(quads, points):
+def faces_near(quads: QuadMesh, points: np.ndarray) -> np.ndarray:
     """(s, :data:`CANDIDATES`) faces whose middles are nearest to points."""
-    tree = cKDTree(middles_of(quads, quads.vertices))
+    tree = cKDTree(quads.middles(quads.vertices))
     return tree.query(points, k=range(1, 1 + min(CANDIDATES, len(quads.sizes))))[1]
 
 
 @dataclass(frozen=True)
 class Ground:
-    """The surface below, and (s, 3) points of it that quads should be near to."""
+    """The surface, and (s, 3) sample points on it that quads should be near to."""
 
     mesh: TriangleMesh
     surface: NearestTriangles
     samples: np.ndarray
 
     @classmethod
-    def of(cls, mesh, quads):
+    def of(cls, mesh: TriangleMesh, quads: QuadMesh) -> "Ground":
         side = np.linalg.norm(np.diff(quads.vertices[quads.half_edges], axis=1), axis=2).mean()
         long = mesh.edge_lengths > LONG * side
         wide = long[mesh.triangle_edges].any(axis=1)
@@ -63,16 +63,18 @@ class Ground:
         ]
         return cls(mesh, NearestTriangles(mesh.vertices, mesh.triangles), np.concatenate(parts))
 
-    def normals(self, quads, which):
-        """(k, 3) along the surface's normal at vertices, a mean of both sides where they are on edges."""
+    def normals(self, quads: QuadMesh, which: np.ndarray) -> np.ndarray:
+        """(k, 3) vectors along the surface's interpolated normals at vertices."""
         corners = self.mesh.triangles[quads.triangles[which]]
         return np.einsum("nk,nkx->nx", quads.weights[which], self.mesh.vertex_normals[corners])
 
-    def apart(self, patches, vertices, wanted, below):
-        """(p,) Hausdorff distances of patches and what is below them, with the vertices at (n, 3) places; 0 for those
-        that are not wanted. ``below`` as of :attr:`Patches.below`."""
+    def distances(self, patches: "Patches", vertices: np.ndarray, wanted: np.ndarray, below: Below) -> np.ndarray:
+        """(p,) Hausdorff distances between patches, with the vertices at (n, 3) places, and the points below them.
+
+        0 for patches that are not wanted; ``below`` as :attr:`Patches.below`.
+        """
         quads = patches.quads
-        middles = middles_of(quads, vertices)
+        middles = quads.middles(vertices)
         faces = wanted[patches.of_faces]
         edges = wanted[patches.labels] & (patches.corners[:, 1] < patches.corners[:, 2])
         here = np.concatenate([middles[patches.touched[faces]], vertices[patches.corners[edges, 1:]].mean(axis=1)])
@@ -86,8 +88,10 @@ class Ground:
         return result
 
 
-def _squares_to_faces(quads, vertices, middles, points, faces):
-    """(s,) squared distances of points to the nearest of (s, k) faces each, made of triangles at their middles."""
+def _squares_to_faces(
+    quads: QuadMesh, vertices: np.ndarray, middles: np.ndarray, points: np.ndarray, faces: np.ndarray
+) -> np.ndarray:
+    """(s,) squared distances of points to the nearest of (s, k) faces each, divided into triangles at their middles."""
     flat = faces.ravel()
     sizes = quads.sizes[flat]
     starts = np.cumsum(sizes) - sizes
@@ -102,19 +106,17 @@ def _squares_to_faces(quads, vertices, middles, points, faces):
 
 @dataclass(frozen=True)
 class Patches:
-    """Vertices that move, all faces at them, and which of these hang together.
+    """Moving vertices and their faces, divided into connected patches.
 
     Attributes
     ----------
-    quads : QuadMesh
-    ground : Ground
     moving : (k,) vertices
-    touched : (f,) faces of the quad mesh
-    corners, faces : (c, 3) vertices before, at and after each corner of theirs, and (c,) its place in ``touched``
-    regular : (c,) radians of the corners of a regular face
-    up : (f, 3) along the surface's normal
+    touched : (f,) faces with moving vertices
+    corners, faces : (c, 3) vertices before, at and after each corner of these faces, and (c,) its place in ``touched``
+    regular : (c,) corner angle of a regular face, radians
+    up : (f, 3) vectors along the surface's normal
     of_moving, of_faces : (k,), (f,) the patch of each vertex and face
-    sides : (p,) mean edge of each patch
+    sides : (p,) mean edge length of each patch
     """
 
     quads: QuadMesh
@@ -130,7 +132,7 @@ class Patches:
     sides: np.ndarray
 
     @classmethod
-    def of(cls, quads, ground, moving):
+    def of(cls, quads: QuadMesh, ground: Ground, moving: np.ndarray) -> "Patches":
         moves = np.zeros(len(quads.vertices), bool)
         moves[moving] = True
         touched = np.unique(quads.corner_faces[moves[quads.corner_vertices]])
@@ -151,13 +153,13 @@ class Patches:
         return cls(quads, ground, moving, touched, corners, faces, regular, up, of_moving, of_faces, sides)
 
     @cached_property
-    def labels(self):
+    def labels(self) -> np.ndarray:
         """(c,) the patch of each corner."""
         return self.of_faces[self.faces]
 
     @cached_property
-    def below(self):
-        """Points of the surface below the patches, the patch of each, and (s, :data:`CANDIDATES`) faces beside it."""
+    def below(self) -> Below:
+        """Samples of the surface below the patches, their patches, and the faces near them."""
         samples = self.ground.samples
         near = faces_near(self.quads, samples)
         labels = np.full(len(self.quads.sizes), -1)
@@ -165,24 +167,24 @@ class Patches:
         labels = labels[near[:, 0]]
         return samples[labels >= 0], labels[labels >= 0], near[labels >= 0]
 
-    def moves(self, directions):
-        """(k, 3) ways of the vertices to where the norms are lower, by descent with steps of Barzilai and Borwein."""
+    def descend(self, directions: np.ndarray) -> np.ndarray:
+        """(k, 3) moves of the vertices, along (k, 2, 3) directions, that lower the norms: Barzilai-Borwein descent."""
         start, scales = self.quads.vertices, (REACH * self.sides)[self.of_moving, None]
 
-        def at(shares):
+        def at(shares: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             vertices = start.copy()
             vertices[self.moving] += scales * np.einsum("kd,kdx->kx", shares, directions)
             norms, _, gradient = self.norms(vertices)
             return norms, scales * np.einsum("kx,kdx->kd", gradient[self.moving], directions)
 
-        def sums(u, v):
+        def sums(u: np.ndarray, v: np.ndarray) -> np.ndarray:
             return np.bincount(self.of_moving, np.einsum("kd,kd->k", u, v), minlength=len(self.sides))
 
         shares = np.zeros((len(self.moving), 2))
         norms, slopes = at(shares)
         steps = FIRST / np.sqrt(np.maximum(sums(slopes, slopes), _TINY))
         for _ in range(STEPS):
-            # Steps that lead up are shortened and tried again.
+            # Steps that increase the norm are shortened and tried again.
             tried = np.clip(shares - steps[self.of_moving, None] * slopes, -1, 1)
             new_norms, new_slopes = at(tried)
             lower = new_norms < norms
@@ -195,15 +197,13 @@ class Patches:
             norms = np.where(lower, new_norms, norms)
         return scales * np.einsum("kd,kdx->kx", shares, directions)
 
-    def moved(self, moves, parts, lines, chains, are_better):
-        """The quad mesh with those patches moved that are better then, and (p,) bool: which.
+    def move_better(
+        self, moves: np.ndarray, parts: Sequence[float], lines: np.ndarray, chains: Chains | None, are_better: Judge
+    ) -> tuple[QuadMesh, np.ndarray]:
+        """The quad mesh with the patches moved that improve, and (p,) bool: these patches.
 
-        Parameters
-        ----------
-        moves : (k, 3)
-        parts : of these each patch takes the first that is better
-        lines, chains : on which vertices slide, see :func:`project_vertices`
-        are_better : function of (n, 3) places of the vertices and (p,) bool, the patches that are asked for
+        Each patch takes the first of the ``parts`` of the (k, 3) moves that is better; lines and chains as of
+        :func:`project_vertices`.
         """
         quads, waiting = self.quads, np.ones(len(self.sides), bool)
         for part in parts:
@@ -215,9 +215,9 @@ class Patches:
             waiting &= ~better
         return quads, ~waiting
 
-    def norms(self, vertices):
-        """(p,) norms of what the corners are off, (p,) the largest, and (n, 3) the gradient of the norms' sum."""
-        off, to_before, to_after = self._off(vertices)
+    def norms(self, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(p,) norms of the corners' deviations, (p,) largest deviations, and (n, 3) gradient of the sum of norms."""
+        off, to_before, to_after = self._deviations(vertices)
         labels, count = self.labels, len(self.sides)
         worst = np.full(count, _TINY)
         np.maximum.at(worst, labels, np.abs(off))
@@ -233,9 +233,8 @@ class Patches:
         np.add.at(gradient, at, -slopes[:, None] * (to_before + to_after))
         return worst * totals ** (1 / POWER) + SHARE * means, worst, gradient
 
-    def _off(self, vertices):
-        """(c,) radians of each corner over a regular one, from -pi to pi, and (c, 3) its gradients by the vertices
-        before and after."""
+    def _deviations(self, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """(c,) differences to regular corners in radians, -pi to pi, and (c, 3) gradients by the two neighbours."""
         before, at, after = self.corners.T
         ahead, behind = vertices[after] - vertices[at], vertices[before] - vertices[at]
         cross = np.cross(ahead, behind)

@@ -1,38 +1,42 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vertices around the worst corners of a quad mesh moved until these are nearer to right angles.
+"""Moves vertices around the worst corners of a quad mesh until the corners are nearer to right angles.
 
-Fitting brings faces near to rectangles on the whole; one bad corner counts little among many good ones. Here the
-vertices of each patch of faces with bad corners lower a norm of what its corners are off that the largest ones rule, as
-long as the patch stays as near to the surface as it was.
+Fitting makes faces near to rectangles on average, and one bad corner counts little among many good ones. Here the
+vertices of each patch of faces with bad corners lower a norm of the deviations that the largest ones dominate, as long
+as the patch stays as near to the surface as before.
 """
 
 import numpy as np
 
+from ....geometry import TriangleMesh
+from ..features.chains import Chains
 from ..measure.quality import corner_angles
-from .fitting import slid_lines
-from .patches import Ground, Patches, regular_degrees
+from ..trace.quad_mesh import QuadMesh
+from .fitting import Planes, sliding_lines, unit_vectors
+from .patches import Ground, Judge, Patches, regular_degrees
 
-# Corners that are off a right angle by more degrees than this are bad.
+# Corners that deviate from a right angle by more degrees than this are bad.
 BAD = 25.0
-# How many rings of faces around the bad ones move, too, from one round to the next.
+# Rings of faces around the bad ones that move too, in each round.
 RINGS = (0, 1, 2)
-# What part of its way a patch takes, the first that is better.
+# Parts of its move that a patch tries; it takes the first that is better.
 PARTS = (1.0, 0.4)
-# Norms are lower where they are by this share.
+# Smallest share by which a norm must fall.
 GAIN = 0.01
-# A patch may be as far from the surface as it was and this share more, or this part of its mean edge.
+# A patch may be farther from the surface than before by this share, or as far as this part of its mean edge.
 FARTHER, NEAR = 0.01, 0.08
-# Half of the piece of a line whose direction is taken, as a part of the line.
+# Directions of a line are measured between points this part of the line before and behind.
 _PIECE = 1e-3
-_TINY = np.finfo(float).tiny
 
 
-def move_worst_corners(quads, mesh, free, planes, chains=None):
-    """The :class:`QuadMesh` with vertices moved where corners are bad; arguments as of :func:`fitted`.
+def move_worst_corners(
+    quads: QuadMesh, mesh: TriangleMesh, free: np.ndarray, planes: Planes, chains: Chains | None = None
+) -> QuadMesh:
+    """The quad mesh with vertices moved where corners are bad; arguments as of :func:`fit_quads`.
 
-    No patch's worst corner gets worse, with those that have turned over counted as worst.
+    No patch's worst corner gets worse; corners that are turned over count as the worst.
     """
-    lines = slid_lines(free, chains)
+    lines = sliding_lines(free, chains)
     moving = _moving(quads, free, RINGS[0])
     if len(moving) == 0:
         return quads
@@ -42,12 +46,12 @@ def move_worst_corners(quads, mesh, free, planes, chains=None):
         if len(moving) == 0:
             break
         patches = Patches.of(quads, ground, moving)
-        moves = patches.moves(_directions(quads, mesh, moving, planes, lines, chains))
-        quads, _ = patches.moved(moves, PARTS, lines, chains, _judge(patches))
+        moves = patches.descend(_directions(quads, mesh, moving, planes, lines, chains))
+        quads, _ = patches.move_better(moves, PARTS, lines, chains, _judge(patches))
     return quads
 
 
-def _moving(quads, free, rings):
+def _moving(quads: QuadMesh, free: np.ndarray, rings: int) -> np.ndarray:
     """(k,) vertices that may move, of faces with bad corners and of rings around them."""
     faces = quads.corner_faces
     bad = np.zeros(len(quads.sizes), bool)
@@ -59,29 +63,33 @@ def _moving(quads, free, rings):
     return np.flatnonzero(near & free)
 
 
-def _judge(patches):
-    """Says which patches are better with vertices at other places."""
+def _judge(patches: Patches) -> Judge:
+    """A function that tells which patches are better with moved vertices."""
     ground, before = patches.ground, patches.quads.vertices
     norms, worst, _ = patches.norms(before)
-    apart = ground.apart(patches, before, np.ones(len(norms), bool), patches.below)
+    apart = ground.distances(patches, before, np.ones(len(norms), bool), patches.below)
     limits = np.maximum((1 + FARTHER) * apart, NEAR * patches.sides)
 
-    def are_better(vertices, waiting):
+    def are_better(vertices: np.ndarray, waiting: np.ndarray) -> np.ndarray:
         new_norms, new_worst, _ = patches.norms(vertices)
         better = waiting & (new_norms < (1 - GAIN) * norms) & (new_worst <= worst)
-        return better & (ground.apart(patches, vertices, better, patches.below) <= limits)
+        return better & (ground.distances(patches, vertices, better, patches.below) <= limits)
 
     return are_better
 
 
-def _directions(quads, mesh, moving, planes, lines, chains):
-    """(k, 2, 3) unit directions in which vertices may move, across one another, 0 where there is none."""
+def _directions(
+    quads: QuadMesh, mesh: TriangleMesh, moving: np.ndarray, planes: Planes, lines: np.ndarray, chains: Chains | None
+) -> np.ndarray:
+    """(k, 2, 3) orthogonal unit directions in which vertices may move, 0 where there are fewer."""
     up = mesh.face_normals[quads.triangles[moving]]
-    first = _unit(np.cross(up, np.eye(3)[np.abs(up).argmin(axis=1)]))
+    first = unit_vectors(np.cross(up, np.eye(3)[np.abs(up).argmin(axis=1)]))
     result = np.stack([first, np.cross(up, first)], axis=1)
     for unit, on_plane in planes:
         held = on_plane[moving]
-        result[held, 0], result[held, 1] = _unit(np.cross(unit, up[held])), 0
+        result[held, 0], result[held, 1] = unit_vectors(np.cross(unit, up[held])), 0
+    if chains is None:
+        return result
     on_lines = lines[moving]
     for number in np.unique(on_lines[on_lines >= 0]):
         sliding = on_lines == number
@@ -89,9 +97,5 @@ def _directions(quads, mesh, moving, planes, lines, chains):
         length = chains.features.lengths[number][-1]
         ends = [np.clip(ways + step * length, 0, length) for step in (-_PIECE, _PIECE)]
         behind, ahead = (chains.features.at(number, end)[0] for end in ends)
-        result[sliding, 0], result[sliding, 1] = _unit(ahead - behind), 0
+        result[sliding, 0], result[sliding, 1] = unit_vectors(ahead - behind), 0
     return result
-
-
-def _unit(vectors):
-    return vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), _TINY)

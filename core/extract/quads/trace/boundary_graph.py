@@ -3,25 +3,30 @@
 
 import numpy as np
 
-# A boundary that bulges by more than this, in distances between two lines that meet it, keeps a corner there, and
-# everywhere where it turns by more than this at once.
+from ....geometry import TriangleMesh
+from ...lines.edge_crossings import Crossings
+
+# The boundary keeps a corner where it bulges by more than this part of the distance between two lines that meet it, or
+# turns by more than this angle at a vertex.
 BULGE, SHARP = 0.3, np.radians(60)
 # A line that meets the boundary within this part of an edge from a vertex passes through the vertex.
 _THROUGH = 1e-4
 
 
-def border_of(mesh, crossings, met, node_count, on_grid):
-    """The boundary as pieces with the surface on their left, and which of its vertices are corners.
+def boundary_segments(
+    mesh: TriangleMesh, crossings: Crossings, met: np.ndarray, node_count: int, on_grid: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The boundary as segments with the surface on their left, and its corners.
 
     Parameters
     ----------
     met : (c,) bool, crossings at which a line reaches the boundary
-    node_count : number of nodes before the boundary's vertices, which are nodes from there on
+    node_count : node of the first boundary vertex; the others follow
     on_grid : (n,) bool, vertices on lines of both phases: corners of the grid, unless lines pass through them
 
     Returns
     -------
-    (b, 2) nodes of the pieces, (v,) bool corners, and (v,) the vertices
+    (b, 2) nodes of the segments, (v,) bool corners, and (v,) boundary vertices
     """
     half = np.flatnonzero(mesh.twins < 0)
     heads = np.roll(mesh.triangles, -1, axis=1).ravel()
@@ -59,11 +64,11 @@ def border_of(mesh, crossings, met, node_count, on_grid):
     return np.concatenate([np.empty((0, 2), int), *pieces]), corners, vertices
 
 
-def _corners(points, hit, is_vertex):
-    """Indices of the places on a closed loop that its faces cannot do without, besides those where lines meet it.
+def _corners(points: np.ndarray, hit: np.ndarray, is_vertex: np.ndarray) -> np.ndarray:
+    """Indices of the corners that a closed loop needs besides the places where lines meet it.
 
-    They bulge from between two lines, or make a triangle of a loop that fewer lines meet. A loop that none meets is
-    closed by the face around it.
+    The loop bulges there between two lines; or fewer than three lines meet it, and corners complete a triangle. A loop
+    that no line meets gets none: the face around it contains it.
     """
     chosen = np.flatnonzero(hit).tolist()
     corners = []
@@ -75,25 +80,20 @@ def _corners(points, hit, is_vertex):
         away = points[between] - points[start]
         along = np.clip(away @ chord / max(length**2, np.finfo(float).tiny), 0, 1)
         bulge = np.linalg.norm(away - along[:, None] * chord, axis=1)
-        sharp = between[turns(points, between) > SHARP]
+        sharp = between[turning_angles(points, between) > SHARP]
         if len(sharp):
             corners += sharp.tolist()
         elif len(bulge) and bulge.max() > BULGE * length:
             corners.append(between[bulge.argmax()])
     if chosen:
-        corners += farthest_added(points, [*chosen, *corners], np.flatnonzero(is_vertex), 3)
+        corners += add_farthest(points, [*chosen, *corners], np.flatnonzero(is_vertex), 3)
     return np.array(corners, int)
 
 
-def farthest_added(points, taken, spare, wanted):
-    """Indices of the points, one after another the farthest from those taken, that make up a number of them.
+def add_farthest(points: np.ndarray, taken: list[int], spare: np.ndarray, wanted: int) -> list[int]:
+    """Indices of points added one by one, each the farthest from the ``taken`` and added ones, until ``wanted`` in all.
 
-    Parameters
-    ----------
-    points : (p, 3)
-    taken : indices of at least one of them
-    spare : (s,) indices of those that may be added
-    wanted : how many there are to be with those taken, as far as there are any to spare
+    ``points`` are (p, 3), ``taken`` holds at least one index, ``spare`` (s,) the indices that may be added.
     """
     added: list[int] = []
     while len(taken) + len(added) < wanted:
@@ -105,20 +105,27 @@ def farthest_added(points, taken, spare, wanted):
     return added
 
 
-def _is_crossed_beside(points, hit, is_vertex, places):
-    """(k,) bool: whether a line meets a closed line of points right beside some of its vertices."""
+def _is_crossed_beside(points: np.ndarray, hit: np.ndarray, is_vertex: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """(k,) bool: whether a line meets the closed polyline right beside each of the given vertices."""
     through = np.zeros(len(places), bool)
     vertices = np.flatnonzero(is_vertex)
-    for way in (1, -1):
-        beside = (places + way) % len(points)
-        following = vertices[(np.searchsorted(vertices, places) + way) % len(vertices)]
+    for step in (1, -1):
+        beside = (places + step) % len(points)
+        following = vertices[(np.searchsorted(vertices, places) + step) % len(vertices)]
         edge = np.linalg.norm(points[following] - points[places], axis=1)
         through |= hit[beside] & (np.linalg.norm(points[beside] - points[places], axis=1) < _THROUGH * edge)
     return through
 
 
-def turns(points, places):
-    """Angles by which a closed line turns at some of its points."""
+def vertex_places(mesh: TriangleMesh, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(k,) a triangle at each vertex, and (k, 3) barycentric coordinates of the vertex there."""
+    corner_of = np.zeros(mesh.vertex_count, int)
+    corner_of[mesh.triangles.ravel()] = np.arange(3 * mesh.triangle_count)
+    return corner_of[vertices] // 3, np.eye(3)[corner_of[vertices] % 3]
+
+
+def turning_angles(points: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Angles by which a closed polyline turns at some of its points."""
     ahead = points[(places + 1) % len(points)] - points[places]
     behind = points[places] - points[places - 1]
     across = np.linalg.norm(np.cross(behind, ahead), axis=1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A graph drawn on an oriented surface: edges around each node in order, so that its faces can be walked."""
+"""A graph embedded in an oriented surface: the edges around each node are ordered, so that faces can be traversed."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,7 +16,7 @@ class LineGraph:
     Attributes
     ----------
     tails : (2 e,) node that each dart leaves
-    keys : (2 e,) the darts around a node are counterclockwise by increasing key
+    keys : (2 e,) the darts around a node are counterclockwise in the order of their keys
     outside : (2 e,) bool, darts along the boundary that have the surface on their right
     kept : (n,) bool, nodes that stay although only two edges meet there
     """
@@ -27,17 +27,17 @@ class LineGraph:
     kept: np.ndarray
 
     @property
-    def heads(self):
-        """(2 e,) node that each dart comes to."""
+    def heads(self) -> np.ndarray:
+        """(2 e,) node that each dart leads to."""
         return self.tails.reshape(-1, 2)[:, ::-1].ravel()
 
     @property
-    def degrees(self):
-        """(n,) darts at each node."""
+    def degrees(self) -> np.ndarray:
+        """(n,) number of darts at each node."""
         return np.bincount(self.tails, minlength=len(self.kept))
 
     @cached_property
-    def next(self):
+    def next(self) -> np.ndarray:
         """(2 e,) the dart that follows on the rim of the face to the left."""
         order = np.lexsort((self.keys, self.tails))
         clockwise = np.empty(len(order), int)
@@ -49,13 +49,13 @@ class LineGraph:
         return clockwise[twins]
 
     @cached_property
-    def face_labels(self):
+    def face_labels(self) -> np.ndarray:
         """(2 e,) face to the left of each dart."""
         count = len(self.tails)
         return components(count, np.column_stack([np.arange(count), self.next]))
 
-    def faces(self):
-        """Faces of the surface as (c,) darts, those of a face following one another, and (f,) counts."""
+    def faces(self) -> tuple[np.ndarray, np.ndarray]:
+        """(c,) darts of the faces inside the surface, face by face, and (f,) numbers of their sides."""
         labels = self.face_labels
         inner = ~np.isin(labels, labels[self.outside])
         first = np.unique(np.where(inner, labels, -1), return_index=True)[1]
@@ -70,13 +70,13 @@ class LineGraph:
             current = self.next[current]
         return darts, sizes
 
-    def with_edges(self, keep):
-        """The graph with (e,) bool of its edges."""
+    def with_edges(self, keep: np.ndarray) -> "LineGraph":
+        """The graph with the edges of an (e,) bool."""
         darts = np.repeat(keep, 2)
         return LineGraph(self.tails[darts], self.keys[darts], self.outside[darts], self.kept)
 
-    def contracted(self):
-        """Chains through nodes with one or two edges become single edges; those with a loose end go."""
+    def contracted(self) -> "LineGraph":
+        """The graph with chains through nodes of degree two as single edges, without those that have a free end."""
         through = (self.degrees <= 2) & ~self.kept
         passing = np.flatnonzero(through[self.tails])
         passing = passing[np.argsort(self.tails[passing], kind="stable")]
@@ -89,8 +89,8 @@ class LineGraph:
         ends = ends[np.bincount(labels, minlength=count)[labels] == 2]
         return LineGraph(self.tails[ends], self.keys[ends], self.outside[ends], self.kept)
 
-    def cleaned(self):
-        """Contracted, without faces of one or two sides, whose regions join those beside them."""
+    def cleaned(self) -> "LineGraph":
+        """The contracted graph with faces of one or two sides merged into a neighbour."""
         graph = self.contracted()
         while True:
             keep = np.ones(len(graph.tails) // 2, bool)
@@ -99,7 +99,7 @@ class LineGraph:
             darts = np.arange(len(graph.tails))
             second = graph.next
             digons = darts[(graph.next[second] == darts) & (darts < second) & ~graph.outside]
-            # One after the other: the side that stays may belong to another such face.
+            # A loop, because the side that stays may belong to another such face.
             decided = set(np.flatnonzero(~keep).tolist())
             for pair in np.column_stack([digons // 2, second[digons] // 2]).tolist():
                 loose = [edge for edge in pair if inner[edge]]

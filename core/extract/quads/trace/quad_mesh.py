@@ -1,19 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A quad mesh from a quad pattern: vertices where grid lines cross, faces between them (paper, Section 3.5)."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ....geometry import TriangleMesh
 from ....graphs import components
 from ....interpolate import EdgePhases
-from .grid_lines import grid_lines
-from .islands import with_whole_islands
+from .boundary_graph import SHARP, add_farthest, turning_angles, vertex_places
+from .grid_lines import GridLines, grid_lines
 from .line_graph import LineGraph
 from .relocate_disclinations import relocate_disclinations
 
-# Edges shorter than this part of the middle length are none.
+# Edges shorter than this part of the median length count as degenerate.
 SHORTEST = 1e-4
+# Corners of the face of a round component.
+_CORNERS = 4
 
 
 @dataclass(frozen=True)
@@ -24,8 +28,8 @@ class QuadMesh:
     ----------
     vertices : (n, 3)
     triangles, weights : (n,) triangle of the surface that each vertex lies in, (n, 3) barycentric coordinates there
-    corner_vertices : (c,) vertex of each corner, counterclockwise; the corners of a face follow one another
-    sizes : (f,) corners of each face
+    corner_vertices : (c,) vertex of each corner, counterclockwise, face by face
+    sizes : (f,) number of corners of each face
     """
 
     vertices: np.ndarray
@@ -35,31 +39,30 @@ class QuadMesh:
     sizes: np.ndarray
 
     @property
-    def starts(self):
+    def starts(self) -> np.ndarray:
         """(f,) first corner of each face."""
         return np.cumsum(self.sizes) - self.sizes
 
     @property
-    def corner_faces(self):
+    def corner_faces(self) -> np.ndarray:
         """(c,) face of each corner."""
         return np.repeat(np.arange(len(self.sizes)), self.sizes)
 
     @property
-    def next_corners(self):
-        """(c,) the corner that follows on the face's rim."""
+    def next_corners(self) -> np.ndarray:
+        """(c,) next corner of the face."""
         following = np.arange(1, len(self.corner_vertices) + 1)
         following[self.starts + self.sizes - 1] = self.starts
         return following
 
     @property
-    def half_edges(self):
+    def half_edges(self) -> np.ndarray:
         """(c, 2) vertices from each corner to the next."""
         return np.column_stack([self.corner_vertices, self.corner_vertices[self.next_corners]])
 
     @property
-    def is_simple(self):
-        """Whether all faces have three corners or more and pass no vertex twice, no two of them have the same vertices,
-        and no two edges join the same two."""
+    def is_simple(self) -> bool:
+        """Whether faces have three or more different corners, and no two faces or edges have the same vertices."""
         if self.sizes.min(initial=3) < 3:
             return False
         for size in np.unique(self.sizes):
@@ -71,46 +74,56 @@ class QuadMesh:
         return len(np.unique(corners, axis=0)) == len(corners) and len(ways) == len(corners)
 
     @property
-    def edges(self):
-        """(e, 2) vertices, the lower first, and (e,) faces at each."""
+    def edges(self) -> tuple[np.ndarray, np.ndarray]:
+        """(e, 2) vertices, the lower first, and (e,) number of faces at each."""
         return np.unique(np.sort(self.half_edges, axis=1), axis=0, return_counts=True)
 
     @property
-    def is_irregular(self):
-        """(n,) bool: vertices inside with other than four edges."""
+    def edge_lengths(self) -> np.ndarray:
+        """(e,) in the order of :attr:`edges`."""
+        edges, _ = self.edges
+        return np.linalg.norm(self.vertices[edges[:, 1]] - self.vertices[edges[:, 0]], axis=1)
+
+    def middles(self, vertices: np.ndarray) -> np.ndarray:
+        """(f, 3) mean of each face's corners, with the vertices at (n, 3) places."""
+        return np.add.reduceat(vertices[self.corner_vertices], self.starts) / self.sizes[:, None]
+
+    @property
+    def is_irregular(self) -> np.ndarray:
+        """(n,) bool: interior vertices with other than four edges."""
         edges, counts = self.edges
         result = np.bincount(edges.ravel(), minlength=len(self.vertices)) != 4
         result[edges[counts == 1]] = False
         return result
 
     @property
-    def euler_characteristic(self):
-        """V - E + F over all pieces."""
+    def euler_characteristic(self) -> int:
+        """V - E + F of all components together."""
         return len(self.vertices) - len(self.edges[0]) + len(self.sizes)
 
-    def with_faces(self, corner_vertices, sizes):
-        """The quad mesh with other faces on its vertices, those that no face has left out."""
-        used, corner_vertices = np.unique(corner_vertices, return_inverse=True)
-        own = {name: getattr(self, name)[used] for name in ("vertices", "triangles", "weights")}
-        return QuadMesh(**own, corner_vertices=corner_vertices.ravel(), sizes=sizes)
+    def with_faces(self, corner_vertices: np.ndarray, sizes: np.ndarray) -> "QuadMesh":
+        """The quad mesh with other faces, and without vertices that no face uses."""
+        used, corners = np.unique(corner_vertices, return_inverse=True)
+        return QuadMesh(self.vertices[used], self.triangles[used], self.weights[used], corners.ravel(), sizes)
 
 
 def quad_mesh(edge_phases: EdgePhases) -> QuadMesh:
-    """The :class:`QuadMesh` of the grid lines of :class:`EdgePhases` with two phases a vertex."""
+    """The quad mesh of the grid lines of a pattern with two phases at each vertex."""
     lines = grid_lines(relocate_disclinations(edge_phases))
     mesh = edge_phases.mesh
     positions = np.einsum("nk,nkx->nx", lines.weights, mesh.vertices[mesh.triangles[lines.triangles]])
-    graph = _with_whole_centres(lines, positions)
+    graph = _unite_centres(lines, positions)
     darts, sizes = graph.faces()
     quads = QuadMesh(positions, lines.triangles, lines.weights, graph.tails[darts], sizes)
-    return with_whole_islands(_without_short_edges(quads), mesh)
+    return _add_island_faces(_without_short_edges(quads), mesh)
 
 
-def _without_short_edges(quads):
-    """The quad mesh with the ends of each edge of no length as one vertex, and without faces of fewer than three
-    corners: lines that meet at a vertex of the surface were moved aside from it."""
-    edges, _ = quads.edges
-    lengths = np.linalg.norm(quads.vertices[edges[:, 1]] - quads.vertices[edges[:, 0]], axis=1)
+def _without_short_edges(quads: QuadMesh) -> QuadMesh:
+    """The quad mesh with degenerate edges contracted, and without faces that have fewer than three corners left.
+
+    Such edges arise where lines that meet at a vertex of the surface were moved aside from it.
+    """
+    edges, lengths = quads.edges[0], quads.edge_lengths
     short = edges[lengths < SHORTEST * np.median(lengths)] if len(edges) else edges
     labels = components(len(quads.vertices), short)
     first = np.unique(labels, return_index=True)[1]
@@ -121,11 +134,11 @@ def _without_short_edges(quads):
     return quads.with_faces(corners[stays], sizes[sizes > 2])
 
 
-def _with_whole_centres(lines, positions):
-    """The clean graph of the lines, where those that belong to a disclination meet at one node.
+def _unite_centres(lines: GridLines, positions: np.ndarray) -> LineGraph:
+    """The clean graph of the lines, with all lines of each disclination meeting at one node.
 
-    The phases of a disclination's triangle may lie a part of a cell beside its centre. Then lines of its vertex meet
-    at a crossing nearby, and only the others at the centre: those go to the crossing too.
+    The phases of a disclination's triangle may lie a fraction of a cell beside its centre. Then some of its lines meet
+    at a crossing nearby and only the others at the centre: the latter are led to the crossing too.
     """
     kept = lines.graph.kept.copy()
     kept[lines.centres] = True
@@ -139,33 +152,33 @@ def _with_whole_centres(lines, positions):
     return replace(graph, kept=lines.graph.kept).cleaned()
 
 
-def _attach_line_end(graph, centre, positions):
-    """A line that ends at a centre leads to a node of the face around it instead.
+def _attach_line_end(graph: LineGraph, centre: int, positions: np.ndarray) -> LineGraph:
+    """Lead a line that ends at a centre on to a node of the surrounding face.
 
-    In a hexagon that is the opposite corner, which leaves two quads; otherwise the nearest one.
+    In a hexagon that is the opposite corner, which leaves two quads; otherwise it is the nearest one.
     """
-    (loose,) = np.flatnonzero(graph.tails == centre)
+    (loose,) = np.flatnonzero(graph.tails == centre).tolist()
     rim = _rim(graph, loose)
     opposite = rim[len(rim) // 2]
     others = rim[~np.isin(graph.tails[rim], [centre, graph.heads[loose]]) & ~graph.kept[graph.tails[rim]]]
     if len(others) == 0:
         return graph
     distances = np.linalg.norm(positions[graph.tails[others]] - positions[centre], axis=1)
-    # The rim of a hexagon passes the loose line on both sides.
+    # The rim of a hexagon has eight darts, because it passes the loose line on both sides.
     place = opposite if len(rim) == 8 and opposite in others else others[distances.argmin()]
     return _start_darts_at(graph, np.array([loose]), place, None)
 
 
-def _rim(graph, dart):
-    """The darts of a face in order, from one of them on."""
+def _rim(graph: LineGraph, dart: int) -> np.ndarray:
+    """The darts around a face in order, starting with ``dart``."""
     rim = [dart]
     while graph.next[rim[-1]] != dart:
         rim.append(graph.next[rim[-1]])
     return np.array(rim)
 
 
-def _unite_centre(graph, centre, positions):
-    """A centre and a crossing beside it become one node of five edges: the nearest, better one between pentagons."""
+def _unite_centre(graph: LineGraph, centre: int, positions: np.ndarray) -> LineGraph:
+    """Merge a centre with an adjacent crossing into a node of five edges, if possible one between pentagons."""
     leaving = np.flatnonzero(graph.tails == centre)
     heads = graph.heads[leaving]
     fitting = (graph.degrees[heads] + len(leaving) == 7) & (heads != centre)
@@ -181,8 +194,8 @@ def _unite_centre(graph, centre, positions):
     return _start_darts_at(graph, others, way ^ 1, way // 2)
 
 
-def _start_darts_at(graph, darts, place, removed):
-    """The graph with darts, in counterclockwise order, leaving the node of the dart ``place`` right after it."""
+def _start_darts_at(graph: LineGraph, darts: np.ndarray, place: int, removed: int | None) -> LineGraph:
+    """The graph with darts moved, in counterclockwise order, to the node of the dart ``place``, right after it."""
     tails, keys = graph.tails.copy(), graph.keys.copy()
     node = tails[place]
     later = keys[(tails == node) & (keys > keys[place])]
@@ -195,3 +208,50 @@ def _start_darts_at(graph, darts, place, removed):
     keep = np.ones(len(tails) // 2, bool)
     keep[removed] = False
     return moved.with_edges(keep)
+
+
+def _add_island_faces(quads: QuadMesh, mesh: TriangleMesh) -> QuadMesh:
+    """The quad mesh with one face more for each component of its surface that is a disk and has no faces."""
+    faces = [_corners_of(mesh, rim) for rim in _rims_of_empty_disks(quads, mesh)]
+    if not faces:
+        return quads
+    corners = np.concatenate(faces)
+    triangles, weights = vertex_places(mesh, corners)
+    return QuadMesh(
+        np.concatenate([quads.vertices, mesh.vertices[corners]]),
+        np.concatenate([quads.triangles, triangles]),
+        np.concatenate([quads.weights, weights]),
+        np.append(quads.corner_vertices, len(quads.vertices) + np.arange(len(corners))),
+        np.append(quads.sizes, [len(face) for face in faces]),
+    )
+
+
+def _rims_of_empty_disks(quads: QuadMesh, mesh: TriangleMesh) -> Iterator[np.ndarray]:
+    """Vertices around each disk without faces, counterclockwise."""
+    pieces = mesh.pieces
+    vertices, edges, triangles = (
+        np.bincount(pieces[of], minlength=mesh.vertex_count)
+        for of in (np.unique(mesh.triangles), mesh.edges[:, 0], mesh.triangles[:, 0])
+    )
+    is_empty_disk = vertices - edges + triangles == 1
+    is_empty_disk[pieces[mesh.triangles[quads.triangles[quads.corner_vertices], 0]]] = False
+    tails, heads = mesh.triangles.ravel(), np.roll(mesh.triangles, -1, axis=1).ravel()
+    half = np.flatnonzero((mesh.twins < 0) & is_empty_disk[pieces[tails]])
+    following = dict(zip(tails[half].tolist(), heads[half].tolist(), strict=True))
+    while following:
+        first, vertex = following.popitem()
+        rim = [first]
+        while vertex != first:
+            rim.append(vertex)
+            vertex = following.pop(vertex)
+        yield np.array(rim)
+
+
+def _corners_of(mesh: TriangleMesh, rim: np.ndarray) -> np.ndarray:
+    """Vertices at which a closed line turns sharply; with fewer than three, others far apart are added."""
+    points, places = mesh.vertices[rim], np.arange(len(rim))
+    chosen = places[turning_angles(points, places) > SHARP].tolist()
+    if len(chosen) < 3:
+        chosen = chosen or [0]
+        chosen += add_farthest(points, chosen, places, _CORNERS)
+    return rim[np.sort(chosen)]

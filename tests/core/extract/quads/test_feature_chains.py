@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from synch_fields.bench.meshes import read_obj
-from synch_fields.core.extract.quads.features.chains import CORNER_REACH, on_features
+from synch_fields.core.extract.quads.features.chains import CORNER_REACH, follow_features
 from synch_fields.core.extract.quads.features.feature_lines import FeatureLines
 from synch_fields.core.extract.quads.measure.quality import corner_angles
 from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
@@ -108,7 +108,7 @@ def ring_on_cylinder(left_out=0):
 @pytest.mark.parametrize("left_out", range(4))
 def test_a_chain_goes_along_a_line_whose_ends_are_near_each_other(left_out):
     quads, features, ring = ring_on_cylinder(left_out)
-    _, chains = on_features(quads, features, 0.25)
+    _, chains = follow_features(quads, features)
     assert len(features.lines) == 1 and chains.missed == ()
     assert set(np.flatnonzero((chains.lines == 0) | chains.fixed)) == set(ring.ravel())
 
@@ -126,8 +126,8 @@ def test_a_face_that_a_line_crosses_is_cut_along_it():
     others = [face for k, face in enumerate(faces) if k not in beside]
     sizes = np.array([6, *[4] * len(others)])
     joined = replace(quads, corner_vertices=np.concatenate([hexagon, *others]), sizes=sizes)
-    assert is_surface(joined) and on_features(joined, features, 0.25)[1].missed == (0,)
-    mended, chains = on_features(joined, features, 0.25, cut=True)
+    assert is_surface(joined) and follow_features(joined, features)[1].missed == (0,)
+    mended, chains = follow_features(joined, features, cut=True)
     assert chains.missed == () and is_surface(mended)
     assert set(map(tuple, mended.edges[0])) == set(map(tuple, quads.edges[0]))
 
@@ -155,6 +155,6 @@ def test_a_corner_stays_with_the_vertex_that_stands_there():
         np.concatenate(faces),
         np.array([len(face) for face in faces]),
     )
-    found, _ = on_features(quads, features, 1.0)
+    found, _ = follow_features(quads, features)
     edges = found.edges[0]
     assert np.linalg.norm(np.diff(found.vertices[edges], axis=1)[:, 0], axis=1).min() > 1e-3

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from synch_fields.core.extract.quads.repair.quad_collapse import with_faces_closed
+from synch_fields.core.extract.quads.repair.quad_collapse import collapse_quads
 from synch_fields.core.extract.quads.trace.quad_mesh import QuadMesh, quad_mesh
 from synch_fields.core.geometry import TriangleMesh
 
@@ -47,7 +47,7 @@ def opened(quads, *places):
 
 
 def closed(quads, mesh, held, corners=()):
-    return with_faces_closed(quads, mesh, held, np.isin(np.arange(len(held)), corners))
+    return collapse_quads(quads, mesh, held, np.isin(np.arange(len(held)), corners))
 
 
 def irregular(quads):

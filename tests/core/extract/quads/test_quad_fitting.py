@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from synch_fields.core.extract.quads.features.chains import on_features
+from synch_fields.core.extract.quads.features.chains import follow_features
 from synch_fields.core.extract.quads.features.feature_lines import FeatureLines
 from synch_fields.core.extract.quads.measure.quality import corner_angles, quality
 from synch_fields.core.extract.quads.smooth.fitting import fit_quads, project_vertices
@@ -62,7 +62,7 @@ def test_what_has_turned_over_turns_back(far):
 
 def test_vertices_on_a_line_pass_neither_each_other_nor_its_ends():
     mesh, quads, _ = grid()
-    quads, chains = on_features(quads, FeatureLines.of(mesh, mesh.boundary_edges), 1 / CELLS)
+    quads, chains = follow_features(quads, FeatureLines.of(mesh, mesh.boundary_edges))
     side = np.flatnonzero((chains.lines >= 0) & (quads.vertices[:, 1] == 0))
     side = side[np.argsort(quads.vertices[side, 0])]
     assert len(side) == CELLS - 1
