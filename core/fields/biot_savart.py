@@ -92,13 +92,14 @@ class FilamentCurves:
     name : of what they were read from
     curves : pairs of points and circulation, as :func:`filament_velocity` has them
     core : radius over which their vorticity is spread, in cells of the grid
-    warnings : none
+    warnings, noise : none
     """
 
     name: str
     curves: tuple[tuple[np.ndarray, float], ...]
     core: float
     warnings: tuple[str, ...] = ()
+    noise = None
 
     def read(self):
         """The flow: these, as nothing is left to be read."""

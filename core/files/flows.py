@@ -16,6 +16,7 @@ from scipy.ndimage import map_coordinates
 
 from ..errors import SettingError
 from ..fields.clebsch import edge_integrals
+from ..fields.quantum import sampling_noise
 from ..geometry.grid import Grid, box_grid
 from ..memory import at_most, machine_bytes
 from ..settings.flow import VELOCITY
@@ -86,6 +87,11 @@ class GridFlow:
     def integrals(self, grid):
         """(e,) of the velocity along the grid's edges."""
         return edge_integrals(grid, self.velocity)
+
+    @property
+    def noise(self):
+        """As :func:`sampling_noise` has it."""
+        return sampling_noise(self.own, self.velocity)
 
 
 @dataclass(frozen=True)
@@ -222,6 +228,12 @@ class VoxelFlow:
     to_world: np.ndarray
     turn: np.ndarray
     warnings: tuple[str, ...]
+
+    @property
+    def noise(self):
+        """Of the voxels, as :func:`sampling_noise` has it."""
+        spacing = np.linalg.norm(self.to_world[:3, :3], axis=0)
+        return sampling_noise(Grid(self.values.shape[:3], spacing), self.values.reshape(-1, 3))
 
     @property
     def box(self):

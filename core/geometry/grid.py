@@ -113,6 +113,16 @@ class Grid:
         """(e,) axis of each edge."""
         return np.repeat(np.arange(self.dimension), [len(self._cells([a])) for a in range(self.dimension)])
 
+    def edge_shape(self, axis):
+        """How many edges along an axis there are, along each axis."""
+        return self._element_shape([axis])
+
+    @property
+    def can_halve(self):
+        """Whether every other node makes a grid: enough of them, and an even number along periodic axes."""
+        is_even = all(count % 2 == 0 for count, ring in zip(self.shape, self.periodic, strict=True) if ring)
+        return is_even and min(self.shape) >= 8
+
     def edges_at(self, nodes, axis):
         """Numbers of the edges that start at nodes along an axis."""
         before = sum(len(self._cells([other])) for other in range(axis))

@@ -9,6 +9,7 @@ import numpy as np
 from ..errors import SettingError, name_elements
 from ..fields.clebsch import circulations, clebsch_map, quantum_for, spherical_map
 from ..fields.clebsch_frames import following_map, following_sphere
+from ..fields.quantum import find_quantum
 from ..files.flows import ArrayFile, GridFlow, VolumeFile
 from ..geometry.grid import Grid, box_grid
 from ..monitor import Monitor, portion
@@ -174,15 +175,15 @@ class SequenceRequest:
 
     def _quantum(self, grid, step):
         """That of the frame with most vorticity."""
-        largest = 0.0
+        largest, most = 0.0, None
         for number, file in enumerate(self.files):
             step(number)
             integrals = file.source.read().integrals(grid)
-            if abs(circulations(grid, integrals)).max() > 0:
-                largest = max(largest, quantum_for(grid, integrals, self.settings.count))
-        if largest == 0:
+            if abs(circulations(grid, integrals)).max() > 0 and quantum_for(grid, integrals, 1) > largest:
+                largest, most = quantum_for(grid, integrals, 1), integrals
+        if most is None:
             raise SettingError("no frame has vorticity: there are no vortices to show")
-        return largest
+        return find_quantum(grid, most, self.settings.share, self.settings.count, None, self.settings.seed)
 
 
 def _is_same(grid, other):

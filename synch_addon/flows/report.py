@@ -36,7 +36,7 @@ def report_of(solved, filled, objects, start):
         "objects": [obj.name for obj in objects],
         **quality(replace(solution, energy=found.energy)),
         "sphere_energy": sphere.energy if sphere else None,
-        "vorticity_share": found.vorticity_share,
+        "vorticity_share": found.vorticity_share if result.shown is None else result.shown.share,
         **ending(asdict(solved.settings), solution.times | result.seconds, start, [*result.warnings, *filled.warnings]),
         **filled.facts,
     }

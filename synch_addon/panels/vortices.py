@@ -59,7 +59,7 @@ def draw_vortices(layout, settings):
         column.prop(settings, "core")
     column.prop(settings, "attribute")
     column.prop(settings, "by")
-    column.prop(settings, "count" if settings.by == "COUNT" else "quantum")
+    column.prop(settings, {"COUNT": "count", "CIRCULATION": "quantum", "SHARE": "share"}[settings.by])
     if settings.show != "FILAMENTS":
         column.prop(settings, "opening")
     column.prop(settings, "smoothing")
