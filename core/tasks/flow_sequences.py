@@ -10,7 +10,8 @@ from ..errors import SettingError, name_elements
 from ..fields.clebsch import circulations, clebsch_map, quantum_for, spherical_map
 from ..fields.clebsch_frames import following_map, following_sphere
 from ..fields.quantum import find_quantum
-from ..files.flows import ArrayFile, GridFlow, VolumeFile
+from ..files.flows import ArrayFile, GridFlow
+from ..files.volumes import VolumeFile
 from ..geometry.grid import Grid, box_grid
 from ..monitor import Monitor, portion
 from ..settings.flow import FlowSettings

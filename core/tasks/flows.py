@@ -23,7 +23,8 @@ from ..fields.clebsch import (
     spherical_map,
 )
 from ..fields.quantum import STEP, find_quantum, least_quantum, shows_enough
-from ..files.flows import ArrayFile, VolumeFile
+from ..files.flows import ArrayFile
+from ..files.volumes import VolumeFile
 from ..geometry.mesh_input import MeshInput
 from ..geometry.surface import Surface
 from ..monitor import Monitor, portion

@@ -56,8 +56,8 @@ def clebsch(source, callback=None, **settings: Unpack[FlowKeywords]):
 
     Parameters
     ----------
-    source : path of a .vdb or .npz file, #### for the numbers of frames; a volume object, a mesh object with faces, a
-        curve object, or a list of curve objects
+    source : path of a file that :func:`flow_file` reads, #### for the numbers of frames; a volume object, a mesh object
+        with faces, a curve object, or a list of curve objects
     callback : callable(stage, fraction) -> bool, optional; False cancels
     settings : see :class:`FlowSettings`
 

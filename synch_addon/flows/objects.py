@@ -105,7 +105,11 @@ def facts(shown):
         result["stubs"] = shown.stubs
         result["windings"] = sum(any(line.winding) for line in shown.lines)
     if shown.tubes is not None:
-        result["tubes"] = {"faces": len(shown.tubes.triangles), "pieces": shown.tubes.pieces, "blobs": shown.tubes.blobs}
+        result["tubes"] = {
+            "faces": len(shown.tubes.triangles),
+            "pieces": shown.tubes.pieces,
+            "blobs": shown.tubes.blobs,
+        }
     return result
 
 

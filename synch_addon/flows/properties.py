@@ -27,7 +27,8 @@ VortexProperties = properties_of(
     core=property_of(FlowSettings, "core", min=0.0),
     filepath=StringProperty(
         name="File",
-        description="OpenVDB or NumPy file with a velocity, #### for frame numbers; empty for the chosen objects",
+        description="OpenVDB, NumPy, VTK, NetCDF or HDF5 file with a velocity, #### for frame numbers; "
+        "empty for the chosen objects",
         subtype="FILE_PATH",
     ),
     by=EnumProperty(

@@ -199,7 +199,7 @@ def test_of_several_grids_of_vectors_the_velocity_is_solved(tmp_path):
         assert expected_shape(bpy.context, str(path), 18, attribute) == (18, 18, 14)
     with pytest.raises(SettingError, match="no vorticity"):  # of the colours
         clebsch(mine["vel"], attribute="Cd", resolution=18)
-    with pytest.raises(SettingError, match=r"no grid of vectors 'speed' \(it has Cd \(vec3s\), vel \(vec3s\)\)"):
+    with pytest.raises(SettingError, match=r"has no vectors 'speed' \(it has Cd \(vec3s\), vel \(vec3s\)\)"):
         clebsch(mine["vel"], attribute="speed")
     flow = sources.flow_source(mine["wind"], None).read()
     assert flow.warnings[0].startswith("Cd is taken for the velocity (there are Cd (vec3s), wind (vec3s))")
