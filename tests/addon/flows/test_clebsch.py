@@ -312,15 +312,42 @@ def test_filaments_go_out_with_what_they_are(tmp_path, capfd):
     expected = 2 * report["linking"][0][1] + sum(report["writhe"])
     assert report["helicity"] == pytest.approx(expected)
     obj = bpy.data.objects[report["object"]]
-    for suffix, words in ((".csv", "filament,x,y,z"), (".vtp", "PolyData"), (".vtk", "DATASET POLYDATA")):
+    for suffix, words in (
+        (".csv", "filament,x,y,z"),
+        (".vtp", "PolyData"),
+        (".vtk", "DATASET UNSTRUCTURED_GRID"),
+        (".ply", "ply"),
+        (".obj", "\nl 1 2 3 "),
+    ):
         told = api.filament_export(obj, tmp_path / f"rings{suffix}")
         assert told["filaments"] == 2 and words in (tmp_path / f"rings{suffix}").read_text()
     assert bpy.ops.synch.filament_export(filepath=str(tmp_path / "again.vtp")) == {"FINISHED"}
     assert (tmp_path / "again.vtp").read_text() == (tmp_path / "rings.vtp").read_text()
-    with pytest.raises(SettingError, match=r"\.csv or \.vtp or \.vtk"):
+    with pytest.raises(SettingError, match=r"\.csv or \.vtp or \.vtk or \.ply or \.obj or \.abc"):
         api.filament_export(obj, tmp_path / "rings.txt")
     with pytest.raises(SynchError, match="has no solve in memory"):
         api.filament_export(rings[0], tmp_path / "rings.csv")
+    assert sum(line["vorticity_share"] for line in report["filaments"]) == pytest.approx(report["vorticity_share"])
+
+
+def test_tubes_go_out_and_come_back_by_blender(tmp_path):
+    report = clebsch(circle(), show="both", quantum=0.34, opening=100, resolution=20, target_gap=0.1)
+    tubes, lines = (bpy.data.objects[name] for name in report["objects"])
+    chosen = [obj for obj in bpy.data.objects if obj.select_get()]
+    for suffix in (".vtp", ".vtk", ".ply", ".obj", ".abc"):
+        told = api.filament_export(tubes, tmp_path / f"tubes{suffix}")
+        assert told["tubes"] == 1 and (tmp_path / f"tubes{suffix}").stat().st_size > 1000
+    api.filament_export(lines, tmp_path / "lines.abc")
+    assert [obj for obj in bpy.data.objects if obj.select_get()] == chosen
+    with pytest.raises(SettingError, match="a table has filaments: write tubes as"):
+        api.filament_export(tubes, tmp_path / "tubes.csv")
+    places = np.array([vertex.co for vertex in tubes.data.vertices])
+    for suffix, read in ((".ply", bpy.ops.wm.ply_import), (".abc", bpy.ops.wm.alembic_import)):
+        assert read(filepath=str(tmp_path / f"tubes{suffix}")) == {"FINISHED"}
+        again = bpy.context.selected_objects[0]
+        found = np.array([again.matrix_world @ vertex.co for vertex in again.data.vertices])
+        assert len(again.data.polygons) == len(tubes.data.polygons)
+        assert np.abs(np.sort(found, axis=0) - np.sort(places, axis=0)).max() < 1e-4
 
 
 def test_thin_cores_and_many_quanta_are_warned_of():
