@@ -170,9 +170,7 @@ def obj_of(shape):
 
 def _values(lines, winding):
     """List of the values of each filament; nan for a writhe that is not known."""
-    writhes = np.full(len(lines), np.nan)
-    if winding is not None:
-        writhes[list(winding.loops)] = winding.writhes
+    writhes = np.full(len(lines), np.nan) if winding is None else winding.all_writhes
     return [
         (line.strength, line.length, twist, line.share, int(line.is_closed), *line.winding)
         for line, twist in zip(lines, writhes, strict=True)

@@ -121,5 +121,6 @@ def linking_facts(winding):
         "loops": list(winding.loops),
         "linking": winding.numbers.tolist(),
         "writhe": winding.writhes.tolist(),
+        "writhes": winding.all_writhes.tolist(),
         "helicity": winding.helicity,
     }

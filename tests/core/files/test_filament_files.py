@@ -35,7 +35,7 @@ COURSES = [np.vstack([RING, RING[:1]]), np.array([[0, 0, 0], [0, 0, 0.25], [0, 0
 VALUES = {
     "circulation": [2, 1, 1],
     "length": [LINES[0].length, 1, 1],
-    "writhe": [0, np.nan, np.nan],
+    "writhe": [0, 0, 0],
     "vorticity_share": [0.5, 0, 0],
     "closed": [1, 1, 0],
     "winding_z": [0, 1, 0],
