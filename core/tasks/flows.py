@@ -43,7 +43,7 @@ _STUB = 2.0
 _NOISE, _IRROTATIONAL = 0.8, 2.0
 # Share of the vorticity below which filaments are warned of, how far that of a solve may be below the wanted one, and
 # solves with smaller circulations that are made where it is.
-_LEAST_SHARE, _SHORTFALL, _MORE_SOLVES = 0.6, 0.1, 2
+LEAST_SHARE, _SHORTFALL, _MORE_SOLVES = 0.6, 0.1, 2
 # Filaments that pass a face on average, from which on there is a warning.
 _MANY_QUANTA = 0.25
 # Nodes from which on fields are searched for on a coarse stage: in half the time, with some per mille more energy.
@@ -275,7 +275,7 @@ class FlowRequest:
     def _about_share(self, found, shown, progress):
         """A line where the filaments carry little of the vorticity, with a circulation that this solve carries more
         with, if there is one."""
-        if not found.vorticity or shown.share >= _LEAST_SHARE:
+        if not found.vorticity or shown.share >= LEAST_SHARE:
             return
         settings, line = self.settings, f"the filaments carry {max(shown.share, 0):.0%} of the vorticity"
         if settings.quantum is not None or settings.count is not None:
@@ -283,7 +283,7 @@ class FlowRequest:
             smaller = find_quantum(found.grid, found.integrals, *sought)
             if smaller < found.quantum:
                 other = clebsch_map(found.grid, found.integrals, smaller, found.options, portion(progress, 0.2, 0.8))
-                if other.vorticity_share > max(shown.share + _SHORTFALL, 0.5 * _LEAST_SHARE):
+                if other.vorticity_share > max(shown.share + _SHORTFALL, 0.5 * LEAST_SHARE):
                     yield f"{line}: with a circulation of {smaller:.3g} they carry {other.vorticity_share:.0%}"
                     return
         yield f"{line}, and smaller circulations that the grid can hold do not help: give a finer grid or show tubes"
@@ -292,10 +292,10 @@ class FlowRequest:
         flow = self.source.read()
         grid = flow.grid(self.settings.resolution)
         check_grid(grid, self.source.name)
-        return grid, flow.integrals(grid), (*flow.warnings, *_about_noise(flow.noise))
+        return grid, flow.integrals(grid), (*flow.warnings, *about_noise(flow.noise))
 
 
-def _about_noise(noise):
+def about_noise(noise):
     """A line where the vorticity is not that of a flow."""
     if noise is not None and noise > _IRROTATIONAL:
         yield "the flow has no vorticity but for what its sampling makes: its vortices mean nothing, give another flow"

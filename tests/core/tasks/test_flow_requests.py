@@ -3,18 +3,22 @@
 """Flows of arrays, of curves and of sequences, asked for and solved without Blender: the ring that each of them is."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from synch_fields.core.errors import Cancelled, SettingError
+from synch_fields.core.extract.vortices.filaments import filaments
 from synch_fields.core.fields.biot_savart import FilamentCurves, filament_velocity
-from synch_fields.core.fields.clebsch import layer_sums
+from synch_fields.core.fields.clebsch import clebsch_map, layer_sums
 from synch_fields.core.files.flows import ArrayFile
+from synch_fields.core.geometry import TriangleMesh
 from synch_fields.core.geometry.grid import Grid, box_grid
 from synch_fields.core.settings.flow import FlowSettings
+from synch_fields.core.solve import Options
 from synch_fields.core.tasks.flow_sequences import FrameFile, SequenceRequest
-from synch_fields.core.tasks.flows import FlowRequest, check_grid
+from synch_fields.core.tasks.flows import FlowRequest, check_grid, showing
 
 from ..flows import ring_curve
 
@@ -99,6 +103,59 @@ def test_warnings_of_a_sequence_name_their_frames(ring_file):
     files = tuple(FrameFile(frame, ring_file(0.05 * frame)) for frame in (4, 5))
     result = SequenceRequest(files, FlowSettings(resolution=NODES, quantum=40.0)).solve()
     assert [line for line in result.warnings if line.startswith("frames 4, 5: the map has no filaments")]
+
+
+def test_frames_that_carry_little_or_only_noise_are_warned_of(ring_file):
+    noise = np.random.default_rng(0).standard_normal((18, 18, 18, 3))
+    files = FrameFile(1, ring_file()), FrameFile(2, ring_file(0.1, velocity=noise))
+    result = SequenceRequest(files, FlowSettings(resolution=NODES, quantum=1.5, target_gap=0.1)).solve()
+    lines, noise = [frame.facts["vorticity_share"] for frame in result.frames], "velocities change at random"
+    warned = [line for line in result.warnings if "less than 60% of the vorticity" in line]
+    assert [0 < share < 0.6 for share in lines] == [str(frame) in "".join(warned)[:12] for frame in (1, 2)]
+    assert any(
+        line.startswith("frame 2: the velocities change at random from node to node") for line in result.warnings
+    )
+
+
+def test_a_flow_without_vorticity_is_warned_of(tmp_path):
+    """A potential's gradient, of which sampling makes some vorticity."""
+    grid = box_grid(np.full(3, -0.6), np.full(3, 0.6), NODES)
+    x, y, z = grid.places.T
+    gradient = np.column_stack([3 * x**2 * y + z**3, x**3, 3 * x * z**2]).reshape(*grid.shape, 3)
+    np.savez(tmp_path / "still.npz", velocity=gradient, spacing=grid.spacing, origin=grid.origin)
+    result = FlowRequest(ArrayFile(tmp_path / "still.npz"), FlowSettings(method="spectral")).solve()
+    assert result.warnings[0].startswith("the flow has no vorticity but for what its sampling makes")
+
+
+def test_tubes_that_are_blobs_and_filaments_of_a_cell_are_told(ring_file):
+    """Of one quantum of a thin ring the tube is a blob: a closed surface of Euler characteristic 2."""
+    found = FlowRequest(ring_file(), FlowSettings(**QUICK, quantum=2.0)).solve()
+    wide = FlowRequest(ring_file(), FlowSettings(**QUICK | {"opening": 30.0}, quantum=0.5)).solve()
+    for result in (found, wide):
+        tubes = result.shown.tubes
+        mesh = TriangleMesh(tubes.vertices, tubes.triangles)
+        assert tubes.pieces == len(np.unique(mesh.pieces))
+        numbers = []  # brute force: vertices, edges and faces of each piece
+        for number in range(tubes.pieces):
+            faces = mesh.triangles[mesh.pieces[mesh.triangles[:, 0]] == number]
+            edges = {tuple(sorted(pair)) for a, b, c in faces.tolist() for pair in ((a, b), (b, c), (c, a))}
+            numbers.append(len(np.unique(faces)) - len(edges) + len(faces))
+        assert tubes.blobs == sum(number > 0 for number in numbers)
+        assert any("are blobs, around no filament" in line for line in result.warnings) == (tubes.blobs > 0)
+    assert found.shown.tubes.blobs or wide.shown.tubes.blobs
+
+
+def test_stubs_are_left_out_and_counted():
+    grid = Grid((12, 12, 12))
+    phases = np.ones(grid.node_count, complex)
+    phases[grid.numbers[5, 5, 5]] = -1
+    phases[grid.numbers[6, 5, 5]] = np.exp(2.1j)
+    found = clebsch_map(grid, np.zeros(len(grid.edges)), 1.0, Options(method="spectral")).showing(phases)
+    turned = replace(found, integrals=np.random.default_rng(0).uniform(-0.3, 0.3, len(grid.edges)))
+    every, shown = filaments(turned), showing(turned, None, FlowSettings(smoothing=0))
+    small = [line for line in every if np.ptp(line.whole, axis=0).max() < 2]
+    assert len(small) > 0 and shown.stubs == len(small) and len(shown.lines) == len(every) - len(small)
+    assert any("left out, no longer than two cells" in line for line in shown.missing)
 
 
 def test_a_sequence_is_cancelled_on_its_way(ring_file):
