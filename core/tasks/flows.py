@@ -277,16 +277,19 @@ class FlowRequest:
         with, if there is one."""
         if not found.vorticity or shown.share >= LEAST_SHARE:
             return
-        settings, line = self.settings, f"the filaments carry {max(shown.share, 0):.0%} of the vorticity"
-        if settings.quantum is not None or settings.count is not None:
-            sought = FlowSettings.share, None, None, settings.seed, portion(progress, 0.0, 0.2)
-            smaller = find_quantum(found.grid, found.integrals, *sought)
-            if smaller < found.quantum:
-                other = clebsch_map(found.grid, found.integrals, smaller, found.options, portion(progress, 0.2, 0.8))
-                if other.vorticity_share > max(shown.share + _SHORTFALL, 0.5 * LEAST_SHARE):
-                    yield f"{line}: with a circulation of {smaller:.3g} they carry {other.vorticity_share:.0%}"
-                    return
-        yield f"{line}, and smaller circulations that the grid can hold do not help: give a finer grid or show tubes"
+        line, smaller = f"the filaments carry {max(shown.share, 0):.0%} of the vorticity", STEP * found.quantum
+        if self.settings.quantum is not None or self.settings.count is not None:
+            sought = FlowSettings.share, None, None, self.settings.seed, portion(progress, 0.0, 0.2)
+            smaller = min(smaller, find_quantum(found.grid, found.integrals, *sought))
+        if smaller < least_quantum(found.grid, found.integrals):
+            yield f"{line}, and the grid holds no smaller circulations: give a finer grid, or show tubes"
+            return
+        smaller = float(f"{smaller:.3g}")
+        other = clebsch_map(found.grid, found.integrals, smaller, found.options, portion(progress, 0.2, 0.8))
+        if (other.vorticity_share or 0) > shown.share:
+            yield f"{line}: with a circulation of {smaller:.3g} they carry {other.vorticity_share:.0%}"
+        else:
+            yield f"{line}, and with a circulation of {smaller:.3g} not more: give a finer grid, or show tubes"
 
     def _read(self):
         flow = self.source.read()
