@@ -48,8 +48,8 @@ LEAST_SHARE, _SHORTFALL, _MORE_SOLVES = 0.6, 0.1, 2
 _MANY_QUANTA = 0.25
 # Nodes from which on fields are searched for on a coarse stage: in half the time, with some per mille more energy.
 _COARSE_ROUNDING = 60_000
-# Seconds that a solve takes for each node, about, on one core of 2020.
-_NODE_SECONDS = 1e-4
+# Seconds that a solve takes for each node, about, on one core: up to so many nodes, and beyond.
+_NODE_SECONDS, _LARGE_NODE_SECONDS = 3e-4, 1.5e-4
 # Bytes that a solve takes for each node with a proved bound, which is tried up to so many nodes, and without; and the
 # most nodes, 47 GB.
 _PROVED, _PROVED_NODES, _ESTIMATED, _MOST_NODES = 22_000, 36_000, 5_000, 10_000_000
@@ -241,7 +241,8 @@ class FlowRequest:
         """
         settings = self.settings
         grid, integrals, warnings = _interruptible(self._read, "flow", progress)
-        progress = _with_estimate(progress, _NODE_SECONDS * grid.node_count)
+        each = _LARGE_NODE_SECONDS if grid.node_count > _COARSE_ROUNDING else _NODE_SECONDS
+        progress = _with_estimate(progress, each * grid.node_count)
         largest = max(abs(c[1]) for c in self.source.curves) if isinstance(self.source, FilamentCurves) else None
         result = FlowResult.of(grid, integrals, settings, portion(progress, 0.1, 0.8), largest)
         shown = _interruptible(lambda: showing(result.seen, result.sphere, settings), "vortices", progress, 0.95)

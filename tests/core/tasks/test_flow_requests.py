@@ -145,6 +145,14 @@ def test_tubes_that_are_blobs_and_filaments_of_a_cell_are_told(ring_file):
     assert found.shown.tubes.blobs or wide.shown.tubes.blobs
 
 
+def test_progress_says_from_the_beginning_how_long_a_solve_takes(ring_file):
+    told = []
+    FlowRequest(ring_file(), FlowSettings(target_gap=0.1)).solve(lambda *stage: told.append(stage) or True)
+    stages, fractions = zip(*told, strict=True)
+    assert next(stage for stage in stages if stage != "flow").endswith("about 2 s left")  # 18^3 nodes
+    assert list(fractions) == sorted(fractions)
+
+
 def test_stubs_are_left_out_and_counted():
     grid = Grid((12, 12, 12))
     phases = np.ones(grid.node_count, complex)
