@@ -1,13 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Filaments of flows whose vortices are known: how many close, and how they wind.
 
-    python bench/flows.py [NODES ...]
+    python bench/flows.py [NODES ...] [--defaults] [--data FILE ...]
 
 ABC flow and Taylor-Green vortices in a periodic box; two linked rings, Borromean rings and a trefoil of circulation 1
 each, whose linking numbers, writhe and helicity stand in the rows "truth". Each by the spectral relaxation (EIG) and by
 the semidefinite one (SDP), the two solvers of the paper's Figure 5, on grids of so many nodes along the longest side
 (24 and 32 by default).
+
+With --defaults only the table of what the default settings show: which share of the vorticity is carried, beside the
+truth, and how many warnings there are. With --data the same of files of one's own, in any format that is read; the
+library that reads them has to be there.
 """
+
+import tempfile
+import time
+from pathlib import Path
 
 import numpy as np
 
@@ -15,11 +23,15 @@ from synch_fields.bench.command import arguments
 from synch_fields.bench.tables import Column, print_table
 from synch_fields.core.extract.vortices.filaments import Filament, filaments
 from synch_fields.core.extract.vortices.linking_numbers import linking_numbers
-from synch_fields.core.fields.biot_savart import filament_integrals
+from synch_fields.core.fields.biot_savart import FilamentCurves, filament_integrals
 from synch_fields.core.fields.clebsch import clebsch_map, edge_integrals, quantum_for
+from synch_fields.core.fields.loops import flow_helicity
+from synch_fields.core.files.flows import flow_file
 from synch_fields.core.geometry.grid import Grid, box_grid
 from synch_fields.core.interpolate import TURN
+from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.core.solve import Options
+from synch_fields.core.tasks.flows import FlowRequest
 
 SOLVERS = {"EIG": Options(method="spectral"), "SDP": Options()}
 # Radius of the filaments' cores in cells, passes of smoothing, and room around curves, as a share of their size.
@@ -88,6 +100,88 @@ def solved(label, grid, integrals, quantum):
         yield told(f"{label}, {max(grid.shape)}: {name}", lines, box, quantum=quantum, energy=found.energy)
 
 
+# Defaults
+
+DEFAULTS = (
+    Column("nodes", "nodes", "d"),
+    Column("h", "quantum", ".3g"),
+    Column("carried", "share", ".0%"),
+    Column("filaments", "filaments", "d"),
+    Column("closed", "closed", "d"),
+    Column("links", "links", "d"),
+    Column("writhe", "writhe", ".2f"),
+    Column("helicity", "helicity", ".1f"),
+    Column("of the flow", "whole", ".1f"),
+    Column("warnings", "warnings", "d"),
+    Column("CPU s", "seconds", ".0f"),
+)
+
+
+def jet(nodes):
+    """Vorticity of a round jet whose shear layer has rolled up to four rings, periodic along it, with its grid."""
+    grid = Grid((nodes, nodes, nodes), 4 / nodes, (-2, -2, 0), (False, False, True))
+    x, y, z = grid.places.T
+    radius = np.hypot(x, y)
+    layer = np.exp(-(((radius - 1) / 0.25) ** 2)) * (1 + np.cos(TURN * z))
+    return grid, layer[:, None] / np.maximum(radius, 1e-9)[:, None] * np.column_stack([-y, x, 0 * x])
+
+
+def default_sources(folder, nodes):
+    """Flows by what they are called, and the polygons of their vortices where they are known."""
+    for label, flow in (("ABC", abc), ("Taylor-Green", taylor_green)):
+        grid = Grid((nodes,) * 3, TURN / nodes, 0.0, True)
+        velocity = np.column_stack(flow(*grid.places.T)).reshape(*grid.shape, 3)
+        np.savez(folder / f"{label}.npz", velocity=velocity, spacing=grid.spacing, periodic=True)
+        yield label, flow_file(folder / f"{label}.npz"), None
+    grid, vorticity = jet(nodes)
+    more = {"spacing": grid.spacing, "origin": grid.origin, "periodic": grid.periodic}
+    np.savez(folder / "jet.npz", vorticity=vorticity.reshape(*grid.shape, 3), **more)
+    yield "jet", flow_file(folder / "jet.npz"), None
+    links = curves()
+    circle = links["linked rings"][0]
+    links = {
+        "leapfrogging rings": [circle, 0.8 * circle + [0, 0, 0.5]],
+        "Hopf link": links.pop("linked rings"),
+        **links,
+    }
+    for label, link in links.items():
+        closed = tuple((np.vstack([curve, curve[:1]]), 1.0) for curve in link)
+        yield label, FilamentCurves(label, closed, 0.5), link
+
+
+def shown_by_default(label, source, nodes):
+    """The row of a flow."""
+    begin = time.process_time()
+    result = FlowRequest(source, FlowSettings(resolution=nodes)).solve()
+    seconds, grid = time.process_time() - begin, result.found.grid
+    row = told(label, result.shown.lines, np.where(grid.periodic, grid.spacing * grid.shape, 0))
+    row |= {"nodes": grid.node_count, "quantum": result.found.quantum, "share": result.shown.share, "seconds": seconds}
+    row |= {"whole": flow_helicity(grid, result.found.integrals)}
+    for line in result.warnings:
+        print(f"{label}: {line}", flush=True)
+    if result.shown.share < 0.6 and not result.warnings:
+        raise SystemExit(f"{label}: {result.shown.share:.0%} are carried, and nothing is said")
+    return row | {"warnings": len(result.warnings)}
+
+
+def defaults(nodes, files):
+    """Print what the default settings show, on grids of so many nodes along the longest side, and of files."""
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        for label, source, link in default_sources(Path(folder), nodes):
+            if link is not None:
+                rows.append(told(f"{label}: truth", [Filament(curve, 1.0, True) for curve in link], np.zeros(3)))
+            rows.append(shown_by_default(label, source, nodes))
+    rows += [shown_by_default(path.name, flow_file(path, attribute), nodes) for path, attribute in map(named, files)]
+    print_table("What the default settings show", DEFAULTS, rows)
+
+
+def named(text):
+    """The path and the attribute of FILE or FILE:ATTRIBUTE."""
+    path, _, attribute = text.partition(":")
+    return Path(path), attribute or "velocity"
+
+
 def main(sizes):
     """Print the table."""
     rows = []
@@ -112,4 +206,10 @@ def main(sizes):
 if __name__ == "__main__":
     parser = arguments(__doc__)
     parser.add_argument("nodes", type=int, nargs="*", default=[24, 32])
-    main(parser.parse_args().nodes)
+    parser.add_argument("--defaults", action="store_true", help="only the table of the default settings")
+    parser.add_argument("--data", nargs="*", default=[], metavar="FILE[:ATTRIBUTE]", help="flows to add to it")
+    given = parser.parse_args()
+    if given.defaults or given.data:
+        defaults(given.nodes[-1], given.data)
+    else:
+        main(given.nodes)

@@ -42,6 +42,7 @@ EXPECTED = {
     "docs/click_4.png": {"ink": 0.03, "ivory": 0.02},
     "docs/constraints.png": STRIPED | {"rose": 0.004},
     "docs/contact_sheet.png": {"ink": 0.02, "ivory": 0.02},
+    "docs/flows.png": {"orange": 0.02, "green": 0.01, "violet": 0.01},
     "docs/gallery.png": STRIPED | {"orange": 0.03, "teal": 0.02},
     "docs/makes/directions.png": STRIPED,
     "docs/makes/layers.png": {"rose": 0.08, "ivory": 0.1},

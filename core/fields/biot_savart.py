@@ -85,12 +85,14 @@ class FilamentCurves:
     name : of their source
     curves : pairs of points and circulation, as in :func:`filament_velocity`
     core : radius over which their vorticity is spread, in cells of the grid
+    warnings, noise : none
     """
 
     name: str
     curves: tuple[tuple[np.ndarray, float], ...]
     core: float
     warnings: tuple[str, ...] = ()
+    noise = None
 
     def read(self) -> "FilamentCurves":
         """The flow, which needs no reading."""

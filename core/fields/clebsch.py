@@ -27,6 +27,7 @@ from ..solve.lifted import lifted_of_rank
 # Filaments that may pass a face on average. Between two corners a phase tells less than half a turn from more, and
 # each passage of a filament takes some hundred bytes.
 MOST_QUANTA = 0.5
+TINY = np.finfo(float).tiny
 
 
 def edge_integrals(grid, velocity):
@@ -105,12 +106,16 @@ def quantum_for(grid, integrals, count):
     SettingError
         for a flow without vorticity
     """
-    flux = circulations(grid, integrals)
-    layers = grid.face_layers if grid.dimension == 3 else np.zeros(len(flux), int)
-    largest = max(np.bincount(layers, np.maximum(way, 0)).max(initial=0) for way in (flux, -flux))
+    largest = layer_sums(grid, circulations(grid, integrals))
     if largest <= 1e-9 * np.abs(integrals).sum():  # what rounding makes of a flow without any
         raise SettingError("the flow has no vorticity: there are no vortices to show")
     return largest / count
+
+
+def layer_sums(grid, fluxes):
+    """The largest sum of (f,) numbers through the faces of one plane that have the same sign."""
+    layers = grid.face_layers if grid.dimension == 3 else np.zeros(len(fluxes), int)
+    return max(np.bincount(layers, np.maximum(way, 0)).max(initial=0) for way in (fluxes, -fluxes))
 
 
 def clebsch_problem(grid, integrals, quantum):
@@ -202,11 +207,17 @@ class ClebschMap:
         """(f,) filaments through each face, counted with their direction; they cancel around every cell."""
         return np.rint(circulations(self.grid, self.changes) / TURN).astype(int)
 
+    @cached_property
+    def face_shares(self):
+        """(f,) what a filament that passes a face in the direction of its normal carries there of the flow's vorticity
+        through all faces; negative where the flow's vorticity goes the other way."""
+        return self.quantum * np.sign(circulations(self.grid, self.integrals)) / max(self.vorticity, TINY)
+
     @property
     def vorticity_share(self):
-        """What of the flow's vorticity through all faces the filaments carry; None for a flow without any."""
-        caught = self.quantum * np.abs(self.face_numbers).sum()
-        return float(caught / self.vorticity) if self.vorticity else None
+        """What of the flow's vorticity through all faces the filaments carry, less what they carry against it; None for
+        a flow without any."""
+        return float(self.face_numbers @ self.face_shares) if self.vorticity else None
 
 
 @dataclass(frozen=True)

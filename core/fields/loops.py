@@ -32,3 +32,24 @@ def loop_error(found: ClebschMap, size: int) -> float | None:
     missing = circulations(found.grid, found.integrals) / found.quantum - found.face_numbers
     differences = sum_through_squares(found.grid, missing, size)
     return float(np.sqrt(np.mean(differences**2))) if len(differences) else None
+
+
+def flow_helicity(grid, integrals):
+    """The helicity of a flow in space, the integral of velocity times vorticity: in each open cell, the means of its
+    edges along an axis and of its faces across it.
+
+    Parameters
+    ----------
+    grid : Grid of three dimensions
+    integrals : (e,) of the velocity along the edges
+    """
+    faces = grid.cell_faces
+    flux = circulations(grid, integrals)[faces]
+    # A cell's four edges along an axis are around its faces across the next axis.
+    total = 0.0
+    for axis in range(3):
+        beside = (axis + 1) % 3
+        sides = grid.face_edges[faces[:, 2 * beside : 2 * beside + 2]]
+        along = sides[grid.edge_axes[sides] == axis].reshape(len(faces), 4)
+        total += integrals[along].mean(axis=1) @ flux[:, 2 * axis : 2 * axis + 2].mean(axis=1)
+    return float(total)

@@ -1,8 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vortex filaments as text: a table with a row for each point, or polylines as VTK has them, in one piece each.
+"""Vortex filaments and tubes as text for other programs: tables, VTK's polylines and polygons, PLY and OBJ.
 
-Closed filaments come back to their first point; those that go around a periodic box end a box further on.
+Filaments are in one piece each: closed ones come back to their first point, and those that go around a periodic box end
+a box further on. VTK's older form is an unstructured grid of segments, each with the values of its filament, and in PLY
+a segment is a face of two corners: so both pyvista and meshio read them (meshio has no .vtp, and of an .obj with lines
+it takes the points).
 """
+
+from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
@@ -13,6 +19,7 @@ _VALUES = (
     ("circulation", "Float64"),
     ("length", "Float64"),
     ("writhe", "Float64"),
+    ("vorticity_share", "Float64"),
     ("closed", "Int32"),
     ("winding_x", "Int32"),
     ("winding_y", "Int32"),
@@ -20,16 +27,63 @@ _VALUES = (
 )
 # Of what is not a place.
 _FORM = f"%.{DIGITS}g"
+# Kinds of cells of VTK.
+_SEGMENT, _TRIANGLE = 3, 5
 
 
-def table_of(lines, winding):
-    """Text of a .csv file, a row for each point.
+@dataclass(frozen=True)
+class VortexShape:
+    """Filaments or tubes as they are written.
+
+    Attributes
+    ----------
+    points : (n, 3)
+    cells : numbers of the points along each filament, or around each triangle
+    are_lines : which of the two these are
+    values : of each cell, by name and kind in VTK
+    colors : (n, 3) red, green and blue of the points from 0 to 1, None for none
+    """
+
+    points: np.ndarray
+    cells: list[list[int]]
+    are_lines: bool
+    values: dict[tuple[str, str], list] = field(default_factory=dict)
+    colors: np.ndarray | None = None
+
+    @property
+    def segments(self):
+        """The same with each segment of a filament as a cell of its own, with the number of the filament."""
+        if not self.are_lines:
+            return self
+        counts = [len(cell) - 1 for cell in self.cells]
+        columns = self.values | {("filament", "Int32"): list(range(len(counts)))}
+        values = {name: np.repeat(column, counts).tolist() for name, column in columns.items()}
+        pairs = [list(pair) for cell in self.cells for pair in pairwise(cell)]
+        return VortexShape(self.points, pairs, True, values, self.colors)
+
+
+def filament_shape(lines, winding):
+    """The :class:`VortexShape` of filaments.
 
     Parameters
     ----------
     lines : list of Filament
     winding : Linked of these, None where it is not known
     """
+    ends = np.cumsum([0, *(len(line.whole) for line in lines)]).tolist()
+    cells = [list(range(begin, end)) for begin, end in pairwise(ends)]
+    columns = zip(*_values(lines, winding), strict=True) if lines else [()] * len(_VALUES)
+    values = {name: list(column) for name, column in zip(_VALUES, columns, strict=True)}
+    return VortexShape(_points(lines), cells, True, values)
+
+
+def tube_shape(tubes):
+    """The :class:`VortexShape` of :class:`Tubes`, in the colours of the sphere."""
+    return VortexShape(tubes.vertices, tubes.triangles.tolist(), False, {}, 0.5 + 0.5 * tubes.sphere)
+
+
+def table_of(lines, winding):
+    """Text of a .csv file, a row for each point; parameters as :func:`filament_shape`."""
     rows = ["filament,x,y,z," + ",".join(name for name, _ in _VALUES)]
     form = ",".join(3 * [number_format(_points(lines))] + len(_VALUES) * [_FORM])
     for number, (line, values) in enumerate(zip(lines, _values(lines, winding), strict=True)):
@@ -37,68 +91,90 @@ def table_of(lines, winding):
     return "\n".join(rows) + "\n"
 
 
-def polydata_of(lines, winding):
-    """Text of a .vtp file, a polyline and its values for each filament; parameters as :func:`table_of`."""
-    sizes, values = [len(line.whole) for line in lines], _values(lines, winding)
-    total = sum(sizes)
+def polydata_of(shape):
+    """Text of a .vtp file of a :class:`VortexShape`."""
+    name, count = ("Lines" if shape.are_lines else "Polys"), len(shape.cells)
+    lines, polygons = (count, 0) if shape.are_lines else (0, count)
+    ends = np.cumsum([len(cell) for cell in shape.cells], dtype=int).tolist()
     parts = [
         '<?xml version="1.0"?>',
         '<VTKFile type="PolyData" version="0.1" byte_order="LittleEndian">',
-        f'<PolyData><Piece NumberOfPoints="{total}" NumberOfVerts="0" NumberOfLines="{len(lines)}" '
-        'NumberOfStrips="0" NumberOfPolys="0">',
+        f'<PolyData><Piece NumberOfPoints="{len(shape.points)}" NumberOfVerts="0" NumberOfLines="{lines}" '
+        f'NumberOfStrips="0" NumberOfPolys="{polygons}">',
         '<Points><DataArray type="Float64" NumberOfComponents="3" format="ascii">',
-        *_places(lines),
-        "</DataArray></Points>",
-        '<Lines><DataArray type="Int32" Name="connectivity" format="ascii">',
-        " ".join(map(str, range(total))),
+        *_rows(shape.points),
+        f'</DataArray></Points><{name}><DataArray type="Int32" Name="connectivity" format="ascii">',
+        *(" ".join(map(str, cell)) for cell in shape.cells),
         '</DataArray><DataArray type="Int32" Name="offsets" format="ascii">',
-        " ".join(map(str, np.cumsum(sizes, dtype=int).tolist())),
-        "</DataArray></Lines>",
-        "<CellData>",
+        " ".join(map(str, ends)),
+        f"</DataArray></{name}>",
     ]
-    for (name, kind), column in zip(_VALUES, _columns(values), strict=True):
-        parts += [f'<DataArray type="{kind}" Name="{name}" format="ascii">', _row(column), "</DataArray>"]
+    if shape.colors is not None:
+        head = '<PointData><DataArray type="UInt8" Name="color" NumberOfComponents="3" format="ascii">'
+        parts += [head, *_bytes(shape.colors), "</DataArray></PointData>"]
+    parts.append("<CellData>")
+    for (called, kind), column in shape.values.items():
+        parts += [f'<DataArray type="{kind}" Name="{called}" format="ascii">', _row(column), "</DataArray>"]
     return "\n".join([*parts, "</CellData></Piece></PolyData></VTKFile>"]) + "\n"
 
 
-def legacy_of(lines, winding):
-    """Text of a .vtk file, the same in VTK's older form; parameters as :func:`table_of`."""
-    sizes, values = [len(line.whole) for line in lines], _values(lines, winding)
-    firsts = np.cumsum(sizes, dtype=int) - sizes
+def legacy_of(shape):
+    """Text of a .vtk file, the same in VTK's older form."""
+    shape = shape.segments
+    count, kind = len(shape.cells), _SEGMENT if shape.are_lines else _TRIANGLE
     parts = [
         "# vtk DataFile Version 3.0",
-        "vortex filaments",
+        "vortices",
         "ASCII",
-        "DATASET POLYDATA",
-        f"POINTS {sum(sizes)} double",
-        *_places(lines),
-        f"LINES {len(lines)} {len(lines) + sum(sizes)}",
-        *(_row([size, *range(first, first + size)]) for first, size in zip(firsts, sizes, strict=True)),
-        f"CELL_DATA {len(lines)}",
+        "DATASET UNSTRUCTURED_GRID",
+        f"POINTS {len(shape.points)} double",
+        *_rows(shape.points),
+        f"CELLS {count} {count + sum(map(len, shape.cells))}",
+        *(" ".join(map(str, [len(cell), *cell])) for cell in shape.cells),
+        f"CELL_TYPES {count}",
+        *[str(kind)] * count,
     ]
-    for (name, kind), column in zip(_VALUES, _columns(values), strict=True):
-        parts += [
-            f"SCALARS {name} {'int' if kind == 'Int32' else 'double'} 1",
-            "LOOKUP_TABLE default",
-            _row(column),
-        ]
+    if shape.values:
+        parts.append(f"CELL_DATA {count}")
+    for (called, number), column in shape.values.items():
+        head = f"SCALARS {called} {'int' if number == 'Int32' else 'double'} 1"
+        parts += [head, "LOOKUP_TABLE default", _row(column)]
+    if shape.colors is not None:
+        parts += [f"POINT_DATA {len(shape.points)}", "VECTORS color double", *_rows(shape.colors)]
     return "\n".join(parts) + "\n"
+
+
+def ply_of(shape):
+    """Text of a .ply file; each piece of a filament is a face of two corners."""
+    cells = shape.segments.cells
+    places = _rows(shape.points)
+    colors = [""] * len(places) if shape.colors is None else [f" {color}" for color in _bytes(shape.colors)]
+    channels = [] if shape.colors is None else [f"property uchar {name}" for name in ("red", "green", "blue")]
+    parts = [
+        *("ply", "format ascii 1.0", f"element vertex {len(places)}"),
+        *(f"property double {axis}" for axis in "xyz"),
+        *channels,
+        *(f"element face {len(cells)}", "property list uchar int vertex_indices", "end_header"),
+        *(place + color for place, color in zip(places, colors, strict=True)),
+        *(" ".join(map(str, [len(cell), *cell])) for cell in cells),
+    ]
+    return "\n".join(parts) + "\n"
+
+
+def obj_of(shape):
+    """Text of an .obj file, an element for each cell."""
+    kind = "l" if shape.are_lines else "f"
+    cells = (" ".join([kind, *(str(1 + number) for number in cell)]) for cell in shape.cells)
+    return "\n".join([*(f"v {row}" for row in _rows(shape.points)), *cells]) + "\n"
 
 
 def _values(lines, winding):
     """List of the values of each filament; nan for a writhe that is not known."""
-    writhes = np.full(len(lines), np.nan)
-    if winding is not None:
-        writhes[list(winding.loops)] = winding.writhes
+    writhes = np.full(len(lines), np.nan) if winding is None else winding.all_writhes
     return [
-        (line.strength, line.length, twist, int(line.is_closed), *line.winding)
+        (line.strength, line.length, twist, line.share, int(line.is_closed), *line.winding)
         for line, twist in zip(lines, writhes, strict=True)
     ]
-
-
-def _columns(values):
-    """The values of each kind."""
-    return list(zip(*values, strict=True)) or [()] * len(_VALUES)
 
 
 def _points(lines):
@@ -106,15 +182,19 @@ def _points(lines):
     return np.vstack([np.empty((0, 3)), *(line.whole for line in lines)])
 
 
-def _places(lines):
+def _rows(points):
     """A row of text for each point."""
-    points = _points(lines)
     form = " ".join(3 * [number_format(points)])
     return [form % tuple(point) for point in points]
+
+
+def _bytes(colors):
+    """A row of text for each colour, in whole numbers up to 255."""
+    return [" ".join(map(str, color)) for color in np.rint(255 * np.clip(colors, 0, 1)).astype(int).tolist()]
 
 
 def _row(values):
     return " ".join(_FORM % value for value in values)
 
 
-WRITERS = {".csv": table_of, ".vtp": polydata_of, ".vtk": legacy_of}
+WRITERS = {".vtp": polydata_of, ".vtk": legacy_of, ".ply": ply_of, ".obj": obj_of}

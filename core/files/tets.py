@@ -211,15 +211,16 @@ def check_vtu_sizes(path, root):
     check_promise(path, sum(_POINT_BYTES * points + _CELL_BYTES * cells for points, cells in sizes))
 
 
-def vtu_root(path, content):
-    """The XML of a .vtu file, and its appended bytes."""
+def vtu_root(path, content, kind="UnstructuredGrid"):
+    """The XML of a .vtu file, or of another kind of VTK's, and its appended bytes."""
     head, appended, tail = _without_raw_data(content)
     try:
         root = ElementTree.fromstring(head + tail)
     except ElementTree.ParseError as error:
         raise SettingError(f"{path} is no XML file ({error}): export it again") from error
-    if root.tag != "VTKFile" or root.get("type") != "UnstructuredGrid":
-        raise SettingError(f"{path} is no unstructured grid of VTK: export it as .vtu")
+    if root.tag != "VTKFile" or root.get("type") != kind:
+        wanted = "no unstructured grid of VTK: export it as .vtu" if kind == "UnstructuredGrid" else f"not VTK's {kind}"
+        raise SettingError(f"{path} is {wanted}")
     return root, appended
 
 

@@ -126,6 +126,16 @@ class Grid:
         """(e,) axis of each edge."""
         return np.repeat(np.arange(self.dimension), [len(self._cells([a])) for a in range(self.dimension)])
 
+    def edge_shape(self, axis: int) -> tuple[int, ...]:
+        """Count the edges along an axis, along each axis."""
+        return self._element_shape([axis])
+
+    @property
+    def can_halve(self) -> bool:
+        """Whether every other node makes a grid: enough of them, and an even number along periodic axes."""
+        is_even = all(count % 2 == 0 for count, ring in zip(self.shape, self.periodic, strict=True) if ring)
+        return is_even and min(self.shape) >= 8
+
     def edges_at(self, nodes: np.ndarray, axis: int) -> np.ndarray:
         """Find the edges that start at nodes along an axis."""
         before = sum(len(self._cells([other])) for other in range(axis))

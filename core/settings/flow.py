@@ -7,7 +7,7 @@ from numbers import Integral, Real
 
 from ..errors import SettingError, quote_value
 from ..validation import FRAMES_END, MOST_ROUNDS, are_frames
-from .setting import SMALLEST, Choice, of_type, setting
+from .setting import SHARE, SMALLEST, Choice, of_type, setting
 from .solver import SolverSettings
 
 VORTICES = ("clebsch",)
@@ -37,13 +37,25 @@ class FlowSettings(SolverSettings):
         commands=VORTICES,
         group="flow",
     )
-    count: float = setting(
-        4.0,
+    share: float = setting(
+        0.8,
+        "Vorticity Carried",
+        "The circulation of one filament is the largest with which they carry so much of the vorticity",
+        unit=SHARE,
+        least=0.1,
+        most=0.99,
+        commands=VORTICES,
+    )
+    count: float | None = setting(
+        None,
         "Filaments",
         "So many through the plane with most vorticity",
         least=SMALLEST,
+        start=4.0,
         usual=(0.1, 32),
+        unset="the share of the vorticity decides",
         commands=VORTICES,
+        placeholder="N",
     )
     quantum: float | None = setting(
         None,
@@ -52,7 +64,7 @@ class FlowSettings(SolverSettings):
         least=SMALLEST,
         start=1.0,
         usual=(1e-6, 100),
-        unset="the number of filaments decides",
+        unset="the number of filaments or the share of the vorticity decides",
         commands=VORTICES,
         placeholder="H",
     )

@@ -65,7 +65,8 @@ class FlowKeywords(TypedDict, total=False):
 
     show: str
     resolution: int
-    count: float
+    share: float
+    count: float | None
     quantum: float | None
     core: float | None
     attribute: str

@@ -10,12 +10,14 @@ import numpy as np
 from ..errors import SettingError, name_elements
 from ..fields.clebsch import circulations, clebsch_map, quantum_for, spherical_map
 from ..fields.clebsch_frames import following_map, following_sphere
-from ..files.flows import ArrayFile, GridFlow, VolumeFile
+from ..fields.quantum import find_quantum
+from ..files.flows import ArrayFile, GridFlow
+from ..files.volumes import VolumeFile
 from ..geometry.grid import Grid, box_grid
 from ..monitor import Monitor, portion
 from ..settings.flow import FlowSettings
 from ..solve import Options
-from .flows import FlowResult, Shown, check_grid, check_resolution, showing
+from .flows import LEAST_SHARE, FlowResult, Shown, about_noise, check_grid, check_resolution, showing
 
 # Bytes that the maps of a frame take for each node, and those that the maps of all frames may take.
 _KEPT, _MOST_KEPT = 200, 2**30
@@ -136,6 +138,9 @@ class SequenceRequest:
             is_kept = (number + 1) * grid.node_count * _KEPT <= _MOST_KEPT
             kept = replace(result.lean, shown=shown) if is_kept else None
             frames.append(FlowFrame(file.frame, shown, _facts(file, result.seen, shown), kept))
+            if shown.lines and shown.share < LEAST_SHARE:
+                carried = f"the filaments carry less than {LEAST_SHARE:.0%} of the vorticity"
+                warnings += (f"{carried}: give a smaller circulation or a finer grid",)
             for line in (*warnings, *shown.missing):
                 warned.setdefault(line, []).append(file.frame)
         lines = tuple(f"{name_elements('frame', named)}: {line}" for line, named in warned.items())
@@ -144,13 +149,14 @@ class SequenceRequest:
     def _solved(self, file, grid, quantum, found, sphere, progress):
         """The maps of a frame, from those of the frame before if there is one, and warnings of its flow."""
         flow, options = file.source.read(), Options.of(self.settings)
+        warnings = (*flow.warnings, *about_noise(flow.noise))
         integrals = Monitor(progress).during(lambda: flow.integrals(grid))
         of_map, of_sphere = portion(progress, 0.0, 0.8), portion(progress, 0.8, 0.15)
         if found is None:
             found = clebsch_map(grid, integrals, quantum, options, of_map)
-            return found, spherical_map(found, of_sphere), flow.warnings
+            return found, spherical_map(found, of_sphere), warnings
         found = following_map(found, integrals, options, of_map)
-        return found, following_sphere(sphere, found, of_sphere), flow.warnings
+        return found, following_sphere(sphere, found, of_sphere), warnings
 
     def _common_grid(self, step):
         """A grid that holds the flow of every frame; ``step`` is called with the number of each file before it is read.
@@ -175,15 +181,15 @@ class SequenceRequest:
 
     def _quantum(self, grid, step):
         """That of the frame with most vorticity."""
-        largest = 0.0
+        largest, most = 0.0, None
         for number, file in enumerate(self.files):
             step(number)
             integrals = file.source.read().integrals(grid)
-            if abs(circulations(grid, integrals)).max() > 0:
-                largest = max(largest, quantum_for(grid, integrals, self.settings.count))
-        if largest == 0:
+            if abs(circulations(grid, integrals)).max() > 0 and quantum_for(grid, integrals, 1) > largest:
+                largest, most = quantum_for(grid, integrals, 1), integrals
+        if most is None:
             raise SettingError("no frame has vorticity: there are no vortices to show")
-        return largest
+        return find_quantum(grid, most, self.settings.share, self.settings.count, None, self.settings.seed)
 
 
 def _is_same(grid, other):
@@ -210,6 +216,6 @@ def _facts(file, found, shown):
         "filaments": None if shown.lines is None else len(shown.lines),
         "length": None if shown.lines is None else sum(line.length for line in shown.lines),
         "tubes": None if shown.tubes is None else shown.tubes.pieces,
-        "vorticity_share": found.vorticity_share,
+        "vorticity_share": found.vorticity_share if shown.share is None else shown.share,
         "seconds": sum(solution.times.values()),
     }

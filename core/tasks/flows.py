@@ -2,6 +2,7 @@
 """Vortices of flows in space and on surfaces (paper, Section 3.6)."""
 
 import dataclasses
+import time
 from dataclasses import dataclass, replace
 from numbers import Integral
 
@@ -20,24 +21,35 @@ from ..fields.clebsch import (
     edge_integrals,
     faces_of_filament,
     mean_circulation,
-    quantum_for,
     spherical_map,
 )
-from ..files.flows import ArrayFile, VolumeFile
+from ..fields.quantum import STEP, find_quantum, least_quantum, shows_enough
+from ..files.flows import ArrayFile
+from ..files.volumes import VolumeFile
 from ..geometry.mesh_input import MeshInput
 from ..geometry.surface import Surface
 from ..monitor import Monitor, portion
 from ..settings.flow import FlowSettings
+from ..solution import COARSE
 from ..solve import Options
 
 # Radius of a filament's tube, and of the cores of curves that tubes can be around, in cells of the grid.
 _THICKNESS, _CORE_OF_TUBES = 0.25, 2.0
 # Faces that a filament's circulation is spread over from which on tubes have an inside; with two cells it has 37.
 _FACES_OF_TUBES = 20.0
-# How often a circulation is halved to find one that gives filaments.
-_HALVINGS = 6
+# Cells that a filament has to extend over.
+_STUB = 2.0
+# Sampling noise from which on vorticity is not resolved, and from which on there is none.
+_NOISE, _IRROTATIONAL = 0.8, 2.0
+# Share of the vorticity below which filaments are warned of, how far that of a solve may be below the wanted one, and
+# solves with smaller circulations that are made where it is.
+LEAST_SHARE, _SHORTFALL, _MORE_SOLVES = 0.6, 0.1, 2
 # Filaments that pass a face on average, from which on there is a warning.
 _MANY_QUANTA = 0.25
+# Nodes from which on fields are searched for on a coarse stage: in half the time, with some per mille more energy.
+_COARSE_ROUNDING = 60_000
+# Seconds that a solve takes for each node, about, on one core: up to so many nodes, and beyond.
+_NODE_SECONDS, _LARGE_NODE_SECONDS = 3e-4, 1.5e-4
 # Bytes that a solve takes for each node with a proved bound, which is tried up to so many nodes, and without; and the
 # most nodes, 47 GB.
 _PROVED, _PROVED_NODES, _ESTIMATED, _MOST_NODES = 22_000, 36_000, 5_000, 10_000_000
@@ -76,6 +88,7 @@ class Shown:
     quantum : circulation of one filament
     thickness : radius of one, in scene units
     unwrapped : whether filaments are drawn on beyond the sides of a periodic box
+    stubs : filaments that are left out, as they extend over less than two cells
     """
 
     lines: list[Filament] | None
@@ -83,6 +96,12 @@ class Shown:
     quantum: float
     thickness: float
     unwrapped: bool = False
+    stubs: int = 0
+
+    @property
+    def share(self):
+        """What of the vorticity the filaments carry; None where they are not asked for."""
+        return None if self.lines is None else sum(line.share for line in self.lines)
 
     @property
     def missing(self):
@@ -90,19 +109,31 @@ class Shown:
         remedy, lines = "ask for more filaments, or a smaller circulation of each", []
         if self.lines == []:
             lines.append(f"the map has no filaments: {remedy}")
+        if self.stubs:
+            what = "a filament is" if self.stubs == 1 else f"{self.stubs} filaments are"
+            lines.append(f"{what} left out, no longer than two cells of the grid: a finer grid shows more")
         if self.tubes is not None and not len(self.tubes.triangles):
             lines.append(f"the map does not come so near to the point's antipode: make the tubes wider, or {remedy}")
+        elif self.tubes is not None and self.tubes.blobs:
+            lines.append(
+                f"{self.tubes.blobs} of {self.tubes.pieces} tubes are blobs, around no filament: give a smaller "
+                "circulation or a finer grid, or show filaments, whose tubes have one thickness"
+            )
         return tuple(lines)
 
 
 def showing(found, sphere, settings):
     """The :class:`Shown` that settings ask for; the sphere may be missing where there are only filaments."""
-    lines = filaments(found, settings.smoothing) if settings.show != "tubes" else None
-    tubes = None
+    lines, tubes, stubs = None, None, 0
+    if settings.show != "tubes":
+        every = filaments(found, settings.smoothing)
+        least = _STUB * found.grid.spacing.max()
+        lines = [line for line in every if np.ptp(line.whole, axis=0).max() >= least]
+        stubs = len(every) - len(lines)
     if settings.show != "filaments":
         tubes = vortex_tubes(sphere, settings.point, settings.opening, settings.smoothing)
     thickness = _THICKNESS * float(found.grid.spacing.min())
-    return Shown(lines, tubes, found.quantum, thickness, settings.unwrapped)
+    return Shown(lines, tubes, found.quantum, thickness, settings.unwrapped, stubs)
 
 
 @dataclass(frozen=True)
@@ -129,12 +160,25 @@ class FlowResult:
     seconds: dict[str, float] = dataclasses.field(default_factory=dict)
 
     @classmethod
-    def of(cls, grid, integrals, settings, progress):
-        """The maps of a flow, by its (e,) integrals along the edges of a Grid or Surface; nothing is shown yet."""
-        quantum = settings.quantum
+    def of(cls, grid, integrals, settings, progress, largest=None):
+        """The maps of a flow, by its (e,) integrals along the edges of a Grid or Surface; nothing is shown yet.
+
+        ``largest`` is the circulation that is tried first where one is looked for.
+        """
+        quantum, options = settings.quantum, Options.of(settings)
+        if len(grid.masses) > _COARSE_ROUNDING and options.rounding == FlowSettings.rounding:
+            options = replace(options, rounding=COARSE)
+        more = _MORE_SOLVES if quantum is None else 0
         if quantum is None:
-            quantum = quantum_for(grid, integrals, settings.count)
-        found = clebsch_map(grid, integrals, quantum, Options.of(settings), portion(progress, 0.0, 0.8))
+            sought = settings.share, settings.count, largest, settings.seed
+            quantum = find_quantum(grid, integrals, *sought, portion(progress, 0.0, 0.1))
+        found = clebsch_map(grid, integrals, quantum, options, portion(progress, 0.1, 0.35))
+        least = least_quantum(grid, integrals)
+        for number in range(more):
+            if shows_enough(found, settings.share - _SHORTFALL, settings.count) or STEP * found.quantum < least:
+                break
+            smaller = float(f"{STEP * found.quantum:.3g}")
+            found = clebsch_map(grid, integrals, smaller, options, portion(progress, 0.45 + 0.15 * number, 0.15))
         sphere = spherical_map(found, portion(progress, 0.8, 0.2)) if settings.method == "sdp" else None
         return cls(found, sphere, found, None, None, (), {"sphere": sphere.seconds} if sphere else {}).seeing(settings)
 
@@ -197,14 +241,16 @@ class FlowRequest:
         """
         settings = self.settings
         grid, integrals, warnings = _interruptible(self._read, "flow", progress)
-        result = FlowResult.of(grid, integrals, settings, portion(progress, 0.1, 0.85))
+        each = _LARGE_NODE_SECONDS if grid.node_count > _COARSE_ROUNDING else _NODE_SECONDS
+        progress = _with_estimate(progress, each * grid.node_count)
+        largest = max(abs(c[1]) for c in self.source.curves) if isinstance(self.source, FilamentCurves) else None
+        result = FlowResult.of(grid, integrals, settings, portion(progress, 0.1, 0.8), largest)
         shown = _interruptible(lambda: showing(result.seen, result.sphere, settings), "vortices", progress, 0.95)
         winding = None
         if shown.lines is not None:
             box = np.where(grid.periodic, grid.spacing * grid.shape, 0)
             winding = _interruptible(lambda: linking_numbers(shown.lines, box), "vortices", progress, 0.98)
-            if not shown.lines:
-                warnings += _interruptible(lambda: _about_nothing(result.found), "vortices", progress, 0.99)
+            warnings += tuple(self._about_share(result.found, shown, portion(progress, 0.9, 0.1)))
         warnings = (*warnings, *self._about_core(result.found), *_about_quantum(result.found), *shown.missing)
         return replace(result, shown=shown, linked=winding, warnings=warnings)
 
@@ -227,29 +273,38 @@ class FlowRequest:
                 f"from about {_FACES_OF_TUBES:g} on: give a finer grid, {remedy}"
             )
 
+    def _about_share(self, found, shown, progress):
+        """A line where the filaments carry little of the vorticity, with a circulation that this solve carries more
+        with, if there is one."""
+        if not found.vorticity or shown.share >= LEAST_SHARE:
+            return
+        line, smaller = f"the filaments carry {max(shown.share, 0):.0%} of the vorticity", STEP * found.quantum
+        if self.settings.quantum is not None or self.settings.count is not None:
+            sought = FlowSettings.share, None, None, self.settings.seed, portion(progress, 0.0, 0.2)
+            smaller = min(smaller, find_quantum(found.grid, found.integrals, *sought))
+        if smaller < least_quantum(found.grid, found.integrals):
+            yield f"{line}, and the grid holds no smaller circulations: give a finer grid, or show tubes"
+            return
+        smaller = float(f"{smaller:.3g}")
+        other = clebsch_map(found.grid, found.integrals, smaller, found.options, portion(progress, 0.2, 0.8))
+        if (other.vorticity_share or 0) > shown.share:
+            yield f"{line}: with a circulation of {smaller:.3g} they carry {other.vorticity_share:.0%}"
+        else:
+            yield f"{line}, and with a circulation of {smaller:.3g} not more: give a finer grid, or show tubes"
+
     def _read(self):
         flow = self.source.read()
         grid = flow.grid(self.settings.resolution)
         check_grid(grid, self.source.name)
-        return grid, flow.integrals(grid), flow.warnings
+        return grid, flow.integrals(grid), (*flow.warnings, *about_noise(flow.noise))
 
 
-def _about_nothing(found):
-    """Lines that say why there is no filament, and which circulation gives some: the largest half, quarter ... of which
-    the quickest solve finds any."""
-    most = quantum_for(found.grid, found.integrals, 1)
-    line = (
-        f"a filament of {found.quantum:.3g} has {found.quantum / most:.0%} of what passes the plane with most vorticity"
-    )
-    for halving in range(1, _HALVINGS + 1):
-        quantum = found.quantum / 2**halving
-        try:
-            other = clebsch_map(found.grid, found.integrals, quantum, Options(method="spectral"))
-        except SettingError:  # too many for the grid
-            break
-        if other.face_numbers.any():
-            return (f"{line}: with a circulation of {quantum:.3g} there are some",)
-    return (line,)
+def about_noise(noise):
+    """A line where the vorticity is not that of a flow."""
+    if noise is not None and noise > _IRROTATIONAL:
+        yield "the flow has no vorticity but for what its sampling makes: its vortices mean nothing, give another flow"
+    elif noise is not None and noise > _NOISE:
+        yield "the velocities change at random from node to node: the vortices are those of noise, smooth the flow"
 
 
 def _about_quantum(found):
@@ -260,6 +315,19 @@ def _about_quantum(found):
             f"{mean:.2g} filaments pass a face of the grid on average, and from {MOST_QUANTA:g} on they cannot be told "
             f"apart: give a circulation from {mean * found.quantum / _MANY_QUANTA:.3g} on, or a finer grid"
         )
+
+
+def _with_estimate(progress, seconds):
+    """A callback whose stages say about how many seconds are left, from the number that a solve usually takes."""
+    if progress is None:
+        return None
+    begin = time.perf_counter()
+
+    def told(stage, fraction):
+        left = seconds - (time.perf_counter() - begin)
+        return progress(f"{stage}, about {left:.0f} s left" if left >= 1 else stage, fraction)
+
+    return told
 
 
 def _interruptible(work, stage, progress, fraction=0.0):

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of vortices: a knot of tubes, and the paper's Figures 5 and 7 again, which paper.py makes.
+"""Pictures of vortices: a knot of tubes, five flows, and the paper's Figures 5 and 7 again, which paper.py makes.
 
     python docs/make/vortices.py [--folder docs]
 
@@ -15,8 +15,11 @@ from mathutils import Euler, Matrix
 
 from synch_fields.bench.clebsch import CUTS, cut_rows
 from synch_fields.bench.command import arguments
+from synch_fields.bench.flows import abc, jet
 from synch_fields.bench.grids import QUANTA, trefoil_grid, trefoil_velocity
 from synch_fields.bench.tables import Column
+from synch_fields.core.fields.biot_savart import filament_velocity
+from synch_fields.core.geometry.grid import Grid
 from synch_fields.docs.make.flat import flat_scene, glowing
 from synch_fields.docs.make.sheets import beside, make_pictures
 from synch_fields.synch_addon.blender.transaction import only_for_now
@@ -199,7 +202,92 @@ def add_ball(scene, place, radius, height, material):
     return obj
 
 
-PICTURES = {"vortices": knot}
+# Flows
+
+
+def gallery(_options, folder, path):
+    """Five flows with what is shown of them, three by the default settings."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    pictures = []
+    for name, (make, settings, view) in FLOWS.items():
+        np.savez(folder / f"{name}.npz", **make())
+        report = clebsch(folder / f"{name}.npz", smoothing=20, **settings)
+        obj = bpy.data.objects[report["object"]]
+        obj = in_hues(obj) if "tubes" in report else obj
+        print(name, f"{report['vorticity_share']:.0%} carried", report["quantum"], report["warnings"], flush=True)
+        pictures.append(render_picture(obj, folder / f"{name}.png", resolution=SMALL, samples=SAMPLES, view=view))
+    beside(pictures, path, labels=list(FLOWS))
+
+
+def on_box(half, count, flow):
+    """Arrays of a flow on count x count x ... nodes of cubes around the origin, half of whose sides are given."""
+    spacing = 2 * max(half) / (count - 1)
+    shape = np.maximum(np.rint(2 * np.array(half) / spacing).astype(int) + 1, 4)
+    grid = Grid(shape, spacing, -0.5 * spacing * (shape - 1))
+    velocity = flow(grid.places).reshape(*shape, 3)
+    return {"velocity": velocity, "spacing": spacing, "origin": grid.origin}
+
+
+def smoke_ring():
+    """A vortex ring that has begun to waver, as smoke rings do."""
+    turn = np.linspace(0, 2 * np.pi, 241)
+    radius, height = 1 + 0.09 * np.cos(7 * turn), 0.12 * np.sin(7 * turn)
+    ring = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), height])
+    return on_box((1.6, 1.6, 0.8), 36, lambda places: filament_velocity(places, [(ring, 1.0)], 0.14))
+
+
+def round_jet():
+    """The shear layer of a jet, rolled up to rings."""
+    grid, vorticity = jet(32)
+    more = {"spacing": grid.spacing, "origin": grid.origin, "periodic": grid.periodic}
+    return {"vorticity": vorticity.reshape(*grid.shape, 3), **more}
+
+
+def vessel():
+    """Flow through a bend of a vessel that bulges on its outer side, with the two vortices that bends have."""
+    x, y, z = np.moveaxis(np.stack(np.meshgrid(*[np.linspace(*ends) for ends in VESSEL], indexing="ij")), 0, 0)
+    around, across = np.arctan2(y, x), np.hypot(x, y) - 1.2
+    bulge = np.exp(-(((around - np.pi / 4) / 0.35) ** 2))
+    radius, middle = 0.36 + 0.2 * bulge, 0.22 * bulge
+    across = (across - middle) / radius
+    share = np.clip(1 - across**2 - (z / radius) ** 2, 0, None)
+    forwards = np.stack([-np.sin(around), np.cos(around), 0 * z], axis=-1)
+    outwards = np.stack([np.cos(around), np.sin(around), 0 * z], axis=-1)
+    upwards = np.stack([0 * z, 0 * z, 0 * z + 1], axis=-1)
+    # A stream function psi = share^2 z: along its lines the fluid turns, outwards in the middle and back at the walls.
+    inner = share**2 - 4 * share * (z / radius) ** 2
+    turning = 0.5 * (inner[..., None] * outwards + (4 * share * across * z / radius)[..., None] * upwards)
+    velocity = (share * (0.36 / radius) ** 2)[..., None] * forwards + turning
+    solid = (share <= 0) | (x < 0) | (y < 0)
+    return {"velocity": velocity, "spacing": VESSEL[0][1] / (VESSEL[0][2] - 1), "solid": solid, "origin": [0, 0, -0.6]}
+
+
+def abc_flow():
+    """Arnold, Beltrami and Childress's flow in its periodic box."""
+    grid = Grid((24,) * 3, 2 * np.pi / 24, 0.0, True)
+    velocity = np.column_stack(abc(*grid.places.T)).reshape(*grid.shape, 3)
+    return {"velocity": velocity, "spacing": grid.spacing, "periodic": True}
+
+
+def trefoil():
+    """The knot of Figure 5 with a thinner core."""
+    turn = np.linspace(0, 2 * np.pi, 161)
+    knot = [np.sin(turn) + 2 * np.sin(2 * turn), np.cos(turn) - 2 * np.cos(2 * turn), -np.sin(3 * turn)]
+    curves = [(np.column_stack(knot), 1.0)]
+    return on_box((4.2, 4.2, 2.2), 40, lambda places: filament_velocity(places, curves, 0.3))
+
+
+# Lowest, highest place and nodes along each axis of the vessel's box, whose cells are cubes.
+VESSEL = ((0.0, 2.0, 41), (0.0, 2.0, 41), (-0.6, 0.6, 25))
+FLOWS = {
+    "smoke ring": (smoke_ring, {}, (20, 40)),
+    "jet": (round_jet, {}, (25, 25)),
+    "bend": (vessel, {"quantum": 0.045}, (45, 50)),
+    "ABC": (abc_flow, {"quantum": 2.65, "show": "tubes", "opening": 75}, (30, 30)),
+    "trefoil": (trefoil, {}, FROM_ABOVE),
+}
+
+PICTURES = {"vortices": knot, "flows": gallery}
 
 if __name__ == "__main__":
     main()

@@ -4,6 +4,7 @@
 import bpy
 
 from ...core.errors import SettingError
+from ...core.files.flows import SUFFIXES as FLOW_SUFFIXES
 from ...core.settings.flow import FlowSettings
 from .. import api
 from ..blender import files
@@ -21,7 +22,9 @@ def add_parser(commands):
     command = commands.add_parser(
         "clebsch", help="vortex filaments or tubes of a flow", description="Show the vortices of a flow."
     )
-    command.add_argument("input", help=".vdb or .npz file with a velocity, or a .blend file with curves or meshes")
+    command.add_argument(
+        "input", help=f"file with a velocity ({', '.join(FLOW_SUFFIXES)}), or a .blend file with curves or meshes"
+    )
     command.add_argument(
         "--object", nargs="+", metavar="NAME", help="volume, mesh, or curves that stand for filaments, of a .blend file"
     )

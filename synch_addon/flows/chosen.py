@@ -8,7 +8,7 @@ import numpy as np
 
 from ...core.errors import SynchError
 from ...core.fields.biot_savart import surrounding_grid
-from ...core.files.flows import VolumeFile, world_box
+from ...core.files.volumes import VolumeFile, world_box
 from ...core.geometry.grid import box_grid
 from ..blender.strokes import SOURCE_TYPES
 from .sources import flow_source

@@ -1,32 +1,36 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Filaments that are shown, as files for other programs."""
+"""Vortices that are shown, as files for other programs."""
 
 from pathlib import Path
 
 import bpy
 
-from ...core.errors import SynchError
-from ...core.files.filaments import WRITERS
-from ...core.files.whole import write_text
+from ...core.errors import SettingError
+from ...core.files.filaments import WRITERS, filament_shape, table_of, tube_shape
+from ...core.files.whole import unwritten, write_text, write_whole
 from ...core.validation import check_path
 from ..blender.files import check_output
 from ..blender.objects import no_object
-from .memory import shown_filaments
+from . import memory
 
-SUFFIXES = tuple(WRITERS)
+TABLE, SCENE = ".csv", ".abc"
+SUFFIXES = (TABLE, *WRITERS, SCENE)
 
 
 def filament_export(obj, path):
-    """Write the filaments that an object shows to a file, in the flow's coordinates and in one piece each.
+    """Write the filaments, or the tubes, that an object shows to a file, in the flow's coordinates.
+
+    Filaments are written in one piece each, with what the report says of them in .csv, .vtp and .vtk. Alembic holds the
+    object as it is seen, filaments as tubes.
 
     Parameters
     ----------
-    obj : object that was made for the filaments of a flow in space
-    path : .csv, .vtp or .vtk; // is the folder of the .blend
+    obj : object that was made for the filaments or the tubes of a flow in space
+    path : .vtp, .vtk, .ply, .obj, .abc, and of filaments .csv; // is the folder of the .blend
 
     Returns
     -------
-    dict with `filaments` (their number) and `files`
+    dict with `filaments` or `tubes` (their number) and `files`
 
     Raises
     ------
@@ -35,16 +39,59 @@ def filament_export(obj, path):
     """
     reason = no_object(obj)
     if reason:
-        raise SynchError(reason)
+        raise SettingError(reason)
     path = bpy.path.abspath(check_path(path))
     check_output(path, SUFFIXES)
-    lines, winding = shown_filaments.get(obj)
-    write_text(path, WRITERS[Path(path).suffix.lower()](lines, winding))
+    suffix, counted = Path(path).suffix.lower(), {}
+    if obj.type == "MESH":
+        shown = memory.flows.get(obj).result.shown
+        if shown is None:
+            raise SettingError(f"{obj.name} is a surface with its map: choose filaments or tubes")
+        tubes = shown.tubes
+        counted["tubes"] = tubes.pieces
+        if suffix == TABLE:
+            raise SettingError(f"{path}: a table has filaments: write tubes as {', '.join(WRITERS)} or {SCENE}")
+        shape = tube_shape(tubes)
+    else:
+        lines, winding = memory.shown_filaments.get(obj)
+        counted["filaments"] = len(lines)
+        shape = filament_shape(lines, winding)
+    if suffix == SCENE:
+        _write_alembic(obj, path)
+    else:
+        write_text(path, table_of(lines, winding) if suffix == TABLE else WRITERS[suffix](shape))
     return {
         "status": "written",
         "command": "filament_export",
         "object": obj.name,
-        "filaments": len(lines),
+        **counted,
         "files": [path],
         "warnings": [],
     }
+
+
+def can_export(obj):
+    """Whether an object shows filaments, or tubes of a flow in space."""
+    if obj is not None and obj.type == "MESH":
+        return memory.flows.holds(obj) and memory.flows.get(obj).result.shown is not None
+    return memory.shown_filaments.holds(obj)
+
+
+def _write_alembic(obj, path):
+    """Write an object as it is seen with Blender's exporter, which takes what is selected."""
+    layer = bpy.context.view_layer
+    selected = [other for other in layer.objects if other.select_get()]
+    for other in layer.objects:
+        other.select_set(other == obj)
+    frame = bpy.context.scene.frame_current
+    try:
+        with write_whole(path) as made:
+            try:
+                bpy.ops.wm.alembic_export(
+                    filepath=str(made), selected=True, start=frame, end=frame, as_background_job=False
+                )
+            except RuntimeError as error:
+                raise unwritten(path, " ".join(str(error).split())) from None
+    finally:
+        for other in layer.objects:
+            other.select_set(other in selected)

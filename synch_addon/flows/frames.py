@@ -8,7 +8,8 @@ import bpy
 import numpy as np
 
 from ...core.errors import SettingError
-from ...core.files.flows import VELOCITY, VolumeFile, flow_file
+from ...core.files.flows import VELOCITY, flow_file
+from ...core.files.volumes import VolumeFile
 from ...core.tasks.flow_sequences import FrameFile
 from ..blender.openvdb import module_file
 from ..blender.volume_files import played_file

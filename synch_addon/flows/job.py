@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 from typing import Unpack
 
-from ...core.fields.loops import loop_error
+from ...core.fields.loops import flow_helicity, loop_error
 from ...core.settings.flow import FlowSettings
 from ...core.settings.keywords import FlowKeywords
 from ...core.tasks.flows import FlowRequest
@@ -47,7 +47,8 @@ class ClebschJob:
             # How far the number of filaments through a loop is from the flow's circulation along it, in quanta and root
             # mean square over all square loops a quarter of the grid's longest side wide; None where there are none.
             off = {"circulation_error": loop_error(result.seen, max(result.seen.grid.shape) // 4)}
-            told = facts(shown) | off | linking_facts(result.linked)
+            whole = {"flow_helicity": flow_helicity(result.found.grid, result.found.integrals)}
+            told = facts(shown) | off | whole | linking_facts(result.linked)
             return finish(solved, Filled(told, fill), made, self._start)
 
 
@@ -56,8 +57,8 @@ def clebsch(source, callback=None, **settings: Unpack[FlowKeywords]):
 
     Parameters
     ----------
-    source : path of a .vdb or .npz file, #### for the numbers of frames; a volume object, a mesh object with faces, a
-        curve object, or a list of curve objects
+    source : path of a file that :func:`flow_file` reads, #### for the numbers of frames; a volume object, a mesh object
+        with faces, a curve object, or a list of curve objects
     callback : callable(stage, fraction) -> bool, optional; False cancels
     settings : see :class:`FlowSettings`
 

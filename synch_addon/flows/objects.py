@@ -98,12 +98,18 @@ def facts(shown):
                 "winding": list(line.winding),
                 "points": len(line.points),
                 "length": line.length,
+                "vorticity_share": line.share,
             }
             for line in shown.lines
         ]
+        result["stubs"] = shown.stubs
         result["windings"] = sum(any(line.winding) for line in shown.lines)
     if shown.tubes is not None:
-        result["tubes"] = {"faces": len(shown.tubes.triangles), "pieces": shown.tubes.pieces}
+        result["tubes"] = {
+            "faces": len(shown.tubes.triangles),
+            "pieces": shown.tubes.pieces,
+            "blobs": shown.tubes.blobs,
+        }
     return result
 
 
@@ -115,5 +121,6 @@ def linking_facts(winding):
         "loops": list(winding.loops),
         "linking": winding.numbers.tolist(),
         "writhe": winding.writhes.tolist(),
+        "writhes": winding.all_writhes.tolist(),
         "helicity": winding.helicity,
     }

@@ -18,7 +18,7 @@ from .report import VALUES
 
 # Settings that panel and operator have as properties of their own names.
 FLOW_NAMES = (
-    *("show", "resolution", "count", "quantum", "core", "attribute", "opening", "smoothing", "unwrapped"),
+    *("show", "resolution", "share", "count", "quantum", "core", "attribute", "opening", "smoothing", "unwrapped"),
     *("method", "rounding", "seed", "target_gap"),
 )
 VortexProperties = properties_of(
@@ -27,7 +27,8 @@ VortexProperties = properties_of(
     core=property_of(FlowSettings, "core", min=0.0),
     filepath=StringProperty(
         name="File",
-        description="OpenVDB or NumPy file with a velocity, #### for frame numbers; empty for the chosen objects",
+        description="OpenVDB, NumPy, VTK, NetCDF or HDF5 file with a velocity, #### for frame numbers; "
+        "empty for the chosen objects",
         subtype="FILE_PATH",
     ),
     by=EnumProperty(
@@ -36,7 +37,9 @@ VortexProperties = properties_of(
         items=[
             ("COUNT", "Filaments", "So many pass the plane with most vorticity"),
             ("CIRCULATION", "Circulation", "It is given"),
+            ("SHARE", "Vorticity Carried", "The filaments carry a share of the vorticity"),
         ],
+        default="SHARE",
     ),
     use_frames=BoolProperty(
         name="Frames", description="Solve a range of frames, each from the one before: one object a frame"
@@ -50,6 +53,7 @@ def plain(properties):
     """:class:`FlowSettings` from an operator's properties."""
     apart = {
         "quantum": properties.quantum if properties.by == "CIRCULATION" else None,
+        "count": properties.count if properties.by == "COUNT" else None,
         "core": properties.core or None,
         "frames": (properties.frame_start, properties.frame_end) if properties.use_frames else None,
     }

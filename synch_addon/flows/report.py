@@ -30,13 +30,14 @@ def report_of(solved, filled, objects, start):
     """The report of a run that began at ``start`` and made, or filled anew, some objects; the last one is active."""
     result, found = solved.result, solved.result.seen
     solution, sphere = found.solution, result.sphere
+    share = None if result.shown is None else result.shown.share  # without stubs
     return {
         "status": solution.status.value,
         **_of_grid(solved.name, objects[-1], found.grid, found.quantum),
         "objects": [obj.name for obj in objects],
         **quality(replace(solution, energy=found.energy)),
         "sphere_energy": sphere.energy if sphere else None,
-        "vorticity_share": found.vorticity_share,
+        "vorticity_share": found.vorticity_share if share is None else share,
         **ending(asdict(solved.settings), solution.times | result.seconds, start, [*result.warnings, *filled.warnings]),
         **filled.facts,
     }

@@ -11,7 +11,8 @@ import numpy as np
 
 from ...core.errors import SettingError, quote_value
 from ...core.fields.biot_savart import FilamentCurves
-from ...core.files.flows import VELOCITY, VolumeFile, flow_file
+from ...core.files.flows import VELOCITY, flow_file
+from ...core.files.volumes import VolumeFile
 from ..blender.modifiers import is_of_filaments
 from ..blender.objects import no_object
 from ..blender.openvdb import module_file
@@ -61,7 +62,7 @@ def _filaments(objects, core):
     curves = []
     for obj in objects:
         if obj.type not in SOURCE_TYPES:
-            raise SettingError(f"{obj.name} is no curve: choose curves, a volume, or a .vdb or .npz file")
+            raise SettingError(f"{obj.name} is no curve: choose curves, a volume, or a file with a flow")
         strength = obj.get(STRENGTH, 1.0)
         if not isinstance(strength, Real) or not math.isfinite(strength):
             raise SettingError(f"{obj.name}: its {STRENGTH} is {strength!r}: give the circulation as a number")

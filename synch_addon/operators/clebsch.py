@@ -8,7 +8,7 @@ from bpy_extras.io_utils import ExportHelper
 from ..flows import memory
 from ..flows.choice import choose_point
 from ..flows.chosen import flow_of
-from ..flows.files import filament_export
+from ..flows.files import SUFFIXES, can_export, filament_export
 from ..flows.job import job_for
 from ..flows.properties import VortexProperties, plain
 from ..jobs.queue import queue
@@ -75,25 +75,26 @@ class SYNCH_OT_best_vortices(PromptOperator, bpy.types.Operator):
 
 
 class SYNCH_OT_filament_export(PromptOperator, ExportHelper, bpy.types.Operator):
-    """Write the filaments to a file for other programs: a table (.csv) or polylines (.vtp, .vtk)"""
+    """Write the filaments or tubes to a file for other programs: .vtp, .vtk, .ply, .obj, .abc, a table .csv"""
 
     bl_idname = "synch.filament_export"
-    bl_label = "Export Filaments"
+    bl_label = "Export Vortices"
 
     filename_ext = ".vtp"
-    filter_glob: StringProperty(default="*.vtp;*.vtk;*.csv", options={"HIDDEN"})
+    filter_glob: StringProperty(default=";".join(f"*{suffix}" for suffix in SUFFIXES), options={"HIDDEN"})
 
     @classmethod
     def poll(cls, context):
-        return memory.shown_filaments.holds(context.active_object)
+        return can_export(context.active_object)
 
     def check(self, context):
-        """Keep the suffixes .vtk and .csv, which the helper would replace."""
-        return not self.filepath.lower().endswith((".vtk", ".csv")) and super().check(context)
+        """Keep the other suffixes, which the helper would replace."""
+        return not self.filepath.lower().endswith(SUFFIXES) and super().check(context)
 
     def make(self, context):
         report = filament_export(context.active_object, self.filepath)
-        return f"wrote {count_text(report['filaments'], 'filament')} to {report['files'][0]}"
+        counts = [count_text(report[name], name[:-1]) for name in ("filaments", "tubes") if name in report]
+        return f"wrote {counts[0]} to {report['files'][0]}"
 
 
 CLASSES = (SYNCH_OT_clebsch, SYNCH_OT_best_vortices, SYNCH_OT_filament_export)

@@ -10,6 +10,7 @@ from ..blender.registration import register_all
 from ..blender.translations import translate, translate_count
 from ..flows import memory
 from ..flows.chosen import expected_shape
+from ..flows.files import can_export
 from .sidebar import SidebarPanel, draw_solver, property_column
 
 
@@ -45,7 +46,7 @@ class SYNCH_PT_vortex_result(SidebarPanel, bpy.types.Panel):
         draw_figures(self.layout, obj.synch_vortices.figures)
         if memory.flows.holds(obj):
             draw_choice(self.layout, obj.synch_vortices)
-        if memory.shown_filaments.holds(obj):
+        if can_export(obj):
             self.layout.operator("synch.filament_export", icon="EXPORT")
 
 
@@ -59,7 +60,7 @@ def draw_vortices(layout, settings):
         column.prop(settings, "core")
     column.prop(settings, "attribute")
     column.prop(settings, "by")
-    column.prop(settings, "count" if settings.by == "COUNT" else "quantum")
+    column.prop(settings, {"COUNT": "count", "CIRCULATION": "quantum", "SHARE": "share"}[settings.by])
     if settings.show != "FILAMENTS":
         column.prop(settings, "opening")
     column.prop(settings, "smoothing")

@@ -30,6 +30,7 @@ class Filament:
     shift : (3,) that often the box
     cuts : first point of each part that lies in the box by itself, 0 the first one
     moves : (k, 3) that take the parts into the box
+    share : of the flow's vorticity that it carries
     """
 
     points: np.ndarray
@@ -39,6 +40,7 @@ class Filament:
     shift: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros(3))
     cuts: tuple[int, ...] = (0,)
     moves: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros((1, 3)))
+    share: float = 0.0
 
     @property
     def is_loop(self):
@@ -135,6 +137,7 @@ def _filament(found, strand, places, smoothing):
         box * winding,
         cuts,
         -box * passed[list(cuts)],
+        float(strand.index * np.sign(found.face_numbers[faces]) @ found.face_shares[faces]),
     )
 
 

@@ -23,6 +23,7 @@ class Tubes:
     sphere : (n, 3) point of the sphere at each vertex
     strength : circulation around one that the map covers once
     pieces : connected parts
+    blobs : pieces without a hole, which are around no filament: their Euler characteristic is positive
     """
 
     vertices: np.ndarray
@@ -30,6 +31,7 @@ class Tubes:
     sphere: np.ndarray
     strength: float
     pieces: int
+    blobs: int = 0
 
 
 def vortex_tubes(sphere, point, opening, smoothing):
@@ -54,5 +56,9 @@ def vortex_tubes(sphere, point, opening, smoothing):
     shown = math.cos(angle) * axis + math.sin(angle) * around
     places = smooth_surface(surface.mesh, surface.mesh.vertices, smoothing)
     strength = sphere.found.quantum * 0.5 * (1 - math.cos(angle))
-    pieces = int(surface.mesh.pieces.max(initial=-1)) + 1
-    return Tubes(places, surface.mesh.triangles, shown, strength, pieces)
+    mesh = surface.mesh
+    pieces = int(mesh.pieces.max(initial=-1)) + 1
+    parts = (mesh.pieces, mesh.pieces[mesh.edges[:, 0]], mesh.pieces[mesh.triangles[:, 0]])
+    vertices, edges, faces = (np.bincount(part, minlength=pieces) for part in parts)
+    blobs = int((vertices - edges + faces > 0).sum())
+    return Tubes(places, mesh.triangles, shown, strength, pieces, blobs)

@@ -199,7 +199,7 @@ def test_of_several_grids_of_vectors_the_velocity_is_solved(tmp_path):
         assert expected_shape(bpy.context, str(path), 18, attribute) == (18, 18, 14)
     with pytest.raises(SettingError, match="no vorticity"):  # of the colours
         clebsch(mine["vel"], attribute="Cd", resolution=18)
-    with pytest.raises(SettingError, match=r"no grid of vectors 'speed' \(it has Cd \(vec3s\), vel \(vec3s\)\)"):
+    with pytest.raises(SettingError, match=r"has no vectors 'speed' \(it has Cd \(vec3s\), vel \(vec3s\)\)"):
         clebsch(mine["vel"], attribute="speed")
     flow = sources.flow_source(mine["wind"], None).read()
     assert flow.warnings[0].startswith("Cd is taken for the velocity (there are Cd (vec3s), wind (vec3s))")
@@ -284,7 +284,7 @@ def test_a_map_that_shows_nothing_says_what_to_do(tmp_path, capfd):
     np.savez(tmp_path / "ring.npz", velocity=velocity.reshape(*grid.shape, 3), spacing=0.1, origin=grid.origin)
     assert main(["clebsch", str(tmp_path / "ring.npz"), "--quantum", "50", "--show", "both", "--quiet"]) == 0
     out = capfd.readouterr().out
-    for words in ("has no filaments: ", "there are some", "make the tubes wider", "0 filaments"):
+    for words in ("has no filaments: ", "with a circulation of", "make the tubes wider", "0 filaments"):
         assert words in out
 
 
@@ -312,15 +312,42 @@ def test_filaments_go_out_with_what_they_are(tmp_path, capfd):
     expected = 2 * report["linking"][0][1] + sum(report["writhe"])
     assert report["helicity"] == pytest.approx(expected)
     obj = bpy.data.objects[report["object"]]
-    for suffix, words in ((".csv", "filament,x,y,z"), (".vtp", "PolyData"), (".vtk", "DATASET POLYDATA")):
+    for suffix, words in (
+        (".csv", "filament,x,y,z"),
+        (".vtp", "PolyData"),
+        (".vtk", "DATASET UNSTRUCTURED_GRID"),
+        (".ply", "ply"),
+        (".obj", "\nl 1 2 3 "),
+    ):
         told = api.filament_export(obj, tmp_path / f"rings{suffix}")
         assert told["filaments"] == 2 and words in (tmp_path / f"rings{suffix}").read_text()
     assert bpy.ops.synch.filament_export(filepath=str(tmp_path / "again.vtp")) == {"FINISHED"}
     assert (tmp_path / "again.vtp").read_text() == (tmp_path / "rings.vtp").read_text()
-    with pytest.raises(SettingError, match=r"\.csv or \.vtp or \.vtk"):
+    with pytest.raises(SettingError, match=r"\.csv or \.vtp or \.vtk or \.ply or \.obj or \.abc"):
         api.filament_export(obj, tmp_path / "rings.txt")
     with pytest.raises(SynchError, match="has no solve in memory"):
         api.filament_export(rings[0], tmp_path / "rings.csv")
+    assert sum(line["vorticity_share"] for line in report["filaments"]) == pytest.approx(report["vorticity_share"])
+
+
+def test_tubes_go_out_and_come_back_by_blender(tmp_path):
+    report = clebsch(circle(), show="both", quantum=0.34, opening=100, resolution=20, target_gap=0.1)
+    tubes, lines = (bpy.data.objects[name] for name in report["objects"])
+    chosen = [obj for obj in bpy.data.objects if obj.select_get()]
+    for suffix in (".vtp", ".vtk", ".ply", ".obj", ".abc"):
+        told = api.filament_export(tubes, tmp_path / f"tubes{suffix}")
+        assert told["tubes"] == 1 and (tmp_path / f"tubes{suffix}").stat().st_size > 1000
+    api.filament_export(lines, tmp_path / "lines.abc")
+    assert [obj for obj in bpy.data.objects if obj.select_get()] == chosen
+    with pytest.raises(SettingError, match="a table has filaments: write tubes as"):
+        api.filament_export(tubes, tmp_path / "tubes.csv")
+    places = np.array([vertex.co for vertex in tubes.data.vertices])
+    for suffix, read in ((".ply", bpy.ops.wm.ply_import), (".abc", bpy.ops.wm.alembic_import)):
+        assert read(filepath=str(tmp_path / f"tubes{suffix}")) == {"FINISHED"}
+        again = bpy.context.selected_objects[0]
+        found = np.array([again.matrix_world @ vertex.co for vertex in again.data.vertices])
+        assert len(again.data.polygons) == len(tubes.data.polygons)
+        assert np.abs(np.sort(found, axis=0) - np.sort(places, axis=0)).max() < 1e-4
 
 
 def test_thin_cores_and_many_quanta_are_warned_of():
@@ -361,7 +388,7 @@ def test_where_there_is_no_filament_a_circulation_is_named_that_gives_one(tmp_pa
     np.savez(tmp_path / "ring.npz", velocity=velocity.reshape(*grid.shape, 3), spacing=0.1, origin=grid.origin)
     report = clebsch(tmp_path / "ring.npz", quantum=50.0)
     assert any("has no filaments" in line for line in report["warnings"])
-    (line,) = [line for line in report["warnings"] if "there are some" in line]
+    (line,) = [line for line in report["warnings"] if "carry 0% of the vorticity: with" in line]
     remedy = float(line.split("a circulation of ")[1].split()[0])
     assert len(clebsch(tmp_path / "ring.npz", quantum=remedy)["filaments"]) >= 1
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import SettingError
-from synch_fields.core.files import flows
+from synch_fields.core.files import flows, volumes
 from synch_fields.core.memory import used_bytes
 from synch_fields.synch_addon.blender import openvdb
 from synch_fields.synch_addon.flows.job import clebsch
@@ -29,7 +29,7 @@ def test_a_damaged_volume_cannot_take_the_machines_memory(tmp_path, monkeypatch)
     content = path.read_bytes()
     place = content.index(b"_count") + len("_count") + 3  # the length of the next name, of two bytes more now
     path.write_bytes(content[:place] + b"-1" + content[place:])
-    monkeypatch.setattr(flows, "_SOUND_BYTES", 2**28)
+    monkeypatch.setattr(volumes, "SOUND_BYTES", 2**28)
     before = used_bytes()
     with pytest.raises(SettingError, match=r"it promises \d+ bytes and has \d+"):
         flows.flow_file(path, module=openvdb.module_file()).read()
@@ -76,7 +76,7 @@ def refuse_files(tmp_path):
         "text.npz": "spacing is 'wide'",
         "nowhere.npz": r"origin is \[0.0, nan, 0.0\]",
         "around.npz": "periodic is 'no'",
-        "scalar.vdb": r"no grid of vectors \(it has density",
+        "scalar.vdb": r"has no vectors \(it has density",
         "empty.vdb": "is empty",
         "nan.vdb": "not numbers",
         "far.vdb": "spans 1000005 x 1000005 x 1000005 voxels, more than memory holds: remove what lies far away",
@@ -86,7 +86,7 @@ def refuse_files(tmp_path):
         "shape.npz": r"shape \(4, 4, 3\)",
         "inf.npz": r"node \(1, 2, 3\) \(1 in all\) is not a number",
         "still.npz": "no vorticity",
-        "flow.txt": "read from .vdb and .npz",
+        "flow.txt": "read from .vdb, .npz, .vti, ",
     }
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from synch_fields.core.errors import Cancelled, SettingError, SynchError
-from synch_fields.core.fields.clebsch import quantum_for
+from synch_fields.core.fields.quantum import find_quantum
 from synch_fields.core.settings.flow import FlowSettings
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command.main import main
@@ -149,7 +149,7 @@ def test_the_circulation_is_that_of_the_frame_with_most_vorticity(tmp_path):
     report = api.clebsch(tmp_path / "grow#.npz", frames=(1, 2), target_gap=0.05, count=2)
     most = flow_source(tmp_path / "grow2.npz", None).read()
     grid = most.grid(18)
-    assert report["quantum"] == pytest.approx(quantum_for(grid, most.integrals(grid), 2))
+    assert report["quantum"] == pytest.approx(find_quantum(grid, most.integrals(grid), 0.8, 2))
     first, last = (frame["filaments"] for frame in report["frames"])
     assert first < last
 

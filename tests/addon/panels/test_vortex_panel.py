@@ -66,7 +66,9 @@ def test_a_file_that_is_none_has_no_estimate(tmp_path):
 
 def test_settings_are_shown_where_they_count():
     settings = bpy.context.scene.synch_vortices
-    assert {"count", "smoothing", "core", "attribute", "target_gap"} <= set(drawn(SYNCH_PT_vortices)[1])
+    assert {"share", "smoothing", "core", "attribute", "target_gap"} <= set(drawn(SYNCH_PT_vortices)[1])
+    settings.by = "COUNT"
+    assert {"count", "share"} & set(drawn(SYNCH_PT_vortices)[1]) == {"count"}
     settings.by, settings.show, settings.use_frames, settings.method = "CIRCULATION", "TUBES", True, "SPECTRAL"
     settings.filepath = "smoke_####.vdb"
     shown = set(drawn(SYNCH_PT_vortices)[1])

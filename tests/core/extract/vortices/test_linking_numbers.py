@@ -5,6 +5,7 @@
 import numpy as np
 import pytest
 
+from synch_fields.core.extract.vortices import linking_numbers as module
 from synch_fields.core.extract.vortices.filaments import Filament
 from synch_fields.core.extract.vortices.linking_numbers import linking_number, linking_numbers, writhe
 
@@ -105,3 +106,32 @@ def test_in_a_periodic_box_images_count():
 def test_too_many_points_are_left_alone(monkeypatch):
     monkeypatch.setattr("synch_fields.core.extract.vortices.linking_numbers.MOST_PAIRS", 100)
     assert linking_numbers([Filament(ring_curve(1.0)[:-1], 1.0, True)], np.zeros(3)) is None
+
+
+def test_long_filaments_count_by_their_middles_where_they_are_far(monkeypatch):
+    """Two linked rings and a trefoil against the integral that is exact for polygons."""
+    turn = np.linspace(0, 2 * np.pi, 300, endpoint=False)
+    trefoil = np.column_stack(
+        [np.sin(turn) + 2 * np.sin(2 * turn), np.cos(turn) - 2 * np.cos(2 * turn), -np.sin(3 * turn)]
+    )
+    rings = [
+        np.column_stack([np.cos(turn), np.sin(turn), 0 * turn]),
+        np.column_stack([1 + np.cos(turn), 0 * turn, np.sin(turn)]),
+    ]
+    exact = writhe(trefoil), linking_number(*rings)
+    monkeypatch.setattr(module, "_MANY_PAIRS", 1000)
+    near = writhe(trefoil), linking_number(*rings)
+    assert near != exact and np.allclose(near, exact, atol=2e-3) and abs(round(near[1])) == 1
+
+
+def test_open_filaments_have_a_writhe_of_their_own():
+    """A helix along z: that of one turn of radius a and pitch 2 pi b is known for long ones, 1 - b / sqrt(a^2 + b^2) a
+    turn; a straight one has none."""
+    turns, b = 24, 0.5
+    angle = np.linspace(0, 2 * np.pi * turns, 60 * turns + 1)
+    helix = Filament(np.column_stack([np.cos(angle), np.sin(angle), b * angle]), 1.0, False)
+    straight = Filament(np.array([[0, 0, 0], [0, 0, 1.0], [0, 0, 2]]), 1.0, False)
+    found = linking_numbers([helix, straight], np.zeros(3))
+    assert found.loops == () and found.writhes.shape == (0,) and found.helicity == 0
+    assert found.all_writhes[1] == 0
+    assert found.all_writhes[0] / turns == pytest.approx(1 - b / np.hypot(1, b), rel=0.06)

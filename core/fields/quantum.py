@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The circulation of one filament, chosen by what quick solves on coarser and coarser grids show with it."""
+
+from contextlib import suppress
+
+import numpy as np
+
+from ..errors import MeshError
+from ..geometry.grid import Grid
+from ..monitor import Monitor
+from ..solve import Options
+from .clebsch import (
+    MOST_QUANTA,
+    circulations,
+    clebsch_map,
+    edge_integrals,
+    layer_sums,
+    mean_circulation,
+    quantum_for,
+)
+
+# Circulations that are tried fall by this factor; a share of the vorticity may exceed the whole by so much.
+STEP, EXCESS = 0.5**0.5, 1.1
+# Nodes of the grid that the search begins on at most, and of the finest that it goes on to.
+COARSE_NODES, FINE_NODES = 5_000, 40_000
+# Quick solves find some more filaments than full ones: their share has to be larger by this.
+MARGIN = 0.03
+
+
+def find_quantum(grid, integrals, share, count=None, largest=None, seed=0, callback=None):
+    """The largest circulation of a filament with which the filaments carry a share of the vorticity.
+
+    Parameters
+    ----------
+    grid : Grid, or Surface
+    integrals : (e,) of the velocity along the edges
+    share : of the vorticity that is wanted
+    count : filaments that have to pass one plane of the grid one way; a number decides in place of the share
+    largest : circulation that is tried first; None for all that passes the plane with most vorticity
+    seed : of the quick solves
+    callback : see :func:`core.solve.solve`
+
+    Returns
+    -------
+    float, of three digits; the least that the grid can hold where no circulation gives as much
+
+    Raises
+    ------
+    SettingError
+        for a flow without vorticity
+    """
+    options, monitor = Options(method="coarse", seed=seed), Monitor(callback)
+    most = quantum_for(grid, integrals, count or 1)
+    quantum = _rounded(min(most, largest or most))
+
+    for fine, along in reversed(_levels(grid, integrals)):
+        least = mean_circulation(fine, along) / MOST_QUANTA
+        while quantum > 1.01 * least:
+            monitor.at(f"trying a circulation of {quantum:.3g}", 0.0)
+            found = clebsch_map(fine, along, quantum, options, lambda _stage, _fraction: monitor.check())
+            if shows_enough(found, min(share + MARGIN, 1), count) and (found.vorticity_share or 0) <= EXCESS:
+                break
+            quantum = _rounded(STEP * quantum)
+    return max(quantum, _rounded(least_quantum(grid, integrals)))
+
+
+def shows_enough(found, share, count=None):
+    """Whether the filaments of a :class:`ClebschMap` carry a share of the vorticity, or, if a count is given, whether
+    so many of them pass one plane of the grid one way."""
+    if count is None:
+        return (found.vorticity_share or 0) >= share
+    return layer_sums(found.grid, found.face_numbers) >= count
+
+
+def least_quantum(grid, integrals):
+    """The circulation below which phases can hardly tell the filaments that pass a face apart."""
+    return 2 * mean_circulation(grid, integrals) / MOST_QUANTA
+
+
+def _rounded(quantum):
+    """To three digits, as messages name it."""
+    return float(f"{quantum:.3g}")
+
+
+def sampling_noise(grid, velocity):
+    """How much circulations around blocks of two by two faces change where every other node is left out, as a share of
+    them: near 0 for vorticity that the grid resolves, 1 where velocities are noise, and 3 where there is no vorticity
+    and the trapezoidal rule makes what is found, as its error grows by four.
+
+    Parameters
+    ----------
+    grid : Grid
+    velocity : (n, d) at its nodes
+
+    Returns
+    -------
+    float, None for a grid that cannot be halved or a flow without any vorticity
+    """
+    if not grid.can_halve:
+        return None
+    with suppress(MeshError):
+        coarse, integrals = halved(grid, edge_integrals(grid, velocity))
+        every_other = velocity.reshape(*grid.shape, -1)[(slice(None, None, 2),) * grid.dimension]
+        kept = every_other[tuple(map(slice, coarse.shape))].reshape(coarse.node_count, -1)
+        sums = circulations(coarse, integrals)
+        rough = circulations(coarse, edge_integrals(coarse, kept))
+        total = np.abs(sums).sum()
+        return float(np.abs(rough - sums).sum() / total) if total else None
+    return None
+
+
+def _levels(grid, integrals):
+    """The flow on grids that get coarser, as many as the search goes over."""
+    levels = [(grid, integrals)]
+    with suppress(MeshError):  # obstacles leave no cell of a coarser grid open
+        while isinstance(grid, Grid) and grid.node_count > COARSE_NODES and grid.can_halve:
+            grid, integrals = halved(grid, integrals)
+            levels.append((grid, integrals))
+    return [level for level in levels[:-1] if level[0].node_count <= FINE_NODES] + levels[-1:]
+
+
+def halved(grid, integrals):
+    """A :class:`Grid` of every other node, and the integrals along its edges, which are sums of two.
+
+    Circulations around its faces are those of the four faces in each. The last nodes of an open axis with an even
+    number of them are left out.
+    """
+    shape = [count // 2 if ring else (count + 1) // 2 for count, ring in zip(grid.shape, grid.periodic, strict=True)]
+    solid = grid.solid[(slice(None, None, 2),) * grid.dimension][tuple(map(slice, shape))]
+    coarse = Grid(shape, 2 * grid.spacing, grid.origin, grid.periodic, solid if solid.any() else None)
+    parts, start = [], 0
+    for axis in range(grid.dimension):
+        values = integrals[start : start + np.prod(grid.edge_shape(axis))].reshape(grid.edge_shape(axis))
+        start += values.size
+        ends = [slice(0, 2 * count, 2) for count in coarse.edge_shape(axis)]
+        second = [*ends[:axis], slice(1, 2 * coarse.edge_shape(axis)[axis], 2), *ends[axis + 1 :]]
+        parts.append((values[tuple(ends)] + values[tuple(second)]).ravel())
+    return coarse, np.concatenate(parts)

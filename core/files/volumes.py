@@ -1,0 +1,317 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flows in OpenVDB files: grids of vectors, centred or staggered, and grids of their components apart."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.ndimage import map_coordinates
+
+from ..errors import SettingError
+from ..fields.clebsch import edge_integrals
+from ..fields.quantum import sampling_noise
+from ..fields.vorticity import vorticity_integrals
+from ..geometry.grid import Grid, box_grid
+from ..memory import at_most, machine_bytes
+from ..settings.flow import VELOCITY
+from .border import border
+from .openvdb import openvdb_module
+from .vdb_sizes import check_vdb_sizes
+
+# Of a number in single precision.
+_VOXEL_BYTES = 4
+# What reading a volume may take: so many bytes, and for each byte of its file, which is compressed, so many more.
+SOUND_BYTES, SOUND_RATIO = 2**31, 200
+# Volumes so thin, as a share of their width, are flat: their scale is rounded to about as much.
+_FLAT = 1e-6
+# No transform of a volume has a number as large as this.
+_FARTHEST = 1e30
+# The library crashes at copying voxels whose numbers are above 2**29.
+_FARTHEST_VOXEL = 2**28
+# Indices as far from whole ones as this are rounded to them.
+_ASIDE = 1e-3
+# Names of a flow's vectors, the first of which Blender's own liquids have, and of its vorticity.
+USUAL, ROTATIONS = (VELOCITY, "vel", "v", "u"), ("vorticity", "vort", "omega", "curl")
+# What the names of components end with where each is a grid of its own.
+_ENDS = ((".x", ".y", ".z"), ("_x", "_y", "_z"), ("[0]", "[1]", "[2]"), ("x", "y", "z"))
+
+
+def is_vorticity(name):
+    """Whether vectors of this name are the vorticity of a flow."""
+    return name.lower() in ROTATIONS
+
+
+def choose_flow(path, vectors, numbers, attribute, have=None):
+    """Which of a file's arrays or grids are the flow.
+
+    It is the one, or the components of the one, that ``attribute`` names; where that is "velocity" and there is none,
+    one of another usual name, one of a vorticity, then the first one.
+
+    Parameters
+    ----------
+    path : of the file
+    vectors, numbers : names of arrays of vectors, and of plain numbers
+    attribute : name that is wanted
+    have : what errors say that there is, None for these names
+
+    Returns
+    -------
+    names : of the vectors, or of their three components
+    is_curl : whether they are the vorticity
+    warnings : lines that the user should read
+
+    Raises
+    ------
+    SettingError
+        naming those that there are where there is none
+    """
+    have = have or ", ".join([*vectors, *numbers]) or "none"
+    flows = component_names(numbers) | {name: (name,) for name in vectors}
+    if not flows:
+        raise SettingError(f"{path}: has no vectors (it has {have}): export the velocity")
+    wanted = (*USUAL, *ROTATIONS) if attribute == VELOCITY else (attribute,)
+    by_name = {name.lower(): name for name in reversed(flows)}
+    found = next((by_name[name.lower()] for name in wanted if name.lower() in by_name), None)
+    if found is not None:
+        return flows[found], is_vorticity(found), ()
+    if attribute != VELOCITY:
+        raise SettingError(f"{path}: has no vectors {attribute!r} (it has {have}): name one of these")
+    first = (*vectors, *flows)[0]
+    warning = f"{first} is taken for the velocity (there are {have}): name another one as the attribute"
+    return flows[first], is_vorticity(first), (warning,) if len(flows) > 1 else ()
+
+
+def component_names(names):
+    """The three names of each vector whose components have names of their own, by its name."""
+    found: dict[str, tuple[str, ...]] = {}
+    for ends in _ENDS:
+        for name in names:
+            base = name.removesuffix(ends[0])
+            parts = tuple(base + end for end in ends)
+            if base not in ("", name) and set(parts) <= set(names) and parts not in found.values():
+                found.setdefault(base, parts)
+    if {"u", "v", "w"} <= set(names):
+        found.setdefault(VELOCITY, ("u", "v", "w"))
+    return found
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One component of a flow at the voxels of a volume.
+
+    Attributes
+    ----------
+    values : (nx, ny, nz)
+    to_world : (4, 4) matrix that takes indices of the values, whole ones where they are known, to the world
+    """
+
+    values: np.ndarray
+    to_world: np.ndarray
+
+    def at(self, places):
+        """(n,) values at (n, 3) places in the world, between the voxels by straight lines."""
+        inverse = np.linalg.inv(self.to_world)
+        return map_coordinates(self.values, inverse[:3, :3] @ places.T + inverse[:3, 3:], order=1, mode="nearest")
+
+
+@dataclass(frozen=True)
+class VoxelFlow:
+    """A flow at the voxels of a volume.
+
+    Attributes
+    ----------
+    channels : the three :class:`Channel` along the file's axes
+    box : lowest and highest corner in the world
+    turn : (3, 3) matrix that takes velocities to the world
+    is_staggered : whether each component is known between the voxels of the others, on the faces along its axis
+    is_vorticity : whether it is the vorticity of the flow
+    warnings : lines that the user should read
+    """
+
+    channels: tuple[Channel, ...]
+    box: tuple[np.ndarray, np.ndarray]
+    turn: np.ndarray
+    is_staggered: bool
+    is_vorticity: bool
+    warnings: tuple[str, ...]
+
+    @property
+    def noise(self):
+        """Of the voxels, as :func:`sampling_noise` has it."""
+        values = [channel.values for channel in self.channels]
+        if self.is_vorticity or len({part.shape for part in values}) > 1:
+            return None
+        spacing = np.linalg.norm(self.channels[0].to_world[:3, :3], axis=0)
+        return sampling_noise(Grid(values[0].shape, spacing), np.stack(values, axis=-1).reshape(-1, 3))
+
+    def grid(self, resolution):
+        """A grid along the world's axes, with so many nodes along its longest side."""
+        return box_grid(*self.box, resolution)
+
+    def at(self, places):
+        """(n, 3) vectors at places in the world."""
+        return np.stack([channel.at(places) for channel in self.channels], axis=1) @ self.turn.T
+
+    def integrals(self, grid):
+        """(e,) of the velocity along the grid's edges, by what is between the voxels at its nodes.
+
+        Where the grid has the nodes of a staggered file, components are known in the middle of edges, which count too.
+        """
+        values = self.at(grid.places)
+        if self.is_vorticity:
+            return vorticity_integrals(grid, values)
+        integrals = edge_integrals(grid, values)
+        if not self.is_staggered:
+            return integrals
+        axes = grid.edge_axes
+        middles = grid.places[grid.edges[:, 0]]
+        middles[np.arange(len(axes)), axes] += 0.5 * grid.spacing[axes]
+        for axis in range(grid.dimension):
+            chosen = axes == axis
+            middle = self.at(middles[chosen])[:, axis] * grid.spacing[axis]
+            integrals[chosen] = 0.5 * (integrals[chosen] + middle)
+        return integrals
+
+
+@dataclass(frozen=True)
+class VolumeFile:
+    """A grid of vectors of a .vdb file, or three grids of its components.
+
+    Attributes
+    ----------
+    path : of the file
+    matrix : (4, 4) that takes the file's world to the scene's
+    name : what errors call the volume
+    attribute : name of its grid, as :func:`_flow_grids` has it
+    module : file of the OpenVDB module, None where that is found by its name
+    """
+
+    path: Path
+    matrix: np.ndarray
+    name: str
+    attribute: str
+    module: str | None
+
+    def read(self):
+        """The :class:`VoxelFlow`.
+
+        Raises
+        ------
+        SettingError
+            in one line, for a file that is no such flow, and for a matrix that makes it flat
+        """
+        path, vdb = self.path, openvdb_module(self.module)
+        if not path.is_file():
+            raise SettingError(f"{path}: no such file")
+        with border(path, "choose an OpenVDB file"):
+            return self._read(vdb)
+
+    def _read(self, vdb):
+        path = self.path
+        try:
+            with self._limited():
+                chosen, is_curl, warnings = _flow_grids(path, self._metadata(vdb), self.attribute)
+                grids = [vdb.read(str(path), grid.name) for grid in chosen]
+            name = chosen[0].name
+        except SettingError:
+            raise
+        except MemoryError:
+            raise SettingError("reading it takes more memory than a sound file of its size: export it again") from None
+        except Exception as error:  # the reader's library raises whatever it likes at damaged files
+            raise SettingError(f"{error}: choose an OpenVDB file") from None
+        full = [number for number, grid in enumerate(grids) if grid.activeVoxelCount()]  # other boxes may be anything
+        empty = SettingError(f"the grid {name} is empty: export a frame that has a flow")
+        if not full:
+            raise empty
+        owns = [_index_to_world(grid) for grid in grids]
+        if not (np.abs(owns) < _FARTHEST).all():
+            raise SettingError(f"the grid {name} has a transform that is not finite: export it again")
+        for own in owns:
+            stretches = np.linalg.svd((self.matrix @ own)[:3, :3], compute_uv=False)
+            if not stretches[-1] > _FLAT * stretches[0]:
+                raise SettingError(f"the volume {self.name} is scaled to nothing along an axis: give it another scale")
+        boxes = []
+        for number in full:
+            first, last = grids[number].evalActiveVoxelBoundingBox()
+            boxes.append(world_box(first, last, owns[number]))
+        low, high = np.min([box[0] for box in boxes], axis=0), np.max([box[1] for box in boxes], axis=0)
+        parts = [_read_box(name, grid, low, high, own, len(grids)) for grid, own in zip(grids, owns, strict=True)]
+        if min(np.min(values.shape[:3]) for values, _ in parts) < 2:
+            raise empty
+        is_staggered = any(grid.gridClass == "staggered" for grid in grids)
+        channels = []
+        for axis in range(3):
+            (values, first), own = (parts[axis], owns[axis]) if len(grids) == 3 else (parts[0], owns[0])
+            shift = first - 0.5 * (is_staggered and len(grids) == 1) * np.eye(3)[axis]
+            to_world = self.matrix @ own
+            to_world[:3, 3] += to_world[:3, :3] @ shift
+            channels.append(Channel(values if len(grids) == 3 else values[..., axis], to_world))
+        is_staggered |= len({tuple(np.round(own[:3, 3], 9)) for own in owns}) == 3
+        box = world_box(low, high, self.matrix)
+        return VoxelFlow(tuple(channels), box, self.matrix[:3, :3], is_staggered, is_curl, warnings)
+
+    def _limited(self):
+        """Hold the reader to the memory that a sound file can take."""
+        return at_most(SOUND_BYTES + SOUND_RATIO * self.path.stat().st_size)
+
+    def _metadata(self, vdb):
+        """The headers of the file's grids, whose promises its bytes can hold."""
+        check_vdb_sizes(self.path)
+        return vdb.readAllGridMetadata(str(self.path))
+
+    def header(self):
+        """Lowest and highest index of the file's grid, and the (4, 4) matrix that takes indices to the file's world,
+        without reading any voxel; None where the header does not tell them."""
+        try:
+            with self._limited():
+                grids = self._metadata(openvdb_module(self.module))
+            chosen, _, _ = _flow_grids(self.path, grids, self.attribute)
+            boxes = [[np.array(grid[name]) for name in ("file_bbox_min", "file_bbox_max")] for grid in chosen]
+        except Exception:  # as in read(), which says what is wrong
+            return None
+        low, high = np.min([box[0] for box in boxes], axis=0), np.max([box[1] for box in boxes], axis=0)
+        return low, high, _index_to_world(chosen[0])
+
+
+def _flow_grids(path, grids, attribute):
+    """The grids of a volume that are the flow, by their headers, as :func:`choose_flow`, with its name."""
+    by_name = {grid.name: grid for grid in reversed(grids)}
+    vectors = [grid.name for grid in grids if grid.valueTypeName.startswith("vec3")]
+    numbers = [grid.name for grid in grids if grid.valueTypeName in ("float", "double", "half")]
+    have = ", ".join(f"{grid.name} ({grid.valueTypeName})" for grid in grids) or "none"
+    names, is_curl, warnings = choose_flow(path, vectors, numbers, attribute, have)
+    return [by_name[name] for name in names], is_curl, warnings
+
+
+def _read_box(name, grid, low, high, own, share):
+    """The values of a grid in a box of its file's world, and the lowest index there; it is one of ``share`` grids."""
+    low, high = world_box(low, high, np.linalg.inv(own))
+    low, high = np.floor(low + _ASIDE), np.ceil(high - _ASIDE)
+    if max(map(abs, (*low, *high))) > _FARTHEST_VOXEL:
+        raise SettingError(f"the grid {name} has voxels too far from its origin: move them nearer to it")
+    counts = high - low + 1
+    if counts.prod() * 3 * _VOXEL_BYTES > machine_bytes() / 2:
+        size = " x ".join(f"{count:.0f}" for count in counts)
+        raise SettingError(f"the grid {name} spans {size} voxels, more than memory holds: remove what lies far away")
+    values = np.empty((*counts.astype(int), *[3] * (share == 1)), np.float32)
+    grid.copyToArray(values, ijk=tuple(low.astype(int).tolist()))
+    if not np.isfinite(values).all():
+        raise SettingError(f"the grid {name} has voxels that are not numbers: mend the simulation")
+    return values, low
+
+
+def _index_to_world(grid):
+    """(4, 4) matrix of a grid's linear transform."""
+    origin = np.array(grid.transform.indexToWorld((0, 0, 0)))
+    matrix = np.eye(4)
+    for axis in range(3):
+        matrix[:3, axis] = np.array(grid.transform.indexToWorld(tuple(np.eye(3)[axis]))) - origin
+    matrix[:3, 3] = origin
+    return matrix
+
+
+def world_box(low, high, to_world):
+    """Lowest and highest corner in the world of a box of indices."""
+    corners = np.array(np.meshgrid(*zip(low, high, strict=True), indexing="ij")).reshape(3, -1)
+    world = to_world[:3, :3] @ corners + to_world[:3, 3:]
+    return world.min(axis=1), world.max(axis=1)

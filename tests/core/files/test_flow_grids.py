@@ -1,0 +1,258 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flows in the files of other programs: each is the one that was written, and damaged ones are refused in one line."""
+
+import struct
+import zlib
+from base64 import b64encode
+
+import numpy as np
+import pytest
+from scipy.io import netcdf_file
+
+from synch_fields.core.errors import SynchError
+from synch_fields.core.files.flow_grids import GridFlow
+from synch_fields.core.files.flows import flow_file
+
+SHAPE, SPACING, ORIGIN = (5, 6, 7), (0.5, 0.25, 0.125), (1.0, 2.0, -3.0)
+VELOCITY = np.random.default_rng(0).standard_normal((*SHAPE, 3))
+
+
+def check(flow, velocity=VELOCITY, shape=SHAPE, spacing=SPACING, origin=ORIGIN, rough=1e-12):
+    """The flow has these vectors, at these places."""
+    assert isinstance(flow, GridFlow) and flow.own.shape == tuple(shape)
+    np.testing.assert_allclose(flow.own.spacing, spacing, atol=1e-6)
+    np.testing.assert_allclose(flow.own.origin, origin, atol=1e-6)
+    np.testing.assert_allclose(flow.velocity.reshape(*shape, 3), velocity, atol=rough)
+
+
+def refusal(path):
+    with pytest.raises(SynchError) as caught:
+        flow_file(path).read()
+    assert "\n" not in str(caught.value) and str(path) in str(caught.value)
+    return str(caught.value)
+
+
+# Images of VTK
+
+
+def fortran(values):
+    """In VTK's order: the first axis fastest."""
+    return values.transpose(2, 1, 0, 3).ravel() if values.ndim == 4 else values.transpose(2, 1, 0).ravel()
+
+
+def vti(path, arrays, kind="ascii", where="PointData", shape=SHAPE, spacing=SPACING, origin=ORIGIN):
+    """Write arrays as an image: "ascii", "binary", "zlib" or "raw"."""
+    packed, bodies, offset = [], b"", 0
+    for name, values in arrays.items():
+        flat = np.ascontiguousarray(fortran(values))
+        data = flat.astype("<f8").tobytes()
+        count = values.shape[3] if values.ndim == 4 else 1
+        head = f'<DataArray type="Float64" Name="{name}" NumberOfComponents="{count}" '
+        if kind == "ascii":
+            packed.append(head + 'format="ascii">' + " ".join(map(repr, flat.tolist())) + "</DataArray>")
+        elif kind == "raw":
+            packed.append(head + f'format="appended" offset="{offset}"/>')
+            bodies += struct.pack("<I", len(data)) + data
+            offset = len(bodies)
+        elif kind == "binary":
+            text = b64encode(struct.pack("<I", len(data)) + data).decode()
+            packed.append(head + f'format="binary">{text}</DataArray>')
+        else:
+            body = zlib.compress(data)
+            text = b64encode(struct.pack("<IIII", 1, len(data), 0, len(body))).decode() + b64encode(body).decode()
+            packed.append(head + f'format="binary">{text}</DataArray>')
+    extent = " ".join(f"0 {n - (where == 'PointData')}" for n in shape)
+    compressor = ' compressor="vtkZLibDataCompressor"' if kind == "zlib" else ""
+    text = (
+        f'<?xml version="1.0"?><VTKFile type="ImageData" version="1.0" byte_order="LittleEndian"{compressor}>'
+        f'<ImageData WholeExtent="{extent}" Origin="{" ".join(map(str, origin))}" '
+        f'Spacing="{" ".join(map(str, spacing))}"><Piece Extent="{extent}"><{where}>{"".join(packed)}</{where}>'
+        "</Piece></ImageData>"
+    ).encode()
+    if kind == "raw":
+        text += b'<AppendedData encoding="raw">_' + bodies + b"</AppendedData>"
+    path.write_bytes(text + b"</VTKFile>")
+    return path
+
+
+@pytest.mark.parametrize("kind", ["ascii", "binary", "zlib", "raw"])
+def test_images_of_points_in_each_way_of_writing(tmp_path, kind):
+    other = np.arange(np.prod(SHAPE), dtype=float).reshape(SHAPE)
+    check(flow_file(vti(tmp_path / "flow.vti", {"p": other, "velocity": VELOCITY}, kind)).read())
+
+
+def test_images_of_cells_are_a_grid_of_their_middles(tmp_path):
+    flow = flow_file(vti(tmp_path / "flow.vti", {"U": VELOCITY}, where="CellData")).read()
+    check(flow, origin=np.array(ORIGIN) + 0.5 * np.array(SPACING))
+
+
+def test_images_of_components_of_other_names_and_of_vorticity(tmp_path):
+    parts = {f"vel_{axis}": VELOCITY[..., k] for k, axis in enumerate("xyz")}
+    check(flow_file(vti(tmp_path / "parts.vti", parts)).read())
+    check(flow_file(vti(tmp_path / "uvw.vti", dict(zip("uvw", parts.values(), strict=True)))).read())
+    two = vti(tmp_path / "two.vti", {"Wind": VELOCITY, "B": -VELOCITY})
+    check(flow_file(two, "B").read(), -VELOCITY)
+    (warning,) = flow_file(two).read().warnings
+    assert warning.startswith("Wind is taken for the velocity (there are Wind, B)")
+    curl = flow_file(vti(tmp_path / "curl.vti", {"Vorticity": VELOCITY})).read()
+    assert curl.is_vorticity and not flow_file(two).read().is_vorticity
+
+
+def test_masks_and_missing_numbers_are_solid(tmp_path):
+    holes = VELOCITY.copy()
+    holes[1, 2, 3] = np.nan
+    solid, mask = np.zeros(SHAPE), np.ones(SHAPE)
+    solid[4, 5, 6], mask[0, 0, 0] = 1, 0
+    flow = flow_file(vti(tmp_path / "flow.vti", {"velocity": holes, "solid": solid, "mask": mask}, "raw")).read()
+    assert {tuple(place) for place in np.argwhere(flow.own.solid).tolist()} == {(1, 2, 3), (4, 5, 6), (0, 0, 0)}
+    assert np.isfinite(flow.integrals(flow.own)).all()
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda t: t.replace(b'"ImageData" version', b'"PolyData" version'), "is not VTK's ImageData"),
+        (lambda t: t.replace(b'Spacing="0.5', b'Spacing="wide'), "cannot be read"),
+        (lambda t: t.replace(b'Spacing="0.5 ', b'Spacing="'), "its Spacing is '0.25 0.125': give 3 numbers"),
+        (lambda t: t.replace(b'WholeExtent="0 4', b'WholeExtent="0 3'), "its piece is not the whole"),
+        (lambda t: t.replace(b'Extent="0 4', b'Extent="0 9'), "an array that cannot be read"),
+        (lambda t: t.replace(b'Extent="0 4', b'Extent="0 400000000'), "takes about"),
+        (
+            lambda t: t.replace(b'"velocity"', b'"other"').replace(b'Components="3"', b'Components="2"'),
+            "has no vectors",
+        ),
+        (lambda t: t[: len(t) // 2], "export it again"),
+        (lambda t: t.replace(b"ImageData W", b'ImageData Direction="0 1 0 1 0 0 0 0 1" W'), "its axes are turned"),
+        (lambda t: t.replace(b"<Piece", b"<Piece/><Piece"), "it has 2 pieces"),
+    ],
+)
+def test_damaged_images_are_refused(tmp_path, change, message):
+    path = vti(tmp_path / "flow.vti", {"velocity": VELOCITY})
+    path.write_bytes(change(path.read_bytes()))
+    assert message in refusal(path)
+
+
+# NetCDF and HDF5
+
+
+def netcdf(path, variables, coordinates, steps=0):
+    """Write variables in the order (time,) z, y, x with NetCDF 3."""
+    with netcdf_file(path, "w") as file:
+        for name, values in coordinates.items():
+            file.createDimension(name, len(values))
+            file.createVariable(name, "f8", (name,))[:] = values
+        if steps:
+            file.createDimension("time", steps)
+        for name, values in variables.items():
+            file.createVariable(name, "f8", ("time",) * bool(steps) + ("z", "y", "x"))[:] = values
+    return path
+
+
+AXES = {axis: o + h * np.arange(n) for axis, o, h, n in zip("xyz", ORIGIN, SPACING, SHAPE, strict=True)}
+UVW = {name: VELOCITY[..., k].transpose(2, 1, 0) for k, name in enumerate("uvw")}
+
+
+def test_netcdf_counts_z_y_x_and_has_its_coordinates(tmp_path):
+    check(flow_file(netcdf(tmp_path / "flow.nc", UVW, AXES)).read())
+    steps = {name: np.stack([values, 0 * values]) for name, values in UVW.items()}
+    flow = flow_file(netcdf(tmp_path / "steps.nc", steps, AXES, 2)).read()
+    check(flow)
+    assert flow.warnings[0].startswith("of 2 times the first one is shown")
+
+
+def test_coordinates_that_fall_or_are_uneven_become_even(tmp_path):
+    fallen = {name: values[::-1] for name, values in UVW.items()}
+    check(flow_file(netcdf(tmp_path / "fallen.nc", fallen, AXES | {"z": AXES["z"][::-1]})).read())
+    z = np.cumsum([0, 1, 2, 1, 1, 3, 1.0])  # a linear flow stays what it is
+    x = AXES["x"][None, None, :]
+    y = AXES["y"][None, :, None]
+    linear = 2 * x - y + 3 * z[:, None, None]
+    flow = flow_file(netcdf(tmp_path / "uneven.nc", dict.fromkeys("uvw", linear), AXES | {"z": z})).read()
+    even = np.linspace(0, 9, 7)
+    expected = 2 * AXES["x"][:, None, None] - AXES["y"][:, None] + 3 * even
+    np.testing.assert_allclose(flow.own.origin[2] + flow.own.spacing[2] * np.arange(7), even)
+    np.testing.assert_allclose(flow.velocity[:, 0].reshape(SHAPE), expected, atol=1e-12)
+
+
+def test_fill_values_are_solid(tmp_path):
+    with netcdf_file(tmp_path / "flow.nc", "w") as file:
+        for name, count in zip("xyz", SHAPE, strict=True):
+            file.createDimension(name, count)
+        for name, values in UVW.items():
+            variable = file.createVariable(name, "f8", ("z", "y", "x"))
+            variable._FillValue = -999.0
+            variable[:] = np.where(np.arange(SHAPE[0]) == 4, -999.0, values)
+    flow = flow_file(tmp_path / "flow.nc").read()
+    assert flow.own.solid[4].all() and not flow.own.solid[:4].any() and flow.own.spacing.tolist() == [1, 1, 1]
+
+
+def test_netcdf_that_is_none_is_refused(tmp_path):
+    (tmp_path / "text.nc").write_text("no file of arrays")
+    assert "text.nc" in refusal(tmp_path / "text.nc")
+    whole = netcdf(tmp_path / "cut.nc", UVW, AXES).read_bytes()
+    (tmp_path / "cut.nc").write_bytes(whole[: len(whole) // 2])
+    refusal(tmp_path / "cut.nc")
+    assert "do not increase" in refusal(netcdf(tmp_path / "same.nc", UVW, AXES | {"y": 0 * AXES["y"]}))
+
+
+def test_hdf5_with_numbered_vectors_and_coordinates(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "cut.h5", "w") as file:  # as Johns Hopkins' turbulence databases write it
+        file.create_dataset("Velocity_0001", data=VELOCITY.transpose(2, 1, 0, 3).astype("f4"))
+        for axis, values in AXES.items():
+            file.create_dataset(f"{axis}coor", data=values)
+    check(flow_file(tmp_path / "cut.h5").read(), rough=1e-6)
+    with h5py.File(tmp_path / "own.h5", "w") as file:  # x first, as its coordinates tell
+        file.create_dataset("flow/vorticity", data=VELOCITY, compression="gzip")
+        for axis, values in AXES.items():
+            file.create_dataset(f"grid/{axis}", data=values)
+    flow = flow_file(tmp_path / "own.h5").read()
+    check(flow)
+    assert flow.is_vorticity
+    (tmp_path / "bad.h5").write_bytes((tmp_path / "own.h5").read_bytes()[:900])
+    assert "\n" not in refusal(tmp_path / "bad.h5")
+
+
+# Other libraries
+
+
+@pytest.mark.parametrize("suffix", [".vti", ".vtk", ".vtr"])
+def test_regular_grids_that_pyvista_writes_keep_their_nodes(tmp_path, suffix):
+    pyvista = pytest.importorskip("pyvista")
+    mesh = pyvista.ImageData(dimensions=SHAPE, spacing=SPACING, origin=ORIGIN)
+    mesh.point_data["velocity"] = fortran(VELOCITY).reshape(-1, 3)
+    (mesh.cast_to_rectilinear_grid() if suffix == ".vtr" else mesh).save(tmp_path / f"flow{suffix}")
+    check(flow_file(tmp_path / f"flow{suffix}").read())
+
+
+@pytest.mark.parametrize(("library", "suffix"), [("pyvista", ".vts"), ("pyvista", ".vtu"), ("meshio", ".vtu")])
+def test_flows_on_other_meshes_are_sampled(tmp_path, library, suffix, monkeypatch):
+    """A linear flow on a block with a hole that only cells know of."""
+    pyvista = pytest.importorskip("pyvista")
+    mesh = pyvista.ImageData(dimensions=(9, 9, 9), spacing=(0.25,) * 3, origin=(-1,) * 3).cast_to_structured_grid()
+    if suffix == ".vtu":
+        mesh = mesh.extract_cells(np.linalg.norm(mesh.cell_centers().points, axis=1) > 0.4)
+    turn = np.cross([0, 0, 1], mesh.points)
+    mesh.point_data["velocity"] = turn
+    mesh.save(tmp_path / f"flow{suffix}")
+    if library == "meshio":
+        pytest.importorskip("meshio")
+        monkeypatch.setitem(__import__("sys").modules, "pyvista", None)
+    flow = flow_file(tmp_path / f"flow{suffix}").read()
+    grid = flow.grid(17)
+    assert grid.shape == (17, 17, 17)
+    values = flow.sample(grid.places)
+    inside = ~grid.solid.ravel()
+    np.testing.assert_allclose(values[inside], np.cross([0, 0, 1], grid.places[inside]), atol=1e-6)
+    hole = np.linalg.norm(grid.places, axis=1) < 0.2
+    assert not inside[hole].any() if library == "pyvista" and suffix == ".vtu" else inside.all()
+    assert np.isfinite(flow.integrals(grid)).all()
+
+
+def test_what_a_missing_library_would_read_says_so(tmp_path, monkeypatch):
+    for name in ("pyvista", "meshio", "h5py"):
+        monkeypatch.setitem(__import__("sys").modules, name, None)
+    for name in ("flow.vtu", "flow.h5"):
+        (tmp_path / name).write_bytes(b"\x89HDF")
+        assert "pip install synch-fields[flows]" in refusal(tmp_path / name)
