@@ -117,10 +117,10 @@ class SolidTargetOneForm:
         mesh = self.mesh
         return Connection(mesh.vertex_count, mesh.edges, mesh.weights, circle_transports(self.changes))
 
-    @property
-    def coarse_share(self):
-        """Share of the edges along which the phase should turn by more than half a period."""
-        return float((np.abs(self.changes) > np.pi).mean())
+    def divided(self, count):
+        """The growth with ``count`` layers in each period."""
+        correction = None if self.correction is None else count * self.correction
+        return replace(self, rates=count * self.rates, correction=correction)
 
     def calmed(self, share, fixed, merged):
         """The growth without a share of the curl of its changes.
@@ -202,6 +202,25 @@ class LayerPattern:
         dislocations whose changes are nearest to the phase's."""
         return potential(self.mesh, self.edge_phases.changes[:, 0])
 
+    def divided(self, count):
+        """The pattern with ``count`` layers in each period: its phase times that number, dislocations too."""
+        phases = self.edge_phases
+        return replace(
+            self, edge_phases=replace(phases, arguments=count * phases.arguments, changes=count * phases.changes)
+        )
+
+    def rested(self, groups):
+        """The pattern with the phase moved so that the first layer of each piece of the solid lies half a layer above
+        its lowest place; pieces with groups that hold a phase stay."""
+        pieces, phases = self.mesh.pieces, self.edge_phases
+        order = np.argsort(self.heights, kind="stable")
+        _, first = np.unique(pieces[order], return_index=True)
+        move = np.pi - phases.arguments[order[first]]
+        for group in groups:
+            if group.phase is not None:
+                move[pieces[group.vertices]] = 0
+        return replace(self, edge_phases=replace(phases, arguments=phases.arguments + move[pieces]))
+
     @property
     def spacings(self):
         """:class:`Spacings` of the layers."""
@@ -218,6 +237,29 @@ class LayerPattern:
         thinnest, thickest = quantiles(met, volumes, [_RARE, 1 - _RARE])
         share = volumes.sum() / self.mesh.volumes.sum()
         return Spacings(float(mean), float(deviation), float(thinnest), float(thickest), float(share), distances)
+
+
+def choose_levels(growth, groups, divisions):
+    """Groups that hold phases, on those levels of a divided period that fit the growth best; the first one stays.
+
+    Parameters
+    ----------
+    growth : SolidTargetOneForm of the whole period
+    groups : LayerGroups, with phases of a layer
+    divisions : layers in a period
+    """
+    held = [group for group in groups if group.phase is not None]
+    levels = {}
+    if divisions > 1 and len(held) > 1:
+        function = potential(growth.mesh, growth.changes)
+        heights = [divisions * function[group.vertices].mean() - group.phase for group in held]
+        levels = {id(group): np.rint((height - heights[0]) / TURN) for group, height in zip(held, heights, strict=True)}
+    return [
+        group
+        if group.phase is None
+        else replace(group, phase=(group.phase + TURN * levels.get(id(group), 0)) / divisions)
+        for group in groups
+    ]
 
 
 def layer_problem(mesh, directions, spacing, groups=(), branching=1.0):

@@ -10,7 +10,7 @@ from ..extract.lines.isolines import End, Isolines
 from ..geometry.barycentric import barycentric
 from ..geometry.nearest import NearestTriangles
 from ..graphs import components, ragged_arange
-from .coverage import REACH, BeadDistances, covered_share
+from .coverage import NARROWEST, REACH, BeadDistances, share_area
 from .medial_axis import beads_through, medial_beads
 from .subdivision import subdivide
 
@@ -22,8 +22,8 @@ _SAME = 0.1
 _SHORT, _FLAT = 1.5, 0.1
 # How often what is left is looked for; pieces of it that are smaller, in squares of a step, are tips of corners.
 _ROUNDS, _TIP = 3, 0.12
-# Width of the narrowest bead, in steps.
-NARROWEST = 0.25
+# Kind of beads that fill gaps.
+_GAP = 2
 
 
 @dataclass(frozen=True)
@@ -34,13 +34,15 @@ class Beads:
     ----------
     lines : Isolines over the triangles of the layers
     layers : (l,) the layer of each line, ascending
-    widths : (n,) at the lines' points: the step, less where a bead fills a narrower gap
+    kinds : (l,) 0 for a contour beside the rim, 1 for other lines, 2 where a bead fills a gap
+    widths : (n,) at the lines' points: about the step, and such that the beads have the area of the layers
     covered : (c,) share of each layer's area that is covered, see :mod:`.coverage`
     covered_share : of all layers
     """
 
     lines: Isolines
     layers: np.ndarray
+    kinds: np.ndarray
     widths: np.ndarray
     covered: np.ndarray
     covered_share: float
@@ -57,8 +59,10 @@ def contour_beads(surfaces, step):
     lines, layers = toolpaths(mesh, numbers, distances - step / 2, step)
     wide = (lines.lengths > _SHORT * step) & ~(lines.closed & (_widths(lines) < _FLAT * step))
     lines, layers = lines.chosen(wide).without_repeats(_SAME * step), layers[wide]
+    first = lines.starts
+    inner = np.einsum("lk,lk->l", lines.weights[first], distances[mesh.triangles[lines.triangles[first]]]) > step
     lines = _on_parents(lines, surfaces.mesh, parents)
-    found = lines, layers, np.full(len(lines.triangles), float(step))
+    found = lines, layers, inner.astype(int), np.full(len(lines.triangles), float(step))
     rim = _rim(surfaces, step)
     found = _join_beads(found, medial_beads(mesh, numbers, distances, _away(lines, layers, step), step), rim, step)
     at = np.zeros(mesh.vertex_count, int)
@@ -70,7 +74,8 @@ def contour_beads(surfaces, step):
         if not more:
             break
         found = _join_beads(found, more, rim, step)
-    return Beads(*found, *covered_share(mesh, numbers, _away(found[0], found[1], step), step))
+    lines, layers, kinds, _ = found
+    return Beads(lines, layers, kinds, *share_area(mesh, numbers, lines, layers, step))
 
 
 def plane_beads(surfaces, values, step):
@@ -78,8 +83,7 @@ def plane_beads(surfaces, values, step):
     lines, layers = toolpaths(surfaces.mesh, surfaces.layers, values, step)
     lines = lines.without_repeats(_SAME * step)
     mesh, parents = subdivide(surfaces.mesh, _SIZE * step, _MOST_TRIANGLES)
-    shares = covered_share(mesh, surfaces.layers[parents], _away(lines, layers, step), step)
-    return Beads(lines, layers, np.full(len(lines.triangles), float(step)), *shares)
+    return Beads(lines, layers, np.ones(len(layers), int), *share_area(mesh, surfaces.layers[parents], lines, layers, step))
 
 
 def _away(lines, layers, step):
@@ -118,8 +122,8 @@ def _rim(surfaces, step):
 
 
 def _join_beads(found, more, rim, step):
-    """Lines, layers and widths with those of more beads, put onto the layers, ordered by layer."""
-    lines, layers, widths = found
+    """Lines, layers, kinds and widths with those of more beads, put onto the layers, ordered by layer."""
+    lines, layers, kinds, widths = found
     if not more:
         return found
     mesh = lines.mesh
@@ -141,4 +145,5 @@ def _join_beads(found, more, rim, step):
         np.concatenate([lines.ends, ends])[order],
     )
     narrow = np.clip(2 * free, NARROWEST * step, step)
-    return joined, of[order], np.append(widths, narrow)[points]
+    kinds = np.append(kinds, np.full(len(more), _GAP))[order]
+    return joined, of[order], kinds, np.append(widths, narrow)[points]

@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much of layers beads cover, by samples on them."""
+"""How much of layers beads cover, and how wide they have to be for that, by samples on the layers."""
 
 import numpy as np
+from scipy.sparse import coo_matrix, diags_array
+from scipy.sparse.linalg import spsolve
 from scipy.spatial import cKDTree
 
 from ..graphs import ragged_arange
 
 # Places of a bead that distances are taken to are a step over this apart: a distance of half a step is 1 % too long.
 _PARTS = 8
-# Farther than this from the next bead, in steps, a place is not covered by it.
-REACH = 0.75
+# Farther than this from the next bead, in steps, a gap is looked at; and a place is not covered, which is half a bead's
+# width and what samples are off by.
+REACH, COVERED = 0.6, 0.505
+# Width of the narrowest and of the widest bead, in steps.
+NARROWEST, WIDEST = 0.25, 1.5
 # Barycentric coordinates of the middles of a triangle's quarters.
 MIDDLES = np.array([[4, 1, 1], [1, 4, 1], [1, 1, 4], [2, 2, 2]]) / 6
 
@@ -29,36 +34,73 @@ class BeadDistances:
         piece, place = ragged_arange(counts)
         points = begins[piece] + (place / counts[piece])[:, None] * (ends - begins)[piece]
         points, layers = np.concatenate([points, ends]), np.concatenate([layers[piece], layers])
+        self._pieces = np.append(piece, np.arange(len(ends)))
         # Layers are far apart along a fourth axis.
         self._apart = 1e3 * (1 + np.abs(points).max(initial=0))
         self._tree = cKDTree(np.column_stack([points, self._apart * layers])) if len(points) else None
 
     def __call__(self, points, layers):
         """(n,) from (n, 3) points on (n,) layers; infinite on layers without a bead."""
+        return self.nearest(points, layers)[0]
+
+    def nearest(self, points, layers):
+        """The same, and (n,) the piece that is nearest, -1 for none."""
         if self._tree is None or len(points) == 0:
-            return np.full(len(points), np.inf)
-        found = self._tree.query(np.column_stack([points, self._apart * layers]))[0]
-        return np.where(found < self._apart / 2, found, np.inf)
+            return np.full(len(points), np.inf), np.full(len(points), -1)
+        found, at = self._tree.query(np.column_stack([points, self._apart * layers]))
+        near = found < self._apart / 2
+        return np.where(near, found, np.inf), np.where(near, self._pieces[np.where(near, at, 0)], -1)
 
 
-def covered_share(mesh, layers, away, step):
-    """Share of the area of layers that is within :data:`REACH` steps of a bead.
+def share_area(mesh, layers, lines, numbers, step):
+    """Share the area of layers out to the beads that are nearest to it.
 
     Parameters
     ----------
     mesh : TriangleMesh, with triangles that are small beside a step
     layers : (t,) of its triangles
-    away : BeadDistances
+    lines : Isolines, the middle of the beads
+    numbers : (l,) layer of each line
     step : between beads
 
     Returns
     -------
-    (c,) of each layer, and of all together
+    widths : (n,) at the lines' points, with which the beads have the area that is nearest to them
+    covered : (c,) share of each layer's area that is within half a step of a bead
+    covered_share : of all layers
     """
-    inside = np.zeros(mesh.triangle_count)
+    points, following, of = lines.points, lines.next, numbers[lines.numbers]
+    away = BeadDistances(points, points[following], of, step)
     corners = mesh.vertices[mesh.triangles]
+    inside, own = np.zeros(mesh.triangle_count), np.zeros(len(points))
     for weights in MIDDLES:
-        inside += (away(np.einsum("k,tkx->tx", weights, corners), layers) <= REACH * step) / len(MIDDLES)
-    covered = np.bincount(layers, inside * mesh.areas)
-    areas = np.bincount(layers, mesh.areas)
-    return covered / np.maximum(areas, np.finfo(float).tiny), float(covered.sum() / areas.sum())
+        found, piece = away.nearest(np.einsum("k,tkx->tx", weights, corners), layers)
+        inside += (found <= COVERED * step) / len(MIDDLES)
+        # What is farther than a whole bead away stays empty.
+        near = found <= step
+        areas = np.bincount(piece[near], mesh.areas[near], len(points)) / len(MIDDLES)
+        own += areas / 2
+        np.add.at(own, following, areas / 2)
+    widths = np.clip(even_along(lines, own, step), NARROWEST * step, WIDEST * step)
+    covered, areas = np.bincount(layers, inside * mesh.areas), np.bincount(layers, mesh.areas)
+    return widths, covered / np.maximum(areas, np.finfo(float).tiny), float(covered.sum() / areas.sum())
+
+
+def even_along(lines, amounts, length):
+    """(n,) density along lines of (n,) amounts at their points, evened out over a length; its integral is their sum."""
+    masses = point_lengths(lines)
+    steps, following = lines.steps, lines.next
+    inner = np.flatnonzero(following != np.arange(len(following)))
+    links = length**2 / 4 / np.maximum(steps[inner], 1e-3 * length)
+    ends = np.stack([inner, following[inner]])
+    off = coo_matrix(
+        (-np.append(links, links), np.concatenate([ends, ends[::-1]], axis=1)), shape=(len(steps), len(steps))
+    ).tocsc()
+    masses = np.maximum(masses, 1e-9 * length)
+    return spsolve((off + diags_array(masses - np.asarray(off.sum(axis=1)).ravel())).tocsc(), amounts)
+
+
+def point_lengths(lines):
+    """(n,) of lines at each point: half of the pieces that end there."""
+    lengths = lines.steps / 2
+    return lengths + np.bincount(lines.next, lengths, len(lengths))

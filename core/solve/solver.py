@@ -87,7 +87,7 @@ def _solve(problem, options, callback, start, show):
         begin = Start.of(problem, start)
     work = pieces.sizes.sum() or 1
     results, left = [], np.arange(len(pieces))
-    if len(pieces) > 1:
+    if len(pieces) > 1 or (len(pieces) and options.method in ("sdp", FIRST, COARSE)):
         results, left = solve_components(problem, options, monitor, clock, begin)
     done = 1 - pieces.sizes[left].sum() / work
     calmed = _Calmed(problem)

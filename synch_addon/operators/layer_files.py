@@ -132,7 +132,7 @@ class SYNCH_OT_layer_path_export(_FileOperator, bpy.types.Operator):
     def _job(self, context):
         return PathsJob(
             context.active_object,
-            _path_settings(self),
+            _path_settings(self, self.filepath),
             self.filepath,
         )
 
@@ -160,9 +160,9 @@ class SYNCH_OT_layer_volume(_FileOperator, bpy.types.Operator):
         return f"{report['volume_object']}: {count_text(report['voxels'], 'voxel')}"
 
 
-def _path_settings(operator):
-    """The :class:`PathSettings` of an operator."""
-    return PathSettings(operator.step or None, operator.fill, machine_of(operator.machine or None))
+def _path_settings(operator, path=None):
+    """The :class:`PathSettings` of an operator that may write to a path."""
+    return PathSettings(operator.step or None, operator.fill, machine_of(operator.machine or None, path))
 
 
 def _report_files(report):

@@ -17,6 +17,7 @@ from ..blender.new_geometry import add_spline, new_mesh
 from ..blender.transaction import at_the_end, leave, only_for_now, set_aside, store, undone_by
 from ..patterns.lines import add_splines
 from .links import SOLID
+from .report import program_facts
 
 PROGRAM = ".gcode"
 PATH_SUFFIXES = (*WRITERS, PROGRAM)
@@ -148,11 +149,12 @@ def paths_file(paths, path):
 
     Closed paths come back to their first point. Normals point in the direction in which layers follow one another.
     """
-    suffix = Path(path).suffix.lower()
+    suffix, facts = Path(path).suffix.lower(), {"files": [str(path)]}
     if suffix == PROGRAM:
-        text = gcode(paths.course, paths.machine)
+        program = gcode(paths.course, paths.machine)
+        text, facts["program"] = program.text, program_facts(program)
     else:
-        text = WRITERS[suffix](paths.lines, paths.layers, paths.places, paths.normals, paths.heights, paths.widths)
+        text = WRITERS[suffix](paths.lines, paths.layers, paths.places, paths.normals, paths.heights, paths.widths, paths.up)
     with write_whole(path) as made:
         made.write_text(text, encoding="utf-8")
-        yield {"files": [str(path)]}
+        yield facts

@@ -6,7 +6,7 @@ from contextlib import nullcontext
 import bpy
 
 from ...core.errors import SettingError, SynchError
-from ...core.printing.machine import Machine, read_machine
+from ...core.printing.machine import MACHINES, USUAL, Machine, read_machine
 from ...core.tasks.layer_outputs import PathSettings
 from ...core.validation import check_path, convert_value
 from ..blender import meshes
@@ -63,7 +63,7 @@ def layer_toolpaths(obj, step=None, fill="contour", path=None, machine=None):
     obj : as for :func:`layer_export`
     step, fill : see :class:`PathSettings`
     path : write them to this file (.csv, .obj, .gcode) as well
-    machine : .toml file of the printer, see :class:`Machine`; None for one with three axes
+    machine : name of a printer, or .toml file of one, see :class:`Machine`; None for ``marlin`` where a program is written
 
     Returns
     -------
@@ -74,7 +74,7 @@ def layer_toolpaths(obj, step=None, fill="contour", path=None, machine=None):
     SynchError
         with one line that names the element and the remedy; nothing is made
     """
-    return run(PathsJob(obj, PathSettings(step, fill, machine_of(machine)), path))
+    return run(PathsJob(obj, PathSettings(step, fill, machine_of(machine, path)), path))
 
 
 def layer_volume(obj, path, resolution=128):
@@ -117,13 +117,19 @@ class _OutputJob:
             if self._path is not None:
                 keep_file(obj, self._path)
             with self._file(layering, result) as facts:
-                facts |= self._make(obj, layering, result)
+                made = self._make(obj, layering, result)
+                warnings = [*made.get("warnings", ()), *facts.get("program", {}).get("warnings", ())]
+                facts |= made | ({"warnings": warnings} if "warnings" in made else {})
                 return {"status": "made", "command": self.command, "object": obj.name, **facts}
 
 
-def machine_of(path):
-    """The :class:`Machine` of a file whose name may begin with //, the usual one for None."""
-    return Machine() if path is None else read_machine(_absolute(path))
+def machine_of(machine, path=None):
+    """The :class:`Machine` of a name or of a file whose name may begin with //; without one, the usual machine where a
+    program is written to a path, else one that does not limit anything."""
+    if machine is None:
+        is_program = path is not None and str(path).lower().endswith(files.PROGRAM)
+        return read_machine(USUAL) if is_program else Machine()
+    return read_machine(machine if str(machine) in MACHINES else _absolute(machine))
 
 
 class PathsJob(_OutputJob):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How fine a solid is made, how large it becomes, and the distance between layers that it carries."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +22,8 @@ EDGES_PER_LAYER = 3.0
 FEWEST_EDGES = 2.0
 # Layers across the object, at most, where no spacing is given.
 LAYERS_ACROSS = 40
+# A period of the pattern carries one layer as long as that takes no more tetrahedra, where no size is given.
+UNDIVIDED_TETS = 1_200_000
 
 
 class Measures(NamedTuple):
@@ -72,20 +75,28 @@ class Estimate(NamedTuple):
 
 
 class Lengths(NamedTuple):
-    """Distance between layers and longest edge of the tetrahedra, in scene units."""
+    """Distance between layers and longest edge of the tetrahedra, in scene units, and layers in a period of the phase
+    that is solved for."""
 
     spacing: float
     size: float
+    divisions: int = 1
+
+    @property
+    def period(self):
+        """Distance in which the phase that is solved for turns once."""
+        return self.spacing * self.divisions
 
     @classmethod
-    def of(cls, distance, spacing, size, lowest=1.0):
-        """Both for a surface that is to be filled, automatic ones where they are None.
+    def of(cls, distance, spacing, size, lowest=1.0, divisions=None):
+        """For a surface that is to be filled, automatic ones where they are None.
 
         Parameters
         ----------
         distance : SurfaceDistance
         spacing, size : scene units, or None
         lowest : factor on the spacing where layers are thinnest
+        divisions : layers in a period; None for 1, or for as many as the tetrahedra need
 
         Raises
         ------
@@ -96,20 +107,23 @@ class Lengths(NamedTuple):
         if size is None:
             size = estimate(distance).size
             if spacing is not None:
-                size = min(size, spacing * lowest / EDGES_PER_LAYER)
-        lengths = cls.carried(distance, spacing, size, lowest)
-        finest = lengths.spacing * lowest
+                finer = spacing * lowest * (divisions or 1) / EDGES_PER_LAYER
+                if divisions or estimate(distance, min(size, finer)).tets <= UNDIVIDED_TETS:
+                    size = min(size, finer)
+        lengths = cls.carried(distance, spacing, size, lowest, divisions)
+        finest = lengths.period * lowest
         if finest < FEWEST_EDGES * lengths.size:
             raise SettingError(
                 f"the spacing {finest:g} is finer than tetrahedra of size {lengths.size:g} can carry: give a size of "
-                f"{finest / EDGES_PER_LAYER:.3g}, or a spacing from {FEWEST_EDGES * lengths.size / lowest:.3g} on"
+                f"{finest / EDGES_PER_LAYER:.3g}, more divisions, or a spacing from "
+                f"{FEWEST_EDGES * lengths.size / lowest:.3g} on"
             )
         _refuse_size(distance, lengths.size)
         return lengths
 
     @classmethod
-    def carried(cls, distance, spacing, size, lowest=1.0):
-        """With the spacing that tetrahedra of a size carry, where none is given; parameters and errors as :meth:`of`.
+    def carried(cls, distance, spacing, size, lowest=1.0, divisions=None):
+        """With what tetrahedra of a size carry, where it is not given; parameters and errors as :meth:`of`.
 
         A spacing that is too fine for them is not refused.
         """
@@ -121,7 +135,10 @@ class Lengths(NamedTuple):
             raise SettingError(
                 f"the spacing {spacing:g} is larger than the object ({reach:g}): no layer would fit, reduce it"
             )
-        return cls(float(spacing), float(size))
+        if divisions is None:
+            finest = spacing * lowest
+            divisions = 1 if finest >= FEWEST_EDGES * size else math.ceil(EDGES_PER_LAYER * size / finest)
+        return cls(float(spacing), float(size), divisions)
 
 
 def estimate(measures, size=None):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What many pieces share: those that a field fits perfectly are found at once, and small ones are solved together."""
+"""What need not be relaxed piece by piece: a field that fits all of a piece is found along a tree, and small pieces are
+solved together."""
 
 import numpy as np
 
@@ -15,7 +16,7 @@ def solve_components(problem, options, monitor, clock, start):
 
     Parameters
     ----------
-    problem : SynchronizationProblem of several pieces
+    problem : SynchronizationProblem
     options : Options
     monitor : Monitor of the whole work
     clock : Clock
@@ -36,7 +37,7 @@ def solve_components(problem, options, monitor, clock, start):
         if len(fitted):
             results.append(_as_they_are(pieces, fitted, coordinates, options, True))
             is_left[fitted] = False
-    small = np.flatnonzero(is_left & (pieces.sizes <= LARGEST) & (pieces.weights > 0))
+    small = np.flatnonzero(is_left & (pieces.sizes <= LARGEST) & (pieces.weights > 0) & (len(pieces) > 1))
     if problem.is_circle and options.method != "diffusion" and len(small):
         share = pieces.sizes[small].sum() / pieces.sizes.sum()
         with clock("small pieces"):
