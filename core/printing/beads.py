@@ -12,10 +12,15 @@ from ..geometry.nearest import NearestTriangles
 from ..graphs import components, ragged_arange
 from .coverage import NARROWEST, REACH, BeadDistances, share_area
 from .medial_axis import beads_through, medial_beads
-from .subdivision import subdivide
+from .flat import RimDistances, is_flat, rim_pieces
+from .subdivision import subdivide, subdivide_by
 
 # Longest edge of the triangles that contours are found on, in steps, and the most triangles.
 _SIZE, _MOST_TRIANGLES = 0.4, 1_500_000
+# A distance may bend by this much along an edge of flat layers' triangles, in steps.
+_BENT = 0.02
+# Points of a bead are no farther apart, in steps, and it turns by no more between them, in radians.
+_LONGEST, _TURNED = 2.5, 0.05
 # Points of contours nearer than this are one, in steps.
 _SAME = 0.1
 # Contours that are shorter, or whose sides are closer, go around what one bead covers, in steps.
@@ -53,12 +58,17 @@ def contour_beads(surfaces, step):
 
     Where two contours leave a gap, and where a layer is narrower than a step, a bead lies along the middle.
     """
-    mesh, parents = subdivide(surfaces.mesh, _SIZE * step, _MOST_TRIANGLES)
+    if is_flat(surfaces):
+        rims = RimDistances(surfaces, step)
+        mesh, parents, distances = subdivide_by(surfaces.mesh, rims, _SIZE * step, _BENT * step)
+    else:
+        mesh, parents = subdivide(surfaces.mesh, _SIZE * step, _MOST_TRIANGLES)
+        distances = rim_distances(mesh)
     numbers = surfaces.layers[parents]
-    distances = rim_distances(mesh)
     lines, layers = toolpaths(mesh, numbers, distances - step / 2, step)
     wide = (lines.lengths > _SHORT * step) & ~(lines.closed & (_widths(lines) < _FLAT * step))
     lines, layers = lines.chosen(wide).without_repeats(_SAME * step), layers[wide]
+    lines = without_straight_points(lines, step)
     first = lines.starts
     inner = np.einsum("lk,lk->l", lines.weights[first], distances[mesh.triangles[lines.triangles[first]]]) > step
     lines = _on_parents(lines, surfaces.mesh, parents)
@@ -84,6 +94,25 @@ def plane_beads(surfaces, values, step):
     lines = lines.without_repeats(_SAME * step)
     mesh, parents = subdivide(surfaces.mesh, _SIZE * step, _MOST_TRIANGLES)
     return Beads(lines, layers, np.ones(len(layers), int), *share_area(mesh, surfaces.layers[parents], lines, layers, step))
+
+
+def without_straight_points(lines, step):
+    """Lines without points on straight ways between others that are not too far apart."""
+    points, following = lines.points, lines.next
+    ways = points[following] - points
+    lengths = np.linalg.norm(ways, axis=1)
+    units = ways / np.where(lengths > 0, lengths, 1)[:, None]
+    before = np.arange(len(points)) - 1
+    before[lines.starts] = np.where(lines.closed, lines.starts + lines.sizes - 1, lines.starts)
+    turns = np.arccos(np.clip(np.einsum("nx,nx->n", units, units[before]), -1, 1))
+    number, way, turned = lines.numbers, np.cumsum(lengths) - lengths, np.cumsum(turns)
+    bins = np.column_stack([number, way // (_LONGEST * step), turned // _TURNED])
+    kept = np.append(True, (np.diff(bins, axis=0) != 0).any(axis=1)) | (turns > _TURNED)
+    # The point before a corner, and the last one, stay.
+    kept |= following == np.arange(len(points))
+    kept[lines.starts + lines.sizes - 1] = True
+    sizes = np.bincount(number[kept], minlength=len(lines.sizes))
+    return replace(lines, triangles=lines.triangles[kept], weights=lines.weights[kept], sizes=sizes)
 
 
 def _away(lines, layers, step):
@@ -115,10 +144,7 @@ def _on_parents(lines, mesh, parents):
 
 def _rim(surfaces, step):
     """:class:`BeadDistances` of the layers' rims."""
-    mesh = surfaces.mesh
-    half = np.flatnonzero(mesh.twins < 0)
-    begins, ends = (mesh.vertices[np.roll(mesh.triangles, turn, axis=1).ravel()[half]] for turn in (0, -1))
-    return BeadDistances(begins, ends, surfaces.layers[half // 3], step)
+    return BeadDistances(*rim_pieces(surfaces), step)
 
 
 def _join_beads(found, more, rim, step):

@@ -15,6 +15,8 @@ _PARTS = 8
 REACH, COVERED = 0.6, 0.505
 # Width of the narrowest and of the widest bead, in steps.
 NARROWEST, WIDEST = 0.25, 1.5
+# Samples along a step.
+_SAMPLES = 2.5
 # Barycentric coordinates of the middles of a triangle's quarters.
 MIDDLES = np.array([[4, 1, 1], [1, 4, 1], [1, 1, 4], [2, 2, 2]]) / 6
 
@@ -57,7 +59,7 @@ def share_area(mesh, layers, lines, numbers, step):
 
     Parameters
     ----------
-    mesh : TriangleMesh, with triangles that are small beside a step
+    mesh : TriangleMesh
     layers : (t,) of its triangles
     lines : Isolines, the middle of the beads
     numbers : (l,) layer of each line
@@ -71,19 +73,28 @@ def share_area(mesh, layers, lines, numbers, step):
     """
     points, following, of = lines.points, lines.next, numbers[lines.numbers]
     away = BeadDistances(points, points[following], of, step)
-    corners = mesh.vertices[mesh.triangles]
-    inside, own = np.zeros(mesh.triangle_count), np.zeros(len(points))
-    for weights in MIDDLES:
-        found, piece = away.nearest(np.einsum("k,tkx->tx", weights, corners), layers)
-        inside += (found <= COVERED * step) / len(MIDDLES)
-        # What is farther than a whole bead away stays empty.
-        near = found <= step
-        areas = np.bincount(piece[near], mesh.areas[near], len(points)) / len(MIDDLES)
-        own += areas / 2
-        np.add.at(own, following, areas / 2)
+    samples, triangle = _samples(mesh, step)
+    areas = mesh.areas[triangle] / np.bincount(triangle)[triangle]
+    found, piece = away.nearest(samples, layers[triangle])
+    # What is farther than a whole bead away stays empty.
+    near = found <= step
+    halves = np.bincount(piece[near], areas[near], len(points)) / 2
+    own = halves + np.bincount(following, halves, len(points))
+    inside = np.bincount(triangle, areas * (found <= COVERED * step), mesh.triangle_count)
     widths = np.clip(even_along(lines, own, step), NARROWEST * step, WIDEST * step)
-    covered, areas = np.bincount(layers, inside * mesh.areas), np.bincount(layers, mesh.areas)
+    covered, areas = np.bincount(layers, inside), np.bincount(layers, mesh.areas)
     return widths, covered / np.maximum(areas, np.finfo(float).tiny), float(covered.sum() / areas.sum())
+
+
+def _samples(mesh, step):
+    """Places spread evenly over triangles, one at least on each, and (k,) the triangle of each (Martin Roberts' R2
+    sequence, folded into the triangle)."""
+    counts = np.maximum(np.ceil(mesh.areas * (_SAMPLES / step) ** 2).astype(int), 1)
+    triangle, place = ragged_arange(counts)
+    u, v = ((place + 0.5 + triangle)[:, None] * [0.7548776662466927, 0.5698402909980532] % 1).T
+    u, v = np.where(u + v > 1, 1 - u, u), np.where(u + v > 1, 1 - v, v)
+    a, b, c = (mesh.vertices[column[triangle]] for column in mesh.triangles.T)
+    return a + u[:, None] * (b - a) + v[:, None] * (c - a), triangle
 
 
 def even_along(lines, amounts, length):

@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 from ..errors import SettingError
 from ..extract.lines.isolines import Isolines
 from .coverage import even_along, point_lengths
+from .flat import flat_below, is_flat
 from .gcode import GAP, INNER, WALL, Course
 from .heights import NOTHING, OUTSIDE, Below, below
 from .machine import Machine
@@ -164,8 +165,9 @@ def print_plan(surfaces, solid, beads, matrix, machine, step, spacing):
     """
     lines = beads.lines
     at = beads.layers[lines.numbers]
+    look = flat_below if is_flat(surfaces) else below
     found, over = (
-        below(surfaces, solid, lines.points, side * lines.normals, at, spacing) for side in (1, -1)
+        look(surfaces, solid, lines.points, side * lines.normals, at, spacing) for side in (1, -1)
     )
     carried, carrying = _carrying_layers(lines, beads.layers, found, surfaces.count)
     order = layer_order(surfaces.count, carried, carrying)
