@@ -81,7 +81,9 @@ def read_moves(text):
             feed = values.get("F", feed)
             way = np.linalg.norm(np.subtract(end, begin)[:3])
             way = way if way > 0 else np.linalg.norm(np.subtract(end, begin)[3:]) or abs(amount)
-            rows.append([*begin, *end, amount, 60 / feed if is_timed and "G1" in codes else 60 * way / feed, width, height])
+            rows.append(
+                [*begin, *end, amount, 60 / feed if is_timed and "G1" in codes else 60 * way / feed, width, height]
+            )
             kinds.append(kind)
     table = np.array(rows)
     stop = np.flatnonzero((table[:, 12] > 0) & (table[:, :6] != table[:, 6:12]).any(axis=1))[-1] + 1

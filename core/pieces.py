@@ -96,8 +96,8 @@ class Pieces(Sequence):
         return (nodes / np.linalg.norm(nodes, axis=1, keepdims=True)).ravel()
 
     def fitted(self, coordinates):
-        """(k,) bool: pieces that (N,) or (N, width) coordinates fit perfectly."""
-        return self.energies(coordinates) <= PERFECT * self.scales
+        """(k,) bool: pieces that (N,) or (N, width) coordinates fit perfectly, up to rounding."""
+        return self.energies(coordinates) <= self.noise
 
     def energies(self, coordinates):
         """(k,) energies of (N,) or (N, width) coordinates, as sums of squares."""

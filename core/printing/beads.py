@@ -11,15 +11,15 @@ from ..geometry.barycentric import barycentric
 from ..geometry.nearest import NearestTriangles
 from ..graphs import components, ragged_arange
 from .coverage import NARROWEST, REACH, BeadDistances, share_area
-from .medial_axis import beads_through, medial_beads
 from .flat import RimDistances, is_flat, rim_pieces
+from .medial_axis import beads_through, medial_beads
 from .subdivision import subdivide, subdivide_by
 
 # Longest edge of the triangles that contours are found on, in steps, and the most triangles.
 _SIZE, _MOST_TRIANGLES = 0.4, 1_500_000
 # A distance may bend by this much along an edge of flat layers' triangles, in steps.
 _BENT = 0.02
-# Points of a bead are no farther apart, in steps, and it turns by no more between them, in radians.
+# On flat layers, points of a bead are no farther apart, in steps; and it turns by no more between them, in radians.
 _LONGEST, _TURNED = 2.5, 0.05
 # Points of contours nearer than this are one, in steps.
 _SAME = 0.1
@@ -58,7 +58,8 @@ def contour_beads(surfaces, step):
 
     Where two contours leave a gap, and where a layer is narrower than a step, a bead lies along the middle.
     """
-    if is_flat(surfaces):
+    flat = is_flat(surfaces)
+    if flat:
         rims = RimDistances(surfaces, step)
         mesh, parents, distances = subdivide_by(surfaces.mesh, rims, _SIZE * step, _BENT * step)
     else:
@@ -68,7 +69,7 @@ def contour_beads(surfaces, step):
     lines, layers = toolpaths(mesh, numbers, distances - step / 2, step)
     wide = (lines.lengths > _SHORT * step) & ~(lines.closed & (_widths(lines) < _FLAT * step))
     lines, layers = lines.chosen(wide).without_repeats(_SAME * step), layers[wide]
-    lines = without_straight_points(lines, step)
+    lines = without_straight_points(lines, (_LONGEST if flat else 1) * step)
     first = lines.starts
     inner = np.einsum("lk,lk->l", lines.weights[first], distances[mesh.triangles[lines.triangles[first]]]) > step
     lines = _on_parents(lines, surfaces.mesh, parents)
@@ -93,11 +94,13 @@ def plane_beads(surfaces, values, step):
     lines, layers = toolpaths(surfaces.mesh, surfaces.layers, values, step)
     lines = lines.without_repeats(_SAME * step)
     mesh, parents = subdivide(surfaces.mesh, _SIZE * step, _MOST_TRIANGLES)
-    return Beads(lines, layers, np.ones(len(layers), int), *share_area(mesh, surfaces.layers[parents], lines, layers, step))
+    return Beads(
+        lines, layers, np.ones(len(layers), int), *share_area(mesh, surfaces.layers[parents], lines, layers, step)
+    )
 
 
-def without_straight_points(lines, step):
-    """Lines without points on straight ways between others that are not too far apart."""
+def without_straight_points(lines, longest):
+    """Lines without points on straight ways between others that are no farther apart than the longest."""
     points, following = lines.points, lines.next
     ways = points[following] - points
     lengths = np.linalg.norm(ways, axis=1)
@@ -106,10 +109,8 @@ def without_straight_points(lines, step):
     before[lines.starts] = np.where(lines.closed, lines.starts + lines.sizes - 1, lines.starts)
     turns = np.arccos(np.clip(np.einsum("nx,nx->n", units, units[before]), -1, 1))
     number, way, turned = lines.numbers, np.cumsum(lengths) - lengths, np.cumsum(turns)
-    bins = np.column_stack([number, way // (_LONGEST * step), turned // _TURNED])
+    bins = np.column_stack([number, way // longest, turned // _TURNED])
     kept = np.append(True, (np.diff(bins, axis=0) != 0).any(axis=1)) | (turns > _TURNED)
-    # The point before a corner, and the last one, stay.
-    kept |= following == np.arange(len(points))
     kept[lines.starts + lines.sizes - 1] = True
     sizes = np.bincount(number[kept], minlength=len(lines.sizes))
     return replace(lines, triangles=lines.triangles[kept], weights=lines.weights[kept], sizes=sizes)
@@ -144,7 +145,8 @@ def _on_parents(lines, mesh, parents):
 
 def _rim(surfaces, step):
     """:class:`BeadDistances` of the layers' rims."""
-    return BeadDistances(*rim_pieces(surfaces), step)
+    begins, ends, layers = rim_pieces(surfaces)
+    return BeadDistances(begins, ends, layers, step)
 
 
 def _join_beads(found, more, rim, step):

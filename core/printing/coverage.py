@@ -15,8 +15,9 @@ _PARTS = 8
 REACH, COVERED = 0.6, 0.505
 # Width of the narrowest and of the widest bead, in steps.
 NARROWEST, WIDEST = 0.25, 1.5
-# Samples along a step.
-_SAMPLES = 2.5
+# Widths are evened out over so many steps. Samples along a step, and all of them.
+_EVEN = 3.0
+_SAMPLES, _MOST = 2.5, 3_000_000
 # Barycentric coordinates of the middles of a triangle's quarters.
 MIDDLES = np.array([[4, 1, 1], [1, 4, 1], [1, 1, 4], [2, 2, 2]]) / 6
 
@@ -81,7 +82,7 @@ def share_area(mesh, layers, lines, numbers, step):
     halves = np.bincount(piece[near], areas[near], len(points)) / 2
     own = halves + np.bincount(following, halves, len(points))
     inside = np.bincount(triangle, areas * (found <= COVERED * step), mesh.triangle_count)
-    widths = np.clip(even_along(lines, own, step), NARROWEST * step, WIDEST * step)
+    widths = np.clip(even_along(lines, own, _EVEN * step), NARROWEST * step, WIDEST * step)
     covered, areas = np.bincount(layers, inside), np.bincount(layers, mesh.areas)
     return widths, covered / np.maximum(areas, np.finfo(float).tiny), float(covered.sum() / areas.sum())
 
@@ -89,7 +90,8 @@ def share_area(mesh, layers, lines, numbers, step):
 def _samples(mesh, step):
     """Places spread evenly over triangles, one at least on each, and (k,) the triangle of each (Martin Roberts' R2
     sequence, folded into the triangle)."""
-    counts = np.maximum(np.ceil(mesh.areas * (_SAMPLES / step) ** 2).astype(int), 1)
+    each = max((step / _SAMPLES) ** 2, mesh.areas.sum() / _MOST)
+    counts = np.maximum(np.ceil(mesh.areas / each).astype(int), 1)
     triangle, place = ragged_arange(counts)
     u, v = ((place + 0.5 + triangle)[:, None] * [0.7548776662466927, 0.5698402909980532] % 1).T
     u, v = np.where(u + v > 1, 1 - u, u), np.where(u + v > 1, 1 - v, v)

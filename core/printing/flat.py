@@ -12,6 +12,8 @@ from .heights import NOTHING, OUTSIDE, Below
 # Normals that differ by less are one, and layers whose places along it differ by less, in spacings, are at one height.
 _PARALLEL, _LEVEL = 1e-7, 1e-3
 _SLACK = 1e-6
+# Places of rims that distances are taken to at first, over the parts of a step.
+_MOST = 100_000
 # Points whose rays are looked at together with the pieces of a rim.
 _BATCH = 2_000_000
 
@@ -35,7 +37,8 @@ class RimDistances:
 
     def __init__(self, surfaces, step):
         self._begins, self._ends, layers = rim_pieces(surfaces)
-        self._near = BeadDistances(self._begins, self._ends, layers, 4 * step)
+        length = np.linalg.norm(self._ends - self._begins, axis=1).sum()
+        self._near = BeadDistances(self._begins, self._ends, layers, max(4 * step, length / _MOST))
         self._layers = np.zeros(len(surfaces.vertices), int)
         self._layers[surfaces.triangles] = surfaces.layers[:, None]
 

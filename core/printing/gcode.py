@@ -2,6 +2,7 @@
 """G-code: moves of a printer along beads, with the filament that each of them takes."""
 
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
@@ -117,7 +118,11 @@ def gcode(course, machine):
         rows += writer.start()
         chosen = slice(first + 1, stop)
         rows += writer.bead(
-            moves.places[chosen], moves.angles[chosen], moves.points[chosen], moves.filament[chosen], moves.feeds[chosen]
+            moves.places[chosen],
+            moves.angles[chosen],
+            moves.points[chosen],
+            moves.filament[chosen],
+            moves.feeds[chosen],
         )
         top = max(top, tops[first:stop].max())
     rows += writer.finish(top)
@@ -170,7 +175,7 @@ def _with_skirt(course, machine):
         return course, ["the skirt does not fit on the bed and is left out"]
     points = [np.column_stack([ring, np.full(len(ring), height)]) for ring in rings]
     starts = len(course.points) + np.cumsum([0, *map(len, points)])
-    runs = [np.append(np.arange(a, b), a) for a, b in zip(starts[:-1], starts[1:], strict=True)]
+    runs = [np.append(np.arange(a, b), a) for a, b in pairwise(starts)]
     count = starts[-1] - len(course.points)
     return replace(
         course,
@@ -232,11 +237,11 @@ class _Moves:
         if machine.turns:
             tolerance = min(tolerance, 0.4 * machine.deviation)
         begins = np.append(np.flatnonzero(first), len(first))
-        kept = [
+        chosen = [
             a + simplify_moves(along[a:b] - along[a], stations[a:b], _sections(along[a:b], filled[a:b]), tolerance)
-            for a, b in zip(begins[:-1], begins[1:], strict=True)
+            for a, b in pairwise(begins.tolist())
         ]
-        kept = np.concatenate(kept)
+        kept = np.concatenate(chosen)
         deviation = _deviation(points, angles, places, kept, bead, machine)
         points, angles, places, along, filled = (values[kept] for values in (points, angles, places, along, filled))
         bead, first = bead[kept], first[kept]
@@ -386,14 +391,15 @@ class _Writer:
         self._is_timed = machine.turns and machine.moves == "inverse"
         self._is_tcp = machine.turns and machine.moves == "tcp"
         self._plain = "G94 " if self._is_timed else ""
-        self._place, self._angles = None, np.zeros(len(self._letters))
+        self._place, self._angles, self._is_home = np.zeros(3), np.zeros(len(self._letters)), True
         self._drawn, self._total, self._written = False, 0.0, 0.0
         self._last_z = ""
 
     def travel(self, place, angles, top, is_same_layer, near, reach):
         """To the begin of a bead: beside the last one, above it, or above all that is printed."""
         machine = self._machine
-        if self._place is None:
+        if self._is_home:
+            self._is_home = False
             safe = np.array([0.0, 0.0, max(place[2] + machine.lift, 5.0)])
             self._place = safe
             return [*self._rapid(safe, self._angles, "Z"), *self._rapid(np.append(place[:2], safe[2]), angles),
@@ -471,7 +477,9 @@ class _Writer:
         height = f"Z{z:.4f}"
         words = [height] if only else [f"X{x:.4f} Y{y:.4f}", *([height] if height != self._last_z else [])]
         self._last_z = height
-        return " ".join([*words, *(f"{letter}{angle:.4f}" for letter, angle in zip(self._letters, angles, strict=True))])
+        return " ".join(
+            [*words, *(f"{letter}{angle:.4f}" for letter, angle in zip(self._letters, angles, strict=True))]
+        )
 
     def _extruded(self, amount):
         """The E word; what rounding leaves out comes with the next one."""

@@ -102,14 +102,12 @@ def _along(x, y, turns, machine):
 
 
 def _unwrapped(turns, known, begins, sizes):
-    """Turns that change by less than a quarter within each bead, up to halves; interpolated where they are not known."""
+    """Turns that change by less than a quarter within each bead, up to halves; interpolated where not known."""
     result = np.zeros(len(turns))
     for begin, size in zip(begins.tolist(), np.asarray(sizes).tolist(), strict=True):
         at = begin + np.flatnonzero(known[begin : begin + size])
         if len(at):
-            result[begin : begin + size] = np.interp(
-                np.arange(begin, begin + size), at, np.unwrap(2 * turns[at]) / 2
-            )
+            result[begin : begin + size] = np.interp(np.arange(begin, begin + size), at, np.unwrap(2 * turns[at]) / 2)
     return result
 
 
@@ -179,6 +177,7 @@ def divide_moves(points, angles, first, machine):
 def _off(points, angles, spans, begin, end, machine):
     """(k,) how far the tip leaves its way during straight moves of the axes, each a part of the way from a point to the
     next."""
+
     def places(values, shares):
         return values[spans] + shares[:, None] * (values[spans + 1] - values[spans])
 

@@ -6,11 +6,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from ..errors import SettingError
 from ..extract.lines.isolines import Isolines
-from .coverage import even_along, point_lengths
+from .coverage import BeadDistances, even_along, point_lengths
 from .flat import flat_below, is_flat
 from .gcode import GAP, INNER, WALL, Course
 from .heights import NOTHING, OUTSIDE, Below, below
@@ -166,9 +165,7 @@ def print_plan(surfaces, solid, beads, matrix, machine, step, spacing):
     lines = beads.lines
     at = beads.layers[lines.numbers]
     look = flat_below if is_flat(surfaces) else below
-    found, over = (
-        look(surfaces, solid, lines.points, side * lines.normals, at, spacing) for side in (1, -1)
-    )
+    found, over = (look(surfaces, solid, lines.points, side * lines.normals, at, spacing) for side in (1, -1))
     carried, carrying = _carrying_layers(lines, beads.layers, found, surfaces.count)
     order = layer_order(surfaces.count, carried, carrying)
     made, chosen, points = order_lines(lines, beads.layers, order)
@@ -183,7 +180,7 @@ def print_plan(surfaces, solid, beads, matrix, machine, step, spacing):
     on_bed = (found.layers < 0) & (feet < _ON_BED * spacing)
     ranks = rank[layers[made.numbers]]
     overhangs = (rank[found.layers] > ranks) & ~on_bed
-    overhangs &= ~_leaning(places, ranks, overhangs, _LEAN * spacing)
+    overhangs &= ~_leaning(places, made.next, ranks, overhangs, _LEAN * spacing)
     scaled = replace(
         machine,
         nozzle_radius=machine.nozzle_radius / machine.scale,
@@ -216,13 +213,15 @@ def _own_ways(below, above, areas, volume, spacing):
     return [way + share * end for way, end in zip(ways, outside, strict=True)]
 
 
-def _leaning(points, ranks, asked, reach):
-    """(n,) bool: of the points that are asked for, those with a point of a lower rank within reach; ranks ascend."""
+def _leaning(points, following, ranks, asked, reach):
+    """(n,) bool: of the points that are asked for, those with a line of a lower rank within reach; ranks ascend."""
     result = np.zeros(len(points), bool)
     for rank in np.unique(ranks[asked]):
         before, here = np.searchsorted(ranks, rank), np.flatnonzero(asked & (ranks == rank))
         if before:
-            result[here] = np.isfinite(cKDTree(points[:before]).query(points[here], distance_upper_bound=reach)[0])
+            flat = np.zeros(before, int)
+            lines = BeadDistances(points[:before], points[following[:before]], flat, 2 * reach)
+            result[here] = lines(points[here], np.zeros(len(here), int)) <= reach
     return result
 
 

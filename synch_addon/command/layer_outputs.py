@@ -31,7 +31,10 @@ def add_arguments(command):
         help=f"the printer: {', '.join(MACHINES)}, or a .toml file of one; default: {USUAL}",
     )
     command.add_argument(
-        "--path-step", type=float, metavar="LENGTH", help="between two paths; default: the nozzle's width, or the spacing"
+        "--path-step",
+        type=float,
+        metavar="LENGTH",
+        help="between two paths; default: the nozzle's width, or the spacing",
     )
     add_choice(command, "--path-fill", FILLS, FILLS[0], "how paths fill a layer")
     command.add_argument("--export-volume", metavar="FILE.vdb", help="write the pattern as a volume")

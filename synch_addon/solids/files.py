@@ -154,7 +154,9 @@ def paths_file(paths, path):
         program = gcode(paths.course, paths.machine)
         text, facts["program"] = program.text, program_facts(program)
     else:
-        text = WRITERS[suffix](paths.lines, paths.layers, paths.places, paths.normals, paths.heights, paths.widths, paths.up)
+        text = WRITERS[suffix](
+            paths.lines, paths.layers, paths.places, paths.normals, paths.heights, paths.widths, paths.up
+        )
     with write_whole(path) as made:
         made.write_text(text, encoding="utf-8")
         yield facts

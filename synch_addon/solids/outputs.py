@@ -63,7 +63,7 @@ def layer_toolpaths(obj, step=None, fill="contour", path=None, machine=None):
     obj : as for :func:`layer_export`
     step, fill : see :class:`PathSettings`
     path : write them to this file (.csv, .obj, .gcode) as well
-    machine : name of a printer, or .toml file of one, see :class:`Machine`; None for ``marlin`` where a program is written
+    machine : name of a printer, or .toml file of one, see :class:`Machine`; None for ``marlin`` in a program
 
     Returns
     -------

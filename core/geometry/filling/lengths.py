@@ -137,7 +137,7 @@ class Lengths(NamedTuple):
             )
         if divisions is None:
             finest = spacing * lowest
-            divisions = 1 if finest >= FEWEST_EDGES * size else math.ceil(EDGES_PER_LAYER * size / finest)
+            divisions = 1 if finest >= FEWEST_EDGES * size else math.ceil(EDGES_PER_LAYER * size / finest - 1e-9)
         return cls(float(spacing), float(size), divisions)
 
 

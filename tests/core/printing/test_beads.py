@@ -78,7 +78,7 @@ def test_the_bead_of_a_narrow_strip_is_straight_and_as_wide_as_it():
     assert not beads.lines.closed.any()
     np.testing.assert_allclose(beads.lines.points[:, 1], width / 2, atol=0.01)
     assert (beads.lines.lengths > 1.5 - 1.5 * step).all()
-    np.testing.assert_allclose(np.median(beads.widths), width, rtol=0.1)
+    np.testing.assert_allclose(np.median(beads.widths), width, rtol=0.2)
     assert beads.widths.min() >= NARROWEST * step and beads.widths.max() <= WIDEST * step
 
 
@@ -88,7 +88,7 @@ def test_nothing_is_added_in_corners_of_squares():
     _, surfaces = planes((1, 1, 0.7), (10, 10, 3))
     beads = contour_beads(surfaces, step)
     assert beads.lines.closed.all()
-    np.testing.assert_allclose(beads.widths, step, rtol=0.15)
+    np.testing.assert_allclose(beads.widths, step, rtol=0.2)
     np.testing.assert_array_equal(np.bincount(beads.layers), [4] * surfaces.count)
     assert beads.covered_share > 0.98  # corners of contours are round
 

@@ -71,7 +71,10 @@ def dome(axes):
 
 @pytest.mark.parametrize("axes", ["xyz", "ac", "bc"])
 def test_the_tip_follows_the_beads_with_their_volume(axes):
-    course, machine = dome(axes), replace(MACHINE, axes=axes, flow=1.1, deviation=100, turn_speed=1e6, turn_acceleration=1e9)
+    course, machine = (
+        dome(axes),
+        replace(MACHINE, axes=axes, flow=1.1, deviation=100, turn_speed=1e6, turn_acceleration=1e9),
+    )
     states = read(gcode(course, machine).text)
     printing = [k for k, state in enumerate(states) if state["E"] > 0 and state["F"] != machine.retraction_feed]
     ends = np.concatenate([run[1:] for run in course.runs])
