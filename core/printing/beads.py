@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..extract.layers.toolpaths import rim_distances, toolpaths
+from ..extract.layers.toolpaths import refuse_many_points, rim_distances, toolpaths
 from ..extract.lines.isolines import End, Isolines
 from ..geometry.barycentric import barycentric
 from ..geometry.nearest import NearestTriangles
@@ -61,7 +61,9 @@ def contour_beads(surfaces, step):
     flat = is_flat(surfaces)
     if flat:
         rims = RimDistances(surfaces, step)
-        mesh, parents, distances = subdivide_by(surfaces.mesh, rims, _SIZE * step, _BENT * step)
+        coarse = surfaces.mesh
+        refuse_many_points(coarse, rims(coarse.vertices, np.arange(coarse.vertex_count)), step)
+        mesh, parents, distances = subdivide_by(surfaces.mesh, rims, _SIZE * step, _BENT * step, _MOST_TRIANGLES)
     else:
         mesh, parents = subdivide(surfaces.mesh, _SIZE * step, _MOST_TRIANGLES)
         distances = rim_distances(mesh)

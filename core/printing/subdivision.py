@@ -35,7 +35,7 @@ def subdivide(mesh, size, most):
     return mesh, parents
 
 
-def subdivide_by(mesh, values, size, tolerance):
+def subdivide_by(mesh, values, size, tolerance, most):
     """The same surface, cut where a function is not linear along edges.
 
     Parameters
@@ -44,6 +44,7 @@ def subdivide_by(mesh, values, size, tolerance):
     values : callable((k, 3) points, (k,) a vertex of the piece that each is on) -> (k,)
     size : edges that are shorter stay, scene units
     tolerance : of the function along an edge
+    most : triangles, about
 
     Returns
     -------
@@ -61,7 +62,7 @@ def subdivide_by(mesh, values, size, tolerance):
         for share in (1 / 3, 2 / 3):
             there = values((1 - share) * mesh.vertices[i] + share * mesh.vertices[j], owners[i])
             far |= np.abs(there - (1 - share) * found[i] - share * found[j]) > tolerance
-        if not far.any():
+        if not far.any() or mesh.triangle_count + 2 * np.count_nonzero(far) > most:
             break
         bent[bent] = far
         middles, of_middles = (mesh.vertices[i[far]] + mesh.vertices[j[far]]) / 2, owners[i[far]]

@@ -7,6 +7,7 @@ from ...core.printing.machine import MACHINES, USUAL
 from ...core.tasks.layer_outputs import FILLS, PathSettings
 from .. import api
 from ..blender.files import MESH_SUFFIXES, check_output
+from ..solids.beads import LOOKS
 from ..solids.files import PATH_SUFFIXES, PROGRAM
 from ..solids.outputs import machine_of
 from ..solids.report import print_line, program_line
@@ -37,6 +38,7 @@ def add_arguments(command):
         help="between two paths; default: the nozzle's width, or the spacing",
     )
     add_choice(command, "--path-fill", FILLS, FILLS[0], "how paths fill a layer")
+    command.add_argument("--beads", choices=LOOKS, help="make a mesh of the beads of the paths, in colours of this")
     command.add_argument("--export-volume", metavar="FILE.vdb", help="write the pattern as a volume")
     add_number(command, "--resolution", 128, "voxels along the longest side", "N")
 
@@ -76,8 +78,9 @@ def write(options, obj):
     reports, lines, facts = [], [], None
     if options.export_layers:
         reports.append(api.layer_export(obj, options.export_layers))
-    for path in filter(None, (options.export_paths, options.export_gcode)):
-        facts = api.layer_toolpaths(obj, options.path_step, options.path_fill, path, _machine(options))
+    paths = [path for path in (options.export_paths, options.export_gcode) if path]
+    for path in paths or ([None] if options.beads else []):
+        facts = api.layer_toolpaths(obj, options.path_step, options.path_fill, path, _machine(options), options.beads)
         reports.append(facts)
     if facts is not None:
         lines += [print_line(facts), *([program_line(facts)] if "program" in facts else [])]

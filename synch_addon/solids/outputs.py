@@ -5,7 +5,7 @@ from contextlib import nullcontext
 
 import bpy
 
-from ...core.errors import SettingError, SynchError
+from ...core.errors import SettingError, SynchError, quote_value
 from ...core.printing.machine import MACHINES, USUAL, Machine, read_machine
 from ...core.tasks.layer_outputs import PathSettings
 from ...core.validation import check_path, convert_value
@@ -15,6 +15,7 @@ from ..blender.objects import ObjectLink, no_object
 from ..blender.transaction import keep_file, whole_or_nothing
 from ..jobs.job import run
 from . import files, memory
+from .beads import LOOKS
 from .links import solid_of
 from .report import print_facts
 from .volume import check_volume, grid_file, make_volume
@@ -55,7 +56,7 @@ def layer_export(obj, path, together=False):
     }
 
 
-def layer_toolpaths(obj, step=None, fill="contour", path=None, machine=None):
+def layer_toolpaths(obj, step=None, fill="contour", path=None, machine=None, beads=None):
     """Make a curve object of paths for a tool on each of the last layers of an object, in a collection of their own.
 
     Parameters
@@ -64,6 +65,9 @@ def layer_toolpaths(obj, step=None, fill="contour", path=None, machine=None):
     step, fill : see :class:`PathSettings`
     path : write them to this file (.csv, .obj, .gcode) as well
     machine : name of a printer, or .toml file of one, see :class:`Machine`; None for ``marlin`` in a program
+
+    beads : make a mesh of the beads as wide and as high as they are printed, in colours of their "layer", "height",
+        "tilt" or "speed"
 
     Returns
     -------
@@ -74,7 +78,7 @@ def layer_toolpaths(obj, step=None, fill="contour", path=None, machine=None):
     SynchError
         with one line that names the element and the remedy; nothing is made
     """
-    return run(PathsJob(obj, PathSettings(step, fill, machine_of(machine, path)), path))
+    return run(PathsJob(obj, PathSettings(step, fill, machine_of(machine, path)), path, beads))
 
 
 def layer_volume(obj, path, resolution=128):
@@ -137,8 +141,10 @@ class PathsJob(_OutputJob):
 
     command = "layer_toolpaths"
 
-    def __init__(self, obj, settings, path=None):
-        self._path = None if path is None else _absolute(path)
+    def __init__(self, obj, settings, path=None, beads=None):
+        if beads is not None and beads not in LOOKS:
+            raise SettingError(f"the beads {quote_value(beads)} are unknown: use one of {', '.join(LOOKS)}")
+        self._path, self._beads = None if path is None else _absolute(path), beads
         if path is not None:
             check_output(self._path, files.PATH_SUFFIXES)
         super().__init__(obj)
@@ -149,7 +155,7 @@ class PathsJob(_OutputJob):
 
     def _make(self, obj, layering, paths):
         return {
-            "collection": files.write_paths(obj, layering, paths).name,
+            "collection": files.write_paths(obj, layering, paths, self._beads).name,
             "paths": len(paths.layers),
             "length": float(paths.lines.lengths.sum()),
             "step": self.request.step,
