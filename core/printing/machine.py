@@ -125,6 +125,8 @@ class Machine:
         for name in not_negative:
             if not 0 <= getattr(self, name) < math.inf:
                 raise SettingError(f"the {name} is {quote_value(getattr(self, name))}: give a number from 0 on")
+        if self.skirt > 100:
+            raise SettingError(f"the skirt is {quote_value(self.skirt)}: give 100 lines or fewer")
         if self.fan > 1:
             raise SettingError(f"the fan is {self.fan:g}: give a share from 0 to 1")
         if not self.largest_height > self.smallest_height:

@@ -7,9 +7,10 @@ Only what is read from a mesh file is mended; what was done is returned as lines
 import bmesh
 import bpy
 import numpy as np
-from mathutils import Vector
+from mathutils import Matrix, Vector
 from mathutils.bvhtree import BVHTree
 
+from ..blender.new_geometry import new_mesh
 from ..blender.transaction import only_for_now
 
 # Corners on rims that are nearer to each other than this share of the diagonal are one; holes are closed whose rim is
@@ -19,7 +20,8 @@ UPS = ("X", "Y", "Z", "-X", "-Y", "-Z")
 
 
 def turn_up(obj, axis):
-    """Turn the mesh of an object so that an axis of it, such as "-Y", points up."""
+    """Turn the mesh of an object so that an axis of its file, such as "-Y", points up, along the object's Z."""
+    obj.matrix_world = Matrix()
     way = Vector([float(letter == axis[-1]) for letter in "XYZ"]) * (-1 if axis[0] == "-" else 1)
     obj.data.transform(way.rotation_difference(Vector((0, 0, 1))).to_matrix().to_4x4())
     obj.data.update()
@@ -117,7 +119,7 @@ def _unite(obj, made, bodies):
             of = {vertex: alone.verts.new(vertex.co) for face in body for vertex in face.verts}
             for face in body:
                 alone.faces.new([of[vertex] for vertex in face.verts])
-            data = bpy.data.meshes.new("Body")
+            data = new_mesh("Body")
             alone.to_mesh(data)
             alone.free()
             part = bpy.data.objects.new("Body", data)

@@ -16,7 +16,7 @@ from ..blender.new_geometry import new_mesh
 from ..jobs.job import run as run_job
 from ..solids.report import summary
 from . import intake, layer_outputs
-from .flags import Made, add_choice, add_input, add_outputs, save_scene
+from .flags import Made, add_input, add_outputs, save_scene
 from .settings import add_settings, settings_of
 
 
@@ -28,8 +28,8 @@ def add_parser(commands):
         description="Solve layers in the solid that a closed mesh encloses, or in one of tetrahedra (.mesh, .vtu).",
     )
     add_input(command)
-    add_choice(
-        command, "--up", intake.UPS, "Z", "which axis of a mesh file is turned up, for layers, groups and the bed"
+    command.add_argument(
+        "--up", choices=intake.UPS, help="axis of a mesh file that is turned up; default: as the file is read"
     )
     add_settings(command, LayerSettings, "layers", smallest_height=None, largest_height=None)
     layer_outputs.add_arguments(command)
@@ -47,7 +47,8 @@ def run(options, open_object, progress):
         obj, solid = open_object(), None
     mended = []
     if solid is None and options.input and not options.input.lower().endswith(".blend"):
-        intake.turn_up(obj, options.up)
+        if options.up:
+            intake.turn_up(obj, options.up)
         mended = intake.mend(obj)
     report = run_job(api.layer_job(obj, settings, solid), progress)
     layers = bpy.data.objects[report["layers_object"]]

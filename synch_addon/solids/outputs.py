@@ -2,6 +2,7 @@
 """The part of the Python API that brings the last layers of an object out: files, tool paths and a volume."""
 
 from contextlib import nullcontext
+from os import PathLike
 
 import bpy
 
@@ -131,9 +132,9 @@ def machine_of(machine, path=None):
     """The :class:`Machine` of a name or of a file whose name may begin with //; without one, the usual machine where a
     program is written to a path, else one that does not limit anything."""
     if machine is None:
-        is_program = path is not None and str(path).lower().endswith(files.PROGRAM)
+        is_program = isinstance(path, str | PathLike) and str(path).lower().endswith(files.PROGRAM)
         return read_machine(USUAL) if is_program else Machine()
-    return read_machine(machine if str(machine) in MACHINES else _absolute(machine))
+    return read_machine(machine if isinstance(machine, str) and machine in MACHINES else _absolute(machine))
 
 
 class PathsJob(_OutputJob):
@@ -142,7 +143,7 @@ class PathsJob(_OutputJob):
     command = "layer_toolpaths"
 
     def __init__(self, obj, settings, path=None, beads=None):
-        if beads is not None and beads not in LOOKS:
+        if beads is not None and convert_value("beads", str, beads) not in LOOKS:
             raise SettingError(f"the beads {quote_value(beads)} are unknown: use one of {', '.join(LOOKS)}")
         self._path, self._beads = None if path is None else _absolute(path), beads
         if path is not None:

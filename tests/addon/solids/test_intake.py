@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Synch Fields contributors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solids as mesh files have them, from the command line: bodies that overlap, cracks, holes, what is up; beads as tubes."""
+"""Solids as mesh files have them, from the command line: bodies that overlap, cracks, holes, what is up; and beads."""
 
 import json
 
