@@ -106,8 +106,8 @@ class Pieces:
         return (nodes / np.linalg.norm(nodes, axis=1, keepdims=True)).ravel()
 
     def fitted(self, coordinates: np.ndarray) -> np.ndarray:
-        """Tell which pieces (N,) or (N, width) coordinates fit perfectly, (k,) bool."""
-        return self.energies(coordinates) <= PERFECT * self.scales
+        """Tell which pieces (N,) or (N, width) coordinates fit perfectly up to rounding, (k,) bool."""
+        return self.energies(coordinates) <= self.noise
 
     def energies(self, coordinates: np.ndarray) -> np.ndarray:
         """Compute the (k,) energies of (N,) or (N, width) coordinates as sums of squares."""

@@ -117,6 +117,11 @@ class SolidTargetOneForm:
         """Share of the edges along which the phase should turn by more than half a period."""
         return float((np.abs(self.changes) > np.pi).mean())
 
+    def divided(self, count: int) -> "SolidTargetOneForm":
+        """The growth with ``count`` layers in each period."""
+        correction = None if self.correction is None else count * self.correction
+        return replace(self, rates=count * self.rates, correction=correction)
+
     def remove_curl(self, share: float, fixed: Targets, merged: Merged) -> "SolidTargetOneForm":
         """The growth without a share of the curl of its changes.
 
@@ -127,12 +132,12 @@ class SolidTargetOneForm:
         known = known_turns(self.connection, fixed, merged)
         return replace(self, correction=share * (close_changes(self.mesh, self.changes, known) - self.changes))
 
-    def edge_phases(self, phases: np.ndarray, groups: Sequence[LayerGroup] = ()) -> EdgePhases:
+    def edge_phases(self, phases: np.ndarray, groups: Sequence[LayerGroup] = ()) -> EdgePhases[TetMesh]:
         """The edge phases of (n,) complex phases, with no change along the triangles of groups."""
         asked = self.changes.copy()
         for group in groups:
             asked[self.mesh.edges_between(*group.sides.T)] = 0
-        return EdgePhases.of(self.mesh, phases[:, None], asked[:, None], np.zeros(len(asked), int))
+        return EdgePhases[TetMesh].of(self.mesh, phases[:, None], asked[:, None], np.zeros(len(asked), int))
 
 
 @dataclass(frozen=True)
@@ -187,6 +192,25 @@ class LayerPattern:
         dislocations whose changes are nearest to those of the phase."""
         return potential(self.mesh, self.edge_phases.changes[:, 0])
 
+    def divided(self, count: int) -> "LayerPattern":
+        """The pattern with ``count`` layers in each period: its phase times that number, dislocations too."""
+        phases = self.edge_phases
+        return replace(
+            self, edge_phases=replace(phases, arguments=count * phases.arguments, changes=count * phases.changes)
+        )
+
+    def rested(self, groups: Sequence[LayerGroup]) -> "LayerPattern":
+        """The pattern with the phase moved so that the first layer of each piece of the solid lies half a layer above
+        its lowest place; pieces with groups that hold a phase stay."""
+        pieces, phases = self.mesh.pieces, self.edge_phases
+        order = np.argsort(self.heights, kind="stable")
+        _, first = np.unique(pieces[order], return_index=True)
+        move = np.pi - phases.arguments[order[first]]
+        for group in groups:
+            if group.phase is not None:
+                move[pieces[group.vertices]] = 0
+        return replace(self, edge_phases=replace(phases, arguments=phases.arguments + move[pieces]))
+
     @property
     def spacings(self) -> Spacings:
         """Statistics of the distances between the layers."""
@@ -203,6 +227,29 @@ class LayerPattern:
         thinnest, thickest = quantiles(met, volumes, [_RARE, 1 - _RARE])
         share = volumes.sum() / self.mesh.volumes.sum()
         return Spacings(float(mean), float(deviation), float(thinnest), float(thickest), float(share), distances)
+
+
+def choose_levels(growth: SolidTargetOneForm, groups: Sequence[LayerGroup], divisions: int) -> list[LayerGroup]:
+    """Groups that hold phases, on those levels of a divided period that fit the growth best; the first one stays.
+
+    Parameters
+    ----------
+    growth : of the whole period
+    groups : with phases of a layer
+    divisions : layers in a period
+    """
+    held = [group for group in groups if group.phase is not None]
+    levels = {}
+    if divisions > 1 and len(held) > 1:
+        function = potential(growth.mesh, growth.changes)
+        heights = [divisions * function[group.vertices].mean() - group.phase for group in held]
+        levels = {id(group): np.rint((height - heights[0]) / TURN) for group, height in zip(held, heights, strict=True)}
+    return [
+        group
+        if group.phase is None
+        else replace(group, phase=(group.phase + TURN * levels.get(id(group), 0)) / divisions)
+        for group in groups
+    ]
 
 
 def layer_problem(

@@ -9,20 +9,21 @@ import numpy as np
 from .digits import DIGITS, number_format
 
 
-def table_of(lines, layers, points, normals, heights, widths):
-    """Text of a .csv file: layer, path, place and normal of each point, the layer's height and the bead's width there.
+def table_of(lines, layers, points, normals, heights, widths, above):
+    """Text of a .csv file: layer, path, place and normal of each point, height and width of the bead there, and how far
+    it reaches above the layer, where the nozzle is.
 
     Parameters
     ----------
     lines : Isolines
     layers : (l,) the layer of each line
     points, normals : (n, 3) of the lines' points
-    heights, widths : (n,) there
+    heights, widths, above : (n,) there
     """
-    rows = ["layer,path,x,y,z,nx,ny,nz,height,width"]
-    form = ",".join(3 * [number_format(points)] + 5 * [f"%.{DIGITS}g"])
+    rows = ["layer,path,x,y,z,nx,ny,nz,height,width,above"]
+    form = ",".join(3 * [number_format(points)] + 6 * [f"%.{DIGITS}g"])
     for number, (layer, run) in enumerate(zip(layers, lines.runs, strict=True)):
-        for values in np.column_stack([points[run], normals[run], heights[run], widths[run]]):
+        for values in np.column_stack([points[run], normals[run], heights[run], widths[run], above[run]]):
             rows.append(f"{layer},{number}," + form % tuple(values))
     return "\n".join(rows) + "\n"
 

@@ -5,25 +5,30 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..extract.layers.toolpaths import rim_distances, toolpaths
+from ..extract.layers.toolpaths import refuse_many_points, rim_distances, toolpaths
 from ..extract.lines.isolines import End, Isolines
 from ..geometry.barycentric import barycentric
 from ..geometry.nearest import NearestTriangles
 from ..graphs import components, ragged_arange
-from .coverage import REACH, BeadDistances, covered_share
+from .coverage import NARROWEST, REACH, BeadDistances, share_area
+from .flat import RimDistances, is_flat, rim_pieces
 from .medial_axis import beads_through, medial_beads
-from .subdivision import subdivide
+from .subdivision import subdivide, subdivide_by
 
 # Longest edge of the triangles that contours are found on, in steps, and the most triangles.
 _SIZE, _MOST_TRIANGLES = 0.4, 1_500_000
+# A distance may bend by this much along an edge of flat layers' triangles, in steps.
+_BENT = 0.02
+# On flat layers, points of a bead are no farther apart, in steps; and it turns by no more between them, in radians.
+_LONGEST, _TURNED = 2.5, 0.05
 # Points of contours nearer than this are one, in steps.
 _SAME = 0.1
 # Contours that are shorter, or whose sides are closer, go around what one bead covers, in steps.
 _SHORT, _FLAT = 1.5, 0.1
 # How often what is left is looked for; pieces of it that are smaller, in squares of a step, are tips of corners.
 _ROUNDS, _TIP = 3, 0.12
-# Width of the narrowest bead, in steps.
-NARROWEST = 0.25
+# Kind of beads that fill gaps.
+_GAP = 2
 
 
 @dataclass(frozen=True)
@@ -34,13 +39,15 @@ class Beads:
     ----------
     lines : Isolines over the triangles of the layers
     layers : (l,) the layer of each line, ascending
-    widths : (n,) at the lines' points: the step, less where a bead fills a narrower gap
+    kinds : (l,) 0 for a contour beside the rim, 1 for other lines, 2 where a bead fills a gap
+    widths : (n,) at the lines' points: about the step, and such that the beads have the area of the layers
     covered : (c,) share of each layer's area that is covered, see :mod:`.coverage`
     covered_share : of all layers
     """
 
     lines: Isolines
     layers: np.ndarray
+    kinds: np.ndarray
     widths: np.ndarray
     covered: np.ndarray
     covered_share: float
@@ -51,14 +58,24 @@ def contour_beads(surfaces, step):
 
     Where two contours leave a gap, and where a layer is narrower than a step, a bead lies along the middle.
     """
-    mesh, parents = subdivide(surfaces.mesh, _SIZE * step, _MOST_TRIANGLES)
+    flat = is_flat(surfaces)
+    if flat:
+        rims = RimDistances(surfaces, step)
+        coarse = surfaces.mesh
+        refuse_many_points(coarse, rims(coarse.vertices, np.arange(coarse.vertex_count)), step)
+        mesh, parents, distances = subdivide_by(surfaces.mesh, rims, _SIZE * step, _BENT * step, _MOST_TRIANGLES)
+    else:
+        mesh, parents = subdivide(surfaces.mesh, _SIZE * step, _MOST_TRIANGLES)
+        distances = rim_distances(mesh)
     numbers = surfaces.layers[parents]
-    distances = rim_distances(mesh)
     lines, layers = toolpaths(mesh, numbers, distances - step / 2, step)
     wide = (lines.lengths > _SHORT * step) & ~(lines.closed & (_widths(lines) < _FLAT * step))
     lines, layers = lines.chosen(wide).without_repeats(_SAME * step), layers[wide]
+    lines = without_straight_points(lines, (_LONGEST if flat else 1) * step)
+    first = lines.starts
+    inner = np.einsum("lk,lk->l", lines.weights[first], distances[mesh.triangles[lines.triangles[first]]]) > step
     lines = _on_parents(lines, surfaces.mesh, parents)
-    found = lines, layers, np.full(len(lines.triangles), float(step))
+    found = lines, layers, inner.astype(int), np.full(len(lines.triangles), float(step))
     rim = _rim(surfaces, step)
     found = _join_beads(found, medial_beads(mesh, numbers, distances, _away(lines, layers, step), step), rim, step)
     at = np.zeros(mesh.vertex_count, int)
@@ -70,7 +87,8 @@ def contour_beads(surfaces, step):
         if not more:
             break
         found = _join_beads(found, more, rim, step)
-    return Beads(*found, *covered_share(mesh, numbers, _away(found[0], found[1], step), step))
+    lines, layers, kinds, _ = found
+    return Beads(lines, layers, kinds, *share_area(mesh, numbers, lines, layers, step))
 
 
 def plane_beads(surfaces, values, step):
@@ -78,8 +96,26 @@ def plane_beads(surfaces, values, step):
     lines, layers = toolpaths(surfaces.mesh, surfaces.layers, values, step)
     lines = lines.without_repeats(_SAME * step)
     mesh, parents = subdivide(surfaces.mesh, _SIZE * step, _MOST_TRIANGLES)
-    shares = covered_share(mesh, surfaces.layers[parents], _away(lines, layers, step), step)
-    return Beads(lines, layers, np.full(len(lines.triangles), float(step)), *shares)
+    return Beads(
+        lines, layers, np.ones(len(layers), int), *share_area(mesh, surfaces.layers[parents], lines, layers, step)
+    )
+
+
+def without_straight_points(lines, longest):
+    """Lines without points on straight ways between others that are no farther apart than the longest."""
+    points, following = lines.points, lines.next
+    ways = points[following] - points
+    lengths = np.linalg.norm(ways, axis=1)
+    units = ways / np.where(lengths > 0, lengths, 1)[:, None]
+    before = np.arange(len(points)) - 1
+    before[lines.starts] = np.where(lines.closed, lines.starts + lines.sizes - 1, lines.starts)
+    turns = np.arccos(np.clip(np.einsum("nx,nx->n", units, units[before]), -1, 1))
+    number, way, turned = lines.numbers, np.cumsum(lengths) - lengths, np.cumsum(turns)
+    bins = np.column_stack([number, way // longest, turned // _TURNED])
+    kept = np.append(True, (np.diff(bins, axis=0) != 0).any(axis=1)) | (turns > _TURNED)
+    kept[lines.starts + lines.sizes - 1] = True
+    sizes = np.bincount(number[kept], minlength=len(lines.sizes))
+    return replace(lines, triangles=lines.triangles[kept], weights=lines.weights[kept], sizes=sizes)
 
 
 def _away(lines, layers, step):
@@ -111,15 +147,13 @@ def _on_parents(lines, mesh, parents):
 
 def _rim(surfaces, step):
     """:class:`BeadDistances` of the layers' rims."""
-    mesh = surfaces.mesh
-    half = np.flatnonzero(mesh.twins < 0)
-    begins, ends = (mesh.vertices[np.roll(mesh.triangles, turn, axis=1).ravel()[half]] for turn in (0, -1))
-    return BeadDistances(begins, ends, surfaces.layers[half // 3], step)
+    begins, ends, layers = rim_pieces(surfaces)
+    return BeadDistances(begins, ends, layers, step)
 
 
 def _join_beads(found, more, rim, step):
-    """Lines, layers and widths with those of more beads, put onto the layers, ordered by layer."""
-    lines, layers, widths = found
+    """Lines, layers, kinds and widths with those of more beads, put onto the layers, ordered by layer."""
+    lines, layers, kinds, widths = found
     if not more:
         return found
     mesh = lines.mesh
@@ -141,4 +175,5 @@ def _join_beads(found, more, rim, step):
         np.concatenate([lines.ends, ends])[order],
     )
     narrow = np.clip(2 * free, NARROWEST * step, step)
-    return joined, of[order], np.append(widths, narrow)[points]
+    kinds = np.append(kinds, np.full(len(more), _GAP))[order]
+    return joined, of[order], kinds, np.append(widths, narrow)[points]

@@ -1,15 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much of layers beads cover, by samples on them."""
+"""How much of layers beads cover, and how wide they have to be for that, by samples on the layers."""
 
 import numpy as np
+from scipy.sparse import coo_matrix, diags_array
+from scipy.sparse.linalg import spsolve
 from scipy.spatial import cKDTree
 
 from ..graphs import ragged_arange
 
 # Places of a bead that distances are taken to are a step over this apart: a distance of half a step is 1 % too long.
 _PARTS = 8
-# Farther than this from the next bead, in steps, a place is not covered by it.
-REACH = 0.75
+# Farther than this from the next bead, in steps, a gap is looked at; and a place is not covered, which is half a bead's
+# width and what samples are off by.
+REACH, COVERED = 0.6, 0.505
+# Width of the narrowest and of the widest bead, in steps.
+NARROWEST, WIDEST = 0.25, 1.5
+# Widths are evened out over so many steps. Samples along a step, and all of them.
+_EVEN = 3.0
+_SAMPLES, _MOST = 2.5, 3_000_000
 # Barycentric coordinates of the middles of a triangle's quarters.
 MIDDLES = np.array([[4, 1, 1], [1, 4, 1], [1, 1, 4], [2, 2, 2]]) / 6
 
@@ -29,36 +37,83 @@ class BeadDistances:
         piece, place = ragged_arange(counts)
         points = begins[piece] + (place / counts[piece])[:, None] * (ends - begins)[piece]
         points, layers = np.concatenate([points, ends]), np.concatenate([layers[piece], layers])
+        self._pieces = np.append(piece, np.arange(len(ends)))
         # Layers are far apart along a fourth axis.
         self._apart = 1e3 * (1 + np.abs(points).max(initial=0))
         self._tree = cKDTree(np.column_stack([points, self._apart * layers])) if len(points) else None
 
     def __call__(self, points, layers):
         """(n,) from (n, 3) points on (n,) layers; infinite on layers without a bead."""
+        return self.nearest(points, layers)[0]
+
+    def nearest(self, points, layers):
+        """The same, and (n,) the piece that is nearest, -1 for none."""
         if self._tree is None or len(points) == 0:
-            return np.full(len(points), np.inf)
-        found = self._tree.query(np.column_stack([points, self._apart * layers]))[0]
-        return np.where(found < self._apart / 2, found, np.inf)
+            return np.full(len(points), np.inf), np.full(len(points), -1)
+        found, at = self._tree.query(np.column_stack([points, self._apart * layers]))
+        near = found < self._apart / 2
+        return np.where(near, found, np.inf), np.where(near, self._pieces[np.where(near, at, 0)], -1)
 
 
-def covered_share(mesh, layers, away, step):
-    """Share of the area of layers that is within :data:`REACH` steps of a bead.
+def share_area(mesh, layers, lines, numbers, step):
+    """Share the area of layers out to the beads that are nearest to it.
 
     Parameters
     ----------
-    mesh : TriangleMesh, with triangles that are small beside a step
+    mesh : TriangleMesh
     layers : (t,) of its triangles
-    away : BeadDistances
+    lines : Isolines, the middle of the beads
+    numbers : (l,) layer of each line
     step : between beads
 
     Returns
     -------
-    (c,) of each layer, and of all together
+    widths : (n,) at the lines' points, with which the beads have the area that is nearest to them
+    covered : (c,) share of each layer's area that is within half a step of a bead
+    covered_share : of all layers
     """
-    inside = np.zeros(mesh.triangle_count)
-    corners = mesh.vertices[mesh.triangles]
-    for weights in MIDDLES:
-        inside += (away(np.einsum("k,tkx->tx", weights, corners), layers) <= REACH * step) / len(MIDDLES)
-    covered = np.bincount(layers, inside * mesh.areas)
-    areas = np.bincount(layers, mesh.areas)
-    return covered / np.maximum(areas, np.finfo(float).tiny), float(covered.sum() / areas.sum())
+    points, following, of = lines.points, lines.next, numbers[lines.numbers]
+    away = BeadDistances(points, points[following], of, step)
+    samples, triangle = _samples(mesh, step)
+    areas = mesh.areas[triangle] / np.bincount(triangle)[triangle]
+    found, piece = away.nearest(samples, layers[triangle])
+    # What is farther than a whole bead away stays empty.
+    near = found <= step
+    halves = np.bincount(piece[near], areas[near], len(points)) / 2
+    own = halves + np.bincount(following, halves, len(points))
+    inside = np.bincount(triangle, areas * (found <= COVERED * step), mesh.triangle_count)
+    widths = np.clip(even_along(lines, own, _EVEN * step), NARROWEST * step, WIDEST * step)
+    covered, areas = np.bincount(layers, inside), np.bincount(layers, mesh.areas)
+    return widths, covered / np.maximum(areas, np.finfo(float).tiny), float(covered.sum() / areas.sum())
+
+
+def _samples(mesh, step):
+    """Places spread evenly over triangles, one at least on each, and (k,) the triangle of each (Martin Roberts' R2
+    sequence, folded into the triangle)."""
+    each = max((step / _SAMPLES) ** 2, mesh.areas.sum() / _MOST)
+    counts = np.maximum(np.ceil(mesh.areas / each).astype(int), 1)
+    triangle, place = ragged_arange(counts)
+    u, v = ((place + 0.5 + triangle)[:, None] * [0.7548776662466927, 0.5698402909980532] % 1).T
+    u, v = np.where(u + v > 1, 1 - u, u), np.where(u + v > 1, 1 - v, v)
+    a, b, c = (mesh.vertices[column[triangle]] for column in mesh.triangles.T)
+    return a + u[:, None] * (b - a) + v[:, None] * (c - a), triangle
+
+
+def even_along(lines, amounts, length):
+    """(n,) density along lines of (n,) amounts at their points, evened out over a length; its integral is their sum."""
+    masses = point_lengths(lines)
+    steps, following = lines.steps, lines.next
+    inner = np.flatnonzero(following != np.arange(len(following)))
+    links = length**2 / 4 / np.maximum(steps[inner], 1e-3 * length)
+    ends = np.stack([inner, following[inner]])
+    off = coo_matrix(
+        (-np.append(links, links), np.concatenate([ends, ends[::-1]], axis=1)), shape=(len(steps), len(steps))
+    ).tocsc()
+    masses = np.maximum(masses, 1e-9 * length)
+    return spsolve((off + diags_array(masses - np.asarray(off.sum(axis=1)).ravel())).tocsc(), amounts)
+
+
+def point_lengths(lines):
+    """(n,) of lines at each point: half of the pieces that end there."""
+    lengths = lines.steps / 2
+    return lengths + np.bincount(lines.next, lengths, len(lengths))

@@ -1,17 +1,27 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """G-code: moves of a printer along beads, with the filament that each of them takes."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError
 
+from ..errors import SettingError
 from ..geometry.polylines import piece_lengths
+from .kinematics import divide_moves, table_angles, to_machine, to_part, tool_directions
 from .moves import simplify_moves
 
-# Of the tool, in degrees: nearer to upright, the table keeps its turn.
-_UPRIGHT = 0.05
 # Travels that are shorter, in steps, stay near the layer.
 _NEAR = 4.0
+# Degrees that the table turns at most between places of a travel whose places are those of the tip on the part.
+_TURN = 5.0
+# Rounds in which turns that begin or end too suddenly are slowed down.
+_ROUNDS = 60
+# Turns of the way by more than this, in degrees, are taken from a stop, where the time is estimated.
+_CORNER = 30.0
+# What beads are, as previews of G-code call it.
+SKIRT, WALL, INNER, GAP = "Skirt/Brim", "External perimeter", "Perimeter", "Gap infill"
 
 
 @dataclass(frozen=True)
@@ -21,104 +31,323 @@ class Course:
     Attributes
     ----------
     points, axes : (n, 3) of the tip, and unit vectors of the tool
+    places : (n, 3) on the layer, where the bead's length is measured
     widths, heights : (n,) of the bead
     runs : list of (k,) points of each bead, the first one again at the end where it closes
     layers : (l,) layer of each bead
     step : between beads
+    kinds : what each bead is, empty for all the same
     """
 
     points: np.ndarray
     axes: np.ndarray
+    places: np.ndarray
     widths: np.ndarray
     heights: np.ndarray
     runs: list
     layers: np.ndarray
     step: float
+    kinds: list = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Program:
+    """A program and what is known of it; millimetres, degrees, seconds.
+
+    Attributes
+    ----------
+    text : str
+    seconds : that it takes, about
+    filament, volume : length that is drawn in, and what it is extruded to
+    deviation : of the tip from its way on the part, at most; on five axes
+    tool_off : of the tool from the way it should stand, at most
+    turn_speed, turn_acceleration : of the table at most, while it extrudes
+    slowed : share of the length that is slower than the feed, for the flow or the table
+    warnings : lines that the user should read
+    """
+
+    text: str
+    seconds: float
+    filament: float
+    volume: float
+    deviation: float
+    tool_off: float
+    turn_speed: float
+    turn_acceleration: float
+    slowed: float
+    warnings: tuple[str, ...] = ()
 
 
 def gcode(course, machine):
-    """Text of a program.
+    """The :class:`Program` of a course.
 
-    Five axes move in inverse time (G93): the feed is that of the tip over the part. Extrusion is relative (M83).
-    Points that no move needs (``Machine.tolerance``) are left out, what leads to them is extruded by the next move.
+    Points that no move needs (``Machine.tolerance``) are left out, what leads to them is extruded by the next move; on
+    five axes moves are divided until the tip stays within ``Machine.deviation`` of its way.
 
     Parameters
     ----------
     course : Course, one bead at least
     machine : Machine
+
+    Raises
+    ------
+    SettingError
+        where the part is outside of the bed
     """
-    # In the order of the moves: where a bead closes, the table may have turned once around.
-    order = np.concatenate(course.runs)
-    places, angles = machine_moves(course.points[order], course.axes[order], machine)
-    ends = np.cumsum([len(run) for run in course.runs])
-    moves = _Moves(machine)
-    rows = [f"; {len(course.runs)} beads on {len(np.unique(course.layers))} layers", machine.start]
-    area, before, last, top = np.pi * machine.filament**2 / 4, None, course.points[0], -np.inf
-    tops, stations = _tops(places, machine), _stations(places, angles, machine)
-    for run, stop, layer in zip(course.runs, ends, course.layers, strict=True):
-        first = stop - len(run)
+    _check_place(course, machine)
+    course, warnings = _with_skirt(course, machine)
+    moves = _Moves.of(course, machine)
+    writer = _Writer(machine)
+    rows = [*_header(course, machine, moves), *_begin(machine)]
+    tops = _tops(moves.places, machine)
+    before, top, number, width, kinds = None, -np.inf, 0, None, course.kinds or [WALL] * len(course.runs)
+    for bead, (layer, kind) in enumerate(zip(course.layers.tolist(), kinds, strict=True)):
+        first, stop = moves.begins[bead], moves.begins[bead + 1]
+        target, angles = moves.places[first], moves.angles[first]
+        rows += writer.travel(target, angles, top, layer == before, _NEAR * course.step, moves.reach)
+        height = course.heights[course.runs[bead]].mean()
         if layer != before:
-            rows.append(f"; layer {layer}")
-        is_far = before != layer or np.linalg.norm(course.points[run[0]] - last) > _NEAR * course.step
-        if is_far and np.isfinite(top):
-            rows.append(moves.rapid(z=top + machine.lift))
-            rows.append(moves.rapid(*places[first, :2], angles=angles[first]))
-        rows.append(moves.rapid(*(places[first] + [0, 0, machine.lift]), angles=angles[first]))
-        rows.append(moves.rapid(*places[first], angles=angles[first]))
-        if machine.retraction and before is not None:
-            rows.append(moves.filament(machine.retraction))
-        lengths = piece_lengths(course.points[run])
-        sections = (course.widths * course.heights)[run]
-        sections = machine.flow * (sections[:-1] + sections[1:]) / 2
-        along, filled = (np.append(0.0, np.cumsum(parts)) for parts in (lengths, sections * lengths))
-        points = simplify_moves(along, stations[first:stop], sections, machine.tolerance * course.step)
-        for at, length, volume in zip(points[1:], np.diff(along[points]), np.diff(filled[points]), strict=True):
-            if length > 0:
-                rows.append(moves.bead(places[first + at], angles[first + at], length, volume / area))
-        if machine.retraction:
-            rows.append(moves.filament(-machine.retraction))
-        rows.append(moves.rapid(z=places[stop - 1, 2] + machine.lift))
-        before, last, top = layer, course.points[run[-1]], max(top, tops[first:stop].max())
-    return "\n".join([*(row for row in rows if row), machine.end]) + "\n"
+            rows += [";LAYER_CHANGE", f";Z:{target[2]:.3f}", f";LAYER:{number}", f";HEIGHT:{height:.3f}"]
+            if machine.fan and number == machine.fan_from:
+                rows.append(f"M106 S{round(255 * machine.fan)}")
+            number, before = number + 1, layer
+        look = f";TYPE:{kind}\n;WIDTH:{course.widths[course.runs[bead]].mean():.3f}\n;HEIGHT:{height:.3f}"
+        if look != width:
+            rows.append(look)
+            width = look
+        rows += writer.start()
+        chosen = slice(first + 1, stop)
+        rows += writer.bead(
+            moves.places[chosen],
+            moves.angles[chosen],
+            moves.points[chosen],
+            moves.filament[chosen],
+            moves.feeds[chosen],
+        )
+        top = max(top, tops[first:stop].max())
+    rows += writer.finish(top)
+    text = "\n".join([*rows, machine.end]) + "\n"
+    return Program(text, warnings=tuple([*warnings, *_about_start(machine)]), **moves.facts)
 
 
-def machine_moves(points, axes, machine):
-    """Where a machine's axes are for tips and tools one after the other.
+def _check_place(course, machine):
+    """Refuse a part that the tip cannot reach."""
+    used = course.points[np.concatenate(course.runs)]
+    low, high = machine.reach
+    if machine.turns:
+        high[2] = np.inf
+    for axis, name in enumerate("XYZ"):
+        least, most = used[:, axis].min(), used[:, axis].max()
+        if least < low[axis] - 1e-6 or most > high[axis] + 1e-6:
+            raise SettingError(
+                f"the part reaches from {name} {least:.1f} to {most:.1f} mm, and the machine from {low[axis]:g} to "
+                f"{high[axis]:g}: make it smaller, or set scale, bed_x and bed_y in the machine's file"
+            )
 
-    Parameters
+
+def _about_start(machine):
+    for word, meaning in machine.contradictions.items():
+        yield f"the start text ends with {meaning} ({word}): the program sets {machine.modes} after it"
+
+
+def _with_skirt(course, machine):
+    """The course with lines around its first layer before it, and warnings."""
+    first = np.concatenate([run for run, at in zip(course.runs, course.layers, strict=True) if at == course.layers[0]])
+    flat = course.points[first, :2]
+    if not machine.skirt or len(flat) < 3:
+        return course, []
+    height, width = float(np.median(course.heights[first])), course.step
+    angle = np.linspace(0, 2 * np.pi, 24, endpoint=False)
+    rings = []
+    for number in reversed(range(machine.skirt)):
+        around = (machine.skirt_distance + (number + 0.5) * width + width / 2) * np.column_stack(
+            [np.cos(angle), np.sin(angle)]
+        )
+        try:
+            corners = flat[ConvexHull(flat).vertices]
+            spread = (corners[:, None] + around).reshape(-1, 2)
+            rings.append(spread[ConvexHull(spread).vertices])
+        except QhullError:
+            return course, []
+    low, high = machine.reach
+    outermost = rings[0]
+    if (outermost < low[:2]).any() or (outermost > high[:2]).any():
+        return course, ["the skirt does not fit on the bed and is left out"]
+    points = [np.column_stack([ring, np.full(len(ring), height)]) for ring in rings]
+    starts = len(course.points) + np.cumsum([0, *map(len, points)])
+    runs = [np.append(np.arange(a, b), a) for a, b in pairwise(starts)]
+    count = starts[-1] - len(course.points)
+    return replace(
+        course,
+        points=np.concatenate([course.points, *points]),
+        axes=np.concatenate([course.axes, np.tile([0.0, 0.0, 1.0], (count, 1))]),
+        places=np.concatenate([course.places, *points]),
+        widths=np.append(course.widths, np.full(count, width)),
+        heights=np.append(course.heights, np.full(count, height)),
+        runs=[*runs, *course.runs],
+        layers=np.append(np.full(len(runs), course.layers[0]), course.layers),
+        kinds=[*[SKIRT] * len(runs), *(course.kinds or [WALL] * len(course.runs))],
+    ), []
+
+
+@dataclass(frozen=True)
+class _Moves:
+    """What a machine does along all beads.
+
+    Attributes
     ----------
-    points, axes : (n, 3)
-    machine : Machine
-
-    Returns
-    -------
-    places : (n, 3) of the linear axes
-    angles : (n, 2) of the table, degrees; (n, 0) for three axes
+    places, angles, points : (m, 3), (m, 2) and (m, 3) axes and tips at the ends of moves
+    filament : (m,) drawn in on the way there, 0 at the first place of a bead
+    feeds : (m,) millimetres a minute of the tip, or as the dialect counts
+    begins : (l + 1,) where each bead begins
+    reach : how far the place that is farthest from the pivot is from it
+    facts : of the :class:`Program`
     """
-    if not machine.turns:
-        return points, np.zeros((len(points), 0))
-    x, y, z = axes.T
-    tilt = np.degrees(np.arctan2(np.hypot(x, y), z))
-    turn = np.degrees(np.arctan2(x, y) if machine.axes == "ac" else np.arctan2(-y, x))
-    tilt = tilt if machine.axes == "ac" else -tilt
-    angles = np.empty((len(tilt), 2))
-    last = 0.0
-    # The table may be tilted to either side: the turn that is nearer to the last one.
-    for number, (one, other) in enumerate(zip(tilt.tolist(), turn.tolist(), strict=True)):
-        if abs(one) >= _UPRIGHT:
-            ways = [(other - last + 180) % 360 - 180, (other - last) % 360 - 180]
-            flips = abs(ways[1]) < abs(ways[0])
-            last, one = last + ways[flips], -one if flips else one
-        angles[number] = one, last
-    first, second = np.radians(angles).T
-    pivot = np.array([0, 0, machine.pivot_z])
-    x, y, z = (points - pivot).T
-    x, y = np.cos(second) * x - np.sin(second) * y, np.sin(second) * x + np.cos(second) * y
-    if machine.axes == "ac":
-        y, z = np.cos(first) * y - np.sin(first) * z, np.sin(first) * y + np.cos(first) * z
-    else:
-        x, z = np.cos(first) * x + np.sin(first) * z, -np.sin(first) * x + np.cos(first) * z
-    return np.column_stack([x, y, z]) + pivot, angles
+
+    places: np.ndarray
+    angles: np.ndarray
+    points: np.ndarray
+    filament: np.ndarray
+    feeds: np.ndarray
+    begins: np.ndarray
+    reach: float
+    facts: dict
+
+    @classmethod
+    def of(cls, course, machine):
+        order, sizes = np.concatenate(course.runs), np.array([len(run) for run in course.runs])
+        points, axes = course.points[order], course.axes[order]
+        first = np.zeros(len(order), bool)
+        first[np.cumsum(sizes) - sizes] = True
+        angles = table_angles(points, axes, sizes, machine)
+        cosines = np.einsum("kx,kx->k", tool_directions(angles, machine), axes)
+        sections = machine.flow * (course.widths * course.heights)[order]
+        ways = np.where(first[1:], 0, piece_lengths(points))
+        along = np.append(0.0, np.cumsum(ways))
+        lengths = np.where(first[1:], 0, piece_lengths(course.places[order]))
+        filled = np.append(0.0, np.cumsum(lengths * (sections[:-1] + sections[1:]) / 2))
+        spans, shares = divide_moves(points, angles, first, machine)
+        points, angles, along, filled = (_between(values, spans, shares) for values in (points, angles, along, filled))
+        bead, first = (np.cumsum(first) - 1)[spans], first[spans] & (shares == 0)
+        places = to_machine(points, angles, machine)
+        pivot = np.array([0, 0, machine.pivot_z])
+        reach = float(np.linalg.norm(places - pivot, axis=1).max())
+        stations = np.column_stack([places, np.radians(angles) * reach])
+        tolerance = machine.tolerance * course.step
+        if machine.turns:
+            tolerance = min(tolerance, 0.4 * machine.deviation)
+        begins = np.append(np.flatnonzero(first), len(first))
+        chosen = [
+            a + simplify_moves(along[a:b] - along[a], stations[a:b], _sections(along[a:b], filled[a:b]), tolerance)
+            for a, b in pairwise(begins.tolist())
+        ]
+        kept = np.concatenate(chosen)
+        deviation = _deviation(points, angles, places, kept, bead, machine)
+        points, angles, places, along, filled = (values[kept] for values in (points, angles, places, along, filled))
+        bead, first = bead[kept], first[kept]
+        ways, volumes = (np.where(first, 0, np.diff(values, prepend=0.0)) for values in (along, filled))
+        # The first move of a bead is no move: it takes no time.
+        seconds, slowed = _seconds(ways, volumes, places, angles, first, course.layers[bead], machine)
+        turns = np.where(first[:, None], 0, np.diff(angles, axis=0, prepend=angles[:1]))
+        speeds = np.abs(turns) / np.where(seconds > 0, seconds, 1)[:, None]
+        filament = volumes / (np.pi * machine.filament**2 / 4)
+        facts = {
+            "seconds": float(seconds.sum()) + _overhead(places, ways, seconds, first, machine),
+            "filament": float(filament.sum()),
+            "volume": float(volumes.sum()),
+            "deviation": deviation,
+            "tool_off": float(np.degrees(np.arccos(np.clip(cosines.min(initial=1), -1, 1)))) if machine.turns else 0.0,
+            "turn_speed": float(speeds.max(initial=0)),
+            "turn_acceleration": float(_turn_accelerations(turns, seconds, first).max(initial=0)),
+            "slowed": float(ways[slowed].sum() / max(ways.sum(), 1e-12)),
+        }
+        feeds = _feeds(ways, places, angles, seconds, machine)
+        return cls(places, angles, points, filament, feeds, np.append(np.flatnonzero(first), len(first)), reach, facts)
+
+
+def _between(values, spans, shares):
+    """Values at points and part of the way to the next ones."""
+    following = np.minimum(spans + 1, len(values) - 1)
+    shares = shares.reshape(-1, *[1] * (values.ndim - 1))
+    return values[spans] + shares * (values[following] - values[spans])
+
+
+def _sections(along, filled):
+    ways = np.diff(along)
+    return np.diff(filled) / np.where(ways > 0, ways, 1)
+
+
+def _deviation(points, angles, places, kept, bead, machine):
+    """How far the tip is from its way on the part at most, at all points and half way between them."""
+    if not machine.turns or len(points) < 2:
+        return 0.0
+    # Of each point, the moves' ends around it and how far it is between them by the length.
+    way = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1)))
+    both = np.append(way, (way[1:] + way[:-1])[bead[1:] == bead[:-1]] / 2)
+    ends = way[kept]
+    interpolated = [np.interp(both, ends, column) for column in np.column_stack([places[kept], angles[kept]]).T]
+    wanted = np.column_stack([np.interp(both, way, column) for column in points.T])
+    turned = np.column_stack(interpolated)
+    return float(np.linalg.norm(to_part(turned[:, :3], turned[:, 3:], machine) - wanted, axis=1).max())
+
+
+def _seconds(ways, volumes, places, angles, first, layers, machine):
+    """(m,) seconds of each move, and which are slower than the feed."""
+    feed = np.full(len(ways), machine.feed)
+    if machine.first_feed:
+        feed[layers == layers[0]] = machine.first_feed
+    wanted = 60 * ways / feed
+    seconds = wanted.copy()
+    if machine.largest_flow:
+        seconds = np.maximum(seconds, volumes / machine.largest_flow)
+    if machine.turns:
+        linear = np.abs(np.diff(places, axis=0, prepend=places[:1])).max(axis=1)
+        turns = np.where(first[:, None], 0, np.diff(angles, axis=0, prepend=angles[:1]))
+        seconds = np.maximum(seconds, np.abs(turns).max(axis=1) / machine.turn_speed)
+        seconds = np.maximum(seconds, np.where(first, 0, 60 * linear / machine.travel_feed))
+        for _ in range(_ROUNDS):
+            over = _turn_accelerations(turns, seconds, first) / machine.turn_acceleration
+            if over.max(initial=0) <= 1:
+                break
+            slower = np.sqrt(np.maximum(1.01 * over, 1))
+            factor = np.maximum(np.append(slower, 1), np.append(1, slower))
+            seconds *= factor
+    return seconds, seconds > 1.001 * wanted
+
+
+def _turn_accelerations(turns, seconds, first):
+    """(m - 1,) degrees a second squared of the table from each move to the next one of a bead."""
+    moves = ~first & (seconds > 0)
+    speeds = turns / np.where(moves, seconds, 1)[:, None]
+    both = moves[1:] & moves[:-1]
+    middle = np.where(both, (seconds[1:] + seconds[:-1]) / 2, 1)
+    return np.where(both, np.abs(np.diff(speeds, axis=0)).max(axis=1, initial=0) / middle, 0)
+
+
+def _feeds(ways, places, angles, seconds, machine):
+    """(m,) F words: of the tip's way, of the linear axes' where the dialect counts these, or moves a minute."""
+    minutes = np.where(seconds > 0, seconds, 1) / 60
+    if not machine.turns or machine.moves == "tcp":
+        return ways / minutes
+    if machine.moves == "inverse":
+        return 1 / minutes
+    linear = np.linalg.norm(np.diff(places, axis=0, prepend=places[:1]), axis=1)
+    turned = np.linalg.norm(np.diff(angles, axis=0, prepend=angles[:1]), axis=1)
+    # In the digits of the program, a controller counts the turn where no linear axis moves.
+    return np.where(linear > 1e-4, linear, turned) / minutes
+
+
+def _overhead(places, ways, seconds, first, machine):
+    """Seconds for travels, and for speeding up and slowing down: at the ends of beads and in corners."""
+    speeds = np.where(first, 0, ways / np.where(seconds > 0, seconds, 1))
+    steps = np.diff(places, axis=0, prepend=places[:1])
+    lengths = np.linalg.norm(steps, axis=1)
+    travels = lengths[first] / (machine.travel_feed / 60)
+    travels += machine.travel_feed / 60 / machine.acceleration
+    directions = steps / np.where(lengths > 0, lengths, 1)[:, None]
+    bent = np.einsum("kx,kx->k", directions[1:], directions[:-1]) < np.cos(np.radians(_CORNER))
+    stops = speeds[1:][bent & ~first[1:]].sum() / machine.acceleration
+    return float(travels.sum() + stops)
 
 
 def _tops(places, machine):
@@ -128,31 +357,133 @@ def _tops(places, machine):
     return machine.pivot_z + np.linalg.norm(places - [0, 0, machine.pivot_z], axis=1)
 
 
-def _stations(places, angles, machine):
-    """(n, d) the machine's axes as lengths: those of the table as the ways of the place that is farthest from them."""
-    reach = np.linalg.norm(places - [0, 0, machine.pivot_z], axis=1).max(initial=0)
-    return np.column_stack([places, np.radians(angles) * reach])
+def _header(course, machine, moves):
+    """Comments that previews and printers read."""
+    facts, whole = moves.facts, round(moves.facts["seconds"])
+    hours, minutes, seconds = whole // 3600, whole // 60 % 60, whole % 60
+    return [
+        "; made by Synch Fields",
+        f"; {len(course.runs)} beads on {len(np.unique(course.layers))} layers",
+        f"; filament used [mm] = {facts['filament']:.2f}",
+        f"; filament used [cm3] = {facts['volume'] / 1000:.3f}",
+        f"; estimated printing time (normal mode) = {hours}h {minutes}m {seconds}s",
+        f";TIME:{whole}",
+    ]
 
 
-class _Moves:
-    """Lines of moves."""
+def _begin(machine):
+    """Heating, the start text, and the state that the moves expect."""
+    heated = [("140", "190", machine.bed_temperature), ("104", "109", machine.nozzle_temperature)]
+    rows = [f"M{warm} S{degrees:g}" for warm, _, degrees in heated if degrees]
+    rows += [machine.start] if machine.start else []
+    rows += [f"M{wait} S{degrees:g}" for _, wait, degrees in heated if degrees]
+    rows.append(machine.modes + (" G94" if machine.turns else ""))
+    if machine.turns and machine.moves == "tcp":
+        rows.append("G43.4 H1")
+    return [*rows, "G92 E0"]
+
+
+class _Writer:
+    """Lines of moves, and where the machine is."""
 
     def __init__(self, machine):
         self._machine, self._letters = machine, machine.axes.upper() if machine.turns else ""
-        self._timed = "G93 " if machine.turns else ""
-        self._plain = "G94 " if machine.turns else ""
+        self._is_timed = machine.turns and machine.moves == "inverse"
+        self._is_tcp = machine.turns and machine.moves == "tcp"
+        self._plain = "G94 " if self._is_timed else ""
+        self._place, self._angles, self._is_home = np.zeros(3), np.zeros(len(self._letters)), True
+        self._drawn, self._total, self._written = False, 0.0, 0.0
+        self._last_z = ""
 
-    def rapid(self, x=None, y=None, z=None, *, angles=()):
-        words = [f"{letter}{value:.4f}" for letter, value in zip("XYZ", (x, y, z), strict=True) if value is not None]
-        return f"{self._plain}G0 {' '.join([*words, *self._turned(angles)])} F{self._machine.travel_feed:g}"
+    def travel(self, place, angles, top, is_same_layer, near, reach):
+        """To the begin of a bead: beside the last one, above it, or above all that is printed."""
+        machine = self._machine
+        if self._is_home:
+            self._is_home = False
+            safe = np.array([0.0, 0.0, max(place[2] + machine.lift, 5.0)])
+            self._place = safe
+            return [*self._rapid(safe, self._angles, "Z"), *self._rapid(np.append(place[:2], safe[2]), angles),
+                    *self._rapid(place, angles)]  # fmt: skip
+        distance = np.linalg.norm(place - self._place)
+        turned = np.radians(np.abs(angles - self._angles).max(initial=0))
+        if is_same_layer and distance <= machine.hop and turned * reach < 0.5 * near:
+            return self._rapid(place, angles)
+        up = np.array([0, 0, machine.lift])
+        # A turn lets the tip leave the straight way by so much.
+        is_far = not is_same_layer or distance > near or reach * turned**2 / 8 > machine.lift / 2
+        rows = self._draw_back()
+        high = top + machine.lift
+        if is_far:
+            rows += self._rapid(np.append(self._place[:2], high), self._angles)
+            rows += self._rapid(np.append(place[:2], high), angles)
+        else:
+            rows += self._rapid(self._place + up, self._angles)
+        return [*rows, *self._rapid(place + up, angles), *self._rapid(place, angles)]
 
-    def bead(self, place, angles, length, filament):
-        words = [f"{letter}{value:.4f}" for letter, value in zip("XYZ", place, strict=True)]
-        feed = self._machine.feed / length if self._timed else self._machine.feed
-        return f"{self._timed}G1 {' '.join([*words, *self._turned(angles)])} E{filament:.6f} F{feed:.6g}"
+    def start(self):
+        """Filament that was drawn back comes again."""
+        return self._push()
 
-    def filament(self, length):
-        return f"{self._plain}G1 E{length:.5f} F{self._machine.retraction_feed:g}"
+    def bead(self, places, angles, points, filament, feeds):
+        """Moves along a bead."""
+        rows, shown = [], points if self._is_tcp else places
+        for place, turned, amount, feed in zip(shown.tolist(), angles.tolist(), filament.tolist(), feeds.tolist(),
+                                               strict=True):  # fmt: skip
+            words = self._words(place, turned)
+            rows.append(f"{'G93 ' if self._is_timed else ''}G1 {words} {self._extruded(amount)} F{feed:.6g}")
+        if len(places):
+            self._place, self._angles = places[-1], angles[-1]
+        return rows
 
-    def _turned(self, angles):
-        return [f"{letter}{angle:.4f}" for letter, angle in zip(self._letters, angles, strict=bool(len(angles)))]
+    def finish(self, top):
+        """Away from the part, upright."""
+        rows = self._draw_back()
+        high = max(top, self._place[2]) + self._machine.lift
+        rows += self._rapid(np.append(self._place[:2], high), self._angles)
+        if self._machine.turns:
+            rows += self._rapid(np.append(self._place[:2], high), [0.0, self._angles[1]])
+        return [*rows, *(["G49"] if self._is_tcp else [])]
+
+    def _draw_back(self):
+        if not self._machine.retraction or self._drawn:
+            return []
+        self._drawn = True
+        return [f"{self._plain}G1 {self._extruded(-self._machine.retraction)} F{self._machine.retraction_feed:g}"]
+
+    def _push(self):
+        if not self._drawn:
+            return []
+        self._drawn = False
+        return [f"{self._plain}G1 {self._extruded(self._machine.retraction)} F{self._machine.retraction_feed:g}"]
+
+    def _rapid(self, place, angles, only=""):
+        """Lines of a travel, in several parts where the tip's place on the part is written and the table turns."""
+        angles = np.asarray(angles, float)
+        parts = 1
+        if self._is_tcp:
+            parts = max(1, int(np.ceil(np.abs(angles - self._angles).max(initial=0) / _TURN)))
+        rows = []
+        for share in np.arange(1, parts + 1) / parts:
+            here = self._place + share * (place - self._place)
+            turned = self._angles + share * (angles - self._angles)
+            shown = to_part(here[None], turned[None], self._machine)[0] if self._is_tcp else here
+            words = self._words(shown.tolist(), turned.tolist(), only)
+            rows.append(f"{self._plain}G0 {words} F{self._machine.travel_feed:g}")
+        self._place, self._angles = np.asarray(place, float), angles
+        return rows
+
+    def _words(self, place, angles, only=""):
+        x, y, z = place
+        height = f"Z{z:.4f}"
+        words = [height] if only else [f"X{x:.4f} Y{y:.4f}", *([height] if height != self._last_z else [])]
+        self._last_z = height
+        return " ".join(
+            [*words, *(f"{letter}{angle:.4f}" for letter, angle in zip(self._letters, angles, strict=True))]
+        )
+
+    def _extruded(self, amount):
+        """The E word; what rounding leaves out comes with the next one."""
+        self._total += amount
+        now = round(self._total, 5)
+        step, self._written = now - self._written, now
+        return f"E{now:.5f}" if self._machine.extrusion == "absolute" else f"E{step:.5f}"

@@ -33,6 +33,10 @@ class Below:
     heights: np.ndarray
     layers: np.ndarray
 
+    def at(self, points):
+        """Of some of the places."""
+        return Below(self.heights[points], self.layers[points])
+
 
 def below(surfaces, solid, points, normals, layers, spacing):
     """:class:`Below` of places on layers, against their normals.

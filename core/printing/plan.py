@@ -6,21 +6,26 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import cKDTree
 
+from ..errors import SettingError
 from ..extract.lines.isolines import Isolines
-from .gcode import Course
+from .coverage import BeadDistances, even_along, point_lengths
+from .flat import flat_below, is_flat
+from .gcode import GAP, INNER, WALL, Course
 from .heights import NOTHING, OUTSIDE, Below, below
 from .machine import Machine
 from .order import layer_order, order_lines
 from .reach import collisions, tilts, tool_axes
 
+KINDS = (WALL, INNER, GAP)
 # What is this near to the lowest place, in spacings, lies on the bed.
 _ON_BED = 0.5
 # A bead leans on an earlier layer that is no farther than this, in spacings: 45 degrees aside of what is below.
 _LEAN = 1.5
 # The tool meets what is higher above its tip than this, in spacings.
 _SLACK = 0.25
+# Less high than this, in spacings, a bead is not printed.
+_NO_HEIGHT = 0.02
 # Share of a bead that lies on another layer from which on that has to be there before.
 _CARRIED = 0.02
 
@@ -35,6 +40,10 @@ class PrintPlan:
     layers : (l,) the layer of each line
     widths : (n,) at the lines' points
     below : Below
+    down, up : (n,) how far the bead reaches below and above the layer: half way to the next layer, or to the end of the
+        solid; the tip is at its top
+    kinds : (l,) what each line is, as :mod:`.gcode` calls it
+    volume : of the solid, scene units
     matrix : (4, 4) from the solid's space to the world, Z upwards
     machine : Machine
     step, spacing : between beads, and mean distance of layers
@@ -50,6 +59,10 @@ class PrintPlan:
     layers: np.ndarray
     widths: np.ndarray
     below: Below
+    down: np.ndarray
+    up: np.ndarray
+    kinds: np.ndarray
+    volume: float
     matrix: np.ndarray
     machine: Machine
     step: float
@@ -72,8 +85,19 @@ class PrintPlan:
 
     @property
     def heights(self):
-        """(n,) of the layer at the lines' points: the way down to what is below."""
-        return self.below.heights
+        """(n,) of the beads at the lines' points."""
+        return self.down + self.up
+
+    @cached_property
+    def tips(self):
+        """(n, 3) of the nozzle in the world, at the top of the bead."""
+        return self.places + self.up[:, None] * self.normals
+
+    @cached_property
+    def printed_volume(self):
+        """Of the beads, scene units."""
+        sections = self.widths * self.heights
+        return float((self.lines.steps * (sections + sections[self.lines.next]) / 2).sum())
 
     @property
     def collided(self):
@@ -88,28 +112,34 @@ class PrintPlan:
     @cached_property
     def shares(self):
         """(n,) length of the lines at each point, half of each piece at its ends, as a share of all."""
-        steps = self.lines.steps
-        lengths = steps / 2
-        np.add.at(lengths, self.lines.next, steps / 2)
+        lengths = point_lengths(self.lines)
         return lengths / max(lengths.sum(), np.finfo(float).tiny)
 
     @property
     def course(self):
-        """The :class:`Course` of the program, in the machine's space."""
-        machine, lines = self.machine, self.lines
-        points = (self.places - self.lowest) * machine.scale
-        axes = tool_axes(self.normals, machine)
-        # Where nothing was found below, a usual height.
-        heights = np.where(self.below.layers == NOTHING, self.spacing, self.heights) * machine.scale
-        heights = np.clip(heights, machine.smallest_height, machine.largest_height)
+        """The :class:`Course` of the program, in the machine's space; without pieces that have no height."""
+        machine, heights = self.machine, self.heights
+        points = (self.tips - self.lowest) * machine.scale
+        runs, of = [], []
+        for number, run in enumerate(self.lines.runs):
+            thick = heights[run] > _NO_HEIGHT * self.spacing
+            cuts = np.flatnonzero(np.diff(thick)) + 1
+            for piece, is_thick in zip(np.split(run, cuts), thick[np.append(0, cuts)], strict=True):
+                if is_thick and len(piece) > 1:
+                    runs.append(piece)
+                    of.append(number)
+        if not runs:
+            raise SettingError("no bead has a height: the layers lie on the bed, or have nothing below them")
         return Course(
-            points + [machine.bed_x, machine.bed_y, 0],
-            axes,
+            points + [*machine.middle, 0],
+            tool_axes(self.normals, machine),
+            self.places * machine.scale,
             self.widths * machine.scale,
-            heights,
-            lines.runs,
-            self.layers,
+            heights * machine.scale,
+            runs,
+            self.layers[of],
             self.step * machine.scale,
+            [KINDS[kind] for kind in self.kinds[of]],
         )
 
     def runs_of(self, chosen):
@@ -133,11 +163,13 @@ def print_plan(surfaces, solid, beads, matrix, machine, step, spacing):
     step, spacing : between beads, and mean distance of layers, scene units
     """
     lines = beads.lines
-    found = below(surfaces, solid, lines.points, lines.normals, beads.layers[lines.numbers], spacing)
+    at = beads.layers[lines.numbers]
+    look = flat_below if is_flat(surfaces) else below
+    found, over = (look(surfaces, solid, lines.points, side * lines.normals, at, spacing) for side in (1, -1))
     carried, carrying = _carrying_layers(lines, beads.layers, found, surfaces.count)
     order = layer_order(surfaces.count, carried, carrying)
     made, chosen, points = order_lines(lines, beads.layers, order)
-    layers, found = beads.layers[chosen], Below(found.heights[points], found.layers[points])
+    layers, found, over = beads.layers[chosen], found.at(points), over.at(points)
     places = _place_bead(matrix, made.points)
     world = _place_bead(matrix, solid.vertices)
     lowest = np.append((world.min(axis=0) + world.max(axis=0))[:2] / 2, world[:, 2].min())
@@ -148,26 +180,48 @@ def print_plan(surfaces, solid, beads, matrix, machine, step, spacing):
     on_bed = (found.layers < 0) & (feet < _ON_BED * spacing)
     ranks = rank[layers[made.numbers]]
     overhangs = (rank[found.layers] > ranks) & ~on_bed
-    overhangs &= ~_leaning(places, ranks, overhangs, _LEAN * spacing)
+    overhangs &= ~_leaning(places, made.next, ranks, overhangs, _LEAN * spacing)
     scaled = replace(
         machine,
         nozzle_radius=machine.nozzle_radius / machine.scale,
         nozzle_length=machine.nozzle_length / machine.scale,
     )
-    met = collisions(places, tool_axes(normals, machine), scaled, step, _SLACK * spacing)
+    lengths, volume = point_lengths(made), float(solid.volumes.sum())
+    ways = _own_ways(found, over, lengths * beads.widths[points], volume, spacing)
+    down, up = (np.maximum(even_along(made, lengths * way, step), 0) for way in ways)
+    met = collisions(places + up[:, None] * normals, tool_axes(normals, machine), scaled, step, _SLACK * spacing)
     return PrintPlan(
-        made, layers, beads.widths[points], found, matrix, machine, step, spacing,
-        beads.covered, beads.covered_share, overhangs, met, lowest,
+        made, layers, beads.widths[points], found, down, up, beads.kinds[chosen], volume, matrix,
+        machine, step, spacing, beads.covered, beads.covered_share, overhangs, met, lowest,
     )  # fmt: skip
 
 
-def _leaning(points, ranks, asked, reach):
-    """(n,) bool: of the points that are asked for, those with a point of a lower rank within reach; ranks ascend."""
+def _own_ways(below, above, areas, volume, spacing):
+    """(n,) how far beads reach down, and up: half way to the next layer, or to the end of the solid.
+
+    Where normals run apart, or layers end inside, ways to the end of the solid pass through what other beads fill: they
+    are shortened together until the beads have no more than the solid's volume.
+    """
+    ways, outside = [], []
+    for found in (below, above):
+        is_end = found.layers == OUTSIDE
+        way = np.where(found.layers >= 0, found.heights / 2, spacing / 2)
+        ways.append(np.where(is_end, 0, way))
+        outside.append(np.where(is_end, np.minimum(found.heights, spacing), 0))
+    left, taken = (float(areas @ (down + up)) for down, up in (ways, outside))
+    share = min(max(volume - left, 0) / max(taken, np.finfo(float).tiny), 1)
+    return [way + share * end for way, end in zip(ways, outside, strict=True)]
+
+
+def _leaning(points, following, ranks, asked, reach):
+    """(n,) bool: of the points that are asked for, those with a line of a lower rank within reach; ranks ascend."""
     result = np.zeros(len(points), bool)
     for rank in np.unique(ranks[asked]):
         before, here = np.searchsorted(ranks, rank), np.flatnonzero(asked & (ranks == rank))
         if before:
-            result[here] = np.isfinite(cKDTree(points[:before]).query(points[here], distance_upper_bound=reach)[0])
+            flat = np.zeros(before, int)
+            lines = BeadDistances(points[:before], points[following[:before]], flat, 2 * reach)
+            result[here] = lines(points[here], np.zeros(len(here), int)) <= reach
     return result
 
 

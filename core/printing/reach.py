@@ -44,10 +44,12 @@ def collisions(points, axes, machine, step, slack):
     (n,) the first place that it meets, -1 for none
     """
     met = np.full(len(points), -1)
+    # Upright, it meets only what is higher by the slack.
+    lowest = 0.0 if machine.turns else slack
     # The cone looks upwards from everywhere: below the highest place so far it may meet something.
     highest = np.maximum.accumulate(points[:, 2])
     upwards = machine.nozzle_angle + (machine.largest_tilt if machine.turns else 0) < 90
-    waiting = np.flatnonzero(points[:, 2] < highest) if upwards else np.arange(len(points))
+    waiting = np.flatnonzero(points[:, 2] < highest - lowest) if upwards else np.arange(len(points))
     near, length = min(_NEAR * step, machine.nozzle_length), machine.nozzle_length
     everything = np.arange(len(points))
     for obstacles, reach in ((everything, near), (_thin_points(points, _COARSE * step), length)):

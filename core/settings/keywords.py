@@ -46,6 +46,7 @@ class LayerKeywords(TypedDict, total=False):
     groups: str
     spacing: float | None
     size: float | None
+    divisions: int | None
     spacing_map: str
     spacing_range: float
     branching: float

@@ -209,6 +209,15 @@ class LayerSettings(SolverSettings):
         commands=LAYERS,
         group="layers",
     )
+    divisions: int | None = setting(
+        None,
+        "Divisions",
+        "Layers in a period of the phase that is solved for: where layers end inside, as many end together",
+        least=1,
+        most=1000,
+        unset="one, or as many as the tetrahedra need",
+        commands=LAYERS,
+    )
     spacing_map: str = setting(
         "",
         "Spacing Map",

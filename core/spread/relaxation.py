@@ -6,14 +6,13 @@ estimated, as no factorization proves it.
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from mpi4py import MPI
-from petsc4py import PETSc
 
 from ..algebra.workers import solving
 from ..monitor import SILENT
-from ..piece import Piece
 from ..solution import Clock, Options
 from ..solve.methods.descent import descend
 from ..solve.methods.manifolds import CirclesByFields
@@ -55,7 +54,8 @@ def solve_parts(part: Part, comm: MPI.Comm, target_gap: float = 1e-2, seed: int 
         with clock("build"):
             piece, whole, weight = piece_of(part, comm)
             assert isinstance(piece.held, SpreadReductions)
-            workspace = Workspace(piece, SpreadHierarchy.of(whole, piece.row_mass, piece.held))
+            hierarchy: Any = SpreadHierarchy.of(whole, piece.row_mass, piece.held)  # as a Hierarchy is used
+            workspace = Workspace(piece, hierarchy)
         found = relax(workspace, own, SILENT, clock)
         with clock("round"):
             column = _round_columns(workspace, found, seed)

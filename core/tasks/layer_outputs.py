@@ -32,7 +32,7 @@ class PathSettings:
 
     Attributes
     ----------
-    step : distance between two, in scene units; None for the mean spacing of the layers
+    step : distance between two, in scene units; None for the machine's bore, or the mean spacing of the layers
     fill : "contour", one inside the other from the rim inwards, the first half a step from it, and along the middle
         of what they leave; or in planes across an axis of the object, a step apart, "across-x" ...
     machine : Machine that prints them
@@ -80,7 +80,10 @@ class Layering:
 
     def paths(self, settings):
         """The :class:`PathsRequest` of :class:`PathSettings`."""
-        step = self.spacing if settings.step is None else settings.step
+        step = settings.step
+        if step is None:
+            machine = settings.machine
+            step = machine.bore / machine.scale if machine.bore else self.spacing
         return PathsRequest(self.surfaces, self.solid, self.matrix, float(step), self.spacing, settings)
 
     def voxels(self, resolution):

@@ -14,7 +14,7 @@ from ..extract.layers.defect_curves import DefectCurve, defect_curves
 from ..extract.layers.surfaces import LayerSurfaces, layer_surfaces
 from ..fields.filled_surface import FilledSurface
 from ..fields.guidance.solids import extend_directions, have_directions
-from ..fields.layers import LayerPattern, SolidTargetOneForm
+from ..fields.layers import LayerPattern, SolidTargetOneForm, choose_levels
 from ..fields.limits import ENOUGH, Limits, solve_within
 from ..fields.surface_phases import SurfacePhases, surface_phases
 from ..fields.target_one_form import COARSE_SHARE
@@ -131,11 +131,15 @@ class SolidRequest:
         monitor.at("guidance", _GUIDANCE)
         with clock("build"):
             directions, continued, spacings, groups = monitor.during(lambda: self._asked(filled))
-            growth = SolidTargetOneForm.of(solid, directions, spacings)
-            refuse_too_many_layers(growth.changes)
+            divisions = self.lengths.divisions
+            growth = SolidTargetOneForm.of(solid, directions, divisions * spacings)
+            refuse_too_many_layers(divisions * growth.changes)
+            groups = choose_levels(growth, groups, divisions)
         solving = portion(progress, _PHASES, _SURFACES - _PHASES)
-        pattern, growth = solve_within(growth, self.limits, groups, self.options, solving, self.branching)
-        outside = self.limits.outside_share(pattern)
+        limits = Limits(divisions * self.limits.smallest, divisions * self.limits.largest)
+        pattern, growth = solve_within(growth, limits, groups, self.options, solving, self.branching)
+        outside = limits.outside_share(pattern)
+        pattern, growth = pattern.divided(divisions).rested(groups), growth.divided(divisions)
         monitor.at("layers", _SURFACES)
         with clock("extract"):
             surfaces = monitor.during(
@@ -154,7 +158,8 @@ class SolidRequest:
             *self._about_far(far),
             *self._about_directions(continued),
             *self._about_limits(outside),
-            *_about_edges(growth),
+            *_about_edges(growth, divisions),
+            *_about_divisions(divisions, curves),
         )
         return SolidResult(pattern, surfaces, curves, ends, phases, outside, continued, far, warnings, clock.seconds)
 
@@ -267,11 +272,20 @@ class SolidResult:
         return self.pattern.mesh
 
 
-def _about_edges(growth):
-    if growth.coarse_share > COARSE_SHARE:
+def _about_edges(growth, divisions):
+    coarse = float((np.abs(growth.changes) > np.pi * divisions).mean())
+    if coarse > COARSE_SHARE:
         yield (
-            f"the spacing is finer than the solid can carry on {growth.coarse_share:.0%} of its edges: "
+            f"the spacing is finer than the solid can carry on {coarse:.0%} of its edges: "
             "increase it, or make the solid of smaller tetrahedra"
+        )
+
+
+def _about_divisions(divisions, curves):
+    if divisions > 1 and curves:
+        yield (
+            f"the phase is solved for {divisions} layers together, which end together at dislocation curves: give "
+            "smaller tetrahedra, a larger spacing, or fewer divisions"
         )
 
 

@@ -75,7 +75,7 @@ def beads_object(plan, share, spacing):
     for line in np.flatnonzero(lengths <= share * lengths[-1]):
         rows = slice(lines.starts[line], lines.starts[line] + lines.sizes[line])
         heights = np.minimum(plan.heights[rows], HEIGHTS[1] * spacing)
-        ring = rings(plan.places[rows], plan.normals[rows], plan.widths[rows], heights, lines.closed[line])
+        ring = rings(plan.tips[rows], plan.normals[rows], plan.widths[rows], heights, lines.closed[line])
         faces += tube(len(ring), lines.closed[line], sum(map(len, points)))
         points.append(ring.reshape(-1, 3))
         values.append(np.repeat(plan.heights[rows] / spacing, AROUND))

@@ -3,12 +3,14 @@
 
 import math
 
+from ...core.printing.machine import MACHINES, USUAL
 from ...core.tasks.layer_outputs import FILLS, PathSettings
 from .. import api
 from ..blender.files import MESH_SUFFIXES, check_output
+from ..solids.beads import LOOKS
 from ..solids.files import PATH_SUFFIXES, PROGRAM
 from ..solids.outputs import machine_of
-from ..solids.report import print_line
+from ..solids.report import print_line, program_line
 from ..solids.volume import check_volume
 from .flags import add_choice, add_number
 
@@ -25,17 +27,30 @@ def add_arguments(command):
     )
     command.add_argument("--export-gcode", metavar="FILE.gcode", help="write tool paths as a program for a printer")
     command.add_argument(
-        "--machine", metavar="FILE.toml", help="what the printer is; default: three axes, a scene unit is a millimetre"
+        "--machine",
+        metavar="NAME",
+        help=f"the printer: {', '.join(MACHINES)}, or a .toml file of one; default: {USUAL}",
     )
-    command.add_argument("--path-step", type=float, metavar="LENGTH", help="between two paths; default: the spacing")
+    command.add_argument(
+        "--path-step",
+        type=float,
+        metavar="LENGTH",
+        help="between two paths; default: the nozzle's width, or the spacing",
+    )
     add_choice(command, "--path-fill", FILLS, FILLS[0], "how paths fill a layer")
+    command.add_argument("--beads", choices=LOOKS, help="make a mesh of the beads of the paths, in colours of this")
     command.add_argument("--export-volume", metavar="FILE.vdb", help="write the pattern as a volume")
     add_number(command, "--resolution", 128, "voxels along the longest side", "N")
 
 
+def _machine(options):
+    """What the flag names, the usual machine for a program where there is none."""
+    return options.machine or (USUAL if options.export_gcode else None)
+
+
 def check(options):
     """Refuse, before any work, outputs that cannot be written."""
-    PathSettings(options.path_step, options.path_fill, machine_of(options.machine))
+    PathSettings(options.path_step, options.path_fill, machine_of(_machine(options)))
     if options.export_layers:
         check_output(options.export_layers, MESH_SUFFIXES)
     if options.export_paths:
@@ -63,11 +78,12 @@ def write(options, obj):
     reports, lines, facts = [], [], None
     if options.export_layers:
         reports.append(api.layer_export(obj, options.export_layers))
-    for path in filter(None, (options.export_paths, options.export_gcode)):
-        facts = api.layer_toolpaths(obj, options.path_step, options.path_fill, path, options.machine)
+    paths = [path for path in (options.export_paths, options.export_gcode) if path]
+    for path in paths or ([None] if options.beads else []):
+        facts = api.layer_toolpaths(obj, options.path_step, options.path_fill, path, _machine(options), options.beads)
         reports.append(facts)
     if facts is not None:
-        lines.append(print_line(facts))
+        lines += [print_line(facts), *([program_line(facts)] if "program" in facts else [])]
     if options.export_volume:
         reports.append(api.layer_volume(obj, options.export_volume, options.resolution))
     files, warnings = (

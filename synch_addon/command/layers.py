@@ -15,7 +15,7 @@ from ..blender import files
 from ..blender.new_geometry import new_mesh
 from ..jobs.job import run as run_job
 from ..solids.report import summary
-from . import layer_outputs
+from . import intake, layer_outputs
 from .flags import Made, add_input, add_outputs, save_scene
 from .settings import add_settings, settings_of
 
@@ -28,6 +28,9 @@ def add_parser(commands):
         description="Solve layers in the solid that a closed mesh encloses, or in one of tetrahedra (.mesh, .vtu).",
     )
     add_input(command)
+    command.add_argument(
+        "--up", choices=intake.UPS, help="axis of a mesh file that is turned up; default: as the file is read"
+    )
     add_settings(command, LayerSettings, "layers", smallest_height=None, largest_height=None)
     layer_outputs.add_arguments(command)
     add_outputs(command, "energies, spacings, curves and times", "the layers", "all layers as one mesh")
@@ -42,6 +45,11 @@ def run(options, open_object, progress):
         obj, solid = _open_solid(options.input)
     else:
         obj, solid = open_object(), None
+    mended = []
+    if solid is None and options.input and not options.input.lower().endswith(".blend"):
+        if options.up:
+            intake.turn_up(obj, options.up)
+        mended = intake.mend(obj)
     report = run_job(api.layer_job(obj, settings, solid), progress)
     layers = bpy.data.objects[report["layers_object"]]
     # Before anything else can fail, and once more with the curves and the volume that exports make.
@@ -51,7 +59,7 @@ def run(options, open_object, progress):
         written.append(options.export_mesh)
     paths, warned, lines, facts = layer_outputs.write(options, obj)
     written += paths
-    report["warnings"] += warned
+    report["warnings"] = [*(f"{obj.name}: {line}" for line in mended), *report["warnings"], *warned]
     if facts is not None:
         report["print"] = facts
     if facts is not None or options.export_volume:

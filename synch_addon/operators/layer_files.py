@@ -33,8 +33,21 @@ _STEP = FloatProperty(
 
 _MACHINE = StringProperty(
     name="Machine",
-    description="File that says what the printer is (.toml); none for three axes, a scene unit a millimetre",
+    description="Name of a printer, such as marlin, or a file that says what it is (.toml); none for three axes",
     subtype="FILE_PATH",
+)
+
+
+_BEADS = EnumProperty(
+    name="Beads",
+    description="Also make a mesh of the beads, as wide and as high as they are printed",
+    items=[
+        ("NONE", "None", "Curves alone"),
+        ("LAYER", "Layers", "Colours that take turns from layer to layer"),
+        ("HEIGHT", "Height", "Blue where beads are low, red where they are high"),
+        ("TILT", "Tilt", "Blue where layers lie level, red where they are steep"),
+        ("SPEED", "Speed", "Blue where beads are printed slowly, red where fast"),
+    ],
 )
 
 
@@ -104,9 +117,11 @@ class SYNCH_OT_layer_toolpaths(_LayerOperator, BackgroundOperator, bpy.types.Ope
     fill: _FILL
     step: _STEP
     machine: _MACHINE
+    beads: _BEADS
 
     def _job(self, context):
-        return PathsJob(context.active_object, _path_settings(self))
+        beads = None if self.beads == "NONE" else self.beads.lower()
+        return PathsJob(context.active_object, _path_settings(self), beads=beads)
 
     def _headline(self, report):
         return _report_files(report)
@@ -132,7 +147,7 @@ class SYNCH_OT_layer_path_export(_FileOperator, bpy.types.Operator):
     def _job(self, context):
         return PathsJob(
             context.active_object,
-            _path_settings(self),
+            _path_settings(self, self.filepath),
             self.filepath,
         )
 
@@ -160,9 +175,9 @@ class SYNCH_OT_layer_volume(_FileOperator, bpy.types.Operator):
         return f"{report['volume_object']}: {count_text(report['voxels'], 'voxel')}"
 
 
-def _path_settings(operator):
-    """The :class:`PathSettings` of an operator."""
-    return PathSettings(operator.step or None, operator.fill, machine_of(operator.machine or None))
+def _path_settings(operator, path=None):
+    """The :class:`PathSettings` of an operator that may write to a path."""
+    return PathSettings(operator.step or None, operator.fill, machine_of(operator.machine or None, path))
 
 
 def _report_files(report):

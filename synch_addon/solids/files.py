@@ -16,7 +16,9 @@ from ..blender.files import MESH_SUFFIXES, check_output, export_mesh
 from ..blender.new_geometry import add_spline, new_mesh
 from ..blender.transaction import at_the_end, leave, only_for_now, set_aside, store, undone_by
 from ..patterns.lines import add_splines
+from .beads import beads_mesh
 from .links import SOLID
+from .report import program_facts
 
 PROGRAM = ".gcode"
 PATH_SUFFIXES = (*WRITERS, PROGRAM)
@@ -74,9 +76,10 @@ def _sheet(layering, triangles):
     return obj
 
 
-def write_paths(obj, layering, paths):
+def write_paths(obj, layering, paths, beads=None):
     """A curve object for each layer, numbered upwards, in a collection of their own, and tubes around the places where
-    the tool meets what is printed or prints on air; returns the collection.
+    the tool meets what is printed or prints on air; with one of :data:`beads.LOOKS` the beads, too, as a mesh in its
+    colours. Returns the collection.
 
     An earlier run's curves are replaced.
     """
@@ -94,6 +97,11 @@ def write_paths(obj, layering, paths):
             data.name = f"{obj.name} {name}"
             made = objects[chosen] = bpy.data.objects.new(data.name, data)
             made.color = colour
+    if beads is not None:
+        data = beads_mesh(paths, beads)
+        data.transform(Matrix(layering.matrix).inverted())
+        data.name = f"{obj.name} Beads"
+        objects["beads"] = bpy.data.objects.new(data.name, data)
     for made in objects.values():
         made[SOLID] = obj
         made.matrix_world = Matrix(layering.matrix)
@@ -148,11 +156,14 @@ def paths_file(paths, path):
 
     Closed paths come back to their first point. Normals point in the direction in which layers follow one another.
     """
-    suffix = Path(path).suffix.lower()
+    suffix, facts = Path(path).suffix.lower(), {"files": [str(path)]}
     if suffix == PROGRAM:
-        text = gcode(paths.course, paths.machine)
+        program = gcode(paths.course, paths.machine)
+        text, facts["program"] = program.text, program_facts(program)
     else:
-        text = WRITERS[suffix](paths.lines, paths.layers, paths.places, paths.normals, paths.heights, paths.widths)
+        text = WRITERS[suffix](
+            paths.lines, paths.layers, paths.places, paths.normals, paths.heights, paths.widths, paths.up
+        )
     with write_whole(path) as made:
         made.write_text(text, encoding="utf-8")
-        yield {"files": [str(path)]}
+        yield facts

@@ -18,7 +18,7 @@ from ...core.settings.guidance import AXES, BOUNDARY
 from ...core.validation import check_path
 from ..blender import attributes
 from ..blender.strokes import SOURCE_TYPES, polylines
-from .surface import read_area
+from .surface import LOOKS, read_area
 
 
 def read_guide(obj, given, guide):
@@ -60,7 +60,7 @@ def _harmonic(obj, given, low, high):
 
 
 def _distance(obj, given, name):
-    if name in obj.vertex_groups or name == BOUNDARY:
+    if name in obj.vertex_groups or name in (BOUNDARY, *LOOKS):
         return partial(filled.away_from_area, read_area(obj, given, name))
     other = bpy.data.objects.get(name)
     if other is None or other == obj or other.type != "MESH":

@@ -105,5 +105,5 @@ def _read(obj, settings, solid):
 def _lengths(distance, settings, spacing, solid, lowest):
     """The :class:`Lengths` for a spacing, None for an automatic one."""
     if solid is None:
-        return Lengths.of(distance, spacing, settings.size, lowest)
-    return Lengths.carried(distance, spacing, float(np.median(solid.edge_lengths)), lowest)
+        return Lengths.of(distance, spacing, settings.size, lowest, settings.divisions)
+    return Lengths.carried(distance, spacing, float(np.median(solid.edge_lengths)), lowest, settings.divisions)

@@ -2,11 +2,12 @@
 """The part of the Python API that brings the last layers of an object out: files, tool paths and a volume."""
 
 from contextlib import nullcontext
+from os import PathLike
 
 import bpy
 
-from ...core.errors import SettingError, SynchError
-from ...core.printing.machine import Machine, read_machine
+from ...core.errors import SettingError, SynchError, quote_value
+from ...core.printing.machine import MACHINES, USUAL, Machine, read_machine
 from ...core.tasks.layer_outputs import PathSettings
 from ...core.validation import check_path, convert_value
 from ..blender import meshes
@@ -15,6 +16,7 @@ from ..blender.objects import ObjectLink, no_object
 from ..blender.transaction import keep_file, whole_or_nothing
 from ..jobs.job import run
 from . import files, memory
+from .beads import LOOKS
 from .links import solid_of
 from .report import print_facts
 from .volume import check_volume, grid_file, make_volume
@@ -55,7 +57,7 @@ def layer_export(obj, path, together=False):
     }
 
 
-def layer_toolpaths(obj, step=None, fill="contour", path=None, machine=None):
+def layer_toolpaths(obj, step=None, fill="contour", path=None, machine=None, beads=None):
     """Make a curve object of paths for a tool on each of the last layers of an object, in a collection of their own.
 
     Parameters
@@ -63,7 +65,10 @@ def layer_toolpaths(obj, step=None, fill="contour", path=None, machine=None):
     obj : as for :func:`layer_export`
     step, fill : see :class:`PathSettings`
     path : write them to this file (.csv, .obj, .gcode) as well
-    machine : .toml file of the printer, see :class:`Machine`; None for one with three axes
+    machine : name of a printer, or .toml file of one, see :class:`Machine`; None for ``marlin`` in a program
+
+    beads : make a mesh of the beads as wide and as high as they are printed, in colours of their "layer", "height",
+        "tilt" or "speed"
 
     Returns
     -------
@@ -74,7 +79,7 @@ def layer_toolpaths(obj, step=None, fill="contour", path=None, machine=None):
     SynchError
         with one line that names the element and the remedy; nothing is made
     """
-    return run(PathsJob(obj, PathSettings(step, fill, machine_of(machine)), path))
+    return run(PathsJob(obj, PathSettings(step, fill, machine_of(machine, path)), path, beads))
 
 
 def layer_volume(obj, path, resolution=128):
@@ -117,13 +122,19 @@ class _OutputJob:
             if self._path is not None:
                 keep_file(obj, self._path)
             with self._file(layering, result) as facts:
-                facts |= self._make(obj, layering, result)
+                made = self._make(obj, layering, result)
+                warnings = [*made.get("warnings", ()), *facts.get("program", {}).get("warnings", ())]
+                facts |= made | ({"warnings": warnings} if "warnings" in made else {})
                 return {"status": "made", "command": self.command, "object": obj.name, **facts}
 
 
-def machine_of(path):
-    """The :class:`Machine` of a file whose name may begin with //, the usual one for None."""
-    return Machine() if path is None else read_machine(_absolute(path))
+def machine_of(machine, path=None):
+    """The :class:`Machine` of a name or of a file whose name may begin with //; without one, the usual machine where a
+    program is written to a path, else one that does not limit anything."""
+    if machine is None:
+        is_program = isinstance(path, str | PathLike) and str(path).lower().endswith(files.PROGRAM)
+        return read_machine(USUAL) if is_program else Machine()
+    return read_machine(machine if isinstance(machine, str) and machine in MACHINES else _absolute(machine))
 
 
 class PathsJob(_OutputJob):
@@ -131,8 +142,10 @@ class PathsJob(_OutputJob):
 
     command = "layer_toolpaths"
 
-    def __init__(self, obj, settings, path=None):
-        self._path = None if path is None else _absolute(path)
+    def __init__(self, obj, settings, path=None, beads=None):
+        if beads is not None and convert_value("beads", str, beads) not in LOOKS:
+            raise SettingError(f"the beads {quote_value(beads)} are unknown: use one of {', '.join(LOOKS)}")
+        self._path, self._beads = None if path is None else _absolute(path), beads
         if path is not None:
             check_output(self._path, files.PATH_SUFFIXES)
         super().__init__(obj)
@@ -143,7 +156,7 @@ class PathsJob(_OutputJob):
 
     def _make(self, obj, layering, paths):
         return {
-            "collection": files.write_paths(obj, layering, paths).name,
+            "collection": files.write_paths(obj, layering, paths, self._beads).name,
             "paths": len(paths.layers),
             "length": float(paths.lines.lengths.sum()),
             "step": self.request.step,

@@ -14,6 +14,8 @@ from ..jobs.report import count_text
 # Shares of the paths' length, and of the layers' area, from which on and below which there is a warning; places that a
 # report lists.
 TOLD, COVERED, MOST_PLACES = 0.001, 0.99, 20
+# Volume of the beads that is told about, as a share of the solid's; widths of beads over the nozzle's opening.
+VOLUME, WIDTHS = 0.02, (0.6, 2.0)
 
 
 def layer_facts(layering):
@@ -49,6 +51,7 @@ def print_facts(plan):
     thin, thick = heights < machine.smallest_height, heights > machine.largest_height
     steep = plan.tilts > machine.largest_tilt
     facts = {
+        "volume": {"solid": plan.volume, "beads": plan.printed_volume, "share": plan.printed_volume / plan.volume},
         "covered": plan.covered_share,
         "least_covered": {"layer": worst, "share": float(plan.covered[worst])},
         "heights": _spread_of(plan.heights, plan.shares),
@@ -60,7 +63,12 @@ def print_facts(plan):
         "collisions": _places(plan, plan.collided),
         "machine": {name: value for name, value in dataclasses.asdict(machine).items() if value != math.inf},
     }
-    return facts | {"warnings": list(_about_print(facts))}
+    return facts | {"warnings": list(_about_print(facts, plan.step * machine.scale))}
+
+
+def program_facts(program):
+    """What is told of a :class:`Program`, ready for JSON."""
+    return {name: value for name, value in dataclasses.asdict(program).items() if name != "text"}
 
 
 def _spread_of(values, shares):
@@ -86,14 +94,23 @@ def _places(plan, chosen):
     return {"share": float(plan.shares[chosen].sum()), "pieces": len(runs), "places": places}
 
 
-def _about_print(facts):
+def _about_print(facts, step):
+    machine, share = facts["machine"], facts["volume"]["share"]
+    if abs(share - 1) > VOLUME:
+        remedy = "reduce the step" if share < 1 else "take fewer or lower layers, or a smaller step"
+        yield f"the beads have {share:.1%} of the solid's volume: {remedy}"
+    bore = machine["bore"]
+    if bore and not WIDTHS[0] * bore <= step <= WIDTHS[1] * bore:
+        yield (
+            f"beads of {step:.3g} mm do not come from a nozzle of {bore:g} mm: give a step of "
+            f"{bore / machine['scale']:.3g}, or another machine"
+        )
     if facts["covered"] < COVERED:
         least = facts["least_covered"]
         yield (
             f"the paths cover {facts['covered']:.1%} of the layers, {least['share']:.0%} of layer {least['layer']}: "
             "reduce the step, or take contours"
         )
-    machine = facts["machine"]
     largest = machine.get("largest_height", math.inf)
     for kind, words, remedy in (
         (
@@ -122,11 +139,25 @@ def _about_print(facts):
 
 def print_line(report):
     """What a person wants to read of printed paths."""
-    heights, tilts = report["heights"], report["tilts"]
+    heights, tilts, volume = report["heights"], report["tilts"], report["volume"]
     return (
         f"{count_text(report['paths'], 'path')}, {report['length']:.4g} long in all, cover {report['covered']:.1%} of "
         f"the layers; heights {heights['low']:.3g} to {heights['high']:.3g}, tilt up to {tilts['high']:.0f} degrees, "
-        f"{report['overhangs']['share']:.1%} on air, {report['collisions']['share']:.1%} in the tool's way"
+        f"{report['overhangs']['share']:.1%} on air, {report['collisions']['share']:.1%} in the tool's way; "
+        f"{volume['share']:.1%} of the solid's volume"
+    )
+
+
+def program_line(report):
+    """What a person wants to read of a program."""
+    program, five = report["program"], report["machine"]["axes"] != "xyz"
+    minutes = round(program["seconds"] / 60)
+    line = f"program: {minutes // 60} h {minutes % 60:02} min, {program['filament'] / 1000:.2f} m of filament"
+    if not five:
+        return line
+    return (
+        f"{line}; the tip off its way by {program['deviation']:.3f} mm at most, the tool by {program['tool_off']:.1f} "
+        f"degrees, the table turns {program['turn_speed']:.0f} degrees a second at most"
     )
 
 

@@ -2,6 +2,7 @@
 """The closed surface of a mesh object, parts of it, and a solid that is given for it."""
 
 import numpy as np
+from mathutils import Vector
 
 from ...core.errors import MeshError, SettingError, name_elements, quote_value
 from ...core.geometry.check import refuse_far_vertices
@@ -12,6 +13,8 @@ from ...core.settings.guidance import BOUNDARY
 from ..blender import groups, meshes
 from ..blender.bvh import surface_tree
 
+# Parts that need no vertex group, and the cosine up to which a face looks down or up: 30 degrees off level.
+LOOKS, LEVEL = ("bottom", "top", "side"), 0.866
 # How far the boundary of a given solid may be from the object's surface, as a share of its size.
 _FITTING = 1e-3
 
@@ -62,9 +65,18 @@ def _refuse_crossings(given):
 
 
 def read_area(obj, given, name):
-    """The :class:`Area` of a vertex group, or of the whole surface by the name "boundary"."""
+    """The :class:`Area` of a vertex group, of the whole surface by the name "boundary", or of the faces that look down,
+    up, or neither, by the names "bottom", "top" and "side"."""
     if name == BOUNDARY and name not in obj.vertex_groups:
         return Area("the boundary", np.arange(given.mesh.triangle_count))
+    if name in LOOKS and name not in obj.vertex_groups:
+        # Normals in the world: the measured space has the object's scale but not its turn.
+        down = np.array(obj.matrix_world.to_quaternion().to_matrix().inverted() @ Vector((0, 0, -1)))
+        cosines = given.mesh.face_normals @ down
+        looks = {"bottom": cosines > LEVEL, "top": cosines < -LEVEL, "side": np.abs(cosines) <= LEVEL}[name]
+        if not looks.any():
+            raise SettingError(f"no face of {obj.name} is its {name}: assign a vertex group of that name")
+        return Area(f"the {name}", np.flatnonzero(looks))
     return Area.of_members(given, groups.read_group(obj, name)[given.source], f"the vertex group {name!r}")
 
 

@@ -34,17 +34,10 @@ def toolpaths(mesh, layers, values, step):
     SettingError
         for a step that is not positive, or so small that there would be more than MOST_POINTS points
     """
-    if not (np.isfinite(step) and step > 0):
-        raise SettingError(f"the step between paths is {step:g}: give a positive number")
+    refuse_many_points(mesh, values, step)
     angles = TURN / step * np.asarray(values, float)
     i, j = mesh.edges.T
     changes = (angles[j] - angles[i])[:, None]
-    points = np.abs(changes).sum() / TURN
-    if points > MOST_POINTS:
-        raise SettingError(
-            f"paths {step:g} apart have {points:.1e} points, and {MOST_POINTS:.0e} is the most: "
-            f"give a step of {1.05 * step * points / MOST_POINTS:.2g} or more"
-        )
     lines = isolines(EdgePhases.of(mesh, np.exp(1j * angles)[:, None], changes, np.zeros(len(changes), int)))
     numbers = layers[lines.triangles[lines.starts]]
     order = np.argsort(numbers, kind="stable")
@@ -53,6 +46,19 @@ def toolpaths(mesh, layers, values, step):
         mesh, lines.triangles[points], lines.weights[points], lines.sizes[order], lines.ends[order]
     )
     return sorted_lines, numbers[order]
+
+
+def refuse_many_points(mesh, values, step):
+    """Refuse a step of :func:`toolpaths` that is not positive, or makes too many points."""
+    if not (np.isfinite(step) and step > 0):
+        raise SettingError(f"the step between paths is {step:g}: give a positive number")
+    i, j = mesh.edges.T
+    points = np.abs(np.asarray(values, float)[j] - values[i]).sum() / step
+    if points > MOST_POINTS:
+        raise SettingError(
+            f"paths {step:g} apart have {points:.1e} points, and {MOST_POINTS:.0e} is the most: "
+            f"give a step of {1.05 * step * points / MOST_POINTS:.2g} or more"
+        )
 
 
 def rim_distances(mesh):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Size of a solid's tetrahedra, their number, and the spacing of layers that they can carry."""
 
+import math
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -22,6 +23,8 @@ EDGES_PER_LAYER = 3.0
 FEWEST_EDGES = 2.0
 # Most layers across the object if no spacing is given.
 LAYERS_ACROSS = 40
+# A period of the pattern carries one layer as long as that takes no more tetrahedra, where no size is given.
+UNDIVIDED_TETS = 1_200_000
 
 
 class Measures(NamedTuple):
@@ -67,19 +70,34 @@ class Estimate(NamedTuple):
 
 
 class Lengths(NamedTuple):
-    """Distance between layers and longest edge of the tetrahedra, in scene units."""
+    """Distance between layers and longest edge of the tetrahedra, in scene units, and layers in a period of the phase
+    that is solved for."""
 
     spacing: float
     size: float
+    divisions: int = 1
+
+    @property
+    def period(self) -> float:
+        """Distance in which the phase that is solved for turns once."""
+        return self.spacing * self.divisions
 
     @classmethod
-    def of(cls, distance: SurfaceDistance, spacing: float | None, size: float | None, lowest: float = 1.0) -> Self:
+    def of(
+        cls,
+        distance: SurfaceDistance,
+        spacing: float | None,
+        size: float | None,
+        lowest: float = 1.0,
+        divisions: int | None = None,
+    ) -> Self:
         """Choose both for a surface that is to be filled, automatically if they are None.
 
         Parameters
         ----------
         spacing, size : scene units
         lowest : factor on the spacing where layers are thinnest
+        divisions : layers in a period; None for 1, or for as many as the tetrahedra need
 
         Raises
         ------
@@ -90,19 +108,29 @@ class Lengths(NamedTuple):
         if size is None:
             size = estimate(distance).size
             if spacing is not None:
-                size = min(size, spacing * lowest / EDGES_PER_LAYER)
-        lengths = cls.carried(distance, spacing, size, lowest)
-        finest = lengths.spacing * lowest
+                finer = spacing * lowest * (divisions or 1) / EDGES_PER_LAYER
+                if divisions or estimate(distance, min(size, finer)).tets <= UNDIVIDED_TETS:
+                    size = min(size, finer)
+        lengths = cls.carried(distance, spacing, size, lowest, divisions)
+        finest = lengths.period * lowest
         if finest < FEWEST_EDGES * lengths.size:
             raise SettingError(
                 f"the spacing {finest:g} is finer than tetrahedra of size {lengths.size:g} can carry: give a size of "
-                f"{finest / EDGES_PER_LAYER:.3g}, or a spacing from {FEWEST_EDGES * lengths.size / lowest:.3g} on"
+                f"{finest / EDGES_PER_LAYER:.3g}, more divisions, or a spacing from "
+                f"{FEWEST_EDGES * lengths.size / lowest:.3g} on"
             )
         _refuse_size(distance, lengths.size)
         return lengths
 
     @classmethod
-    def carried(cls, distance: SurfaceDistance, spacing: float | None, size: float, lowest: float = 1.0) -> Self:
+    def carried(
+        cls,
+        distance: SurfaceDistance,
+        spacing: float | None,
+        size: float,
+        lowest: float = 1.0,
+        divisions: int | None = None,
+    ) -> Self:
         """Choose the spacing that tetrahedra of a size carry if it is None; parameters and errors as :meth:`of`.
 
         A spacing that is too fine for them is not refused.
@@ -115,7 +143,10 @@ class Lengths(NamedTuple):
             raise SettingError(
                 f"the spacing {spacing:g} is larger than the object ({reach:g}): no layer would fit, reduce it"
             )
-        return cls(float(spacing), float(size))
+        if divisions is None:
+            finest = spacing * lowest
+            divisions = 1 if finest >= FEWEST_EDGES * size else math.ceil(EDGES_PER_LAYER * size / finest - 1e-9)
+        return cls(float(spacing), float(size), divisions)
 
 
 def estimate(measures: SurfaceDistance | Measures, size: float | None = None) -> Estimate:

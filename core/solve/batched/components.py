@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Many components: those that a field fits perfectly are solved at once, and small ones in batches."""
+"""Pieces that are not relaxed one by one: fields that fit perfectly are found along a tree, and small pieces are solved
+together."""
 
 from typing import Any
 
@@ -31,7 +32,7 @@ def solve_components(
         if len(fitted):
             results.append(_without_search(pieces, fitted, coordinates, options, True))
             is_left[fitted] = False
-    small = np.flatnonzero(is_left & (pieces.sizes <= LARGEST) & (pieces.weights > 0))
+    small = np.flatnonzero(is_left & (pieces.sizes <= LARGEST) & (pieces.weights > 0) & (len(pieces) > 1))
     if problem.is_circle and options.method != "diffusion" and len(small):
         part = monitor.portion(0.0, pieces.sizes[small].sum() / pieces.sizes.sum())
         chunks = _split_by_size(pieces.sizes, small, problem.block, options.samples)

@@ -44,7 +44,9 @@ def toolpaths(folder, **given):
     obj = sphere(1)
     api.layers(obj, spacing=0.7, size=0.4, method="spectral")
     step, machine = given.pop("step", None), folder / "machine.toml"
-    machine.write_text("".join(f"{name} = {float(value)}\n" for name, value in given.items()))
+    machine.write_text(
+        "".join(f"{name} = {value if isinstance(value, int) else float(value)}\n" for name, value in given.items())
+    )
     return api.layer_toolpaths(obj, step, path=folder / "part.gcode", machine=machine)
 
 

@@ -9,7 +9,8 @@ from synch_fields.core.extract.layers.surfaces import layer_surfaces
 from synch_fields.core.fields.guidance.solids import axis_directions
 from synch_fields.core.fields.layers import LayerGroup, solve_layers
 from synch_fields.core.geometry import TriangleMesh
-from synch_fields.core.printing.beads import NARROWEST, contour_beads, plane_beads
+from synch_fields.core.printing.beads import contour_beads, plane_beads
+from synch_fields.core.printing.coverage import NARROWEST, WIDEST
 from synch_fields.core.printing.subdivision import subdivide
 
 from ..layered_solids import block, shell
@@ -61,8 +62,11 @@ def test_beads_cover_strips_of_any_width(width):
     found = distances(surfaces, beads)
     # In the corners of the strip, 0.71 steps are left.
     assert np.quantile(found, 0.995) < 0.72 * step
-    assert beads.covered_share == pytest.approx((found < 0.75 * step).mean(), abs=0.01)
-    assert len(beads.covered) == surfaces.count and beads.covered.min() > 0.99
+    assert beads.covered_share == pytest.approx((found < step / 2).mean(), abs=0.01)
+    assert len(beads.covered) == surfaces.count and beads.covered.min() > 0.95
+    # As wide as they are, the beads have the area of the layers, but where they are narrower than can be laid.
+    area = (beads.lines.steps * (beads.widths + beads.widths[beads.lines.next]) / 2).sum()
+    assert area == pytest.approx(surfaces.areas.sum(), rel=0.01 if width > NARROWEST * step else 0.15)
     assert (np.diff(beads.layers) >= 0).all()
 
 
@@ -74,8 +78,8 @@ def test_the_bead_of_a_narrow_strip_is_straight_and_as_wide_as_it():
     assert not beads.lines.closed.any()
     np.testing.assert_allclose(beads.lines.points[:, 1], width / 2, atol=0.01)
     assert (beads.lines.lengths > 1.5 - 1.5 * step).all()
-    np.testing.assert_allclose(np.median(beads.widths), width, rtol=0.05)
-    assert beads.widths.min() >= NARROWEST * step and beads.widths.max() <= step
+    np.testing.assert_allclose(np.median(beads.widths), width, rtol=0.2)
+    assert beads.widths.min() >= NARROWEST * step and beads.widths.max() <= WIDEST * step
 
 
 def test_nothing_is_added_in_corners_of_squares():
@@ -83,9 +87,10 @@ def test_nothing_is_added_in_corners_of_squares():
     step = 0.125
     _, surfaces = planes((1, 1, 0.7), (10, 10, 3))
     beads = contour_beads(surfaces, step)
-    assert beads.lines.closed.all() and (beads.widths == step).all()
+    assert beads.lines.closed.all()
+    np.testing.assert_allclose(beads.widths, step, rtol=0.2)
     np.testing.assert_array_equal(np.bincount(beads.layers), [4] * surfaces.count)
-    assert beads.covered_share > 0.995
+    assert beads.covered_share > 0.98  # corners of contours are round
 
 
 def test_spheres_without_a_rim_are_covered():
@@ -101,8 +106,8 @@ def test_planes_say_what_they_leave():
     assert beads.covered_share == pytest.approx(1, abs=1e-6)
     half = plane_beads(surfaces, surfaces.vertices[:, 0] - 0.1, 0.4)  # at 0.1, 0.5 and 0.9
     assert half.covered_share == pytest.approx(1, abs=1e-6)
-    one = plane_beads(surfaces, surfaces.vertices[:, 0] - 0.5, 0.6)  # at 0.5 alone: 0.45 to both sides
-    assert one.covered_share == pytest.approx(0.9, abs=0.03)
+    one = plane_beads(surfaces, surfaces.vertices[:, 0] - 0.5, 0.6)  # at 0.5 alone: 0.3 to both sides
+    assert one.covered_share == pytest.approx(0.6, abs=0.03)
 
 
 def test_refined_triangles_are_the_same_surface():

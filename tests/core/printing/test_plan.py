@@ -28,11 +28,16 @@ def planned(found, matrix=None, machine=UPRIGHT, step=0.2):
     return print_plan(surfaces, mesh, contour_beads(surfaces, step), matrix, machine, step, SPACING)
 
 
-def test_heights_of_planes_are_their_spacing():
+def test_beads_reach_half_way_to_the_next_layer_and_to_the_ends_of_the_solid():
+    """Of layers at 0, 0.3 and 0.6 in a block 0.7 high: all of it belongs to a bead."""
     plan = planned(planes((1, 0.8, 0.7)))
-    heights, layers = plan.heights, plan.layers[plan.lines.numbers]
-    np.testing.assert_allclose(heights[layers > 0], SPACING, atol=1e-6)
-    np.testing.assert_allclose(heights[layers == 0], 0, atol=1e-6)
+    layers = plan.layers[plan.lines.numbers]
+    np.testing.assert_allclose(plan.down, np.array([0, 0.15, 0.15])[layers], atol=1e-3)
+    np.testing.assert_allclose(plan.up, np.array([0.15, 0.15, 0.1])[layers], atol=1e-3)
+    np.testing.assert_allclose(plan.tips[:, 2], plan.places[:, 2] + plan.up, atol=1e-9)
+    assert plan.printed_volume == pytest.approx(plan.volume, rel=0.01) and plan.volume == pytest.approx(0.56)
+    # Nothing is printed at the height of the bed.
+    assert plan.course.points[:, 2].min() == pytest.approx(0.15, abs=1e-3)
     np.testing.assert_array_equal(plan.below.layers, np.where(layers == 0, OUTSIDE, layers - 1))
     assert not plan.overhangs.any() and not plan.collided.any()
     np.testing.assert_allclose(plan.tilts, 0, atol=1e-4)

@@ -110,6 +110,22 @@ def test_perfect_fits_are_found_by_every_method(method, kind):
         assert solution.energy < 1e-10
 
 
+def test_a_field_that_integrates_is_found_and_proved_without_a_relaxation():
+    """A connected graph whose transports lead from one random field to itself: any spanning tree has the answer."""
+    connection = random_connection("circle", 500, extra=900, seed=2)
+    values = random_values("circle", 500, np.random.default_rng(1))
+    i, j = connection.edges.T
+    transports = values[j] * values[i].conj()
+    solution = solve(SynchronizationProblem(replace(connection, transports=transports)))
+    off = solution.phases * values.conj()
+    np.testing.assert_allclose(off, off[0], atol=1e-12)
+    assert solution.iterations == solution.products == 0 and solution.energy < 1e-20
+    assert solution.certificate is Certificate.PROVED and solution.status is Status.CERTIFIED
+    # With one contradiction it has to be relaxed.
+    transports[np.isin(connection.edges, connection.edges[-1]).all(axis=1)] *= -1
+    assert solve(SynchronizationProblem(replace(connection, transports=transports))).iterations > 0
+
+
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("count", [2, 4, 40])
 def test_equal_phases_on_an_unweighted_loop(method, count):

@@ -82,6 +82,34 @@ def test_layers_across_an_axis_are_planes_a_spacing_apart():
     assert set(result.seconds) == {"fill", "build", "extract"}
 
 
+@pytest.mark.parametrize("divisions", [6, 40])
+def test_printed_layers_are_levels_of_a_longer_period(divisions):
+    """Layers along an axis are the same planes, the first one half a layer above the floor, whatever the period."""
+    surface, size = closed(cube(2)), 0.1
+    lengths = Lengths.of(surface.distance, 0.04, size, divisions=divisions)
+    result = replace(request_in(surface), lengths=lengths).solve()
+    floor = surface.mesh.vertices[:, 2].min()
+    heights = [places.mean() for places in heights_of(result.surfaces)]
+    np.testing.assert_allclose(heights, floor + 0.04 * (np.arange(25) + 0.5), atol=1e-6)
+    assert result.pattern.spacings.mean == pytest.approx(0.04) and result.pattern.solution.iterations == 0
+    assert result.warnings == ()
+
+
+@pytest.mark.parametrize("divisions", [3, 10])
+def test_groups_lie_on_the_levels_that_fit(divisions):
+    """Floor and top 1 apart are 25 layers of 0.04: not a whole number of periods of 3 or 10."""
+    surface = closed(cube(2))
+    z = surface.mesh.vertices[:, 2]
+    areas = [Area(name, np.flatnonzero((z[surface.mesh.triangles] == level).all(axis=1)))
+             for name, level in (("the floor", z.min()), ("the top", z.max()))]  # fmt: skip
+    asked = tuple(AskedArea(area, np.pi) for area in areas)
+    lengths = Lengths.of(surface.distance, 0.04, 0.1 if divisions == 10 else 0.05, divisions=divisions)
+    result = replace(request_in(surface), lengths=lengths, asked=asked).solve()
+    heights = [places.mean() for places in heights_of(result.surfaces)]
+    np.testing.assert_allclose(heights, z.min() + 0.04 * (np.arange(25) + 0.5), atol=1e-6)
+    assert result.pattern.solution.energy < 1e-12
+
+
 @pytest.mark.parametrize(("cells", "told"), [(1, True), (6, False)])
 def test_a_guide_without_directions_of_its_own_is_told_about(cells, told):
     """A plate of a cell with one vertex inside: the distance from the boundary has a slope around that one alone."""
@@ -161,10 +189,13 @@ def test_what_takes_more_memory_than_there_is_is_refused_before_it_begins(is_giv
 # What layers in a ball take beyond what there was, over what was estimated.
 MEASURE = """
 import sys
+import numpy as np
+from synch_fields.core.tasks.solids import SolidGuide
 from synch_fields.tests.core.meshes import icosphere
 from synch_fields.tests.core.tasks.test_layer_requests import closed, request_in
 from synch_fields.tests.core.memory_peak import bytes_taken
-request = request_in(closed(icosphere(3)), 0.3, float(sys.argv[1]))
+whirl = SolidGuide("whirl", lambda filled: np.cross([0, 0, 1], filled.solid.vertices) + [0, 0, 0.3])
+request = request_in(closed(icosphere(3)), 0.3, float(sys.argv[1]), guide=whirl)
 result, taken = bytes_taken(request.solve)
 print(taken / request.estimate.bytes, taken / result.solid.tet_count)
 """
@@ -272,24 +303,28 @@ def test_automatic_lengths_fit_one_another():
     assert expected.tets == pytest.approx(100_000, rel=0.01)
     both = Lengths.of(distance, None, None)
     assert both.spacing == max(1 / LAYERS_ACROSS, EDGES_PER_LAYER * both.size) and both.size == expected.size
-    assert Lengths.of(distance, 0.06, None).size == pytest.approx(0.06 / EDGES_PER_LAYER)
+    assert Lengths.of(distance, 0.07, None).size == pytest.approx(0.07 / EDGES_PER_LAYER)
+    assert Lengths.of(distance, 0.06, None, divisions=1).size == pytest.approx(0.06 / EDGES_PER_LAYER)
     assert Lengths.of(distance, None, 0.1).spacing == pytest.approx(0.3)
     assert Lengths.of(distance, None, 0.1, 0.5).spacing == pytest.approx(0.6)
-    assert Lengths.carried(distance, 0.01, 0.1) == (0.01, 0.1)
+    assert Lengths.carried(distance, 0.01, 0.1) == (0.01, 0.1, 30)
+    # What would take too many tetrahedra is solved for several layers together, at the automatic size.
+    fine = Lengths.of(distance, 0.01, None)
+    assert fine.size == both.size and fine.divisions == np.ceil(EDGES_PER_LAYER * both.size / 0.01)
 
 
 @pytest.mark.parametrize(
     ("spacing", "size", "words"),
     [
         (2.0, None, "the spacing 2 is larger than the object .1.73205.: no layer would fit"),
-        (0.1, 0.1, "finer than tetrahedra of size 0.1 can carry: give a size of 0.0333, or a spacing from 0.2 on"),
+        (0.1, 0.1, "finer than tetrahedra of size 0.1 can carry: give a size of 0.0333, more divisions, or a spacing"),
         (None, 1e-4, "makes about .* tetrahedra, .* MB: give one from "),
         (None, -0.01, "the tetrahedra's size is -0.01: give a positive length"),
     ],
 )
 def test_lengths_that_cannot_be_are_refused(spacing, size, words):
     with pytest.raises(SettingError, match=words):
-        Lengths.of(SurfaceDistance(cube(2)), spacing, size)
+        Lengths.of(SurfaceDistance(cube(2)), spacing, size, divisions=1)
 
 
 def test_the_smallest_size_makes_the_most_tetrahedra():
@@ -324,7 +359,7 @@ def test_texts_of_paths_hold_their_points(layering):
     paths = layering.paths(PathSettings(0.2)).solve()
     lines, points, normals = paths.lines, paths.lines.points, paths.lines.normals
     table = np.loadtxt(
-        table_of(lines, paths.layers, points, normals, paths.heights, paths.widths).splitlines(),
+        table_of(lines, paths.layers, points, normals, paths.heights, paths.widths, paths.up).splitlines(),
         delimiter=",",
         skiprows=1,
     )

@@ -1,0 +1,206 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A printer that reads nothing but a program: where its tip goes on the part, how fast its axes turn, what it fills.
+
+It shares no code with the writer of programs: its own reading of words, its own kinematics (Rodrigues' formula), moves
+sampled in the machine's axes, beads as what lies below the tip within half their width.
+"""
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+_WORD = re.compile(r"([A-Z])\s*(-?\d*\.?\d+(?:[eE][-+]?\d+)?)")
+
+
+@dataclass(frozen=True)
+class Moves:
+    """All moves of a program, straight in the machine's axes.
+
+    Attributes
+    ----------
+    begins, ends : (m, 6) X, Y, Z, A, B, C, millimetres and degrees
+    extruded : (m,) length of filament, negative where it is drawn back
+    seconds : (m,) that the program asks for
+    widths, heights : (m,) of the last comments before
+    kinds : (m,) names of the last ;TYPE: before
+    is_tcp : whether places are those of the tip on the part
+    """
+
+    begins: np.ndarray
+    ends: np.ndarray
+    extruded: np.ndarray
+    seconds: np.ndarray
+    widths: np.ndarray
+    heights: np.ndarray
+    kinds: np.ndarray
+    is_tcp: bool
+
+    @property
+    def printing(self):
+        """(m,) bool: moves that extrude on a way."""
+        moved = (self.ends != self.begins).any(axis=1)
+        return (self.extruded > 0) & moved
+
+
+def read_moves(text):
+    """The :class:`Moves` of a program, up to its last bead."""
+    state, total, feed = dict.fromkeys("XYZABC", 0.0), 0.0, 1.0
+    is_relative = is_timed = is_tcp = is_moving_on = False
+    width = height = np.nan
+    kind, rows, kinds = "", [], []
+    for line in text.splitlines():
+        code, _, comment = line.partition(";")
+        if comment.startswith("WIDTH:"):
+            width = float(comment[6:])
+        if comment.startswith("HEIGHT:"):
+            height = float(comment[7:])
+        if comment.startswith("TYPE:"):
+            kind = comment[5:]
+        words = [(letter, float(value)) for letter, value in _WORD.findall(code.upper())]
+        values = {letter: value for letter, value in words if letter not in "GM"}
+        codes = [f"{letter}{value:g}" for letter, value in words if letter in "GM"]
+        for one in codes:
+            is_relative = one == "M83" or (is_relative and one != "M82")
+            is_timed = one == "G93" or (is_timed and one not in ("G94", "G95"))
+            is_tcp = is_tcp or one == "G43.4"
+            is_moving_on = one == "G91" or (is_moving_on and one != "G90")
+        if "G28" in codes:
+            state.update(dict.fromkeys("XYZ", 0.0))
+        elif "G92" in codes:
+            total = values.get("E", total)
+        elif not any(one.startswith("M") or one in ("G4", "G43.4", "G49") for one in codes) and values:
+            begin = [state[letter] for letter in "XYZABC"]
+            state |= {letter: values[letter] + is_moving_on * state[letter] for letter in state.keys() & values.keys()}
+            end = [state[letter] for letter in "XYZABC"]
+            given = values.get("E")
+            amount = 0.0 if given is None else given if is_relative else given - total
+            total += amount
+            feed = values.get("F", feed)
+            way = np.linalg.norm(np.subtract(end, begin)[:3])
+            way = way if way > 0 else np.linalg.norm(np.subtract(end, begin)[3:]) or abs(amount)
+            rows.append(
+                [*begin, *end, amount, 60 / feed if is_timed and "G1" in codes else 60 * way / feed, width, height]
+            )
+            kinds.append(kind)
+    table = np.array(rows)
+    stop = np.flatnonzero((table[:, 12] > 0) & (table[:, :6] != table[:, 6:12]).any(axis=1))[-1] + 1
+    table, kinds = table[:stop], np.array(kinds[:stop])
+    return Moves(table[:, :6], table[:, 6:12], *table[:, 12:16].T, kinds, is_tcp)
+
+
+def _rotations(axis, degrees):
+    """(n, 3, 3) right-handed turns around X, Y or Z."""
+    cross = np.cross(np.eye(3), np.eye(3)["XYZ".index(axis)])
+    angles = np.radians(degrees)[:, None, None]
+    return np.eye(3) + np.sin(angles) * cross + (1 - np.cos(angles)) * (cross @ cross)
+
+
+def on_part(states, pivot_z, is_tcp=False):
+    """(n, 3) of the tip and (n, 3) along the tool, on the part, from (n, 6) axes."""
+    table = _rotations("X", states[:, 3]) @ _rotations("Y", states[:, 4]) @ _rotations("Z", states[:, 5])
+    pivot = np.array([0, 0, pivot_z])
+    tips = states[:, :3] if is_tcp else np.einsum("nji,nj->ni", table, states[:, :3] - pivot) + pivot
+    return tips, table[:, 2, :]
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Places along the moves that extrude, or along the others.
+
+    Attributes
+    ----------
+    tips, tools : (s, 3)
+    moves : (s,) number of the move
+    spans : (s,) length of the way on the part that each stands for
+    """
+
+    tips: np.ndarray
+    tools: np.ndarray
+    moves: np.ndarray
+    spans: np.ndarray
+
+
+def sampled(moves, chosen, pivot_z, size):
+    """:class:`Samples` of (m,) chosen moves, at most a size or a degree apart."""
+    numbers = np.flatnonzero(chosen)
+    begins, ends = moves.begins[numbers], moves.ends[numbers]
+    reach = np.linalg.norm(begins[:, :3] - [0, 0, pivot_z], axis=1)
+    turned = np.abs(ends - begins)[:, 3:].max(axis=1)
+    ways = np.linalg.norm(ends - begins, axis=1) + np.radians(turned) * reach
+    counts = np.maximum(np.ceil(np.maximum(ways / size, turned)).astype(int), 1)
+    of = np.repeat(np.arange(len(numbers)), counts)
+    place = np.arange(len(of)) - np.repeat(np.cumsum(counts) - counts, counts)
+    first, middle, last = (
+        on_part(begins[of] + ((place + at) / counts[of])[:, None] * (ends - begins)[of], pivot_z, moves.is_tcp)
+        for at in (0, 0.5, 1)
+    )
+    spans = np.linalg.norm(last[0] - first[0], axis=1)
+    return Samples(*middle, numbers[of], spans)
+
+
+def deviations(samples, polylines, size):
+    """(s,) distances of tips to the ways that they should go.
+
+    Parameters
+    ----------
+    samples : Samples of moves that extrude
+    polylines : list of (k, 3) in the machine's millimetres on the part
+    size : between the places of the ways that are looked for first
+    """
+    begins = np.concatenate([line[:-1] for line in polylines])
+    ends = np.concatenate([line[1:] for line in polylines])
+    counts = np.maximum(np.ceil(np.linalg.norm(ends - begins, axis=1) / size).astype(int), 1)
+    of = np.repeat(np.arange(len(begins)), counts)
+    place = (np.arange(len(of)) - np.repeat(np.cumsum(counts) - counts, counts) + 0.5) / counts[of]
+    tree = cKDTree(begins[of] + place[:, None] * (ends - begins)[of])
+    _, near = tree.query(samples.tips, k=min(24, len(of)))
+    near = of[near]
+    along = ends[near] - begins[near]
+    away = samples.tips[:, None] - begins[near]
+    shares = np.einsum("skx,skx->sk", away, along) / np.maximum(np.einsum("skx,skx->sk", along, along), 1e-18)
+    offsets = away - np.clip(shares, 0, 1)[..., None] * along
+    return np.linalg.norm(offsets, axis=2).min(axis=1)
+
+
+def filled_share(samples, moves, points, slack):
+    """Share of (n, 3) points in the part that lie in a bead: below the tip by no more than the bead's height, and aside
+    of it by no more than half its width, with some slack."""
+    widths, heights = moves.widths[samples.moves], moves.heights[samples.moves]
+    middles = samples.tips - heights[:, None] / 2 * samples.tools
+    tree = cKDTree(middles)
+    reach = float(np.hypot(widths / 2, heights / 2).max()) + slack
+    inside = np.zeros(len(points), bool)
+    for part in np.array_split(np.arange(len(points)), max(1, len(points) // 512)):
+        for row, near in zip(part, tree.query_ball_point(points[part], reach), strict=True):
+            away = points[row] - middles[near]
+            up = np.einsum("kx,kx->k", away, samples.tools[near])
+            aside = np.linalg.norm(away - up[:, None] * samples.tools[near], axis=1)
+            hit = (np.abs(up) <= heights[near] / 2 + slack) & (aside <= widths[near] / 2 + slack)
+            inside[row] = hit.any()
+    return float(inside.mean())
+
+
+def travels_through(printing, travels, moves, slack):
+    """Share of the samples of travels whose tip is inside a bead that was printed before."""
+    widths, heights = moves.widths[printing.moves], moves.heights[printing.moves]
+    middles = printing.tips - heights[:, None] / 2 * printing.tools
+    tree, hit = cKDTree(middles), np.zeros(len(travels.tips), bool)
+    reach = float(np.hypot(widths / 2, heights / 2).max())
+    for row, near in enumerate(tree.query_ball_point(travels.tips, reach)):
+        near = np.array(near, int)
+        near = near[printing.moves[near] < travels.moves[row]]
+        away = travels.tips[row] - middles[near]
+        up = np.einsum("kx,kx->k", away, printing.tools[near])
+        aside = np.linalg.norm(away - up[:, None] * printing.tools[near], axis=1)
+        hit[row] = ((up < heights[near] / 2 - slack) & (up > -heights[near] / 2) & (aside < widths[near] / 2)).any()
+    return float(hit.mean()) if len(hit) else 0.0
+
+
+def turn_speed(moves):
+    """Degrees a second of the fastest turning axis while it prints."""
+    chosen = moves.printing
+    turned = np.abs(moves.ends - moves.begins)[chosen, 3:].max(axis=1)
+    return float((turned / moves.seconds[chosen]).max())

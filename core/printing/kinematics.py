@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the axes of a machine are for a tip and a tool on the part, and the other way round.
+
+The table of a five-axis machine turns by c around Z, and this one by a around X ("ac") or Y ("bc"), around a pivot P:
+a point p of the part is at P + R(a) R_z(c) (p - P). The tool is upright, so that on the part it stands along
+R_z(-c) R(-a) e_z: its level part is sin(tilt) d(c), with d(c) = (sin c, cos c) and tilt = a, or d(c) = (cos c, -sin c)
+and tilt = -a.
+"""
+
+import numpy as np
+from scipy.sparse import block_diag, csc_matrix, diags_array
+from scipy.sparse.linalg import spsolve
+
+# Near upright the table may keep its turn: over a way of this, in millimetres, over the sine of the tilt, turns are
+# evened out where the tool then stands nearly as it should.
+_EVENED = 0.1
+# Below this sine of the tilt the turn is free.
+_FREE = 1e-4
+
+
+def _turned(x, y, angles):
+    cosines, sines = np.cos(angles), np.sin(angles)
+    return cosines * x - sines * y, sines * x + cosines * y
+
+
+def to_machine(points, angles, machine):
+    """(n, 3) places of the linear axes for (n, 3) points of the part and (n, 2) angles of the table, degrees."""
+    if not machine.turns:
+        return points
+    pivot = np.array([0, 0, machine.pivot_z])
+    first, second = np.radians(angles).T
+    x, y, z = (points - pivot).T
+    x, y = _turned(x, y, second)
+    if machine.axes == "ac":
+        y, z = _turned(y, z, first)
+    else:
+        z, x = _turned(z, x, first)
+    return np.column_stack([x, y, z]) + pivot
+
+
+def to_part(places, angles, machine):
+    """(n, 3) points of the part where the tip is: the inverse of :func:`to_machine`."""
+    if not machine.turns:
+        return places
+    pivot = np.array([0, 0, machine.pivot_z])
+    first, second = np.radians(angles).T
+    x, y, z = (places - pivot).T
+    if machine.axes == "ac":
+        y, z = _turned(y, z, -first)
+    else:
+        z, x = _turned(z, x, -first)
+    x, y = _turned(x, y, -second)
+    return np.column_stack([x, y, z]) + pivot
+
+
+def tool_directions(angles, machine):
+    """(n, 3) unit vectors along which the tool stands on the part."""
+    up = np.tile([0.0, 0.0, 1.0], (len(angles), 1))
+    pivot = np.array([0, 0, machine.pivot_z])
+    return to_part(pivot + up, angles, machine) - pivot if machine.turns else up
+
+
+def table_angles(points, axes, sizes, machine):
+    """(n, 2) angles of the table along beads, in degrees: steady within each, and near those of the bead before.
+
+    A table that is tilted to the other side and turned by half a turn has the tool along the same direction. Within a
+    bead the tilt goes through upright to the other side where that keeps the turn steady; between beads the nearer
+    of both is taken.
+
+    Parameters
+    ----------
+    points, axes : (n, 3) of the part, and unit vectors of the tool, in the order of the moves
+    sizes : points of each bead
+    machine : Machine
+    """
+    if not machine.turns:
+        return np.zeros((len(points), 0))
+    x, y, z = axes.T
+    level = np.hypot(x, y)
+    turns = np.arctan2(x, y) if machine.axes == "ac" else np.arctan2(-y, x)
+    begins = np.cumsum(sizes) - sizes
+    turns = _even(points, _unwrapped(turns, level > _FREE, begins, sizes), level, sizes)
+    tilts = np.arctan2(_along(x, y, turns, machine), z)
+    last = np.zeros(2)
+    for begin, size in zip(begins.tolist(), np.asarray(sizes).tolist(), strict=True):
+        bead = slice(begin, begin + size)
+        nearest = round((last[1] - turns[begin]) / np.pi)
+        ways = [(tilts[begin] * (-1) ** half, turns[begin] + half * np.pi) for half in range(nearest - 1, nearest + 2)]
+        best = int(np.argmin([np.abs(np.subtract(way, last)).max() for way in ways]))
+        half = nearest - 1 + best
+        tilts[bead] *= (-1) ** half
+        turns[bead] += half * np.pi
+        last = np.array([tilts[begin + size - 1], turns[begin + size - 1]])
+    return np.degrees(np.column_stack([tilts if machine.axes == "ac" else -tilts, turns]))
+
+
+def _along(x, y, turns, machine):
+    """Sine of the tilt with a sign: the level part of the tool along the direction of a turn."""
+    if machine.axes == "ac":
+        return x * np.sin(turns) + y * np.cos(turns)
+    return x * np.cos(turns) - y * np.sin(turns)
+
+
+def _unwrapped(turns, known, begins, sizes):
+    """Turns that change by less than a quarter within each bead, up to halves; interpolated where not known."""
+    result = np.zeros(len(turns))
+    for begin, size in zip(begins.tolist(), np.asarray(sizes).tolist(), strict=True):
+        at = begin + np.flatnonzero(known[begin : begin + size])
+        if len(at):
+            result[begin : begin + size] = np.interp(np.arange(begin, begin + size), at, np.unwrap(2 * turns[at]) / 2)
+    return result
+
+
+def _even(points, turns, level, sizes):
+    """Turns evened out near upright: the least of sum level^4 (new - old)^2 + _EVENED^4 times the squared second
+    derivatives along each bead."""
+    parts, begin = [], 0
+    for size in np.asarray(sizes).tolist():
+        if size > 2:
+            ways = np.maximum(np.linalg.norm(np.diff(points[begin : begin + size], axis=0), axis=1), 1e-6)
+            before, after = ways[:-1], ways[1:]
+            scale = np.sqrt((before + after) / 2) * 2 / (before + after)
+            rows = diags_array(
+                [scale / before, -scale * (1 / before + 1 / after), scale / after], offsets=[0, 1, 2],
+                shape=(size - 2, size),
+            )  # fmt: skip
+            parts.append(rows.T @ rows)
+        else:
+            parts.append(csc_matrix((size, size)))
+        begin += size
+    spans = np.append(np.linalg.norm(np.diff(points, axis=0), axis=1), 0.0)
+    weights = (level**4 + _FREE**2) * np.maximum(spans, 1e-3)
+    matrix = diags_array(weights) + _EVENED**4 * block_diag(parts)
+    return spsolve(csc_matrix(matrix), weights * turns)
+
+
+def divide_moves(points, angles, first, machine):
+    """More points along beads, between which straight moves of the machine's axes keep the tip near its way: less than
+    half of the machine's deviation.
+
+    The tip goes straight from point to point on the part, and the table's angles change evenly on the way.
+
+    Parameters
+    ----------
+    points : (n, 3) of the part
+    angles : (n, 2)
+    first : (n,) bool, points that begin a bead
+    machine : Machine
+
+    Returns
+    -------
+    spans, shares : (m,) the point after which each new point comes, and how far on the way to the next one
+    """
+    count = len(points)
+    if not machine.turns or count < 2:
+        return np.arange(count), np.zeros(count)
+    follows = ~first[1:]
+    pieces = np.where(follows, 1, 0)
+    for _ in range(4):
+        spans = np.repeat(np.arange(count - 1), pieces)
+        place = np.arange(len(spans)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+        begin, end = place / pieces[spans], (place + 1) / pieces[spans]
+        off = _off(points, angles, spans, begin, end, machine)
+        worst = np.zeros(count - 1)
+        np.maximum.at(worst, spans, off)
+        factor = np.sqrt(np.maximum(worst / (0.45 * machine.deviation), 1))
+        if (factor == 1).all():
+            break
+        pieces = np.where(follows, np.ceil(pieces * factor).astype(int), 0)
+    # A point that another bead follows stands alone.
+    counts = np.append(np.maximum(pieces, 1), 1)
+    spans = np.repeat(np.arange(count), counts)
+    place = np.arange(len(spans)) - np.repeat(np.cumsum(counts) - counts, counts)
+    return spans, place / counts[spans]
+
+
+def _off(points, angles, spans, begin, end, machine):
+    """(k,) how far the tip leaves its way during straight moves of the axes, each a part of the way from a point to the
+    next."""
+
+    def places(values, shares):
+        return values[spans] + shares[:, None] * (values[spans + 1] - values[spans])
+
+    first, last = (to_machine(places(points, at), places(angles, at), machine) for at in (begin, end))
+    off = np.zeros(len(spans))
+    for share in (0.25, 0.5, 0.75):
+        at = begin + share * (end - begin)
+        tips = to_part(first + share * (last - first), places(angles, at), machine)
+        off = np.maximum(off, np.linalg.norm(tips - places(points, at), axis=1))
+    return off

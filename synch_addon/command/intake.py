@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Solids as files have them: bodies that overlap, corners that do not quite meet, missing triangles; what is up.
+
+Only what is read from a mesh file is mended; what was done is returned as lines for the user.
+"""
+
+import bmesh
+import bpy
+import numpy as np
+from mathutils import Matrix, Vector
+from mathutils.bvhtree import BVHTree
+
+from ..blender.new_geometry import new_mesh
+from ..blender.transaction import only_for_now
+
+# Corners on rims that are nearer to each other than this share of the diagonal are one; holes are closed whose rim is
+# shorter than this share of it, or has so few edges.
+_CRACK, _HOLE, _EDGES = 1e-4, 0.1, 4
+UPS = ("X", "Y", "Z", "-X", "-Y", "-Z")
+
+
+def turn_up(obj, axis):
+    """Turn the mesh of an object so that an axis of its file, such as "-Y", points up, along the object's Z."""
+    obj.matrix_world = Matrix()
+    way = Vector([float(letter == axis[-1]) for letter in "XYZ"]) * (-1 if axis[0] == "-" else 1)
+    obj.data.transform(way.rotation_difference(Vector((0, 0, 1))).to_matrix().to_4x4())
+    obj.data.update()
+
+
+def mend(obj):
+    """Make the mesh of an object one closed surface, as far as it is nearly so; returns what was done, in lines."""
+    made = bmesh.new()
+    made.from_mesh(obj.data)
+    lines = _close_rims(made)
+    parts = _bodies(made) if made.faces else []
+    if lines:
+        made.to_mesh(obj.data)
+        obj.data.update()
+    if len(parts) > 1 and _meet(made, parts):
+        lines.append(f"{len(parts)} bodies that touch or overlap are one: {_unite(obj, made, parts)}")
+    made.free()
+    return lines
+
+
+def _rims(made):
+    return [edge for edge in made.edges if edge.is_boundary]
+
+
+def _close_rims(made):
+    """Join corners on rims and close small holes."""
+    lines, rims = [], _rims(made)
+    if not rims:
+        return lines
+    places = np.array([vertex.co for vertex in made.verts])
+    diagonal = float(np.linalg.norm(np.ptp(places, axis=0)))
+    before = len(made.verts)
+    corners = list({vertex for edge in rims for vertex in edge.verts})
+    bmesh.ops.remove_doubles(made, verts=corners, dist=_CRACK * diagonal)
+    if len(made.verts) < before:
+        lines.append(f"{before - len(made.verts)} corners that did not quite meet are joined")
+    rims = _rims(made)
+    small = [edge for loop in _loops(rims) for edge in loop
+             if len(loop) <= _EDGES or sum(one.calc_length() for one in loop) < _HOLE * diagonal]  # fmt: skip
+    if small:
+        faces = bmesh.ops.holes_fill(made, edges=small, sides=0)["faces"]
+        bmesh.ops.recalc_face_normals(made, faces=made.faces[:])
+        lines.append(f"{len(faces)} small holes are closed")
+    return lines
+
+
+def _loops(edges):
+    """Edges that hang together, in lists."""
+    left, loops = set(edges), []
+    while left:
+        loop, waiting = [], [left.pop()]
+        while waiting:
+            edge = waiting.pop()
+            loop.append(edge)
+            beside = {one for vertex in edge.verts for one in vertex.link_edges} & left
+            left -= beside
+            waiting += beside
+        loops.append(loop)
+    return loops
+
+
+def _bodies(made):
+    """Faces of each body, in lists."""
+    left, bodies = set(made.faces), []
+    while left:
+        body, waiting = [], [left.pop()]
+        while waiting:
+            face = waiting.pop()
+            body.append(face)
+            beside = {one for edge in face.edges for one in edge.link_faces} & left
+            left -= beside
+            waiting += beside
+        bodies.append(body)
+    return bodies
+
+
+def _meet(made, bodies):
+    """Whether faces of different bodies meet."""
+    made.faces.ensure_lookup_table()
+    made.faces.index_update()
+    owner = np.empty(len(made.faces), int)
+    for number, body in enumerate(bodies):
+        owner[[face.index for face in body]] = number
+    tree = BVHTree.FromBMesh(made, epsilon=1e-6)
+    pairs = np.array(tree.overlap(tree), int).reshape(-1, 2)
+    return bool((owner[pairs[:, 0]] != owner[pairs[:, 1]]).any())
+
+
+def _unite(obj, made, bodies):
+    """Replace the mesh of an object by the union of its bodies; returns how large it is, in words."""
+    with only_for_now():
+        parts = []
+        for body in bodies:
+            alone = bmesh.new()
+            of = {vertex: alone.verts.new(vertex.co) for face in body for vertex in face.verts}
+            for face in body:
+                alone.faces.new([of[vertex] for vertex in face.verts])
+            data = new_mesh("Body")
+            alone.to_mesh(data)
+            alone.free()
+            part = bpy.data.objects.new("Body", data)
+            bpy.context.scene.collection.objects.link(part)
+            parts.append(part)
+        for other in parts[1:]:
+            modifier = parts[0].modifiers.new("Union", "BOOLEAN")
+            modifier.operation, modifier.solver, modifier.object = "UNION", "EXACT", other
+        graph = bpy.context.evaluated_depsgraph_get()
+        united = bmesh.new()
+        united.from_mesh(parts[0].evaluated_get(graph).data)
+        bmesh.ops.triangulate(united, faces=united.faces[:])
+        united.to_mesh(obj.data)
+        faces = len(united.faces)
+        united.free()
+    obj.data.update()
+    return f"{faces} triangles"

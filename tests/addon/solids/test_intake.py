@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: 2026 Synch Fields contributors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Solids as mesh files have them, from the command line: bodies that overlap, cracks, holes, what is up; and beads."""
+
+import json
+
+import bpy
+import numpy as np
+import pytest
+
+from synch_fields.synch_addon import api
+from synch_fields.synch_addon.command import main
+from synch_fields.synch_addon.solids.beads import LOOKS
+
+from ..solid_objects import attribute, block
+
+
+def box(low, high):
+    """(12, 3, 3) corners of a box's triangles."""
+    low, high = np.array(low, float), np.array(high, float)
+    triangles = []
+    for axis in range(3):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        for side in (0, 1):
+            corners = []
+            for a, b in ((0, 0), (1, 0), (1, 1), (0, 1)):
+                share = np.zeros(3)
+                share[axis], share[u], share[v] = side, a, b
+                corners.append(low + share * (high - low))
+            corners = corners if side else corners[::-1]
+            triangles += [corners[:3], [corners[0], corners[2], corners[3]]]
+    return np.array(triangles)
+
+
+def write_stl(path, triangles):
+    rows = ["solid part"]
+    for triangle in np.asarray(triangles).tolist():
+        rows += ["facet normal 0 0 0", "outer loop", *(f"vertex {x} {y} {z}" for x, y, z in triangle), "endloop"]
+        rows.append("endfacet")
+    path.write_text("\n".join([*rows, "endsolid part", ""]))
+    return str(path)
+
+
+def solved(folder, triangles, *flags):
+    """The report of layers of a file of triangles."""
+    report = folder / "report.json"
+    run = ["layers", write_stl(folder / "part.stl", triangles), "--quiet", "--report", str(report), *flags]
+    assert main.main(run) == 0
+    return json.loads(report.read_text())
+
+
+def placed(obj):
+    """(n, 3) the vertices of an object in the world."""
+    matrix = np.array(obj.matrix_world)
+    return attribute(obj, "position") @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+PLATE = box((0, 0, 0), (10, 10, 2))
+
+
+@pytest.mark.parametrize("low", [1.0, 2.0])  # in the plate, or upon it
+def test_bodies_that_overlap_or_touch_are_one(tmp_path, low):
+    boss = box((3, 3, low), (7, 7, 6))
+    report = solved(tmp_path, np.concatenate([PLATE, boss]), "--spacing", "1", "--size", "0.45")
+    assert report["volume"] == pytest.approx(200 + 64, rel=0.02)
+    assert any("2 bodies that touch or overlap are one" in line for line in report["warnings"])
+    assert report["layers"] == 6
+
+
+def test_cracks_and_small_holes_are_closed(tmp_path):
+    random = np.random.default_rng(0)
+    cracked = PLATE + random.uniform(-2e-4, 2e-4, PLATE.shape)
+    report = solved(tmp_path, cracked, "--spacing", "1", "--size", "0.45")
+    assert report["volume"] == pytest.approx(200, rel=0.01)
+    assert any("corners that did not quite meet are joined" in line for line in report["warnings"])
+    report = solved(tmp_path, PLATE[1:], "--spacing", "1", "--size", "0.45")
+    assert report["volume"] == pytest.approx(200, rel=0.01)
+    assert any("1 small holes are closed" in line for line in report["warnings"])
+
+
+@pytest.mark.parametrize(("up", "layers"), [("Z", 2), ("X", 10), ("-Y", 10)])
+def test_an_axis_of_a_file_is_turned_up(tmp_path, up, layers):
+    report = solved(tmp_path, PLATE, f"--up={up}", "--spacing", "1", "--size", "0.45")
+    made = bpy.data.objects[report["layers_object"]]
+    assert report["layers"] == layers
+    heights = placed(made)[:, 2]
+    low = placed(bpy.data.objects[report["object"]])[:, 2]
+    np.testing.assert_allclose(np.unique(np.round(heights - low.min(), 4)), np.arange(layers) + 0.5, atol=1e-3)
+
+
+def test_faces_that_look_down_and_up_are_groups(tmp_path):
+    flags = (
+        "--guidance",
+        "harmonic:bottom:top",
+        "--groups",
+        "bottom=layer,top=layer",
+        "--spacing",
+        "1",
+        "--size",
+        "0.4",
+    )
+    report = solved(tmp_path, PLATE, *flags)
+    assert report["layers"] == 3 and all(share < 0.01 for share in report["far_from_layers"].values())
+    assert set(report["far_from_layers"]) == {"the bottom", "the top"}
+
+
+def test_beads_are_tubes_with_what_they_have():
+    obj = block()
+    api.layers(obj, spacing=0.25, size=0.12)
+    for look in LOOKS:
+        report = api.layer_toolpaths(obj, 0.2, beads=look)
+        (made,) = [one for one in bpy.data.collections[report["collection"]].objects if one.type == "MESH"]
+        places = placed(made)
+        world = placed(obj)
+        assert (places.min(axis=0) > world.min(axis=0) - 0.05).all()
+        assert (places.max(axis=0) < world.max(axis=0) + 0.05).all()
+        assert set(LOOKS) <= {one.name for one in made.data.attributes}
+        colors = np.empty(4 * len(made.data.vertices), np.float32)
+        made.data.color_attributes.active_color.data.foreach_get("color", colors)
+        assert len(np.unique(colors.reshape(-1, 4), axis=0)) == (4 if look == "layer" else 1) or look == "height"
+    with pytest.raises(Exception, match="the beads 'size' are unknown: use one of layer"):
+        api.layer_toolpaths(obj, 0.2, beads="size")
