@@ -105,9 +105,9 @@ class Pieces:
         nodes = fields.reshape(-1, self._block)
         return (nodes / np.linalg.norm(nodes, axis=1, keepdims=True)).ravel()
 
-    def fitted(self, coordinates: np.ndarray) -> np.ndarray:
-        """Tell which pieces (N,) or (N, width) coordinates fit perfectly up to rounding, (k,) bool."""
-        return self.energies(coordinates) <= self.noise
+    def fitted(self, coordinates: np.ndarray, with_noise: bool = False) -> np.ndarray:
+        """Tell which pieces (N,) or (N, width) coordinates fit perfectly, or up to the noise of a solve, (k,) bool."""
+        return self.energies(coordinates) <= (self.noise if with_noise else PERFECT * self.scales)
 
     def energies(self, coordinates: np.ndarray) -> np.ndarray:
         """Compute the (k,) energies of (N,) or (N, width) coordinates as sums of squares."""

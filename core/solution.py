@@ -80,6 +80,7 @@ class Options:
     samples : random projections tried, at least 1; not for the rounding "svd"
     seed : of all random choices, 0 or more; the same seed gives the same result to the last digit
     time_limit : seconds after which the best so far is returned, with the status ``TIME_LIMIT``
+    integrate : whether fields that fit up to the noise of a solve are found along a tree, without a search
     long_proofs : whether to prove bounds that take more than about ten seconds to prove, if memory suffices
     """
 
@@ -89,6 +90,7 @@ class Options:
     samples: int = 64
     seed: int = SolverSettings.seed
     time_limit: float | None = SolverSettings.time_limit
+    integrate: bool = False
     long_proofs: bool = False
 
     @classmethod

@@ -6,14 +6,17 @@ import os
 from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from ..errors import SettingError, one_line
 from ..files.declared import DeclaredFile, FileOwners
 from .child_loop import Task
-from .cluster import Cluster
 from .process_pool import ProcessPool
 from .records import Records
 from .rows import Keys, Row
+
+if TYPE_CHECKING:
+    from .cluster import Cluster  # not in the extension
 
 # Seconds between two checks for an interruption.
 _LOOK = 0.2
@@ -99,7 +102,7 @@ def _clash(file: DeclaredFile, row: int, other: int, writes: bool) -> SettingErr
 def run_rows(
     rows: Iterable[Planned],
     records: Records,
-    crew: ProcessPool | Cluster,
+    crew: "ProcessPool | Cluster",
     retries: int,
     versions: object,
     progress: Callable[[str, float], object],

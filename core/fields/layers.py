@@ -297,6 +297,7 @@ def solve_growth(
 ) -> LayerPattern:
     """Solve for layers that follow a growth."""
     growth, problem = pose_layers(growth, groups, branching)
+    options = replace(Options() if options is None else options, integrate=True)
     solution = solve(problem, options, callback)
     return LayerPattern(growth.mesh, solution, growth.edge_phases(solution.phases, groups))
 

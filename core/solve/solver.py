@@ -91,7 +91,7 @@ def _solve(
     work = pieces.sizes.sum() or 1
     results: list[PartResult] = []
     left = np.arange(len(pieces))
-    if len(pieces) > 1 or (len(pieces) and options.method in ("sdp", FIRST, COARSE)):
+    if len(pieces) > 1 or (options.integrate and options.method == "sdp"):
         results, left = solve_components(problem, options, monitor, clock, begin)
     done = 1 - pieces.sizes[left].sum() / work
     less_curl, watches = _LessCurl(problem), {}

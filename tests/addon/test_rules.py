@@ -170,7 +170,7 @@ def test_threads_are_in_one_file_which_says_where_they_run(zips, trees):
         assert naming == {THREADS}
     assert {name for name, tree in trees.items() if imported(tree) & BESIDE} == {THREADS}
     said = ast.get_docstring(trees[THREADS])
-    assert "None runs beside Blender" in said and "child process" in said
+    assert "No thread runs beside Blender" in said and "child process" in said
 
 
 def test_no_text_is_run_and_no_module_is_changed_or_looked_for_elsewhere(trees):

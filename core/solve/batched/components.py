@@ -28,7 +28,7 @@ def solve_components(
     if coordinates is None:
         with clock("build"):
             coordinates = problem.along_trees()
-            fitted = np.flatnonzero(pieces.fitted(coordinates))
+            fitted = np.flatnonzero(pieces.fitted(coordinates, options.integrate))
         if len(fitted):
             results.append(_without_search(pieces, fitted, coordinates, options, True))
             is_left[fitted] = False
