@@ -196,7 +196,10 @@ def _grid_flow(vectors, spacing, origin, extra, is_curl, warnings):
 
 def _read_arrays(path, attribute):
     with ExitStack() as stack:
-        if path.open("rb").read(3) == b"CDF":
+        with path.open("rb") as head:
+            is_classic = head.read(3) == b"CDF"
+        if is_classic:
+            check_promise(path, path.stat().st_size)  # all of it is read
             file = stack.enter_context(netcdf_file(path, mmap=False, maskandscale=True))
             arrays = dict(file.variables)
         else:
@@ -204,7 +207,10 @@ def _read_arrays(path, attribute):
             file = stack.enter_context(h5py.File(path, "r"))
             names: list[str] = []
             file.visit(names.append)
-            arrays = {_bare(name): file[name] for name in reversed(names) if hasattr(file[name], "shape")}
+            names = [name for name in names if hasattr(file[name], "shape")]
+            bare = [_bare(name) for name in names]
+            shorts = [short if bare.count(short) == 1 else name for name, short in zip(names, bare, strict=True)]
+            arrays = {short: file[name] for name, short in zip(names, shorts, strict=True)}
         return _flow_of_arrays(path, arrays, attribute)
 
 
@@ -224,7 +230,8 @@ def _flow_of_arrays(path, arrays, attribute):
         warnings += (f"of {steps[0]} times the first one is shown: save the others as files of their own",)
     extra = [n for n in numbers if n.lower() in (*_SOLIDS, *_MASKS) and arrays[n].shape[-3:] == shape]
     check_promise(path, 24 * math.prod(shape) * (3 + len(extra)))
-    read = {n: _values(arrays[n], len(steps)) for n in (*chosen, *extra)}
+    read = {n: _values(arrays[n], len(arrays[n].shape) - 2 - sizes) for n in chosen}
+    read |= {n: _values(arrays[n], len(arrays[n].shape) - 3) for n in extra}
     if any(values.shape[:3] != shape for values in read.values()):
         raise SettingError("its components are on grids of different sizes: put them on one")
     field = read[chosen[0]] if sizes == 2 else np.stack([read[name] for name in chosen], axis=3)

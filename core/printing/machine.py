@@ -134,7 +134,7 @@ class Machine:
         for name in ("nozzle_angle", "largest_tilt"):
             if not 0 <= getattr(self, name) < 90:
                 raise SettingError(f"the {name} is {quote_value(getattr(self, name))}: give degrees from 0 to below 90")
-        if _VOLUMETRIC in self._start_words:
+        if re.search(_VOLUMETRIC + r"(?![\d.])(?!\s*D0\b)", re.sub(";.*", "", self.start).upper()):
             raise SettingError(
                 f"the start text makes extrusion volumetric ({_VOLUMETRIC}): take it out, or write filament = 1.128379"
             )
@@ -142,7 +142,7 @@ class Machine:
     @property
     def _start_words(self):
         lines = [line.split(";")[0].upper() for line in self.start.splitlines()]
-        return [word for line in lines for word in re.findall(r"[GM]\d+", line)]
+        return [word for line in lines for word in re.findall(r"[GM]\d+(?![\d.])", line)]
 
     @property
     def contradictions(self):

@@ -11,6 +11,7 @@ from ..errors import SettingError, name_elements
 from ..fields.clebsch import circulations, clebsch_map, quantum_for, spherical_map
 from ..fields.clebsch_frames import following_map, following_sphere
 from ..fields.quantum import find_quantum
+from ..files.flow_grids import SampledFlow
 from ..files.flows import ArrayFile, GridFlow
 from ..files.volumes import VolumeFile
 from ..geometry.grid import Grid, box_grid
@@ -167,6 +168,8 @@ class SequenceRequest:
         for number, file in enumerate(self.files):
             step(number)
             flow = file.source.read()
+            if isinstance(flow, SampledFlow):
+                raise SettingError(f"{file.source.path}: frames on a mesh are not read: resample them on one grid")
             if isinstance(flow, GridFlow):
                 fixed = fixed or flow.own
                 if not _is_same(flow.own, fixed):

@@ -36,8 +36,9 @@ def mend(obj):
     if lines:
         made.to_mesh(obj.data)
         obj.data.update()
-    if len(parts) > 1 and _meet(made, parts):
-        lines.append(f"{len(parts)} bodies that touch or overlap are one: {_unite(obj, made, parts)}")
+    meeting = _meeting(made, parts)
+    if len(meeting):
+        lines.append(f"{len(meeting)} bodies that touch or overlap are one: {_unite(obj, parts, meeting)}")
     made.free()
     return lines
 
@@ -98,20 +99,22 @@ def _bodies(made):
     return bodies
 
 
-def _meet(made, bodies):
-    """Whether faces of different bodies meet."""
+def _meeting(made, bodies):
+    """The numbers of bodies whose faces meet those of another one."""
+    if len(bodies) < 2:
+        return np.empty(0, int)
     made.faces.ensure_lookup_table()
     made.faces.index_update()
     owner = np.empty(len(made.faces), int)
     for number, body in enumerate(bodies):
         owner[[face.index for face in body]] = number
     tree = BVHTree.FromBMesh(made, epsilon=1e-6)
-    pairs = np.array(tree.overlap(tree), int).reshape(-1, 2)
-    return bool((owner[pairs[:, 0]] != owner[pairs[:, 1]]).any())
+    owners = owner[np.array(tree.overlap(tree), int).reshape(-1, 2)]
+    return np.unique(owners[owners[:, 0] != owners[:, 1]])
 
 
-def _unite(obj, made, bodies):
-    """Replace the mesh of an object by the union of its bodies; returns how large it is, in words."""
+def _unite(obj, bodies, meeting):
+    """Replace the bodies of an object that meet by their union; returns how large all are then, in words."""
     with only_for_now():
         parts = []
         for body in bodies:
@@ -125,12 +128,17 @@ def _unite(obj, made, bodies):
             part = bpy.data.objects.new("Body", data)
             bpy.context.scene.collection.objects.link(part)
             parts.append(part)
-        for other in parts[1:]:
-            modifier = parts[0].modifiers.new("Union", "BOOLEAN")
+        united_ones = [parts[number] for number in meeting]
+        first, *others = united_ones
+        for other in others:
+            modifier = first.modifiers.new("Union", "BOOLEAN")
             modifier.operation, modifier.solver, modifier.object = "UNION", "EXACT", other
         graph = bpy.context.evaluated_depsgraph_get()
         united = bmesh.new()
-        united.from_mesh(parts[0].evaluated_get(graph).data)
+        united.from_mesh(first.evaluated_get(graph).data)
+        for alone in parts:
+            if alone not in united_ones:
+                united.from_mesh(alone.data)
         bmesh.ops.triangulate(united, faces=united.faces[:])
         united.to_mesh(obj.data)
         faces = len(united.faces)

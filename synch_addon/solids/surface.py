@@ -2,7 +2,6 @@
 """The closed surface of a mesh object, parts of it, and a solid that is given for it."""
 
 import numpy as np
-from mathutils import Vector
 
 from ...core.errors import MeshError, SettingError, name_elements, quote_value
 from ...core.geometry.check import refuse_far_vertices
@@ -70,9 +69,12 @@ def read_area(obj, given, name):
     if name == BOUNDARY and name not in obj.vertex_groups:
         return Area("the boundary", np.arange(given.mesh.triangle_count))
     if name in LOOKS and name not in obj.vertex_groups:
-        # Normals in the world: the measured space has the object's scale but not its turn.
-        down = np.array(obj.matrix_world.to_quaternion().to_matrix().inverted() @ Vector((0, 0, -1)))
-        cosines = given.mesh.face_normals @ down
+        # The measured space has the object's scale, but neither its turn nor its mirroring.
+        to_world = np.array(obj.matrix_world.to_3x3()) @ np.linalg.inv(given.stretch)
+        down = to_world.T @ (0.0, 0.0, -1.0)
+        corners = given.mesh.vertices[given.mesh.triangles]
+        outward = 1 if np.linalg.det(corners - corners.mean(axis=(0, 1))).sum() > 0 else -1
+        cosines = outward * given.mesh.face_normals @ down
         looks = {"bottom": cosines > LEVEL, "top": cosines < -LEVEL, "side": np.abs(cosines) <= LEVEL}[name]
         if not looks.any():
             raise SettingError(f"no face of {obj.name} is its {name}: assign a vertex group of that name")

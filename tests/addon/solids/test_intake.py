@@ -7,10 +7,12 @@ import json
 import bpy
 import numpy as np
 import pytest
+from mathutils import Matrix
 
 from synch_fields.synch_addon import api
 from synch_fields.synch_addon.command import main
 from synch_fields.synch_addon.solids.beads import LOOKS
+from synch_fields.synch_addon.solids.surface import read_area, read_surface
 
 from ..solid_objects import attribute, block
 
@@ -67,6 +69,13 @@ def test_bodies_that_overlap_or_touch_are_one(tmp_path, low):
     assert report["layers"] == 6
 
 
+def test_a_cavity_stays_where_another_body_is_united(tmp_path):
+    hollow = np.concatenate([box((0, 0, 0), (6, 6, 6)), box((2, 2, 2), (4, 4, 4))[:, ::-1]])
+    report = solved(tmp_path, np.concatenate([hollow, box((5, 1, 1), (9, 5, 5))]), "--spacing", "1", "--size", "0.45")
+    assert report["volume"] == pytest.approx(216 - 8 + 48, rel=0.02)
+    assert any("2 bodies that touch or overlap are one" in line for line in report["warnings"])
+
+
 def test_cracks_and_small_holes_are_closed(tmp_path):
     random = np.random.default_rng(0)
     cracked = PLATE + random.uniform(-2e-4, 2e-4, PLATE.shape)
@@ -120,3 +129,19 @@ def test_beads_are_tubes_with_what_they_have():
         assert len(np.unique(colors.reshape(-1, 4), axis=0)) == (4 if look == "layer" else 1) or look == "height"
     with pytest.raises(Exception, match="the beads 'size' are unknown: use one of layer"):
         api.layer_toolpaths(obj, 0.2, beads="size")
+
+
+@pytest.mark.parametrize("inside_out", [False, True])
+@pytest.mark.parametrize("scale", [(1, 1, 1), (-1, 1, 1), (1, 1, -1), (2, 1, -0.5)])
+def test_bottom_and_top_are_those_of_the_world(scale, inside_out):
+    bpy.ops.mesh.primitive_cone_add(radius1=1, radius2=0.5, depth=1, rotation=(0.1, 0.05, 1))
+    obj = bpy.context.active_object
+    obj.scale = scale
+    if inside_out:
+        obj.data.flip_normals()
+    bpy.context.view_layer.update()
+    given = read_surface(obj).given
+    places = obj.matrix_world.to_3x3() @ Matrix(np.linalg.inv(given.stretch))
+    heights = (given.mesh.vertices @ np.array(places).T)[:, 2][given.mesh.triangles].mean(axis=1)
+    bottom, top = (read_area(obj, given, name).triangles for name in ("bottom", "top"))
+    assert heights[bottom].max() < heights[top].min()

@@ -161,6 +161,15 @@ def test_netcdf_counts_z_y_x_and_has_its_coordinates(tmp_path):
     assert flow.warnings[0].startswith("of 2 times the first one is shown")
 
 
+def test_a_mask_without_times_is_that_of_all_times(tmp_path):
+    steps = {name: np.stack([values, 0 * values]) for name, values in UVW.items()}
+    path = netcdf(tmp_path / "masked.nc", steps, AXES, 2)
+    with netcdf_file(path, "a") as file:
+        file.createVariable("mask", "f8", ("z", "y", "x"))[:] = np.arange(SHAPE[0]) != 4
+    flow = flow_file(path).read()
+    assert flow.own.solid[4].all() and not flow.own.solid[:4].any()
+
+
 def test_coordinates_that_fall_or_are_uneven_become_even(tmp_path):
     fallen = {name: values[::-1] for name, values in UVW.items()}
     check(flow_file(netcdf(tmp_path / "fallen.nc", fallen, AXES | {"z": AXES["z"][::-1]})).read())

@@ -197,6 +197,7 @@ def test_a_start_text_cannot_change_what_the_moves_mean():
     assert relative.extruded[relative.printing].sum() * np.pi * 1.75**2 / 4 == pytest.approx(20 * 0.5 * 0.2, rel=1e-4)
     with pytest.raises(SettingError, match=r"volumetric \(M200\)"):
         Machine(start="M200 D1.75")
+    assert not Machine(start="M200 D0\nG91.1").contradictions
 
 
 def test_no_move_asks_for_more_than_the_largest_flow():
