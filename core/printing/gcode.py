@@ -49,6 +49,17 @@ class Course:
     step: float
     kinds: list = field(default_factory=list)
 
+    @property
+    def is_first(self):
+        """(l,) bool: beads of layers on the bed, as low as the lowest one, of each foot of the part."""
+        layers, bead = np.unique(self.layers, return_inverse=True)
+        lengths = [len(run) for run in self.runs]
+        layer, used = np.repeat(bead, lengths), np.concatenate(self.runs)
+        counts = np.maximum(np.bincount(layer, minlength=len(layers)), 1)
+        middles = np.bincount(layer, self.points[used, 2], len(layers)) / counts
+        thickness = np.bincount(layer, self.heights[used], len(layers)) / counts
+        return (middles < middles.min() + thickness / 2)[bead]
+
 
 @dataclass(frozen=True)
 class Program:
@@ -101,6 +112,7 @@ def gcode(course, machine):
     rows = [*_header(course, machine, moves), *_begin(machine)]
     tops = _tops(moves.places, machine)
     before, top, number, width, kinds = None, -np.inf, 0, None, course.kinds or [WALL] * len(course.runs)
+    fan, is_first = False, course.is_first
     for bead, (layer, kind) in enumerate(zip(course.layers.tolist(), kinds, strict=True)):
         first, stop = moves.begins[bead], moves.begins[bead + 1]
         target, angles = moves.places[first], moves.angles[first]
@@ -108,8 +120,9 @@ def gcode(course, machine):
         height = course.heights[course.runs[bead]].mean()
         if layer != before:
             rows += [";LAYER_CHANGE", f";Z:{target[2]:.3f}", f";LAYER:{number}", f";HEIGHT:{height:.3f}"]
-            if machine.fan and number == machine.fan_from:
+            if machine.fan and not fan and number >= machine.fan_from and not (machine.fan_from and is_first[bead]):
                 rows.append(f"M106 S{round(255 * machine.fan)}")
+                fan = True
             number, before = number + 1, layer
         look = f";TYPE:{kind}\n;WIDTH:{course.widths[course.runs[bead]].mean():.3f}\n;HEIGHT:{height:.3f}"
         if look != width:
@@ -152,7 +165,7 @@ def _about_start(machine):
 
 def _with_skirt(course, machine):
     """The course with lines around its first layer before it, and warnings."""
-    first = np.concatenate([run for run, at in zip(course.runs, course.layers, strict=True) if at == course.layers[0]])
+    first = np.concatenate([run for run, is_first in zip(course.runs, course.is_first, strict=True) if is_first])
     flat = course.points[first, :2]
     if not machine.skirt or len(flat) < 3:
         return course, []
@@ -247,7 +260,7 @@ class _Moves:
         bead, first = bead[kept], first[kept]
         ways, volumes = (np.where(first, 0, np.diff(values, prepend=0.0)) for values in (along, filled))
         # The first move of a bead is no move: it takes no time.
-        seconds, slowed = _seconds(ways, volumes, places, angles, first, course.layers[bead], machine)
+        seconds, slowed = _seconds(ways, volumes, places, angles, first, course.is_first[bead], machine)
         turns = np.where(first[:, None], 0, np.diff(angles, axis=0, prepend=angles[:1]))
         speeds = np.abs(turns) / np.where(seconds > 0, seconds, 1)[:, None]
         filament = volumes / (np.pi * machine.filament**2 / 4)
@@ -291,11 +304,11 @@ def _deviation(points, angles, places, kept, bead, machine):
     return float(np.linalg.norm(to_part(turned[:, :3], turned[:, 3:], machine) - wanted, axis=1).max())
 
 
-def _seconds(ways, volumes, places, angles, first, layers, machine):
+def _seconds(ways, volumes, places, angles, first, is_low, machine):
     """(m,) seconds of each move, and which are slower than the feed."""
     feed = np.full(len(ways), machine.feed)
     if machine.first_feed:
-        feed[layers == layers[0]] = machine.first_feed
+        feed[is_low] = machine.first_feed
     wanted = 60 * ways / feed
     seconds = wanted.copy()
     if machine.largest_flow:

@@ -161,6 +161,20 @@ def test_machines_that_are_shipped_heat_and_prime(name):
     assert (read_moves(program.text).ends[:, 2] > 0).all()
 
 
+def test_all_feet_of_a_part_have_a_first_layer():
+    foot = np.array([[0.0, 0, 0.2], [4, 0, 0.2], [4, 4, 0.2]])
+    places = np.concatenate([foot, foot + [14, 0, 0], foot + [0, 0, 0.2], foot + [14, 0, 0.2]]) + [90, 90, 0]
+    made = course(places, turned(np.zeros(12)), list(np.arange(12).reshape(4, 3)))
+    made = replace(made, layers=np.arange(4), heights=np.full(12, 0.2), widths=np.full(12, 0.4), step=0.4)
+    assert made.is_first.tolist() == [True, True, False, False]
+    machine = replace(read_machine("marlin"), first_feed=600.0, feed=1200.0)
+    moves = read_moves(gcode(made, machine).text)
+    lowest = moves.printing & (moves.ends[:, 2] < 0.3)
+    hull = moves.ends[lowest, 0]
+    assert hull.min() < 90 - machine.skirt_distance and hull.max() > 108 + machine.skirt_distance
+    assert gcode(made, machine).text.index("M106") > gcode(made, machine).text.index(";Z:0.4")
+
+
 def test_kinds_of_beads_are_told():
     points = np.column_stack([np.linspace(0, 5, 6), np.zeros(6), np.full(6, 0.2)])
     points = np.concatenate([points, points + [0, 1, 0]])
