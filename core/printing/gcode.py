@@ -140,7 +140,8 @@ def gcode(course, machine):
         top = max(top, tops[first:stop].max())
     rows += writer.finish(top)
     text = "\n".join([*rows, machine.end]) + "\n"
-    return Program(text, warnings=tuple([*warnings, *_about_start(machine)]), **moves.facts)
+    told = (*warnings, *_about_axes(moves.places, machine), *_about_start(machine))
+    return Program(text, warnings=told, **moves.facts)
 
 
 def _check_place(course, machine):
@@ -155,6 +156,18 @@ def _check_place(course, machine):
             raise SettingError(
                 f"the part reaches from {name} {least:.1f} to {most:.1f} mm, and the machine from {low[axis]:g} to "
                 f"{high[axis]:g}: make it smaller, or set scale, bed_x and bed_y in the machine's file"
+            )
+
+
+def _about_axes(places, machine):
+    """Of a table that turns: axes that go farther than the bed, although the part lies on it."""
+    low, high = machine.reach
+    for axis, name in enumerate("XYZ" if machine.turns else ""):
+        least, most = places[:, axis].min(), places[:, axis].max()
+        if least < low[axis] - 1e-6 or most > high[axis] + 1e-6:
+            yield (
+                f"with the table's tilt the axis {name} goes from {least:.1f} to {most:.1f} mm, and the bed from "
+                f"{low[axis]:g} to {high[axis]:g}: make the part smaller or tilt less"
             )
 
 

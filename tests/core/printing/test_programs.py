@@ -175,6 +175,15 @@ def test_all_feet_of_a_part_have_a_first_layer():
     assert gcode(made, machine).text.index("M106") > gcode(made, machine).text.index(";Z:0.4")
 
 
+def test_axes_that_leave_the_bed_with_the_tilt_are_warned_of():
+    corners = np.array([[-95.0, -95, 20], [95, -95, 20], [95, 95, 20]])
+    machine = replace(read_machine("five_axis_ac"), skirt=0)
+    for tilt, count in ((0.0, 0), (-30.0, 1)):
+        told = gcode(course(corners, turned(np.full(3, tilt))), machine).warnings
+        assert len([line for line in told if "with the table's tilt" in line]) >= count
+        assert count or not any("with the table's tilt" in line for line in told)
+
+
 def test_kinds_of_beads_are_told():
     points = np.column_stack([np.linspace(0, 5, 6), np.zeros(6), np.full(6, 0.2)])
     points = np.concatenate([points, points + [0, 1, 0]])
