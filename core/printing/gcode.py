@@ -72,7 +72,7 @@ class Program:
     filament, volume : length that is drawn in, and what it is extruded to
     deviation : of the tip from its way on the part, at most; on five axes
     tool_off : of the tool from the way it should stand, at most
-    turn_speed, turn_acceleration : of the table at most, while it extrudes
+    turn_speed, turn_acceleration : of the table at most, inside a bead; the controller starts and stops it
     slowed : share of the length that is slower than the feed, for the flow or the table
     warnings : lines that the user should read
     """

@@ -42,7 +42,7 @@ def beads_mesh(plan, look):
 
 
 def _values(plan):
-    """What the beads have at the lines' points."""
+    """What the beads have at the lines' points; the first layer and the table's limits do not slow the speed here."""
     machine, layers = plan.machine, plan.layers[plan.lines.numbers]
     sections = plan.widths * plan.heights * machine.scale**2
     speeds = np.full(len(sections), machine.feed / 60)

@@ -126,7 +126,11 @@ def test_beads_are_tubes_with_what_they_have():
         assert set(LOOKS) <= {one.name for one in made.data.attributes}
         colors = np.empty(4 * len(made.data.vertices), np.float32)
         made.data.color_attributes.active_color.data.foreach_get("color", colors)
-        assert len(np.unique(colors.reshape(-1, 4), axis=0)) == (4 if look == "layer" else 1) or look == "height"
+        values = {name: attribute(made, name) for name in LOOKS}
+        assert len(np.unique(colors.reshape(-1, 4), axis=0)) == len(np.unique(values[look])) or look == "height"
+        assert set(values["layer"]) == {0, 1, 2, 3} and np.ptp(values["speed"]) == 0 < values["speed"].min()
+        assert np.abs(values["tilt"]).max() < 1e-3
+        np.testing.assert_allclose(np.quantile(values["height"], [0.1, 0.5, 0.9]), 0.25, rtol=0.05)
     with pytest.raises(Exception, match="the beads 'size' are unknown: use one of layer"):
         api.layer_toolpaths(obj, 0.2, beads="size")
 
