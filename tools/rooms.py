@@ -15,6 +15,7 @@ from collections import defaultdict
 from functools import cache
 from html import escape
 from itertools import pairwise
+from math import fsum
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -184,7 +185,7 @@ def _order(rows, ways):
         shares = {place: (k + 0.5) / len(row) for row in rows.values() for k, place in enumerate(row)}
         for row in rows.values():
             near = {place: [shares[other] for other in joined[place]] for place in row}
-            row.sort(key=lambda place: (sum(near[place]) / max(len(near[place]), 1), str(place)))
+            row.sort(key=lambda place: (round(fsum(near[place]) / max(len(near[place]), 1), 9), str(place)))
 
 
 def _width(place):

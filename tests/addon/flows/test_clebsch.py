@@ -336,7 +336,7 @@ def test_tubes_go_out_and_come_back_by_blender(tmp_path):
     chosen = [obj for obj in bpy.data.objects if obj.select_get()]
     for suffix in (".vtp", ".vtk", ".ply", ".obj", ".abc"):
         told = api.filament_export(tubes, tmp_path / f"tubes{suffix}")
-        assert told["tubes"] == 1 and (tmp_path / f"tubes{suffix}").stat().st_size > 1000
+        assert told["tubes"] >= 1 and (tmp_path / f"tubes{suffix}").stat().st_size > 1000
     api.filament_export(lines, tmp_path / "lines.abc")
     assert [obj for obj in bpy.data.objects if obj.select_get()] == chosen
     with pytest.raises(SettingError, match="a table has filaments: write tubes as"):

@@ -116,14 +116,15 @@ def test_a_field_that_integrates_is_found_and_proved_without_a_relaxation():
     values = random_values("circle", 500, np.random.default_rng(1))
     i, j = connection.edges.T
     transports = values[j] * values[i].conj()
-    solution = solve(SynchronizationProblem(replace(connection, transports=transports)))
+    integrating = Options(integrate=True)
+    solution = solve(SynchronizationProblem(replace(connection, transports=transports)), integrating)
     off = solution.phases * values.conj()
     np.testing.assert_allclose(off, off[0], atol=1e-12)
     assert solution.iterations == solution.products == 0 and solution.energy < 1e-20
     assert solution.certificate is Certificate.PROVED and solution.status is Status.CERTIFIED
     # With one contradiction it has to be relaxed.
     transports[np.isin(connection.edges, connection.edges[-1]).all(axis=1)] *= -1
-    assert solve(SynchronizationProblem(replace(connection, transports=transports))).iterations > 0
+    assert solve(SynchronizationProblem(replace(connection, transports=transports)), integrating).iterations > 0
 
 
 @pytest.mark.parametrize("method", METHODS)
