@@ -125,7 +125,7 @@ def test_variations_of_a_pattern():
     pattern, field = solved("line")
     ready = len(pattern.solution.variations)
     energies = [variation(pattern, number).energy for number in range(ready + 3)]
-    assert energies[0] == pattern.solution.energy == min(energies[:ready]) and energies[:ready] == sorted(energies[:ready])
+    assert energies[0] == pattern.solution.energy and energies[:ready] == sorted(energies[:ready])
     assert len(set(energies)) == ready + 3
     projected = pattern.showing(field.phases(field.random_direction(ready + 1)))
     assert variation(pattern, ready + 1).energy < projected.energy
