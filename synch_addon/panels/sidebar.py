@@ -228,7 +228,7 @@ def draw_row(layout):
         box.progress(factor=work.fraction, text=work.line)
         row = box.row(align=True)
         if work.can_be_kept:
-            row.operator("synch.keep", icon="EVENT_ESC")
+            row.operator("synch.keep", icon="CHECKMARK")
         row.operator("synch.cancel", text="" if work.picture is None else "Discard", icon="X").place = place
     if len(shown) > 1:
         row = layout.row()
